@@ -1,0 +1,56 @@
+"""Choices and numbers of the contact model: plain data, SI units."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+Normal = Literal["kik-piotrowski"]
+Approach = Literal["projected", "constant"]
+Tangential = Literal["fastsim", "none"]
+TractionBound = Literal["elliptic", "parabolic"]
+
+
+@dataclass(frozen=True)
+class Material:
+    """Linear elastic, isotropic material: Young's modulus [Pa] and Poisson ratio [1]. Default: rail steel."""
+
+    youngs_modulus: float = 210e9
+    poisson_ratio: float = 0.28
+
+    @property
+    def shear_modulus(self) -> float:
+        """G = E / (2 (1 + nu)) [Pa]."""
+        return self.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
+
+
+@dataclass(frozen=True)
+class ContactSettings:
+    """What the user chose for the contact of both wheels.
+
+    normal: model of the normal pressure.
+    approach: how a rigid approach closes the gap along the curved axis: ``"projected"`` by its share along the
+        normal at the main point, ``"constant"`` everywhere alike, as in the paper.
+    tangential: model of the creep forces; ``"none"`` is frictionless.
+    traction_bound: shape of the bound ``mu p`` along a strip that FASTSIM holds the tractions under.
+    friction: coefficient on the left and right rail [1].
+    strips: number of strips over the width of a patch, or None when ``strip_width`` rules.
+    strip_width: width of a strip along the curved axis [m], or None when ``strips`` rules.
+    cells: cells of a strip along the rolling direction (FASTSIM).
+    damping: c [s/m]; the elastic normal force N becomes ``N (1 + c d(approach)/dt)``, never negative.
+    max_patches: patches kept on one wheel, largest first; 1 to 3.
+    wheel, rail: the two materials.
+    """
+
+    normal: Normal = "kik-piotrowski"
+    approach: Approach = "projected"
+    tangential: Tangential = "fastsim"
+    traction_bound: TractionBound = "elliptic"
+    friction: tuple[float, float] = (0.35, 0.35)
+    strips: int | None = 40
+    strip_width: float | None = None
+    cells: int = 20
+    damping: float = 2.0
+    max_patches: int = 3
+    wheel: Material = field(default_factory=Material)
+    rail: Material = field(default_factory=Material)
