@@ -1,0 +1,93 @@
+"""The contact locus: the curve on a yawed wheel that can touch a straight rail.
+
+A wheel is a surface of revolution of radius rho(u) about its axle. A straight rail along t can touch it only where
+the wheel's normal has no t-component. With d the radial direction of the point,
+d . t = -(dw/dL) / (du/dL) e_t, which is sin(theta) = rho'(u) e_t / sqrt(1 - e_t^2) in the angle theta around the
+axle from the lowest point. Seen along t the locus is the outline of the wheel: a plane curve in (o, b) that meets
+the rail profile as an unyawed wheel would; its t-coordinate is the longitudinal shift of each strip.
+
+Curvatures follow Euler and the shape operator: with the principal curvatures k1 = (du/dL) / rho (around) and k2
+(along the profile), alpha the angle between t and the circumference (sin alpha = e_t / (du/dL)):
+
+- along the rail           k_t = cos^2(alpha) k1 + sin^2(alpha) k2
+- of the outline           k1 k2 / k_t
+- arclength of the outline per arclength of the profile   k_t / (k1 cos(alpha))
+
+A concave flange root at a large yaw can make k_t vanish: the wheel then touches at two places, ahead and behind, and
+the outline has a cusp. k_t is held at ``LEAST_ROLLING_CURVATURE`` k1 there; no wheelset in service gets near.
+"""
+
+from math import sqrt
+
+from numba import njit
+
+from wrsim.core.profile import profile_point
+
+LEAST_ROLLING_CURVATURE = 0.1
+LARGEST_SINE = 0.7  # of theta and alpha: beyond, the point is no candidate for contact
+
+
+@njit(cache=True)
+def locus_point(table, step, radius, ox, oo, ob, et, eo, eb, q, arc):
+    """Point of the locus at profile arclength ``arc``.
+
+    (ox, oo, ob): profile origin on the axle; (et, eo, eb): unit vector of the axle, outward, all in rail axes
+    (t, o, b); q = sqrt(1 - et^2); radius: wheel radius at the tape circle [m].
+    Returns (x, o, b, normal_o, normal_b, stretch, k_t, k_outline): the point, the unit normal out of the wheel
+    (towards the rail), the outline's arclength per profile arclength, curvatures along t and of the outline [1/m].
+    """
+    u, w, cu, cw, k2 = profile_point(table, step, arc)
+    rho = radius - w
+    if et == 0.0:
+        no = cw * eo + cu * eb
+        nb = cw * eb - cu * eo
+        return (
+            ox,
+            oo + u * eo + rho * eb,
+            ob + u * eb - rho * eo,
+            no,
+            nb,
+            1.0,
+            max(cu, 1e-3) / rho,
+            k2,
+        )
+    c = max(cu, 1e-3)
+    sine = -cw * et / (c * q)
+    sine = min(max(sine, -LARGEST_SINE), LARGEST_SINE)
+    cosine = sqrt(1.0 - sine * sine)
+    do = (cosine * eb - sine * et * eo) / q
+    db = (-cosine * eo - sine * et * eb) / q
+    no = cw * eo + cu * do
+    nb = cw * eb + cu * db
+    inverse = 1.0 / sqrt(no * no + nb * nb)
+    sin_alpha = min(max(et / c, -LARGEST_SINE), LARGEST_SINE)
+    sin2 = sin_alpha * sin_alpha
+    k1 = c / rho
+    kt = (1.0 - sin2) * k1 + sin2 * k2
+    kt = max(kt, LEAST_ROLLING_CURVATURE * k1)
+    return (
+        ox + u * et + rho * sine * q,
+        oo + u * eo + rho * do,
+        ob + u * eb + rho * db,
+        no * inverse,
+        nb * inverse,
+        kt / (k1 * sqrt(1.0 - sin2)),
+        kt,
+        k1 * k2 / kt,
+    )
+
+
+@njit(cache=True)
+def locus_node(table, node, radius, oo, ob, et, eo, eb, q):
+    """(o, b, normal_o, normal_b) of the locus at a table node, for the search: no interpolation, no curvature.
+
+    The normal is not normalised where the locus has no proper point (nearly vertical flank of a yawed wheel).
+    """
+    u, w, cu, cw = table[node, 0], table[node, 1], table[node, 2], table[node, 3]
+    rho = radius - w
+    sine = -cw * et / (max(cu, 1e-3) * q)
+    sine = min(max(sine, -LARGEST_SINE), LARGEST_SINE)
+    cosine = sqrt(1.0 - sine * sine)
+    do = (cosine * eb - sine * et * eo) / q
+    db = (-cosine * eo - sine * et * eb) / q
+    return oo + u * eo + rho * do, ob + u * eb + rho * db, cw * eo + cu * do, cw * eb + cu * db
