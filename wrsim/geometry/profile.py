@@ -1,0 +1,330 @@
+"""The plane curve of a wheel tread or a rail head, by arclength [S 5, 6, 10-12].
+
+A profile is a curve (u, w)(L), not a function w(u): flanks may be vertical. u points outward (field side
+positive, flange and gauge side negative), w up; L runs from the first node in the direction of increasing u.
+The wheel's material lies above its curve, the rail's below. The wheel's radius is not in here: f = w - R.
+
+The curve is kept as nodes with tangent angle and curvature; between two nodes it is the quintic that meets
+position, tangent and curvature at both. With nodes 0.1 mm apart on a 13 mm arc it leaves the arc by less than
+1e-15 m, and |dr/dL| differs from 1 by less than 1e-12: the parameter is true arclength. Curvature may jump at a
+node (where two arcs meet), so both of its limits are kept.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+
+from wrsim.errors import InputError
+
+Array = NDArray[np.float64]
+Kind = Literal["wheel", "rail"]
+
+KINDS: tuple[Kind, ...] = ("wheel", "rail")
+GAUGE_DEPTH = 0.014
+"""Depth below the running surface at which the track gauge is measured, m (EN 13848-1)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """A wheel or rail profile: nodes in order of arclength, and the curve through them.
+
+    Attributes
+    ----------
+    name, kind
+        A name for messages and figures; ``"wheel"`` or ``"rail"``.
+    arclength : (n,)
+        True arclength of the nodes from the first one, m; strictly increasing from 0.
+    u, w : (n,)
+        Outward coordinate and height of the nodes, m.
+    angle : (n,)
+        Tangent angle atan2(dw, du) of the nodes, rad, continuous along the curve.
+    curvature_before, curvature_after : (n,)
+        Curvature d(angle)/dL just before and just after each node, 1/m. Positive when the curve turns upward:
+        a rail head has negative, a flange fillet positive curvature.
+    source
+        Where the data come from.
+
+    Arrays are read-only. Changes return a new profile.
+    """
+
+    name: str
+    kind: Kind
+    arclength: Array
+    u: Array
+    w: Array
+    angle: Array
+    curvature_before: Array
+    curvature_after: Array
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise InputError(f"profile '{self.name}': kind is {self.kind!r}; allowed: 'wheel', 'rail'")
+        for field in ("arclength", "u", "w", "angle", "curvature_before", "curvature_after"):
+            array = np.array(getattr(self, field), dtype=float)
+            if array.ndim != 1 or array.shape != np.shape(self.arclength) or array.size < 2:
+                raise ValueError(f"profile '{self.name}': {field} must be (n,) like arclength, with n >= 2")
+            if not np.isfinite(array).all():
+                raise ValueError(f"profile '{self.name}': {field} has values that are not finite")
+            array.flags.writeable = False
+            object.__setattr__(self, field, array)
+        if self.arclength[0] != 0.0 or not (np.diff(self.arclength) > 0.0).all():
+            raise ValueError(f"profile '{self.name}': arclength must start at 0 and increase")
+
+    def __repr__(self) -> str:
+        return (
+            f"Profile({self.name!r}, {self.kind}, u {1e3 * self.u.min():.2f} .. {1e3 * self.u.max():.2f} mm, "
+            f"length {1e3 * self.length:.2f} mm, {self.u.size} nodes)"
+        )
+
+    # --- the curve --------------------------------------------------------------------------------
+
+    @property
+    def length(self) -> float:
+        """Arclength of the whole curve, m."""
+        return float(self.arclength[-1])
+
+    @cached_property
+    def _coefficients(self) -> Array:
+        """Quintic of every interval, (6, n-1, 2): powers of (L - L_i) rising, last axis u and w."""
+        h = np.diff(self.arclength)[:, None]
+        r = np.column_stack([self.u, self.w])
+        t = np.column_stack([np.cos(self.angle), np.sin(self.angle)])
+        n = np.column_stack([-t[:, 1], t[:, 0]])
+        a0 = self.curvature_after[:-1, None] * n[:-1]
+        a1 = self.curvature_before[1:, None] * n[1:]
+        # What the quadratic start leaves to be met at the far end: position, velocity, acceleration.
+        p = r[1:] - r[:-1] - t[:-1] * h - 0.5 * a0 * h**2
+        v = (t[1:] - t[:-1] - a0 * h) * h
+        a = (a1 - a0) * h**2
+        return np.stack(
+            [
+                r[:-1],
+                t[:-1],
+                0.5 * a0,
+                (10.0 * p - 4.0 * v + 0.5 * a) / h**3,
+                (-15.0 * p + 7.0 * v - a) / h**4,
+                (6.0 * p - 3.0 * v + 0.5 * a) / h**5,
+            ]
+        )
+
+    def _locate(self, L: ArrayLike) -> tuple[Array, NDArray[np.intp]]:
+        """Distance into its interval and the interval's index for every L. InputError outside the curve."""
+        L = np.asarray(L, dtype=float)
+        slack = 1e-9 * self.length
+        if L.size and not (L.min() >= -slack and L.max() <= self.length + slack):
+            outside = ~((L >= -slack) & (self.length + slack >= L))
+            bad = L.flat[int(np.argmax(outside))]
+            raise InputError(
+                f"profile '{self.name}': arclength {1e3 * bad:.6g} mm is off the curve; "
+                f"allowed: 0 to {1e3 * self.length:.6g} mm"
+            )
+        index = np.clip(np.searchsorted(self.arclength, L, side="right") - 1, 0, self.u.size - 2)
+        return L - self.arclength[index], index
+
+    def _evaluate(self, L: ArrayLike) -> tuple[Array, Array, Array]:
+        """Position, first and second derivative with respect to L, each (..., 2)."""
+        x, i = self._locate(L)
+        c0, c1, c2, c3, c4, c5 = self._coefficients[:, i]
+        x = x[..., None]
+        r = c0 + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
+        v = c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
+        a = 2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))
+        return r, v, a
+
+    def at(self, L: ArrayLike) -> tuple[Array, Array]:
+        """Coordinates u, w at arclength L, m. L of any shape, within 0 .. length; InputError outside."""
+        r, _, _ = self._evaluate(L)
+        return r[..., 0], r[..., 1]
+
+    def tangent(self, L: ArrayLike) -> tuple[Array, Array]:
+        """Unit tangent (du/dL, dw/dL) at arclength L, in the direction of increasing L."""
+        _, v, _ = self._evaluate(L)
+        v = v / np.hypot(v[..., 0], v[..., 1])[..., None]
+        return v[..., 0], v[..., 1]
+
+    def normal(self, L: ArrayLike) -> tuple[Array, Array]:
+        """Unit normal out of the material at arclength L: up on a rail's crown, down on a wheel's tread."""
+        tu, tw = self.tangent(L)
+        return (-tw, tu) if self.kind == "rail" else (tw, -tu)
+
+    def curvature(self, L: ArrayLike) -> Array:
+        """Signed curvature d(angle)/dL at arclength L, 1/m; at a jump its value just after."""
+        _, v, a = self._evaluate(L)
+        return (v[..., 0] * a[..., 1] - v[..., 1] * a[..., 0]) / np.hypot(v[..., 0], v[..., 1]) ** 3
+
+    def slope_angle(self, L: ArrayLike) -> Array:
+        """Tangent angle atan2(dw, du) at arclength L, rad, continuous along the curve."""
+        _, i = self._locate(L)
+        tu, tw = self.tangent(L)
+        near = self.angle[i]
+        return near + (np.arctan2(tw, tu) - near + np.pi) % (2.0 * np.pi) - np.pi
+
+    def table(self, step: float) -> tuple[Array, float]:
+        """Rows at uniform arclength from 0 to length, for the kernels.
+
+        Parameters
+        ----------
+        step : wanted distance of the rows, m (0.1 mm is typical).
+
+        Returns
+        -------
+        rows : (n, 5) u, w, du/dL, dw/dL, curvature, with n = ceil(length/step) + 1
+        step : the distance of the rows actually used, length/(n - 1) <= the wanted one
+        """
+        if not 0.0 < step <= self.length:
+            raise InputError(
+                f"profile '{self.name}': table step {1e3 * step:g} mm; "
+                f"allowed: above 0, up to {1e3 * self.length:g} mm"
+            )
+        n = int(np.ceil(self.length / step * (1.0 - 1e-12))) + 1
+        actual = self.length / (n - 1)
+        L = np.minimum(actual * np.arange(n), self.length)
+        return np.column_stack([*self.at(L), *self.tangent(L), self.curvature(L)]), actual
+
+    # --- places on the curve ----------------------------------------------------------------------
+
+    def arclength_of(self, u: ArrayLike) -> Array:
+        """Arclength of the running surface's point at outward coordinate u, m.
+
+        Where the curve passes u more than once (a flank beyond the vertical, the back of a flange) the point
+        met first when coming from the running surface counts: from the top of a rail, from u = 0 of a wheel.
+        InputError where u lies beside the profile.
+        """
+        wanted = np.asarray(u, dtype=float)
+        start = int(np.argmax(self.w)) if self.kind == "rail" else int(np.argmin(np.abs(self.u)))
+        right = np.maximum.accumulate(self.u[start:])
+        left = np.minimum.accumulate(self.u[start::-1])
+        slack = 1e-12 + 1e-9 * (right[-1] - left[-1])
+        outside = ~((wanted >= left[-1] - slack) & (wanted <= right[-1] + slack))
+        if outside.any():
+            bad = wanted.flat[int(np.argmax(outside))]
+            raise InputError(
+                f"profile '{self.name}': there is no point at u = {1e3 * bad:.6g} mm; "
+                f"allowed: {1e3 * left[-1]:.6g} to {1e3 * right[-1]:.6g} mm"
+            )
+        k_right = np.clip(np.searchsorted(right, wanted, side="left"), 1, max(right.size - 1, 1))
+        k_left = np.clip(np.searchsorted(-left, -wanted, side="left"), 1, max(left.size - 1, 1))
+        i = np.where(wanted >= self.u[start], start + k_right - 1, start - k_left)
+        i = np.clip(i, 0, self.u.size - 2)
+        return self._root_in_interval(0, wanted, i)
+
+    def _root_in_interval(self, axis: int, wanted: Array, i: NDArray[np.intp]) -> Array:
+        """Arclength in interval i where coordinate `axis` is `wanted`: bisection kept by Newton's steps."""
+        lo, hi = self.arclength[i].copy(), self.arclength[i + 1].copy()
+        rising = np.where(
+            (self.u if axis == 0 else self.w)[i + 1] >= (self.u if axis == 0 else self.w)[i], 1.0, -1.0
+        )
+        L = 0.5 * (lo + hi)
+        for _ in range(80):
+            r, v, _ = self._evaluate(L)
+            error = (r[..., axis] - wanted) * rising
+            lo, hi = np.where(error <= 0.0, L, lo), np.where(error >= 0.0, L, hi)
+            speed = v[..., axis] * rising
+            with np.errstate(divide="ignore", invalid="ignore"):
+                newton = L - error / speed
+            good = np.isfinite(newton) & (newton >= lo) & (newton <= hi)
+            new = np.where(good, newton, 0.5 * (lo + hi))
+            if (np.abs(new - L) <= 1e-16).all():
+                return new
+            L = new
+        return L
+
+    @cached_property
+    def top_arclength(self) -> float:
+        """Arclength of the highest point, m (meant for rails)."""
+        i = int(np.argmax(self.w))
+        lo, hi = self.arclength[max(i - 1, 0)], self.arclength[min(i + 1, self.u.size - 1)]
+
+        def climb(L: float) -> float:
+            return float(self._evaluate(L)[1][1])
+
+        if climb(lo) > 0.0 > climb(hi):
+            return float(brentq(climb, lo, hi, xtol=1e-16))
+        return float(self.arclength[i])
+
+    @property
+    def top(self) -> tuple[float, float]:
+        """Highest point (u, w), m."""
+        u, w = self.at(self.top_arclength)
+        return float(u), float(w)
+
+    def gauge_point(self, depth: float = GAUGE_DEPTH) -> tuple[float, float]:
+        """Point (u, w) of a rail's gauge side that lies `depth` below its top, m. InputError if there is none."""
+        level = self.top[1] - depth
+        below = np.flatnonzero((self.w <= level) & (self.arclength < self.top_arclength))
+        if self.kind != "rail" or depth <= 0.0 or not below.size:
+            reach = self.top[1] - self.w[self.arclength <= self.top_arclength].min()
+            raise InputError(
+                f"profile '{self.name}': no gauge point {1e3 * depth:g} mm below the top; needed: a rail whose "
+                f"gauge side (negative u) goes that deep; this {self.kind} goes {1e3 * reach:.4g} mm deep there"
+            )
+        L = self._root_in_interval(1, np.array(level), np.array(below[-1]))
+        u, w = self.at(L)
+        return float(u), float(w)
+
+    # --- changes ----------------------------------------------------------------------------------
+
+    def renamed(self, name: str) -> Profile:
+        """The same curve under another name."""
+        return replace(self, name=name)
+
+    def shifted(self, du: float = 0.0, dw: float = 0.0) -> Profile:
+        """Moved by du outward and dw up, m."""
+        return replace(self, u=self.u + du, w=self.w + dw)
+
+    def rotated(self, angle: float) -> Profile:
+        """Turned about the origin by `angle` in rad, positive from u towards w (top towards negative u)."""
+        c, s = np.cos(angle), np.sin(angle)
+        return replace(self, u=c * self.u - s * self.w, w=s * self.u + c * self.w, angle=self.angle + angle)
+
+    def inclined(self, slope: float) -> Profile:
+        """Inclined rail: top turned towards the track centre (negative u) by atan(slope), slope e.g. 1/40."""
+        return self.rotated(float(np.arctan(slope)))
+
+    def mirrored(self) -> Profile:
+        """Mirrored about u = 0; L again runs towards increasing u."""
+        return replace(
+            self,
+            arclength=self.length - self.arclength[::-1],
+            u=-self.u[::-1],
+            w=self.w[::-1],
+            angle=-self.angle[::-1],
+            curvature_before=self.curvature_after[::-1],
+            curvature_after=self.curvature_before[::-1],
+        )
+
+    def clipped(self, first: float, last: float) -> Profile:
+        """The piece between arclengths `first` and `last`, m; see `arclength_of` to cut at a given u."""
+        if not -1e-12 <= first < last <= self.length + 1e-12:
+            raise InputError(
+                f"profile '{self.name}': clip from {1e3 * first:g} to {1e3 * last:g} mm of arclength; "
+                f"allowed: rising, within 0 to {1e3 * self.length:g} mm"
+            )
+        ends = np.clip([first, last], 0.0, self.length)
+        # An end within a nanometre of a node is that node: tiny intervals would spoil the quintics.
+        inner = (self.arclength > ends[0] + 1e-9) & (self.arclength < ends[1] - 1e-9)
+        (u0, u1), (w0, w1) = self.at(ends)
+        a0, a1 = self.slope_angle(ends)
+        k0, k1 = self.curvature(ends)
+        if ends[1] >= self.length:
+            k1 = self.curvature_before[-1]
+
+        def joined(start: float, middle: Array, end: float) -> Array:
+            return np.concatenate([[start], middle[inner], [end]])
+
+        return replace(
+            self,
+            arclength=joined(ends[0], self.arclength, ends[1]) - ends[0],
+            u=joined(u0, self.u, u1),
+            w=joined(w0, self.w, w1),
+            angle=joined(a0, self.angle, a1),
+            curvature_before=joined(k0, self.curvature_before, k1),
+            curvature_after=joined(k0, self.curvature_after, k1),
+        )
