@@ -6,8 +6,8 @@ The wheel's material lies above its curve, the rail's below. The wheel's radius 
 
 The curve is kept as nodes with tangent angle and curvature; between two nodes it is the quintic that meets
 position, tangent and curvature at both. With nodes 0.1 mm apart on a 13 mm arc it leaves the arc by less than
-1e-15 m, and |dr/dL| differs from 1 by less than 1e-12: the parameter is true arclength. Curvature may jump at a
-node (where two arcs meet), so both of its limits are kept.
+1e-15 m, and |dr/dL| differs from 1 by less than 1e-12: the parameter is true arclength. Curvature may jump at
+a node (where two arcs meet), so both of its limits are kept.
 """
 
 from __future__ import annotations
@@ -118,8 +118,8 @@ class Profile:
         """Distance into its interval and the interval's index for every L. InputError outside the curve."""
         L = np.asarray(L, dtype=float)
         slack = 1e-9 * self.length
-        if L.size and not (L.min() >= -slack and L.max() <= self.length + slack):
-            outside = ~((L >= -slack) & (self.length + slack >= L))
+        outside = ~(np.abs(L - 0.5 * self.length) <= 0.5 * self.length + slack)
+        if outside.any():
             bad = L.flat[int(np.argmax(outside))]
             raise InputError(
                 f"profile '{self.name}': arclength {1e3 * bad:.6g} mm is off the curve; "
@@ -256,14 +256,14 @@ class Profile:
         return float(u), float(w)
 
     def gauge_point(self, depth: float = GAUGE_DEPTH) -> tuple[float, float]:
-        """Point (u, w) of a rail's gauge side that lies `depth` below its top, m. InputError if there is none."""
+        """Point (u, w) of a rail's gauge side, `depth` below its top, m. InputError if there is none."""
         level = self.top[1] - depth
         below = np.flatnonzero((self.w <= level) & (self.arclength < self.top_arclength))
         if self.kind != "rail" or depth <= 0.0 or not below.size:
             reach = self.top[1] - self.w[self.arclength <= self.top_arclength].min()
             raise InputError(
-                f"profile '{self.name}': no gauge point {1e3 * depth:g} mm below the top; needed: a rail whose "
-                f"gauge side (negative u) goes that deep; this {self.kind} goes {1e3 * reach:.4g} mm deep there"
+                f"profile '{self.name}': no gauge point {1e3 * depth:g} mm below the top; needed: a rail "
+                f"whose gauge side (negative u) goes that deep; this one: {1e3 * reach:.4g} mm"
             )
         L = self._root_in_interval(1, np.array(level), np.array(below[-1]))
         u, w = self.at(L)
