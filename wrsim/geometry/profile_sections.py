@@ -1,8 +1,8 @@
 """Designed profiles: lines, polynomials and arcs laid end to end, with exact tangents and curvature.
 
-Standards give profiles as such sections (EN 13715 for wheels, EN 13674-1 for rails) with rounded coefficients, so
-that neighbours disagree by up to 1e-7 m at their join. Half of the disagreement in position and direction is given
-to each neighbour and fades out over 2 mm of it; curvature keeps its jump.
+Standards give profiles as such sections (EN 13715 for wheels, EN 13674-1 for rails) with rounded coefficients,
+so that neighbours disagree by up to 1e-7 m at their join. Half of the disagreement in position and direction is
+given to each neighbour and fades out over 2 mm of it; curvature keeps its jump.
 """
 
 from __future__ import annotations
@@ -92,8 +92,8 @@ class Polynomial:
 class Arc:
     """Circle about (u, w) of given radius from tangent angle `first` to tangent angle `last`, m and rad.
 
-    The tangent angle is atan2(dw, du) in the direction of travel. Falling angles make a convex arc (rail head),
-    rising angles a concave one (flange fillet).
+    The tangent angle is atan2(dw, du) in the direction of travel. Falling angles make a convex arc (rail
+    head), rising angles a concave one (flange fillet).
     """
 
     u: float
@@ -132,7 +132,7 @@ def arc_between(u: float, w: float, radius: float, upper: bool, start: float, en
     ):
         raise InputError(
             f"arc of radius {1e3 * radius:g} mm about u = {1e3 * u:g} mm cannot run from u = {1e3 * start:g} "
-            f"to {1e3 * end:g} mm; allowed: rising, within {1e3 * (u - radius):g} to {1e3 * (u + radius):g} mm"
+            f"to {1e3 * end:g} mm; allowed: rising, {1e3 * (u - radius):g} to {1e3 * (u + radius):g} mm"
         )
     # On the upper half the tangent angle falls with u, on the lower half it rises: sin(angle) = -+(u - u_c)/R
     first, last = np.arcsin(np.clip([(start - u) / radius, (end - u) / radius], -1.0, 1.0))
@@ -156,7 +156,7 @@ def profile_from_sections(
     """
     ends = [s.evaluate(np.array([s.start, s.end])) for s in sections]
     speed = [np.hypot(v[:, 0], v[:, 1]) for _, v, _ in ends]
-    # Half of each join's disagreement, to be added to both neighbours: position, and direction per unit length.
+    # Half of each join's disagreement, to be added to both neighbours: position, and direction per length.
     shift = np.zeros((len(sections), 2, 2, 2))  # section, end, (position, direction), (u, w)
     for i in range(len(sections) - 1):
         gap = ends[i + 1][0][0] - ends[i][0][1]
@@ -203,7 +203,7 @@ def _joined(name: str, kind: Kind, parts: list[Array], source: str) -> Profile:
 
 
 def _nodes(section: Section, shift: Array, node_distance: float) -> Array:
-    """Rows (own arclength, u, w, angle, curvature) of one section whose ends are moved by `shift` (2, 2, 2)."""
+    """Rows (own arclength, u, w, angle, curvature) of a section whose ends are moved by `shift` (2, 2, 2)."""
     fine = np.linspace(section.start, section.end, 2001)
     v = section.evaluate(fine)[1]
     travelled = np.concatenate(
@@ -264,7 +264,7 @@ def rail_head(
     ----------
     radii : radii of the arcs from the crown outward, m, e.g. 0.3, 0.08, 0.013.
     half_widths : distance from the axis at which each arc but the last one ends, m.
-    side_slope : lean of the straight sides, horizontal over vertical, e.g. 1/20; the last arc ends tangentially.
+    side_slope : lean of the straight sides, horizontal over vertical, e.g. 1/20; tangent to the last arc.
     depth : how far below the crown the sides are continued, m.
     """
     if len(half_widths) != len(radii) - 1:
