@@ -1,7 +1,7 @@
 """Designed profiles: lines, polynomials and arcs laid end to end, with exact tangents and curvature.
 
-Standards give profiles as such sections (EN 13715 for wheels, EN 13674-1 for rails) with rounded coefficients,
-so that neighbours disagree by up to 1e-7 m at their join. Half of the disagreement in position and direction is
+Standards give profiles as such sections (EN 13715 for wheels, EN 13674-1 for rails) with rounded numbers, so
+that neighbours disagree by up to 1e-7 m at their join. Half of the disagreement in position and direction is
 given to each neighbour and fades out over 2 mm of it; curvature keeps its jump.
 """
 
