@@ -1,0 +1,202 @@
+"""The register of channels: every name that a Result may carry, with its dimensions, unit and meaning.
+
+One place for the whole of wrsim. ``docs/conventions.md`` prints the same list for readers; a test compares
+the two. Values are in SI units in the dataset; the register also says in which unit people read them (mm, kN,
+degrees, MPa).
+
+Dimensions are written with two words that stand for another:
+
+- ``sample``: ``time`` in runs, ``pose`` in static analyses;
+- ``moment``: ``snapshot`` in runs (chosen instants), ``pose`` in static analyses (every pose).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import Literal
+
+from wrsim.errors import suggest
+
+Kind = Literal["number", "count", "text"]
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A unit for readers: ``value_in_si * factor`` is the number shown.
+
+    ``symbol`` stands on axes, ``suffix`` at the end of column names and JSON keys (ASCII).
+    """
+
+    symbol: str
+    suffix: str
+    factor: float
+
+
+PLAIN = Shown("1", "", 1.0)
+_SHOWN = {
+    "s": Shown("s", "s", 1.0),
+    "m": Shown("m", "m", 1.0),
+    "mm": Shown("mm", "mm", 1e3),
+    "um": Shown("µm", "um", 1e6),
+    "mm2": Shown("mm²", "mm2", 1e6),
+    "km/h": Shown("km/h", "kmh", 3.6),
+    "1/km": Shown("1/km", "per_km", 1e3),
+    "1/m": Shown("1/m", "per_m", 1.0),
+    "rad/s": Shown("rad/s", "rad_s", 1.0),
+    "mrad": Shown("mrad", "mrad", 1e3),
+    "deg": Shown("°", "deg", 180.0 / pi),
+    "N": Shown("N", "N", 1.0),
+    "kN": Shown("kN", "kN", 1e-3),
+    "N m": Shown("N m", "Nm", 1.0),
+    "MPa": Shown("MPa", "MPa", 1e-6),
+    "permille": Shown("‰", "permille", 1e3),
+    "1": PLAIN,
+}
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One channel: name, dimensions (see the module), SI unit, meaning, unit for readers, symbol for axes.
+
+    ``kind`` is ``"number"`` (float64, not-a-number where nothing is defined), ``"count"`` (int64, zero where
+    nothing is) or ``"text"``. ``coordinate`` is true for values that label a dimension.
+    """
+
+    name: str
+    dims: tuple[str, ...]
+    unit: str
+    long_name: str
+    shown: Shown
+    symbol: str = ""
+    kind: Kind = "number"
+    coordinate: bool = False
+
+    @property
+    def column(self) -> str:
+        """Name with the unit for readers at the end, for column headers and JSON keys: ``p0_MPa``."""
+        return f"{self.name}_{self.shown.suffix}" if self.shown.suffix else self.name
+
+    @property
+    def label(self) -> str:
+        """Text for an axis: long name, symbol and unit for readers."""
+        words = self.long_name[0].upper() + self.long_name[1:]
+        if self.symbol:
+            words += f" ${self.symbol}$"
+        return words if self.shown is PLAIN else f"{words} [{self.shown.symbol}]"
+
+    def dims_in(self, sample: str) -> tuple[str, ...]:
+        """Dimensions in a dataset whose sample dimension is ``"time"`` or ``"pose"``."""
+        moment = "snapshot" if sample == "time" else "pose"
+        return tuple({"sample": sample, "moment": moment}.get(d, d) for d in self.dims)
+
+
+def _of(
+    name: str,
+    dims: str,
+    unit: str,
+    shown: str,
+    long_name: str,
+    symbol: str = "",
+    kind: Kind = "number",
+    coordinate: bool = False,
+) -> Channel:
+    return Channel(name, tuple(dims.split()), unit, long_name, _SHOWN[shown], symbol, kind, coordinate)
+
+
+_WHEEL = "sample wheel"
+_PATCH = "sample wheel patch"
+_STRIP = "moment wheel patch strip"
+
+_ALL = (
+    # labels of the dimensions
+    _of("time", "time", "s", "s", "time", "t", coordinate=True),
+    _of("pose", "pose", "1", "1", "name of the pose", kind="text", coordinate=True),
+    _of("wheel", "wheel", "1", "1", "side of the wheelset", kind="text", coordinate=True),
+    _of("patch", "patch", "1", "1", "contact patch, largest force first", kind="count", coordinate=True),
+    _of("snapshot", "snapshot", "1", "1", "number of the snapshot", kind="count", coordinate=True),
+    # the track under the wheelset
+    _of("distance", "time", "m", "m", "distance along the track", coordinate=True),
+    _of("speed", "time", "m/s", "km/h", "speed", "V"),
+    _of("curvature", "time", "1/m", "1/km", "curvature", r"\kappa"),
+    _of("cant", "time", "m", "mm", "cant"),
+    _of("gauge", "time", "m", "mm", "track gauge"),
+    # the prescribed pose
+    _of("load", "pose", "N", "kN", "prescribed vertical load"),
+    _of("pose_message", "pose", "1", "1", "why the pose has no solution; empty when it has one", kind="text"),
+    # the wheelset
+    _of("lateral_shift", "sample", "m", "mm", "lateral shift", r"\Delta y"),
+    _of("vertical_shift", "sample", "m", "mm", "vertical shift", r"\Delta z"),
+    _of("yaw", "sample", "rad", "mrad", "angle of attack", r"\psi"),
+    _of("roll", "sample", "rad", "mrad", "roll", r"\varphi"),
+    _of("spin_rate", "sample", "rad/s", "rad/s", "rotation about the axle", r"\omega"),
+    # a wheel
+    _of("Y", _WHEEL, "N", "kN", "lateral force", "Y"),
+    _of("Q", _WHEEL, "N", "kN", "vertical force", "Q"),
+    _of("X", _WHEEL, "N", "kN", "longitudinal force", "X"),
+    _of("Y_over_Q", _WHEEL, "1", "1", "derailment quotient", "Y/Q"),
+    _of("T_gamma", _WHEEL, "N", "N", "wear number", r"T\gamma"),
+    _of("n_patches", _WHEEL, "1", "1", "number of contact patches", kind="count"),
+    # a patch
+    _of("N", _PATCH, "N", "kN", "normal force", "N"),
+    _of("Fx", _PATCH, "N", "kN", "longitudinal creep force", "F_x"),
+    _of("Fy", _PATCH, "N", "kN", "lateral creep force", "F_y"),
+    _of("spin_moment", _PATCH, "N m", "N m", "spin moment", "M_n"),
+    _of("contact_angle", _PATCH, "rad", "deg", "contact angle", r"\gamma"),
+    _of("contact_angle_min", _PATCH, "rad", "deg", "smallest contact angle", r"\gamma_{min}"),
+    _of("contact_angle_max", _PATCH, "rad", "deg", "largest contact angle", r"\gamma_{max}"),
+    _of("contact_angle_mean", _PATCH, "rad", "deg", "mean contact angle", r"\bar\gamma"),
+    _of("contact_angle_variation", _PATCH, "rad", "deg", "variation of the contact angle", r"\Delta\gamma"),
+    _of("p0", _PATCH, "Pa", "MPa", "largest pressure", "p_0"),
+    _of("area", _PATCH, "m2", "mm2", "contact area", "A"),
+    _of("approach", _PATCH, "m", "um", "approach", r"\delta"),
+    _of("n_strips", _PATCH, "1", "1", "number of strips", "N_s", kind="count"),
+    _of("length", _PATCH, "m", "mm", "length of the patch along the track"),
+    _of("width", _PATCH, "m", "mm", "width of the patch along the curved axis"),
+    _of("xi", _PATCH, "1", "permille", "longitudinal creepage", r"\xi"),
+    _of("eta", _PATCH, "1", "permille", "lateral creepage", r"\eta"),
+    _of("phi", _PATCH, "1/m", "1/m", "spin creepage", r"\phi"),
+    _of("u_wheel", _PATCH, "m", "mm", "position on the wheel profile", "u_w"),
+    _of("u_rail", _PATCH, "m", "mm", "position on the rail profile", "u_r"),
+    _of("x_contact", _PATCH, "m", "mm", "contact point, forward", "x_c"),
+    _of("y_contact", _PATCH, "m", "mm", "contact point, to the left", "y_c"),
+    _of("z_contact", _PATCH, "m", "mm", "contact point, up", "z_c"),
+    # chosen instants of a run
+    _of("snapshot_time", "snapshot", "s", "s", "time of the snapshot"),
+    _of("snapshot_distance", "snapshot", "m", "m", "distance of the snapshot"),
+    _of("snapshot_label", "snapshot", "1", "1", "why this instant was kept", kind="text"),
+    # the strips of a patch
+    _of("strip_s", _STRIP, "m", "mm", "curved axis", "s"),
+    _of("strip_ds", _STRIP, "m", "mm", "width of the strip"),
+    _of("strip_x", _STRIP, "m", "mm", "along the track", "x"),
+    _of("strip_a", _STRIP, "m", "mm", "half length of the strip", "a"),
+    _of("strip_p", _STRIP, "Pa", "MPa", "pressure", "p"),
+    _of("strip_angle", _STRIP, "rad", "deg", "contact angle", r"\gamma"),
+    _of("strip_y", _STRIP, "m", "mm", "outward", "o"),
+    _of("strip_z", _STRIP, "m", "mm", "up", "b"),
+    _of("strip_N", _STRIP, "N", "N", "normal force of the strip"),
+    _of("strip_Fx", _STRIP, "N", "N", "longitudinal creep force of the strip"),
+    _of("strip_Fy", _STRIP, "N", "N", "lateral creep force of the strip"),
+    _of("strip_xi", _STRIP, "1", "permille", "longitudinal creepage", r"\xi"),
+    _of("strip_eta", _STRIP, "1", "permille", "lateral creepage", r"\eta"),
+    _of("strip_phi", _STRIP, "1/m", "1/m", "spin creepage", r"\phi"),
+    # outlines for drawing
+    _of("rail_profile_y", "wheel rail_point", "m", "mm", "rail profile, outward", "o"),
+    _of("rail_profile_z", "wheel rail_point", "m", "mm", "rail profile, up", "b"),
+    _of("wheel_profile_y", "moment wheel wheel_point", "m", "mm", "outline of the wheel, outward", "o"),
+    _of("wheel_profile_z", "moment wheel wheel_point", "m", "mm", "outline of the wheel, up", "b"),
+)
+
+CHANNELS: dict[str, Channel] = {channel.name: channel for channel in _ALL}
+"""Every channel by its name, in the order in which tables print them."""
+
+WHEELS = ("left", "right")
+"""Values of the ``wheel`` coordinate; a static analysis of one wheel carries one of them."""
+
+
+def channel(name: str) -> Channel:
+    """Channel of that name. Raises ``KeyError`` with the nearest name when there is none."""
+    try:
+        return CHANNELS[name]
+    except KeyError:
+        raise KeyError(f"no channel is called {name!r}{suggest(name, list(CHANNELS))}") from None

@@ -1,0 +1,49 @@
+"""Writing files so that a reader never meets half of one."""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+from pathlib import Path
+
+from wrsim.errors import WrsimError
+
+_REASONS = {
+    errno.EACCES: "this place may not be written to",
+    errno.EPERM: "this place may not be written to",
+    errno.EROFS: "this place may not be written to",
+    errno.ENOTDIR: "a part of this path is a file, not a directory",
+    errno.EEXIST: "a part of this path is a file, not a directory",
+    errno.EISDIR: "there is a directory of that name",
+}
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+
+def write_atomically(path: str | Path, content: bytes) -> Path:
+    """Write ``content`` to a neighbour of ``path``, bring it to the disk, then give it its name.
+
+    An older file of that name stays whole until the new one is. Directories are made. Raises ``WrsimError``
+    with one sentence when the disk is full or the place cannot be written; nothing half-written remains.
+    """
+    path = Path(path)
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with open(temporary, "xb") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
+            os.replace(temporary, path)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+    except OSError as problem:
+        if problem.errno in _FULL:
+            size = f"{len(content) / 1e6:.1f} MB" if len(content) >= 1e5 else f"{len(content) / 1e3:.1f} kB"
+            why = f"the disk is full ({size} needed); free some space or choose another directory"
+        else:
+            why = _REASONS.get(problem.errno or 0, (problem.strerror or str(problem)).lower())
+        raise WrsimError(f"cannot write {path}: {why}") from problem
+    return path

@@ -1,0 +1,105 @@
+"""A Result: one labelled dataset, kept in one NetCDF file."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from wrsim.errors import InputError
+from wrsim.results.dataset import FORMAT, FORMAT_VERSION
+from wrsim.results.files import write_atomically
+
+_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What an analysis computed, with everything needed to redraw and to rerun it.
+
+    ``dataset`` comes from ``assemble``: channels as variables with ``units`` and ``long_name``; scenario
+    text, status and versions as attributes. A stopped run holds what was computed until it stopped.
+    """
+
+    dataset: xr.Dataset
+
+    @property
+    def title(self) -> str:
+        """Title of the scenario."""
+        return str(self.dataset.attrs["title"])
+
+    @property
+    def analysis(self) -> str:
+        """Kind of the analysis: ``"static"``, ``"equilibrium"``, ``"curving"``."""
+        return str(self.dataset.attrs["analysis"])
+
+    @property
+    def status(self) -> str:
+        """``"completed"`` or ``"stopped"``."""
+        return str(self.dataset.attrs["status"])
+
+    @property
+    def stop_reason(self) -> str:
+        """Why the analysis stopped early; empty when it did not."""
+        return str(self.dataset.attrs.get("stop_reason", ""))
+
+    def summary(self) -> dict[str, Any]:
+        """Peak and quasi-static values as plain numbers in units for readers; what ``summary.json`` holds."""
+        from wrsim.results.summary import summarise
+
+        return summarise(self.dataset)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the dataset as NetCDF 4; the file appears whole or not at all. Raises ``WrsimError``."""
+        encoding = {
+            str(name): {"zlib": True, "complevel": 1, "shuffle": True}
+            for name, variable in self.dataset.variables.items()
+            if variable.dtype.kind in "fi" and variable.size > 1000
+        }
+        content = self.dataset.to_netcdf(None, engine="h5netcdf", format="NETCDF4", encoding=encoding)
+        return write_atomically(path, bytes(content))
+
+    @classmethod
+    def load(cls, path: str | Path) -> Result:
+        """Read a file that ``save`` wrote. Raises ``InputError`` when it is missing, damaged or not ours."""
+        path = Path(path)
+        if path.is_dir():
+            path = path / "result.nc"
+        try:
+            content = path.read_bytes()
+        except FileNotFoundError:
+            raise InputError(f"{path}: there is no such result file") from None
+        except OSError as problem:
+            why = (problem.strerror or str(problem)).lower()
+            raise InputError(f"{path}: cannot be read: {why}") from problem
+        if not content.startswith(_HDF5_SIGNATURE):
+            raise InputError(f"{path}: not a wrsim result (not a NetCDF 4 file)")
+        try:
+            with xr.open_dataset(
+                io.BytesIO(content), engine="h5netcdf", decode_times=False, decode_coords=True
+            ) as opened:
+                dataset = opened.load()
+        except MemoryError:
+            raise
+        except Exception as damage:  # the HDF5 stack answers damage with whatever comes to hand
+            raise InputError(f"{path}: the file is damaged or incomplete; run the scenario again") from damage
+        if dataset.attrs.get("format") != FORMAT:
+            raise InputError(f"{path}: a NetCDF file, but not a wrsim result")
+        if int(dataset.attrs["format_version"]) > FORMAT_VERSION:
+            raise InputError(
+                f"{path}: written by a newer wrsim ({dataset.attrs.get('wrsim_version', 'unknown version')}) "
+                f"in format {dataset.attrs['format_version']}; this one reads up to {FORMAT_VERSION}"
+            )
+        return cls(_without_encoding(dataset))
+
+
+def _without_encoding(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset without the traces of its file, so that it saves like a fresh one."""
+    clean: xr.Dataset = dataset.drop_encoding()
+    clean.attrs = {
+        name: value.item() if hasattr(value, "item") else value for name, value in clean.attrs.items()
+    }
+    return clean

@@ -1,0 +1,175 @@
+"""The few numbers that people ask for first: peaks, where they occur, and quasi-static values in full curves.
+
+Units stand in the keys. Nothing here is filtered: these are raw peaks, not the quantities of EN 14363.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from wrsim.results.channels import CHANNELS, Channel
+
+CURVE_CHANNELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
+"""Channels whose median in each full curve is reported."""
+
+_STEADY = 1e-4  # change of curvature over its largest value, per metre, below which a curve counts as full
+_SHORTEST = 5  # samples of a full curve that make a median worth reporting
+
+
+def summarise(dataset: xr.Dataset) -> dict[str, Any]:
+    """Plain numbers for ``summary.json``: status, versions, peaks per wheel with their place, full curves.
+
+    Every peak is ``{"value": .., "distance_m": .., "time_s": ..}``, or with ``"pose"`` in a static analysis;
+    ``None`` where there is no finite value. Peaks of patch channels run over all patches of the wheel.
+    """
+    attributes = dataset.attrs
+    summary: dict[str, Any] = {
+        "title": attributes["title"],
+        "analysis": attributes["analysis"],
+        "status": attributes["status"],
+        "stop": _stop(dataset),
+        "extent": _extent(dataset),
+        "lateral_shift_max_mm": peak(dataset, "lateral_shift", largest_magnitude=True),
+        "angle_of_attack_max_mrad": peak(dataset, "yaw", largest_magnitude=True),
+        "wheels": {str(wheel): _wheel(dataset, str(wheel)) for wheel in dataset["wheel"].values},
+    }
+    if "time" in dataset.dims:
+        summary["full_curves"] = full_curves(dataset)
+    summary["versions"] = {
+        name.removesuffix("_version"): value
+        for name, value in attributes.items()
+        if name.endswith("_version") and name != "format_version"
+    }
+    return summary
+
+
+def peak(
+    dataset: xr.Dataset,
+    name: str,
+    wheel: str | None = None,
+    *,
+    smallest: bool = False,
+    largest_magnitude: bool = False,
+) -> dict[str, Any] | None:
+    """Largest value of a channel (smallest, largest in magnitude) in units for readers, and where it is.
+
+    ``None`` when the channel is absent or has no finite value.
+    """
+    if name not in dataset:
+        return None
+    data = dataset[name] if wheel is None else dataset[name].sel(wheel=wheel)
+    values = data.values.reshape(data.shape[0], -1)
+    finite = np.isfinite(values)
+    if not finite.any():
+        return None
+    rank = np.abs(values) if largest_magnitude else (-values if smallest else values)
+    index = np.unravel_index(np.argmax(np.where(finite, rank, -np.inf)), values.shape)
+    found = {"value": shown(CHANNELS[name], float(values[index]))}
+    return found | _place(dataset, int(index[0]))
+
+
+def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """Quasi-static values: medians over the second half of every stretch of constant, non-zero curvature."""
+    if "curvature" not in dataset or dataset.sizes["time"] < _SHORTEST:
+        return []
+    curves = []
+    for first, last in _constant_stretches(dataset["distance"].values, dataset["curvature"].values):
+        part = dataset.isel(time=slice((first + last) // 2, last + 1))
+        curve: dict[str, Any] = {
+            "from_m": float(dataset["distance"].values[first]),
+            "to_m": float(dataset["distance"].values[last]),
+            "radius_m": 1.0 / float(np.median(part["curvature"])),
+        }
+        if "cant" in part:
+            curve["cant_mm"] = float(np.median(part["cant"])) * 1e3
+        for name in CURVE_CHANNELS:
+            if name in part and "wheel" not in part[name].dims:
+                curve[CHANNELS[name].column] = _median(part[name], CHANNELS[name])
+        for wheel in dataset["wheel"].values:
+            curve[str(wheel)] = {
+                CHANNELS[name].column: _median(_main_patch(part[name].sel(wheel=wheel)), CHANNELS[name])
+                for name in CURVE_CHANNELS
+                if name in part and "wheel" in part[name].dims
+            }
+        curves.append(curve)
+    return curves
+
+
+def shown(channel: Channel, value: float) -> float | None:
+    """The value in the unit for readers; ``None`` for not-a-number."""
+    return float(value) * channel.shown.factor if np.isfinite(value) else None
+
+
+def _constant_stretches(distance: NDArray[Any], curvature: NDArray[Any]) -> list[tuple[int, int]]:
+    """First and last sample of every stretch of constant, non-zero curvature."""
+    scale = np.nanmax(np.abs(curvature), initial=0.0)
+    if not scale > 0.0:
+        return []
+    change = np.abs(np.diff(curvature)) <= _STEADY * scale * np.maximum(np.abs(np.diff(distance)), 1e-3)
+    steady = change & (np.abs(curvature[1:]) > 1e-3 * scale)
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], steady.astype(int), [0]))))
+    pairs = zip(edges[::2], edges[1::2], strict=True)
+    return [(int(first), int(last)) for first, last in pairs if last - first + 1 >= _SHORTEST]
+
+
+def _main_patch(data: xr.DataArray) -> xr.DataArray:
+    return data.isel(patch=0) if "patch" in data.dims else data
+
+
+def _median(data: xr.DataArray, channel: Channel) -> float | None:
+    values = data.values[np.isfinite(data.values)]
+    return shown(channel, float(np.median(values))) if values.size else None
+
+
+def _place(dataset: xr.Dataset, index: int) -> dict[str, Any]:
+    if "pose" in dataset.dims:
+        return {"pose": str(dataset["pose"].values[index])}
+    place = {"distance_m": float(dataset["distance"].values[index])} if "distance" in dataset.coords else {}
+    return place | {"time_s": float(dataset["time"].values[index])}
+
+
+def _wheel(dataset: xr.Dataset, wheel: str) -> dict[str, Any]:
+    """Peaks of one wheel."""
+    return {
+        "Y_max_kN": peak(dataset, "Y", wheel),
+        "Q_max_kN": peak(dataset, "Q", wheel),
+        "Q_min_kN": peak(dataset, "Q", wheel, smallest=True),
+        "Y_over_Q_max": peak(dataset, "Y_over_Q", wheel),
+        "T_gamma_max_N": peak(dataset, "T_gamma", wheel),
+        "N_max_kN": peak(dataset, "N", wheel),
+        "p0_max_MPa": peak(dataset, "p0", wheel),
+        "contact_angle_max_deg": peak(dataset, "contact_angle_max", wheel),
+        "contact_angle_variation_max_deg": peak(dataset, "contact_angle_variation", wheel),
+    }
+
+
+def _stop(dataset: xr.Dataset) -> dict[str, Any] | None:
+    """Why, when and where the analysis stopped early; ``None`` when it did not."""
+    attributes = dataset.attrs
+    if attributes["status"] != "stopped":
+        return None
+    stop: dict[str, Any] = {"reason": attributes["stop_reason"]}
+    for key in ("stop_time_s", "stop_distance_m"):
+        if key in attributes:
+            value = float(attributes[key])
+            stop[key.removeprefix("stop_")] = value if np.isfinite(value) else None
+    return stop
+
+
+def _extent(dataset: xr.Dataset) -> dict[str, Any]:
+    """How much was computed."""
+    if "pose" in dataset.dims:
+        solved = np.ones(dataset.sizes["pose"], dtype=bool)
+        if "pose_message" in dataset:
+            solved = dataset["pose_message"].values == ""
+        return {"poses": int(solved.size), "solved": int(solved.sum())}
+    extent: dict[str, Any] = {"samples": dataset.sizes["time"]}
+    if dataset.sizes["time"]:
+        extent["time_s"] = float(dataset["time"].values[-1])
+        if "distance" in dataset.coords:
+            extent["distance_m"] = float(dataset["distance"].values[-1])
+    return extent
