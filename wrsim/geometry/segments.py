@@ -1,0 +1,242 @@
+"""The pieces a track is made of, and the laws of curvature, cant and gauge that follow from a row of them.
+
+Cant of a segment is positive when it leans the vehicle to the inside, in curves of either hand. Inside the
+library cant is signed like the curvature: positive when the right rail is the higher one, as a left curve
+needs it. A transition joins whatever lies before and behind it: curvature, cant and gauge run from the end of
+the segment before to the start of the segment behind (level straight track at nominal gauge where there is
+none).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from numbers import Real
+from typing import Literal
+
+import numpy as np
+
+from wrsim.errors import InputError, suggest
+from wrsim.geometry.piecewise import PiecewiseCubic, bloss, linear
+
+MAX_CANT = 0.25
+"""Largest cant [m]; railways use up to 0.18 m."""
+MAX_WIDENING = 0.1
+"""Largest change of the gauge [m]; railways use up to 0.03 m."""
+SHAPES = ("clothoid", "bloss")
+
+
+@dataclass(frozen=True)
+class Straight:
+    """Straight track. length [m]; cant and gauge widening [m] at both ends, linear between.
+
+    The cant of an end belongs to the nearest curve on that side of the segment (to the other side if there is
+    none; to a left curve, right rail higher, on a track without curves).
+    """
+
+    length: float
+    cant_start: float = 0.0
+    cant_end: float = 0.0
+    gauge_widening_start: float = 0.0
+    gauge_widening_end: float = 0.0
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Circular track. length [m] along the centre line, radius [m] positive to the left; cant and gauge
+    widening [m] are held."""
+
+    length: float
+    radius: float
+    cant: float = 0.0
+    gauge_widening: float = 0.0
+
+
+@dataclass(frozen=True)
+class Transition:
+    """Track whose curvature, cant and gauge run from those of the segment before to those of the segment
+    behind.
+
+    length [m]; shape "clothoid": linear ramps; "bloss": ramps 3 xi^2 - 2 xi^3, slope zero at both ends.
+    """
+
+    length: float
+    shape: Literal["clothoid", "bloss"] = "clothoid"
+
+
+Segment = Straight | Arc | Transition
+
+
+@dataclass(frozen=True)
+class CurvatureJump:
+    """A joint without a transition: distance [m], curvature [1/m] before and behind it.
+
+    Allowed, as in the branch of a turnout. Position, tangent and frame are continuous there; the path tables
+    spread the jump over one step.
+    """
+
+    distance: float
+    before: float
+    behind: float
+
+
+@dataclass(frozen=True, eq=False)
+class Laws:
+    """Curvature [1/m], signed cant [m] and gauge widening [m] over the distance along the centre line."""
+
+    curvature: PiecewiseCubic
+    cant: PiecewiseCubic
+    widening: PiecewiseCubic
+    jumps: tuple[CurvatureJump, ...]
+
+
+def mirrored(segments: Sequence[Segment]) -> tuple[Segment, ...]:
+    """The same track with left and right exchanged."""
+    if not any(isinstance(s, Arc) for s in segments):
+        return tuple(
+            replace(s, cant_start=-s.cant_start, cant_end=-s.cant_end) if isinstance(s, Straight) else s
+            for s in segments
+        )
+    return tuple(replace(s, radius=-s.radius) if isinstance(s, Arc) else s for s in segments)
+
+
+def kind_of(segment: Segment) -> str:
+    """The word for a segment in files and messages: straight, arc, transition."""
+    return type(segment).__name__.lower()
+
+
+def check(segments: Sequence[Segment], gauge: float) -> None:
+    """Refuse segments that are no track, each with its number, key and value. Raises InputError."""
+    if not segments:
+        raise InputError("track.segments is empty; allowed: at least one straight, transition or arc")
+    for number, segment in enumerate(segments, 1):
+        if not isinstance(segment, Straight | Arc | Transition):
+            raise InputError(
+                f"segment {number} is a {type(segment).__name__}; allowed: Straight, Transition, Arc"
+            )
+        where = f"segment {number} ({kind_of(segment)})"
+        length = _number(where, "length_m", segment.length)
+        if not length > 0.0:
+            raise InputError(f"{where}: length_m = {length:g}; allowed: above 0")
+        if isinstance(segment, Straight):
+            _range(where, "cant_start_mm", segment.cant_start, -MAX_CANT, MAX_CANT)
+            _range(where, "cant_end_mm", segment.cant_end, -MAX_CANT, MAX_CANT)
+            _range(
+                where, "gauge_widening_start_mm", segment.gauge_widening_start, -MAX_WIDENING, MAX_WIDENING
+            )
+            _range(where, "gauge_widening_end_mm", segment.gauge_widening_end, -MAX_WIDENING, MAX_WIDENING)
+        elif isinstance(segment, Arc):
+            radius = _number(where, "radius_m", segment.radius)
+            if radius == 0.0:
+                raise InputError(
+                    f"{where}: radius_m = 0; allowed: positive (left) or negative (right); "
+                    "for straight track use kind = 'straight'"
+                )
+            if abs(radius) <= gauge:
+                raise InputError(
+                    f"{where}: radius_m = {radius:g}; allowed: above the gauge ({gauge:g} m) in size; "
+                    "the inner rail of a tighter curve does not exist"
+                )
+            _range(where, "cant_mm", segment.cant, -MAX_CANT, MAX_CANT)
+            _range(where, "gauge_widening_mm", segment.gauge_widening, -MAX_WIDENING, MAX_WIDENING)
+        elif segment.shape not in SHAPES:
+            hint = suggest(str(segment.shape), SHAPES)
+            raise InputError(
+                f"{where}: shape = {segment.shape!r}; allowed: {', '.join(map(repr, SHAPES))}{hint}"
+            )
+        if isinstance(segment, Transition) and number > 1 and isinstance(segments[number - 2], Transition):
+            raise InputError(
+                f"{where} follows another transition, so the curvature between them is open; "
+                "allowed: one transition between two arcs or straights (put an arc or a straight between)"
+            )
+
+
+def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
+    """Curvature, cant and widening over distance for a row of segments.
+
+    rounding: half length [m] over which kinks of cant and gauge are rounded (`PiecewiseCubic.rounded`): a
+    rail is a beam and has no kinks; without this the rails' tangents would jump at the ends of linear ramps.
+    Raises InputError for wrong values and for jumps of cant or gauge.
+    """
+    check(segments, gauge)
+    lengths = np.array([float(s.length) for s in segments])
+    starts = np.concatenate(([0.0], np.cumsum(lengths)[:-1]))
+    ends = [
+        _ends(segments, i) for i in range(len(segments))
+    ]  # per segment: (curvature, cant, widening) twice
+
+    rows: tuple[list, list, list] = ([], [], [])
+    for i, segment in enumerate(segments):
+        if isinstance(segment, Transition):
+            before = ends[i - 1][1] if i > 0 else (0.0, 0.0, 0.0)
+            behind = ends[i + 1][0] if i + 1 < len(segments) else (0.0, 0.0, 0.0)
+            ramp = bloss if segment.shape == "bloss" else linear
+        else:
+            (before, behind), ramp = ends[i], linear
+        for column, a, b in zip(rows, before, behind, strict=True):
+            column.append(ramp(a, b))
+
+    curvature, cant, widening = (PiecewiseCubic(starts, lengths, np.array(column)) for column in rows)
+    for law, key in ((cant, "cant"), (widening, "gauge_widening")):
+        for i, jump in enumerate(law.jumps()):
+            if abs(jump) > 1e-9:
+                before_mm = 1e3 * float(law.coefficients[i].sum())
+                behind_mm = 1e3 * float(law.coefficients[i + 1, 0])
+                signs = " (positive: right rail higher)" if key == "cant" else ""
+                raise InputError(
+                    f"{key}_mm jumps from {before_mm:g} to {behind_mm:g}{signs} between segment {i + 1} "
+                    f"({kind_of(segments[i])}) and segment {i + 2} ({kind_of(segments[i + 1])}); allowed: "
+                    "equal values at a joint (put a transition between, or a straight with "
+                    f"{key}_start_mm and {key}_end_mm)"
+                )
+    jumps = tuple(
+        CurvatureJump(
+            float(starts[i + 1]),
+            float(curvature.coefficients[i].sum()),
+            float(curvature.coefficients[i + 1, 0]),
+        )
+        for i, jump in enumerate(curvature.jumps())
+        if abs(jump) > 1e-15
+    )
+    return Laws(curvature, cant.rounded(rounding), widening.rounded(rounding), jumps)
+
+
+State = tuple[float, float, float]
+
+
+def _ends(segments: Sequence[Segment], i: int) -> tuple[State, State]:
+    """(curvature, signed cant, widening) at the two ends of a straight or an arc; unused for a transition."""
+    segment = segments[i]
+    if isinstance(segment, Arc):
+        state = (1.0 / segment.radius, segment.cant * _hand(segment), segment.gauge_widening)
+        return state, state
+    if isinstance(segment, Straight):
+        before = [_hand(s) for s in reversed(segments[:i]) if isinstance(s, Arc)]
+        behind = [_hand(s) for s in segments[i + 1 :] if isinstance(s, Arc)]
+        start = (before or behind or [1.0])[0]
+        end = (behind or before or [1.0])[0]
+        return (
+            (0.0, start * segment.cant_start, segment.gauge_widening_start),
+            (0.0, end * segment.cant_end, segment.gauge_widening_end),
+        )
+    return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+
+
+def _hand(arc: Arc) -> float:
+    """+1 for a left curve, -1 for a right one."""
+    return math.copysign(1.0, arc.radius)
+
+
+def _number(where: str, key: str, value: object) -> float:
+    """The value as a finite float, or an InputError."""
+    if not isinstance(value, Real) or isinstance(value, bool) or not math.isfinite(value):
+        raise InputError(f"{where}: {key} = {value!r}; allowed: a finite number")
+    return float(value)
+
+
+def _range(where: str, key: str, value: object, low: float, high: float) -> None:
+    """Refuse a length outside of [low, high] m, in the millimetres of the file."""
+    number = _number(where, key, value)
+    if not low <= number <= high:
+        raise InputError(f"{where}: {key} = {1e3 * number:g}; allowed: {1e3 * low:g} to {1e3 * high:g}")

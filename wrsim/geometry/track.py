@@ -1,0 +1,198 @@
+"""A track: segments -> centre line -> two swept rails.
+
+Cross-section. The centre line lies at the height of the rail tops, half way between the gauge points. Cant
+turns the cross-section about the centre line, which itself stays level: of the two rails one rises and the
+other falls by half the cant. Gauge widening moves each rail outward by half of it. The origin of each rail
+profile sits at the outward distance gauge(s)/2 + o and the height b in the canted cross-section; (o, b) come
+from the inclined rail profile (o = -u of its gauge point, b = -w of its highest point).
+
+Signs. ``cant(s)`` is signed like the curvature: positive when the right rail is the higher one, which leans a
+vehicle to the inside of a left curve. ``roll(s)`` = -asin(cant / cant_base) is the rotation about t, positive
+with the left rail up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wrsim.errors import InputError
+from wrsim.geometry.centre_line import CentreLine
+from wrsim.geometry.path import Path
+from wrsim.geometry.rail import SweptCurve
+from wrsim.geometry.segments import Arc, CurvatureJump, Segment, Transition, kind_of, laws
+
+Array = NDArray[np.float64]
+
+STANDARD_GAUGE = 1.435
+"""Standard gauge [m]."""
+RAIL_HEAD_WIDTH = 0.065
+"""Difference of cant base and gauge when no cant base is given [m]: 1.5 m for standard gauge."""
+ROUNDING = 1.0
+"""Half length of the rounding of kinks in cant and gauge [m].
+
+About the elastic length (4 E I / k)^(1/4) of a rail: 0.75 to 0.85 m for 60E1 (E I = 6.4 MN m2) on a support
+of 50 to 80 MN/m2."""
+MAX_ROWS = 4_000_000
+"""Largest table of a path."""
+
+
+@dataclass(frozen=True)
+class Feature:
+    """One segment as it lies on the track: kind and label, start and end distance [m]."""
+
+    kind: str
+    label: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Centre line and two rails as path tables, and the laws behind them over the distance s along the centre
+    line.
+
+    Build it with `Track.build`. All functions of s are vectorised; outside of [0, length] the track is
+    continued straight with the cant and the gauge of its end.
+    """
+
+    segments: tuple[Segment, ...]
+    nominal_gauge: float
+    cant_base: float
+    jumps: tuple[CurvatureJump, ...]
+    """Joints where the curvature jumps (no transition)."""
+    centre: Path
+    left: Path
+    right: Path
+    centre_line: CentreLine
+    left_curve: SweptCurve
+    right_curve: SweptCurve
+
+    @classmethod
+    def build(
+        cls,
+        segments: Sequence[Segment],
+        gauge: float = STANDARD_GAUGE,
+        *,
+        left_offset: tuple[float, float] = (0.0, 0.0),
+        right_offset: tuple[float, float] = (0.0, 0.0),
+        cant_base: float | None = None,
+        step: float = 0.25,
+        rounding: float = ROUNDING,
+        start: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        heading: float = 0.0,
+    ) -> Track:
+        """Lay the segments one behind the other.
+
+        gauge: nominal gauge [m]. left_offset, right_offset: (o, b) of the rail profile's origin [m], outward
+        of the gauge point and above the rail tops. cant_base: distance over which cant is measured [m],
+        default gauge + 0.065 m. step: largest distance of the tables' rows [m]. rounding: half length over
+        which the kinks of cant and gauge at joints are rounded [m]. start, heading: point [m] and direction
+        [rad] at s = 0.
+
+        Raises InputError naming segment, key, value and what is allowed.
+        """
+        _within("gauge_mm", gauge, 0.3, 3.0, 1e3)
+        base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
+        _within("cant_base_mm", base, gauge, gauge + 0.5, 1e3)
+        _within("step_m", step, 1e-3, 10.0)
+        _within("rounding_m", rounding, 1e-3, 20.0)
+        for key, offset in (("left_offset", left_offset), ("right_offset", right_offset)):
+            for value in offset:
+                _within(f"{key} (o, b)", value, -0.5, 0.5)
+        for value in (*start, heading):
+            if not math.isfinite(value):
+                raise InputError(f"start or heading of the track = {value}; allowed: finite numbers")
+
+        segments = tuple(segments)
+        law = laws(segments, gauge, rounding)
+        if law.curvature.end / step > MAX_ROWS:
+            raise InputError(
+                f"track of {law.curvature.end:g} m with rows every {step:g} m; allowed: {MAX_ROWS} rows "
+                "(is length_m in metres?)"
+            )
+        line = CentreLine.build(law.curvature, start, heading)
+
+        def curve(side: int, offset: tuple[float, float]) -> SweptCurve:
+            return SweptCurve.build(line, law.cant, law.widening, gauge, base, side, offset)
+
+        left, right = curve(1, left_offset), curve(-1, right_offset)
+        return cls(
+            segments,
+            gauge,
+            base,
+            law.jumps,
+            curve(0, (0.0, 0.0)).path(step),
+            left.path(step),
+            right.path(step),
+            line,
+            left,
+            right,
+        )
+
+    @property
+    def length(self) -> float:
+        """Length of the centre line [m]."""
+        return self.centre_line.length
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature of the centre line [1/m], positive to the left."""
+        return self.centre_line.curvature(s)
+
+    def heading(self, s: ArrayLike) -> Array:
+        """Heading [rad], positive to the left, not wrapped."""
+        return self.centre_line.heading(s)
+
+    def cant(self, s: ArrayLike) -> Array:
+        """Signed cant [m], positive when the right rail is higher."""
+        return self.left_curve.cant(s)
+
+    def roll(self, s: ArrayLike) -> Array:
+        """Roll of the cross-section about t [rad], positive when the left rail is higher."""
+        return self.left_curve.roll(s)[0]
+
+    def gauge(self, s: ArrayLike) -> Array:
+        """Gauge with widening [m]."""
+        return self.nominal_gauge + self.left_curve.widening(s)
+
+    def rail_distance(self, side: Literal["left", "right"], s: ArrayLike) -> Array:
+        """Own arclength of a rail [m] in the cross-section at centre-line distance s."""
+        return self._curve(side).arclength(s)
+
+    def centre_distance(self, side: Literal["left", "right"], arclength: ArrayLike) -> Array:
+        """Centre-line distance [m] at a rail's own arclength: the inverse of `rail_distance`."""
+        return self._curve(side).distance(arclength)
+
+    def features(self) -> tuple[Feature, ...]:
+        """The segments in order, with labels and distances, for plots and reports."""
+        starts = self.centre_line.curvature_law.starts
+        ends = np.append(starts[1:], self.length)
+        return tuple(
+            Feature(kind_of(segment), _label(segment), float(a), float(b))
+            for segment, a, b in zip(self.segments, starts, ends, strict=True)
+        )
+
+    def _curve(self, side: str) -> SweptCurve:
+        if side not in ("left", "right"):
+            raise InputError(f"side = {side!r}; allowed: 'left', 'right'")
+        return self.left_curve if side == "left" else self.right_curve
+
+
+def _label(segment: Segment) -> str:
+    """Short text for a segment."""
+    if isinstance(segment, Arc):
+        return f"R {abs(segment.radius):g} m {'left' if segment.radius > 0.0 else 'right'}"
+    if isinstance(segment, Transition):
+        return segment.shape
+    return "straight"
+
+
+def _within(key: str, value: float, low: float, high: float, scale: float = 1.0) -> None:
+    """Refuse a value outside of [low, high], or not a number; the message shows it times ``scale``."""
+    if not low <= value <= high:
+        raise InputError(f"track: {key} = {scale * value:g}; allowed: {scale * low:g} to {scale * high:g}")
