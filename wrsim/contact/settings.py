@@ -29,8 +29,8 @@ class ContactSettings:
     """What the user chose for the contact of both wheels.
 
     normal: model of the normal pressure.
-    approach: how a rigid approach closes the gap along the curved axis: ``"projected"`` by its share along the
-        normal at the main point, ``"constant"`` everywhere alike, as in the paper.
+    approach: how a rigid approach closes the gap along the curved axis: ``"constant"`` everywhere alike, as
+        in the paper; ``"projected"`` by its share along the normal of each strip.
     tangential: model of the creep forces; ``"none"`` is frictionless.
     traction_bound: shape of the bound ``mu p`` along a strip that FASTSIM holds the tractions under.
     friction: coefficient on the left and right rail [1].

@@ -16,19 +16,22 @@ from wrsim.core.locus import locus_node, locus_point
 from wrsim.core.profile import profile_point
 
 NEAR = 0.5e-3  # distance below which the foot point is computed exactly [m]
-FAR = 1.0  # distance beyond the field [m]
+MARGIN = 1e-3  # the field reaches at least this far beyond the rail [m]
 
 
 @njit(cache=True)
 def field_distance(field, o0, b0, spacing, o, b):
     """(signed distance, arclength of the nearest rail point) by bilinear interpolation of the field.
 
-    field: (n_o, n_b, 2) on a square grid from (o0, b0). Outside the grid the distance is ``FAR``.
+    field: (n_o, n_b, 2) on a square grid from (o0, b0). Outside the grid a lower bound stands for the distance.
     """
     x = (o - o0) / spacing
     y = (b - b0) / spacing
-    if x < 0.0 or y < 0.0 or x >= field.shape[0] - 1 or y >= field.shape[1] - 1:
-        return FAR, 0.0
+    nx = field.shape[0] - 1
+    ny = field.shape[1] - 1
+    if x < 0.0 or y < 0.0 or x >= nx or y >= ny:
+        outside = max(max(-x, x - nx), max(-y, y - ny))
+        return outside * spacing + MARGIN, 0.0
     i = int(x)
     j = int(y)
     x -= i
@@ -76,10 +79,9 @@ def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q
     Returns (wheel arclength, rail arclength, distance, relative curvature, status): status 0 converged, 1 not.
     """
     arc = 0.5 * (lo + hi)
-    distance = FAR
+    distance = 0.0
     relative = 0.0
     status = 1
-    # the coarse bracket is entered by regula falsi on its ends, which is exact for arcs
     for _ in range(60):
         _x, o, b, no, nb, stretch, _kt, k_outline = locus_point(
             wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, arc
@@ -121,7 +123,7 @@ def find_contacts(
     q = sqrt(1.0 - et * et)
     n = wheel.shape[0]
     count = 0
-    closest = FAR
+    closest = 1.0
     status = 0
     previous = -1  # node of the last exact sample, if the one before this
     previous_slope = 0.0
@@ -129,7 +131,11 @@ def find_contacts(
     rail_end = (rail.shape[0] - 1) * rail_step
     node = 0
     while node < n:
-        o, b, no, nb = locus_node(wheel, node, radius, oo, ob, et, eo, eb, q)
+        o, b, no, nb, proper = locus_node(wheel, node, radius, oo, ob, et, eo, eb, q)
+        if not proper:
+            previous = -1
+            node += stride
+            continue
         distance, foot = field_distance(field, o0, b0, spacing, o, b)
         if distance > NEAR + reach:
             closest = min(closest, distance)

@@ -1,0 +1,205 @@
+"""The contact model of one wheel on one rail: names and checks the choices, runs the kernel, labels the results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wrsim.contact.creep_coefficients import creep_coefficients
+from wrsim.contact.settings import ContactSettings
+from wrsim.core import patch as strip_columns
+from wrsim.core import wheel_rail as k
+from wrsim.geometry.distance_field import DistanceField, distance_field
+from wrsim.geometry.profile import Profile
+
+Array = NDArray[np.float64]
+
+TABLE_STEP = 0.1e-3  # of the profile tables [m]
+SEARCH_REACH = 0.75e-3  # distance of the search's samples near the rail [m]
+EPSILON = 0.55  # [S 23]
+MOST_STRIPS = 2000
+LEAST_SPEED = 0.05  # rolling speed below which creepages are regularised [m/s]
+
+
+@dataclass(frozen=True)
+class ContactModel:
+    """One wheel profile on one (inclined) rail profile with the chosen settings, ready for the kernel.
+
+    wheel, rail: profiles, the rail already inclined; radius: of the wheel at the tape circle [m]; friction: of this
+    rail. The arrays are what the kernel takes; scratch arrays belong to the model, so one model serves one thread.
+    """
+
+    wheel: Profile
+    rail: Profile
+    radius: float
+    settings: ContactSettings
+    friction: float
+    arrays: KernelArrays = field(repr=False, compare=False)
+
+    @classmethod
+    def build(
+        cls, wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: float
+    ) -> ContactModel:
+        """Prepare tables and scratch. The rail profile is given with its inclination."""
+        return cls(wheel, rail, radius, settings, friction, _arrays(wheel, rail, radius, settings, friction))
+
+    def evaluate(
+        self,
+        origin: ArrayLike,
+        axle: ArrayLike = (0.0, 1.0, 0.0),
+        velocity: ArrayLike = (0.0, 0.0, 0.0),
+        omega: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> Contact:
+        """Contact for one pose.
+
+        origin: wheel profile origin on the axle; axle: unit vector outward; velocity of that origin; omega: angular
+        velocity; all (3,) in rail axes (t, o, b) of this side, m and rad; see docs/conventions.md.
+        """
+        a = self.arrays
+        a.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
+        status = a.call()
+        return Contact.copy_from(a, status)
+
+
+@dataclass(frozen=True)
+class KernelArrays:
+    """Arguments of `core.wheel_rail.wheel_rail`, in its order."""
+
+    wheel: Array
+    rail: Array
+    field: Array
+    creep: Array
+    shape: Array
+    settings: Array
+    pose: Array
+    found: Array
+    patches: Array
+    strips: Array
+    work: Array
+    total: Array
+
+    def arguments(self) -> tuple[Array, ...]:
+        """All arrays, in the kernel's order."""
+        return (
+            self.wheel, self.rail, self.field, self.creep, self.shape, self.settings, self.pose, self.found,
+            self.patches, self.strips, self.work, self.total,
+        )  # fmt: skip
+
+    def call(self) -> int:
+        """Run the kernel on the pose that is set; returns its status."""
+        return int(k.wheel_rail(*self.arguments()))
+
+
+@dataclass(frozen=True)
+class Contact:
+    """What one evaluation gave, copied out of the kernel.
+
+    force, moment: on the wheel, (3,) in rail axes, the moment about the wheel's profile origin [N, N m];
+    patches: (n, PATCH_COLUMNS), largest approach first; strips: one (n_strips, STRIP_COLUMNS) array per patch;
+    wear_number: T-gamma [N]; closest: smallest distance between the profiles met, negative in contact [m].
+    """
+
+    force: Array
+    moment: Array
+    patches: Array
+    strips: tuple[Array, ...]
+    wear_number: float
+    closest: float
+    status: int
+
+    @classmethod
+    def copy_from(cls, a: KernelArrays, status: int) -> Contact:
+        """Copy the present results out of the kernel's arrays."""
+        n = int(a.total[k.COUNT])
+        return cls(
+            a.total[:3].copy(),
+            a.total[3:6].copy(),
+            a.patches[:n].copy(),
+            tuple(a.strips[i, : int(a.patches[i, k.N_STRIPS])].copy() for i in range(n)),
+            float(a.total[k.WEAR]),
+            float(a.total[k.CLOSEST]),
+            status,
+        )
+
+    @property
+    def normal_force(self) -> float:
+        """Sum of the strips' normal forces over all patches [N]."""
+        return float(self.patches[:, k.N].sum())
+
+
+@lru_cache(maxsize=16)
+def _cached_field(rail: Profile) -> DistanceField:
+    return distance_field(rail)
+
+
+@lru_cache(maxsize=32)
+def _cached_table(profile: Profile) -> tuple[Array, float]:
+    table, step = profile.table(TABLE_STEP)
+    return np.ascontiguousarray(table), step
+
+
+def combined_modulus(settings: ContactSettings) -> float:
+    """E* = 1 / ((1 - nu_w^2)/E_w + (1 - nu_r^2)/E_r) [Pa]."""
+    compliance = sum((1.0 - m.poisson_ratio**2) / m.youngs_modulus for m in (settings.wheel, settings.rail))
+    return 1.0 / compliance
+
+
+def bound_over_cells(cells: int, parabolic: bool) -> Array:
+    """Mean of sqrt(1 - X^2) (or 1 - X^2) over each of the cells of -1 < X < 1, from the leading edge on."""
+    x = np.linspace(1.0, -1.0, cells + 1)
+    if parabolic:
+        primitive = x - x**3 / 3.0
+    else:
+        primitive = 0.5 * (x * np.sqrt(np.maximum(1.0 - x**2, 0.0)) + np.arcsin(x))
+    return np.ascontiguousarray((primitive[:-1] - primitive[1:]) / (x[:-1] - x[1:]))
+
+
+def _arrays(
+    wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: float
+) -> KernelArrays:
+    wheel_table, wheel_step = _cached_table(wheel)
+    rail_table, rail_step = _cached_table(rail)
+    field_ = _cached_field(rail)
+    parabolic = settings.traction_bound == "parabolic"
+    # Kalker's combined elastic constants: means of the compliances
+    shear_compliance = 0.5 * sum(1.0 / m.shear_modulus for m in (settings.wheel, settings.rail))
+    poisson = (
+        0.5 * sum(m.poisson_ratio / m.shear_modulus for m in (settings.wheel, settings.rail)) / shear_compliance
+    )
+    numbers = np.zeros(k.SETTINGS)
+    numbers[k.MODULUS] = combined_modulus(settings)
+    numbers[k.SHEAR_MODULUS] = 1.0 / shear_compliance
+    numbers[k.EPSILON] = EPSILON
+    numbers[k.PROJECTED] = settings.approach == "projected"
+    numbers[k.DAMPING] = settings.damping
+    numbers[k.FRICTION] = friction
+    numbers[k.PARABOLIC] = parabolic
+    numbers[k.STRIPS] = settings.strips or 0
+    numbers[k.STRIP_WIDTH] = settings.strip_width or 0.0
+    numbers[k.TANGENTIAL] = settings.tangential == "fastsim"
+    numbers[k.LEAST_SPEED] = LEAST_SPEED
+    numbers[k.MAX_PATCHES] = settings.max_patches
+    numbers[k.WHEEL_STEP] = wheel_step
+    numbers[k.RADIUS] = radius
+    numbers[k.RAIL_STEP] = rail_step
+    numbers[k.FIELD_O], numbers[k.FIELD_B] = field_.origin
+    numbers[k.FIELD_SPACING] = field_.spacing
+    numbers[k.STRIDE] = max(1, round(SEARCH_REACH / wheel_step))
+    most = settings.strips if settings.strips is not None else MOST_STRIPS
+    return KernelArrays(
+        wheel_table,
+        rail_table,
+        field_.values,
+        creep_coefficients(poisson),
+        bound_over_cells(settings.cells, parabolic),
+        numbers,
+        np.zeros(k.POSE),
+        np.zeros((6, 4)),
+        np.zeros((settings.max_patches, k.PATCH_COLUMNS)),
+        np.zeros((settings.max_patches, most, strip_columns.STRIP_COLUMNS)),
+        np.zeros((9, most)),
+        np.zeros(k.TOTAL),
+    )

@@ -1,0 +1,142 @@
+"""FASTSIM on strips (Kalker 1982), with the creepage and the spin of each strip.
+
+In the simplified theory a surface point yields in proportion to the traction on it, with one flexibility each for
+longitudinal creepage, lateral creepage and spin,
+
+    L1 = 8 a / (3 C11 G),   L2 = 8 a / (3 C22 G),   L3 = pi a sqrt(a/b) / (4 C23 G),
+
+chosen so that small creepages give Kalker's linear forces on the ellipse of semi-axes a, b. Every strip is followed
+from its leading edge; where the traction would exceed the bound it slides. Creepages come per strip (they already
+contain the spin's share y phi); their mean over the patch works through L1 and L2, the deviation from it through L3,
+which on a flat patch with constant spin is Kalker's original.
+
+Bound: mu times the pressure ("elliptic"), or the paraboloid c (x_L^2 - x^2) of the same total force, Kalker's own
+choice ("parabolic").
+"""
+
+from math import pi, sqrt
+
+from numba import njit
+
+from wrsim.core.patch import DS, ETA, FORCE, FX, FY, MZ, PHI, XI, A, P
+
+
+@njit(cache=True)
+def kalker_coefficients(creep, aspect):
+    """C11, C22, C23 for a patch of aspect a/b.
+
+    creep: (20, 3) rows at min(a/b, b/a) = .1 ... 1, first a < b, then a > b in the same order. Beyond 0.1 the
+    coefficients go on with their asymptotic powers.
+    """
+    wide = aspect <= 1.0
+    g = aspect if wide else 1.0 / aspect
+    offset = 0 if wide else 10
+    x = min(max(10.0 * g - 1.0, 0.0), 9.0)
+    i = min(int(x), 8)
+    r = x - i
+    c11 = creep[offset + i, 0] + r * (creep[offset + i + 1, 0] - creep[offset + i, 0])
+    c22 = creep[offset + i, 1] + r * (creep[offset + i + 1, 1] - creep[offset + i, 1])
+    c23 = creep[offset + i, 2] + r * (creep[offset + i + 1, 2] - creep[offset + i, 2])
+    if g < 0.1:
+        slender = 0.1 / max(g, 1e-6)
+        if wide:
+            c23 /= sqrt(slender)
+        else:
+            c11 *= slender
+            c22 *= slender
+            c23 *= slender * sqrt(slender)
+    return c11, c22, c23
+
+
+@njit(cache=True)
+def flexibilities(creep, aspect, area, shear_modulus):
+    """L1, L2, L3 [m/Pa] for the ellipse of the given area [m2] and aspect a/b."""
+    a = sqrt(area * aspect / pi)
+    c11, c22, c23 = kalker_coefficients(creep, aspect)
+    return (
+        8.0 * a / (3.0 * c11 * shear_modulus),
+        8.0 * a / (3.0 * c22 * shear_modulus),
+        pi * a * sqrt(aspect) / (4.0 * c23 * shear_modulus),
+    )
+
+
+@njit(cache=True)
+def fastsim(strips, n, friction, parabolic, l1, l2, l3, direction, shape, work):
+    """Tangential tractions of n strips.
+
+    shape: (cells,) means of sqrt(1 - X^2), or of 1 - X^2 for the parabolic bound, over each cell, X = x / x_L from
+    the leading edge on (means, so that full sliding gives mu N exactly); direction: +1 rolling along +x, -1 backwards;
+    work: (9, >= n) scratch. Reads A, P, DS, FORCE, XI, ETA, PHI of each strip (creepages of the wheel
+    against the rail) and writes FX, FY, MZ: forces on the wheel [N] and their
+    moment about the strip's centre [N m].
+    """
+    cells = shape.shape[0]
+    normal = 0.0
+    xi0 = 0.0
+    eta0 = 0.0
+    cubes = 0.0
+    for i in range(n):
+        f = strips[i, FORCE]
+        normal += f
+        xi0 += f * strips[i, XI]
+        eta0 += f * strips[i, ETA]
+        cubes += strips[i, A] ** 3 * strips[i, DS]
+    if normal <= 0.0 or friction <= 0.0:
+        for i in range(n):
+            strips[i, FX] = 0.0
+            strips[i, FY] = 0.0
+            strips[i, MZ] = 0.0
+        return
+    xi0 /= normal
+    eta0 /= normal
+    paraboloid = 0.75 * normal / cubes if parabolic else 0.0
+    step_x = work[0]
+    step_y = work[1]
+    turn = work[2]
+    bound = work[3]
+    qx = work[4]
+    qy = work[5]
+    dx = 2.0 / cells
+    for i in range(n):
+        a = strips[i, A]
+        step_x[i] = -(xi0 / l1 + (strips[i, XI] - xi0) / l3) * a * dx
+        step_y[i] = -(eta0 / l2 + (strips[i, ETA] - eta0) / l3) * a * dx
+        turn[i] = -direction * strips[i, PHI] / l3 * a * a * dx
+        bound[i] = friction * (paraboloid * a * a if parabolic else strips[i, P])
+        qx[i] = 0.0
+        qy[i] = 0.0
+        strips[i, FX] = 0.0
+        strips[i, FY] = 0.0
+        strips[i, MZ] = 0.0
+    fx = work[6]
+    fy = work[7]
+    mz = work[8]
+    for i in range(n):
+        fx[i] = 0.0
+        fy[i] = 0.0
+        mz[i] = 0.0
+    for j in range(cells):
+        x = 1.0 - (j + 0.5) * dx
+        # from centre to centre of the cells, from the edge to the first centre
+        part = 1.0 if j > 0 else 0.5
+        middle = x + 0.5 * part * dx
+        for i in range(n):
+            tx = qx[i] + part * step_x[i]
+            ty = qy[i] + part * (step_y[i] + middle * turn[i])
+            limit = bound[i] * shape[j]
+            size2 = tx * tx + ty * ty
+            scale = limit / sqrt(max(size2, 1e-300))
+            scale = min(scale, 1.0)
+            tx *= scale
+            ty *= scale
+            qx[i] = tx
+            qy[i] = ty
+            fx[i] += tx
+            fy[i] += ty
+            mz[i] += x * ty
+    for i in range(n):
+        a = strips[i, A]
+        cell = dx * a * strips[i, DS]
+        strips[i, FX] = fx[i] * cell
+        strips[i, FY] = fy[i] * cell
+        strips[i, MZ] = direction * mz[i] * cell * a

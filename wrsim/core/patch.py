@@ -1,0 +1,177 @@
+"""The curved contact patch: strips across, gap along the bisector of the normals.
+
+The curved axis s starts at the main contact point, where the profiles are moved apart by the approach until they
+touch. Points of equal arclength on the rail and on the outline of the wheel belong together [S 21]; their gap is
+measured along the bisector of the two normals [S 22]; the strip's centre is their middle [S 26]. The middle line's
+tangent is the mean of the two unit tangents, because each curve is followed at unit speed, so the strip's normal is
+the bisector itself: [S 27] without a difference quotient.
+
+A strip is in contact where h(s) = eps delta c(s) - g(s) > 0, with c = 1 for the paper's constant approach and
+c = cos(theta(s) - theta0) for a rigid approach delta along the main normal ("projected").
+"""
+
+from math import sqrt
+
+from numba import njit
+
+from wrsim.core.locus import locus_point
+from wrsim.core.profile import profile_point
+
+# columns of a strip's row
+S, DS, X, A, P, NO, NB, O, B, FORCE, FX, FY, MZ, XI, ETA, PHI, CURVATURE = range(17)
+STRIP_COLUMNS = 17
+
+
+@njit(cache=True)
+def pair(
+    wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc, delta, n0o, n0b
+):
+    """A pair of points of equal arclength.
+
+    delta and (n0o, n0b): approach and normal (rail to wheel) at the main point.
+    Returns (gap, x, o, b, normal_o, normal_b, stretch, k_t): gap [m] with the wheel moved out by the approach; strip
+    centre in rail axes at the true position; unit normal of the strip from rail to wheel.
+    """
+    x, wo, wb, no, nb, stretch, kt, _k = locus_point(wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc)
+    ro, rb, tu, tw, _kr = profile_point(rail, rail_step, rail_arc)
+    mo = -tw - no
+    mb = tu - nb
+    inverse = 1.0 / sqrt(mo * mo + mb * mb)
+    mo *= inverse
+    mb *= inverse
+    gap = (wo + delta * n0o - ro) * mo + (wb + delta * n0b - rb) * mb
+    return gap, x, 0.5 * (wo + ro), 0.5 * (wb + rb), mo, mb, stretch, kt
+
+
+@njit(cache=True)
+def find_edge(
+    wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
+    wheel_arc, rail_arc, delta, n0o, n0b, eps, projected, first, direction, limit,
+):  # fmt: skip
+    """Edge of the patch on one side of the main point: the first zero of h(s).
+
+    first: first step along s [m]; direction: +1 outward, -1 towards the flange; limit: largest |s|.
+    Returns (s, status): status 0, or 1 when the limit was reached before h vanished.
+    """
+    inner = 0.0
+    inner_arc = wheel_arc
+    inner_h = eps * delta
+    step = first
+    wheel_end = (wheel.shape[0] - 1) * wheel_step
+    rail_end = (rail.shape[0] - 1) * rail_step
+    # the wheel's arclength is advanced by Euler-midpoint steps of the stretch of its outline
+    stretch = 1.0
+    if et != 0.0:
+        _x, _o, _b, _no, _nb, stretch, _kt, _k = locus_point(
+            wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc
+        )
+    last_stretch = stretch
+    outer = 0.0
+    outer_h = 0.0
+    while True:
+        outer = inner + step
+        mid = 1.0 / stretch + 0.5 * (1.0 / stretch - 1.0 / last_stretch)
+        outer_arc = inner_arc + direction * step * mid
+        gap, _x, _o, _b, mo, mb, new_stretch, _kt = pair(
+            wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
+            outer_arc, rail_arc + direction * outer, delta, n0o, n0b,
+        )  # fmt: skip
+        c = mo * n0o + mb * n0b if projected else 1.0
+        outer_h = eps * delta * c - gap
+        if outer_h <= 0.0:
+            break
+        if (
+            outer >= limit
+            or outer_arc <= 0.0
+            or outer_arc >= wheel_end
+            or rail_arc + direction * outer <= 0.0
+            or rail_arc + direction * outer >= rail_end
+        ):
+            return direction * outer, 1
+        inner = outer
+        inner_arc = outer_arc
+        inner_h = outer_h
+        last_stretch = stretch
+        stretch = new_stretch
+    # Illinois' regula falsi between inner (h > 0) and outer (h <= 0)
+    lo = inner
+    hi = outer
+    lo_h = inner_h
+    hi_h = outer_h
+    s = hi
+    side = 0
+    mid = 1.0 / stretch + 0.5 * (1.0 / stretch - 1.0 / last_stretch)
+    for _ in range(60):
+        s = (lo * hi_h - hi * lo_h) / (hi_h - lo_h)
+        arc = inner_arc + direction * (s - inner) * mid
+        gap, _x, _o, _b, mo, mb, _st, _kt = pair(
+            wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
+            arc, rail_arc + direction * s, delta, n0o, n0b,
+        )  # fmt: skip
+        c = mo * n0o + mb * n0b if projected else 1.0
+        h = eps * delta * c - gap
+        if abs(h) < 1e-9 * delta or hi - lo < 1e-12:
+            break
+        if h > 0.0:
+            lo = s
+            lo_h = h
+            if side == 1:
+                hi_h *= 0.5
+            side = 1
+        else:
+            hi = s
+            hi_h = h
+            if side == -1:
+                lo_h *= 0.5
+            side = -1
+    return direction * s, 0
+
+
+@njit(cache=True)
+def lay_strips(
+    wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
+    wheel_arc, rail_arc, delta, n0o, n0b, eps, projected, start, end, n, strips,
+):  # fmt: skip
+    """Fill ``n`` strips of equal width between the edges ``start`` < 0 < ``end``.
+
+    Writes per strip S (centre), DS (width), X, O, B (centre in rail axes), NO, NB (normal), CURVATURE (k_t) and, as
+    A, the half length sqrt(2 h / k_t) of [S 25] with R_w^x = 1 / k_t [S 19, 20].
+    Returns (half length at the main point, k_t there).
+    """
+    width = (end - start) / n
+    _x, _o, _b, _no, _nb, stretch0, kt0, _k = locus_point(
+        wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc
+    )
+    main = int(-start / width)  # the strip that holds s = 0
+    for sweep in range(2):
+        direction = 1 if sweep == 0 else -1
+        i = main if sweep == 0 else main - 1
+        arc = wheel_arc
+        at = 0.0
+        stretch = stretch0
+        last = stretch0
+        while 0 <= i < n:
+            s = start + (i + 0.5) * width
+            # Adams-Bashforth over the stretch: second order with one evaluation a strip
+            arc += (s - at) * (1.5 / stretch - 0.5 / last)
+            at = s
+            gap, x, o, b, mo, mb, new_stretch, kt = pair(
+                wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
+                arc, rail_arc + s, delta, n0o, n0b,
+            )  # fmt: skip
+            last = stretch
+            stretch = new_stretch
+            c = mo * n0o + mb * n0b if projected else 1.0
+            h = eps * delta * c - gap
+            row = strips[i]
+            row[S] = s
+            row[DS] = width
+            row[X] = x
+            row[A] = sqrt(2.0 * h / kt) if h > 0.0 else 0.0
+            row[O] = o
+            row[B] = b
+            row[NO] = mo
+            row[NB] = mb
+            row[CURVATURE] = kt
+            i += direction
+    return sqrt(2.0 * eps * delta / kt0), kt0
