@@ -1,0 +1,61 @@
+"""All faults of one file in one InputError, a line each: where, what was found, what is allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from wrsim.errors import InputError
+from wrsim.inputs.lines import KeyPath
+from wrsim.inputs.section import Section
+from wrsim.inputs.toml_files import shown
+
+S = TypeVar("S", bound=Section)
+
+Locate = Callable[[KeyPath], str]
+"""Gives the file and line (``curve.toml:12``) for the path of a key."""
+
+
+def check(section: type[S], data: dict[str, Any], locate: Locate) -> S:
+    """Return ``data`` as a section, or raise one InputError that lists every fault on a line of its own."""
+    try:
+        return section.model_validate(data)
+    except ValidationError as error:
+        raise InputError("\n".join(_lines(error, locate))) from None
+
+
+def fault_line(path: KeyPath, message: str, locate: Locate, value: Any = None) -> str:
+    """Return one line on one fault; the value is shown unless it is None or a table."""
+    where = dotted(path)
+    if value is not None and not isinstance(value, dict):
+        where += f" = {shown(value)}"
+    return f"{locate(path)}: {where}: {message}" if where else f"{locate(path)}: {message}"
+
+
+def dotted(path: KeyPath) -> str:
+    """Return the path of a key as users write it: ``track.segments[2].radius_m``."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else (f".{part}" if text else str(part))
+    return text
+
+
+def _lines(error: ValidationError, locate: Locate) -> list[str]:
+    lines = []
+    for fault in error.errors(include_url=False):
+        path = fault["loc"]
+        if fault["type"] == "missing":
+            allowed = f": {fault['msg']}" if fault["msg"] else ""
+            lines.append(f"{locate(path)}: {dotted(path)} is missing{allowed}")
+        else:
+            lines.append(fault_line(path, fault["msg"], locate, fault["input"]))
+    return sorted(lines, key=_order)
+
+
+def _order(line: str) -> tuple[str, int]:
+    """Sort by file and line, as compilers do; faults without a line come first."""
+    name, _, rest = line.partition(".toml:")
+    number = rest.split(":", 1)[0]
+    return name, int(number) if number.isdigit() else 0

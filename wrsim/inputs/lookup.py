@@ -1,0 +1,77 @@
+"""Where a named file is: model files are looked up in a row of folders, the first hit counts."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from wrsim.errors import InputError
+from wrsim.inputs.values import nearest
+
+VARIABLE = "WRSIM_MODELS"
+"""Environment variable with further folders of models, separated as in PATH."""
+
+
+@dataclass(frozen=True)
+class Finder:
+    """A row of folders in which names like ``rails/60E1.toml`` are looked up."""
+
+    folders: tuple[Path, ...]
+
+    def find(self, name: str) -> Path:
+        """Return the first file of that name; an absolute name stands for itself.
+
+        Raises InputError listing the places searched and the nearest name that exists there.
+        """
+        asked = Path(name)
+        if asked.is_absolute():
+            if asked.is_file():
+                return asked
+            raise InputError("no such file" if not asked.is_dir() else "is a directory, a file is needed")
+        for folder in self.folders:
+            if (folder / asked).is_file():
+                return folder / asked
+        near = self._nearest(asked)
+        places = ", ".join(str(folder) for folder in self.folders)
+        raise InputError(f"not found in {places}" + (f'; did you mean "{near}"?' if near else ""))
+
+    def beside(self, file: Path) -> Finder:
+        """Return a finder that looks next to ``file`` first: names inside a model file are near that file."""
+        return Finder((file.parent, *(folder for folder in self.folders if folder != file.parent)))
+
+    def _nearest(self, asked: Path) -> str | None:
+        known: list[str] = []
+        for folder in self.folders:
+            for place in {folder / asked.parent, *(folder / room for room in ROOMS)}:
+                if place.is_dir():
+                    known += sorted(p.relative_to(folder).as_posix() for p in place.iterdir() if p.is_file())
+        known = [k for k in known if Path(k).suffix in (asked.suffix, ".toml")]
+        same_name = [k for k in known if Path(k).name == asked.name or Path(k).stem == asked.name]
+        return same_name[0] if same_name else nearest(asked.as_posix(), known)
+
+
+ROOMS = ("wheels", "rails", "vehicles", "tracks")
+"""Folders inside a folder of models."""
+
+
+def shipped_models() -> Path:
+    """Return the folder of the models that come with wrsim: inside the installed package or beside its source."""
+    package = Path(__file__).resolve().parents[1]
+    inside = package / "models"
+    return inside if inside.is_dir() else package.parent / "models"
+
+
+def user_folders(extra: tuple[str | Path, ...] = ()) -> tuple[Path, ...]:
+    """Return the folders that the user names, by argument and then by the environment.
+
+    Raises InputError for one that is no folder.
+    """
+    named = [("models", str(folder)) for folder in extra]
+    named += [(VARIABLE, text) for text in os.environ.get(VARIABLE, "").split(os.pathsep) if text]
+    for key, text in named:
+        if not Path(text).is_dir():
+            raise InputError(
+                f'{key} = "{text}": must be a folder with model files; there is none of that name'
+            )
+    return tuple(Path(text) for _, text in named)

@@ -1,0 +1,179 @@
+"""A table of a file: strict, frozen, and able to tell all its faults at once.
+
+pydantic checks the fields; on top of it a Section
+
+- answers an unknown key with the key that was probably meant: a slip of spelling, a forgotten or another
+  unit (``radius_mm`` for ``radius_m``), a habitual name from elsewhere (``mu`` for ``friction``), a key of
+  another table;
+- applies ``rules`` on which keys go together even when some values are wrong, so that nothing hides behind
+  another fault; one slip is one fault (the right key is not reported missing as well).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, ClassVar, NamedTuple, Self
+
+from pydantic import BaseModel, ConfigDict, ModelWrapValidatorHandler, ValidationError, model_validator
+from pydantic_core import InitErrorDetails, PydanticCustomError
+
+from wrsim.inputs.lines import KeyPath
+from wrsim.inputs.values import Annotation, nearest
+
+UNITS = {
+    "m": "m", "mm": "mm", "km": "km", "in": "inches", "ft": "feet", "kmh": "km/h", "mps": "m/s",
+    "s": "s", "ms": "ms", "us": "microseconds", "N": "N", "kN": "kN", "kg": "kg", "t": "t", "kg_m2": "kg m2",
+    "mrad": "mrad", "rad": "rad", "deg": "degrees", "Pa": "Pa", "MPa": "MPa", "GPa": "GPa", "s_per_m": "s/m",
+    "N_per_m": "N/m", "kN_per_m": "kN/m", "MN_per_m": "MN/m", "Ns_per_m": "N s/m", "kNs_per_m": "kN s/m",
+}  # fmt: skip
+"""Unit endings of keys and how they are written in a sentence."""
+
+
+class Fault(NamedTuple):
+    """One thing wrong in the combination of keys, with a sentence about it.
+
+    path: key of the section, keys down into a table of it, or nothing for the section itself.
+    missing: the key has to be given; the message says what it must be.
+    """
+
+    path: str | KeyPath
+    message: str
+    missing: bool = False
+
+
+class Section(BaseModel):
+    """Base of all tables that users write."""
+
+    model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
+
+    header: ClassVar[str] = "this table"
+    """How the table is called in messages, for example ``[vehicle]``."""
+    aliases: ClassVar[dict[str, str]] = {}
+    """Names that users bring from other programs -> our key."""
+    elsewhere: ClassVar[dict[str, str]] = {}
+    """Keys of other tables -> the header of that table."""
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """Yield faults in the combination of keys; called with the raw table, whatever its values."""
+        yield from ()
+
+    def consistency(self) -> Iterator[Fault]:
+        """Yield faults in the combination of values; called when every single value is right."""
+        yield from ()
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _all_at_once(cls, raw: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        if isinstance(raw, cls):
+            return raw
+        if not isinstance(raw, dict):
+            raise PydanticCustomError("value", f"must be a table ({cls.header})")  # type: ignore[arg-type]
+        data, faults, guessed = cls._translate(raw)
+        for name, field in cls.model_fields.items():
+            if field.is_required() and name not in data:
+                faults.append(_detail("missing", _words(field.metadata), (name,), raw))
+        kept: Self | None = None
+        try:
+            kept = handler(data)
+        except ValidationError as error:
+            for e in error.errors(include_url=False):
+                if e["type"] == "missing" and len(e["loc"]) == 1:
+                    continue  # told above, in our words
+                if e["loc"] and e["loc"][0] in guessed:
+                    continue
+                faults.append(_detail(e["type"], e["msg"], e["loc"], e["input"]))
+        told = {f["loc"] for f in faults}
+        combinations = list(cls.rules(data))
+        if kept is not None and not faults:
+            combinations += list(kept.consistency())
+        for fault in combinations:
+            path = (fault.path,) if isinstance(fault.path, str) else fault.path
+            if path in told or (path and path[0] in guessed):
+                continue
+            kind = "missing" if fault.missing else "value"
+            faults.append(_detail(kind, fault.message, path, _reach(data, path)))
+        if faults:
+            raise ValidationError.from_exception_data(cls.__name__, faults)
+        assert kept is not None
+        return kept
+
+    @classmethod
+    def _translate(cls, raw: dict[str, Any]) -> tuple[dict[str, Any], list[InitErrorDetails], set[str]]:
+        """Return the table with slips put right, the faults that tell of them, and the keys so guessed."""
+        data: dict[str, Any] = {}
+        faults: list[InitErrorDetails] = []
+        guessed: set[str] = set()
+        for key, value in raw.items():
+            if key in cls.model_fields:
+                data[key] = value
+                continue
+            message, meant = cls._unknown(str(key), raw)
+            faults.append(_detail("unknown", message, (str(key),), value))
+            if meant is not None and meant not in raw:
+                guessed.add(meant)
+                data[meant] = value
+        return data, faults, guessed
+
+    @classmethod
+    def keys_meant(cls, raw: Any) -> set[str]:
+        """Return the keys of this section that a raw table holds, slips put right."""
+        return set(cls._translate(raw)[0]) if isinstance(raw, dict) else set()
+
+    @classmethod
+    def _unknown(cls, key: str, raw: dict[str, Any]) -> tuple[str, str | None]:
+        """Return the message for an unknown key and the key of this section that was meant, if any."""
+        allowed = list(cls.model_fields)
+        meant = cls.aliases.get(key) or _same_stem(key, allowed)
+        if meant is None and key not in cls.elsewhere:
+            stems = {_stem(k): k for k in allowed}
+            near = nearest(key, allowed) or nearest(_stem(key), list(stems))
+            meant = stems.get(near, near) if near else None
+        if meant is not None:
+            unit = _unit(meant)
+            in_unit = f" (in {UNITS[unit]})" if unit and unit != _unit(key) else ""
+            if meant in raw:
+                return f"unknown key; '{meant}'{in_unit} is given already", meant
+            return f"unknown key; did you mean '{meant}'{in_unit}?", meant
+        other = key if key in cls.elsewhere else _same_stem(key, list(cls.elsewhere))
+        if other is not None:
+            return f"unknown key; '{other}' belongs in {cls.elsewhere[other]}", None
+        return f"unknown key; {cls.header} takes " + ", ".join(allowed), None
+
+
+def _detail(kind: str, message: str, loc: tuple[str | int, ...], value: Any) -> InitErrorDetails:
+    return InitErrorDetails(type=PydanticCustomError(kind, message), loc=loc, input=value)  # type: ignore[arg-type]
+
+
+def _reach(data: Any, path: KeyPath) -> Any:
+    """The value at a path of a raw table, None if there is none."""
+    for part in path:
+        if not isinstance(data, dict) or part not in data:
+            return None
+        data = data[part]
+    return data
+
+
+def _words(metadata: list[Any]) -> str:
+    words = next((m.words() for m in metadata if isinstance(m, Annotation)), "")
+    return f"must be {words}" if words else ""
+
+
+def _unit(key: str) -> str:
+    """Unit ending of a key, longest first; empty if it has none."""
+    for unit in sorted(UNITS, key=len, reverse=True):
+        if key.endswith("_" + unit) or key.lower().endswith("_" + unit.lower()):
+            return unit
+    return ""
+
+
+def _stem(key: str) -> str:
+    unit = _unit(key)
+    return key[: -len(unit) - 1].lower() if unit else key.lower()
+
+
+def _same_stem(key: str, allowed: list[str]) -> str | None:
+    """The allowed key that differs from ``key`` in its unit or its capitals only."""
+    return next((a for a in allowed if a.lower() == key.lower()), None) or next(
+        (a for a in allowed if _stem(a) == _stem(key)), None
+    )

@@ -1,0 +1,165 @@
+"""TOML files in and out, with errors for the person who wrote them."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from wrsim.errors import InputError
+
+_PLACE = re.compile(r" \(at line (\d+), column (\d+)\)")
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+
+
+def read_text(path: Path, what: str = "file") -> str:
+    """Return the text of a UTF-8 file (a byte order mark is allowed).
+
+    Raises InputError for a missing file (naming neighbours with a similar name), a directory, a file that
+    cannot be opened, and bytes that are not UTF-8 (naming the line).
+    """
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such {what}{similar_files(path)}") from None
+    except IsADirectoryError:
+        inside = _listing(sorted(p.name for p in path.glob("*.toml")))
+        raise InputError(f"{path}: is a directory, a {what} is needed{inside}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path}: cannot read this {what}: {reason}") from None
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        byte = f"0x{data[error.start]:02x}"
+        raise InputError(f"{path}:{line}: byte {byte} is not UTF-8 text; save the file as UTF-8") from None
+
+
+def parse_toml(text: str, name: str) -> dict[str, Any]:
+    """Return the tables of a TOML text; ``name`` is the file's name for messages.
+
+    Raises InputError with file, line, column, the line itself and, for frequent slips, a hint.
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(_syntax_message(str(error), text, name)) from None
+    except RecursionError:
+        raise InputError(f"{name}: tables or arrays are nested too deeply") from None
+    except ValueError as error:
+        raise InputError(f"{name}: not valid TOML: {error}") from None
+
+
+def similar_files(path: Path) -> str:
+    """Return a hint with files like ``path`` in its folder, or on a missing folder."""
+    if not path.parent.is_dir():
+        return f" (there is no folder '{path.parent}')"
+    names = [p.name for p in path.parent.iterdir() if p.is_file()]
+    near = get_close_matches(path.name, names, n=3, cutoff=0.6)
+    if near:
+        return "; did you mean " + " or ".join(f"'{path.parent / n}'" for n in near) + "?"
+    return _listing(sorted(n for n in names if n.endswith(path.suffix or ".toml")))
+
+
+def _listing(names: list[str], most: int = 8) -> str:
+    if not names:
+        return ""
+    return "; there are " + ", ".join(names[:most]) + (", ..." if len(names) > most else "")
+
+
+def _syntax_message(reason: str, text: str, name: str) -> str:
+    place = _PLACE.search(reason)
+    source = text.splitlines()
+    if place:
+        row, column = int(place[1]), int(place[2])
+    else:
+        row = len(source) or 1
+        column = len(source[-1]) + 1 if source else 1
+    reason = _PLACE.sub("", reason).replace(" (at end of document)", " at the end of the file")
+    message = f"{name}:{row}:{column}: not valid TOML: {reason[:1].lower()}{reason[1:]}"
+    if 0 < row <= len(source) and len(source[row - 1]) <= 120:
+        line = source[row - 1].expandtabs(1)
+        message += f"\n    {line}\n    {' ' * (column - 1)}^"
+        message += _hint(line)
+    return message
+
+
+def _hint(line: str) -> str:
+    value = line.split("=", 1)[1].split("#")[0].strip() if "=" in line else ""
+    if re.fullmatch(r"[-+]?\d+,\d+", value):
+        return f"\n    decimals need a point: {value.replace(',', '.')}"
+    if re.fullmatch(r"[-+]?(\.\d+|\d+\.)", value):
+        return "\n    a decimal point needs digits on both sides: 0.5, 1.0"
+    if re.fullmatch(r"[-+]?[\d.]+\s*[A-Za-z/%]+", value):
+        return "\n    numbers stand alone: the unit is part of the key"
+    if value.lower() in ("true", "false", "yes", "no", "on", "off"):
+        return "\n    a switch is true or false, in small letters"
+    if re.fullmatch(r"[A-Za-z][\w./-]*", value):
+        return f'\n    text needs quotes: "{value}"'
+    return ""
+
+
+def shown(value: Any, longest: int = 60) -> str:
+    """Return a value as it would stand in a TOML file, cut to ``longest`` characters."""
+    text = _value(value)
+    return text if len(text) <= longest else text[: longest - 4] + " ..."
+
+
+def write_toml(data: dict[str, Any]) -> str:
+    """Return TOML text that reads back as ``data``."""
+    return "\n".join(_table((), data)).strip() + "\n"
+
+
+def _table(path: tuple[str, ...], data: dict[str, Any]) -> list[str]:
+    lines = [f"{_key(k)} = {_value(v)}" for k, v in data.items() if not _is_table(v) and not _is_tables(v)]
+    for key, value in data.items():
+        inner = (*path, key)
+        name = ".".join(_key(k) for k in inner)
+        if _is_table(value):
+            lines += ["", f"[{name}]", *_table(inner, value)]
+        elif _is_tables(value):
+            for entry in value:
+                lines += ["", f"[[{name}]]", *_table(inner, entry)]
+    return lines
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, dict)
+
+
+def _is_tables(value: Any) -> bool:
+    return isinstance(value, (list, tuple)) and len(value) > 0 and all(isinstance(v, dict) for v in value)
+
+
+def _key(key: str) -> str:
+    return key if _BARE_KEY.fullmatch(key) else _string(key)
+
+
+def _string(text: str) -> str:
+    escapes = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r", "\b": "\\b", "\f": "\\f"}
+    plain = (escapes.get(c) or (f"\\u{ord(c):04x}" if ord(c) < 32 or ord(c) == 127 else c) for c in text)
+    return '"' + "".join(plain) + '"'
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return _string(value)
+    if isinstance(value, float):
+        if math.isnan(value):
+            return "nan"
+        if math.isinf(value):
+            return "inf" if value > 0 else "-inf"
+        return repr(value)
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_key(str(k))} = {_value(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_value(v) for v in value) + "]"
+    if isinstance(value, int) and value.bit_length() > 4096:
+        return hex(value)  # Python refuses to print such numbers in decimals
+    return str(value)

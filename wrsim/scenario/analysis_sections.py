@@ -1,0 +1,115 @@
+"""[static], [run] and [output]: what to compute with the wheelset, and what to keep."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Literal
+
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import Choice, Numbers, Quantity, Series, Switch, Text, Whole
+
+Lateral = Quantity(-100, 100, example="mm, positive to the left")
+Yaw = Quantity(-200, 200, example="mrad, positive to the left")
+Load = Quantity(above=0, high=1000, example="kN, downwards")
+Roll = Quantity(-200, 200, example="mrad, positive lifts the left wheel")
+
+GRID = ("lateral_mm", "yaw_mrad", "load_kN", "roll_mrad")
+MOST_POSES = 1_000_000
+
+
+class StaticSection(Section):
+    """Poses of one wheel or of a wheelset at a prescribed vertical load.
+
+    The poses are every combination of lateral_mm, yaw_mrad, load_kN and roll_mrad, or the rows of the CSV
+    table ``cases``. The load is that of the one wheel, or of the whole wheelset, which finds its own roll.
+    """
+
+    header: ClassVar[str] = "[static]"
+    aliases: ClassVar[dict[str, str]] = {
+        "y_mm": "lateral_mm",
+        "shift_mm": "lateral_mm",
+        "lateral_shift_mm": "lateral_mm",
+        "attack_mrad": "yaw_mrad",
+        "angle_of_attack_mrad": "yaw_mrad",
+        "force_kN": "load_kN",
+        "Q_kN": "load_kN",
+        "wheel_load_kN": "load_kN",
+        "axle_load_kN": "load_kN",
+        "file": "cases",
+        "csv": "cases",
+        "table": "cases",
+        "wheel": "side",
+    }
+
+    target: Annotated[Literal["wheel", "wheelset"], Choice(("wheel", "wheelset"))]
+    side: Annotated[Literal["left", "right"], Choice(("left", "right"))] = "left"
+    lateral_mm: Annotated[tuple[float, ...], Series(Lateral)] = (0.0,)
+    yaw_mrad: Annotated[tuple[float, ...], Series(Yaw)] = (0.0,)
+    load_kN: Annotated[tuple[float, ...], Series(Load)] | None = None
+    roll_mrad: Annotated[tuple[float, ...], Series(Roll)] = (0.0,)
+    cases: Annotated[str, Text('a CSV file such as "poses.csv"')] | None = None
+    rolling: Annotated[bool, Switch()] = True
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """A grid or a table; side and roll for a single wheel only."""
+        grid = [key for key in GRID if key in raw]
+        if "cases" in raw and grid:
+            yield Fault("cases", f"cannot stand next to {', '.join(grid)}: the poses come from one place")
+        elif "cases" not in raw and "load_kN" not in raw:
+            yield Fault("load_kN", f"must be {Series(Load).words()} (or give cases)", missing=True)
+        if raw.get("target") == "wheelset":
+            if "side" in raw:
+                yield Fault("side", 'is for target = "wheel" only')
+            if "roll_mrad" in raw:
+                yield Fault("roll_mrad", 'is for target = "wheel" only: a wheelset finds its own roll')
+
+    def consistency(self) -> Iterator[Fault]:
+        """The grid must stay countable."""
+        count = len(self.lateral_mm) * len(self.yaw_mrad) * len(self.load_kN or ()) * len(self.roll_mrad)
+        if count > MOST_POSES:
+            yield Fault((), f"describes {count} poses; must be at most {MOST_POSES}")
+
+
+class RunSection(Section):
+    """Where a run along the track starts and ends, and its steps in time."""
+
+    header: ClassVar[str] = "[run]"
+    aliases: ClassVar[dict[str, str]] = {
+        "duration_s": "time_s",
+        "t_end_s": "time_s",
+        "end_time_s": "time_s",
+        "length_m": "distance_m",
+        "dt_us": "step_us",
+        "h_us": "step_us",
+        "output_step_ms": "output_interval_ms",
+        "sampling_ms": "output_interval_ms",
+    }
+
+    start_distance_m: Annotated[float, Quantity(0, 1e6, example="m along the centre line")] = 0.0
+    distance_m: Annotated[float, Quantity(above=0, high=1e6, example="m from the start")] | None = None
+    time_s: Annotated[float, Quantity(above=0, high=1e5, example="s from the start")] | None = None
+    step_us: Annotated[int, Whole(1, 20_000)] | None = None
+    output_interval_ms: Annotated[float, Quantity(0.01, 10_000, example="ms between two samples")] = 5.0
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """A distance or a time."""
+        if "distance_m" in raw and "time_s" in raw:
+            yield Fault("time_s", "cannot stand next to distance_m: give one of them")
+
+    def consistency(self) -> Iterator[Fault]:
+        """A sample needs at least one step."""
+        if self.step_us is not None and self.step_us > self.output_interval_ms * 1000.0 * (1.0 + 1e-9):
+            yield Fault("step_us", f"must be at most the output interval ({self.output_interval_ms:g} ms)")
+
+
+class OutputSection(Section):
+    """What is kept besides the channels."""
+
+    header: ClassVar[str] = "[output]"
+    aliases: ClassVar[dict[str, str]] = {"snapshots_m": "patches_at_m", "patches": "patches_at_m"}
+
+    patches_at_m: (
+        Annotated[tuple[float, ...], Numbers(Quantity(0, 1e6, example="m along the centre line"))] | None
+    ) = None

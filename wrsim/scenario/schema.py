@@ -1,0 +1,77 @@
+"""A scenario file as a whole: which sections there are and how they go together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Literal
+
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import Choice, Text
+from wrsim.scenario.analysis_sections import OutputSection, RunSection, StaticSection
+from wrsim.scenario.contact_section import ContactSection, MaterialSection
+from wrsim.scenario.track_section import Arc, Straight, TrackSection, Transition
+from wrsim.scenario.vehicle_section import VehicleSection
+
+Analysis = Literal["static", "equilibrium", "curving"]
+
+UNUSED = {"static": ("run", "output"), "equilibrium": ("static",), "curving": ("static",)}
+"""Sections that an analysis does not look at: refused in a file, dropped when they come from its base."""
+
+
+class ScenarioSpec(Section):
+    """The file in the user's own units, checked. Units end here: see ``build``."""
+
+    header: ClassVar[str] = "a scenario"
+    aliases: ClassVar[dict[str, str]] = {
+        "name": "title",
+        "type": "analysis",
+        "wheelset": "vehicle",
+        "simulation": "run",
+        "results": "output",
+    }
+
+    title: Annotated[str, Text("a title")] = "untitled"
+    analysis: Annotated[Analysis, Choice(("static", "equilibrium", "curving"))]
+    vehicle: VehicleSection
+    track: TrackSection
+    contact: ContactSection = ContactSection()
+    static: StaticSection | None = None
+    run: RunSection = RunSection()
+    output: OutputSection = OutputSection()
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """What each analysis needs, and what it does not use."""
+        analysis = raw.get("analysis")
+        if analysis == "static" and "static" not in raw:
+            yield Fault("static", 'analysis = "static" needs the table [static] with its poses', missing=True)
+        for unused in UNUSED.get(analysis, ()) if isinstance(analysis, str) else ():
+            if unused in raw:
+                yield Fault(unused, f'is not used by analysis = "{analysis}": remove it')
+        if analysis == "curving":
+            vehicle, track = raw.get("vehicle"), raw.get("track")
+            if isinstance(vehicle, dict) and "speed_kmh" not in VehicleSection.keys_meant(vehicle):
+                yield Fault(("vehicle", "speed_kmh"), 'analysis = "curving" needs a speed', missing=True)
+            if isinstance(track, dict) and not (
+                "segments" in TrackSection.keys_meant(track) and track.get("segments") != []
+            ):
+                needed = 'analysis = "curving" needs a track of [[track.segments]]'
+                yield Fault(("track", "segments"), needed, missing=True)
+
+
+def _tell_sections_of_each_other() -> None:
+    """Let every section say where a key belongs that it does not know."""
+    sections: tuple[type[Section], ...] = (
+        ScenarioSpec, VehicleSection, TrackSection, Straight, Transition, Arc,
+        ContactSection, MaterialSection, StaticSection, RunSection, OutputSection,
+    )  # fmt: skip
+    for section in sections:
+        section.elsewhere = {
+            key: "the top of the file, before the first table" if other is ScenarioSpec else other.header
+            for other in reversed(sections)
+            for key in other.model_fields
+            if other is not section and key not in section.model_fields
+        }
+
+
+_tell_sections_of_each_other()
