@@ -93,3 +93,21 @@ def locus_node(table, node, radius, oo, ob, et, eo, eb, q):
     do = (cosine * eb - sine * et * eo) / q
     db = (-cosine * eo - sine * et * eb) / q
     return oo + u * eo + rho * do, ob + u * eb + rho * db, cw * eo + cu * do, cw * eb + cu * db, proper
+
+
+@njit(cache=True)
+def outline(table, step, radius, pose, arc, out):
+    """Outline of a wheel seen along its rail, for drawing: (o, b) at the arclengths ``arc`` to ``out`` (2, m).
+
+    pose: see core.wheel_rail. Where a yawed wheel's flank is nearly vertical the plain section stands instead.
+    """
+    q = sqrt(1.0 - pose[3] * pose[3])
+    for i in range(arc.shape[0]):
+        u, w, cu, cw, _k = profile_point(table, step, arc[i])
+        rho = radius - w
+        sine = -cw * pose[3] / (max(cu, 1e-3) * q)
+        if abs(sine) >= LARGEST_SINE:
+            sine = 0.0
+        cosine = sqrt(1.0 - sine * sine)
+        out[0, i] = pose[1] + u * pose[4] + rho * (cosine * pose[5] - sine * pose[3] * pose[4]) / q
+        out[1, i] = pose[2] + u * pose[5] + rho * (-cosine * pose[4] - sine * pose[3] * pose[5]) / q
