@@ -132,12 +132,14 @@ class SweptCurve:
     def distance(self, arclength: ArrayLike) -> Array:
         """Centre-line distance at own arclength [m]: the inverse of `arclength` by Newton's method."""
         arclength = np.asarray(arclength, dtype=np.float64)
+        if self.side == 0:
+            return arclength
         inside = np.clip(arclength, 0.0, self.length)
         s = np.interp(inside, self.anchor_lengths, self.anchors)
         for _ in range(12):
             step = (inside - self.arclength(s)) / self._rate(s)
             s = np.clip(s + step, 0.0, self.centre.length)
-            if np.max(np.abs(step), initial=0.0) < 1e-13 * (1.0 + self.length):
+            if np.max(np.abs(step), initial=0.0) < 1e-10:  # quadratic: the next one would be rounding
                 break
         return s + arclength - inside
 
