@@ -56,7 +56,7 @@ ROOMS = ("wheels", "rails", "vehicles", "tracks")
 
 
 def shipped_models() -> Path:
-    """Return the folder of the models that come with wrsim: inside the installed package or beside its source."""
+    """Return the folder of the models that come with wrsim: in the package, or beside it in the source."""
     package = Path(__file__).resolve().parents[1]
     inside = package / "models"
     return inside if inside.is_dir() else package.parent / "models"

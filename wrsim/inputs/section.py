@@ -141,6 +141,24 @@ class Section(BaseModel):
         return f"unknown key; {cls.header} takes " + ", ".join(allowed), None
 
 
+def both_or_sides(
+    raw: dict[str, Any], both: str, left: str, right: str, *, needed: str = "", complete: bool = False
+) -> Iterator[Fault]:
+    """Rules for a key that holds for both sides and its two relatives for single sides.
+
+    A value for both sides next to one for a single side is refused. ``complete``: with one side the other
+    has to be given as well. ``needed`` (what the key must be): one of the ways has to be taken; implies
+    ``complete``.
+    """
+    sides = [key for key in (left, right) if key in raw]
+    if both in raw and sides:
+        yield Fault(both, f"is for both sides and cannot stand next to {' and '.join(sides)}")
+    elif both not in raw and not sides and needed:
+        yield Fault(both, f"must be {needed} (or give {left} and {right})", missing=True)
+    elif len(sides) == 1 and (complete or needed):
+        yield Fault(left if right in raw else right, f"goes with {sides[0]} (or give {both})", missing=True)
+
+
 def _detail(kind: str, message: str, loc: tuple[str | int, ...], value: Any) -> InitErrorDetails:
     return InitErrorDetails(type=PydanticCustomError(kind, message), loc=loc, input=value)  # type: ignore[arg-type]
 

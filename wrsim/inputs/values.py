@@ -7,6 +7,7 @@ Each annotation checks a value and, when it is refused, says in one sentence wha
 
 from __future__ import annotations
 
+import datetime
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -146,6 +147,19 @@ class Switch(Annotation):
 
     def check(self, value: Any) -> bool:
         if not isinstance(value, bool):
+            raise self.refusal()
+        return value
+
+
+@dataclass(frozen=True)
+class Day(Annotation):
+    """A date."""
+
+    def words(self) -> str:
+        return "a date without quotes, like 2026-01-31"
+
+    def check(self, value: Any) -> datetime.date:
+        if not isinstance(value, datetime.date):
             raise self.refusal()
         return value
 

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.contact.settings import ContactSettings, Material
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import Choice, Quantity, Whole
-from wrsim.scenario.vehicle_section import both_or_sides
 
 Modulus = Quantity(1, 1000, example="GPa, steel 210")
 Poisson = Quantity(0, 0.49, example="steel 0.28")

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.geometry import segments
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import (
     Annotation,
     AwayFromZero,
@@ -20,7 +20,6 @@ from wrsim.inputs.values import (
     plain,
     refuse,
 )
-from wrsim.scenario.vehicle_section import both_or_sides
 
 Length = Quantity(above=0, high=1e6, example="m")
 Cant = Quantity(-250, 250, example="mm, positive leans to the inside of the curve")
@@ -177,11 +176,13 @@ class TrackSection(Section):
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """A rail for both sides or one for each; a transition lies between two arcs or straights."""
-        yield from both_or_sides(raw, "rail", "rail_left", "rail_right", complete=True)
-        if not {"rail", "rail_left", "rail_right"} & set(raw):
-            yield Fault(
-                "rail", f"must be {RailName.words()} (or give rail_left and rail_right)", missing=True
-            )
+        yield from both_or_sides(raw, "rail", "rail_left", "rail_right", needed=RailName.words())
+        row = raw.get("segments")
+        kinds = [s.get("kind") if isinstance(s, dict) else None for s in row] if isinstance(row, list) else []
+        for i in range(1, len(kinds)):
+            if kinds[i - 1] == kinds[i] == "transition":
+                message = "follows another transition: put an arc or a straight between them"
+                yield Fault(("segments", i), message)
 
     def consistency(self) -> Iterator[Fault]:
         """Cant is measured between the rail tops, which lie outside of the gauge."""

@@ -1,0 +1,1 @@
+"""Vehicles: plain data (`wheelset`) and their files (`files`)."""

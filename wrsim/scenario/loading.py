@@ -1,0 +1,142 @@
+"""From a file to a Scenario: read, merged with its base, every key checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from wrsim.errors import InputError
+from wrsim.inputs.checking import check, dotted, fault_line
+from wrsim.inputs.lines import KeyPath
+from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+from wrsim.inputs.toml_files import write_toml
+from wrsim.scenario.merging import Merged, from_text, read_merged
+from wrsim.scenario.schema import UNUSED, ScenarioSpec
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A scenario file that has passed every check of its keys, in the file's own units.
+
+    spec: the tables; text: the whole as TOML, with everything that came from ``base``; path: the file, or
+    None for a text; finder: folders in which model files are looked up. `wrsim.scenario.build.build` turns
+    it into SI.
+    """
+
+    spec: ScenarioSpec
+    text: str
+    path: Path | None
+    finder: Finder
+    _merged: Merged = field(repr=False, compare=False)
+
+    @property
+    def title(self) -> str:
+        """The title in the file."""
+        return self.spec.title
+
+    @property
+    def analysis(self) -> str:
+        """static, equilibrium or curving."""
+        return self.spec.analysis
+
+    @property
+    def directories(self) -> tuple[Path, ...]:
+        """Folders in which model files are looked up, in that order."""
+        return self.finder.folders
+
+    def locate(self, path: KeyPath) -> str:
+        """Return file and line of a key, for messages."""
+        return self._merged.locate(path)
+
+    def fault(self, path: KeyPath, message: str, value: Any = None) -> InputError:
+        """Return the error for a key whose value passed the schema but does not fit the rest."""
+        return InputError(fault_line(path, message, self.locate, value))
+
+    def find(self, path: KeyPath, name: str) -> Path:
+        """Return the model file of this name; InputError names the key at ``path`` that asks for it."""
+        try:
+            return self.finder.find(name)
+        except InputError as error:
+            raise self.fault(path, str(error), name) from None
+
+    def with_values(self, values: Mapping[str, Any]) -> Scenario:
+        """Return the scenario with some keys changed, checked again.
+
+        ``values`` maps dotted keys to values in the file's units: ``{"vehicle.speed_kmh": 60}``; places in
+        lists stand in brackets: ``"track.segments[2].radius_m"``. Raises InputError like `load`.
+        """
+        data, owners = self._merged.data, dict(self._merged.owners)
+        for key, value in values.items():
+            path = _keys(key)
+            data = _changed(data, path, value)
+            owners[path] = "new value"
+        merged = replace(self._merged, data=data, text=write_toml(data), owners=owners)
+        return Scenario(check(ScenarioSpec, data, merged.locate), merged.text, self.path, self.finder, merged)
+
+
+def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
+    """Read and check a scenario file.
+
+    models: folders with model files of your own. Model names are looked up beside the scenario file (then
+    beside the files it starts from), in ``models``, in the folders of the environment variable WRSIM_MODELS,
+    and in the models that come with wrsim.
+
+    Raises InputError with all faults of the file, one line each.
+    """
+    merged = read_merged(Path(path))
+    unused = [
+        section
+        for section in UNUSED.get(str(merged.data.get("analysis")), ())
+        if section in merged.data and merged.owners.get((section,)) != str(merged.files[0])
+    ]
+    if unused:  # inherited, and of no use to this analysis
+        merged.data = {key: value for key, value in merged.data.items() if key not in unused}
+        merged.text = write_toml(merged.data)
+    return _scenario(merged, Path(path), models)
+
+
+def load_text(text: str, folder: str | Path = ".", models: Sequence[str | Path] = ()) -> Scenario:
+    """Check a scenario given as TOML text, such as the one that a result carries.
+
+    folder: where model names are looked up first. Raises InputError like `load`.
+    """
+    merged = from_text(text, "scenario")
+    return _scenario(merged, None, models, Path(folder))
+
+
+def _scenario(
+    merged: Merged, path: Path | None, models: Sequence[str | Path], folder: Path = Path()
+) -> Scenario:
+    beside = [file.parent for file in merged.files] or [folder]
+    folders = (*beside, *user_folders(tuple(models)), shipped_models())
+    finder = Finder(tuple(dict.fromkeys(folders)))
+    return Scenario(check(ScenarioSpec, merged.data, merged.locate), merged.text, path, finder, merged)
+
+
+def _keys(dotted_key: str) -> KeyPath:
+    """``track.segments[2].radius_m`` -> ("track", "segments", 2, "radius_m")."""
+    path: list[str | int] = []
+    for part in dotted_key.split("."):
+        name, *places = part.replace("]", "").split("[")
+        path.append(name)
+        if not all(place.isdecimal() for place in places) or not name:
+            raise InputError(f'key "{dotted_key}": must be written like track.segments[2].radius_m')
+        path += [int(place) for place in places]
+    return tuple(path)
+
+
+def _changed(data: Any, path: KeyPath, value: Any, done: KeyPath = ()) -> Any:
+    """A copy of a tree of tables with one value replaced; tables on the way are made where missing."""
+    if not path:
+        return value
+    first, rest = path[0], path[1:]
+    here = (*done, first)
+    if isinstance(first, int):
+        if not isinstance(data, list) or first >= len(data):
+            raise InputError(f"{dotted(here)}: there is no such entry")
+        return [_changed(v, rest, value, here) if i == first else v for i, v in enumerate(data)]
+    if not isinstance(data, dict):
+        raise InputError(f"{dotted(here)}: '{dotted(done)}' is no table")
+    return {**data, first: _changed(data.get(first, {} if rest else None), rest, value, here)}

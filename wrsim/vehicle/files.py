@@ -1,0 +1,190 @@
+"""Vehicle files (``models/vehicles/*.toml``) to and from plain data in SI units."""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile import Profile
+from wrsim.geometry.profile_models import load_profile
+from wrsim.inputs.checking import check, fault_line
+from wrsim.inputs.lines import KeyPath, key_lines, line_of
+from wrsim.inputs.lookup import Finder
+from wrsim.inputs.section import Fault, Section, both_or_sides
+from wrsim.inputs.toml_files import parse_toml, read_text
+from wrsim.inputs.values import Annotation, Day, Numbers, Quantity, Text
+from wrsim.vehicle.wheelset import SprungMass, Suspension, Wheel, Wheelset
+
+Locate = Callable[[KeyPath], str]
+
+Radius = Quantity(100, 1500, example="radius at the tape circle in mm, such as 460")
+WheelName = Text('a wheel profile file such as "wheels/S1002.toml"')
+
+
+class Three(Annotation):
+    """Three numbers not below zero, along x (forward), y (lateral), z (vertical)."""
+
+    def words(self) -> str:
+        return "three numbers not below 0: along x (forward), y (lateral), z (vertical)"
+
+    def check(self, value: Any) -> tuple[float, ...]:
+        if not isinstance(value, (list, tuple)) or len(value) != 3:
+            raise self.refusal()
+        return Numbers(Quantity(0, 1e9)).check(value)
+
+
+class WheelsetTable(Section):
+    """[wheelset]: the rigid body and its two wheels."""
+
+    header: ClassVar[str] = "[wheelset]"
+    aliases: ClassVar[dict[str, str]] = {
+        "profile": "wheel",
+        "wheel_profile": "wheel",
+        "ixx_kg_m2": "roll_inertia_kg_m2",
+        "iyy_kg_m2": "spin_inertia_kg_m2",
+        "izz_kg_m2": "yaw_inertia_kg_m2",
+        "pitch_inertia_kg_m2": "spin_inertia_kg_m2",
+        "back_to_back_mm": "flange_back_mm",
+    }
+
+    mass_kg: Annotated[float, Quantity(above=0, high=20_000, example="kg")]
+    roll_inertia_kg_m2: Annotated[float, Quantity(above=0, high=1e5, example="about the x axis")]
+    spin_inertia_kg_m2: Annotated[float, Quantity(above=0, high=1e5, example="about the axle")]
+    yaw_inertia_kg_m2: Annotated[float, Quantity(above=0, high=1e5, example="about the z axis")]
+    profile_spacing_mm: (
+        Annotated[float, Quantity(400, 2500, example="mm between the tape circles")] | None
+    ) = None
+    flange_back_mm: Annotated[float, Quantity(300, 2400, example="mm between the flange backs")] | None = None
+    back_to_tape_circle_mm: Annotated[float, Quantity(20, 120, example="mm, 70 in Europe")] = 70.0
+    wheel: Annotated[str, WheelName] | None = None
+    wheel_left: Annotated[str, WheelName] | None = None
+    wheel_right: Annotated[str, WheelName] | None = None
+    radius_mm: Annotated[float, Radius] | None = None
+    radius_left_mm: Annotated[float, Radius] | None = None
+    radius_right_mm: Annotated[float, Radius] | None = None
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """A value for both wheels or one for each; the spacing in one of two ways."""
+        yield from both_or_sides(raw, "wheel", "wheel_left", "wheel_right", needed=WheelName.words())
+        yield from both_or_sides(raw, "radius_mm", "radius_left_mm", "radius_right_mm", needed=Radius.words())
+        if "flange_back_mm" in raw and "profile_spacing_mm" in raw:
+            yield Fault("flange_back_mm", "cannot stand next to profile_spacing_mm: give one of them")
+        elif "flange_back_mm" not in raw and "profile_spacing_mm" not in raw:
+            words = "a distance in mm between the tape circles (or give flange_back_mm)"
+            yield Fault("profile_spacing_mm", f"must be {words}", missing=True)
+        if "back_to_tape_circle_mm" in raw and "flange_back_mm" not in raw:
+            yield Fault("back_to_tape_circle_mm", "is for use with flange_back_mm only")
+
+    @property
+    def spacing(self) -> float:
+        """Distance between the two profile origins [m]."""
+        if self.profile_spacing_mm is not None:
+            return self.profile_spacing_mm / 1000.0
+        assert self.flange_back_mm is not None
+        return (self.flange_back_mm + 2.0 * self.back_to_tape_circle_mm) / 1000.0
+
+    @property
+    def radii(self) -> tuple[float, float]:
+        """Radii of the left and right wheel at the tape circle [m]."""
+        left = self.radius_mm if self.radius_left_mm is None else self.radius_left_mm
+        right = self.radius_mm if self.radius_right_mm is None else self.radius_right_mm
+        assert left is not None and right is not None
+        return left / 1000.0, right / 1000.0
+
+
+class SuspensionTable(Section):
+    """[suspension]: springs and dampers of each side to the frame that follows the track."""
+
+    header: ClassVar[str] = "[suspension]"
+
+    stiffness_kN_per_m: Annotated[tuple[float, float, float], Three()] = (0.0, 0.0, 0.0)
+    damping_kNs_per_m: Annotated[tuple[float, float, float], Three()] = (0.0, 0.0, 0.0)
+    half_spacing_mm: Annotated[float, Quantity(above=0, high=2000, example="mm from the middle")] = 1000.0
+
+
+class SprungTable(Section):
+    """[sprung]: the share of the vehicle that this wheelset carries."""
+
+    header: ClassVar[str] = "[sprung]"
+    aliases: ClassVar[dict[str, str]] = {"height_mm": "height_above_axle_mm"}
+
+    mass_kg: Annotated[float, Quantity(0, 50_000, example="kg")] = 0.0
+    height_above_axle_mm: Annotated[
+        float, Quantity(-1000, 5000, example="mm of its centre above the axle")
+    ] = 0.0
+
+
+class VehicleFile(Section):
+    """A vehicle file as a whole."""
+
+    header: ClassVar[str] = "a vehicle file"
+    aliases: ClassVar[dict[str, str]] = {"title": "name", "vehicle": "wheelset", "sprung_mass": "sprung"}
+
+    name: Annotated[str, Text("the vehicle's name")]
+    source: Annotated[str, Text("where the data come from")]
+    date: Annotated[datetime.date, Day()]
+    wheelset: WheelsetTable
+    suspension: SuspensionTable = SuspensionTable()
+    sprung: SprungTable = SprungTable()
+
+
+def load_vehicle(path: str | Path, find: Finder | None = None) -> Wheelset:
+    """Read a vehicle file and the wheel profiles it names.
+
+    find: where profiles are looked up after the folder of the vehicle file itself.
+    Raises InputError with all faults of the file at once: file, line, key, value, what is allowed.
+    """
+    path = Path(path)
+    text = read_text(path, "vehicle file")
+    lines = key_lines(text)
+
+    def locate(key: KeyPath) -> str:
+        line = line_of(lines, key)
+        return f"{path}:{line}" if line else str(path)
+
+    file = check(VehicleFile, parse_toml(text, str(path)), locate)
+    finder = (find or Finder(())).beside(path)
+    profiles = tuple(_wheel(file.wheelset, side, finder, locate) for side in ("left", "right"))
+    radii = file.wheelset.radii
+    body = file.wheelset
+    x, y, z = file.suspension.stiffness_kN_per_m
+    cx, cy, cz = file.suspension.damping_kNs_per_m
+    return Wheelset(
+        name=file.name,
+        mass=body.mass_kg,
+        inertia=(body.roll_inertia_kg_m2, body.spin_inertia_kg_m2, body.yaw_inertia_kg_m2),
+        profile_spacing=body.spacing,
+        left=Wheel(profiles[0], radii[0]),
+        right=Wheel(profiles[1], radii[1]),
+        suspension=Suspension(
+            (1e3 * x, 1e3 * y, 1e3 * z),
+            (1e3 * cx, 1e3 * cy, 1e3 * cz),
+            file.suspension.half_spacing_mm / 1000.0,
+        ),
+        sprung=SprungMass(file.sprung.mass_kg, file.sprung.height_above_axle_mm / 1000.0),
+        source=file.source,
+    )
+
+
+def with_wheel(wheelset: Wheelset, side: str, profile: Profile | None, radius: float | None) -> Wheelset:
+    """Return the wheelset with another profile or radius [m] on one side; None keeps what is there."""
+    old = wheelset.left if side == "left" else wheelset.right
+    new = Wheel(profile or old.profile, radius or old.radius)
+    return replace(wheelset, left=new) if side == "left" else replace(wheelset, right=new)
+
+
+def _wheel(table: WheelsetTable, side: str, finder: Finder, locate: Locate) -> Profile:
+    own = table.wheel_left if side == "left" else table.wheel_right
+    key = "wheel" if own is None else f"wheel_{side}"
+    name = own or table.wheel
+    assert name is not None
+    try:
+        file = finder.find(name)
+    except InputError as error:
+        raise InputError(fault_line(("wheelset", key), str(error), locate, name)) from None
+    return load_profile(file, "wheel")
