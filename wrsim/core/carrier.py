@@ -1,20 +1,21 @@
 """What the track frame does to a wheelset: suspension, sprung mass, constant force; and gravity.
 
-A kinematic frame runs along the centre line at constant speed, s_f(t) = s0 + V t. It is evaluated, not integrated.
+A kinematic frame runs along the centre line at constant speed, s_f(t) = s0 + V t. It is evaluated, not
+integrated.
 
-Suspension. One set of springs and dampers on each side joins the axle at +-half_spacing to the point of the frame
-that stands at +-half_spacing n, ``height`` above the track plane. With d the vector between them and omega_f the
-angular velocity of the frame, the force on the axle along each axis e of the frame is
+Suspension. One set of springs and dampers on each side joins the axle at +-half_spacing to the point of the
+frame that stands at +-half_spacing n, ``height`` above the track plane. With d the vector between them and
+omega_f the angular velocity of the frame, the force on the axle along each axis e of the frame is
 
     -k d.e - c (v_axle - v_frame - omega_f x (r_axle - r_frame)).e
 
-The velocity is the one seen from the turning frame: a wheelset that follows a curve undisturbed meets no damper
-force. The points lie on the axle, so the spin does not move them.
+The velocity is the one seen from the turning frame: a wheelset that follows a curve undisturbed meets no
+damper force. The points lie on the axle, so the spin does not move them.
 
 Sprung mass. It follows the frame without oscillating. Its weight and its inertia press on the wheelset with
-m_s (g - a_f), a_f = V^2 dt/ds; the part along t is left to the train that keeps the frame at its speed, the other two
-act at the centre of mass, with the moment of the lateral part at ``height`` above the axle. The speed at which the
-cant changes adds no force.
+m_s (g - a_f), a_f = V^2 dt/ds; the part along t is left to the train that keeps the frame at its speed, the
+other two act at the centre of mass, with the moment of the lateral part at ``height`` above the axle. The
+speed at which the cant changes adds no force.
 
 The constant force acts at the centre of mass in the track axes at the wheelset's own place.
 """
@@ -37,8 +38,8 @@ PARAMETERS = 17
 def carrier_forces(t, body, own, path, step, parameters):
     """Force and moment on a wheelset from everything but the rails.
 
-    t: time [s]; body: 18 numbers of ``core.wheelset.kinematics``; own: track frame at the projection of the centre
-    of mass; path, step: centre line; parameters: (17,) as named above.
+    t: time [s]; body: 18 numbers of ``core.wheelset.kinematics``; own: track frame at the projection of the
+    centre of mass; path, step: centre line; parameters: (17,) as named above.
     Returns (Fx, Fy, Fz [N], Mx, My, Mz [N m]): at the centre of mass, in global axes.
     """
     speed = parameters[SPEED]

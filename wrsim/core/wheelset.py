@@ -1,22 +1,22 @@
 """The wheelset as a rigid body in numbers: kinematics, generalised forces, pose in the track frame.
 
-Coordinates (those of the Exudyn node ``NodeRigidBodyRxyz`` with the global axes permuted to X = z up, Y = x forward,
-Z = y left; (z, x, y) is a cyclic permutation, hence right-handed)::
+Coordinates (those of the Exudyn node ``NodeRigidBodyRxyz`` with the global axes permuted to X = z up, Y = x
+forward, Z = y left; (z, x, y) is a cyclic permutation, hence right-handed)::
 
     q = (z, x, y, heading, roll, spin)
 
-The body is turned by heading about the global vertical, then by roll about the heading direction, then by spin about
-its axle. With ca = cos(heading), cb = cos(roll) and so on, in global components (x, y, z):
+The body is turned by heading about the global vertical, then by roll about the heading direction, then by
+spin about its axle. With ca = cos(heading), cb = cos(roll) and so on, in global components (x, y, z):
 
 - forward = (ca, sa, 0)
 - axle = (-sa cb, ca cb, sb), towards the left wheel
 - up = forward x axle = (sa sb, -ca sb, cb)
 - angular velocity = heading_t (0, 0, 1) + roll_t forward + spin_t axle
 
-so the generalised forces of a moment M about the centre of mass are its components along the vertical, along forward
-and along the axle (the columns of the Jacobian of the angular velocity). The description is singular only at a roll
-of +-90 degrees; heading and spin count any number of turns. Only sines and cosines of the angles enter: a mirrored
-or turned state gives mirrored or turned forces to round-off.
+so the generalised forces of a moment M about the centre of mass are its components along the vertical, along
+forward and along the axle (the columns of the Jacobian of the angular velocity). The description is singular
+only at a roll of +-90 degrees; heading and spin count any number of turns. Only sines and cosines of the
+angles enter: a mirrored or turned state gives mirrored or turned forces to round-off.
 
 All vectors are in global axes: x forward at the start of the track, y left, z up.
 """
@@ -33,8 +33,8 @@ def kinematics(q, q_t):
     """Position, velocity and orientation of a wheelset.
 
     q, q_t: (6,) coordinates [m, rad] and their rates. Returns 18 numbers, called ``body`` hereafter:
-    position (x, y, z) of the centre of mass [m], its velocity [m/s], unit vectors forward, axle and up of the frame
-    that does not spin, angular velocity [rad/s] (with the spin).
+    position (x, y, z) of the centre of mass [m], its velocity [m/s], unit vectors forward, axle and up of
+    the frame that does not spin, angular velocity [rad/s] (with the spin).
     """
     sa = sin(q[3])
     ca = cos(q[3])
@@ -74,8 +74,8 @@ def spin_rate(q, q_t):
 def generalised_forces(body, force, moment, out):
     """Write the generalised forces of a force and a moment at the centre of mass to ``out`` (6,).
 
-    force [N], moment [N m]: (x, y, z) in global axes. out: forces along z, x, y [N], then the moment's components
-    along the vertical, forward and the axle [N m].
+    force [N], moment [N m]: (x, y, z) in global axes. out: forces along z, x, y [N], then the moment's
+    components along the vertical, forward and the axle [N m].
     """
     out[0] = force[2]
     out[1] = force[0]
@@ -89,8 +89,8 @@ def generalised_forces(body, force, moment, out):
 def pose_in_track(body, frame):
     """Pose of a wheelset against a track frame.
 
-    frame: 12 numbers, origin and unit vectors t, n, b (``core.path.frame`` at the projection of the centre of mass).
-    Returns (lateral shift, height above the frame's origin along b [m], yaw, roll [rad]).
+    frame: 12 numbers, origin and unit vectors t, n, b (``core.path.frame`` at the projection of the centre
+    of mass). Returns (lateral shift, height above the frame's origin along b [m], yaw, roll [rad]).
     """
     rx, ry, rz, tx, ty, tz, nx, ny, nz, bx, by, bz = frame
     dx = body[0] - rx
@@ -109,7 +109,7 @@ def pose_in_track(body, frame):
 
 @njit(cache=True)
 def point_velocity(body, x, y, z):
-    """Velocity [m/s] of the wheelset's material at the global point (x, y, z), spin included: v + omega x r."""
+    """Velocity [m/s] of the wheelset's material at the global point (x, y, z): v + omega x r."""
     rx = x - body[0]
     ry = y - body[1]
     rz = z - body[2]

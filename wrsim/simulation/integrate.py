@@ -1,0 +1,281 @@
+"""Time integration with a fixed step, samples, and an end in good order whatever happens.
+
+RK44 evaluates the creep forces explicitly. They damp the slip of the wheels at a rate that grows like 1/V,
+so the
+stable step shrinks with the speed: see ``step_for_speed``.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import FrameType
+from typing import Literal
+
+import numpy as np
+
+from wrsim.core.wheelset import first_not_finite
+from wrsim.errors import SimulationError
+from wrsim.simulation.system import COORDINATES, Array, System
+
+Cause = Literal["", "monitor", "interrupt", "not-finite", "forces"]
+Monitor = Callable[[float, Array, Array], str | None]
+Progress = Callable[[float, float], None]
+
+LARGEST_STEP = 5e-4
+"""Largest step [s]: 0.7 of the period of the wheelset on its contact springs (about 230 Hz) over 2 pi."""
+
+STEPS = (5e-4, 2.5e-4, 2e-4, 1e-4, 5e-5, 2.5e-5, 2e-5, 1e-5, 5e-6, 2.5e-6, 2e-6, 1e-6)
+"""Steps to choose from [s]; each divides a millisecond."""
+
+RK44_LIMIT = 2.785
+"""RK44 is stable on y' = -r y for h r below this number."""
+
+PROGRESS_INTERVAL = 0.1
+"""Least time between two calls of the progress function [s]."""
+
+
+def creep_rate(
+    speed: float, mass: float, spin_inertia: float, radius: float, creep_coefficient: float
+) -> float:
+    """Decay rate of the longitudinal slip of a free wheelset [1/s], the fastest mode of the creep forces.
+
+    Two wheels with the force -C (v - r omega)/V each: r = 2 C (1/m + r0^2/I_spin)/V. For m = 1813 kg, I =
+    112 kg m2, r0 = 0.46 m and C = 1e7 N: 48800/V.
+    """
+    return 2.0 * creep_coefficient * (1.0 / mass + radius * radius / spin_inertia) / speed
+
+
+def step_for_speed(
+    speed: float,
+    *,
+    mass: float = 1813.0,
+    spin_inertia: float = 112.0,
+    radius: float = 0.46,
+    wheel_load: float = 50e3,
+) -> float:
+    """Step for a speed [m/s]: at most ``LARGEST_STEP`` and 0.75 of the stability limit of the creep forces.
+
+    The creep coefficient is taken as 1e7 N at a wheel load of 50 kN, growing with its power 2/3 (Hertz).
+    """
+    coefficient = 1e7 * (wheel_load / 50e3) ** (2.0 / 3.0)
+    limit = 0.75 * RK44_LIMIT / creep_rate(max(speed, 1e-3), mass, spin_inertia, radius, coefficient)
+    for step in STEPS:
+        if step <= min(limit, LARGEST_STEP):
+            return step
+    return STEPS[-1]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What an integration computed.
+
+    times (n,) [s]; q, q_t (n, 6 per body): sampled coordinates and rates, ``COORDINATES`` of each body; step
+    [s].
+    status: ``"completed"`` or ``"stopped"``; a stopped run says what stopped it (``cause``) and why in words
+    (``reason``). All samples are finite. The last one is the state at the end or at the stop.
+    """
+
+    times: Array
+    q: Array
+    q_t: Array
+    step: float
+    status: Literal["completed", "stopped"]
+    cause: Cause = ""
+    reason: str = ""
+
+    @property
+    def end(self) -> float:
+        """Time reached [s]."""
+        return float(self.times[-1])
+
+
+def _name(index: int, size: int) -> str:
+    """Words for an index of ``first_not_finite``."""
+    body, coordinate = divmod(index % size, 6)
+    what = COORDINATES[coordinate] if index < size else f"the rate of {COORDINATES[coordinate]}"
+    return what if size == 6 else f"{what} of body {body}"
+
+
+class _Interrupt:
+    """Counts Ctrl-C: the first ends the run after the step, the second at once."""
+
+    asked = False
+
+    def __call__(self, number: int, stack: FrameType | None) -> None:
+        if self.asked:
+            raise KeyboardInterrupt
+        self.asked = True
+
+
+@contextmanager
+def _interruptible() -> Iterator[_Interrupt]:
+    """Install the Ctrl-C counter; only the main thread may (elsewhere no signal arrives)."""
+    interrupt = _Interrupt()
+    if threading.current_thread() is not threading.main_thread():
+        yield interrupt
+        return
+    before = signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield interrupt
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+class _Recorder:
+    """Called after every step: looks at the numbers, samples, asks the monitor, reports progress."""
+
+    def __init__(
+        self,
+        system: System,
+        start: float,
+        step: float,
+        steps: int,
+        every: int,
+        monitor: Monitor | None,
+        progress: Progress | None,
+        interrupt: _Interrupt,
+    ) -> None:
+        self.system = system
+        self.start = start
+        self.step = step
+        self.steps = steps
+        self.every = every
+        self.monitor = monitor
+        self.progress = progress
+        self.interrupt = interrupt
+        rows = steps // every + 2
+        self.times = np.zeros(rows)
+        self.q = np.zeros((rows, system.size))
+        self.q_t = np.zeros((rows, system.size))
+        self.count = 0
+        self.last_step = 0
+        self.last_q = np.array(system.q)
+        self.last_q_t = np.array(system.q_t)
+        self.cause: Cause = ""
+        self.reason = ""
+        self.began = self.reported = time.perf_counter()
+
+    def time_of(self, k: int) -> float:
+        """Time after k steps [s]."""
+        return self.start + k * self.step
+
+    def sample(self, k: int, q: Array, q_t: Array) -> None:
+        """Store the state after step k."""
+        self.times[self.count] = self.time_of(k)
+        self.q[self.count] = q
+        self.q_t[self.count] = q_t
+        self.count += 1
+
+    def stop(self, cause: Cause, reason: str) -> bool:
+        """Note why the run ends."""
+        self.cause = cause
+        self.reason = reason
+        return False
+
+    def after_step(self, t: float) -> bool:
+        """See ``System.solve``."""
+        q = self.system.q
+        q_t = self.system.q_t
+        k = round((t - self.start) / self.step)
+        if k <= self.last_step:  # Exudyn calls at the start as well
+            return True
+        bad = first_not_finite(q, q_t)
+        if bad >= 0:
+            return self.stop(
+                "not-finite",
+                f"{_name(bad, self.system.size)} is not a number at t = {self.time_of(k):.6g} s",
+            )
+        self.last_step = k
+        self.last_q[:] = q
+        self.last_q_t[:] = q_t
+        if k % self.every == 0 or k == self.steps:
+            self.sample(k, q, q_t)
+            if self.monitor is not None:
+                reason = self.monitor(self.time_of(k), q, q_t)
+                if reason:
+                    return self.stop("monitor", reason)
+        if self.progress is not None:
+            now = time.perf_counter()
+            if now - self.reported >= PROGRESS_INTERVAL:
+                self.reported = now
+                self.progress(k / self.steps, (now - self.began) * (self.steps - k) / k)
+        if self.interrupt.asked:
+            return self.stop("interrupt", f"interrupted by the user at t = {self.time_of(k):.6g} s")
+        return True
+
+    def motion(self) -> Motion:
+        """The samples so far, with the last good state at the end."""
+        last = self.time_of(self.last_step)
+        if self.times[self.count - 1] < last:
+            self.sample(self.last_step, self.last_q, self.last_q_t)
+        n = self.count
+        return Motion(
+            times=self.times[:n].copy(),
+            q=self.q[:n].copy(),
+            q_t=self.q_t[:n].copy(),
+            step=self.step,
+            status="stopped" if self.cause else "completed",
+            cause=self.cause,
+            reason=self.reason,
+        )
+
+
+def integrate(
+    system: System,
+    q: Array,
+    q_t: Array,
+    *,
+    duration: float,
+    step: float,
+    sample_interval: float | None = None,
+    start: float = 0.0,
+    monitor: Monitor | None = None,
+    progress: Progress | None = None,
+) -> Motion:
+    """Integrate a system from the state (q, q_t) at time ``start`` for ``duration`` seconds.
+
+    q, q_t: (6 per body,); step [s]; sample_interval [s]: rounded to whole steps, default every step; the
+    start and the end are always among the samples. monitor(t, q, q_t): asked at each sample, ends the run by
+    returning the reason. progress(fraction, seconds_left): called some ten times a second, and with (1, 0)
+    at the end of a completed run.
+
+    The run ends early, with the samples so far, when a number is not finite, when the monitor says so, when
+    the force law raises ``SimulationError``, and at Ctrl-C (the first ends the step, the second ends at
+    once). Any other exception of the force law, the monitor or the progress function comes through.
+    """
+    q = np.array(q, dtype=float)
+    q_t = np.array(q_t, dtype=float)
+    if q.shape != (system.size,) or q_t.shape != (system.size,):
+        raise ValueError(f"q and q_t need shape ({system.size},), got {q.shape} and {q_t.shape}")
+    bad = first_not_finite(q, q_t)
+    if bad >= 0:
+        raise SimulationError(f"the start state is not finite: {_name(bad, system.size)}")
+    if not (step > 0.0 and duration > 0.0 and np.isfinite(duration)):
+        raise ValueError(f"step and duration must be positive, got {step!r} and {duration!r}")
+    steps = max(1, int(np.ceil(duration / step - 1e-9)))
+    every = 1 if sample_interval is None else max(1, round(sample_interval / step))
+    with _interruptible() as interrupt:
+        recorder = _Recorder(system, start, step, steps, every, monitor, progress, interrupt)
+        recorder.last_q[:] = q
+        recorder.last_q_t[:] = q_t
+        recorder.sample(0, q, q_t)
+        try:
+            system.solve(q, q_t, start, step, steps, recorder.after_step)
+        except KeyboardInterrupt:
+            at = recorder.time_of(recorder.last_step)
+            recorder.stop("interrupt", f"interrupted by the user at t = {at:.6g} s")
+        except SimulationError as error:
+            recorder.stop("forces", str(error))
+    if not recorder.cause and recorder.last_step < steps:
+        at = recorder.time_of(recorder.last_step)
+        raise SimulationError(
+            f"Exudyn ended the run at t = {at:.6g} s of {recorder.time_of(steps):.6g} s without a reason"
+        )
+    if progress is not None and not recorder.cause:
+        progress(1.0, 0.0)
+    return recorder.motion()

@@ -1,0 +1,193 @@
+"""Rigid bodies as an Exudyn system with one force law for all of them.
+
+Each body is a node ``NodeRigidBodyRxyz`` with permuted global axes (see ``wrsim.core.wheelset``):
+coordinates (z, x, y, heading, roll, spin), six a body, one body after the other. One ``ObjectGenericODE2``
+calls the force law. This is the only file that imports Exudyn. The import is quiet and asks for the fast
+module unless somebody has chosen before (``sys.exudynFast = False`` gives the one that checks ranges; the
+tests use it).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import sys
+import weakref
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.errors import InputError
+
+if TYPE_CHECKING:
+    from wrsim.vehicle.wheelset import Wheelset
+
+if not hasattr(sys, "exudynFast") and not os.environ.get("EXUDYN_MODULE"):
+    sys.exudynFast = True  # type: ignore[attr-defined]
+with contextlib.redirect_stdout(io.StringIO()):  # it announces which module it loaded
+    import exudyn
+    from exudyn import itemInterface as items
+
+Array = NDArray[np.float64]
+
+COORDINATES = ("z", "x", "y", "heading", "roll", "spin")
+"""Names of the six coordinates of a body, in the order of q and q_t [m, rad]."""
+
+
+class ForceLaw(Protocol):
+    """Generalised forces on all bodies.
+
+    Called with the time [s], the coordinates q and rates q_t (6 per body, live: neither keep nor change
+    them) and ``out`` of the same length to fill: forces along z, x, y [N], moments about the vertical, the
+    forward direction and the axle [N m]. A law that cannot go on raises ``SimulationError``; the run then
+    ends in good order.
+    """
+
+    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> object: ...
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """A body of revolution: mass [kg], inertia about its axle and across it, about the centre of mass [kg
+    m2].
+    """
+
+    mass: float
+    spin_inertia: float
+    cross_inertia: float
+
+    def __post_init__(self) -> None:
+        for key in ("mass", "spin_inertia", "cross_inertia"):
+            value = getattr(self, key)
+            if not (np.isfinite(value) and value > 0.0):
+                raise InputError(f"body: {key} must be a positive number, not {value!r}")
+        if self.spin_inertia > 2.0 * self.cross_inertia:
+            raise InputError(
+                f"body: spin inertia {self.spin_inertia:g} kg m2 with a cross inertia of {self.cross_inertia:g} "
+                "kg m2; no solid has more than twice its cross inertia"
+            )
+
+    @classmethod
+    def of(cls, wheelset: Wheelset) -> RigidBody:
+        """The body of a wheelset. Its roll and yaw inertia must agree, for it spins about its axle."""
+        roll, spin, yaw = wheelset.inertia
+        if abs(roll - yaw) > 1e-6 * abs(yaw):
+            raise InputError(
+                f"wheelset '{wheelset.name}': roll inertia {roll:g} and yaw inertia {yaw:g} kg m2 differ; "
+                "a wheelset spins about its axle, so that the two must be equal (take their mean)"
+            )
+        return cls(mass=wheelset.mass, spin_inertia=spin, cross_inertia=yaw)
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """Keep Exudyn from writing to the console, and let a second Ctrl-C come through as KeyboardInterrupt."""
+    console = exudyn.config.printToConsole
+    throw = exudyn.special.solver.throwErrorWithCtrlC
+    exudyn.config.printToConsole = False
+    exudyn.special.solver.throwErrorWithCtrlC = True
+    try:
+        yield
+    finally:
+        exudyn.config.printToConsole = console
+        exudyn.special.solver.throwErrorWithCtrlC = throw
+
+
+class System:
+    """An assembled Exudyn system; build one per force law and run it as often as you like.
+
+    ``q`` and ``q_t`` (6 per body) are live views on Exudyn's memory: the state of the moment while a run lasts.
+    Copy what you keep; they must not outlive the system.
+    """
+
+    def __init__(self, bodies: Sequence[RigidBody], forces: ForceLaw) -> None:
+        self.bodies = tuple(bodies)
+        self.forces = forces
+        self.size = 6 * len(self.bodies)
+        with _silence():
+            self._container = exudyn.SystemContainer()
+            mbs = self._container.AddSystem()
+            nodes = []
+            for body in self.bodies:
+                node = mbs.AddNode(items.NodeRigidBodyRxyz())
+                # order of the permuted axes: z (yaw), x (roll), y (spin)
+                inertia = [body.cross_inertia, body.cross_inertia, body.spin_inertia, 0.0, 0.0, 0.0]
+                mbs.AddObject(items.ObjectRigidBody(mass=body.mass, inertia=inertia, nodeNumber=node))
+                nodes.append(node)
+            mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes, forceUserFunction=self._callback()))
+            mbs.Assemble()
+        self._mbs = mbs
+        current = exudyn.ConfigurationType.Current
+        self.q: Array = cast(Array, mbs.systemData.GetODE2Coordinates(current, False))
+        self.q_t: Array = cast(Array, mbs.systemData.GetODE2Coordinates_t(current, False))
+
+    def _callback(self) -> Callable[..., Array]:
+        """The user function. Exudyn's own arguments are Python lists; the views hold the same numbers.
+
+        Exudyn keeps the function for ever, so it must not keep the system (and the tables of its law) alive.
+        """
+        out = np.zeros(self.size)
+        reference = weakref.ref(self)
+
+        def user_function(mbs: object, t: float, item: int, q: object, q_t: object) -> Array:
+            system = reference()
+            system.forces(t, system.q, system.q_t, out)  # type: ignore[union-attr]
+            return out
+
+        return user_function
+
+    def generalised_forces(self, t: float, q: Array, q_t: Array) -> Array:
+        """The force law's answer to one state, as a new array of length 6 n."""
+        out = np.zeros(self.size)
+        forces = self.forces
+        forces(t, np.ascontiguousarray(q, dtype=float), np.ascontiguousarray(q_t, dtype=float), out)
+        return out
+
+    def solve(
+        self,
+        q: Array,
+        q_t: Array,
+        start: float,
+        step: float,
+        steps: int,
+        after_step: Callable[[float], bool],
+    ) -> None:
+        """Integrate ``steps`` steps of RK44 from the state (q, q_t) at time ``start``.
+
+        ``after_step(t)`` runs after every step (``q`` and ``q_t`` then hold the new state), and once at the
+        start; False ends the run. What it or the force law raises comes through. Exudyn does not look at the
+        numbers: check them in ``after_step``. Accelerations are not computed anew at the end of a step, so a
+        step costs four evaluations of the force law.
+        """
+        data = self._mbs.systemData
+        initial = exudyn.ConfigurationType.Initial
+        data.SetODE2Coordinates(list(map(float, q)), initial)
+        data.SetODE2Coordinates_t(list(map(float, q_t)), initial)
+        settings = exudyn.SimulationSettings()
+        settings.solution.file.write = False
+        settings.solution.sensors.active = False
+        integration = settings.timeIntegration
+        integration.startTime = start
+        integration.endTime = start + steps * step
+        integration.numberOfSteps = steps
+        integration.automaticStepSize = False
+        integration.adaptiveStep = False
+        integration.explicit.computeEndOfStepAccelerations = False
+        integration.explicit.useLieGroupIntegration = False
+        integration.verboseMode = 0
+        integration.verboseModeFile = 0
+        with _silence():
+            self._mbs.SetPostStepUserFunction(lambda mbs, t: after_step(t))
+            try:
+                self._mbs.SolveDynamic(
+                    settings,
+                    solverType=exudyn.DynamicSolverType.RK44,
+                    storeSolver=False,
+                    showCausingItems=False,
+                )
+            finally:
+                self._mbs.SetPostStepUserFunction(0)  # type: ignore[arg-type]
