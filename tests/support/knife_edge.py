@@ -81,7 +81,7 @@ def textbook_contact(body, own, side, law):
 
 @njit(cache=True)
 def exact_contact(body, own, side, law):
-    The same for the exact geometry. The axle and the apex are taken in (t, o, b), o outward.
+    """The same for the exact geometry. The axle and the apex are taken in (t, o, b), o outward."""
     rx, ry, rz, tx, ty, tz, nx, ny, nz, bx, by, bz = own
     half = law[HALF]
     c = cos(law[GAMMA])

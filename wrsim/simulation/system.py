@@ -67,8 +67,8 @@ class RigidBody:
                 raise InputError(f"body: {key} must be a positive number, not {value!r}")
         if self.spin_inertia > 2.0 * self.cross_inertia:
             raise InputError(
-                f"body: spin inertia {self.spin_inertia:g} kg m2 with a cross inertia of {self.cross_inertia:g} "
-                "kg m2; no solid has more than twice its cross inertia"
+                f"body: spin inertia {self.spin_inertia:g} kg m2 with a cross inertia of "
+                f"{self.cross_inertia:g} kg m2; no solid has more than twice its cross inertia"
             )
 
     @classmethod
@@ -100,8 +100,8 @@ def _silence() -> Iterator[None]:
 class System:
     """An assembled Exudyn system; build one per force law and run it as often as you like.
 
-    ``q`` and ``q_t`` (6 per body) are live views on Exudyn's memory: the state of the moment while a run lasts.
-    Copy what you keep; they must not outlive the system.
+    ``q`` and ``q_t`` (6 per body) are live views on Exudyn's memory: the state of the moment while a run
+    lasts. Copy what you keep; they must not outlive the system.
     """
 
     def __init__(self, bodies: Sequence[RigidBody], forces: ForceLaw) -> None:
