@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -441,3 +442,26 @@ def test_a_wrong_property_of_the_track_is_named(arguments: dict, words: list[str
 def test_side_must_be_left_or_right() -> None:
     with pytest.raises(InputError, match=r"'middle'.*'left', 'right'"):
         Track.build([Straight(10.0)]).rail_distance("middle", 1.0)  # type: ignore[arg-type]
+
+
+# ---- the picture ----
+
+
+def test_the_figure_shows_the_plan_and_three_panels_and_leaves_no_state_behind() -> None:
+    """Every curve of the picture holds the numbers of the track."""
+    from wrsim.plots.track import track_figure
+
+    before = dict(mpl.rcParams)
+    track = Track.build(s_curve())
+    figure = track_figure(track)
+    plan, *panels = figure.axes
+    lines = {axes.get_ylabel().split("\n")[0]: axes.get_lines()[0] for axes in panels}
+    s, y = lines["Curvature"].get_data()
+    assert np.abs(y - 1e3 * track.curvature(s)).max() < 1e-12
+    s, y = lines["Cant [mm]"].get_data()
+    assert np.abs(y - 1e3 * track.cant(s)).max() < 1e-12
+    s, y = lines["Gauge"].get_data()
+    assert np.abs(y - 1e3 * track.gauge(s)).max() < 1e-9
+    assert plan.get_aspect() == 1.0
+    assert dict(mpl.rcParams) == before
+    figure.draw_without_rendering()

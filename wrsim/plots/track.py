@@ -1,0 +1,177 @@
+"""Pictures of a track: plan view, and curvature, cant and gauge against distance along the centre line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.markers import MarkerStyle
+from matplotlib.path import Path
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Affine2D
+from numpy.typing import NDArray
+
+from wrsim.geometry.track import Feature, Track
+from wrsim.plots.style import CANT_COLOUR, FULL_WIDTH, INK, QUIET, new_figure, style
+
+KIND_COLOUR = {"straight": INK, "transition": "#E69F00", "arc": "#009E73"}
+"""Line of a segment in the plan view; Okabe and Ito's set, as all pictures."""
+KIND_SHADE = {"straight": "none", "transition": "#fbf1da", "arc": "#e3f1ec"}
+"""Background of a segment against distance."""
+SAMPLES = 400
+"""Points a segment."""
+
+
+def track_figure(track: Track) -> Figure:
+    """Plan view above curvature, cant and gauge against distance."""
+    with style():
+        figure = new_figure(FULL_WIDTH, 165.0)
+        grid = figure.add_gridspec(4, 1, height_ratios=(2.6, 1.0, 1.0, 1.0))
+        plan_view(figure.add_subplot(grid[0]), track)
+        first = figure.add_subplot(grid[1])
+        panels = [first, *(figure.add_subplot(grid[k], sharex=first) for k in (2, 3))]
+        for axes, draw in zip(panels, (curvature, cant, gauge), strict=True):
+            draw(axes, track)
+            if axes is not panels[-1]:
+                axes.tick_params(axis="x", labelbottom=False)
+        segment_labels(panels[0], track)
+        panels[-1].set_xlabel("Distance along the centre line [m]")
+        first.set_xlim(0.0, track.length)
+        figure.align_ylabels(panels)
+    return figure
+
+
+def plan_view(axes: Axes, track: Track) -> Axes:
+    """Centre line from above at equal scales: one colour a kind of segment, distances beside it."""
+    drawn: set[str] = set()
+    for feature in track.features():
+        x, y, _ = track.centre_line.position(_samples(feature)).T
+        label = feature.kind if feature.kind not in drawn else "_more"
+        drawn.add(feature.kind)
+        axes.plot(x, y, color=KIND_COLOUR[feature.kind], linewidth=2.0, solid_capstyle="butt", label=label)
+
+    joints = np.array([feature.start for feature in track.features()[1:]])
+    points = track.centre_line.position(joints)
+    axes.plot(points[:, 0], points[:, 1], "o", color="white", markeredgecolor=INK, markersize=3.0, zorder=3.0)
+    for s, shape, size in ((0.0, _ARROW, 15.0), (track.length, "|", 9.0)):
+        x, y, _ = track.centre_line.position(s)
+        marker = MarkerStyle(shape, transform=Affine2D().rotate(float(track.heading(s))))
+        axes.plot(x, y, marker=marker, color=INK, markersize=size, zorder=3.0)
+
+    ticks = _round_distances(track.length)
+    for s, (x, y, _), turn in zip(
+        ticks, track.centre_line.position(ticks), track.heading(ticks), strict=True
+    ):
+        across = (-float(np.sin(turn)), float(np.cos(turn)))
+        axes.annotate(
+            f"{s:g} m" if s == 0.0 else f"{s:g}",
+            xy=(x, y),
+            xytext=(9.0 * across[0], 9.0 * across[1]),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            color=QUIET,
+            fontsize=6.5,
+        )
+        axes.annotate(
+            "",
+            xy=(x, y),
+            xytext=(4.5 * across[0], 4.5 * across[1]),
+            textcoords="offset points",
+            arrowprops=_TICK,
+            zorder=2.0,
+        )
+
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.06, 0.2)
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    axes.legend(loc="best", ncols=len(drawn))
+    return axes
+
+
+def curvature(axes: Axes, track: Track) -> Axes:
+    """Curvature of the centre line, positive to the left; a jump is a vertical line."""
+    _against_distance(axes, track, lambda s: 1e3 * track.curvature(s), INK)
+    _limits(axes, 1.0)
+    axes.axhline(0.0, color=QUIET, linewidth=0.5, zorder=1.5)
+    axes.set_ylabel("Curvature\n[1/km]")
+    return axes
+
+
+def cant(axes: Axes, track: Track) -> Axes:
+    """Cant, positive with the right rail higher."""
+    _against_distance(axes, track, lambda s: 1e3 * track.cant(s), CANT_COLOUR)
+    _limits(axes, 20.0)
+    axes.axhline(0.0, color=QUIET, linewidth=0.5, zorder=1.5)
+    axes.set_ylabel("Cant [mm]\n(+ right rail up)")
+    return axes
+
+
+def gauge(axes: Axes, track: Track) -> Axes:
+    """Gauge with its widening; the nominal gauge is the thin line."""
+    _against_distance(axes, track, lambda s: 1e3 * track.gauge(s), INK)
+    _limits(axes, 10.0)
+    axes.axhline(1e3 * track.nominal_gauge, color=QUIET, linewidth=0.5, zorder=1.5)
+    axes.ticklabel_format(axis="y", useOffset=False)
+    axes.set_ylabel("Gauge\n[mm]")
+    return axes
+
+
+def segment_labels(axes: Axes, track: Track) -> Axes:
+    """Names of the segments above a panel against distance, where they have room."""
+    for feature in track.features():
+        share = (feature.end - feature.start) / track.length
+        # a letter is about 0.85 % of the panel's width
+        if share > 0.0085 * len(feature.label):
+            axes.annotate(
+                feature.label,
+                xy=(0.5 * (feature.start + feature.end), 1.0),
+                xycoords=("data", "axes fraction"),
+                xytext=(0.0, 3.0),
+                textcoords="offset points",
+                ha="center",
+                va="bottom",
+                color=QUIET,
+                fontsize=6.5,
+            )
+    return axes
+
+
+_ARROW = Path([(-1.6, 0.6), (0.0, 0.0), (-1.6, -0.6), (-1.6, 0.6)])  # tip at the start of the track
+_TICK = {"arrowstyle": "-", "color": QUIET, "linewidth": 0.5, "shrinkA": 0.0, "shrinkB": 0.0}
+
+
+def _samples(feature: Feature) -> NDArray[np.float64]:
+    """Distances along one segment, its end a hair before the joint."""
+    span = feature.end - feature.start
+    return feature.start + span * np.append(np.arange(SAMPLES) / SAMPLES, 1.0 - 1e-9)
+
+
+def _round_distances(length: float) -> NDArray[np.float64]:
+    """Five to ten round distances from 0."""
+    ticks = np.asarray(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]).tick_values(0.0, length))
+    return np.asarray(ticks[(ticks >= 0.0) & (ticks <= length)])
+
+
+def _against_distance(
+    axes: Axes, track: Track, function: Callable[[NDArray[np.float64]], NDArray[np.float64]], colour: str
+) -> None:
+    """Line of a function of distance above the shaded segments."""
+    for feature in track.features():
+        axes.axvspan(feature.start, feature.end, color=KIND_SHADE[feature.kind], linewidth=0.0, zorder=0.0)
+    s = np.concatenate([_samples(feature) for feature in track.features()])
+    axes.plot(s, function(s), color=colour)
+
+
+def _limits(axes: Axes, least: float) -> None:
+    """Room above and below the line; a range of at least ``least`` for a constant."""
+    axes.autoscale_view()
+    low, high = axes.dataLim.y0, axes.dataLim.y1
+    if high - low < 1e-9 * least:
+        low, high = low - 0.5 * least, high + 0.5 * least
+    space = 0.12 * (high - low)
+    axes.set_ylim(low - space, high + space)
+    axes.yaxis.set_major_locator(MaxNLocator(4))
