@@ -1,0 +1,247 @@
+"""From a Scenario to what the analyses take: wheelset, rails, track and settings. Units of files end here."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+from wrsim.contact.settings import ContactSettings
+from wrsim.errors import InputError
+from wrsim.geometry import segments
+from wrsim.geometry.profile import Profile
+from wrsim.geometry.profile_models import load_profile
+from wrsim.geometry.track import Track
+from wrsim.scenario.cases import StaticPose, static_poses
+from wrsim.scenario.loading import Scenario
+from wrsim.scenario.placement import Stand, stand
+from wrsim.vehicle.files import load_vehicle, with_wheel
+from wrsim.vehicle.wheelset import SprungMass, Wheelset
+
+Side = Literal["left", "right"]
+SIDES: tuple[Side, Side] = ("left", "right")
+
+LEVEL_TRACK = 100.0
+"""Length of the straight that static and equilibrium analyses stand on without segments in the file [m]."""
+
+
+@dataclass(frozen=True)
+class StaticPlan:
+    """Poses to solve: of one wheel (then ``side`` says which) or of the wheelset; rolling or frictionless."""
+
+    target: Literal["wheel", "wheelset"]
+    side: Side
+    rolling: bool
+    poses: tuple[StaticPose, ...]
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """A run along the track: from ``start`` to ``end`` [m] of the centre line at ``speed`` [m/s], 0 at rest.
+
+    step: of the integration [s], None: chosen by speed; output_interval: between two samples [s]; patches_at:
+    distances [m], rising, at which the strips of the patches are kept.
+    """
+
+    start: float
+    end: float
+    speed: float
+    step: float | None
+    output_interval: float
+    patches_at: tuple[float, ...]
+
+    @property
+    def duration(self) -> float:
+        """Time of the run [s]; 0 at rest."""
+        return (self.end - self.start) / self.speed if self.speed > 0.0 else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """Everything an analysis needs, in SI units, and the text it came from.
+
+    rails: inclined profiles of the left and right rail; static: of a static analysis only; run: also of a
+    static one, then without meaning; files: the model files that were read.
+    """
+
+    title: str
+    analysis: Literal["static", "equilibrium", "curving"]
+    wheelset: Wheelset
+    rails: tuple[Profile, Profile]
+    track: Track
+    contact: ContactSettings
+    run: RunPlan
+    static: StaticPlan | None
+    text: str
+    files: tuple[Path, ...]
+
+
+def build(scenario: Scenario) -> Setup:
+    """Read the models of a scenario and put everything together.
+
+    Raises InputError when a model file is missing or faulty, when the track has no unique shape, when a run
+    leaves the track, and when the wheelset does not stand on the rails.
+    """
+    spec = scenario.spec
+    files: list[Path] = []
+    wheelset = _wheelset(scenario, files)
+    rails = _rails(scenario, files)
+    track = _track(scenario, rails)
+    _check_placement(scenario, wheelset, rails, track)
+    plan = None
+    if spec.static is not None:
+        poses = static_poses(scenario)
+        if spec.static.cases is not None:
+            files.append(scenario.find(("static", "cases"), spec.static.cases))
+        plan = StaticPlan(spec.static.target, spec.static.side, spec.static.rolling, poses)
+    return Setup(
+        title=spec.title,
+        analysis=spec.analysis,
+        wheelset=wheelset,
+        rails=rails,
+        track=track,
+        contact=spec.contact.settings(),
+        run=_run(scenario, track),
+        static=plan,
+        text=scenario.text,
+        files=tuple(dict.fromkeys(files)),
+    )
+
+
+def _wheelset(scenario: Scenario, files: list[Path]) -> Wheelset:
+    section = scenario.spec.vehicle
+    file = scenario.find(("vehicle", "model"), section.model)
+    files.append(file)
+    wheelset = load_vehicle(file, scenario.finder)
+    for side in SIDES:
+        own = section.wheel_left if side == "left" else section.wheel_right
+        key, name = _own(own, section.wheel, "wheel", side)
+        profile = None
+        if name is not None:
+            files.append(scenario.find(("vehicle", key), name))
+            profile = load_profile(files[-1], "wheel")
+        radius = section.radius_left_mm if side == "left" else section.radius_right_mm
+        radius = section.radius_mm if radius is None else radius
+        wheelset = with_wheel(wheelset, side, profile, None if radius is None else radius / 1000.0)
+    if section.sprung_mass_kg is not None:
+        wheelset = replace(wheelset, sprung=SprungMass(section.sprung_mass_kg, wheelset.sprung.height))
+    return wheelset
+
+
+def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
+    section = scenario.spec.track
+    found = []
+    for side in SIDES:
+        own = section.rail_left if side == "left" else section.rail_right
+        key, name = _own(own, section.rail, "rail", side)
+        assert name is not None  # the schema asks for it
+        files.append(scenario.find(("track", key), name))
+        rail = load_profile(files[-1], "rail").inclined(section.inclination)
+        try:
+            rail.gauge_point()
+        except InputError as error:
+            raise scenario.fault(("track", key), str(error), name) from None
+        found.append(rail)
+    return found[0], found[1]
+
+
+def _own(own: str | None, both: str | None, key: str, side: str) -> tuple[str, str | None]:
+    """Key and name that hold for a side."""
+    return (f"{key}_{side}", own) if own is not None else (key, both)
+
+
+def _track(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
+    section = scenario.spec.track
+    row: tuple[segments.Segment, ...] = tuple(s.to_geometry() for s in section.segments)
+    if not row:
+        row = (segments.Straight(LEVEL_TRACK),)
+    offsets = [(-rail.gauge_point()[0], -rail.top[1]) for rail in rails]
+    try:
+        return Track.build(
+            row,
+            section.gauge_mm / 1000.0,
+            left_offset=offsets[0],
+            right_offset=offsets[1],
+            cant_base=section.cant_base,
+        )
+    except InputError as error:
+        raise scenario.fault(("track",), str(error)) from None
+
+
+def _run(scenario: Scenario, track: Track) -> RunPlan:
+    spec = scenario.spec
+    section = spec.run
+    speed = (spec.vehicle.speed_kmh or 0.0) / 3.6
+    start, end = section.start_distance_m, track.length
+    room = f"must lie on the track, which is {track.length:.6g} m long"
+    if start >= track.length and spec.analysis != "static":
+        raise scenario.fault(("run", "start_distance_m"), f"{room}; nothing is left to run", start)
+    if section.distance_m is not None:
+        end = start + section.distance_m
+        if end > track.length * (1.0 + 1e-12):
+            message = f"ends at {end:.6g} m: {room}"
+            raise scenario.fault(("run", "distance_m"), message, section.distance_m)
+    elif section.time_s is not None and spec.analysis == "curving":
+        end = start + section.time_s * speed
+        if end > track.length * (1.0 + 1e-12):
+            raise scenario.fault(("run", "time_s"), f"ends at {end:.6g} m: {room}", section.time_s)
+    end = min(end, track.length)
+    patches = spec.output.patches_at_m
+    if patches is not None and spec.analysis == "curving":
+        for place in patches:
+            if not start <= place <= end:
+                message = f"{place:g} m is not passed by the run: must lie from {start:.6g} to {end:.6g} m"
+                raise scenario.fault(("output", "patches_at_m"), message, list(patches))
+    return RunPlan(
+        start=start,
+        end=end,
+        speed=speed,
+        step=None if section.step_us is None else section.step_us * 1e-6,
+        output_interval=section.output_interval_ms * 1e-3,
+        patches_at=tuple(sorted(set(patches))) if patches is not None else _middle_of_arcs(track, start, end),
+    )
+
+
+def _middle_of_arcs(track: Track, start: float, end: float) -> tuple[float, ...]:
+    """Where patches are kept unless the file says it: in the middle of every arc on the way."""
+    middles = (0.5 * (f.start + f.end) for f in track.features() if f.kind == "arc")
+    return tuple(s for s in middles if start <= s <= end)
+
+
+def _check_placement(
+    scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track
+) -> None:
+    """Refuse a wheelset that does not stand with both treads on the rails when it is centred."""
+    widenings = [0.0]
+    for s in track.segments:
+        if isinstance(s, segments.Arc):
+            widenings.append(s.gauge_widening)
+        elif isinstance(s, segments.Straight):
+            widenings += [s.gauge_widening_start, s.gauge_widening_end]
+    nominal = track.nominal_gauge
+    for gauge in sorted({nominal + w for w in widenings}, key=lambda g: abs(g - nominal)):
+        for side, wheel, rail in zip(SIDES, (wheelset.left, wheelset.right), rails, strict=True):
+            reason = _misplaced(stand(wheel.profile, rail, wheelset.profile_spacing, gauge))
+            if not reason:
+                continue
+            message = (
+                f"the wheelset is placed off the rails: at a gauge of {1e3 * gauge:g} mm, its wheel profiles "
+                f"{1e3 * wheelset.profile_spacing:g} mm apart (vehicle.model), the {side} {reason}"
+            )
+            if gauge == nominal:
+                raise scenario.fault(("track", "gauge_mm"), message, scenario.spec.track.gauge_mm)
+            raise scenario.fault(("track", "segments"), message)
+
+
+def _misplaced(s: Stand) -> str:
+    """Say what is wrong with a wheel on its rail; empty if nothing is."""
+    if math.isnan(s.u_wheel):
+        return "wheel misses its rail"
+    if s.on_flange:
+        return "wheel stands with its flange on the rail"
+    if s.clearance < 0.0:
+        return f"flange overlaps the gauge face by {-1e3 * s.clearance:.3g} mm"
+    if s.rail_top > s.reach or s.u_wheel > s.reach - 2e-3:
+        return f"wheel ends {1e3 * (s.rail_top - s.reach):.3g} mm inside of the top of its rail"
+    return ""
