@@ -405,7 +405,7 @@ RAMP = Transition(20.0)
         ([RAMP, RAMP, Arc(10.0, 300.0)], ["segment 2 (transition)", "another transition"]),
         (
             [Transition(10.0, "blos"), Arc(9.0, 300.0)],
-            ["segment 1", "shape = 'blos'", "did you mean 'bloss'"],
+            ["segment 1", "form = 'blos'", "did you mean 'bloss'"],
         ),
         (["straight"], ["segment 1", "str", "Straight, Transition, Arc"]),
         ([Straight(1e9)], ["track of 1e+09 m", "length_m in metres?"]),

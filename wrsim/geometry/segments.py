@@ -24,7 +24,7 @@ MAX_CANT = 0.25
 """Largest cant [m]; railways use up to 0.18 m."""
 MAX_WIDENING = 0.1
 """Largest change of the gauge [m]; railways use up to 0.03 m."""
-SHAPES = ("clothoid", "bloss")
+FORMS = ("clothoid", "bloss")
 
 
 @dataclass(frozen=True)
@@ -58,11 +58,11 @@ class Transition:
     """Track whose curvature, cant and gauge run from those of the segment before to those of the segment
     behind.
 
-    length [m]; shape "clothoid": linear ramps; "bloss": ramps 3 xi^2 - 2 xi^3, slope zero at both ends.
+    length [m]; form "clothoid": linear ramps; "bloss": ramps 3 xi^2 - 2 xi^3, slope zero at both ends.
     """
 
     length: float
-    shape: Literal["clothoid", "bloss"] = "clothoid"
+    form: Literal["clothoid", "bloss"] = "clothoid"
 
 
 Segment = Straight | Arc | Transition
@@ -140,10 +140,10 @@ def check(segments: Sequence[Segment], gauge: float) -> None:
                 )
             _range(where, "cant_mm", segment.cant, -MAX_CANT, MAX_CANT)
             _range(where, "gauge_widening_mm", segment.gauge_widening, -MAX_WIDENING, MAX_WIDENING)
-        elif segment.shape not in SHAPES:
-            hint = suggest(str(segment.shape), SHAPES)
+        elif segment.form not in FORMS:
+            hint = suggest(str(segment.form), FORMS)
             raise InputError(
-                f"{where}: shape = {segment.shape!r}; allowed: {', '.join(map(repr, SHAPES))}{hint}"
+                f"{where}: form = {segment.form!r}; allowed: {', '.join(map(repr, FORMS))}{hint}"
             )
         if isinstance(segment, Transition) and number > 1 and isinstance(segments[number - 2], Transition):
             raise InputError(
@@ -171,7 +171,7 @@ def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
         if isinstance(segment, Transition):
             before = ends[i - 1][1] if i > 0 else (0.0, 0.0, 0.0)
             behind = ends[i + 1][0] if i + 1 < len(segments) else (0.0, 0.0, 0.0)
-            ramp = bloss if segment.shape == "bloss" else linear
+            ramp = bloss if segment.form == "bloss" else linear
         else:
             (before, behind), ramp = ends[i], linear
         for column, a, b in zip(rows, before, behind, strict=True):

@@ -188,7 +188,7 @@ def _label(segment: Segment) -> str:
     if isinstance(segment, Arc):
         return f"R {abs(segment.radius):g} m {'left' if segment.radius > 0.0 else 'right'}"
     if isinstance(segment, Transition):
-        return "Bloss" if segment.shape == "bloss" else "clothoid"
+        return "Bloss" if segment.form == "bloss" else "clothoid"
     return "straight"
 
 
