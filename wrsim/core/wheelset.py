@@ -25,6 +25,8 @@ from math import atan2, cos, isfinite, sin, sqrt
 
 from numba import njit
 
+from wrsim.core.path import frame, locate
+
 Z, X, Y, HEADING, ROLL, SPIN = 0, 1, 2, 3, 4, 5  # places in q and q_t
 
 
@@ -86,13 +88,13 @@ def generalised_forces(body, force, moment, out):
 
 
 @njit(cache=True)
-def pose_in_track(body, frame):
+def pose_in_track(body, track):
     """Pose of a wheelset against a track frame.
 
     frame: 12 numbers, origin and unit vectors t, n, b (``core.path.frame`` at the projection of the centre
     of mass). Returns (lateral shift, height above the frame's origin along b [m], yaw, roll [rad]).
     """
-    rx, ry, rz, tx, ty, tz, nx, ny, nz, bx, by, bz = frame
+    rx, ry, rz, tx, ty, tz, nx, ny, nz, bx, by, bz = track
     dx = body[0] - rx
     dy = body[1] - ry
     dz = body[2] - rz
@@ -105,6 +107,70 @@ def pose_in_track(body, frame):
         atan2(-at, an),
         atan2(ab, sqrt(at * at + an * an)),
     )
+
+
+@njit(cache=True)
+def place(track, rates, speed, lateral, height, yaw, roll, spin, q, q_t):
+    """Write the state of a wheelset that follows a track frame at a given pose: the inverse of
+    ``pose_in_track``.
+
+    track: track frame; rates: its rotation per metre (``core.path.frame_rates``); speed [m/s]; lateral,
+    height [m], yaw, roll [rad] against the frame, held; spin: angular velocity about the axle [rad/s].
+    q, q_t: (6,) to fill; heading within +-pi, spin angle zero.
+    """
+    rx, ry, rz, tx, ty, tz, nx, ny, nz, bx, by, bz = track
+    ct = -sin(yaw) * cos(roll)
+    cn = cos(yaw) * cos(roll)
+    cb = sin(roll)
+    ax = ct * tx + cn * nx + cb * bx
+    ay = ct * ty + cn * ny + cb * by
+    az = ct * tz + cn * nz + cb * bz
+    dx = lateral * nx + height * bx
+    dy = lateral * ny + height * by
+    dz = lateral * nz + height * bz
+    wx = speed * rates[0]
+    wy = speed * rates[1]
+    wz = speed * rates[2]
+    q[0] = rz + dz
+    q[1] = rx + dx
+    q[2] = ry + dy
+    q[3] = atan2(-ax, ay)
+    q[4] = atan2(az, sqrt(ax * ax + ay * ay))
+    q[5] = 0.0
+    q_t[0] = speed * tz + wx * dy - wy * dx
+    q_t[1] = speed * tx + wy * dz - wz * dy
+    q_t[2] = speed * ty + wz * dx - wx * dz
+    # omega = heading_t z + roll_t forward + spin_t axle, with omega.axle = spin
+    about_axle = wx * ax + wy * ay + wz * az
+    heading_t = (wz - about_axle * az) / (1.0 - az * az)
+    q_t[3] = heading_t
+    q_t[4] = wx * cos(q[3]) + wy * sin(q[3])
+    q_t[5] = spin - heading_t * az
+
+
+@njit(cache=True)
+def poses_along(q, q_t, path, step, guess, out):
+    """Poses of a motion against a track.
+
+    q, q_t: (n, 6); path, step: centre line; guess: distance of the first row [m], each row starts from the
+    last.
+    out: (n, 6), rows (distance, lateral shift, height [m], yaw, roll [rad], spin rate [rad/s]).
+    Returns the first row that cannot be placed on the track, or -1.
+    """
+    s = guess
+    for i in range(q.shape[0]):
+        body = kinematics(q[i], q_t[i])
+        s, status = locate(path, step, body[0], body[1], body[2], s)
+        if status != 0:
+            return i
+        lateral, height, yaw, roll = pose_in_track(body, frame(path, step, s))
+        out[i, 0] = s
+        out[i, 1] = lateral
+        out[i, 2] = height
+        out[i, 3] = yaw
+        out[i, 4] = roll
+        out[i, 5] = spin_rate(q[i], q_t[i])
+    return -1
 
 
 @njit(cache=True)

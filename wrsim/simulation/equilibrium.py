@@ -180,8 +180,8 @@ def _bracket(
     """Move from ``begin`` the way the sign of the force points until it is small or changes sign, then
     bisect.
 
-    function: force along a coordinate. Stops with its last call where abs(force) <= enough; False if there is
-    no such place within ``reach``.
+    function: force along a coordinate. Stops with its last call where abs(force) <= enough; False if there
+    is no such place within ``reach``.
     """
     force = function(begin)
     if abs(force) <= enough:

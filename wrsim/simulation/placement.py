@@ -1,0 +1,69 @@
+"""Between states of a wheelset and its pose on a track."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wrsim.core import path as path_kernels
+from wrsim.core import wheelset as kernels
+from wrsim.errors import SimulationError
+from wrsim.simulation.system import Array
+
+if TYPE_CHECKING:
+    from wrsim.geometry.path import Path
+
+
+def place_on_track(
+    path: Path,
+    distance: float,
+    *,
+    speed: float,
+    height: float,
+    spin_rate: float,
+    lateral: float = 0.0,
+    yaw: float = 0.0,
+    roll: float = 0.0,
+) -> tuple[Array, Array]:
+    """State (q, q_t), each (6,), of a wheelset that follows the track at a given pose.
+
+    path: centre line; distance along it [m]; speed [m/s]; height of the axle above the track plane [m];
+    spin_rate about the axle [rad/s]; lateral [m], yaw, roll [rad] against the track frame.
+    """
+    track = path_kernels.frame(path.table, path.step, distance)
+    rates = path_kernels.frame_rates(path.table, path.step, distance)
+    q = np.zeros(6)
+    q_t = np.zeros(6)
+    kernels.place(track, rates, speed, lateral, height, yaw, roll, spin_rate, q, q_t)
+    return q, q_t
+
+
+@dataclass(frozen=True)
+class TrackPoses:
+    """Poses against the track, each (n,): distance, lateral, height above the track plane [m], yaw, roll
+    [rad],
+    spin_rate about the axle [rad/s]."""
+
+    distance: Array
+    lateral: Array
+    height: Array
+    yaw: Array
+    roll: Array
+    spin_rate: Array
+
+
+def poses_on_track(path: Path, q: Array, q_t: Array, start: float = 0.0) -> TrackPoses:
+    """Poses of sampled states (n, 6) along a centre line; start: guess of the first distance [m].
+
+    Consecutive samples should lie within some metres of each other. Raises SimulationError for a state that
+    has no place on the track.
+    """
+    out = np.zeros((len(q), 6))
+    bad = kernels.poses_along(
+        np.ascontiguousarray(q), np.ascontiguousarray(q_t), path.table, path.step, start, out
+    )
+    if bad >= 0:
+        raise SimulationError(f"sample {bad} has no place on the track")
+    return TrackPoses(*np.ascontiguousarray(out.T))
