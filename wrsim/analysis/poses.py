@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from wrsim.contact.channels import WheelOnRail
-from wrsim.core import wheel_rail as k
+from wrsim.core import layout as k
 from wrsim.core.wheelset import kinematics
 from wrsim.core.wheelset_contact import add_forces, set_pose
 

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.model import ContactModel
-from wrsim.core import patch as strip
-from wrsim.core import wheel_rail as k
+from wrsim.core import layout as k
 from wrsim.core.locus import outline
 
 Array = NDArray[np.float64]
@@ -40,19 +39,19 @@ _PATCH_CHANNELS = {
     "x_contact": k.X_MAIN,
 }
 _STRIP_CHANNELS = {
-    "strip_s": strip.S,
-    "strip_ds": strip.DS,
-    "strip_x": strip.X,
-    "strip_a": strip.A,
-    "strip_p": strip.P,
-    "strip_y": strip.O,
-    "strip_z": strip.B,
-    "strip_N": strip.FORCE,
-    "strip_Fx": strip.FX,
-    "strip_Fy": strip.FY,
-    "strip_xi": strip.XI,
-    "strip_eta": strip.ETA,
-    "strip_phi": strip.PHI,
+    "strip_s": k.S,
+    "strip_ds": k.DS,
+    "strip_x": k.X,
+    "strip_a": k.A,
+    "strip_p": k.P,
+    "strip_y": k.O,
+    "strip_z": k.B,
+    "strip_N": k.FORCE,
+    "strip_Fx": k.FX,
+    "strip_Fy": k.FY,
+    "strip_xi": k.XI,
+    "strip_eta": k.ETA,
+    "strip_phi": k.PHI,
 }
 OUTLINE_POINTS = 500
 
@@ -177,7 +176,7 @@ class StripRecorder:
         if not self.moments:
             return result
         most = max(m["strips"].shape[2] for m in self.moments)
-        rows = np.full((len(self.moments), *self.moments[0]["strips"].shape[:2], most, strip.STRIP_COLUMNS), np.nan)
+        rows = np.full((len(self.moments), *self.moments[0]["strips"].shape[:2], most, k.STRIP_COLUMNS), np.nan)
         for row, m in zip(rows, self.moments, strict=True):
             row[:, :, : m["strips"].shape[2]] = m["strips"]
         raw = RawContacts(
@@ -189,7 +188,7 @@ class StripRecorder:
         used = present[..., None] & (np.arange(most) < counts[..., None])
         for name, column in _STRIP_CHANNELS.items():
             result[name] = np.where(used, rows[..., column], np.nan)
-        result["strip_angle"] = np.where(used, np.arctan2(-rows[..., strip.NO], rows[..., strip.NB]), np.nan)
+        result["strip_angle"] = np.where(used, np.arctan2(-rows[..., k.NO], rows[..., k.NB]), np.nan)
         result["wheel_profile_y"] = np.stack([m["outline"][:, 0] for m in self.moments])
         result["wheel_profile_z"] = np.stack([m["outline"][:, 1] for m in self.moments])
         return result

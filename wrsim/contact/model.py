@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.contact.settings import ContactSettings
-from wrsim.core import patch as strip_columns
-from wrsim.core import wheel_rail as k
+from wrsim.core import layout as k
+from wrsim.core.search import FOUND_COLUMNS
+from wrsim.core.wheel_rail import wheel_rail
 from wrsim.geometry.distance_field import DistanceField, distance_field
 from wrsim.geometry.profile import Profile
 
@@ -90,7 +91,7 @@ class KernelArrays:
 
     def call(self) -> int:
         """Run the kernel on the pose that is set; returns its status."""
-        return int(k.wheel_rail(*self.arguments()))
+        return int(wheel_rail(*self.arguments()))
 
 
 @dataclass(frozen=True)
@@ -181,7 +182,6 @@ def _arrays(
     numbers[k.STRIP_WIDTH] = settings.strip_width or 0.0
     numbers[k.TANGENTIAL] = settings.tangential == "fastsim"
     numbers[k.LEAST_SPEED] = LEAST_SPEED
-    numbers[k.MAX_PATCHES] = settings.max_patches
     numbers[k.WHEEL_STEP] = wheel_step
     numbers[k.RADIUS] = radius
     numbers[k.RAIL_STEP] = rail_step
@@ -197,9 +197,9 @@ def _arrays(
         bound_over_cells(settings.cells, parabolic),
         numbers,
         np.zeros(k.POSE),
-        np.zeros((6, 4)),
+        np.zeros((8, FOUND_COLUMNS)),
         np.zeros((settings.max_patches, k.PATCH_COLUMNS)),
-        np.zeros((settings.max_patches, most, strip_columns.STRIP_COLUMNS)),
-        np.zeros((9, most)),
+        np.zeros((settings.max_patches, most, k.STRIP_COLUMNS)),
+        np.zeros((9, max(most, 8))),
         np.zeros(k.TOTAL),
     )

@@ -18,7 +18,7 @@ from math import pi, sqrt
 
 from numba import njit
 
-from wrsim.core.patch import DS, ETA, FORCE, FX, FY, MZ, PHI, XI, A, P
+from wrsim.core.layout import DS, ETA, FX, FY, MZ, PHI, XI, A, P
 
 
 @njit(cache=True)
@@ -61,35 +61,16 @@ def flexibilities(creep, aspect, area, shear_modulus):
 
 
 @njit(cache=True)
-def fastsim(strips, n, friction, parabolic, l1, l2, l3, direction, shape, work):
+def fastsim(strips, n, friction, paraboloid, xi0, eta0, l1, l2, l3, direction, shape, work):
     """Tangential tractions of n strips.
 
-    shape: (cells,) means of sqrt(1 - X^2), or of 1 - X^2 for the parabolic bound, over each cell, X = x / x_L from
-    the leading edge on (means, so that full sliding gives mu N exactly); direction: +1 rolling along +x, -1 backwards;
-    work: (9, >= n) scratch. Reads A, P, DS, FORCE, XI, ETA, PHI of each strip (creepages of the wheel
-    against the rail) and writes FX, FY, MZ: forces on the wheel [N] and their
-    moment about the strip's centre [N m].
+    paraboloid: 0 for the elliptic bound, else c of the paraboloid [Pa/m2]; xi0, eta0: mean creepages; direction: +1
+    rolling along +x, -1 backwards; shape: (cells,) means of sqrt(1 - X^2), or of 1 - X^2 for the paraboloid, over
+    each cell, X = x / x_L from the leading edge on (means, so that full sliding gives mu N exactly);
+    work: (9, >= n) scratch. Reads A, P, DS, XI, ETA, PHI of each strip (creepages of the wheel against the rail) and
+    writes FX, FY, MZ: forces on the wheel [N] and their moment about the strip's centre [N m].
     """
     cells = shape.shape[0]
-    normal = 0.0
-    xi0 = 0.0
-    eta0 = 0.0
-    cubes = 0.0
-    for i in range(n):
-        f = strips[i, FORCE]
-        normal += f
-        xi0 += f * strips[i, XI]
-        eta0 += f * strips[i, ETA]
-        cubes += strips[i, A] ** 3 * strips[i, DS]
-    if normal <= 0.0 or friction <= 0.0:
-        for i in range(n):
-            strips[i, FX] = 0.0
-            strips[i, FY] = 0.0
-            strips[i, MZ] = 0.0
-        return
-    xi0 /= normal
-    eta0 /= normal
-    paraboloid = 0.75 * normal / cubes if parabolic else 0.0
     step_x = work[0]
     step_y = work[1]
     turn = work[2]
@@ -102,7 +83,7 @@ def fastsim(strips, n, friction, parabolic, l1, l2, l3, direction, shape, work):
         step_x[i] = -(xi0 / l1 + (strips[i, XI] - xi0) / l3) * a * dx
         step_y[i] = -(eta0 / l2 + (strips[i, ETA] - eta0) / l3) * a * dx
         turn[i] = -direction * strips[i, PHI] / l3 * a * a * dx
-        bound[i] = friction * (paraboloid * a * a if parabolic else strips[i, P])
+        bound[i] = friction * (paraboloid * a * a if paraboloid > 0.0 else strips[i, P])
         qx[i] = 0.0
         qy[i] = 0.0
         strips[i, FX] = 0.0

@@ -7,19 +7,18 @@ tangent is the mean of the two unit tangents, because each curve is followed at 
 the bisector itself: [S 27] without a difference quotient.
 
 A strip is in contact where h(s) = eps delta c(s) - g(s) > 0, with c = 1 for the paper's constant approach and
-c = cos(theta(s) - theta0) for a rigid approach delta along the main normal ("projected").
+c = cos(theta(s) - theta0) for a rigid approach delta along the main normal ("projected"). Written with the
+penetration delta c - g of the undeformed profiles this is h = (delta c - g) - recess c, recess = (1 - eps) delta; a
+lobe beside a deeper one takes part of that one's recess (see core.lobes).
 """
 
 from math import sqrt
 
 from numba import njit
 
+from wrsim.core.layout import CURVATURE, DS, NB, NO, A, B, O, S, X
 from wrsim.core.locus import locus_point
 from wrsim.core.profile import profile_point
-
-# columns of a strip's row
-S, DS, X, A, P, NO, NB, O, B, FORCE, FX, FY, MZ, XI, ETA, PHI, CURVATURE = range(17)
-STRIP_COLUMNS = 17
 
 
 @njit(cache=True)
@@ -46,16 +45,17 @@ def pair(
 @njit(cache=True)
 def find_edge(
     wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-    wheel_arc, rail_arc, delta, n0o, n0b, eps, projected, first, direction, limit,
+    wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, first, direction, limit,
 ):  # fmt: skip
     """Edge of the patch on one side of the main point: the first zero of h(s).
 
-    first: first step along s [m]; direction: +1 outward, -1 towards the flange; limit: largest |s|.
-    Returns (s, status): status 0, or 1 when the limit was reached before h vanished.
+    recess: how far the deformed surface lies behind the undeformed one [m]; first: first step along s [m];
+    direction: +1 outward, -1 towards the flange; limit: largest |s|, where a neighbouring lobe begins.
+    Returns (s, status): status 0, or 1 when the end of a profile was reached before h vanished.
     """
     inner = 0.0
     inner_arc = wheel_arc
-    inner_h = eps * delta
+    inner_h = delta - recess
     step = first
     wheel_end = (wheel.shape[0] - 1) * wheel_step
     rail_end = (rail.shape[0] - 1) * rail_step
@@ -69,7 +69,7 @@ def find_edge(
     outer = 0.0
     outer_h = 0.0
     while True:
-        outer = inner + step
+        outer = min(inner + step, limit)
         mid = 1.0 / stretch + 0.5 * (1.0 / stretch - 1.0 / last_stretch)
         outer_arc = inner_arc + direction * step * mid
         gap, _x, _o, _b, mo, mb, new_stretch, _kt = pair(
@@ -77,12 +77,13 @@ def find_edge(
             outer_arc, rail_arc + direction * outer, delta, n0o, n0b,
         )  # fmt: skip
         c = mo * n0o + mb * n0b if projected else 1.0
-        outer_h = eps * delta * c - gap
+        outer_h = (delta - recess) * c - gap
         if outer_h <= 0.0:
             break
+        if outer >= limit:
+            return direction * limit, 0
         if (
-            outer >= limit
-            or outer_arc <= 0.0
+            outer_arc <= 0.0
             or outer_arc >= wheel_end
             or rail_arc + direction * outer <= 0.0
             or rail_arc + direction * outer >= rail_end
@@ -109,7 +110,7 @@ def find_edge(
             arc, rail_arc + direction * s, delta, n0o, n0b,
         )  # fmt: skip
         c = mo * n0o + mb * n0b if projected else 1.0
-        h = eps * delta * c - gap
+        h = (delta - recess) * c - gap
         if abs(h) < 1e-9 * delta or hi - lo < 1e-12:
             break
         if h > 0.0:
@@ -130,7 +131,7 @@ def find_edge(
 @njit(cache=True)
 def lay_strips(
     wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-    wheel_arc, rail_arc, delta, n0o, n0b, eps, projected, start, end, n, strips,
+    wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, start, end, n, strips,
 ):  # fmt: skip
     """Fill ``n`` strips of equal width between the edges ``start`` < 0 < ``end``.
 
@@ -162,7 +163,7 @@ def lay_strips(
             last = stretch
             stretch = new_stretch
             c = mo * n0o + mb * n0b if projected else 1.0
-            h = eps * delta * c - gap
+            h = (delta - recess) * c - gap
             row = strips[i]
             row[S] = s
             row[DS] = width
@@ -174,4 +175,4 @@ def lay_strips(
             row[NB] = mb
             row[CURVATURE] = kt
             i += direction
-    return sqrt(2.0 * eps * delta / kt0), kt0
+    return sqrt(2.0 * (delta - recess) / kt0), kt0

@@ -16,7 +16,7 @@ from wrsim.core.locus import locus_node, locus_point
 from wrsim.core.profile import profile_point
 
 NEAR = 0.5e-3  # distance below which the foot point is computed exactly [m]
-MARGIN = 1e-3  # the field reaches at least this far beyond the rail [m]
+MARGIN = 3e-3  # the field reaches further than this beyond the rail; more than NEAR and a stride [m]
 
 
 @njit(cache=True)
@@ -73,9 +73,10 @@ def project(rail, rail_step, o, b, arc, steps):
 
 
 @njit(cache=True)
-def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, lo, hi, foot):
-    """The minimum of the distance between two wheel arclengths: safeguarded Newton on its slope.
+def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, lo, hi, foot, sign):
+    """A stationary point of the distance between two wheel arclengths: safeguarded Newton on its slope.
 
+    sign: +1 for a minimum (slope negative at ``lo``), -1 for a maximum.
     Returns (wheel arclength, rail arclength, distance, relative curvature, status): status 0 converged, 1 not.
     """
     arc = 0.5 * (lo + hi)
@@ -90,87 +91,102 @@ def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q
         slope = -nb * ro + no * rb  # wheel tangent (-nb, no) times rail normal
         cosine = -(no * ro + nb * rb)
         relative = k_outline - k_rail
-        if slope < 0.0:
+        if sign * slope < 0.0:
             lo = arc
         else:
             hi = arc
-        lean = 1.0 - k_rail * distance
-        rate = stretch * (k_outline * cosine - k_rail * cosine * cosine / max(lean, 0.2))
-        step = -slope / rate if rate > 0.0 else 2.0 * (hi - lo)
-        new = arc + step
-        if abs(step) < 1e-13:
+        lean = max(1.0 - k_rail * distance, 0.2)
+        rate = stretch * (k_outline * cosine - k_rail * cosine * cosine / lean)
+        step = -slope / rate if sign * rate > 0.0 else 2.0 * (hi - lo)
+        if abs(step) < 1e-13 or hi - lo < 1e-13:
             status = 0
             break
+        new = arc + step
         if new <= lo or new >= hi:
             new = 0.5 * (lo + hi)
-        if hi - lo < 1e-13:
-            status = 0
-            break
         arc = new
     return arc, foot, distance, relative, status
+
+
+# columns of a row of ``found``
+WHEEL_ARC, RAIL_ARC, DEPTH, RELATIVE_CURVATURE, SADDLE_DEPTH, SADDLE_RAIL_ARC = range(6)
+FOUND_COLUMNS = 6
 
 
 @njit(cache=True)
 def find_contacts(
     wheel, wheel_step, radius, rail, rail_step, field, o0, b0, spacing, ox, oo, ob, et, eo, eb, stride, found
 ):
-    """All local minima of the distance that interpenetrate, deepest first.
+    """All local maxima of the interpenetration, in order along the wheel profile.
 
-    stride: nodes between two samples near the rail. found: (n, 4) array that receives wheel arclength, rail
-    arclength, penetration (positive) and relative curvature [m, m, m, 1/m].
-    Returns (number found, smallest distance met, status): status bit 1 says a minimum was not refined to round-off.
+    stride: nodes between two samples near the rail. found: (n, FOUND_COLUMNS) array that receives per contact the
+    wheel and rail arclength, the penetration (positive), the relative curvature, and the least penetration between
+    this contact and the next with its rail arclength (-1 where the profiles separate in between).
+    Returns (number found, smallest distance met, status): status bit 1 says a point was not refined to round-off.
     """
     q = sqrt(1.0 - et * et)
     n = wheel.shape[0]
     count = 0
     closest = 1.0
     status = 0
-    previous = -1  # node of the last exact sample, if the one before this
-    previous_slope = 0.0
+    near = False  # whether the last sample was an exact one
+    linked = False  # whether the outline stayed in the rail since the last contact found
+    last_node = 0
+    last_slope = 0.0
     reach = stride * wheel_step
     rail_end = (rail.shape[0] - 1) * rail_step
     node = 0
     while node < n:
         o, b, no, nb, proper = locus_node(wheel, node, radius, oo, ob, et, eo, eb, q)
         if not proper:
-            previous = -1
+            near = False
+            linked = False
             node += stride
             continue
         distance, foot = field_distance(field, o0, b0, spacing, o, b)
         if distance > NEAR + reach:
             closest = min(closest, distance)
-            previous = -1
+            near = False
+            linked = False
             node += max(stride, int((distance - NEAR) / (1.2 * wheel_step)))
             continue
         foot, distance, ro, rb, _k = project(rail, rail_step, o, b, foot, 1)
         closest = min(closest, distance)
+        if distance > 0.0:
+            linked = False
         slope = -nb * ro + no * rb
-        if previous >= 0 and previous_slope < 0.0 and slope >= 0.0 and 0.0 < foot < rail_end:
+        turns = near and 0.0 < foot < rail_end
+        if turns and last_slope < 0.0 and slope >= 0.0:
             arc, foot_at, depth, relative, state = refine(
                 wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-                previous * wheel_step, node * wheel_step, foot,
+                last_node * wheel_step, node * wheel_step, foot, 1.0,
             )  # fmt: skip
             closest = min(closest, depth)
-            if depth < 0.0 and 0.0 < foot_at < rail_end:
+            if depth < 0.0 and 0.0 < foot_at < rail_end and count < found.shape[0]:
                 status |= state
-                # insertion sort by depth; the shallowest falls out when the list is full
-                at = count
-                if count < found.shape[0]:
-                    count += 1
-                elif found[count - 1, 2] >= -depth:
-                    at = -1
-                else:
-                    at = count - 1
-                if at >= 0:
-                    while at > 0 and found[at - 1, 2] < -depth:
-                        for c in range(4):
-                            found[at, c] = found[at - 1, c]
-                        at -= 1
-                    found[at, 0] = arc
-                    found[at, 1] = foot_at
-                    found[at, 2] = -depth
-                    found[at, 3] = relative
-        previous = node
-        previous_slope = slope
+                if count > 0 and not linked:
+                    found[count - 1, SADDLE_DEPTH] = -1.0
+                found[count, WHEEL_ARC] = arc
+                found[count, RAIL_ARC] = foot_at
+                found[count, DEPTH] = -depth
+                found[count, RELATIVE_CURVATURE] = relative
+                found[count, SADDLE_DEPTH] = -1.0
+                count += 1
+                linked = distance < 0.0
+        elif turns and last_slope >= 0.0 and slope < 0.0 and linked:
+            arc, foot_at, depth, relative, state = refine(
+                wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
+                last_node * wheel_step, node * wheel_step, foot, -1.0,
+            )  # fmt: skip
+            if depth < 0.0:
+                found[count - 1, SADDLE_DEPTH] = -depth
+                found[count - 1, SADDLE_RAIL_ARC] = foot_at
+            else:
+                linked = False
+        near = True
+        last_node = node
+        last_slope = slope
         node += stride
+    if count > 0:
+        found[count - 1, SADDLE_DEPTH] = -1.0
     return count, closest, status

@@ -5,43 +5,87 @@ wheel. On the right side these axes are left-handed; a mirrored angular velocity
 formula hold as it stands, so the kernel knows no side.
 """
 
-from math import atan2, ceil, sqrt
+from math import ceil, sqrt
 
 from numba import njit
 
 from wrsim.core.fastsim import fastsim, flexibilities
-from wrsim.core.kik_piotrowski import kik_piotrowski
-from wrsim.core.patch import DS, ETA, FORCE, FX, FY, MZ, NB, NO, PHI, XI, A, B, O, S, X, find_edge, lay_strips
-from wrsim.core.search import find_contacts
-
-# settings[...]
-(
-    MODULUS, SHEAR_MODULUS, EPSILON, PROJECTED, DAMPING, FRICTION, PARABOLIC, STRIPS, STRIP_WIDTH, TANGENTIAL,
-    LEAST_SPEED, MAX_PATCHES, WHEEL_STEP, RADIUS, RAIL_STEP, FIELD_O, FIELD_B, FIELD_SPACING, STRIDE,
-) = range(19)  # fmt: skip
-SETTINGS = 19
-
-# pose[...]: profile origin on the axle, axle outward, velocity of the origin, angular velocity
-POSE = 12
-
-# columns of a patch's row
-(
-    N, FX_SUM, FY_SUM, SPIN_MOMENT, P0, AREA, APPROACH, ANGLE, ANGLE_MIN, ANGLE_MAX, ANGLE_MEAN, N_STRIPS, LENGTH,
-    WIDTH, XI_MAIN, ETA_MAIN, PHI_MAIN, ARC_WHEEL, ARC_RAIL, X_MAIN, O_MAIN, B_MAIN, NO_MAIN, NB_MAIN, DISSIPATION,
-    EDGE_STATUS,
-) = range(26)  # fmt: skip
-PATCH_COLUMNS = 26
-
-# total[...]: force and moment about the profile origin on the wheel, number of patches, wear number, closest distance
-FORCE_T, FORCE_O, FORCE_B, MOMENT_T, MOMENT_O, MOMENT_B, COUNT, WEAR, CLOSEST = range(9)
-TOTAL = 9
-
-STATUS_NOT_REFINED = 1
-STATUS_PROFILE_END = 2
-STATUS_TOO_DEEP = 4
+from wrsim.core.kik_piotrowski import far_influence, own_influence, set_pressures, solve_amplitudes
+from wrsim.core.layout import (
+    APPROACH,
+    ARC_RAIL,
+    ARC_WHEEL,
+    AREA,
+    B_MAIN,
+    CLOSEST,
+    CLOSING,
+    COUNT,
+    COUPLING,
+    DAMPING,
+    DS,
+    EPSILON,
+    ETA,
+    FIELD_B,
+    FIELD_O,
+    FIELD_SPACING,
+    FORCE,
+    FRICTION,
+    FX,
+    FY,
+    GROUP,
+    HALF_LENGTH,
+    LENGTH,
+    MODULUS,
+    MZ,
+    N_STRIPS,
+    NB,
+    NB_MAIN,
+    NO,
+    NO_MAIN,
+    O_MAIN,
+    P0,
+    PARABOLIC,
+    PARTNER,
+    PATCHES,
+    PROJECTED,
+    RADIUS,
+    RAIL_STEP,
+    SHEAR_MODULUS,
+    STATUS_PROFILE_END,
+    STATUS_TOO_DEEP,
+    STRIDE,
+    STRIP_WIDTH,
+    STRIPS,
+    TANGENTIAL,
+    TOTAL,
+    WHEEL_STEP,
+    WIDTH,
+    X_MAIN,
+    XI,
+    A,
+    B,
+    N,
+    O,
+    S,
+    X,
+)  # fmt: skip
+from wrsim.core.lobes import couple, select_deepest
+from wrsim.core.patch import find_edge, lay_strips
+from wrsim.core.profile import profile_point
+from wrsim.core.resultants import add_lobe, set_creepages
+from wrsim.core.search import (
+    DEPTH,
+    RAIL_ARC,
+    RELATIVE_CURVATURE,
+    SADDLE_DEPTH,
+    SADDLE_RAIL_ARC,
+    WHEEL_ARC,
+    find_contacts,
+)
 
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
 WIDEST = 0.08  # half width at which the search for an edge is given up [m]
+FEWEST_STRIPS = 3
 
 
 @njit(cache=True)
@@ -49,214 +93,206 @@ def wheel_rail(wheel, rail, field, creep, shape, settings, pose, found, patches,
     """Contact of one wheel and one rail.
 
     wheel, rail: profile tables (see core.profile), the rail's in (o, b) with its inclination; field: signed distances
-    of the rail; creep: (20, 3) Kalker coefficients; shape: bound over the cells; settings: (SETTINGS,); pose: (POSE,).
-    found: (>= 4, 4) and work: (9, >= strips) scratch. Writes patches (max_patches, PATCH_COLUMNS), strips
-    (max_patches, n, STRIP_COLUMNS) and total (TOTAL,). Forces act on the wheel.
+    of the rail; creep: (20, 3) Kalker coefficients; shape: bound over the cells; settings: (SETTINGS,); pose: (POSE,);
+    see core.layout. found: (8, FOUND_COLUMNS) and work: (9, >= strips, >= 8) scratch. Writes patches
+    (lobes, PATCH_COLUMNS), strips (lobes, n, STRIP_COLUMNS) and total (TOTAL,). Forces act on the wheel; a lobe with
+    N = 0 is none.
     Returns a status: 0, or a sum of the STATUS bits.
     """
-    ox, oo, ob = pose[0], pose[1], pose[2]
-    et, eo, eb = pose[3], pose[4], pose[5]
-    vt, vo, vb = pose[6], pose[7], pose[8]
-    wt, wo, wb = pose[9], pose[10], pose[11]
-    wheel_step, radius, rail_step = settings[WHEEL_STEP], settings[RADIUS], settings[RAIL_STEP]
-    eps = settings[EPSILON]
-    projected = settings[PROJECTED] > 0.5
     for i in range(TOTAL):
         total[i] = 0.0
-    q = sqrt(1.0 - et * et)
     count, closest, status = find_contacts(
-        wheel, wheel_step, radius, rail, rail_step, field, settings[FIELD_O], settings[FIELD_B],
-        settings[FIELD_SPACING], ox, oo, ob, et, eo, eb, int(settings[STRIDE]), found,
+        wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], field, settings[FIELD_O],
+        settings[FIELD_B], settings[FIELD_SPACING], pose[0], pose[1], pose[2], pose[3], pose[4], pose[5],
+        int(settings[STRIDE]), found,
     )  # fmt: skip
     total[CLOSEST] = closest
-    rolling = sqrt(vt * vt + settings[LEAST_SPEED] * settings[LEAST_SPEED])
-    most = int(settings[MAX_PATCHES])
-    made = 0
-    for c in range(count):
-        if made == most:
-            break
-        wheel_arc, rail_arc, delta, relative = found[c, 0], found[c, 1], found[c, 2], found[c, 3]
-        # a shallower minimum that lies on a patch already made belongs to it: the virtual penetrations overlap
-        merged = False
-        for p in range(made):
-            first = patches[p, ARC_RAIL] + strips[p, 0, S] - 0.5 * strips[p, 0, DS]
-            last_strip = int(patches[p, N_STRIPS]) - 1
-            last = patches[p, ARC_RAIL] + strips[p, last_strip, S] + 0.5 * strips[p, last_strip, DS]
-            if first <= rail_arc <= last:
-                merged = True
-        if merged:
-            continue
-        patch = patches[made]
-        rows = strips[made]
-        n, state = _one_patch(
-            wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc, delta,
-            relative, eps, projected, settings, patch, rows,
-        )  # fmt: skip
-        status |= state
-        if n == 0:
-            continue
-        _load_patch(
-            n, delta, eps, creep, shape, settings, vt, vo, vb, wt, wo, wb, ox, oo, ob, rolling, patch, rows, work, total
-        )
-        made += 1
-    total[COUNT] = made
+    if count == 0:
+        return status
+    count = select_deepest(found, count, patches.shape[0])
+    couple(found, count, settings[EPSILON], work[0], work[1])
+    for i in range(count):
+        patches[i, COUPLING] = work[0, i]
+        patches[i, PARTNER] = work[1, i]
+    for i in range(count):
+        status |= _lay_lobe(wheel, rail, settings, pose, found, i, count, patches[i], strips[i])
+    _press(settings, pose, patches, strips, count, work)
+    for i in range(count):
+        if settings[TANGENTIAL] > 0.5:
+            _creep(creep, shape, settings, pose, patches, strips, count, i, work)
+        add_lobe(pose, patches[i], strips[i], int(patches[i, N_STRIPS]), total)
+    total[COUNT] = count
+    _group(found, settings[EPSILON], patches, count, total)
     return status
 
 
 @njit(cache=True)
-def _one_patch(
-    wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc, delta, relative, eps,
-    projected, settings, patch, rows,
-):  # fmt: skip
-    """Geometry of one patch: edges and strips. Returns (number of strips, status bits)."""
+def _lay_lobe(wheel, rail, settings, pose, found, i, count, lobe, rows):
+    """Edges and strips of one lobe. Returns status bits; a lobe without contact gets no strips."""
+    delta, wheel_arc, rail_arc = found[i, DEPTH], found[i, WHEEL_ARC], found[i, RAIL_ARC]
     status = STATUS_TOO_DEEP if delta > DEEPEST else 0
-    n0o, n0b = _rail_normal(rail, rail_step, rail_arc)
+    eps = settings[EPSILON]
+    level = delta
+    partner = int(lobe[PARTNER])
+    if partner >= 0 and found[partner, DEPTH] > delta:
+        level += lobe[COUPLING] * (found[partner, DEPTH] - delta)
+    recess = (1.0 - eps) * level
+    lobe[APPROACH] = delta
+    lobe[ARC_WHEEL] = wheel_arc
+    lobe[ARC_RAIL] = rail_arc
+    lobe[N_STRIPS] = 0.0
+    lobe[N] = 0.0
+    lobe[AREA] = 0.0
+    lobe[LENGTH] = 0.0
+    lobe[WIDTH] = 0.0
+    _u, _w, tu, tw, _k = profile_point(rail, settings[RAIL_STEP], rail_arc)
+    n0o, n0b = -tw, tu
+    lobe[NO_MAIN] = n0o
+    lobe[NB_MAIN] = n0b
+    if delta <= recess:
+        return status
+    left = WIDEST
+    right = WIDEST
+    if i > 0 and found[i - 1, SADDLE_DEPTH] >= 0.0:
+        left = max(rail_arc - found[i - 1, SADDLE_RAIL_ARC], 1e-7)
+    if i < count - 1 and found[i, SADDLE_DEPTH] >= 0.0:
+        right = max(found[i, SADDLE_RAIL_ARC] - rail_arc, 1e-7)
     # first step: a third of the half width that the relative curvature at the main point promises
-    first = 0.35 * sqrt(2.0 * eps * delta / max(relative, 0.5))
+    first = 0.35 * sqrt(2.0 * (delta - recess) / max(found[i, RELATIVE_CURVATURE], 0.5))
     first = min(max(first, 2e-5), 4e-3)
+    q = sqrt(1.0 - pose[3] * pose[3])
+    projected = settings[PROJECTED] > 0.5
     end, state = find_edge(
-        wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-        wheel_arc, rail_arc, delta, n0o, n0b, eps, projected, first, 1, WIDEST,
+        wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], pose[0], pose[1], pose[2], pose[3],
+        pose[4], pose[5], q, wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, first, 1, right,
     )  # fmt: skip
     if state:
         status |= STATUS_PROFILE_END
     start, state = find_edge(
-        wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-        wheel_arc, rail_arc, delta, n0o, n0b, eps, projected, first, -1, WIDEST,
+        wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], pose[0], pose[1], pose[2], pose[3],
+        pose[4], pose[5], q, wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, first, -1, left,
     )  # fmt: skip
     if state:
         status |= STATUS_PROFILE_END
     n = int(settings[STRIPS])
     if settings[STRIP_WIDTH] > 0.0:
         n = int(ceil((end - start) / settings[STRIP_WIDTH]))
-    n = min(max(n, 3), rows.shape[0])
-    half_length, k_t = lay_strips(
-        wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-        wheel_arc, rail_arc, delta, n0o, n0b, eps, projected, start, end, n, rows,
+    n = min(max(n, FEWEST_STRIPS), rows.shape[0])
+    lobe[HALF_LENGTH], _kt = lay_strips(
+        wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], pose[0], pose[1], pose[2], pose[3],
+        pose[4], pose[5], q, wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, start, end, n, rows,
     )  # fmt: skip
-    patch[APPROACH] = delta
-    patch[N_STRIPS] = n
-    patch[WIDTH] = end - start
-    patch[ARC_WHEEL] = wheel_arc
-    patch[ARC_RAIL] = rail_arc
-    patch[NO_MAIN] = n0o
-    patch[NB_MAIN] = n0b
-    patch[LENGTH] = 2.0 * half_length
-    patch[EDGE_STATUS] = status
-    main = min(max(int(-start / ((end - start) / n)), 0), n - 1)
+    lobe[N_STRIPS] = n
+    lobe[WIDTH] = end - start
     # the main point lies within its strip: its coordinates follow along the strip's tangent
+    main = min(max(int(-start / ((end - start) / n)), 0), n - 1)
     row = rows[main]
-    lag = row[S]
-    patch[X_MAIN] = row[X]
-    if n > 1:
-        other = rows[main - 1] if main > 0 else rows[main + 1]
-        patch[X_MAIN] = row[X] - lag * (row[X] - other[X]) / (row[S] - other[S])
-    patch[O_MAIN] = row[O] - lag * row[NB]
-    patch[B_MAIN] = row[B] + lag * row[NO]
-    return n, status
+    other = rows[main - 1] if main > 0 else rows[main + 1]
+    lobe[X_MAIN] = row[X] - row[S] * (row[X] - other[X]) / (row[S] - other[S])
+    lobe[O_MAIN] = row[O] - row[S] * row[NB]
+    lobe[B_MAIN] = row[B] + row[S] * row[NO]
+    return status
 
 
 @njit(cache=True)
-def _rail_normal(rail, rail_step, arc):
-    from_table = arc / rail_step
-    i = min(max(int(from_table), 0), rail.shape[0] - 2)
-    r = from_table - i
-    tu = rail[i, 2] + r * (rail[i + 1, 2] - rail[i, 2])
-    tw = rail[i, 3] + r * (rail[i + 1, 3] - rail[i, 3])
-    inverse = 1.0 / sqrt(tu * tu + tw * tw)
-    return -tw * inverse, tu * inverse
+def _press(settings, pose, patches, strips, count, work):
+    """Pressures of all lobes from the displacements at their main points (core.kik_piotrowski), with damping."""
+    matrix = work[2:5]
+    rows = work[5:8]
+    amplitude = work[8]
+    stiffness = 3.141592653589793 * settings[MODULUS]
+    for i in range(count):
+        lobe = patches[i]
+        n = int(lobe[N_STRIPS])
+        amplitude[i] = 1.0 if n > 0 else 0.0
+        for j in range(count + 1):
+            matrix[i, j] = 0.0
+        if n == 0:
+            continue
+        set_creepages(pose, settings, lobe, strips[i], n)
+        own = own_influence(strips[i], n, lobe[HALF_LENGTH])
+        if count == 1:
+            amplitude[0] = stiffness * lobe[APPROACH] / own
+            break
+        share = lobe[COUPLING]
+        for j in range(count):
+            if j != i and patches[j, N_STRIPS] > 0.0:
+                facing = lobe[NO_MAIN] * patches[j, NO_MAIN] + lobe[NB_MAIN] * patches[j, NB_MAIN]
+                if facing > 0.0:
+                    far = far_influence(strips[j], int(patches[j, N_STRIPS]), lobe[O_MAIN], lobe[B_MAIN])
+                    matrix[i, j] = (1.0 - share) * facing * far
+        matrix[i, i] = own
+        matrix[i, count] = (1.0 - share) * stiffness * lobe[APPROACH]
+        partner = int(lobe[PARTNER])
+        if partner >= 0 and patches[partner, N_STRIPS] > 0.0:
+            matrix[i, partner] -= share * own
+    if count > 1:
+        solve_amplitudes(matrix, count, rows, amplitude)
+    for i in range(count):
+        lobe = patches[i]
+        factor = max(1.0 + settings[DAMPING] * lobe[CLOSING], 0.0)
+        largest, normal, area, longest = set_pressures(strips[i], int(lobe[N_STRIPS]), amplitude[i], factor)
+        lobe[P0] = max(largest, amplitude[i] * factor * lobe[HALF_LENGTH])
+        lobe[N] = normal
+        if amplitude[i] == 0.0:
+            lobe[N_STRIPS] = 0.0
+        lobe[AREA] = area
+        lobe[LENGTH] = 2.0 * longest
 
 
 @njit(cache=True)
-def _load_patch(
-    n, delta, eps, creep, shape, settings, vt, vo, vb, wt, wo, wb, ox, oo, ob, rolling, patch, rows, work, total
-):
-    """Pressure, creep forces and resultants of one patch whose strips are laid."""
-    n0o, n0b = patch[NO_MAIN], patch[NB_MAIN]
-    mx, mo, mb = patch[X_MAIN] - ox, patch[O_MAIN] - oo, patch[B_MAIN] - ob
-    # velocity of the wheel's material at the main point; the rail rests
-    ut = vt + wo * mb - wb * mo
-    uo = vo + wb * mx - wt * mb
-    ub = vb + wt * mo - wo * mx
-    closing = -(uo * n0o + ub * n0b)
-    factor = max(1.0 + settings[DAMPING] * closing, 0.0)
-    p0, normal, area = kik_piotrowski(rows, n, delta, 0.5 * patch[LENGTH], settings[MODULUS], factor)
-    patch[P0] = p0
-    patch[N] = normal
-    patch[AREA] = area
-    patch[XI_MAIN] = ut / rolling
-    patch[ETA_MAIN] = (uo * n0b - ub * n0o) / rolling
-    patch[PHI_MAIN] = (wo * n0o + wb * n0b) / rolling
-    longest = 0.0
-    for i in range(n):
-        row = rows[i]
-        rx, ro, rb = row[X] - ox, row[O] - oo, row[B] - ob
-        row[XI] = (vt + wo * rb - wb * ro) / rolling
-        row[ETA] = ((vo + wb * rx - wt * rb) * row[NB] - (vb + wt * ro - wo * rx) * row[NO]) / rolling
-        row[PHI] = (wo * row[NO] + wb * row[NB]) / rolling
-        longest = max(longest, row[A])
-        row[FX] = 0.0
-        row[FY] = 0.0
-        row[MZ] = 0.0
-    patch[LENGTH] = 2.0 * longest
-    if settings[TANGENTIAL] > 0.5:
-        l1, l2, l3 = flexibilities(creep, 2.0 * longest / patch[WIDTH], area, settings[SHEAR_MODULUS])
-        fastsim(rows, n, settings[FRICTION], settings[PARABOLIC] > 0.5, l1, l2, l3,
-                1.0 if vt >= 0.0 else -1.0, shape, work)
-    _sum_patch(n, ox, oo, ob, patch, rows, total)
+def _creep(creep, shape, settings, pose, patches, strips, count, i, work):
+    """Creep forces of one lobe; coupled lobes share the ellipse and the mean creepages by their coupling."""
+    n = int(patches[i, N_STRIPS])
+    if n == 0 or patches[i, N] <= 0.0 or settings[FRICTION] <= 0.0:
+        for j in range(n):
+            strips[i, j, FX] = 0.0
+            strips[i, j, FY] = 0.0
+            strips[i, j, MZ] = 0.0
+        return
+    area = width = longest = normal = xi0 = eta0 = cubes = 0.0
+    for j in range(count):
+        share = 1.0
+        if j != i:
+            share = 0.0
+            if int(patches[i, PARTNER]) == j:
+                share = patches[i, COUPLING]
+            if int(patches[j, PARTNER]) == i:
+                share = max(share, patches[j, COUPLING])
+        if share == 0.0 or patches[j, N] <= 0.0:
+            continue
+        area += share * patches[j, AREA]
+        width += share * patches[j, WIDTH]
+        longest = max(longest, share * patches[j, LENGTH])
+        normal += share * patches[j, N]
+        for m in range(int(patches[j, N_STRIPS])):
+            row = strips[j, m]
+            xi0 += share * row[FORCE] * row[XI]
+            eta0 += share * row[FORCE] * row[ETA]
+            cubes += share * row[A] * row[A] * row[A] * row[DS]
+    l1, l2, l3 = flexibilities(creep, longest / width, area, settings[SHEAR_MODULUS])
+    paraboloid = 0.75 * normal / cubes if settings[PARABOLIC] > 0.5 else 0.0
+    direction = 1.0 if pose[6] >= 0.0 else -1.0
+    fastsim(
+        strips[i], n, settings[FRICTION], paraboloid, xi0 / normal, eta0 / normal, l1, l2, l3, direction, shape, work
+    )
 
 
 @njit(cache=True)
-def _sum_patch(n, ox, oo, ob, patch, rows, total):
-    """Add the strips' forces to the wheel's total, at the strip centres, and to the patch's own figures."""
-    ft = fo = fb = mt = mo = mb = 0.0
-    sum_x = sum_y = wear = angle_mean = 0.0
-    least = 4.0
-    most = -4.0
-    normal_sum = 0.0
-    for i in range(n):
-        row = rows[i]
-        f, fx, fy, mz = row[FORCE], row[FX], row[FY], row[MZ]
-        no, nb = row[NO], row[NB]
-        so = f * no + fy * nb
-        sb = f * nb - fy * no
-        rx, ro, rb = row[X] - ox, row[O] - oo, row[B] - ob
-        ft += fx
-        fo += so
-        fb += sb
-        mt += ro * sb - rb * so
-        mo += rb * fx - rx * sb + mz * no
-        mb += rx * so - ro * fx + mz * nb
-        sum_x += fx
-        sum_y += fy
-        wear -= fx * row[XI] + fy * row[ETA] + mz * row[PHI]
-        angle = atan2(-no, nb)
-        least = min(least, angle)
-        most = max(most, angle)
-        angle_mean += f * angle
-        normal_sum += f
-    patch[FX_SUM] = sum_x
-    patch[FY_SUM] = sum_y
-    patch[ANGLE] = atan2(-patch[NO_MAIN], patch[NB_MAIN])
-    patch[ANGLE_MIN] = least
-    patch[ANGLE_MAX] = most
-    patch[ANGLE_MEAN] = angle_mean / normal_sum if normal_sum > 0.0 else patch[ANGLE]
-    patch[DISSIPATION] = wear
-    # moment of the creep forces about the normal at the main point
-    n0o, n0b = patch[NO_MAIN], patch[NB_MAIN]
-    spin = 0.0
-    for i in range(n):
-        row = rows[i]
-        fx, fy, mz = row[FX], row[FY], row[MZ]
-        rx, ro, rb = row[X] - patch[X_MAIN], row[O] - patch[O_MAIN], row[B] - patch[B_MAIN]
-        so = fy * row[NB]
-        sb = -fy * row[NO]
-        spin += (rb * fx - rx * sb + mz * row[NO]) * n0o + (rx * so - ro * fx + mz * row[NB]) * n0b
-    patch[SPIN_MOMENT] = spin
-    total[FORCE_T] += ft
-    total[FORCE_O] += fo
-    total[FORCE_B] += fb
-    total[MOMENT_T] += mt
-    total[MOMENT_O] += mo
-    total[MOMENT_B] += mb
-    total[WEAR] += wear
+def _group(found, eps, patches, count, total):
+    """Number the patches: neighbours whose virtual penetrations overlap share one."""
+    group = -1
+    loaded = False
+    for i in range(count):
+        joined = (
+            i > 0
+            and found[i - 1, SADDLE_DEPTH] >= 0.0
+            and found[i - 1, SADDLE_DEPTH] > (1.0 - eps) * min(found[i - 1, DEPTH], found[i, DEPTH])
+        )
+        if not joined:
+            group += 1
+            loaded = False
+        patches[i, GROUP] = group
+        if patches[i, N] > 0.0 and not loaded:
+            loaded = True
+            total[PATCHES] += 1.0

@@ -8,7 +8,7 @@ forces to round-off.
 
 from numba import njit
 
-from wrsim.core.wheel_rail import FORCE_B, FORCE_O, FORCE_T, MOMENT_B, MOMENT_O, MOMENT_T
+from wrsim.core.layout import FORCE_B, FORCE_O, FORCE_T, MOMENT_B, MOMENT_O, MOMENT_T
 from wrsim.core.wheelset import point_velocity
 
 

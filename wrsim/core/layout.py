@@ -1,0 +1,33 @@
+"""Where each number stands in the arrays that go in and out of `core.wheel_rail.wheel_rail`."""
+
+# settings[...]
+(
+    MODULUS, SHEAR_MODULUS, EPSILON, PROJECTED, DAMPING, FRICTION, PARABOLIC, STRIPS, STRIP_WIDTH, TANGENTIAL,
+    LEAST_SPEED, WHEEL_STEP, RADIUS, RAIL_STEP, FIELD_O, FIELD_B, FIELD_SPACING, STRIDE,
+) = range(18)  # fmt: skip
+SETTINGS = 18
+
+# pose[...]: profile origin on the axle (t, o, b), axle outward, velocity of the origin, angular velocity
+POSE = 12
+
+# a strip's row: centre s, width, shift along x, half length, pressure, normal (o, b), centre (o, b), normal force,
+# creep forces, moment about the centre, creepages, curvature along the rail
+S, DS, X, A, P, NO, NB, O, B, FORCE, FX, FY, MZ, XI, ETA, PHI, CURVATURE = range(17)
+STRIP_COLUMNS = 17
+
+# a lobe's row
+(
+    N, FX_SUM, FY_SUM, SPIN_MOMENT, P0, AREA, APPROACH, ANGLE, ANGLE_MIN, ANGLE_MAX, ANGLE_MEAN, N_STRIPS, LENGTH,
+    WIDTH, XI_MAIN, ETA_MAIN, PHI_MAIN, ARC_WHEEL, ARC_RAIL, X_MAIN, O_MAIN, B_MAIN, NO_MAIN, NB_MAIN, DISSIPATION,
+    GROUP, COUPLING, PARTNER, HALF_LENGTH, CLOSING,
+) = range(30)  # fmt: skip
+PATCH_COLUMNS = 30
+
+# total[...]: force and moment about the profile origin on the wheel (t, o, b), number of lobes, number of patches
+# (lobes that share a patch count once), wear number, closest distance
+FORCE_T, FORCE_O, FORCE_B, MOMENT_T, MOMENT_O, MOMENT_B, COUNT, PATCHES, WEAR, CLOSEST = range(10)
+TOTAL = 10
+
+STATUS_NOT_REFINED = 1
+STATUS_PROFILE_END = 2
+STATUS_TOO_DEEP = 4
