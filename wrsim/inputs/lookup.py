@@ -33,7 +33,7 @@ class Finder:
             if (folder / asked).is_file():
                 return folder / asked
         near = self._nearest(asked)
-        places = ", ".join(str(folder) for folder in self.folders)
+        places = ", ".join(str(folder.absolute()) for folder in self.folders)
         raise InputError(f"not found in {places}" + (f'; did you mean "{near}"?' if near else ""))
 
     def beside(self, file: Path) -> Finder:
@@ -71,7 +71,5 @@ def user_folders(extra: tuple[str | Path, ...] = ()) -> tuple[Path, ...]:
     named += [(VARIABLE, text) for text in os.environ.get(VARIABLE, "").split(os.pathsep) if text]
     for key, text in named:
         if not Path(text).is_dir():
-            raise InputError(
-                f'{key} = "{text}": must be a folder with model files; there is none of that name'
-            )
+            raise InputError(f'{key} = "{text}": must be a folder with model files; there is none of that name')
     return tuple(Path(text) for _, text in named)

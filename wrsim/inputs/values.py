@@ -62,11 +62,7 @@ class Quantity(Annotation):
                 else f"a number from {plain(low)} to {plain(self.high)}"
             )
         elif math.isfinite(low):
-            text = (
-                f"a number above {plain(low)}"
-                if self.above is not None
-                else f"a number not below {plain(low)}"
-            )
+            text = f"a number above {plain(low)}" if self.above is not None else f"a number not below {plain(low)}"
         elif math.isfinite(self.high):
             text = f"a number not above {plain(self.high)}"
         else:
@@ -81,11 +77,7 @@ class Quantity(Annotation):
 
     def holds(self, number: float) -> bool:
         """True if the number is finite and in range."""
-        return (
-            self.low <= number <= self.high
-            and math.isfinite(number)
-            and (self.above is None or number > self.above)
-        )
+        return self.low <= number <= self.high and math.isfinite(number) and (self.above is None or number > self.above)
 
 
 @dataclass(frozen=True)

@@ -55,9 +55,7 @@ class WheelsetTable(Section):
     roll_inertia_kg_m2: Annotated[float, Quantity(above=0, high=1e5, example="about the x axis")]
     spin_inertia_kg_m2: Annotated[float, Quantity(above=0, high=1e5, example="about the axle")]
     yaw_inertia_kg_m2: Annotated[float, Quantity(above=0, high=1e5, example="about the z axis")]
-    profile_spacing_mm: (
-        Annotated[float, Quantity(400, 2500, example="mm between the tape circles")] | None
-    ) = None
+    profile_spacing_mm: Annotated[float, Quantity(400, 2500, example="mm between the tape circles")] | None = None
     flange_back_mm: Annotated[float, Quantity(300, 2400, example="mm between the flange backs")] | None = None
     back_to_tape_circle_mm: Annotated[float, Quantity(20, 120, example="mm, 70 in Europe")] = 70.0
     wheel: Annotated[str, WheelName] | None = None
@@ -114,9 +112,7 @@ class SprungTable(Section):
     aliases: ClassVar[dict[str, str]] = {"height_mm": "height_above_axle_mm"}
 
     mass_kg: Annotated[float, Quantity(0, 50_000, example="kg")] = 0.0
-    height_above_axle_mm: Annotated[
-        float, Quantity(-1000, 5000, example="mm of its centre above the axle")
-    ] = 0.0
+    height_above_axle_mm: Annotated[float, Quantity(-1000, 5000, example="mm of its centre above the axle")] = 0.0
 
 
 class VehicleFile(Section):
@@ -147,7 +143,10 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Wheelset:
         line = line_of(lines, key)
         return f"{path}:{line}" if line else str(path)
 
-    file = check(VehicleFile, parse_toml(text, str(path)), locate)
+    data = parse_toml(text, str(path))
+    if "wheelset" not in data and "body" in data:
+        raise InputError(f"{path}: is a profile file; a vehicle file with a table [wheelset] is needed here")
+    file = check(VehicleFile, data, locate)
     finder = (find or Finder(())).beside(path)
     profiles = tuple(_wheel(file.wheelset, side, finder, locate) for side in ("left", "right"))
     radii = file.wheelset.radii
