@@ -115,10 +115,13 @@ class Arc:
     def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
         """See `Section`; t is the length travelled."""
         k = np.sign(self.last - self.first) / self.radius
-        angle = self.first + k * t
+        start = np.array([self.u, self.w]) - np.array([-np.sin(self.first), np.cos(self.first)]) / k
+        angle, middle = self.first + k * t, self.first + 0.5 * k * t
         tangent = np.column_stack([np.cos(angle), np.sin(angle)])
         normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
-        return np.array([self.u, self.w]) - normal / k, tangent, k * normal
+        # Chords from the start, not radii from the centre: large radii would cost digits.
+        chord = (np.sin(0.5 * k * t) / (0.5 * k))[:, None]
+        return start + chord * np.column_stack([np.cos(middle), np.sin(middle)]), tangent, k * normal
 
 
 def arc_between(u: float, w: float, radius: float, upper: bool, start: float, end: float) -> Arc:
