@@ -1,0 +1,81 @@
+"""The force law of a wheelset on its track: both contacts, suspension, sprung mass and gravity in one numba call."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wrsim.contact.arena import pack
+from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.model import ContactModel, KernelArrays
+from wrsim.core import wheelset_forces as kernel
+from wrsim.errors import SimulationError
+from wrsim.simulation.carrier import carrier_parameters
+from wrsim.simulation.system import Array
+
+if TYPE_CHECKING:
+    from wrsim.geometry.track import Track
+    from wrsim.vehicle.wheelset import Wheelset
+
+
+class WheelsetOnTrack:
+    """Forces on a wheelset at any state; a ``ForceLaw``.
+
+    ``left`` and ``right`` hold the contacts of the state asked for last; ``distance`` is its place on the centre line.
+    """
+
+    def __init__(
+        self,
+        wheelset: Wheelset,
+        track: Track,
+        contacts: tuple[ContactModel, ContactModel],
+        *,
+        speed: float,
+        start: float = 0.0,
+    ) -> None:
+        """contacts: left and right; speed [m/s] of the track-following frame, which is at ``start`` [m] at t = 0."""
+        half = 0.5 * wheelset.profile_spacing
+        scalars = np.zeros(kernel.SCALAR_COUNT)
+        scalars[kernel.S_CENTRE] = start
+        scalars[kernel.S_LEFT] = track.rail_distance("left", start)
+        scalars[kernel.S_RIGHT] = track.rail_distance("right", start)
+        paths = (track.centre, track.left, track.right)
+        scalars[kernel.STEP_CENTRE : kernel.STEP_RIGHT + 1] = [p.step for p in paths]
+        scalars[kernel.HALF_SPACING] = half
+        arrays = [
+            scalars,
+            carrier_parameters(wheelset, speed=speed, start=start),
+            *(p.table for p in paths),
+            np.zeros(3),
+            np.zeros(3),
+            *contacts[0].arrays.arguments(),
+            *contacts[1].arrays.arguments(),
+        ]
+        self.arena = pack(arrays)
+        views = self.arena.views
+        origins = [(-c.rail.gauge_point()[0] + 0.5 * track.nominal_gauge, -c.rail.top[1]) for c in contacts]
+        self.wheels = tuple(
+            WheelOnRail(replace(contact, arrays=KernelArrays(*views[first : first + 12])), side, half, origin)
+            for contact, side, first, origin in zip(
+                contacts, (1, -1), (kernel.LEFT, kernel.RIGHT), origins, strict=True
+            )
+        )
+        self._scalars = views[kernel.SCALARS]
+
+    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
+        """See ``ForceLaw``. Returns the status of the contacts; raises SimulationError off the track."""
+        status = int(kernel.wheelset_forces(t, q, q_t, out, self.arena.buffer, self.arena.index))
+        if status & kernel.OFF_TRACK:
+            raise SimulationError(f"the wheelset has left the track's neighbourhood at t = {t:.6g} s")
+        return status
+
+    @property
+    def distance(self) -> float:
+        """Distance of the wheelset along the centre line at the state asked for last [m]."""
+        return float(self._scalars[kernel.S_CENTRE])
+
+    def set_distance(self, distance: float, left: float, right: float) -> None:
+        """Tell where to look for the wheelset first: before a state far from the last one."""
+        self._scalars[kernel.S_CENTRE : kernel.S_RIGHT + 1] = (distance, left, right)
