@@ -180,8 +180,7 @@ class Profile:
         """
         if not 0.0 < step <= self.length:
             raise InputError(
-                f"profile '{self.name}': table step {1e3 * step:g} mm; "
-                f"allowed: above 0, up to {1e3 * self.length:g} mm"
+                f"profile '{self.name}': table step {1e3 * step:g} mm; allowed: above 0, up to {1e3 * self.length:g} mm"
             )
         n = int(np.ceil(self.length / step * (1.0 - 1e-12))) + 1
         actual = self.length / (n - 1)
@@ -218,9 +217,7 @@ class Profile:
     def _root_in_interval(self, axis: int, wanted: Array, i: NDArray[np.intp]) -> Array:
         """Arclength in interval i where coordinate `axis` is `wanted`: bisection kept by Newton's steps."""
         lo, hi = self.arclength[i].copy(), self.arclength[i + 1].copy()
-        rising = np.where(
-            (self.u if axis == 0 else self.w)[i + 1] >= (self.u if axis == 0 else self.w)[i], 1.0, -1.0
-        )
+        rising = np.where((self.u if axis == 0 else self.w)[i + 1] >= (self.u if axis == 0 else self.w)[i], 1.0, -1.0)
         L = 0.5 * (lo + hi)
         for _ in range(80):
             r, v, _ = self._evaluate(L)

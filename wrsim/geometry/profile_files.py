@@ -16,7 +16,7 @@ from wrsim.errors import InputError, suggest
 from wrsim.geometry import profile_formats as formats
 from wrsim.geometry.profile import KINDS, Kind, Profile
 from wrsim.geometry.profile_formats import METRES, Scan
-from wrsim.geometry.profile_points import Points, check_points, interpolated, turns
+from wrsim.geometry.profile_points import Points, check_count, check_points, interpolated, turns
 from wrsim.geometry.smoothing import CUTOFF, smoothed
 
 HEIGHTS = ("up", "down")
@@ -34,9 +34,7 @@ class Format:
 
 
 PROFILE_FILES = {
-    "columns": Format(
-        {".csv": None, ".txt": None, ".dat": None}, formats.parse_columns, formats.format_columns
-    ),
+    "columns": Format({".csv": None, ".txt": None, ".dat": None}, formats.parse_columns, formats.format_columns),
     "simpack": Format({".prr": "rail", ".prw": "wheel"}, formats.parse_simpack, formats.format_simpack),
     "miniprof": Format({".ban": "rail", ".whl": "wheel"}, formats.parse_miniprof, formats.format_miniprof),
 }
@@ -87,9 +85,7 @@ def read_profile(
     }
     for key, (value, allowed) in words.items():
         if value is not None and value not in allowed:
-            raise InputError(
-                f"{path}: {key} = '{value}'; allowed: {', '.join(allowed)}{suggest(value, allowed)}"
-            )
+            raise InputError(f"{path}: {key} = '{value}'; allowed: {', '.join(allowed)}{suggest(value, allowed)}")
     layout = _layout(path, format)
     scan = layout.parse(formats.read_lines(path), str(path))
     body = _body(path, kind, scan.kind or layout.suffixes.get(path.suffix.lower()))
@@ -97,12 +93,13 @@ def read_profile(
     metres = METRES[unit] if unit else scan.unit or METRES["mm"]
     lateral, height = (metres * a for a in scan.arrays())
     points = Points(str(path), lateral, height, np.array(scan.line, dtype=np.intp))
+    points = points.without_duplicates(metres * scan.resolution, metres * scan.least_distance)
+    check_count(points)
     points = _oriented(points, body, heights or scan.heights, field_side).in_order()
     if turn:
         points = points.turned(turn)
     if clip is not None:
         points = points.clipped(*clip)
-    points = points.without_duplicates(metres * scan.resolution, metres * scan.least_distance)
     check_points(points)
 
     name = name or scan.name or path.stem
@@ -122,9 +119,7 @@ def write_profile(profile: Profile, path: str | Path, format: str | None = None)
     layout = _layout(path, format)
     meant = layout.suffixes.get(path.suffix.lower())
     if meant not in (None, profile.kind):
-        raise InputError(
-            f"{path}: {path.suffix} is for a {meant}, profile '{profile.name}' is a {profile.kind}"
-        )
+        raise InputError(f"{path}: {path.suffix} is for a {meant}, profile '{profile.name}' is a {profile.kind}")
     try:
         path.write_text(layout.format(profile), encoding="utf-8")
     except OSError as error:
@@ -137,9 +132,7 @@ def _layout(path: Path, format: str | None) -> Format:
     if format is not None:
         if format not in PROFILE_FILES:
             allowed = tuple(PROFILE_FILES)
-            raise InputError(
-                f"{path}: format = '{format}'; allowed: {', '.join(allowed)}{suggest(format, allowed)}"
-            )
+            raise InputError(f"{path}: format = '{format}'; allowed: {', '.join(allowed)}{suggest(format, allowed)}")
         return PROFILE_FILES[format]
     for layout in PROFILE_FILES.values():
         if path.suffix.lower() in layout.suffixes:
@@ -159,23 +152,17 @@ def _body(path: Path, wanted: Kind | None, told: Kind | None) -> Kind:
 
 def _oriented(points: Points, body: Kind, heights: str | None, field_side: str | None) -> Points:
     """Turn u outward and w up, by what is told or by the shape; InputError if both contradict."""
-    if len(points) < 3:
-        return points
     sign_u = {"positive": 1.0, "negative": -1.0, None: 0.0}[field_side]
     sign_w = {"up": 1.0, "down": -1.0, None: 0.0}[heights]
     up, out = _shape(points, body)
     file = points.file
     if not sign_w:
         if not up:
-            raise InputError(
-                f"{file}: the shape does not tell which way its heights grow; give heights: up or down"
-            )
+            raise InputError(f"{file}: the shape does not tell which way its heights grow; give heights: up or down")
         sign_w = up
     elif up and up != sign_w:
         part = "flange points" if body == "wheel" else "head is"
-        raise InputError(
-            f"{file}: the {part} the wrong way up with heights '{heights}'; is it the other one?"
-        )
+        raise InputError(f"{file}: the {part} the wrong way up with heights '{heights}'; is it the other one?")
     if not sign_u:
         sign_u = out or 1.0
     elif out and out != sign_u:

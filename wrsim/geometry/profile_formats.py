@@ -139,9 +139,7 @@ def parse_columns(lines: list[str], file: str) -> Scan:
             words = [""]
             continue
         if len(row) != 2:
-            raise InputError(
-                f"{file}:{number}: {len(row)} columns; allowed: 2, lateral coordinate and height"
-            )
+            raise InputError(f"{file}:{number}: {len(row)} columns; allowed: 2, lateral coordinate and height")
         scan.add(_number(row[0], file, number), _number(row[1], file, number), number)
         words.append(row[1])
     scan.resolution = _resolution([w for w in words if w])
@@ -205,9 +203,7 @@ def parse_simpack(lines: list[str], file: str) -> Scan:
             key, value = (part.strip() for part in text.split("=", 1))
             allowed = SIMPACK_KEYS[where[-1]]
             if key not in allowed:
-                raise InputError(
-                    f"{file}:{number}: unknown key '{key}' in {where[-1]}{suggest(key, allowed)}"
-                )
+                raise InputError(f"{file}:{number}: unknown key '{key}' in {where[-1]}{suggest(key, allowed)}")
             text_value = where[-1] == "spline" and key in _SIMPACK_TEXTS
             values[f"{where[-1]}.{key}"] = value.strip("'\"") if text_value else _number(value, file, number)
         else:

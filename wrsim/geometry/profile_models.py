@@ -145,9 +145,7 @@ class ArcSection(Section):
         for key, end in (("from_mm", self.from_mm), ("to_mm", self.to_mm)):
             u, reach = self.centre_mm[0], self.radius_mm
             if abs(end - u) > reach * (1.0 + 1e-9):
-                yield Fault(
-                    key, f"is beside the circle; must be a number from {u - reach:g} to {u + reach:g}"
-                )
+                yield Fault(key, f"is beside the circle; must be a number from {u - reach:g} to {u + reach:g}")
 
 
 class LineSection(Section):

@@ -102,30 +102,35 @@ class Points:
         return self.kept(slice(int(starts[best]), int(stops[best])))
 
 
-def check_points(points: Points) -> None:
-    """Raise InputError unless the points are a plain curve: enough, no gaps, no steps back, no crossings."""
-    file, line = points.file, points.line
+def check_count(points: Points) -> None:
+    """Raise InputError for too few points."""
     if len(points) < FEWEST_POINTS:
-        raise InputError(f"{file}: {len(points)} different points; a profile needs at least {FEWEST_POINTS}")
-    chords = points.chords
-    length = float(chords.sum())
-    if not SHORTEST <= length <= LONGEST:
-        raise InputError(
-            f"{file}: the profile is {1e3 * length:.4g} mm long; "
-            f"allowed: {1e3 * SHORTEST:g} to {1e3 * LONGEST:g} mm. Is the unit right?"
-        )
-    i = int(np.argmax(chords))
-    if chords[i] > LARGEST_GAP * length:
-        raise InputError(
-            f"{file}:{line[i + 1]}: too coarse: {1e3 * chords[i]:.4g} mm from the point of line {line[i]}; "
-            f"allowed: {1e3 * LARGEST_GAP * length:.4g} mm (1/{1 / LARGEST_GAP:.0f} of the profile's length)"
-        )
+        raise InputError(f"{points.file}: {len(points)} different points; a profile needs at least {FEWEST_POINTS}")
+
+
+def check_points(points: Points) -> None:
+    """Raise InputError unless the points are a plain curve: no steps back, no gaps, no crossings."""
+    file, line = points.file, points.line
+    check_count(points)
     turn = turns(points)
     i = int(np.argmax(np.abs(turn)))
     if abs(turn[i]) > 0.5 * np.pi:
         raise InputError(
             f"{file}:{line[i + 1]}: the curve goes back on itself here (it turns by "
             f"{np.degrees(turn[i]):.0f} degrees): points out of order, a zig-zag, or two scans in one file"
+        )
+    chords = points.chords
+    length = float(chords.sum())
+    i = int(np.argmax(chords))
+    if chords[i] > LARGEST_GAP * length:
+        raise InputError(
+            f"{file}:{line[i + 1]}: too coarse: {1e3 * chords[i]:.4g} mm from the point of line {line[i]}; "
+            f"allowed: {1e3 * LARGEST_GAP * length:.4g} mm (1/{1 / LARGEST_GAP:.0f} of the profile's length)"
+        )
+    if not SHORTEST <= length <= LONGEST:
+        raise InputError(
+            f"{file}: the profile is {1e3 * length:.4g} mm long; "
+            f"allowed: {1e3 * SHORTEST:g} to {1e3 * LONGEST:g} mm. Is the unit right?"
         )
     crossing = first_crossing(points)
     if crossing is not None:

@@ -130,9 +130,7 @@ def arc_between(u: float, w: float, radius: float, upper: bool, start: float, en
     `upper` selects the half above the centre (+), which is convex upward.
     """
     reach = 1.0 + 1e-9
-    if not (
-        radius > 0.0 and start < end and abs(start - u) <= radius * reach and abs(end - u) <= radius * reach
-    ):
+    if not (radius > 0.0 and start < end and abs(start - u) <= radius * reach and abs(end - u) <= radius * reach):
         raise InputError(
             f"arc of radius {1e3 * radius:g} mm about u = {1e3 * u:g} mm cannot run from u = {1e3 * start:g} "
             f"to {1e3 * end:g} mm; allowed: rising, {1e3 * (u - radius):g} to {1e3 * (u + radius):g} mm"
@@ -167,9 +165,7 @@ def profile_from_sections(
         corner = float(np.arctan2(before[0] * after[1] - before[1] * after[0], before @ after))
         where = f"profile '{name}': sections {i + 1} and {i + 2} (at u = {1e3 * ends[i][0][1][0]:.6g} mm)"
         if np.hypot(*gap) > LARGEST_GAP:
-            raise InputError(
-                f"{where} are {1e3 * np.hypot(*gap):.4g} mm apart; allowed: {1e3 * LARGEST_GAP:g} mm"
-            )
+            raise InputError(f"{where} are {1e3 * np.hypot(*gap):.4g} mm apart; allowed: {1e3 * LARGEST_GAP:g} mm")
         if abs(corner) > LARGEST_CORNER:
             raise InputError(
                 f"{where} meet in a corner of {1e3 * corner:.4g} mrad; allowed: {1e3 * LARGEST_CORNER:g} mrad"
@@ -209,9 +205,7 @@ def _nodes(section: Section, shift: Array, node_distance: float) -> Array:
     """Rows (own arclength, u, w, angle, curvature) of a section whose ends are moved by `shift` (2, 2, 2)."""
     fine = np.linspace(section.start, section.end, 2001)
     v = section.evaluate(fine)[1]
-    travelled = np.concatenate(
-        [[0.0], np.cumsum(0.5 * (np.hypot(*v[1:].T) + np.hypot(*v[:-1].T)) * np.diff(fine))]
-    )
+    travelled = np.concatenate([[0.0], np.cumsum(0.5 * (np.hypot(*v[1:].T) + np.hypot(*v[:-1].T)) * np.diff(fine))])
     total = travelled[-1]
     inner = np.linspace(0.0, total, max(int(np.ceil(total / node_distance)), 1) + 1)
     close = NEAREST_NODE * 3.0 ** np.arange(np.ceil(np.log(node_distance / NEAREST_NODE) / np.log(3.0)))
@@ -272,8 +266,7 @@ def rail_head(
     """
     if len(half_widths) != len(radii) - 1:
         raise InputError(
-            f"profile '{name}': {len(radii)} radii need {len(radii) - 1} half widths, "
-            f"found {len(half_widths)}"
+            f"profile '{name}': {len(radii)} radii need {len(radii) - 1} half widths, found {len(half_widths)}"
         )
     centre, steepness = np.array([0.0, -radii[0]]), 0.0
     right: list[Section] = []
@@ -320,8 +313,7 @@ def circle(name: str, kind: Kind, radius: float, half_width: float, source: str 
     """Arc through the origin, horizontal there, m: convex upward for radius > 0, hollow for radius < 0."""
     if not 0.0 < half_width < abs(radius):
         raise InputError(
-            f"profile '{name}': half width {1e3 * half_width:g} mm; "
-            f"allowed: above 0, below {1e3 * abs(radius):g} mm"
+            f"profile '{name}': half width {1e3 * half_width:g} mm; allowed: above 0, below {1e3 * abs(radius):g} mm"
         )
     end = float(np.copysign(np.arcsin(half_width / abs(radius)), radius))
     return profile_from_sections(name, kind, [Arc(0.0, -radius, abs(radius), end, -end)], source)
