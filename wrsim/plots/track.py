@@ -61,9 +61,7 @@ def plan_view(axes: Axes, track: Track) -> Axes:
         axes.plot(x, y, marker=marker, color=INK, markersize=size, zorder=3.0)
 
     ticks = _round_distances(track.length)
-    for s, (x, y, _), turn in zip(
-        ticks, track.centre_line.position(ticks), track.heading(ticks), strict=True
-    ):
+    for s, (x, y, _), turn in zip(ticks, track.centre_line.position(ticks), track.heading(ticks), strict=True):
         across = (-float(np.sin(turn)), float(np.cos(turn)))
         axes.annotate(
             f"{s:g} m" if s == 0.0 else f"{s:g}",

@@ -99,7 +99,5 @@ class Result:
 def _without_encoding(dataset: xr.Dataset) -> xr.Dataset:
     """The dataset without the traces of its file, so that it saves like a fresh one."""
     clean: xr.Dataset = dataset.drop_encoding()
-    clean.attrs = {
-        name: value.item() if hasattr(value, "item") else value for name, value in clean.attrs.items()
-    }
+    clean.attrs = {name: value.item() if hasattr(value, "item") else value for name, value in clean.attrs.items()}
     return clean

@@ -142,7 +142,7 @@ def _text(channel: Channel, values: NDArray[Any]) -> list[str]:
     """Cells in the unit for readers, ten digits; empty for not-a-number."""
     if channel.kind != "number":
         return [str(v) for v in values]
-    return ["" if v != v else f"{v:.10g}" for v in (values * channel.shown.factor).tolist()]
+    return ["" if v != v else f"{v:.10g}" for v in (values * channel.shown.factor + 0.0).tolist()]
 
 
 def _csv(rows: Sequence[Row]) -> bytes:

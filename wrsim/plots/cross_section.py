@@ -1,0 +1,225 @@
+"""Wheel on rail in the cross-section of the rail, with the patch on it (as Fig. 8 of the paper).
+
+Axes are o (outward) and b (up) from the rail's profile origin; the field side is to the right on both wheels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from wrsim.plots.gallery import (
+    FOOT,
+    PATCH_NAMES,
+    Page,
+    colour_bar,
+    columns_of,
+    draw_label,
+    draw_titles,
+    rows_of,
+    titles_height,
+)
+from wrsim.plots.moments import PatchAt, choose_moments, moment_dim, patches_of, select
+from wrsim.plots.patches import patch_note, pressure_scale
+from wrsim.plots.stops import stop_note
+from wrsim.plots.style import (
+    INK,
+    QUIET,
+    RAIL_FILL,
+    WHEEL_COLOUR,
+    WHEEL_FILL,
+    headline,
+    new_figure,
+    pressure_map,
+    shown,
+    style,
+)
+
+MOST_MOMENTS = 6
+OVERVIEW = (-88.0, 58.0, -42.0, 22.0)
+"""Window of the overview: o and b, mm."""
+FAN = 0.38
+"""Length of the longest pressure line over the height of the zoomed window."""
+
+
+def has_outlines(dataset: xr.Dataset) -> bool:
+    """True when the dataset holds what cross-sections need."""
+    return {"rail_profile_y", "rail_profile_z", "wheel_profile_y", "wheel_profile_z"} <= set(dataset)
+
+
+def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> Axes:
+    """Draw the rail and the wheel of one moment as cut solids, in mm."""
+    of_wheel = dataset.sel(wheel=wheel)
+    dim = moment_dim(dataset)
+    for part, fill, beyond, order in (("rail", RAIL_FILL, -300.0, 1.0), ("wheel", WHEEL_FILL, 300.0, 1.1)):
+        chosen = of_wheel[[f"{part}_profile_y", f"{part}_profile_z"]]
+        if dim in chosen.dims:
+            chosen = chosen.isel({dim: moment})
+        y, z = (shown(chosen, f"{part}_profile_{n}") for n in "yz")
+        finite = np.isfinite(y) & np.isfinite(z)
+        if not finite.any():
+            continue
+        y, z = y[finite], z[finite]
+        closed_y, closed_z = np.concatenate((y[:1], y, y[-1:])), np.concatenate(([beyond], z, [beyond]))
+        axes.fill(closed_y, closed_z, facecolor=fill, edgecolor="none", zorder=order)
+        axes.plot(closed_y, closed_z, color=INK, linewidth=0.7, zorder=order + 0.5, gid=part)
+    axes.set_aspect("equal")
+    axes.grid(False)
+    return axes
+
+
+def patch_on_section(
+    axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize, *, thickness: float, fan: float = 0.0
+) -> Axes:
+    """Draw a patch as a band of ``thickness`` mm along the curved axis, coloured by pressure.
+
+    With ``fan`` > 0 the pressure also stands on the patch along the strips' normals, into the wheel: the
+    largest pressure of the scale is ``fan`` mm long.
+    """
+    strips = select(dataset, where)
+    if strips.sizes["strip"] == 0:
+        return axes
+    curve, normal, p = _curve(strips)
+    band = np.stack((curve - 0.5 * thickness * normal, curve + 0.5 * thickness * normal))
+    axes.pcolormesh(
+        band[..., 0], band[..., 1], np.tile(p, (2, 1)), shading="gouraud", cmap=pressure_map(), norm=scale,
+        zorder=3.0, gid="patch",
+    )  # fmt: skip
+    if fan > 0.0:
+        tips = curve + normal * (fan * p / float(scale.vmax or 1.0))[:, None]
+        axes.fill(*tips.T, facecolor="white", alpha=0.75, zorder=2.5)
+        axes.plot(*tips.T, color=INK, linewidth=0.7, zorder=2.7, gid="pressure")
+        inner = np.arange(len(_NEAR_EDGE), len(p) - len(_NEAR_EDGE))
+        few = inner[:: max(1, len(inner) // 16)]
+        lines = list(np.stack((curve, tips), axis=1)[few])
+        axes.add_collection(LineCollection(lines, colors=QUIET, linewidths=0.4, zorder=2.6, gid="normals"))
+    return axes
+
+
+_NEAR_EDGE = np.array([0.0, 0.05, 0.2, 0.5])
+"""Distances from the patch's edge over half a strip where the last half strips are rounded."""
+
+
+def _curve(
+    strips: xr.Dataset,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Points (n, 2) along a patch from edge to edge in mm, normals (n, 2) and pressures (n,) in MPa.
+
+    Towards an edge the pressure falls with the square root of the distance (see ``patches``).
+    """
+    y, z, angle, p, ds = (shown(strips, f"strip_{n}") for n in ("y", "z", "angle", "p", "ds"))
+    slope = np.radians(angle)
+    along = np.column_stack((np.cos(slope), np.sin(slope)))
+    centre = np.column_stack((y, z))
+    out = (0.5 * (1.0 - _NEAR_EDGE))[:, None]
+    start = centre[0] - out * ds[0] * along[0]
+    end = (centre[-1] + out * ds[-1] * along[-1])[::-1]
+    count = len(_NEAR_EDGE)
+    along = np.vstack((np.tile(along[0], (count, 1)), along, np.tile(along[-1], (count, 1))))
+    fall = np.sqrt(_NEAR_EDGE)
+    pressure = np.concatenate((p[0] * fall, p, (p[-1] * fall)[::-1]))
+    return np.vstack((start, centre, end)), np.column_stack((-along[:, 1], along[:, 0])), pressure
+
+
+def cross_section(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str, scale: Normalize) -> Axes:
+    """Overview of one wheel on its rail: outlines and all patches."""
+    outlines(axes, dataset, moment, wheel)
+    for where in patches_of(dataset, moment, wheel):
+        patch_on_section(axes, dataset, where, scale, thickness=4.0)
+    axes.set(xlim=OVERVIEW[:2], ylim=OVERVIEW[2:])
+    return axes
+
+
+def cross_section_zoom(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize) -> Axes:
+    """Close view of one patch with its pressure along the normals, in a square window that fits the patch."""
+    outlines(axes, dataset, where.moment, where.wheel)
+    o, b, half = zoom_window(dataset, where)
+    patch_on_section(axes, dataset, where, scale, thickness=0.05 * half, fan=2.0 * FAN * half)
+    axes.set(xlim=(o - half, o + half), ylim=(b - half, b + half))
+    return axes
+
+
+def zoom_window(dataset: xr.Dataset, where: PatchAt) -> tuple[float, float, float]:
+    """Centre (o, b) and half side of the close view, mm: patch and pressure lines fit."""
+    strips = select(dataset, where)
+    y, z, angle = (shown(strips, f"strip_{n}") for n in ("y", "z", "angle"))
+    half = max(0.65 * float(np.hypot(np.ptp(y), np.ptp(z))), 2.5) + 0.5
+    slope = float(np.radians(np.mean(angle)))
+    o = 0.5 * float(y[0] + y[-1]) - 0.3 * half * np.sin(slope)
+    b = 0.5 * float(z[0] + z[-1]) + 0.3 * half * np.cos(slope)
+    return o, b, half
+
+
+def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Figure:
+    """Cross-sections of the chosen moments (default: up to six): overviews of wheels, close views of patches."""
+    chosen = choose_moments(dataset, MOST_MOMENTS) if moments is None else list(moments)
+    columns = columns_of(dataset, chosen)
+    page = Page(max(len(columns), 1))
+    scale = pressure_scale(dataset, chosen)
+    flat = page.panel * (OVERVIEW[3] - OVERVIEW[2]) / (OVERVIEW[1] - OVERVIEW[0])
+    wheels = [""] if any(c.wheel for c in columns) else [str(w) for w in dataset["wheel"].values]
+    rows = rows_of(dataset, columns)
+    top = 11.0 if stop_note(dataset) else 7.0
+    top += titles_height(dataset, columns)
+    total = top + len(wheels) * (flat + _UNDER_OVERVIEW) + len(rows) * (page.panel + _UNDER_ZOOM) + FOOT
+    with style():
+        figure = new_figure(page.width, total, constrained=False)
+        headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
+        draw_titles(figure, page, dataset, columns, top)
+        for wheel in wheels:
+            draw_label(figure, f"{wheel} wheel" if wheel else "", WHEEL_COLOUR.get(wheel, INK), top + 0.5 * flat)
+            for j, column in enumerate(columns):
+                axes = _framed(page.axes(figure, j, top, flat), 3)
+                cross_section(axes, dataset, column.moment, wheel or column.wheel, scale)
+                _mark_windows(axes, dataset, column.moment, wheel or column.wheel)
+            top += flat + _UNDER_OVERVIEW
+            for row in rows:
+                if row.wheel != wheel:
+                    continue
+                draw_label(figure, PATCH_NAMES[row.patch], row.colour, top + 0.5 * page.panel)
+                for j, where in enumerate(row.places):
+                    if where is None:
+                        continue
+                    axes = _framed(page.axes(figure, j, top, page.panel), 4)
+                    cross_section_zoom(axes, dataset, where, scale)
+                    note = patch_note(dataset, where, force=page.panel > 28.0)
+                    axes.set_xlabel(note, fontsize=6.0, color=QUIET, labelpad=1.5)
+                top += page.panel + _UNDER_ZOOM
+        reading = (
+            "Axes: outward $o$ (field side to the right) and up $b$\n"
+            "from the rail's profile origin [mm].\n"
+            "Thin lines: pressure along the normals."
+        )
+        colour_bar(figure, scale, top + 1.0, reading)
+    return figure
+
+
+_UNDER_OVERVIEW, _UNDER_ZOOM = 5.5, 12.0
+
+
+def _framed(axes: Axes, ticks: int) -> Axes:
+    """Axes with a full frame and few ticks."""
+    axes.tick_params(labelsize=6.0, pad=1.5)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
+    for spine in axes.spines.values():
+        spine.set_visible(True)
+    return axes
+
+
+def _mark_windows(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> None:
+    """Thin squares around what the close views show."""
+    for where in patches_of(dataset, moment, wheel):
+        o, b, half = zoom_window(dataset, where)
+        box = Rectangle((o - half, b - half), 2 * half, 2 * half, fill=False, edgecolor=QUIET, linewidth=0.5)
+        box.set_zorder(4.0)
+        axes.add_patch(box)

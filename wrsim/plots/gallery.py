@@ -1,0 +1,141 @@
+"""Layout of galleries: columns of moments, rows of wheels and patches, sizes in mm.
+
+With one or two moments and both wheels, every wheel gets a column of its own and the rows tell the patches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from wrsim.plots.moments import PatchAt, moment_title
+from wrsim.plots.style import FULL_WIDTH, INK, MM, QUIET, WHEEL_COLOUR, place, pressure_map
+
+PATCH_NAMES = ("main patch", "second patch", "third patch")
+LEFT, RIGHT, GAP = 16.0, 3.0, 7.0
+"""Margins and the space between panels, mm."""
+WIDEST_PANEL = 46.0
+FOOT = 12.0
+"""Height of the colour bar with its label, mm."""
+_NARROWEST = 142.0
+
+
+@dataclass(frozen=True)
+class Column:
+    """A moment (index and order in the picture) and its wheel; no wheel when the rows tell the wheels."""
+
+    moment: int
+    order: int
+    wheel: str = ""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A wheel (none when the columns tell the wheels), a patch, and where that is in every column."""
+
+    wheel: str
+    patch: int
+    places: tuple[PatchAt | None, ...]
+
+    @property
+    def label(self) -> str:
+        """Words for the left edge."""
+        if not self.wheel:
+            return PATCH_NAMES[self.patch]
+        return f"{self.wheel} wheel" + (f"\n{PATCH_NAMES[self.patch]}" if self.patch else "")
+
+    @property
+    def colour(self) -> str:
+        """Colour of the label."""
+        return WHEEL_COLOUR.get(self.wheel, INK)
+
+
+def columns_of(dataset: xr.Dataset, moments: Sequence[int]) -> list[Column]:
+    """Columns for the moments, in their order."""
+    wheels = [str(w) for w in dataset["wheel"].values]
+    if len(moments) <= 2 and len(wheels) == 2:
+        return [Column(moment, i, wheel) for i, moment in enumerate(moments) for wheel in wheels]
+    return [Column(moment, i) for i, moment in enumerate(moments)]
+
+
+def rows_of(dataset: xr.Dataset, columns: Sequence[Column]) -> list[Row]:
+    """Rows that have a patch in some column."""
+    finite = np.isfinite(dataset["strip_p"].values).any(axis=-1)
+    wheels = [str(w) for w in dataset["wheel"].values]
+    rows = []
+    for wheel in [""] if any(c.wheel for c in columns) else wheels:
+        for patch in range(finite.shape[2]):
+            places = tuple(
+                PatchAt(c.moment, wheel or c.wheel, patch)
+                if finite[c.moment, wheels.index(wheel or c.wheel), patch]
+                else None
+                for c in columns
+            )
+            if any(places):
+                rows.append(Row(wheel, patch, places))
+    return rows
+
+
+@dataclass(frozen=True)
+class Page:
+    """Width of a gallery and of its panels, mm, for a number of columns."""
+
+    columns: int
+
+    @property
+    def panel(self) -> float:
+        """Width of a panel."""
+        return min(WIDEST_PANEL, (FULL_WIDTH - LEFT - RIGHT - (self.columns - 1) * GAP) / self.columns)
+
+    @property
+    def width(self) -> float:
+        """Width of the figure."""
+        return max(_NARROWEST, LEFT + RIGHT + self.columns * self.panel + (self.columns - 1) * GAP)
+
+    def axes(self, figure: Figure, column: int, top: float, height: float) -> Axes:
+        """Axes of a column at a distance from the upper edge."""
+        return place(figure, LEFT + column * (self.panel + GAP), top, self.panel, height)
+
+
+def titles_height(dataset: xr.Dataset, columns: Sequence[Column]) -> float:
+    """Height of the columns' titles, mm."""
+    return 5.0 + 3.0 * max((_title(dataset, c).count("\n") for c in columns), default=0)
+
+
+def draw_titles(figure: Figure, page: Page, dataset: xr.Dataset, columns: Sequence[Column], bottom: float) -> None:
+    """Titles of the columns, standing on ``bottom`` (mm from the upper edge)."""
+    down = figure.get_size_inches()[1] / MM
+    for j, column in enumerate(columns):
+        across = (LEFT + j * (page.panel + GAP)) / page.width
+        text, colour = _title(dataset, column), WHEEL_COLOUR.get(column.wheel, INK)
+        figure.text(across, 1.0 - (bottom - 1.2) / down, text, fontsize=6.8, va="bottom", color=colour)
+
+
+def _title(dataset: xr.Dataset, column: Column) -> str:
+    text = moment_title(dataset, column.moment, column.order)
+    return f"{text}\n{column.wheel} wheel" if column.wheel else text
+
+
+def draw_label(figure: Figure, text: str, colour: str, middle: float) -> None:
+    """Upright words at the left edge, centred on ``middle`` (mm from the upper edge)."""
+    across, down = figure.get_size_inches() / MM
+    figure.text(
+        2.0 / across, 1.0 - middle / down, text, rotation=90, va="center", ha="left", color=colour, fontsize=7.0
+    )
+
+
+def colour_bar(figure: Figure, scale: Normalize, top: float, reading: str) -> None:
+    """Pressure scale beneath the panels, with a few words on how to read the picture beside it."""
+    axes = place(figure, LEFT, top, 55.0, 2.2)
+    bar = figure.colorbar(ScalarMappable(scale, pressure_map()), cax=axes, orientation="horizontal")
+    bar.set_label("Contact pressure $p$ [MPa]", labelpad=1.0)
+    bar.ax.tick_params(width=0.4)
+    across, down = figure.get_size_inches() / MM
+    figure.text((LEFT + 60.0) / across, 1.0 - top / down, reading, va="top", fontsize=6.8, color=QUIET)

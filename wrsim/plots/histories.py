@@ -1,0 +1,251 @@
+"""Histories of a run against distance, with the track's curvature and cant beneath."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from wrsim.plots.gallery import PATCH_NAMES
+from wrsim.plots.moments import snapshot_letter
+from wrsim.plots.stops import is_stopped, mark_stop, stop_note
+from wrsim.plots.style import (
+    CANT_COLOUR,
+    FULL_WIDTH,
+    INK,
+    PATCH_LINE,
+    QUIET,
+    STOP_COLOUR,
+    WHEEL_COLOUR,
+    abscissa,
+    broken,
+    draw_line,
+    headline,
+    new_figure,
+    shown,
+    style,
+    unit,
+)
+from wrsim.results import CHANNELS
+
+ANGLE_JUMP = 6.0
+"""Degrees between two samples beyond which a contact has jumped elsewhere: the line is interrupted."""
+ANGLES = ("contact_angle", "contact_angle_min", "contact_angle_max", "contact_angle_mean")
+
+Panel = Callable[[Axes, xr.Dataset], Axes]
+
+
+def history(axes: Axes, dataset: xr.Dataset, name: str, **options: Any) -> Axes:
+    """Draw a channel: one line, one a wheel, or one a wheel and patch, as its dimensions ask."""
+    x, _ = abscissa(dataset)
+    values = shown(dataset, name)
+    if values.ndim == 1:
+        draw_line(axes, x, values, **({"color": INK} | options))
+    else:
+        for j, wheel in enumerate(dataset["wheel"].values):
+            of_wheel = values[:, j] if values.ndim == 3 else values[:, j, None]
+            for k in range(of_wheel.shape[1]):
+                if not np.isfinite(of_wheel[:, k]).any():
+                    continue
+                settings = {"color": WHEEL_COLOUR[str(wheel)], "linestyle": PATCH_LINE[k % 3]}
+                draw_line(axes, x, of_wheel[:, k], **(settings | options))
+    words = CHANNELS[name].long_name
+    axes.set_ylabel(f"{words[0].upper()}{words[1:]}\n${CHANNELS[name].symbol}${unit(name)}")
+    return axes
+
+
+def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
+    """Contact angles of one wheel: main point (line), mean over strips (thin), least to largest (band)."""
+    x, _ = abscissa(dataset)
+    colour = WHEEL_COLOUR[wheel]
+    of_wheel = dataset.sel(wheel=wheel)
+    main, mean, low, high = (shown(of_wheel, f"contact_angle{end}") for end in ("", "_mean", "_min", "_max"))
+    for k in range(main.shape[1]):
+        if not np.isfinite(main[:, k]).any():
+            continue
+        line = PATCH_LINE[k % 3]
+        draw_line(axes, *broken(x, main[:, k], ANGLE_JUMP), color=colour, linestyle=line, zorder=3.0)
+        draw_line(axes, *broken(x, mean[:, k], ANGLE_JUMP), color=INK, linewidth=0.6, linestyle=line, zorder=3.1)
+        _band(axes, x, main[:, k], low[:, k], high[:, k], color=colour, alpha=0.28 if k == 0 else 0.16)
+    axes.set_ylabel(f"{wheel.capitalize()} wheel\ncontact angle [°]")
+    return axes
+
+
+def _band(
+    axes: Axes,
+    x: NDArray[Any],
+    main: NDArray[Any],
+    low: NDArray[Any],
+    high: NDArray[Any],
+    *,
+    color: str,
+    alpha: float,
+) -> None:
+    """Fill between low and high, interrupted where the main point jumps; a bar for a sample alone."""
+    xb, low = broken(x, low, ANGLE_JUMP, by=main)
+    _, high = broken(x, high, ANGLE_JUMP, by=main)
+    axes.fill_between(xb, low, high, color=color, alpha=alpha, linewidth=0.0, zorder=2.0)
+    finite = np.concatenate(([False], np.isfinite(low), [False]))
+    alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
+    if alone.any():
+        axes.vlines(xb[alone], low[alone], high[alone], color=color, alpha=alpha, linewidth=1.5, zorder=2.0)
+
+
+def track_layout(axes: Axes, dataset: xr.Dataset) -> Axes:
+    """Curvature (grey area, left axis) and cant (dashed, right axis) in a slim panel; up is to the left."""
+    x, name = abscissa(dataset)
+    axes.set_xlabel(CHANNELS[name].label)
+    if "curvature" not in dataset:
+        axes.set_yticks([])
+        return axes
+    curvature = shown(dataset, "curvature")
+    axes.fill_between(x, 0.0, curvature, color="#ccd2da", linewidth=0.0, zorder=1.5)
+    draw_line(axes, x, curvature, color="#8f98a5", linewidth=0.7)
+    _limits_with_zero(axes, curvature, least=1.0, margin=0.12)
+    axes.set_ylabel("Curvature\n[1/km]", color=QUIET)
+    if "cant" in dataset:
+        cant = shown(dataset, "cant")
+        right = axes.twinx()
+        right.spines["right"].set_visible(True)
+        right.grid(False)
+        draw_line(right, x, cant, color=CANT_COLOUR, linestyle=PATCH_LINE[1], linewidth=1.0)
+        _limits_with_zero(right, cant, least=20.0, margin=0.5)
+        right.set_ylabel("Cant\n[mm]", color=CANT_COLOUR)
+        right.tick_params(axis="y", colors=CANT_COLOUR)
+    return axes
+
+
+def _limits_with_zero(axes: Axes, values: NDArray[Any], least: float, margin: float) -> None:
+    """Limits that hold all values and zero, with a margin on the sides that are used."""
+    low = min(0.0, float(np.nanmin(values, initial=0.0)))
+    high = max(0.0, float(np.nanmax(values, initial=0.0)))
+    if high - low < 1e-9 * least:
+        low, high = -0.5 * least, 0.5 * least
+    space = margin * (high - low)
+    axes.set_ylim(low - space if low < 0.0 else -0.04 * (high - low), high + space if high > 0.0 else 0.0)
+    axes.yaxis.set_major_locator(MaxNLocator(3))
+
+
+def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> Axes:
+    """Fine dotted lines at the snapshots, with the letters that name them in the pictures of patches."""
+    if "snapshot" not in dataset.dims:
+        return axes
+    _, name = abscissa(dataset)
+    for i, at in enumerate(shown(dataset, f"snapshot_{name}")):
+        axes.axvline(at, color=QUIET, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1.2)
+        if letters:
+            axes.annotate(
+                snapshot_letter(i), (at, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 1.5),
+                textcoords="offset points", ha="center", va="bottom", color=QUIET, fontsize=6.5,
+            )  # fmt: skip
+    return axes
+
+
+def stacked(
+    dataset: xr.Dataset,
+    panels: Sequence[Panel],
+    *,
+    panel_height_mm: float = 36.0,
+    legend: Sequence[Artist] = (),
+) -> Figure:
+    """Figure of panels above each other over one slim panel of the track; they share the horizontal axis.
+
+    ``legend`` holds labelled artists for one legend beneath everything.
+    """
+    with style():
+        if dataset.sizes["time"] == 0:
+            figure = new_figure(FULL_WIDTH, 24.0, constrained=False)
+            headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
+            figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=QUIET)
+            return figure
+        figure = new_figure(FULL_WIDTH, panel_height_mm * len(panels) + 36.0)
+        grid = figure.add_gridspec(len(panels) + 1, 1, height_ratios=[panel_height_mm] * len(panels) + [17.0])
+        track = figure.add_subplot(grid[-1])
+        rows = [figure.add_subplot(grid[i], sharex=track) for i in range(len(panels))]
+        figure.suptitle(dataset.attrs.get("title", ""), x=0.01, ha="left", fontsize=8.5)
+        for i, (panel, axes) in enumerate(zip(panels, rows, strict=True)):
+            panel(axes, dataset)
+            axes.tick_params(labelbottom=False)
+            mark_snapshots(axes, dataset, letters=i == 0)
+            mark_stop(axes, dataset)
+        track_layout(track, dataset)
+        mark_snapshots(track, dataset, letters=False)
+        mark_stop(track, dataset)
+        x, _ = abscissa(dataset)
+        if x[-1] > x[0]:
+            track.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if is_stopped(dataset) else 0.0))
+        figure.align_ylabels([*rows, track])
+        if legend:
+            figure.legend(handles=list(legend), loc="outside lower center", ncols=min(len(legend), 6))
+        if stop_note(dataset):
+            rows[0].set_title(stop_note(dataset), color=STOP_COLOUR, pad=11.0)
+    return figure
+
+
+def contact_angle_figure(dataset: xr.Dataset) -> Figure:
+    """Contact-angle histories, one panel a wheel."""
+    panels = [_for_wheel(str(wheel)) for wheel in dataset["wheel"].values]
+    return stacked(dataset, panels, panel_height_mm=44.0, legend=_angle_legend(dataset))
+
+
+def overview_figure(dataset: xr.Dataset) -> Figure:
+    """The run at a glance: contact angles of both wheels, Y/Q, lateral shift."""
+    panels = [_for_wheel(str(wheel)) for wheel in dataset["wheel"].values]
+    panels += [_for_channel(name) for name in ("Y_over_Q", "lateral_shift") if name in dataset]
+    legend = _wheel_legend(dataset) + _angle_legend(dataset)
+    return stacked(dataset, panels, panel_height_mm=32.0, legend=legend)
+
+
+def _angle_legend(dataset: xr.Dataset) -> list[Artist]:
+    return [
+        Line2D([], [], color=QUIET, linewidth=1.6, label="main contact point"),
+        Line2D([], [], color=INK, linewidth=0.6, label="mean over the strips"),
+        Patch(facecolor=QUIET, alpha=0.3, label="smallest to largest"),
+        *_later_patches(dataset["contact_angle"]),
+    ]
+
+
+def _wheel_legend(dataset: xr.Dataset) -> list[Artist]:
+    wheels = (str(wheel) for wheel in dataset["wheel"].values)
+    return [Line2D([], [], color=WHEEL_COLOUR[w], label=f"{w} wheel") for w in wheels]
+
+
+def channels_figure(dataset: xr.Dataset, names: Sequence[str]) -> Figure:
+    """Histories of the named channels above each other; channels that the dataset lacks are left out."""
+    present = [name for name in names if name in dataset]
+    legend: list[Artist] = []
+    if any("wheel" in dataset[name].dims for name in present):
+        legend += _wheel_legend(dataset)
+    of_patches = [dataset[name] for name in present if "patch" in dataset[name].dims]
+    if of_patches:
+        legend += _later_patches(of_patches[0])
+    return stacked(dataset, [_for_channel(name) for name in present], legend=legend)
+
+
+def _later_patches(data: xr.DataArray) -> list[Artist]:
+    """Legend entries for the second and third patch, where there are any."""
+    used = [k for k in range(1, data.sizes["patch"]) if np.isfinite(data.isel(patch=k)).any()]
+    return [Line2D([], [], color=QUIET, linestyle=PATCH_LINE[k % 3], label=PATCH_NAMES[k]) for k in used]
+
+
+def _for_wheel(wheel: str) -> Panel:
+    def panel(axes: Axes, dataset: xr.Dataset) -> Axes:
+        return contact_angle(axes, dataset, wheel)
+
+    return panel
+
+
+def _for_channel(name: str) -> Panel:
+    def panel(axes: Axes, dataset: xr.Dataset) -> Axes:
+        return history(axes, dataset, name)
+
+    return panel

@@ -1,0 +1,87 @@
+"""Chosen instants of a run and poses of a static analysis, seen alike: a moment has a title and patches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from string import ascii_lowercase
+
+import numpy as np
+import xarray as xr
+
+from wrsim.plots.style import shown
+
+
+@dataclass(frozen=True)
+class PatchAt:
+    """Address of one patch in the dataset: moment (index), wheel (name), patch (index)."""
+
+    moment: int
+    wheel: str
+    patch: int
+
+
+def moment_dim(dataset: xr.Dataset) -> str:
+    """``"snapshot"`` in runs, ``"pose"`` in static analyses."""
+    return "snapshot" if "time" in dataset.dims else "pose"
+
+
+def has_patches(dataset: xr.Dataset) -> bool:
+    """True when the dataset holds strips of at least one moment."""
+    return "strip_p" in dataset and bool(np.isfinite(dataset["strip_p"].values).any())
+
+
+def sample_of(dataset: xr.Dataset, moment: int) -> int:
+    """Index along ``time`` or ``pose`` of the values that belong to the moment."""
+    if moment_dim(dataset) == "pose":
+        return moment
+    return int(np.argmin(np.abs(dataset["time"].values - dataset["snapshot_time"].values[moment])))
+
+
+def choose_moments(dataset: xr.Dataset, most: int) -> list[int]:
+    """At most ``most`` moments that have strips, evenly spread, first and last among them."""
+    strips = np.isfinite(dataset["strip_p"].values)
+    used = np.flatnonzero(strips.reshape(strips.shape[0], -1).any(axis=1))
+    if used.size > most:
+        used = used[np.unique(np.round(np.linspace(0, used.size - 1, most)).astype(int))]
+    return [int(i) for i in used]
+
+
+def patches_of(dataset: xr.Dataset, moment: int, wheel: str) -> list[PatchAt]:
+    """Patches of one wheel at a moment."""
+    finite = np.isfinite(dataset["strip_p"].isel({moment_dim(dataset): moment}).sel(wheel=wheel).values)
+    return [PatchAt(moment, wheel, int(k)) for k in np.flatnonzero(finite.any(axis=-1))]
+
+
+def snapshot_letter(index: int) -> str:
+    """a, b, ..., z, aa, ab, ..."""
+    return (ascii_lowercase[index // 26 - 1] if index >= 26 else "") + ascii_lowercase[index % 26]
+
+
+def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
+    """The strips of one patch: strip channels with the ``strip`` dimension alone, unused strips dropped."""
+    of_patch = dataset[[str(n) for n in dataset if str(n).startswith("strip_")]].isel(
+        {moment_dim(dataset): where.moment, "patch": where.patch}
+    )
+    return of_patch.sel(wheel=where.wheel).dropna("strip", how="all", subset=["strip_p"])
+
+
+def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
+    """Title of a panel, one or two lines: letter, then place and reason or the pose.
+
+    The letter is the snapshot's own, as in the histories; poses are lettered in the ``order`` of the picture.
+    """
+    runs = moment_dim(dataset) == "snapshot"
+    letter = f"({snapshot_letter(moment if runs else order)}) "
+    if runs:
+        place = f"{shown(dataset, 'snapshot_distance')[moment]:.1f} m"
+        label = str(dataset["snapshot_label"].values[moment]) if "snapshot_label" in dataset else ""
+        return f"{letter}{place}\n{label}" if label else letter + place
+    parts = []
+    for name, form in (
+        ("lateral_shift", r"$\Delta y$ = {:.3g} mm"),
+        ("yaw", r"$\psi$ = {:.3g} mrad"),
+        ("load", "{:.4g} kN"),
+    ):
+        if name in dataset and (name == "lateral_shift" or np.ptp(dataset[name].values) > 0.0):
+            parts.append(form.format(shown(dataset, name)[moment] + 0.0).replace("-", "\N{MINUS SIGN}"))
+    return letter + ", ".join(parts[:1]) + ("\n" + ", ".join(parts[1:]) if parts[1:] else "")

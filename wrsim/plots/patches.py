@@ -1,0 +1,208 @@
+"""Contact patches in the plane of curved axis s and rolling direction x, coloured by pressure.
+
+As Fig. 9 of the paper. Every patch is drawn with the field side to the right and equal scales on both axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from wrsim.plots.gallery import (
+    FOOT,
+    Page,
+    colour_bar,
+    columns_of,
+    draw_label,
+    draw_titles,
+    rows_of,
+    titles_height,
+)
+from wrsim.plots.moments import (
+    PatchAt,
+    choose_moments,
+    sample_of,
+    select,
+)
+from wrsim.plots.stops import stop_note
+from wrsim.plots.style import (
+    INK,
+    QUIET,
+    headline,
+    new_figure,
+    pressure_map,
+    shown,
+    style,
+)
+from wrsim.results import CHANNELS
+
+Array = NDArray[np.float64]
+
+ACROSS = 49
+"""Points along each strip of the raster."""
+MOST_MOMENTS = 12
+"""Moments in one gallery."""
+
+
+def pressure_scale(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Normalize:
+    """Colour scale from zero to the largest pressure of the moments, MPa."""
+    values = shown(dataset, "strip_p")
+    chosen = values if moments is None else values[list(moments)]
+    return Normalize(0.0, float(np.nanmax(chosen, initial=0.0)) or 1.0)
+
+
+def contact_patch(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize, *, strips: bool = False) -> Axes:
+    """Draw one patch: every strip's semi-ellipse of pressure over (s, x) in mm, and the patch's outline.
+
+    Colours run smoothly from strip to strip; with ``strips`` the borders of the strips are drawn too.
+    """
+    runs = _unbroken(select(dataset, where))
+    for s, x, a, p, borders in runs:
+        angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, ACROSS)
+        along = np.sin(angle)[:, None] * a + x
+        pressure = np.cos(angle)[:, None] * p
+        mesh = axes.pcolormesh(
+            np.broadcast_to(s, along.shape),
+            along,
+            pressure,
+            shading="gouraud",
+            cmap=pressure_map(),
+            norm=scale,
+        )
+        mesh.set_rasterized(True)
+        outline_s = np.concatenate((s, s[::-1]))
+        axes.plot(np.append(outline_s, s[0]), np.concatenate((x - a, (x + a)[::-1], (x - a)[:1])), color=INK, lw=0.7)
+        if strips:
+            axes.vlines(borders, np.interp(borders, s, x - a), np.interp(borders, s, x + a), color=INK, lw=0.2)
+    axes.set_aspect("equal")
+    return axes
+
+
+def _unbroken(strips: xr.Dataset) -> list[tuple[Array, Array, Array, Array, Array]]:
+    """Runs of touching strips in mm and MPa, each (s, x, a, p, borders), closed at both ends.
+
+    Towards an edge the interpenetration falls linearly, so half length and pressure fall with the square
+    root of the distance: the points that round the last half strip follow that law.
+    """
+    s, ds, x, a, p = (shown(strips, f"strip_{n}") for n in ("s", "ds", "x", "a", "p"))
+    order = np.argsort(s)
+    s, ds, x, a, p = (v[order] for v in (s, ds, x, a, p))
+    filled = np.flatnonzero((a > 0.0) & np.isfinite(p))
+    if filled.size == 0:
+        return []
+    gaps = np.diff(s[filled]) > 1.5 * np.maximum(ds[filled][1:], ds[filled][:-1])
+    runs = []
+    for part in np.split(filled, np.flatnonzero(gaps) + 1):
+        first, last = part[0], part[-1]
+        near = np.array([0.0, 0.05, 0.2, 0.5])  # distance from the edge over half a strip
+        low, high = s[first] - 0.5 * ds[first] * (1.0 - near), s[last] + 0.5 * ds[last] * (1.0 - near[::-1])
+        start, end = np.sqrt(near), np.sqrt(near[::-1])
+        runs.append(
+            (
+                np.concatenate((low, s[part], high)),
+                np.concatenate((np.full(4, x[first]), x[part], np.full(4, x[last]))),
+                np.concatenate((a[first] * start, a[part], a[last] * end)),
+                np.concatenate((p[first] * start, p[part], p[last] * end)),
+                s[part][1:] - 0.5 * ds[part][1:],
+            )
+        )
+    return runs
+
+
+def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> str:
+    """Numbers of a patch beneath its picture: largest pressure, normal force (if wanted), contact angle."""
+    sample = sample_of(dataset, where.moment)
+    sample_dim = "time" if "time" in dataset.dims else "pose"
+    row = dataset.isel({sample_dim: sample, "patch": where.patch}).sel(wheel=where.wheel)
+    forms = {
+        "p0": "$p_0$ = {:.0f} MPa",
+        "N": "$N$ = {:.1f} kN",
+        "contact_angle": r"$\gamma$ = {:.1f}°",
+        "contact_angle_variation": r"$\Delta\gamma$ = {:.1f}°",
+    }
+    texts = {
+        name: form.format(float(row[name]) * CHANNELS[name].shown.factor)
+        for name, form in forms.items()
+        if name in row and np.isfinite(row[name]) and (force or name != "N")
+    }
+    lines = [[texts[n] for n in pair if n in texts] for pair in (list(forms)[:2], list(forms)[2:])]
+    return "\n".join(", ".join(line) for line in lines if line).replace("-", "\N{MINUS SIGN}")
+
+
+def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Figure:
+    """Patches of the chosen moments (default: up to twelve, evenly spread), to one scale.
+
+    A column for every moment and a row for every wheel and patch in contact; long rows are folded.
+    """
+    chosen = choose_moments(dataset, MOST_MOMENTS) if moments is None else list(moments)
+    columns = columns_of(dataset, chosen)
+    page = Page(_columns(len(columns), len(rows_of(dataset, columns))))
+    blocks = [columns[i : i + page.columns] for i in range(0, len(columns), page.columns)]
+    rows = [(number, row) for number, block in enumerate(blocks) for row in rows_of(dataset, block)]
+    scale = pressure_scale(dataset, chosen)
+    across = _reach(dataset, [where for _, row in rows for where in row.places])[0]
+    reaches = [_reach(dataset, row.places)[1] for _, row in rows]
+    per_mm = page.panel / (across[1] - across[0])
+    heights = [per_mm * (high - low) for low, high in reaches]
+    top = 11.0 if stop_note(dataset) else 7.0
+    titles = titles_height(dataset, columns)
+    total = top + sum(heights) + len(rows) * _BENEATH + len(blocks) * titles + FOOT
+    with style():
+        figure = new_figure(page.width, total, constrained=False)
+        headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
+        before = -1
+        for (number, row), height, reach in zip(rows, heights, reaches, strict=True):
+            if number != before:
+                top += titles
+                draw_titles(figure, page, dataset, blocks[number], top)
+                before = number
+            draw_label(figure, row.label, row.colour, top + 0.5 * height)
+            first = next(j for j, where in enumerate(row.places) if where is not None)
+            for j, where in enumerate(row.places):
+                if where is None:
+                    continue
+                axes = page.axes(figure, j, top, height)
+                contact_patch(axes, dataset, where, scale)
+                axes.set(xlim=across, ylim=reach)
+                axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+                axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
+                axes.tick_params(labelsize=6.2, pad=1.5)
+                axes.set_xlabel(
+                    patch_note(dataset, where, force=page.panel > 28.0), fontsize=6.0, color=QUIET, labelpad=1.5
+                )
+                if j == first:
+                    axes.set_ylabel("$x$ [mm]", labelpad=1.0, fontsize=6.8)
+            top += height + _BENEATH
+        reading = "Across: curved axis $s$ [mm], field side to the right.\nUp: rolling direction $x$ [mm]."
+        colour_bar(figure, scale, top + 1.0, reading)
+    return figure
+
+
+_BENEATH = 12.5
+
+
+def _columns(count: int, rows: int) -> int:
+    """Columns of the gallery: up to six with several rows; a single row is folded at four or five."""
+    if rows > 1 or count <= 4:
+        return max(min(count, 6), 1)
+    return min((5, 4), key=lambda n: -count % n)
+
+
+def _reach(dataset: xr.Dataset, places: Sequence[PatchAt | None]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Common limits in s and x of some patches, mm."""
+    s_ends, x_ends = [], []
+    for where in places:
+        for s, x, a, _, _ in _unbroken(select(dataset, where)) if where is not None else []:
+            s_ends += [s.min(), s.max()]
+            x_ends += [(x - a).min(), (x + a).max()]
+    if not s_ends:
+        return (-1.0, 1.0), (-1.0, 1.0)
+    margin = 0.05 * (max(s_ends) - min(s_ends)) + 0.3
+    return (min(s_ends) - margin, max(s_ends) + margin), (min(x_ends) - margin, max(x_ends) + margin)

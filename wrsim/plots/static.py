@@ -1,0 +1,139 @@
+"""Static analyses: contact quantities against lateral shift, a line for every yaw and load."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from wrsim.plots.histories import ANGLE_JUMP
+from wrsim.plots.stops import stop_note
+from wrsim.plots.style import (
+    FULL_WIDTH,
+    GROUP_LINE,
+    GROUP_MARK,
+    QUIET,
+    STOP_COLOUR,
+    WHEEL_COLOUR,
+    broken,
+    draw_line,
+    new_figure,
+    shown,
+    style,
+    unit,
+)
+from wrsim.results import CHANNELS
+
+PANELS = ("contact_angle", "p0", "N", "area")
+ABSCISSAE = ("lateral_shift", "yaw", "load")
+"""Channels of a pose that may stand on the horizontal axis, in order of preference."""
+
+
+def pose_abscissa(dataset: xr.Dataset) -> str:
+    """The channel on the horizontal axis: lateral shift, unless only yaw or load vary."""
+    varied = [n for n in ABSCISSAE if n in dataset and np.ptp(dataset[n].values) > 0.0]
+    return varied[0] if varied else "lateral_shift"
+
+
+def pose_groups(dataset: xr.Dataset) -> list[tuple[str, NDArray[np.intp]]]:
+    """Poses that make one line: label and indices in the order of the horizontal axis."""
+    across = pose_abscissa(dataset)
+    others = [n for n in ABSCISSAE if n in dataset and n != across and np.ptp(dataset[n].values) > 0.0]
+    x = dataset[across].values
+    if not others:
+        return [("", np.argsort(x, kind="stable"))]
+    keys = np.column_stack([np.round(shown(dataset, n), 9) for n in others])
+    groups = []
+    for key in np.unique(keys, axis=0):
+        member = np.flatnonzero((keys == key).all(axis=1))
+        words = (f"${CHANNELS[n].symbol}$ = " if CHANNELS[n].symbol else "" for n in others)
+        label = ", ".join(
+            f"{word}{value + 0.0:.4g} {CHANNELS[n].shown.symbol}"
+            for word, value, n in zip(words, key, others, strict=True)
+        )
+        groups.append((label.replace("-", "\N{MINUS SIGN}"), member[np.argsort(x[member], kind="stable")]))
+    return groups
+
+
+def against_pose(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
+    """A channel of the wheels (or of their patches) against the varied pose; later patches as hollow marks."""
+    across = pose_abscissa(dataset)
+    x, values = shown(dataset, across), shown(dataset, name)
+    angle = shown(dataset, "contact_angle") if "contact_angle" in dataset else None
+    if values.ndim == 2:
+        values = values[:, :, None]
+    for g, (_, member) in enumerate(pose_groups(dataset)):
+        line, mark = GROUP_LINE[g % len(GROUP_LINE)], GROUP_MARK[g % len(GROUP_MARK)]
+        for j, wheel in enumerate(dataset["wheel"].values):
+            colour = WHEEL_COLOUR[str(wheel)]
+            main = values[member, j, 0]
+            by = angle[member, j, 0] if angle is not None else np.zeros(main.shape)
+            line_x, line_y = broken(x[member], main, ANGLE_JUMP, by=by)
+            draw_line(axes, line_x, line_y, color=colour, linestyle=line, marker=mark, markersize=2.2)
+            for k in range(1, values.shape[2]):
+                axes.plot(
+                    x[member], values[member, j, k], mark, markerfacecolor="none", markeredgewidth=0.7,
+                    markersize=3.6, color=colour, gid=f"patch {k}",
+                )  # fmt: skip
+    axes.set_xlabel(CHANNELS[across].label)
+    words = CHANNELS[name].long_name
+    axes.set_ylabel(f"{words[0].upper()}{words[1:]} ${CHANNELS[name].symbol}${unit(name)}")
+    return axes
+
+
+def angle_band(axes: Axes, dataset: xr.Dataset) -> Axes:
+    """Smallest to largest contact angle over the strips of the main patch, as bars at every pose."""
+    x = shown(dataset, pose_abscissa(dataset))
+    for j, wheel in enumerate(dataset["wheel"].values):
+        low, high = (shown(dataset, f"contact_angle_{end}")[:, j, 0] for end in ("min", "max"))
+        axes.vlines(x, low, high, color=WHEEL_COLOUR[str(wheel)], alpha=0.25, linewidth=2.0, zorder=1.8)
+    return axes
+
+
+def _note(dataset: xr.Dataset) -> str:
+    """What is missing from the picture: a stop, poses without a solution."""
+    parts = [stop_note(dataset)] if stop_note(dataset) else []
+    if "pose_message" in dataset:
+        unsolved = int((dataset["pose_message"].values != "").sum())
+        if unsolved:
+            parts.append(f"{unsolved} of {dataset.sizes['pose']} poses without a solution")
+    return "\n".join(parts)
+
+
+def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
+    """Contact angle, largest pressure, normal force and area against lateral shift, for every yaw and load."""
+    present = [name for name in names if name in dataset]
+    rows = (len(present) + 1) // 2
+    groups = pose_groups(dataset)
+    with style():
+        figure = new_figure(FULL_WIDTH, 54.0 * rows + 22.0)
+        figure.suptitle(dataset.attrs.get("title", ""), x=0.012, ha="left", fontsize=8.5)
+        if _note(dataset):
+            figure.text(0.99, 0.99, _note(dataset), ha="right", va="top", color=STOP_COLOUR)
+        for i, name in enumerate(present):
+            axes = figure.add_subplot(rows, 2, i + 1)
+            against_pose(axes, dataset, name)
+            if name == "contact_angle" and {"contact_angle_min", "contact_angle_max"} <= set(dataset):
+                angle_band(axes, dataset)
+            if name != "contact_angle":
+                axes.set_ylim(0.0, 1.06 * max(axes.dataLim.y1, 1e-9))
+        legend: list[Artist] = []
+        if dataset.sizes["wheel"] > 1:
+            legend += [Line2D([], [], color=WHEEL_COLOUR[str(w)], label=f"{w} wheel") for w in dataset["wheel"].values]
+        if len(groups) > 1:
+            for g, (label, _) in enumerate(groups):
+                line, mark = GROUP_LINE[g % len(GROUP_LINE)], GROUP_MARK[g % len(GROUP_MARK)]
+                legend.append(Line2D([], [], color=QUIET, linestyle=line, marker=mark, label=label))
+        if any(np.isfinite(dataset[n].values[:, :, 1:]).any() for n in present if dataset[n].ndim == 3):
+            legend.append(
+                Line2D([], [], color=QUIET, linestyle="none", marker="o", markerfacecolor="none", label="further patch")
+            )
+        if legend:
+            figure.legend(handles=legend, loc="outside lower center", ncols=min(len(legend), 5))
+    return figure
