@@ -169,14 +169,10 @@ def _solve(jacobian: Array, right: Array, damping: float) -> Array:
     if damping == 0.0:
         return np.asarray(np.linalg.lstsq(jacobian, right, rcond=1e-12)[0], dtype=float)
     normal = jacobian.T @ jacobian
-    return np.linalg.solve(
-        normal + damping * np.trace(normal) * np.eye(jacobian.shape[1]), jacobian.T @ right
-    )
+    return np.linalg.solve(normal + damping * np.trace(normal) * np.eye(jacobian.shape[1]), jacobian.T @ right)
 
 
-def _bracket(
-    function: Callable[[float], float], begin: float, small: float, enough: float, reach: float
-) -> bool:
+def _bracket(function: Callable[[float], float], begin: float, small: float, enough: float, reach: float) -> bool:
     """Move from ``begin`` the way the sign of the force points until it is small or changes sign, then
     bisect.
 
@@ -206,9 +202,7 @@ def _bracket(
     return bool(np.isfinite(force))
 
 
-def _stand(
-    residual: Callable[[Array], Array], x: Array, place: int, row: int, tilt: int, tilt_row: int
-) -> None:
+def _stand(residual: Callable[[Array], Array], x: Array, place: int, row: int, tilt: int, tilt_row: int) -> None:
     """Set the height x[place] so that the rails carry about the weight, and the roll x[tilt] so that both
     do.
 

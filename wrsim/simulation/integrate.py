@@ -51,9 +51,7 @@ MANCHESTER_WHEELSET = (1813.0, 112.0, 0.46, 50e3)
 """Mass [kg], spin inertia [kg m2], radius [m], wheel load [N] where no wheelset is given."""
 
 
-def creep_rate(
-    speed: float, mass: float, spin_inertia: float, radius: float, creep_coefficient: float
-) -> float:
+def creep_rate(speed: float, mass: float, spin_inertia: float, radius: float, creep_coefficient: float) -> float:
     """Decay rate of the longitudinal slip of a free wheelset [1/s], the fastest mode of the creep forces.
 
     Two wheels with the force -C (v - r omega)/V each: rate = 2 C (1/m + r0^2/I_spin)/V. For m = 1813 kg,
@@ -236,6 +234,31 @@ class _Recorder:
         )
 
 
+def _blame(system: System, recorder: _Recorder) -> str:
+    """Take the step that broke once more and say which force broke first; an empty string if none did.
+
+    In the state the fault has spread to every coordinate through the mass matrix.
+    """
+    law = system.forces
+    found: list[str] = []
+
+    def watch(t: float, q: Array, q_t: Array, out: Array) -> None:
+        law(t, q, q_t, out)
+        bad = first_not_finite(out, out)
+        if bad >= 0 and not found:
+            found.append(f"the force along {_name(bad, system.size)} is not a number at t = {t:.6g} s")
+
+    system.forces = watch
+    try:
+        at = recorder.time_of(recorder.last_step)
+        system.solve(recorder.last_q, recorder.last_q_t, at, recorder.step, 1, lambda t: True)
+    except SimulationError:
+        pass
+    finally:
+        system.forces = law
+    return found[0] if found else ""
+
+
 def integrate(
     system: System,
     q: Array,
@@ -282,6 +305,8 @@ def integrate(
             recorder.stop("interrupt", f"interrupted by the user at t = {at:.6g} s")
         except SimulationError as error:
             recorder.stop("forces", str(error))
+    if recorder.cause == "not-finite":
+        recorder.reason = _blame(system, recorder) or recorder.reason
     if not recorder.cause and recorder.last_step < steps:
         at = recorder.time_of(recorder.last_step)
         raise SimulationError(

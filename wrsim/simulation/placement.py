@@ -61,9 +61,7 @@ def poses_on_track(path: Path, q: Array, q_t: Array, start: float = 0.0) -> Trac
     has no place on the track.
     """
     out = np.zeros((len(q), 6))
-    bad = kernels.poses_along(
-        np.ascontiguousarray(q), np.ascontiguousarray(q_t), path.table, path.step, start, out
-    )
+    bad = kernels.poses_along(np.ascontiguousarray(q), np.ascontiguousarray(q_t), path.table, path.step, start, out)
     if bad >= 0:
         raise SimulationError(f"sample {bad} has no place on the track")
     return TrackPoses(*np.ascontiguousarray(out.T))

@@ -108,6 +108,7 @@ class System:
         self.bodies = tuple(bodies)
         self.forces = forces
         self.size = 6 * len(self.bodies)
+        self._error: BaseException | None = None
         with _silence():
             self._container = exudyn.SystemContainer()
             mbs = self._container.AddSystem()
@@ -134,8 +135,12 @@ class System:
         reference = weakref.ref(self)
 
         def user_function(mbs: object, t: float, item: int, q: object, q_t: object) -> Array:
-            system = reference()
-            system.forces(t, system.q, system.q_t, out)  # type: ignore[union-attr]
+            system = cast(System, reference())
+            try:
+                system.forces(t, system.q, system.q_t, out)
+            except BaseException as error:
+                system._error = error
+                raise
             return out
 
         return user_function
@@ -180,8 +185,17 @@ class System:
         integration.explicit.useLieGroupIntegration = False
         integration.verboseMode = 0
         integration.verboseModeFile = 0
+
+        def post_step(mbs: object, t: float) -> bool:
+            try:
+                return after_step(t)
+            except BaseException as error:
+                self._error = error
+                raise
+
+        self._error = None
         with _silence():
-            self._mbs.SetPostStepUserFunction(lambda mbs, t: after_step(t))
+            self._mbs.SetPostStepUserFunction(post_step)
             try:
                 self._mbs.SolveDynamic(
                     settings,
@@ -189,5 +203,11 @@ class System:
                     storeSolver=False,
                     showCausingItems=False,
                 )
+            except exudyn.ExudynError:
+                if self._error is None:
+                    raise
             finally:
                 self._mbs.SetPostStepUserFunction(0)  # type: ignore[arg-type]
+        if self._error is not None:  # the module that checks ranges wraps it in an error of its own
+            error, self._error = self._error, None
+            raise error

@@ -1,0 +1,299 @@
+"""How a time integration goes and how it ends: samples, progress, stops, faults; convergence and stable steps."""
+
+import os
+import signal
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset, straight
+
+from wrsim.errors import SimulationError
+from wrsim.simulation.integrate import creep_rate, integrate, step_for_speed
+from wrsim.simulation.system import RigidBody, System
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
+Q0 = np.array([0.46, 0.0, 0.0, 0.0, 0.0, 0.0])
+V0 = np.array([0.0, 10.0, 0.0, 0.0, 0.0, 21.0])
+
+
+def free(t, q, q_t, out):
+    """No forces."""
+    out.fill(0.0)
+
+
+def oscillator(t, q, q_t, out):
+    """A stiff lateral spring, 20 rad/s."""
+    out.fill(0.0)
+    out[2] = -1500.0 * 400.0 * q[2]
+
+
+def run(forces=free, *, duration=0.1, step=1e-3, bodies=(BODY,), **keys):
+    """Integrate from rolling along x."""
+    n = len(bodies)
+    return integrate(System(bodies, forces), np.tile(Q0, n), np.tile(V0, n), duration=duration, step=step, **keys)
+
+
+def test_samples_stand_at_the_start_at_each_interval_and_at_the_end():
+    motion = run(duration=0.0253, step=1e-3, sample_interval=4e-3)
+    assert motion.times == pytest.approx([0.0, 0.004, 0.008, 0.012, 0.016, 0.02, 0.024, 0.026], abs=1e-15)
+    assert motion.q[:, 1] == pytest.approx(10.0 * motion.times)
+    assert motion.q[:, 5] == pytest.approx(21.0 * motion.times)
+    assert (motion.status, motion.cause, motion.reason) == ("completed", "", "")
+    assert motion.end == motion.times[-1]
+
+
+def test_a_run_goes_on_where_another_ended():
+    system = System([BODY], oscillator)
+    start = np.add(Q0, [0.0, 0.0, 0.01, 0.0, 0.0, 0.0])
+    whole = integrate(system, start, V0, duration=0.2, step=1e-3)
+    first = integrate(system, start, V0, duration=0.1, step=1e-3)
+    second = integrate(system, first.q[-1], first.q_t[-1], duration=0.1, step=1e-3, start=first.end)
+    assert second.times[-1] == pytest.approx(0.2)
+    assert second.q[-1] == pytest.approx(whole.q[-1], abs=1e-14)
+
+
+def test_a_law_knows_the_time_of_its_stage():
+    def push(t, q, q_t, out):
+        out.fill(0.0)
+        out[2] = 1500.0 * t * t  # y = t^4 / 12: exact for RK44
+
+    motion = run(push, duration=1.0, step=0.1)
+    assert motion.q[:, 2] == pytest.approx(motion.times**4 / 12.0, abs=1e-14)
+
+
+def test_several_bodies_share_one_law():
+    def law(t, q, q_t, out):
+        assert q.shape == q_t.shape == out.shape == (12,)
+        out.fill(0.0)
+        out[2] = 1500.0
+        out[8] = -3000.0
+
+    motion = run(law, bodies=(BODY, BODY))
+    assert motion.q[-1, [2, 8]] == pytest.approx([0.5 * 0.1**2, -(0.1**2)])
+
+
+def test_progress_runs_from_nothing_to_the_end(monkeypatch):
+    monkeypatch.setattr("wrsim.simulation.integrate.PROGRESS_INTERVAL", 0.0)
+    seen = []
+    run(progress=lambda fraction, left: seen.append((fraction, left)))
+    fractions = [fraction for fraction, _ in seen]
+    assert fractions == sorted(fractions)
+    assert fractions[0] == pytest.approx(0.01)
+    assert seen[-1] == (1.0, 0.0)
+    assert all(left >= 0.0 for _, left in seen)
+
+
+def test_the_monitor_ends_the_run_with_its_reason_and_the_sample_it_saw():
+    motion = run(monitor=lambda t, q, q_t: "too far" if q[1] > 0.505 else None)
+    assert (motion.status, motion.cause, motion.reason) == ("stopped", "monitor", "too far")
+    assert motion.times[-1] == pytest.approx(0.051)
+    assert motion.q[-1, 1] > 0.505
+    assert len(motion.times) == 52
+
+
+def test_a_state_that_is_not_finite_ends_the_run_and_is_named():
+    def breaks(t, q, q_t, out):
+        out.fill(0.0)
+        if t > 0.05:
+            out[4] = np.nan
+
+    motion = run(breaks, sample_interval=0.02)
+    assert (motion.status, motion.cause) == ("stopped", "not-finite")
+    assert motion.reason == "the force along roll is not a number at t = 0.0505 s"
+    # the samples, and the last good state between two of them
+    assert motion.times == pytest.approx([0.0, 0.02, 0.04, 0.05])
+    assert np.all(np.isfinite(motion.q)) and np.all(np.isfinite(motion.q_t))
+
+
+def test_the_body_whose_state_is_not_finite_is_named():
+    def breaks(t, q, q_t, out):
+        out.fill(0.0)
+        out[8] = np.inf
+
+    assert run(breaks, bodies=(BODY, BODY)).reason == "the force along y of body 1 is not a number at t = 0 s"
+
+
+def test_a_start_that_is_not_finite_is_refused():
+    with pytest.raises(SimulationError, match="the rate of spin"):
+        integrate(System([BODY], free), Q0, V0 * np.nan ** np.array([0, 0, 0, 0, 0, 1]), duration=1.0, step=0.1)
+
+
+@pytest.mark.parametrize("keys", [{"step": 0.0}, {"duration": -1.0}, {"duration": np.inf}])
+def test_a_run_without_steps_is_refused(keys):
+    with pytest.raises(ValueError, match="step and duration"):
+        run(**keys)
+
+
+def test_a_law_that_cannot_go_on_ends_the_run_in_good_order():
+    def lost(t, q, q_t, out):
+        out.fill(0.0)
+        if t > 0.05:
+            raise SimulationError(f"no contact at t = {t:.4f} s")
+
+    motion = run(lost)
+    assert (motion.status, motion.cause) == ("stopped", "forces")
+    assert motion.reason == "no contact at t = 0.0505 s"
+    assert motion.times[-1] == pytest.approx(0.05)
+
+
+class Broken(Exception):
+    pass
+
+
+def broken(*args):
+    raise Broken("on purpose")
+
+
+@pytest.mark.parametrize("keys", [{"forces": broken}, {"monitor": broken}, {"progress": broken}])
+def test_other_exceptions_come_through(keys, monkeypatch):
+    monkeypatch.setattr("wrsim.simulation.integrate.PROGRESS_INTERVAL", 0.0)
+    with pytest.raises(Broken, match="on purpose"):
+        run(**keys)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_system_is_as_good_as_new_after_a_run_that_broke():
+    faulty = [True]
+
+    def law(t, q, q_t, out):
+        out.fill(0.0)
+        if faulty[0] and t > 0.05:
+            raise Broken
+
+    system = System([BODY], law)
+    with pytest.raises(Broken):
+        integrate(system, Q0, V0, duration=0.1, step=1e-3)
+    faulty[0] = False
+    assert integrate(system, Q0, V0, duration=0.1, step=1e-3).q[-1, 1] == pytest.approx(1.0)
+
+
+def test_ctrl_c_ends_the_run_after_the_step_and_keeps_what_was_computed():
+    def press(t, q, q_t):
+        if abs(t - 0.05) < 1e-9:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    motion = run(monitor=press)
+    assert (motion.status, motion.cause) == ("stopped", "interrupt")
+    assert motion.reason.startswith("interrupted by the user at t = 0.05")
+    assert 0.05 <= motion.end <= 0.052
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_second_ctrl_c_ends_at_once():
+    def stuck(t, q, q_t, out):
+        out.fill(0.0)
+        if t > 0.05:
+            for _ in range(2):
+                os.kill(os.getpid(), signal.SIGINT)
+            raise AssertionError("not reached")
+
+    motion = run(stuck)
+    assert motion.cause == "interrupt"
+    assert motion.end == pytest.approx(0.05)
+
+
+def test_keyboard_interrupt_of_a_callback_ends_the_run_in_good_order():
+    def press(t, q, q_t):
+        if t > 0.05:
+            raise KeyboardInterrupt
+
+    assert run(monitor=press).cause == "interrupt"
+
+
+def test_runs_work_outside_the_main_thread():
+    motions = []
+    thread = threading.Thread(target=lambda: motions.append(run()))
+    thread.start()
+    thread.join()
+    assert motions[0].status == "completed"
+
+
+def test_exudyn_writes_neither_to_the_console_nor_to_files(capfd, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run()
+    with pytest.raises(Broken):
+        run(broken)
+    captured = capfd.readouterr()
+    assert captured.out == captured.err == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_system_and_its_law_are_freed():
+    import gc
+    import weakref
+
+    class Law:
+        def __call__(self, t, q, q_t, out):
+            out.fill(0.0)
+
+    law = Law()
+    reference = weakref.ref(law)
+    system = System([BODY], law)
+    integrate(system, Q0, V0, duration=0.01, step=1e-3)
+    del law, system
+    gc.collect()
+    assert reference() is None
+
+
+@pytest.fixture(scope="module")
+def rolling() -> System:
+    """The example wheelset on knife edges at 30 m/s."""
+    vehicle = example_wheelset()
+    return System([RigidBody.of(vehicle)], KnifeEdgeForces(vehicle, 30.0, straight(), 1000.0))
+
+
+def test_rk44_converges_with_fourth_order_on_the_force_law(rolling):
+    # 3 mm to the side, 5 mrad yawed, 2 um too low: the contact springs vibrate, friction partly saturates
+    q = np.array([0.46 - KnifeEdge().approach(50e3) - 2e-6, 0.0, 3e-3, 5e-3, 2.1e-4, 0.0])
+    q_t = np.array([0.0, 30.0, 0.0, 0.0, 0.0, 30.0 / 0.46])
+
+    def end(step):
+        return integrate(rolling, q, q_t, duration=0.1, step=step).q[-1]
+
+    exact = end(1e-5)
+    errors = [np.abs(end(step) - exact)[[0, 2, 3, 4]] for step in (4e-4, 2e-4, 1e-4)]
+    ratios = np.array([errors[0] / errors[1], errors[1] / errors[2]])
+    assert np.all((ratios[:, 0] > 14.0) & (ratios[:, 0] < 22.0)), ratios  # height: 16, from above
+    assert np.all(ratios > 14.0), ratios  # the others gain from terms that cancel
+    assert np.all(errors[0] < 1e-8)
+
+
+@pytest.mark.parametrize("speed", [1.0, 5.0, 20.0])
+def test_the_slip_of_the_wheels_decays_within_the_creep_limit_and_chatters_beyond(speed):
+    mass, inertia = 1813.0, 112.0
+    vehicle = replace(
+        example_wheelset(),
+        mass=mass,
+        inertia=(1120.0, inertia, 1120.0),
+        constant_force=(0.0, 0.0, mass * STANDARD_GRAVITY - 100e3),
+    )
+    forces = KnifeEdgeForces(vehicle, speed, straight(), 1000.0, KnifeEdge(creep=1e7))
+    system = System([RigidBody.of(vehicle)], forces)
+    q = np.array([0.46 - KnifeEdge().approach(50e3), 0.0, 0.0, 0.0, 0.0, 0.0])
+    q_t = np.array([0.0, speed, 0.0, 0.0, 0.0, 1.0002 * speed / 0.46])
+
+    def slip(step):
+        motion = integrate(system, q, q_t, duration=1000 * step, step=step)
+        assert motion.status == "completed"
+        return np.abs(motion.q_t[-50:, 1] - 0.46 * motion.q_t[-50:, 5]).max() / speed
+
+    limit = 2.785 / creep_rate(speed, mass, inertia, 0.46, 1e7)
+    assert step_for_speed(speed) <= min(0.75 * limit, 5e-4)
+    assert slip(0.98 * limit) < 1e-6
+    assert slip(1.1 * limit) > 1e-4  # bounded by the saturation: it does not blow up
+
+
+def test_the_step_is_a_whole_part_of_a_millisecond_and_grows_with_the_speed():
+    steps = [step_for_speed(v) for v in (1.0, 2.0, 5.0, 10.0, 20.0, 100.0)]
+    assert steps == sorted(steps)
+    assert steps[-1] == 5e-4
+    for step in steps:
+        assert 1e-3 / step == pytest.approx(round(1e-3 / step), abs=1e-9)
+
+
+def test_a_heavier_load_takes_a_smaller_step():
+    vehicle = example_wheelset(axle_load=200e3)
+    assert step_for_speed(5.0, vehicle) < step_for_speed(5.0, example_wheelset(axle_load=50e3))
