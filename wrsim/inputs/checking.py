@@ -27,9 +27,10 @@ def check(section: type[S], data: dict[str, Any], locate: Locate) -> S:
 
 
 def fault_line(path: KeyPath, message: str, locate: Locate, value: Any = None) -> str:
-    """Return one line on one fault; the value is shown unless it is None or a table."""
+    """Return one line on one fault; the value is shown unless it is None, a table or a list of tables."""
     where = dotted(path)
-    if value is not None and not isinstance(value, dict):
+    tables = isinstance(value, dict) or (isinstance(value, list) and any(isinstance(v, dict) for v in value))
+    if value is not None and not tables:
         where += f" = {shown(value)}"
     return f"{locate(path)}: {where}: {message}" if where else f"{locate(path)}: {message}"
 

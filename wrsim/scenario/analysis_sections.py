@@ -110,6 +110,6 @@ class OutputSection(Section):
     header: ClassVar[str] = "[output]"
     aliases: ClassVar[dict[str, str]] = {"snapshots_m": "patches_at_m", "patches": "patches_at_m"}
 
-    patches_at_m: (
-        Annotated[tuple[float, ...], Numbers(Quantity(0, 1e6, example="m along the centre line"))] | None
-    ) = None
+    patches_at_m: Annotated[tuple[float, ...], Numbers(Quantity(0, 1e6, example="m along the centre line"))] | None = (
+        None
+    )

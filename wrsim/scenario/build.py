@@ -141,7 +141,7 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
         try:
             rail.gauge_point()
         except InputError as error:
-            raise scenario.fault(("track", key), str(error), name) from None
+            raise scenario.fault(("track", key), str(error)) from None
         found.append(rail)
     return found[0], found[1]
 
@@ -176,23 +176,23 @@ def _run(scenario: Scenario, track: Track) -> RunPlan:
     start, end = section.start_distance_m, track.length
     room = f"must lie on the track, which is {track.length:.6g} m long"
     if start >= track.length and spec.analysis != "static":
-        raise scenario.fault(("run", "start_distance_m"), f"{room}; nothing is left to run", start)
+        raise scenario.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
     if section.distance_m is not None:
         end = start + section.distance_m
         if end > track.length * (1.0 + 1e-12):
             message = f"ends at {end:.6g} m: {room}"
-            raise scenario.fault(("run", "distance_m"), message, section.distance_m)
+            raise scenario.fault(("run", "distance_m"), message)
     elif section.time_s is not None and spec.analysis == "curving":
         end = start + section.time_s * speed
         if end > track.length * (1.0 + 1e-12):
-            raise scenario.fault(("run", "time_s"), f"ends at {end:.6g} m: {room}", section.time_s)
+            raise scenario.fault(("run", "time_s"), f"ends at {end:.6g} m: {room}")
     end = min(end, track.length)
     patches = spec.output.patches_at_m
     if patches is not None and spec.analysis == "curving":
         for place in patches:
             if not start <= place <= end:
                 message = f"{place:g} m is not passed by the run: must lie from {start:.6g} to {end:.6g} m"
-                raise scenario.fault(("output", "patches_at_m"), message, list(patches))
+                raise scenario.fault(("output", "patches_at_m"), message)
     return RunPlan(
         start=start,
         end=end,
@@ -209,9 +209,7 @@ def _middle_of_arcs(track: Track, start: float, end: float) -> tuple[float, ...]
     return tuple(s for s in middles if start <= s <= end)
 
 
-def _check_placement(
-    scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track
-) -> None:
+def _check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track) -> None:
     """Refuse a wheelset that does not stand with both treads on the rails when it is centred."""
     widenings = [0.0]
     for s in track.segments:
@@ -230,7 +228,7 @@ def _check_placement(
                 f"{1e3 * wheelset.profile_spacing:g} mm apart (vehicle.model), the {side} {reason}"
             )
             if gauge == nominal:
-                raise scenario.fault(("track", "gauge_mm"), message, scenario.spec.track.gauge_mm)
+                raise scenario.fault(("track", "gauge_mm"), message)
             raise scenario.fault(("track", "segments"), message)
 
 

@@ -79,9 +79,7 @@ def read_cases(path: Path, with_roll: bool = True) -> tuple[StaticPose, ...]:
     try:
         header_line, header = next(rows)
     except StopIteration:
-        raise InputError(
-            f"{path}: is empty; must have a line with the columns {', '.join(_all_columns())}"
-        ) from None
+        raise InputError(f"{path}: is empty; must have a line with the columns {', '.join(_all_columns())}") from None
     faults = list(_header_faults(header, f"{path}:{header_line}", with_roll))
     if faults:
         raise InputError("\n".join(faults))

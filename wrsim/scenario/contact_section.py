@@ -74,9 +74,7 @@ class ContactSection(Section):
     }
 
     normal: Annotated[Literal["kik-piotrowski"], Choice(("kik-piotrowski",))] = DEFAULTS.normal
-    approach: Annotated[Literal["projected", "constant"], Choice(("projected", "constant"))] = (
-        DEFAULTS.approach
-    )
+    approach: Annotated[Literal["projected", "constant"], Choice(("projected", "constant"))] = DEFAULTS.approach
     tangential: Annotated[Literal["fastsim", "none"], Choice(("fastsim", "none"))] = DEFAULTS.tangential
     traction_bound: Annotated[Literal["elliptic", "parabolic"], Choice(("elliptic", "parabolic"))] = (
         DEFAULTS.traction_bound

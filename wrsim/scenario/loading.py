@@ -50,8 +50,11 @@ class Scenario:
         """Return file and line of a key, for messages."""
         return self._merged.locate(path)
 
-    def fault(self, path: KeyPath, message: str, value: Any = None) -> InputError:
+    def fault(self, path: KeyPath, message: str) -> InputError:
         """Return the error for a key whose value passed the schema but does not fit the rest."""
+        value: Any = self._merged.data
+        for part in path:
+            value = value[part]
         return InputError(fault_line(path, message, self.locate, value))
 
     def find(self, path: KeyPath, name: str) -> Path:
@@ -59,7 +62,7 @@ class Scenario:
         try:
             return self.finder.find(name)
         except InputError as error:
-            raise self.fault(path, str(error), name) from None
+            raise self.fault(path, str(error)) from None
 
     def with_values(self, values: Mapping[str, Any]) -> Scenario:
         """Return the scenario with some keys changed, checked again.
@@ -106,9 +109,7 @@ def load_text(text: str, folder: str | Path = ".", models: Sequence[str | Path] 
     return _scenario(merged, None, models, Path(folder))
 
 
-def _scenario(
-    merged: Merged, path: Path | None, models: Sequence[str | Path], folder: Path = Path()
-) -> Scenario:
+def _scenario(merged: Merged, path: Path | None, models: Sequence[str | Path], folder: Path = Path()) -> Scenario:
     beside = [file.parent for file in merged.files] or [folder]
     folders = (*beside, *user_folders(tuple(models)), shipped_models())
     finder = Finder(tuple(dict.fromkeys(folders)))

@@ -108,9 +108,7 @@ class Arc(Section):
     kind: Annotated[Literal["arc"], Choice(("arc",))]
     radius_m: Annotated[float, AwayFromZero(10, 1e6, "m, positive curves to the left, negative to the right")]
     length_m: Annotated[float, Length] | None = None
-    angle_deg: Annotated[float, Quantity(above=0, high=36_000, example="degrees, always positive")] | None = (
-        None
-    )
+    angle_deg: Annotated[float, Quantity(above=0, high=36_000, example="degrees, always positive")] | None = None
     cant_mm: Annotated[float, Cant] = 0.0
     gauge_widening_mm: Annotated[float, Widening] = 0.0
 
@@ -132,9 +130,7 @@ class Arc(Section):
 
     def to_geometry(self) -> segments.Arc:
         """Return the segment in SI units."""
-        return segments.Arc(
-            self.length, self.radius_m, self.cant_mm / 1000.0, self.gauge_widening_mm / 1000.0
-        )
+        return segments.Arc(self.length, self.radius_m, self.cant_mm / 1000.0, self.gauge_widening_mm / 1000.0)
 
 
 Segment = Straight | Transition | Arc

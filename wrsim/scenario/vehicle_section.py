@@ -37,9 +37,7 @@ class VehicleSection(Section):
     radius_mm: Annotated[float, Radius] | None = None
     radius_left_mm: Annotated[float, Radius] | None = None
     radius_right_mm: Annotated[float, Radius] | None = None
-    sprung_mass_kg: Annotated[float, Quantity(0, 50_000, example="mass carried by this wheelset")] | None = (
-        None
-    )
+    sprung_mass_kg: Annotated[float, Quantity(0, 50_000, example="mass carried by this wheelset")] | None = None
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

@@ -1,0 +1,338 @@
+"""One fault in a scenario file is one sentence that its author understands; files merge and are found in order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from support.scenario_texts import CURVE, STATIC, edited, faults
+
+from wrsim.errors import InputError
+from wrsim.inputs.lookup import VARIABLE, shipped_models
+from wrsim.scenario.loading import load, load_text
+
+# --- one fault, one sentence ---------------------------------------------------------------------------
+
+ONE_FAULT = [
+    # (what stands in the file, what is written instead, what the message says)
+    (
+        "speed_kmh = 54",
+        "speed = 54",
+        "case.toml:5: vehicle.speed = 54: unknown key; did you mean 'speed_kmh' (in km/h)?",
+    ),
+    ("speed_kmh = 54", "speed_mps = 15", "vehicle.speed_mps = 15: unknown key; did you mean 'speed_kmh' (in km/h)?"),
+    ("speed_kmh = 54", "spede_kmh = 54", "vehicle.spede_kmh = 54: unknown key; did you mean 'speed_kmh'?"),
+    ("speed_kmh = 54", "", 'vehicle.speed_kmh is missing: analysis = "curving" needs a speed'),
+    ("speed_kmh = 54", "speed_kmh = 0", "vehicle.speed_kmh = 0: must be a number from 1 to 500"),
+    ("speed_kmh = 54", 'speed_kmh = "54"', 'vehicle.speed_kmh = "54": must be a number'),
+    ("speed_kmh = 54", "speed_kmh = true", "vehicle.speed_kmh = true: must be a number"),
+    ("speed_kmh = 54", "speed_kmh = nan", "vehicle.speed_kmh = nan: must be a number"),
+    ("speed_kmh = 54", "speed_kmh = inf", "vehicle.speed_kmh = inf: must be a number"),
+    ("speed_kmh = 54", "speed_kmh = [54]", "vehicle.speed_kmh = [54]: must be a number"),
+    ("gauge_mm = 1435", "gauge_mm = -1435", "case.toml:7: track.gauge_mm = -1435: must be a number from 400 to 2000"),
+    ("gauge_mm = 1435", "gauge_m = 1.435", "track.gauge_m = 1.435: unknown key; did you mean 'gauge_mm' (in mm)?"),
+    ("gauge_mm = 1435", "", "track.gauge_mm is missing: must be a number from 400 to 2000"),
+    ("gauge_mm = 1435", "gauge_mm = 1435\ncant_base_mm = 1000", "track.cant_base_mm = 1000: must be from the gauge"),
+    (
+        'inclination = "1:40"',
+        "inclination = 40",
+        'must be "1:40", "1:20", "none" or a slope from 0 to 0.2; did you mean "1:40"?',
+    ),
+    ('inclination = "1:40"', 'inclination = "1/40"', 'track.inclination = "1/40": must be'),
+    ('rail = "rails/60E1.toml"', "", "track.rail is missing: must be a rail profile file"),
+    ('rail = "rails/60E1.toml"', 'rail_left = "rails/60E1.toml"', "track.rail_right is missing"),
+    (
+        'rail = "rails/60E1.toml"',
+        'rail = "rails/60E1.toml"\nrail_left = "rails/54E1.toml"',
+        "cannot stand next to rail_left",
+    ),
+    ('rail = "rails/60E1.toml"', "rail = 60", "track.rail = 60: must be a rail profile file"),
+    ("radius_m = 300", "radius_m = 0", "case.toml:18: track.segments[2].radius_m = 0: must be a number of size 10 to"),
+    ("radius_m = 300", "radius_m = -5", "track.segments[2].radius_m = -5: must be a number of size 10 to"),
+    (
+        "radius_m = 300",
+        "radius_mm = 300",
+        "track.segments[2].radius_mm = 300: unknown key; did you mean 'radius_m' (in m)?",
+    ),
+    ("radius_m = 300", "", "track.segments[2].radius_m is missing: must be a number of size"),
+    ("length_m = 120", "", "track.segments[2]: needs length_m or angle_deg"),
+    (
+        "length_m = 120",
+        "length_m = 120\nangle_deg = 20",
+        "track.segments[2].angle_deg = 20: cannot stand next to length_m",
+    ),
+    ("length_m = 120", "length_m = 120\nform = 'bloss'", "'form' belongs in [[track.segments]] with kind = transition"),
+    (
+        'kind = "arc"',
+        'kind = "curve"',
+        'case.toml:17: track.segments[2].kind = "curve": must be "straight", "transition" or "arc"',
+    ),
+    ('kind = "arc"', "", 'track.segments[2].kind is missing: must be "straight", "transition" or "arc"'),
+    ('kind = "straight"', 'kind = "transition"', "track.segments[1]: follows another transition"),
+    ("length_m = 40", "length_m = -40", "case.toml:15: track.segments[1].length_m = -40: must be a number above 0"),
+    ("length_m = 40", 'length_m = 40\nform = "klothoid"', 'must be "clothoid" or "bloss"; did you mean "clothoid"?'),
+    ("friction = 0.35", "friction = 2.5", "contact.friction = 2.5: must be a number from 0 to 2"),
+    ("friction = 0.35", "friction = -0.1", "contact.friction = -0.1: must be a number from 0 to 2"),
+    ("friction = 0.35", "mu = 0.35", "contact.mu = 0.35: unknown key; did you mean 'friction'?"),
+    ("friction = 0.35", "friction_left = 0.35", "contact.friction_right is missing"),
+    ("friction = 0.35", "friction = 0.35\nfriction_left = 0.2", "cannot stand next to friction_left"),
+    ("friction = 0.35", 'normal = "hertz"', 'contact.normal = "hertz": must be "kik-piotrowski"'),
+    ("friction = 0.35", 'approach = "projektion"', 'did you mean "projected"?'),
+    (
+        "friction = 0.35",
+        "strips = 40\nstrip_width_mm = 0.1",
+        "contact.strip_width_mm = 0.1: cannot stand next to strips",
+    ),
+    ("friction = 0.35", "strips = 40.0", "contact.strips = 40.0: must be a whole number from 5 to 1000"),
+    ("friction = 0.35", "max_patches = 4", "contact.max_patches = 4: must be a whole number from 1 to 3"),
+    ("friction = 0.35", "cant_mm = 60", "contact.cant_mm = 60: unknown key; 'cant_mm' belongs in [[track.segments]]"),
+    (
+        "friction = 0.35",
+        "[contact.material]\npoisson = 0.5",
+        "contact.material.poisson = 0.5: must be a number from 0 to 0.49",
+    ),
+    ("friction = 0.35", "[contact.material.wheel]\nE = 210", "did you mean 'youngs_modulus_GPa' (in GPa)?"),
+    ("output_interval_ms = 5", "step_us = 6000", "run.step_us = 6000: must be at most the output interval (5 ms)"),
+    ("output_interval_ms = 5", "distance_m = 10\ntime_s = 1", "run.time_s = 1: cannot stand next to distance_m"),
+    (
+        "output_interval_ms = 5",
+        "distance_m = 500",
+        "run.distance_m = 500: ends at 500 m: must lie on the track, which is 190 m long",
+    ),
+    ("output_interval_ms = 5", "time_s = 60", "run.time_s = 60: ends at 900 m: must lie on the track"),
+    ("output_interval_ms = 5", "start_distance_m = 190", "run.start_distance_m = 190: must lie on the track"),
+    ("output_interval_ms = 5", "[output]\npatches_at_m = [10, 200]", "200 m is not passed by the run"),
+    ("output_interval_ms = 5", "[output]\npatches_at_m = 10", "output.patches_at_m = 10: must be a list"),
+    (
+        "output_interval_ms = 5",
+        "[static]\ntarget = 'wheel'\nload_kN = 1",
+        'static: is not used by analysis = "curving"',
+    ),
+    (
+        'analysis = "curving"',
+        'analysis = "curve"',
+        'case.toml:2: analysis = "curve": must be "static", "equilibrium" or "curving"',
+    ),
+    ('analysis = "curving"', "", 'analysis is missing: must be "static", "equilibrium" or "curving"'),
+    ('title = "a curve"', "friction = 0.3", "friction = 0.3: unknown key; 'friction' belongs in [contact]"),
+    ("[vehicle]", "[vehikle]", "vehikle: unknown key; did you mean 'vehicle'?"),
+    ('title = "a curve"', 'title = ""', 'title = "": must be a title in quotes'),
+    ("[vehicle]\n", "[[vehicle]]\n", "must be a table ([vehicle])"),
+    ('"vehicles/wheelset_s1002.toml"', '"wheelset_s1002.toml"', 'did you mean "vehicles/wheelset_s1002.toml"?'),
+    ('"rails/60E1.toml"', '"rails/60e1.toml"', 'did you mean "rails/60E1.toml"?'),
+    ('"rails/60E1.toml"', '"wheels/S1002.toml"', "a rail profile is needed here"),
+    (
+        '"vehicles/wheelset_s1002.toml"',
+        '"rails/60E1.toml"',
+        "is a profile file; a vehicle file with a table [wheelset]",
+    ),
+    ("cant_mm = 60", "cant_mm = 600", "track.segments[2].cant_mm = 600: must be a number from -250 to 250"),
+    ('kind = "transition"', 'kind = "straight"', "track: cant_mm jumps from 0 to 60"),
+]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"), ONE_FAULT, ids=[f"{i}-{n[:30]!r}" for i, (_, n, _) in enumerate(ONE_FAULT)]
+)
+def test_one_fault_in_a_file_is_one_line_that_names_file_key_value_and_what_is_allowed(
+    tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    lines = faults(edited(CURVE, old, new), tmp_path)
+    assert len(lines) == 1, lines
+    assert message in lines[0]
+    assert "toml" in lines[0]
+
+
+STATIC_FAULTS = [
+    ("load_kN = 60", "load_kN = 0", "static.load_kN = 0: must be a number above 0 and at most 1000"),
+    ("load_kN = 60", "load_kN = [60, 0]", "static.load_kN = [60, 0]: entry [1] must be a number above 0"),
+    ("load_kN = 60", "load_N = 60000", "did you mean 'load_kN' (in kN)?"),
+    ("load_kN = 60", "", "static.load_kN is missing: must be a number above 0"),
+    ("load_kN = 60", "load_kN = 60\nside = 'rihgt'", 'must be "left" or "right"; did you mean "right"?'),
+    ("load_kN = 60", "load_kN = 60\nrolling = 'yes'", 'static.rolling = "yes": must be true or false'),
+    ("lateral_mm = 0", "lateral_mm = []", "static.lateral_mm = []: the list is empty"),
+    ("lateral_mm = 0", "lateral_mm = [0, nan]", "static.lateral_mm = [0, nan]: entry [1] must be"),
+    ("lateral_mm = 0", "lateral_mm = {from = 0, to = 5}", "a range needs exactly the keys from, to and step"),
+    ("lateral_mm = 0", "lateral_mm = {from = 0, to = 5, step = 0}", "a range needs a step above 0 and from <= to"),
+    ("lateral_mm = 0", "lateral_mm = {from = 0, to = 5, step = 1e-9}", "more than 100000 values"),
+    ("lateral_mm = 0", "lateral_mm = 500", "static.lateral_mm = 500: must be a number from -100 to 100"),
+    ("lateral_mm = 0", 'cases = "poses.csv"', 'static.cases = "poses.csv": cannot stand next to load_kN'),
+    ('target = "wheel"', 'target = "wheelset"\nside = "left"', 'static.side = "left": is for target = "wheel" only'),
+    ('target = "wheel"', 'target = "wheelset"\nroll_mrad = 1', "a wheelset finds its own roll"),
+    ('target = "wheel"', "", 'static.target is missing: must be "wheel" or "wheelset"'),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), STATIC_FAULTS)
+def test_one_fault_in_static_poses_is_one_line(tmp_path: Path, old: str, new: str, message: str) -> None:
+    lines = faults(edited(STATIC, old, new), tmp_path)
+    assert len(lines) == 1, lines
+    assert message in lines[0]
+
+
+def test_all_faults_of_a_file_are_told_at_once_in_the_order_of_its_lines(tmp_path: Path) -> None:
+    text = CURVE
+    for old, new in (
+        ("speed_kmh = 54", "speed = 54"),
+        ("gauge_mm = 1435", "gauge_mm = nan"),
+        ("radius_m = 300", "radius_m = 0"),
+        ("friction = 0.35", "friction = 3\nstrip = 5"),
+    ):
+        text = edited(text, old, new)
+    lines = faults(text, tmp_path)
+    assert [line.split(":")[1] for line in lines] == ["5", "7", "18", "22", "23"]
+
+
+def test_a_fault_of_the_base_file_is_told_with_the_name_of_the_base_file(tmp_path: Path) -> None:
+    (tmp_path / "base.toml").write_text(edited(CURVE, "radius_m = 300", "radius_m = 0"))
+    lines = faults('base = "base.toml"\n[contact]\nfriction = 9\n', tmp_path)
+    assert len(lines) == 2
+    assert lines[0].startswith("base.toml:18: track.segments[2].radius_m")
+    assert lines[1].startswith("case.toml:3: contact.friction")
+
+
+# --- files that cannot be read -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "place", "hint"),
+    [
+        ("friction = 0,35", ":1:13:", "decimals need a point: 0.35"),
+        ("friction = .35", ":1:12:", "a decimal point needs digits on both sides"),
+        ("speed_kmh = 54 km/h", ":1:16:", "the unit is part of the key"),
+        ("kind = arc", ":1:8:", 'text needs quotes: "arc"'),
+        ("rolling = True", ":1:11:", "a switch is true or false"),
+        ("[vehicle", ":1:9:", ""),
+        ("a = 1\na = 2", ":2:6:", ""),
+        ('title = "never ends', ":1:", ""),
+    ],
+)
+def test_a_slip_of_toml_syntax_is_told_with_line_column_and_help(
+    tmp_path: Path, line: str, place: str, hint: str
+) -> None:
+    (message,) = [" ".join(faults(line + "\n", tmp_path))]
+    assert message.startswith("case.toml" + place)
+    assert "not valid TOML" in message
+    assert hint in message
+
+
+def test_a_missing_file_names_its_neighbours(tmp_path: Path) -> None:
+    (tmp_path / "curve_r300.toml").write_text(CURVE)
+    with pytest.raises(InputError, match=r"no such scenario file; did you mean '.*curve_r300\.toml'\?"):
+        load(tmp_path / "curve_300.toml")
+    with pytest.raises(InputError, match="there is no folder"):
+        load(tmp_path / "nowhere" / "curve_300.toml")
+
+
+def test_a_directory_instead_of_a_file_is_told(tmp_path: Path) -> None:
+    (tmp_path / "curve.toml").write_text(CURVE)
+    with pytest.raises(InputError, match=r"is a directory, a scenario file is needed; there are curve\.toml"):
+        load(tmp_path)
+
+
+def test_bytes_that_are_not_utf8_are_told_with_their_line(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_bytes("# Weiche\ntitle = 'Gleisbogen für alle'\n".encode("latin-1"))
+    with pytest.raises(InputError, match=r"case\.toml:2: byte 0xfc is not UTF-8"):
+        load(tmp_path / "case.toml")
+
+
+def test_a_byte_order_mark_and_windows_line_ends_do_no_harm(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_bytes(b"\xef\xbb\xbf" + CURVE.replace("\n", "\r\n").encode())
+    assert load(tmp_path / "case.toml").title == "a curve"
+
+
+def test_an_empty_file_is_told_what_it_needs(tmp_path: Path) -> None:
+    lines = faults("", tmp_path)
+    assert [line.split(" ")[1] for line in lines] == ["analysis", "vehicle", "track"]
+
+
+def test_a_very_deep_nest_is_an_error_not_a_crash(tmp_path: Path) -> None:
+    assert "nested too deeply" in faults("a = " + "[" * 100_000, tmp_path)[0]
+
+
+# --- base files ----------------------------------------------------------------------------------------
+
+
+def test_keys_override_those_of_the_base_and_lists_are_replaced(tmp_path: Path) -> None:
+    (tmp_path / "base.toml").write_text(CURVE)
+    (tmp_path / "case.toml").write_text(
+        'base = "base.toml"\n[vehicle]\nspeed_kmh = 36\n[[track.segments]]\nkind = "straight"\nlength_m = 9\n'
+    )
+    scenario = load(tmp_path / "case.toml")
+    assert scenario.spec.vehicle.speed_kmh == 36.0
+    assert scenario.spec.vehicle.model == "vehicles/wheelset_s1002.toml"
+    assert [s.kind for s in scenario.spec.track.segments] == ["straight"]
+    assert load_text(scenario.text).spec == scenario.spec, "the merged text stands for the whole"
+
+
+def test_bases_may_have_bases(tmp_path: Path) -> None:
+    (tmp_path / "a.toml").write_text(CURVE)
+    (tmp_path / "b.toml").write_text('base = "a.toml"\n[contact]\nfriction = 0.2\n')
+    (tmp_path / "c.toml").write_text('base = "b.toml"\n[vehicle]\nspeed_kmh = 40\n')
+    spec = load(tmp_path / "c.toml").spec
+    assert (spec.vehicle.speed_kmh, spec.contact.friction, spec.track.gauge_mm) == (40.0, 0.2, 1435.0)
+
+
+def test_scenarios_that_start_from_each_other_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "other.toml").write_text('base = "case.toml"\n')
+    (line,) = faults('base = "other.toml"\n', tmp_path)
+    assert "scenarios start from each other" in line
+    assert "case.toml" in line and "other.toml" in line
+    (line,) = faults('base = "case.toml"\n', tmp_path)
+    assert "scenarios start from each other" in line
+
+
+def test_a_base_that_is_missing_names_its_neighbours(tmp_path: Path) -> None:
+    (tmp_path / "curve.toml").write_text(CURVE)
+    (line,) = faults('base = "curv.toml"\n', tmp_path)
+    assert line.startswith('case.toml:1: base = "curv.toml": ')
+    assert "curve.toml" in line
+    (line,) = faults("base = 3\n", tmp_path)
+    assert "base = 3: must be the name of a scenario file" in line
+
+
+def test_a_section_of_the_base_that_the_analysis_does_not_use_is_left_out(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(CURVE)
+    (tmp_path / "rest.toml").write_text(
+        'base = "case.toml"\nanalysis = "static"\n[static]\ntarget = "wheelset"\nload_kN = 100\n'
+    )
+    scenario = load(tmp_path / "rest.toml")
+    assert scenario.analysis == "static"
+    assert "output_interval_ms" not in scenario.text
+
+
+# --- where models are looked up ------------------------------------------------------------------------
+
+
+def test_models_are_looked_up_beside_the_scenario_then_with_the_user_then_among_the_shipped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rail = (shipped_models() / "rails/60E1.toml").read_text()
+    for name in ("here", "argument", "environment"):
+        (tmp_path / name / "rails").mkdir(parents=True)
+    (tmp_path / "here/case.toml").write_text(CURVE)
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "environment"))
+
+    def found() -> Path:
+        scenario = load(tmp_path / "here/case.toml", [tmp_path / "argument"])
+        return scenario.find(("track", "rail"), "rails/60E1.toml")
+
+    assert found() == shipped_models() / "rails/60E1.toml"
+    for name in ("environment", "argument", "here"):  # each comes before the one before
+        (tmp_path / name / "rails/60E1.toml").write_text(rail)
+        assert found() == tmp_path / name / "rails/60E1.toml"
+
+
+def test_a_model_that_is_missing_names_the_places_searched(tmp_path: Path) -> None:
+    (line,) = faults(edited(CURVE, "rails/60E1.toml", "rails/unknown_rail.toml"), tmp_path)
+    assert str(tmp_path) in line
+    assert str(shipped_models()) in line
+
+
+def test_a_folder_of_models_that_is_missing_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "case.toml").write_text(CURVE)
+    with pytest.raises(InputError, match=r'models = ".*nowhere": must be a folder'):
+        load(tmp_path / "case.toml", [tmp_path / "nowhere"])
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "elsewhere"))
+    with pytest.raises(InputError, match=r'WRSIM_MODELS = ".*elsewhere": must be a folder'):
+        load(tmp_path / "case.toml")

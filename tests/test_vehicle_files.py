@@ -1,0 +1,163 @@
+"""Vehicle files: published numbers arrive in SI units, faults are told with file, line, key and what is allowed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from wrsim.errors import InputError
+from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.vehicle.files import load_vehicle, with_wheel
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+MODELS = shipped_models()
+FIND = Finder((MODELS,))
+
+VEHICLE = """\
+name = "a wheelset"
+source = "made up"
+date = 2026-01-31
+[wheelset]
+mass_kg = 1000
+roll_inertia_kg_m2 = 600
+spin_inertia_kg_m2 = 100
+yaw_inertia_kg_m2 = 610
+flange_back_mm = 1360
+radius_mm = 450
+wheel = "wheels/S1002.toml"
+[suspension]
+stiffness_kN_per_m = [1, 2, 3]
+damping_kNs_per_m = [4, 5, 6]
+half_spacing_mm = 900
+[sprung]
+mass_kg = 5000
+height_above_axle_mm = 1200
+"""
+
+
+def faults(text: str, folder: Path) -> list[str]:
+    (folder / "vehicle.toml").write_text(text)
+    try:
+        load_vehicle(folder / "vehicle.toml", FIND)
+    except InputError as error:
+        return [line.removeprefix(f"{folder}/") for line in str(error).split("\n")]
+    return []
+
+
+def test_a_vehicle_arrives_in_si_units(tmp_path: Path) -> None:
+    (tmp_path / "vehicle.toml").write_text(VEHICLE)
+    w = load_vehicle(tmp_path / "vehicle.toml", FIND)
+    assert (w.name, w.source, w.mass, w.inertia) == ("a wheelset", "made up", 1000.0, (600.0, 100.0, 610.0))
+    assert w.profile_spacing == pytest.approx(1.5), "flange backs plus twice 70 mm"
+    assert w.left.radius == w.right.radius == w.mean_radius == pytest.approx(0.45)
+    assert w.left.profile.kind == "wheel"
+    assert w.suspension.stiffness == (1e3, 2e3, 3e3)
+    assert w.suspension.damping == (4e3, 5e3, 6e3)
+    assert w.suspension.half_spacing == pytest.approx(0.9)
+    assert (w.sprung.mass, w.sprung.height) == (5000.0, pytest.approx(1.2))
+    assert w.static_axle_load == pytest.approx(6000 * STANDARD_GRAVITY)
+
+
+def test_each_wheel_may_have_its_own_profile_and_radius(tmp_path: Path) -> None:
+    text = VEHICLE.replace("radius_mm = 450", "radius_left_mm = 450\nradius_right_mm = 449")
+    text = text.replace('wheel = "wheels/S1002.toml"', 'wheel_left = "wheels/S1002.toml"\nwheel_right = "mine.toml"')
+    (tmp_path / "mine.toml").write_text((MODELS / "wheels/cone_1in20.toml").read_text())
+    (tmp_path / "vehicle.toml").write_text(text)
+    w = load_vehicle(tmp_path / "vehicle.toml", FIND)
+    assert (w.left.radius, w.right.radius) == (0.45, 0.449)
+    assert w.left.profile.name == "S1002"
+    assert w.right.profile.name != "S1002", "a profile beside the vehicle file is found there"
+    changed = with_wheel(w, "right", w.left.profile, None)
+    assert (changed.right.profile.name, changed.right.radius, w.right.radius) == ("S1002", 0.449, 0.449)
+
+
+def test_the_shipped_s1002_wheelset_is_that_of_manchester_vehicle_1() -> None:
+    """Iwnicki 1998: wheelset 1813 kg, 1120 / 112 / 1120 kg m2, flange backs 1360 mm, R 460 mm; bodies per axle."""
+    w = load_vehicle(MODELS / "vehicles/wheelset_s1002.toml", FIND)
+    assert (w.mass, w.inertia) == (1813.0, (1120.0, 112.0, 1120.0))
+    assert (w.profile_spacing, w.mean_radius) == (pytest.approx(1.5), 0.46)
+    assert w.suspension.stiffness[:2] == (31.391e6, 3.884e6)
+    assert w.suspension.damping == (15e3, 2e3, 4e3)
+    assert w.suspension.half_spacing == 1.0
+    assert w.sprung.mass == 32000 / 4 + 2615 / 2
+    height = (8000 * 1.8 + 1307.5 * 0.6) / 9307.5 - 0.46
+    assert w.sprung.height == pytest.approx(height, abs=1e-3)
+
+
+def test_the_vertical_spring_is_left_out_because_the_load_is_prescribed() -> None:
+    """A spring to a frame at fixed height would carry a part of the load that nobody knows."""
+    for file in sorted((MODELS / "vehicles").glob("*.toml")):
+        text = file.read_text()
+        if "wheels/lrv_standin.toml" in text and not (MODELS / "wheels/lrv_standin.toml").exists():
+            continue
+        assert load_vehicle(file, FIND).suspension.stiffness[2] == 0.0
+
+
+def test_the_light_rail_wheelset_has_the_numbers_of_the_paper_and_its_wheel_load(tmp_path: Path) -> None:
+    """Marques et al., table 1: R 375 mm, H 1055 mm; 24 kN a wheel."""
+    text = (MODELS / "vehicles/wheelset_lrv.toml").read_text()
+    assert "wheels/lrv_standin.toml" in text
+    assert "stand-in" in text and "[assumed]" in text
+    (tmp_path / "vehicle.toml").write_text(text.replace("wheels/lrv_standin.toml", "wheels/S1002.toml"))
+    w = load_vehicle(tmp_path / "vehicle.toml", FIND)
+    assert (w.profile_spacing, w.mean_radius) == (pytest.approx(1.055), 0.375)
+    assert 0.5 * w.static_axle_load == pytest.approx(24e3, rel=1e-3)
+
+
+ONE_FAULT = [
+    (
+        "mass_kg = 1000",
+        "mass = 1000",
+        "vehicle.toml:5: wheelset.mass = 1000: unknown key; did you mean 'mass_kg' (in kg)?",
+    ),
+    ("mass_kg = 1000", "mass_kg = 0", "wheelset.mass_kg = 0: must be a number above 0"),
+    ("mass_kg = 1000", "mass_t = 1", "did you mean 'mass_kg' (in kg)?"),
+    ("roll_inertia_kg_m2 = 600", "ixx_kg_m2 = 600", "did you mean 'roll_inertia_kg_m2'?"),
+    ("roll_inertia_kg_m2 = 600", "", "wheelset.roll_inertia_kg_m2 is missing: must be a number above 0"),
+    ("flange_back_mm = 1360", "", "wheelset.profile_spacing_mm is missing: must be a distance in mm"),
+    (
+        "flange_back_mm = 1360",
+        "flange_back_mm = 1360\nprofile_spacing_mm = 1500",
+        "cannot stand next to profile_spacing_mm",
+    ),
+    (
+        "flange_back_mm = 1360",
+        "profile_spacing_mm = 1500\nback_to_tape_circle_mm = 70",
+        "is for use with flange_back_mm",
+    ),
+    ("radius_mm = 450", "radius_m = 0.45", "did you mean 'radius_mm' (in mm)?"),
+    ("radius_mm = 450", "radius_mm = 0.45", "wheelset.radius_mm = 0.45: must be a number from 100 to 1500"),
+    ("radius_mm = 450", "radius_left_mm = 450", "wheelset.radius_right_mm is missing: goes with radius_left_mm"),
+    ('wheel = "wheels/S1002.toml"', "", "wheelset.wheel is missing: must be a wheel profile file"),
+    (
+        '"wheels/S1002.toml"',
+        '"wheels/S1003.toml"',
+        'vehicle.toml:11: wheelset.wheel = "wheels/S1003.toml": not found in',
+    ),
+    ('"wheels/S1002.toml"', '"rails/60E1.toml"', "a wheel profile is needed here"),
+    ("[1, 2, 3]", "[1, 2]", "suspension.stiffness_kN_per_m = [1, 2]: must be three numbers not below 0"),
+    ("[1, 2, 3]", "[1, -2, 3]", "suspension.stiffness_kN_per_m = [1, -2, 3]: "),
+    ("stiffness_kN_per_m", "stiffness_MN_per_m", "did you mean 'stiffness_kN_per_m' (in kN/m)?"),
+    ("date = 2026-01-31", 'date = "2026-01-31"', "must be a date without quotes"),
+    ("[sprung]", "[spring]", "spring: unknown key; did you mean 'sprung'?"),
+    ("[wheelset]", "[wheel_set]", "wheel_set: unknown key; did you mean 'wheelset'?"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), ONE_FAULT)
+def test_one_fault_in_a_vehicle_file_is_one_line(tmp_path: Path, old: str, new: str, message: str) -> None:
+    assert old in VEHICLE
+    lines = faults(VEHICLE.replace(old, new, 1), tmp_path)
+    assert len(lines) == 1, lines
+    assert message in lines[0]
+
+
+def test_a_profile_in_the_place_of_a_vehicle_is_told_as_such() -> None:
+    with pytest.raises(InputError, match="is a profile file; a vehicle file"):
+        load_vehicle(MODELS / "wheels/S1002.toml", FIND)
+
+
+def test_a_missing_vehicle_file_is_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such vehicle file"):
+        load_vehicle(tmp_path / "none.toml", FIND)
