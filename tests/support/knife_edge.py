@@ -248,9 +248,7 @@ class KnifeEdgeForces:
         self.memory = np.array([start, 0.0, 0.0])
 
     def __call__(self, t, q, q_t, out):
-        status = knife_edge_forces(
-            t, q, q_t, self.path, self.path_step, self.carrier, self.law, self.memory, out
-        )
+        status = knife_edge_forces(t, q, q_t, self.path, self.path_step, self.carrier, self.law, self.memory, out)
         if status:
             raise SimulationError(f"the wheelset cannot be placed on the track at t = {t:.6g} s")
 
