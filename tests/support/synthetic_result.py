@@ -101,10 +101,10 @@ def contact(shift: float, force: float, yaw: float = 0.0) -> tuple[list[dict], n
     gap[inside] = placed[inside, 1] - np.interp(placed[inside, 0], crown[:, 0], crown[:, 1])
     placed = placed - [0.0, gap.min()]
     gap = gap - gap.min()
-    low = np.flatnonzero((gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]) & (gap[1:-1] < 4e-5)) + 1
+    low = np.flatnonzero((gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]) & (gap[1:-1] < 2.5e-4)) + 1
     mains = [int(np.argmin(gap))]
     mains += [int(i) for i in low if np.ptp(gap[min(i, mains[0]) : max(i, mains[0]) + 1]) > 1e-4][:1]
-    shares = np.array([1.0] + [1.0 - gap[i] / 4e-5 for i in mains[1:]])
+    shares = np.array([1.0] + [1.0 - gap[i] / 2.5e-4 for i in mains[1:]])
     shares = shares / shares.sum()
     patches = [_patch(placed, rail, i, force * share, yaw) for i, share in zip(mains, shares, strict=True)]
     return sorted(patches, key=lambda p: -p["N"]), placed - [0.0, patches[0]["approach"]]
