@@ -103,8 +103,8 @@ class StaticBench:
             message = f"the load lies in a jump of the force: {self.force[2]:.6g} N instead of {pose.load:.6g} N"
         return Solved(height, roll, message)
 
-    def _touching_height(self, pose: Pose, roll: float) -> float:
-        """Height at which the first wheel touches, approached from above by the clearance itself."""
+    def _first_contact(self, pose: Pose, roll: float) -> float:
+        """A height with contact, approached from above by the clearance between the profiles."""
         height = self.radius + 0.02 + abs(sin(roll)) * self.wheels[0].half_spacing
         lowest = height - 0.1
         for _ in range(400):
@@ -112,28 +112,29 @@ class StaticBench:
             if any(w.model.arrays.total[k.COUNT] > 0 for w in self.wheels):
                 return height
             clearance = min(float(w.model.arrays.total[k.CLOSEST]) for w in self.wheels)
-            height -= max(clearance, 1e-7)
+            height -= max(clearance, 1e-6)
             if height < lowest:
                 break
         raise NoContact(f"no contact: at a lateral shift of {1e3 * pose.lateral:g} mm the wheel is beside its rail")
 
     def _height(self, pose: Pose, roll: float) -> float:
+        """Height at which the vertical force is the load."""
+
         def excess(height: float) -> float:
             self.evaluate(pose.lateral, height, pose.yaw, roll)
             return float(self.force[2]) - pose.load
 
-        upper = self._touching_height(pose, roll)
-        if excess(upper) > 0.0:
-            upper += 1e-5
+        first = self._first_contact(pose, roll)
+        sign = 1.0 if excess(first) > 0.0 else -1.0
         step = 1e-5
-        lower = upper - step
-        while excess(lower) < 0.0:
-            upper = lower
+        near, far = first, first + sign * step
+        while excess(far) * sign > 0.0:
+            near = far
             step *= 1.6
-            lower -= step
+            far += sign * step
             if step > DEEPEST:
                 raise LoadNotReached(f"{pose.load:g} N are not reached within {1e3 * DEEPEST:g} mm of approach")
-        return float(brentq(excess, lower, upper, xtol=1e-16, rtol=8.9e-16, maxiter=200))
+        return float(brentq(excess, near, far, xtol=1e-16, rtol=8.9e-16, maxiter=200))
 
     def _balanced_roll(self, pose: Pose) -> float:
         def moment(roll: float) -> float:

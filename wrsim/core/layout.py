@@ -3,9 +3,9 @@
 # settings[...]
 (
     MODULUS, SHEAR_MODULUS, EPSILON, PROJECTED, DAMPING, FRICTION, PARABOLIC, STRIPS, STRIP_WIDTH, TANGENTIAL,
-    LEAST_SPEED, WHEEL_STEP, RADIUS, RAIL_STEP, FIELD_O, FIELD_B, FIELD_SPACING, STRIDE,
-) = range(18)  # fmt: skip
-SETTINGS = 18
+    LEAST_SPEED, WHEEL_STEP, RADIUS, RAIL_STEP, FIELD_O, FIELD_B, FIELD_SPACING, STRIDE, HOLLOW,
+) = range(19)  # fmt: skip
+SETTINGS = 19
 
 # pose[...]: profile origin on the axle (t, o, b), axle outward, velocity of the origin, angular velocity
 POSE = 12
@@ -15,13 +15,13 @@ POSE = 12
 S, DS, X, A, P, NO, NB, O, B, FORCE, FX, FY, MZ, XI, ETA, PHI, CURVATURE = range(17)
 STRIP_COLUMNS = 17
 
-# a lobe's row
+# a lobe's row; GROUP numbers the patch it belongs to
 (
     N, FX_SUM, FY_SUM, SPIN_MOMENT, P0, AREA, APPROACH, ANGLE, ANGLE_MIN, ANGLE_MAX, ANGLE_MEAN, N_STRIPS, LENGTH,
     WIDTH, XI_MAIN, ETA_MAIN, PHI_MAIN, ARC_WHEEL, ARC_RAIL, X_MAIN, O_MAIN, B_MAIN, NO_MAIN, NB_MAIN, DISSIPATION,
-    GROUP, COUPLING, PARTNER, HALF_LENGTH, CLOSING,
-) = range(30)  # fmt: skip
-PATCH_COLUMNS = 30
+    GROUP, COUPLING, PARTNER, HALF_LENGTH, CLOSING, START, END, RECESS,
+) = range(33)  # fmt: skip
+PATCH_COLUMNS = 33
 
 # total[...]: force and moment about the profile origin on the wheel (t, o, b), number of lobes, number of patches
 # (lobes that share a patch count once), wear number, closest distance

@@ -11,7 +11,8 @@ Curvatures follow Euler and the shape operator: with the principal curvatures k1
 
 - along the rail           k_t = cos^2(alpha) k1 + sin^2(alpha) k2
 - of the outline           k1 k2 / k_t
-- arclength of the outline per arclength of the profile   k_t / (k1 cos(alpha))
+- arclength of the profile per arclength of the outline   k1 cos(alpha) / k_t  ("shrink")
+  (so the curvature of the outline is also shrink k2 / cos(alpha))
 
 A concave flange root at a large yaw can make k_t vanish: the wheel then touches at two places, ahead and behind, and
 the outline has a cusp. k_t is held at ``LEAST_ROLLING_CURVATURE`` k1 there; no wheelset in service gets near.
@@ -33,47 +34,45 @@ def locus_point(table, step, radius, ox, oo, ob, et, eo, eb, q, arc):
 
     (ox, oo, ob): profile origin on the axle; (et, eo, eb): unit vector of the axle, outward, all in rail axes
     (t, o, b); q = sqrt(1 - et^2); radius: wheel radius at the tape circle [m].
-    Returns (x, o, b, normal_o, normal_b, stretch, k_t, k_outline): the point, the unit normal out of the wheel
-    (towards the rail), the outline's arclength per profile arclength, curvatures along t and of the outline [1/m].
+    Returns (x, o, b, normal_o, normal_b, shrink, k_t, k_profile): the point, the unit normal out of the wheel (towards
+    the rail), the profile's arclength per arclength of the outline, the curvatures along t and of the profile [1/m].
     """
     u, w, cu, cw, k2 = profile_point(table, step, arc)
     rho = radius - w
     if et == 0.0:
-        no = cw * eo + cu * eb
-        nb = cw * eb - cu * eo
         return (
             ox,
             oo + u * eo + rho * eb,
             ob + u * eb - rho * eo,
-            no,
-            nb,
+            cw * eo + cu * eb,
+            cw * eb - cu * eo,
             1.0,
             max(cu, 1e-3) / rho,
             k2,
         )
     c = max(cu, 1e-3)
-    sine = -cw * et / (c * q)
-    sine = min(max(sine, -LARGEST_SINE), LARGEST_SINE)
+    sin_alpha = et / c
+    iq = 1.0 / q
+    sine = -cw * sin_alpha * iq
+    if abs(sine) > LARGEST_SINE or abs(sin_alpha) > LARGEST_SINE:
+        sine = min(max(sine, -LARGEST_SINE), LARGEST_SINE)
+        sin_alpha = min(max(sin_alpha, -LARGEST_SINE), LARGEST_SINE)
     cosine = sqrt(1.0 - sine * sine)
-    do = (cosine * eb - sine * et * eo) / q
-    db = (-cosine * eo - sine * et * eb) / q
-    no = cw * eo + cu * do
-    nb = cw * eb + cu * db
-    inverse = 1.0 / sqrt(no * no + nb * nb)
-    sin_alpha = min(max(et / c, -LARGEST_SINE), LARGEST_SINE)
+    do = (cosine * eb - sine * et * eo) * iq
+    db = (-cosine * eo - sine * et * eb) * iq
+    # the normal has no t-component, so its other two make a unit vector as they stand
     sin2 = sin_alpha * sin_alpha
     k1 = c / rho
-    kt = (1.0 - sin2) * k1 + sin2 * k2
-    kt = max(kt, LEAST_ROLLING_CURVATURE * k1)
+    kt = max((1.0 - sin2) * k1 + sin2 * k2, LEAST_ROLLING_CURVATURE * k1)
     return (
         ox + u * et + rho * sine * q,
         oo + u * eo + rho * do,
         ob + u * eb + rho * db,
-        no * inverse,
-        nb * inverse,
-        kt / (k1 * sqrt(1.0 - sin2)),
+        cw * eo + cu * do,
+        cw * eb + cu * db,
+        k1 * cosine * q / kt,  # t . circumference = cos(theta) q = cos(alpha)
         kt,
-        k1 * k2 / kt,
+        k2,
     )
 
 

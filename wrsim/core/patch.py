@@ -28,10 +28,10 @@ def pair(
     """A pair of points of equal arclength.
 
     delta and (n0o, n0b): approach and normal (rail to wheel) at the main point.
-    Returns (gap, x, o, b, normal_o, normal_b, stretch, k_t): gap [m] with the wheel moved out by the approach; strip
+    Returns (gap, x, o, b, normal_o, normal_b, shrink, k_t): gap [m] with the wheel moved out by the approach; strip
     centre in rail axes at the true position; unit normal of the strip from rail to wheel.
     """
-    x, wo, wb, no, nb, stretch, kt, _k = locus_point(wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc)
+    x, wo, wb, no, nb, shrink, kt, _k = locus_point(wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc)
     ro, rb, tu, tw, _kr = profile_point(rail, rail_step, rail_arc)
     mo = -tw - no
     mb = tu - nb
@@ -39,7 +39,7 @@ def pair(
     mo *= inverse
     mb *= inverse
     gap = (wo + delta * n0o - ro) * mo + (wb + delta * n0b - rb) * mb
-    return gap, x, 0.5 * (wo + ro), 0.5 * (wb + rb), mo, mb, stretch, kt
+    return gap, x, 0.5 * (wo + ro), 0.5 * (wb + rb), mo, mb, shrink, kt
 
 
 @njit(cache=True)
@@ -59,20 +59,20 @@ def find_edge(
     step = first
     wheel_end = (wheel.shape[0] - 1) * wheel_step
     rail_end = (rail.shape[0] - 1) * rail_step
-    # the wheel's arclength is advanced by Euler-midpoint steps of the stretch of its outline
-    stretch = 1.0
+    # the wheel's arclength follows that of its outline by extrapolated midpoint steps of the shrink
+    shrink = 1.0
     if et != 0.0:
-        _x, _o, _b, _no, _nb, stretch, _kt, _k = locus_point(
+        _x, _o, _b, _no, _nb, shrink, _kt, _k = locus_point(
             wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc
         )
-    last_stretch = stretch
+    last_shrink = shrink
     outer = 0.0
     outer_h = 0.0
     while True:
         outer = min(inner + step, limit)
-        mid = 1.0 / stretch + 0.5 * (1.0 / stretch - 1.0 / last_stretch)
+        mid = 1.5 * shrink - 0.5 * last_shrink
         outer_arc = inner_arc + direction * step * mid
-        gap, _x, _o, _b, mo, mb, new_stretch, _kt = pair(
+        gap, _x, _o, _b, mo, mb, new_shrink, _kt = pair(
             wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
             outer_arc, rail_arc + direction * outer, delta, n0o, n0b,
         )  # fmt: skip
@@ -92,8 +92,8 @@ def find_edge(
         inner = outer
         inner_arc = outer_arc
         inner_h = outer_h
-        last_stretch = stretch
-        stretch = new_stretch
+        last_shrink = shrink
+        shrink = new_shrink
     # Illinois' regula falsi between inner (h > 0) and outer (h <= 0)
     lo = inner
     hi = outer
@@ -101,7 +101,7 @@ def find_edge(
     hi_h = outer_h
     s = hi
     side = 0
-    mid = 1.0 / stretch + 0.5 * (1.0 / stretch - 1.0 / last_stretch)
+    mid = 1.5 * shrink - 0.5 * last_shrink
     for _ in range(60):
         s = (lo * hi_h - hi * lo_h) / (hi_h - lo_h)
         arc = inner_arc + direction * (s - inner) * mid
@@ -140,7 +140,7 @@ def lay_strips(
     Returns (half length at the main point, k_t there).
     """
     width = (end - start) / n
-    _x, _o, _b, _no, _nb, stretch0, kt0, _k = locus_point(
+    _x, _o, _b, _no, _nb, shrink0, kt0, _k = locus_point(
         wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc
     )
     main = int(-start / width)  # the strip that holds s = 0
@@ -149,19 +149,19 @@ def lay_strips(
         i = main if sweep == 0 else main - 1
         arc = wheel_arc
         at = 0.0
-        stretch = stretch0
-        last = stretch0
+        shrink = shrink0
+        last = shrink0
         while 0 <= i < n:
             s = start + (i + 0.5) * width
-            # Adams-Bashforth over the stretch: second order with one evaluation a strip
-            arc += (s - at) * (1.5 / stretch - 0.5 / last)
+            # Adams-Bashforth over the shrink: second order with one evaluation a strip
+            arc += (s - at) * (1.5 * shrink - 0.5 * last)
             at = s
-            gap, x, o, b, mo, mb, new_stretch, kt = pair(
+            gap, x, o, b, mo, mb, new_shrink, kt = pair(
                 wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
                 arc, rail_arc + s, delta, n0o, n0b,
             )  # fmt: skip
-            last = stretch
-            stretch = new_stretch
+            last = shrink
+            shrink = new_shrink
             c = mo * n0o + mb * n0b if projected else 1.0
             h = (delta - recess) * c - gap
             row = strips[i]

@@ -5,8 +5,6 @@ Rows stand at uniform arclength ``step`` from L = 0; columns: u (outward), w (he
 interpolation, the curvature linearly; an index costs a division, no search.
 """
 
-from math import sqrt
-
 from numba import njit
 
 
@@ -14,7 +12,7 @@ from numba import njit
 def profile_point(table, step, arc):
     """Point of a profile at arclength ``arc`` [m]: (u, w, tangent_u, tangent_w, curvature).
 
-    The tangent has unit length. Beyond either end the profile goes on straight.
+    The tangent's length differs from 1 by the fourth power of step times curvature (1e-10 for 0.1 mm on 13 mm). Beyond either end the profile goes on straight.
     """
     last = table.shape[0] - 1
     x = arc / step
@@ -46,5 +44,4 @@ def profile_point(table, step, arc):
     d11 = 3.0 * r2 - 2.0 * r
     tu = d01 * (u1 - u0) + d10 * tu0 + d11 * tu1
     tw = d01 * (w1 - w0) + d10 * tw0 + d11 * tw1
-    inverse = 1.0 / sqrt(tu * tu + tw * tw)
-    return u, w, tu * inverse, tw * inverse, k0 + r * (k1 - k0)
+    return u, w, tu, tw, k0 + r * (k1 - k0)

@@ -1,6 +1,6 @@
 """From the strips of a lobe to forces, moments and the figures that people read."""
 
-from math import atan2, sqrt
+from math import atan, atan2, sqrt
 
 from numba import njit
 
@@ -76,9 +76,9 @@ def set_creepages(pose, settings, lobe, strips, n):
 def add_lobe(pose, lobe, strips, n, total):
     """Sum the strips' forces at their centres: to the wheel's total and to the lobe's own figures [S 31]."""
     ft = fo = fb = mt = mo = mb = 0.0
-    sum_x = sum_y = wear = angle_sum = normal = spin = 0.0
-    least = 4.0
-    most = -4.0
+    sum_x = sum_y = sum_no = sum_nb = wear = spin = 0.0
+    least = 1e9
+    most = -1e9
     n0o, n0b = lobe[NO_MAIN], lobe[NB_MAIN]
     for i in range(n):
         row = strips[i]
@@ -95,11 +95,12 @@ def add_lobe(pose, lobe, strips, n, total):
         sum_x += fx
         sum_y += fy
         wear -= fx * row[XI] + fy * row[ETA] + mz * row[PHI]
-        angle = atan2(-no, nb)
-        least = min(least, angle)
-        most = max(most, angle)
-        angle_sum += f * angle
-        normal += f
+        # tan(angle / 2) rises with the angle and needs no arcus
+        half_tangent = -no / (1.0 + nb)
+        least = min(least, half_tangent)
+        most = max(most, half_tangent)
+        sum_no += f * no
+        sum_nb += f * nb
         # moment of the creep forces about the main point, along its normal
         rx, ro, rb = row[X] - lobe[X_MAIN], row[O] - lobe[O_MAIN], row[B] - lobe[B_MAIN]
         spin += (rb * fx + rx * fy * no + mz * no) * n0o + (rx * fy * nb - ro * fx + mz * nb) * n0b
@@ -107,9 +108,9 @@ def add_lobe(pose, lobe, strips, n, total):
     lobe[FY_SUM] = sum_y
     lobe[SPIN_MOMENT] = spin
     lobe[ANGLE] = atan2(-n0o, n0b)
-    lobe[ANGLE_MIN] = least
-    lobe[ANGLE_MAX] = most
-    lobe[ANGLE_MEAN] = angle_sum / normal if normal > 0.0 else lobe[ANGLE]
+    lobe[ANGLE_MIN] = 2.0 * atan(least)
+    lobe[ANGLE_MAX] = 2.0 * atan(most)
+    lobe[ANGLE_MEAN] = atan2(-sum_no, sum_nb)
     lobe[DISSIPATION] = wear
     total[FORCE_T] += ft
     total[FORCE_O] += fo

@@ -2,9 +2,9 @@
 
 The rail carries a field of signed distances (negative inside the steel) with the arclength of the nearest rail
 point. The outline of the wheel is followed node by node; because a distance changes by no more than the way walked,
-most of the outline is skipped. Near the rail the foot of the perpendicular is corrected exactly, and with it the
-slope of the distance along the outline, t_w . n_r. Each change of sign from minus to plus is a local minimum of the
-distance: a place where the connecting vector is parallel to both normals [S 13-15]. Distances are measured along
+most of the outline is skipped. Near the rail the slope of the distance along the outline, t_w . n_r, tells how far the
+next step may go. Each change of its sign from minus to plus is a local minimum of the distance, found to round-off by
+Newton's method: a place where the connecting vector is parallel to both normals [S 13-15]. Distances are measured along
 normals throughout, so a vertical rail side is as good as the crown.
 """
 
@@ -15,8 +15,10 @@ from numba import njit
 from wrsim.core.locus import locus_node, locus_point
 from wrsim.core.profile import profile_point
 
-NEAR = 0.5e-3  # distance below which the foot point is computed exactly [m]
-MARGIN = 3e-3  # the field reaches further than this beyond the rail; more than NEAR and a stride [m]
+FIELD_ERROR = 1e-5  # of the field's interpolation, generously [m]
+NEAR = 5e-5  # distance of a sample beside which contact is looked for exactly [m]
+FAR = 5e-3  # distance beyond which the slope is not worth computing [m]
+MARGIN = 5.5e-3  # the field reaches at least this far beyond the rail [m]
 
 
 @njit(cache=True)
@@ -84,19 +86,19 @@ def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q
     relative = 0.0
     status = 1
     for _ in range(60):
-        _x, o, b, no, nb, stretch, _kt, k_outline = locus_point(
+        _x, o, b, no, nb, shrink, _kt, k2 = locus_point(
             wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, arc
         )
         foot, distance, ro, rb, k_rail = project(rail, rail_step, o, b, foot, 2)
         slope = -nb * ro + no * rb  # wheel tangent (-nb, no) times rail normal
         cosine = -(no * ro + nb * rb)
-        relative = k_outline - k_rail
+        relative = shrink * k2 - k_rail
         if sign * slope < 0.0:
             lo = arc
         else:
             hi = arc
         lean = max(1.0 - k_rail * distance, 0.2)
-        rate = stretch * (k_outline * cosine - k_rail * cosine * cosine / lean)
+        rate = k2 * cosine - k_rail * cosine * cosine / (lean * shrink)
         step = -slope / rate if sign * rate > 0.0 else 2.0 * (hi - lo)
         if abs(step) < 1e-13 or hi - lo < 1e-13:
             status = 0
@@ -114,14 +116,26 @@ FOUND_COLUMNS = 6
 
 
 @njit(cache=True)
+def _rail_slope(rail, rail_step, foot, no, nb):
+    """Slope of the distance along a wheel outline with normal (no, nb) over the rail point ``foot``."""
+    x = foot / rail_step
+    i = min(max(int(x), 0), rail.shape[0] - 2)
+    r = x - i
+    tu = rail[i, 2] + r * (rail[i + 1, 2] - rail[i, 2])
+    tw = rail[i, 3] + r * (rail[i + 1, 3] - rail[i, 3])
+    return nb * tw + no * tu  # wheel tangent (-nb, no) times rail normal (-tw, tu)
+
+
+@njit(cache=True)
 def find_contacts(
-    wheel, wheel_step, radius, rail, rail_step, field, o0, b0, spacing, ox, oo, ob, et, eo, eb, stride, found
+    wheel, wheel_step, radius, rail, rail_step, field, o0, b0, spacing, ox, oo, ob, et, eo, eb, stride, hollow, found
 ):
     """All local maxima of the interpenetration, in order along the wheel profile.
 
-    stride: nodes between two samples near the rail. found: (n, FOUND_COLUMNS) array that receives per contact the
-    wheel and rail arclength, the penetration (positive), the relative curvature, and the least penetration between
-    this contact and the next with its rail arclength (-1 where the profiles separate in between).
+    stride: nodes between two samples near the rail; hollow: largest concave curvature of the wheel's outline [1/m].
+    found: (n, FOUND_COLUMNS) array that receives per contact the wheel and rail arclength, the penetration
+    (positive), the relative curvature, and the least penetration between this contact and the next with its rail
+    arclength (-1 where the profiles separate in between).
     Returns (number found, smallest distance met, status): status bit 1 says a point was not refined to round-off.
     """
     q = sqrt(1.0 - et * et)
@@ -129,12 +143,12 @@ def find_contacts(
     count = 0
     closest = 1.0
     status = 0
-    near = False  # whether the last sample was an exact one
+    near = False  # whether the last sample was one stride ago
     linked = False  # whether the outline stayed in the rail since the last contact found
     last_node = 0
     last_slope = 0.0
-    reach = stride * wheel_step
     rail_end = (rail.shape[0] - 1) * rail_step
+    per_node = 1.0 / (1.1 * wheel_step)
     node = 0
     while node < n:
         o, b, no, nb, proper = locus_node(wheel, node, radius, oo, ob, et, eo, eb, q)
@@ -144,22 +158,18 @@ def find_contacts(
             node += stride
             continue
         distance, foot = field_distance(field, o0, b0, spacing, o, b)
-        if distance > NEAR + reach:
-            closest = min(closest, distance)
+        closest = min(closest, distance)
+        if distance > FAR:
             near = False
             linked = False
-            node += max(stride, int((distance - NEAR) / (1.2 * wheel_step)))
+            node += max(stride, int((distance - FIELD_ERROR) * per_node))
             continue
-        foot, distance, ro, rb, _k = project(rail, rail_step, o, b, foot, 1)
-        closest = min(closest, distance)
-        if distance > 0.0:
-            linked = False
-        slope = -nb * ro + no * rb
+        slope = _rail_slope(rail, rail_step, foot, no, nb)
         turns = near and 0.0 < foot < rail_end
-        if turns and last_slope < 0.0 and slope >= 0.0:
+        if turns and last_slope < 0.0 and slope >= 0.0 and distance < NEAR:
             arc, foot_at, depth, relative, state = refine(
                 wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-                last_node * wheel_step, node * wheel_step, foot, 1.0,
+                (last_node - stride) * wheel_step, (node + stride) * wheel_step, foot, 1.0,
             )  # fmt: skip
             closest = min(closest, depth)
             if depth < 0.0 and 0.0 < foot_at < rail_end and count < found.shape[0]:
@@ -172,20 +182,29 @@ def find_contacts(
                 found[count, RELATIVE_CURVATURE] = relative
                 found[count, SADDLE_DEPTH] = -1.0
                 count += 1
-                linked = distance < 0.0
-        elif turns and last_slope >= 0.0 and slope < 0.0 and linked:
-            arc, foot_at, depth, relative, state = refine(
+                linked = True
+        elif turns and last_slope >= 0.0 and slope < 0.0 and linked and distance < NEAR:
+            _arc, foot_at, depth, _relative, state = refine(
                 wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-                last_node * wheel_step, node * wheel_step, foot, -1.0,
+                (last_node - stride) * wheel_step, (node + stride) * wheel_step, foot, -1.0,
             )  # fmt: skip
             if depth < 0.0:
                 found[count - 1, SADDLE_DEPTH] = -depth
                 found[count - 1, SADDLE_RAIL_ARC] = foot_at
             else:
                 linked = False
-        near = True
         last_node = node
         last_slope = slope
+        near = True
+        clear = distance - FIELD_ERROR
+        if clear > 0.0:
+            # the distance bends down by no more than the wheel's hollow: the first place where it can vanish
+            linked = False
+            skip = int((slope + sqrt(slope * slope + 2.0 * hollow * clear)) / hollow * per_node)
+            if skip > stride:
+                near = False
+                node += skip
+                continue
         node += stride
     if count > 0:
         found[count - 1, SADDLE_DEPTH] = -1.0

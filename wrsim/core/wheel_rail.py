@@ -23,6 +23,7 @@ from wrsim.core.layout import (
     COUPLING,
     DAMPING,
     DS,
+    END,
     EPSILON,
     ETA,
     FIELD_B,
@@ -34,6 +35,7 @@ from wrsim.core.layout import (
     FY,
     GROUP,
     HALF_LENGTH,
+    HOLLOW,
     LENGTH,
     MODULUS,
     MZ,
@@ -50,7 +52,9 @@ from wrsim.core.layout import (
     PROJECTED,
     RADIUS,
     RAIL_STEP,
+    RECESS,
     SHEAR_MODULUS,
+    START,
     STATUS_PROFILE_END,
     STATUS_TOO_DEEP,
     STRIDE,
@@ -104,7 +108,7 @@ def wheel_rail(wheel, rail, field, creep, shape, settings, pose, found, patches,
     count, closest, status = find_contacts(
         wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], field, settings[FIELD_O],
         settings[FIELD_B], settings[FIELD_SPACING], pose[0], pose[1], pose[2], pose[3], pose[4], pose[5],
-        int(settings[STRIDE]), found,
+        int(settings[STRIDE]), settings[HOLLOW], found,
     )  # fmt: skip
     total[CLOSEST] = closest
     if count == 0:
@@ -114,41 +118,43 @@ def wheel_rail(wheel, rail, field, creep, shape, settings, pose, found, patches,
     for i in range(count):
         patches[i, COUPLING] = work[0, i]
         patches[i, PARTNER] = work[1, i]
+        status |= _bound_lobe(wheel, rail, settings, pose, found, i, count, patches[i])
+    _group(found, settings[EPSILON], patches, count)
     for i in range(count):
-        status |= _lay_lobe(wheel, rail, settings, pose, found, i, count, patches[i], strips[i])
+        _lay_lobe(wheel, rail, settings, pose, patches, count, i, strips[i])
     _press(settings, pose, patches, strips, count, work)
     for i in range(count):
         if settings[TANGENTIAL] > 0.5:
             _creep(creep, shape, settings, pose, patches, strips, count, i, work)
         add_lobe(pose, patches[i], strips[i], int(patches[i, N_STRIPS]), total)
     total[COUNT] = count
-    _group(found, settings[EPSILON], patches, count, total)
+    loaded = -1.0
+    for i in range(count):
+        if patches[i, N] > 0.0 and patches[i, GROUP] != loaded:
+            loaded = patches[i, GROUP]
+            total[PATCHES] += 1.0
     return status
 
 
 @njit(cache=True)
-def _lay_lobe(wheel, rail, settings, pose, found, i, count, lobe, rows):
-    """Edges and strips of one lobe. Returns status bits; a lobe without contact gets no strips."""
+def _bound_lobe(wheel, rail, settings, pose, found, i, count, lobe):
+    """Main point, recess and edges of one lobe. Returns status bits; without contact the width is zero."""
     delta, wheel_arc, rail_arc = found[i, DEPTH], found[i, WHEEL_ARC], found[i, RAIL_ARC]
     status = STATUS_TOO_DEEP if delta > DEEPEST else 0
-    eps = settings[EPSILON]
     level = delta
     partner = int(lobe[PARTNER])
     if partner >= 0 and found[partner, DEPTH] > delta:
         level += lobe[COUPLING] * (found[partner, DEPTH] - delta)
-    recess = (1.0 - eps) * level
+    recess = (1.0 - settings[EPSILON]) * level
+    _u, _w, tu, tw, _k = profile_point(rail, settings[RAIL_STEP], rail_arc)
+    n0o, n0b = -tw, tu
     lobe[APPROACH] = delta
     lobe[ARC_WHEEL] = wheel_arc
     lobe[ARC_RAIL] = rail_arc
-    lobe[N_STRIPS] = 0.0
-    lobe[N] = 0.0
-    lobe[AREA] = 0.0
-    lobe[LENGTH] = 0.0
-    lobe[WIDTH] = 0.0
-    _u, _w, tu, tw, _k = profile_point(rail, settings[RAIL_STEP], rail_arc)
-    n0o, n0b = -tw, tu
     lobe[NO_MAIN] = n0o
     lobe[NB_MAIN] = n0b
+    lobe[RECESS] = recess
+    lobe[WIDTH] = 0.0
     if delta <= recess:
         return status
     left = WIDEST
@@ -162,28 +168,64 @@ def _lay_lobe(wheel, rail, settings, pose, found, i, count, lobe, rows):
     first = min(max(first, 2e-5), 4e-3)
     q = sqrt(1.0 - pose[3] * pose[3])
     projected = settings[PROJECTED] > 0.5
-    end, state = find_edge(
+    lobe[END], state = find_edge(
         wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], pose[0], pose[1], pose[2], pose[3],
         pose[4], pose[5], q, wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, first, 1, right,
     )  # fmt: skip
     if state:
         status |= STATUS_PROFILE_END
-    start, state = find_edge(
+    lobe[START], state = find_edge(
         wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], pose[0], pose[1], pose[2], pose[3],
         pose[4], pose[5], q, wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, first, -1, left,
     )  # fmt: skip
     if state:
         status |= STATUS_PROFILE_END
-    n = int(settings[STRIPS])
+    lobe[WIDTH] = lobe[END] - lobe[START]
+    return status
+
+
+@njit(cache=True)
+def _group(found, eps, patches, count):
+    """Number the patches: neighbours whose virtual penetrations overlap share one."""
+    group = -1
+    for i in range(count):
+        joined = (
+            i > 0
+            and found[i - 1, SADDLE_DEPTH] >= 0.0
+            and found[i - 1, SADDLE_DEPTH] > (1.0 - eps) * min(found[i - 1, DEPTH], found[i, DEPTH])
+        )
+        if not joined:
+            group += 1
+        patches[i, GROUP] = group
+
+
+@njit(cache=True)
+def _lay_lobe(wheel, rail, settings, pose, patches, count, i, rows):
+    """Strips of one lobe; the lobes of a patch share the number of strips by their widths."""
+    lobe = patches[i]
+    lobe[N_STRIPS] = 0.0
+    lobe[N] = 0.0
+    lobe[P0] = 0.0
+    lobe[AREA] = 0.0
+    lobe[LENGTH] = 0.0
+    if lobe[WIDTH] <= 0.0:
+        return
+    start, end = lobe[START], lobe[END]
     if settings[STRIP_WIDTH] > 0.0:
-        n = int(ceil((end - start) / settings[STRIP_WIDTH]))
+        n = int(ceil((end - start) / settings[STRIP_WIDTH]))  # noqa: RUF046 (a float in compiled code)
+    else:
+        width = 0.0
+        for j in range(count):
+            if patches[j, GROUP] == lobe[GROUP]:
+                width += patches[j, WIDTH]
+        n = int(ceil(settings[STRIPS] * (end - start) / width - 1e-9))  # noqa: RUF046
     n = min(max(n, FEWEST_STRIPS), rows.shape[0])
     lobe[HALF_LENGTH], _kt = lay_strips(
         wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], pose[0], pose[1], pose[2], pose[3],
-        pose[4], pose[5], q, wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, start, end, n, rows,
+        pose[4], pose[5], sqrt(1.0 - pose[3] * pose[3]), lobe[ARC_WHEEL], lobe[ARC_RAIL], lobe[APPROACH],
+        lobe[NO_MAIN], lobe[NB_MAIN], lobe[RECESS], settings[PROJECTED] > 0.5, start, end, n, rows,
     )  # fmt: skip
     lobe[N_STRIPS] = n
-    lobe[WIDTH] = end - start
     # the main point lies within its strip: its coordinates follow along the strip's tangent
     main = min(max(int(-start / ((end - start) / n)), 0), n - 1)
     row = rows[main]
@@ -191,7 +233,6 @@ def _lay_lobe(wheel, rail, settings, pose, found, i, count, lobe, rows):
     lobe[X_MAIN] = row[X] - row[S] * (row[X] - other[X]) / (row[S] - other[S])
     lobe[O_MAIN] = row[O] - row[S] * row[NB]
     lobe[B_MAIN] = row[B] + row[S] * row[NO]
-    return status
 
 
 @njit(cache=True)
@@ -276,23 +317,3 @@ def _creep(creep, shape, settings, pose, patches, strips, count, i, work):
     fastsim(
         strips[i], n, settings[FRICTION], paraboloid, xi0 / normal, eta0 / normal, l1, l2, l3, direction, shape, work
     )
-
-
-@njit(cache=True)
-def _group(found, eps, patches, count, total):
-    """Number the patches: neighbours whose virtual penetrations overlap share one."""
-    group = -1
-    loaded = False
-    for i in range(count):
-        joined = (
-            i > 0
-            and found[i - 1, SADDLE_DEPTH] >= 0.0
-            and found[i - 1, SADDLE_DEPTH] > (1.0 - eps) * min(found[i - 1, DEPTH], found[i, DEPTH])
-        )
-        if not joined:
-            group += 1
-            loaded = False
-        patches[i, GROUP] = group
-        if patches[i, N] > 0.0 and not loaded:
-            loaded = True
-            total[PATCHES] += 1.0
