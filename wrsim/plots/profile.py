@@ -1,0 +1,168 @@
+"""Picture of a profile: its shape at equal scales, slope and curvature beneath."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from textwrap import shorten
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, MultipleLocator, NullLocator
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile import GAUGE_DEPTH, Profile
+from wrsim.plots.style import FULL_WIDTH, INK, QUIET, RAIL_FILL, WHEEL_FILL, headline, new_figure, place, save, style
+
+LINE = "#0072B2"
+LEFT, RIGHT, TOP, BOTTOM, GAP = 15.0, 15.0, 13.0, 10.0, 6.0
+"""Margins of the figure and the gap between panels, mm."""
+PANEL = 32.0
+"""Height of the panels of slope and curvature, mm."""
+TALLEST = 110.0
+"""Largest height of the shape, mm; higher shapes are drawn narrower."""
+CURVATURES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
+"""Ticks of curvature on either side of zero, 1/m."""
+RADII = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
+"""Ticks of radius, mm."""
+
+
+def profile_picture(profile: Profile, path: str | Path) -> Path:
+    """Write `profile_figure` as PNG; returns the path. Raises WrsimError where it cannot be written."""
+    return save(profile_figure(profile), path)
+
+
+def profile_figure(profile: Profile) -> Figure:
+    """Shape, slope angle and curvature of a profile against the outward coordinate."""
+    u, w = 1e3 * profile.u, 1e3 * profile.w
+    pad = 0.03 * np.ptp(u)
+    across, up = float(np.ptp(u) + 2.0 * pad), float(np.ptp(w) + 4.0 * pad)
+    width = FULL_WIDTH - LEFT - RIGHT
+    height = width * up / across
+    if height > TALLEST:
+        across, height = across * height / TALLEST, TALLEST
+    with style():
+        figure = new_figure(FULL_WIDTH, TOP + height + 2.0 * (PANEL + GAP) + BOTTOM, constrained=False)
+        headline(figure, f"{profile.name} ({profile.kind})")
+        down = figure.get_size_inches()[1] * 25.4
+        note = shorten(profile.source, 130, placeholder=" ...")
+        figure.text(0.012, 1.0 - 6.5 / down, note, ha="left", va="top", fontsize=6.5, color=QUIET)
+        panels = [place(figure, LEFT, TOP, width, height)]
+        for row in (0, 1):
+            top = TOP + height + GAP + row * (PANEL + GAP)
+            panels.append(place(figure, LEFT, top, width, PANEL))
+            panels[-1].sharex(panels[0])
+        draw_profile(profile, *panels)
+        middle_u, middle_w = 0.5 * (u.min() + u.max()), 0.5 * (w.min() + w.max())
+        panels[0].set_xlim(middle_u - 0.5 * across, middle_u + 0.5 * across)
+        panels[0].set_ylim(middle_w - 0.5 * up, middle_w + 0.5 * up)
+        for axes in panels[:-1]:
+            axes.tick_params(axis="x", labelbottom=False)
+            axes.set_xlabel("")
+        figure.align_ylabels(panels)
+    return figure
+
+
+def draw_profile(
+    profile: Profile, shape: Axes | None = None, slope: Axes | None = None, curvature: Axes | None = None
+) -> tuple[Axes | None, Axes | None, Axes | None]:
+    """Draw on the axes that are given; returns them."""
+    if shape is not None:
+        draw_shape(profile, shape)
+    if slope is not None:
+        draw_slope(profile, slope)
+    if curvature is not None:
+        draw_curvature(profile, curvature)
+    return shape, slope, curvature
+
+
+def draw_shape(profile: Profile, axes: Axes) -> Axes:
+    """Outline with its material at equal scales, mm; origin, and on rails the top and the gauge point."""
+    u, w = 1e3 * profile.u, 1e3 * profile.w
+    reach = 10.0 * np.ptp(w) + 10.0
+    beyond = w.max() + reach if profile.kind == "wheel" else w.min() - reach
+    axes.fill(
+        np.concatenate([u[:1], u, u[-1:]]),
+        np.concatenate([[beyond], w, [beyond]]),
+        facecolor=WHEEL_FILL if profile.kind == "wheel" else RAIL_FILL,
+        edgecolor="none",
+    )
+    axes.plot(u, w, color=INK, linewidth=1.2)
+    axes.plot([0.0], [0.0], "+", color=INK, markersize=7.0, markeredgewidth=0.8)
+    if profile.kind == "rail":
+        _gauge(profile, axes)
+    axes.set_aspect("equal")
+    axes.set_xlim(u.min(), u.max())
+    axes.set_ylim(w.min(), w.max())
+    axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
+    axes.set_xlabel("Outward u [mm]")
+    axes.set_ylabel("Height w [mm]")
+    return axes
+
+
+def _gauge(profile: Profile, axes: Axes) -> None:
+    """Mark top and gauge point and their distance, if the rail is deep enough to have one."""
+    try:
+        (u, w), (top_u, top_w) = profile.gauge_point(), profile.top
+    except InputError:
+        return
+    for x, y in ((u, w), (top_u, top_w)):
+        axes.plot([1e3 * x], [1e3 * y], "o", color=LINE, markersize=3.5, zorder=3.0)
+    axes.plot([1e3 * u, 1e3 * u], [1e3 * w, 1e3 * top_w], color=LINE, linewidth=0.6, linestyle=(0, (4, 2)))
+    axes.plot([1e3 * u, 1e3 * top_u], [1e3 * top_w] * 2, color=LINE, linewidth=0.6, linestyle=(0, (4, 2)))
+    axes.annotate(
+        f"gauge point, {1e3 * GAUGE_DEPTH:g} mm below\nand {1e3 * (top_u - u):.3f} mm inside of the top",
+        (1e3 * u, 1e3 * w),
+        xytext=(6.0, 0.0),
+        textcoords="offset points",
+        va="center",
+        fontsize=6.5,
+        color=LINE,
+    )
+
+
+def draw_slope(profile: Profile, axes: Axes) -> Axes:
+    """Tangent angle against u, degrees, positive where the profile rises outward."""
+    axes.plot(1e3 * profile.u, np.degrees(profile.angle), color=LINE)
+    axes.axhline(0.0, color=INK, linewidth=0.5)
+    low, high = float(np.degrees(profile.angle.min())), float(np.degrees(profile.angle.max()))
+    if high - low > 60.0:
+        axes.yaxis.set_major_locator(MultipleLocator(30.0))
+        axes.set_ylim(min(low, 0.0) - 6.0, max(high, 0.0) + 6.0)
+    elif high - low < 1e-6:
+        axes.set_ylim(min(low, 0.0) - 1.0, max(high, 0.0) + 1.0)
+    axes.set_xlabel("Outward u [mm]")
+    axes.set_ylabel("Slope angle [°]")
+    axes.set_title("positive: rises outward", fontsize=6.5, color=QUIET, pad=2.0)
+    return axes
+
+
+def draw_curvature(profile: Profile, axes: Axes) -> Axes:
+    """Signed curvature against u, 1/m, on a scale that is linear near zero; the radius in mm at the right."""
+    u = np.repeat(1e3 * profile.u, 2)
+    k = np.column_stack([profile.curvature_before, profile.curvature_after]).ravel()
+    axes.plot(u, k, color=LINE)
+    axes.axhline(0.0, color=INK, linewidth=0.5)
+    axes.set_yscale("asinh", linear_width=1.0)
+    reach = [next((c for c in CURVATURES if c >= side), CURVATURES[-1]) for side in (-k.min(), k.max())]
+    every = 1 if max(reach) <= 100.0 else 2  # thin out the ticks of a long scale
+    axes.set_ylim(-1.4 * reach[0], 1.4 * reach[1])
+    curvatures = CURVATURES[::every]
+    ticks = [-c for c in curvatures if c <= reach[0]] + [0.0] + [c for c in curvatures if c <= reach[1]]
+    axes.yaxis.set_major_locator(FixedLocator(ticks))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda c, _: f"{c:g}".replace("-", "−")))
+    right = axes.twinx()
+    right.set_yscale("asinh", linear_width=1.0)
+    right.set_ylim(axes.get_ylim())
+    radii = [sign * 1e3 / r for r in RADII[::every] for sign in (-1.0, 1.0) if 1e3 / r <= max(reach)]
+    right.yaxis.set_major_locator(FixedLocator(radii))
+    right.yaxis.set_minor_locator(NullLocator())
+    right.yaxis.set_major_formatter(FuncFormatter(lambda c, _: f"{1e3 / abs(c):.0f}"))
+    right.spines["right"].set_visible(True)
+    right.grid(False)
+    right.set_ylabel("Radius [mm]")
+    axes.set_title("positive: turns upward", fontsize=6.5, color=QUIET, pad=2.0)
+    axes.set_xlabel("Outward u [mm]")
+    axes.set_ylabel("Curvature [1/m]")
+    return axes
