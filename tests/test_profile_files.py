@@ -66,6 +66,11 @@ def test_a_profile_written_and_read_back_is_the_same_to_a_nanometre(profile, suf
     np.testing.assert_allclose(back.tangent(L * back.length / profile.length), profile.tangent(L), atol=1e-4)
 
 
+def test_columns_that_wrsim_wrote_say_where_they_come_from(tmp_path):
+    back = read_profile(write_profile(WHEEL, tmp_path / "w.csv"))
+    assert back.source == WHEEL.source
+
+
 def test_a_smoothed_profile_comes_back_too(write, tmp_path):
     measured = read_profile(write(rows(WHEEL)), "wheel", measured=True)
     assert distance(read_profile(write_profile(measured, tmp_path / "w.prw")), measured) < 1e-9
@@ -327,6 +332,7 @@ def test_points_that_are_no_profile_are_refused_with_their_line(write, text, mes
         ({"format": "simpak"}, r"format = 'simpak'; allowed: columns, simpack, miniprof \(did you mean 'simpack'"),
         ({"heights": "down"}, r"the flange points the wrong way up with heights 'down'"),
         ({"field_side": "negative"}, r"the flange is on the field side with field_side 'negative'"),
+        ({"heights": "upp"}, r"heights = 'upp'; allowed: up, down \(did you mean 'up'\?\)"),
         ({"clip": (0.1, 0.2)}, r"clip from 100 to 200 mm leaves no point; the points go from -70 to 60 mm"),
     ],
 )  # fmt: skip

@@ -95,7 +95,7 @@ def read_profile(
     points = Points(str(path), lateral, height, np.array(scan.line, dtype=np.intp))
     points = points.without_duplicates(metres * scan.resolution, metres * scan.least_distance)
     check_count(points)
-    points = _oriented(points, body, heights or scan.heights, field_side).in_order()
+    points = _oriented(points, body, heights or scan.heights, field_side or scan.field_side).in_order()
     if turn:
         points = points.turned(turn)
     if clip is not None:
@@ -103,7 +103,7 @@ def read_profile(
     check_points(points)
 
     name = name or scan.name or path.stem
-    source = source or f"{path.name}"
+    source = source or scan.source or path.name
     if measured if measured is not None else scan.measured:
         cutoff = CUTOFF if cutoff is None else cutoff
         return smoothed(points, name, body, f"{source}; smoothed, cut-off {1e3 * cutoff:g} mm", cutoff)

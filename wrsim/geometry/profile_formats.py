@@ -46,7 +46,8 @@ class Scan:
     line : line of every point, from 1.
     unit : metres per unit of the file; None if the file does not say.
     heights : which way the file's heights grow; None if the file does not say.
-    kind, name, measured : what the file says about itself, if it does.
+    field_side : sign of its lateral coordinate on the field side; None if the file does not say.
+    kind, name, source, measured : what the file says about itself, if it does.
     resolution : last digit of its numbers, in its unit.
     least_distance : points closer than this are to be dropped, in its unit.
     """
@@ -57,8 +58,10 @@ class Scan:
     line: list[int] = field(default_factory=list)
     unit: float | None = None
     heights: Direction | None = None
+    field_side: Literal["positive", "negative"] | None = None
     kind: Kind | None = None
     name: str = ""
+    source: str = ""
     measured: bool | None = None
     resolution: float = 0.0
     least_distance: float = 0.0
@@ -123,30 +126,36 @@ def parse_columns(lines: list[str], file: str) -> Scan:
     scan = Scan(file)
     words: list[str] = []
     said: dict[str, str] = {}
+    headed = False
     for number, text in enumerate(lines, 1):
-        told = re.match(r"\s*[#!%]\s*(name|kind)\s*[:=]\s*(.*\S)", text)
+        told = re.match(r"\s*[#!%]\s*(name|kind|source)\s*[:=]\s*(.*\S)", text)
         if told and not scan.line:
             said[told[1]] = told[2]
         text = re.split(r"[#!]", text)[0].strip()
-        if not text or text[0] in "%\"'*" or text.startswith("//"):
+        if not text.strip(",;") or text[0] in "%\"'*" or text.startswith("//"):
             continue
         if ";" in text:
             row = [w.strip() for w in text.replace(",", ".").strip(";").split(";")]
         else:
             row = text.replace(",", " ").split()
-        if not scan.line and not words and not re.match(r"[-+.\d]", row[0]) and row[0].lower() != "nan":
+        if not headed and not scan.line and not _starts_numbers(row):
             _columns_header(row, scan)
-            words = [""]
+            headed = True
             continue
         if len(row) != 2:
             raise InputError(f"{file}:{number}: {len(row)} columns; allowed: 2, lateral coordinate and height")
         scan.add(_number(row[0], file, number), _number(row[1], file, number), number)
         words.append(row[1])
-    scan.resolution = _resolution([w for w in words if w])
-    scan.name = said.get("name", "")
+    scan.resolution = _resolution(words)
+    scan.name, scan.source = said.get("name", ""), said.get("source", "")
     if said.get("kind") in ("wheel", "rail"):
         scan.kind = said["kind"]  # type: ignore[assignment]
     return scan
+
+
+def _starts_numbers(row: list[str]) -> bool:
+    """True for a row of values, good or bad; False for a row of words."""
+    return bool(re.match(r"[-+.\d]|nan\b|inf\b", row[0], re.IGNORECASE))
 
 
 def _columns_header(row: list[str], scan: Scan) -> None:
@@ -155,7 +164,7 @@ def _columns_header(row: list[str], scan: Scan) -> None:
     if len(units) == 1:
         scan.unit = METRES[units.pop()]
     if [re.split(r"[_\s(\[]", w)[0] for w in row[:2]] == ["u", "w"]:
-        scan.heights = "up"
+        scan.heights, scan.field_side = "up", "positive"
 
 
 def format_columns(profile: Profile) -> str:
@@ -287,7 +296,7 @@ def parse_miniprof(lines: list[str], file: str) -> Scan:
     columns = ["X", "Y"]
     for number, text in enumerate(lines, 1):
         text = text.strip()
-        if not text or text[0] in '#!%"':
+        if not text.strip(",") or text[0] in '#!%"':
             continue
         if "=" in text and not scan.line:
             key, value = (part.strip() for part in text.split("=", 1))
@@ -298,7 +307,7 @@ def parse_miniprof(lines: list[str], file: str) -> Scan:
                     raise InputError(f"{file}:{number}: ColumnDef = {value}; must name X and Y")
             continue
         row = text.replace(",", " ").split()
-        if not scan.line and not re.match(r"[-+.\d]", row[0]) and row[0].lower() != "nan":
+        if not scan.line and not _starts_numbers(row):
             continue  # old files: words without '=' in the head
         if len(row) < len(columns):
             raise InputError(
