@@ -1,0 +1,351 @@
+"""The command line: what it prints, what it leaves on disk, how it ends."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.scenario_texts import CURVE, STATIC, edited
+from support.synthetic_result import curve_run, static_poses
+from typer.testing import CliRunner
+
+import wrsim.analysis
+from wrsim import __version__
+from wrsim.cli import app
+from wrsim.cli.showing import _duration
+from wrsim.errors import SimulationError
+from wrsim.inputs.lookup import shipped_models
+from wrsim.results import Result
+
+runner = CliRunner()
+
+
+@pytest.fixture
+def scenario(tmp_path: Path) -> Path:
+    file = tmp_path / "curve.toml"
+    file.write_text(CURVE)
+    return file
+
+
+def analysis_that(monkeypatch: pytest.MonkeyPatch, does: Any) -> list[dict[str, Any]]:
+    """Put ``does(scenario, progress, output)`` in the place of the analyses; returns a record of its calls."""
+    calls: list[dict[str, Any]] = []
+
+    def run(scenario: Any, progress: Any = None, output: Any = None) -> Result:
+        calls.append({"scenario": scenario, "progress": progress, "output": output})
+        return does(scenario, progress, output)
+
+    monkeypatch.setattr(wrsim.analysis, "run", run, raising=False)
+    return calls
+
+
+def completed(*_: Any) -> Result:
+    return Result(curve_run(samples=40))
+
+
+def stopped(*_: Any) -> Result:
+    return Result(curve_run(samples=40, stopped=True))
+
+
+def call(*arguments: str | Path) -> Any:
+    return runner.invoke(app, [str(a) for a in arguments])
+
+
+# --- check ---------------------------------------------------------------------------------------------
+
+
+def test_check_says_what_a_valid_scenario_comes_to(scenario: Path) -> None:
+    result = call("check", scenario)
+    assert result.exit_code == 0
+    assert "valid" in result.stdout
+    assert "arc R 300 m left" in result.stdout
+    assert result.stderr == ""
+
+
+def test_check_says_it_to_machines_as_json(scenario: Path) -> None:
+    facts = json.loads(call("check", scenario, "--json").stdout)
+    assert facts["status"] == "valid"
+    assert facts["axle_load_kN"] == pytest.approx(109.05, abs=0.01)
+    assert facts["to_m"] == pytest.approx(190.0)
+
+
+def test_check_counts_the_poses_of_a_static_analysis(tmp_path: Path) -> None:
+    (tmp_path / "poses.toml").write_text(edited(STATIC, "lateral_mm = 0", "lateral_mm = {from = 0, to = 9, step = 1}"))
+    assert json.loads(call("check", tmp_path / "poses.toml", "--json").stdout)["poses"] == 10
+
+
+def test_bad_input_is_one_message_on_stderr_and_exit_code_2(scenario: Path) -> None:
+    scenario.write_text(edited(CURVE, "radius_m = 300", "radius_m = 0"))
+    for command in (("check",), ("run", "-o", scenario.parent / "out")):
+        result = call(*command, scenario)
+        assert result.exit_code == 2
+        assert result.stdout == ""
+        assert result.stderr.startswith(f"{scenario}:18: track.segments[2].radius_m = 0: must be")
+        assert result.stderr.count("\n") == 1
+    assert not (scenario.parent / "out").exists(), "a run that cannot start leaves nothing"
+
+
+def test_bad_input_is_a_json_object_for_machines(scenario: Path) -> None:
+    scenario.write_text(edited(edited(CURVE, "radius_m = 300", "radius_m = 0"), "friction = 0.35", "mu = 1"))
+    result = call("run", scenario, "--json")
+    assert result.exit_code == 2
+    error = json.loads(result.stdout)["error"]
+    assert error["kind"] == "InputError"
+    assert error["exit_code"] == 2
+    assert len(error["messages"]) == 2
+    assert result.stderr == ""
+
+
+@pytest.mark.parametrize("name", ["nothing.toml", "."])
+def test_a_file_that_cannot_be_read_is_bad_input(tmp_path: Path, name: str) -> None:
+    for command in ("check", "run", "profile"):
+        result = call(command, tmp_path / name)
+        assert result.exit_code == 2, command
+        assert str(tmp_path) in result.stderr
+        assert "Traceback" not in result.stderr
+
+
+def test_models_of_the_user_are_found(scenario: Path, tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/rail.toml").write_text((shipped_models() / "rails/60E1.toml").read_text())
+    scenario.write_text(edited(CURVE, "rails/60E1.toml", "rail.toml"))
+    assert call("check", scenario).exit_code == 2
+    assert call("check", scenario, "--models", tmp_path / "mine").exit_code == 0
+
+
+# --- run -----------------------------------------------------------------------------------------------
+
+
+def test_a_run_leaves_dataset_tables_summary_pictures_and_its_scenario(
+    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = analysis_that(monkeypatch, completed)
+    result = call("run", scenario, "-o", tmp_path / "out")
+    assert result.exit_code == 0, result.output
+    assert calls[0]["output"] == tmp_path / "out"
+    assert calls[0]["progress"] is None, "no bar where there is no terminal"
+    names = {p.name for p in (tmp_path / "out").iterdir()}
+    assert {"result.nc", "summary.json", "history.csv", "patches.csv", "scenario.toml", "overview.png"} <= names
+    assert (tmp_path / "out/scenario.toml").read_text() == CURVE
+    assert "Y_over_Q_max" in result.stdout
+    assert str(tmp_path / "out") in result.stdout
+
+
+def test_a_quiet_run_prints_nothing(scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    analysis_that(monkeypatch, completed)
+    result = call("run", scenario, "-o", tmp_path / "out", "--quiet", "--no-pictures")
+    assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
+    assert not list((tmp_path / "out").glob("*.png"))
+
+
+def test_a_run_for_machines_prints_one_json_object(
+    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    analysis_that(monkeypatch, completed)
+    told = json.loads(call("run", scenario, "-o", tmp_path / "out", "--json", "--no-pictures").stdout)
+    assert told["status"] == "completed"
+    assert told["summary"]["wheels"].keys() == {"left", "right"}
+    assert all(Path(f).is_file() for f in told["files"])
+
+
+def test_results_go_to_a_folder_named_after_the_scenario_unless_told(
+    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    analysis_that(monkeypatch, completed)
+    call("run", scenario, "--no-pictures")
+    assert (tmp_path / "results/curve/result.nc").is_file()
+
+
+def test_a_run_that_stops_keeps_what_was_computed_and_says_why(
+    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    analysis_that(monkeypatch, stopped)
+    result = call("run", scenario, "-o", tmp_path / "out", "--no-pictures")
+    assert result.exit_code == 3
+    assert "stopped: " + stopped().stop_reason in result.stderr
+    assert f"wrsim plot {tmp_path / 'out'}" in result.stderr
+    kept = Result.load(tmp_path / "out")
+    assert kept.status == "stopped"
+    assert call("plot", tmp_path / "out").exit_code == 0, "what was computed can be drawn"
+
+
+def test_a_run_interrupted_with_ctrl_c_keeps_what_was_computed_and_ends_with_130(
+    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: Any) -> Result:
+        dataset = curve_run(samples=40, stopped=True)
+        dataset.attrs["stop_reason"] = "interrupted by the user at t = 1 s"
+        return Result(dataset)
+
+    analysis_that(monkeypatch, interrupted)
+    result = call("run", scenario, "-o", tmp_path / "out", "--json", "--no-pictures")
+    assert result.exit_code == 130
+    assert json.loads(result.stdout)["exit_code"] == 130
+    assert Result.load(tmp_path / "out").stop_reason.startswith("interrupted")
+
+
+def failing(error: BaseException) -> Any:
+    def fail(*_: Any) -> Result:
+        raise error
+
+    return fail
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "message"),
+    [
+        (SimulationError("no equilibrium at 0 m"), 3, "no equilibrium at 0 m"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+        (OSError(errno.ENOSPC, "No space left on device"), 1, "the disk is full; free some space"),
+        (PermissionError(errno.EACCES, "Permission denied", "/place"), 1, "/place: Permission denied"),
+        (MemoryError(), 1, "out of memory"),
+        (ZeroDivisionError("float division"), 70, "internal error: ZeroDivisionError: float division"),
+    ],
+)
+def test_no_error_ends_in_a_traceback(
+    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException, code: int, message: str
+) -> None:
+    analysis_that(monkeypatch, failing(error))
+    result = call("run", scenario, "-o", tmp_path / "out")
+    assert result.exit_code == code
+    assert message in result.stderr
+    assert "Traceback" not in result.stderr
+    for_machines = call("run", scenario, "-o", tmp_path / "out", "--json")
+    assert json.loads(for_machines.stdout)["error"]["exit_code"] == for_machines.exit_code == code
+
+
+def test_an_internal_error_shows_its_traceback_to_who_asks(
+    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    analysis_that(monkeypatch, failing(ZeroDivisionError("here")))
+    monkeypatch.setenv("WRSIM_DEBUG", "1")
+    assert isinstance(call("run", scenario, "-o", tmp_path / "out").exception, ZeroDivisionError)
+
+
+def test_a_place_that_may_not_be_written_is_told_before_anything_is_computed(
+    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = analysis_that(monkeypatch, completed)
+    (tmp_path / "taken").write_text("a file")
+    result = call("run", scenario, "-o", tmp_path / "taken")
+    assert result.exit_code == 1
+    assert "cannot write" in result.stderr
+    assert not calls
+
+
+def test_the_folder_of_a_run_can_be_run_again(scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    analysis_that(monkeypatch, completed)
+    call("run", scenario, "-o", tmp_path / "out", "--no-pictures")
+    again = call("run", tmp_path / "out/scenario.toml", "-o", tmp_path / "out", "--no-pictures", "-q")
+    assert again.exit_code == 0
+    assert (tmp_path / "out/scenario.toml").read_text() == CURVE
+
+
+# --- plot and profile ----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("run")
+    completed().save(folder / "result.nc")
+    return folder
+
+
+def test_plot_draws_the_standard_pictures_beside_the_result(run_folder: Path) -> None:
+    result = call("plot", run_folder / "result.nc")
+    assert result.exit_code == 0, result.output
+    assert str(run_folder / "overview.png") in result.stdout.split("\n")
+    assert (run_folder / "overview.png").is_file()
+
+
+def test_plot_draws_patches_at_a_place_where_they_are_kept(run_folder: Path, tmp_path: Path) -> None:
+    distances = completed().dataset["snapshot_distance"].values
+    result = call("plot", run_folder, "-o", tmp_path, "--at", f"{distances[0] + 0.2:.2f}")
+    assert result.exit_code == 0, result.output
+    assert [p.name.split("_")[0] for p in sorted(tmp_path.iterdir())] == ["patches", "sections"]
+    result = call("plot", run_folder, "--at", "1e6")
+    assert result.exit_code == 2
+    assert f"there are {distances[0]:.1f}, " in result.stderr
+    assert call("plot", run_folder, "--at", "there").exit_code == 2
+
+
+def test_plot_draws_the_patches_of_a_pose(tmp_path: Path) -> None:
+    result = Result(static_poses())
+    result.save(tmp_path / "result.nc")
+    name = str(result.dataset["pose"].values[0])
+    told = call("plot", tmp_path, "--at", name, "--json")
+    assert told.exit_code == 0, told.output
+    assert all(Path(f).is_file() for f in json.loads(told.stdout)["files"])
+    assert "there is no such pose" in call("plot", tmp_path, "--at", "nowhere").stderr
+
+
+def test_plot_of_something_else_is_bad_input(scenario: Path, tmp_path: Path) -> None:
+    assert call("plot", scenario).exit_code == 2
+    assert call("plot", tmp_path / "nothing.nc").exit_code == 2
+
+
+def test_profile_draws_a_profile(tmp_path: Path) -> None:
+    result = call("profile", shipped_models() / "wheels/S1002.toml", "-o", tmp_path / "wheel.png")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "wheel.png").stat().st_size > 10_000
+    assert call("profile", shipped_models() / "wheels/S1002.toml", "-o", tmp_path / "wheel.jpg").exit_code == 2
+    assert call("profile", shipped_models() / "wheels/S1002.toml", "--kind", "wheelset").exit_code == 2
+
+
+# --- the command itself --------------------------------------------------------------------------------
+
+
+def test_the_version_is_told() -> None:
+    assert call("--version").stdout == f"wrsim {__version__}\n"
+
+
+def test_a_wrong_option_is_bad_input(scenario: Path) -> None:
+    result = call("run", scenario, "--speed", "3")
+    assert result.exit_code == 2
+    assert "No such option" in result.stderr
+
+
+def test_help_imports_nothing_heavy() -> None:
+    """The command line answers --help without numpy, pydantic, numba, matplotlib, xarray or exudyn."""
+    heavy = ("numpy", "pydantic", "numba", "matplotlib", "xarray", "exudyn", "scipy", "rich.progress")
+    code = f"import sys, wrsim.cli; print([m for m in {heavy} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_the_command_ends_quietly_when_the_reader_of_its_output_goes(scenario: Path) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-c", "from wrsim.cli import main; main()", "check", str(scenario)]
+    done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writing)
+    assert "Traceback" not in done.stderr
+    assert "Error" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(0.2, "0 s left"), (89.0, "89 s left"), (600.0, "10 min left"), (7200.0, "2.0 h left")]
+)
+def test_the_time_left_is_told_in_few_words(seconds: float, words: str) -> None:
+    assert _duration(seconds) == words
+    assert _duration(float("nan")) == _duration(float("inf")) == ""
+
+
+def test_five_lines_of_python_do_the_same(scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    analysis_that(monkeypatch, completed)
+    monkeypatch.delitem(vars(wrsim), "run", raising=False)
+    from wrsim import load, run
+
+    result = run(load(scenario))
+    assert result.summary()["status"] == "completed"
+    assert result.save(tmp_path / "curve.nc").is_file()
+    monkeypatch.delitem(vars(wrsim), "run", raising=False)
+    with pytest.raises(AttributeError, match="no attribute 'rum'"):
+        wrsim.rum  # noqa: B018

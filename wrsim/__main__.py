@@ -1,0 +1,5 @@
+"""``python -m wrsim`` is ``wrsim``."""
+
+from wrsim.cli import main
+
+main()

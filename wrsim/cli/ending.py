@@ -1,0 +1,82 @@
+"""How a command ends: every error that a user can meet is one message and an exit code.
+
+The message goes to stderr, with ``--json`` one JSON object to stdout.
+
+==== ==================================================================
+0    done
+1    the result could not be written: full disk, no permission
+2    bad input: a file, a key, a value, an argument
+3    the run stopped early; what was computed is on disk
+70   a mistake in wrsim itself; WRSIM_DEBUG=1 shows where
+130  interrupted with Ctrl-C; what was computed is on disk
+==== ==================================================================
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import typer
+
+from wrsim import __version__
+from wrsim.cli.showing import complain, print_json
+from wrsim.errors import WrsimError
+
+if TYPE_CHECKING:
+    from wrsim.results import Result
+
+STOPPED, INTERNAL, INTERRUPTED = 3, 70, 130
+FULL_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+DEBUG = "WRSIM_DEBUG"
+
+
+def exit_code(result: Result) -> int:
+    if result.status == "completed":
+        return 0
+    interrupted = result.dataset.attrs.get("stop_cause") == "interrupt"
+    return INTERRUPTED if interrupted or result.stop_reason.startswith("interrupted") else STOPPED
+
+
+@contextmanager
+def told(as_json: bool) -> Iterator[None]:
+    """Turn every error of a command into a message and an exit code."""
+    try:
+        yield
+        sys.stdout.flush()
+    except WrsimError as error:
+        _fail(str(error), type(error).__name__, error.exit_code, as_json)
+    except KeyboardInterrupt:
+        _fail("interrupted", "KeyboardInterrupt", INTERRUPTED, as_json)
+    except BrokenPipeError:  # the reader of a pipe has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise typer.Exit from None
+    except OSError as error:
+        full = error.errno in FULL_DISK
+        reason = "the disk is full; free some space or choose another directory" if full else error.strerror
+        where = f"{error.filename}: " if error.filename else ""
+        _fail(f"{where}{reason or error}", "WrsimError", WrsimError.exit_code, as_json)
+    except MemoryError:
+        message = "out of memory: fewer poses, a larger output interval or fewer patches_at_m need less"
+        _fail(message, "MemoryError", WrsimError.exit_code, as_json)
+    except Exception as error:
+        if isinstance(error, typer.Exit) or os.environ.get(DEBUG):
+            raise
+        message = (
+            f"internal error: {type(error).__name__}: {error}\n"
+            f"This is a mistake in wrsim {__version__}, not in your input. Please report it with the scenario; "
+            f"{DEBUG}=1 shows where it happened."
+        )
+        _fail(message, "InternalError", INTERNAL, as_json)
+
+
+def _fail(message: str, kind: str, code: int, as_json: bool) -> None:
+    if as_json:
+        print_json({"error": {"kind": kind, "exit_code": code, "messages": message.split("\n")}})
+    else:
+        complain(message)
+    raise typer.Exit(code) from None

@@ -1,0 +1,121 @@
+"""What the user reads: facts of a scenario, progress, peaks of a result."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wrsim.results import Result
+    from wrsim.scenario.build import Setup
+
+Progress = Callable[[float, float], None]
+
+
+def facts(setup: Setup) -> dict[str, Any]:
+    """What a scenario comes to, for people to see that it is what they meant."""
+    facts: dict[str, Any] = {
+        "title": setup.title,
+        "analysis": setup.analysis,
+        "vehicle": setup.wheelset.name,
+        "axle_load_kN": setup.wheelset.static_axle_load / 1e3,
+        "gauge_mm": 1e3 * setup.track.nominal_gauge,
+        "rails": [rail.name for rail in setup.rails],
+        "files": [str(f) for f in setup.files],
+    }
+    if setup.static is not None:
+        facts["poses"] = len(setup.static.poses)
+    elif setup.analysis == "curving":
+        facts["segments"] = [f.label if f.label == f.kind else f"{f.kind} {f.label}" for f in setup.track.features()]
+        facts["from_m"], facts["to_m"] = setup.run.start, setup.run.end
+        facts["speed_kmh"] = 3.6 * setup.run.speed
+        facts["duration_s"] = setup.run.duration
+        facts["patches_at_m"] = list(setup.run.patches_at)
+    return facts
+
+
+def print_facts(facts: dict[str, Any]) -> None:
+    for name, value in facts.items():
+        if isinstance(value, list):
+            value = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in value)
+        elif isinstance(value, float):
+            value = f"{value:.6g}"
+        print(f"  {name:<14} {value}")
+
+
+def print_summary(result: Result, directory: Path, files: list[Path]) -> None:
+    """The peaks of each wheel as a small table, and where everything is."""
+    from rich.console import Console
+    from rich.table import Table
+
+    summary = result.summary()
+    table = Table(title=result.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    table.add_column("peak")
+    for wheel in summary["wheels"]:
+        table.add_column(wheel, justify="right")
+        table.add_column("at", justify="left", style="dim")
+    names = list(next(iter(summary["wheels"].values()), {}))
+    for name in names:
+        peaks = [peaks.get(name) for peaks in summary["wheels"].values()]
+        if any(p is not None and p["value"] is not None for p in peaks):
+            table.add_row(name, *(cell for p in peaks for cell in _peak(p)))
+    console = Console(highlight=False)
+    console.print(table)
+    console.print(f"{len(files)} files in {directory}", soft_wrap=True)
+
+
+def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:
+    if peak is None or peak["value"] is None:
+        return "-", ""
+    place = peak.get("pose")
+    if place is None:
+        place = f"{peak['distance_m']:.1f} m" if "distance_m" in peak else f"{peak['time_s']:.3f} s"
+    return f"{peak['value']:.4g}", str(place)
+
+
+def print_files(files: list[Path], as_json: bool) -> None:
+    if as_json:
+        print_json({"files": [str(f) for f in files]})
+    else:
+        for file in files:
+            print(file)
+
+
+def print_json(content: dict[str, Any]) -> None:
+    print(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def complain(message: str) -> None:
+    print(message, file=sys.stderr)
+
+
+@contextmanager
+def progress_bar(wanted: bool) -> Iterator[Progress | None]:
+    """A bar with the time left on stderr if that is a terminal; the callback takes (fraction, seconds left)."""
+    if not (wanted and sys.stderr.isatty()):
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+
+    columns = (TextColumn("running"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[left]}"))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("run", total=1.0, left="")
+
+        def advance(fraction: float, seconds_left: float) -> None:
+            bar.update(task, completed=fraction, left=_duration(seconds_left))
+
+        yield advance
+
+
+def _duration(seconds: float) -> str:
+    """Time left in words that do not flicker."""
+    if not 0.0 <= seconds < 1e7:
+        return ""
+    if seconds < 90.0:
+        return f"{seconds:.0f} s left"
+    return f"{seconds / 60.0:.0f} min left" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h left"
