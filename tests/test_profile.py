@@ -212,9 +212,9 @@ def test_rail_heads_that_cannot_be_are_refused():
         (lambda: RAIL.arclength_of([0.0, 0.05]), r"no point at u = 50 mm; allowed: -37.1848 to 37.1848 mm"),
         (lambda: RAIL.table(0.0), "table step 0 mm; allowed: above 0"),
         (lambda: RAIL.clipped(0.02, 0.01), "clip from 20 to 10 mm of arclength; allowed: rising"),
-        (lambda: RAIL.gauge_point(0.05), r"no gauge point 50 mm below the top; .* this one: 38 mm"),
+        (lambda: RAIL.gauge_point(0.05), r"no gauge point 50 mm below the top; .* goes 38 mm deep"),
         (lambda: circle("c", "rail", 0.3, 0.03).gauge_point(), "no gauge point 14 mm below the top"),
-        (lambda: S1002.gauge_point(), "no gauge point"),
+        (lambda: S1002.gauge_point(), "'S1002' is a wheel; only rails have a gauge point"),
         (lambda: circle("c", "axle", 0.3, 0.03), "kind is 'axle'; allowed: 'wheel', 'rail'"),
     ],
 )

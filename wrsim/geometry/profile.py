@@ -254,13 +254,15 @@ class Profile:
 
     def gauge_point(self, depth: float = GAUGE_DEPTH) -> tuple[float, float]:
         """Point (u, w) of a rail's gauge side, `depth` below its top, m. InputError if there is none."""
+        if self.kind != "rail":
+            raise InputError(f"profile '{self.name}' is a {self.kind}; only rails have a gauge point")
         level = self.top[1] - depth
         below = np.flatnonzero((self.w <= level) & (self.arclength < self.top_arclength))
-        if self.kind != "rail" or depth <= 0.0 or not below.size:
+        if not depth > 0.0 or not below.size:
             reach = self.top[1] - self.w[self.arclength <= self.top_arclength].min()
             raise InputError(
-                f"profile '{self.name}': no gauge point {1e3 * depth:g} mm below the top; needed: a rail "
-                f"whose gauge side (negative u) goes that deep; this one: {1e3 * reach:.4g} mm"
+                f"profile '{self.name}': no gauge point {1e3 * depth:g} mm below the top; its gauge side (negative u) "
+                f"goes {1e3 * reach:.4g} mm deep"
             )
         L = self._root_in_interval(1, np.array(level), np.array(below[-1]))
         u, w = self.at(L)
