@@ -11,8 +11,8 @@ SETTINGS = 19
 POSE = 12
 
 # a strip's row: centre s, width, shift along x, half length, pressure, normal (o, b), centre (o, b), normal force,
-# creep forces, moment about the centre, creepages, curvature along the rail
-S, DS, X, A, P, NO, NB, O, B, FORCE, FX, FY, MZ, XI, ETA, PHI, CURVATURE = range(17)
+# creep forces, moment about the centre, creepages, radius of curvature along the rail
+S, DS, X, A, P, NO, NB, O, B, FORCE, FX, FY, MZ, XI, ETA, PHI, RADIUS_T = range(17)
 STRIP_COLUMNS = 17
 
 # a lobe's row; GROUP numbers the patch it belongs to

@@ -34,8 +34,9 @@ def locus_point(table, step, radius, ox, oo, ob, et, eo, eb, q, arc):
 
     (ox, oo, ob): profile origin on the axle; (et, eo, eb): unit vector of the axle, outward, all in rail axes
     (t, o, b); q = sqrt(1 - et^2); radius: wheel radius at the tape circle [m].
-    Returns (x, o, b, normal_o, normal_b, shrink, k_t, k_profile): the point, the unit normal out of the wheel (towards
-    the rail), the profile's arclength per arclength of the outline, the curvatures along t and of the profile [1/m].
+    Returns (x, o, b, normal_o, normal_b, shrink, r_t, k_profile): the point, the unit normal out of the wheel (towards
+    the rail), the profile's arclength per arclength of the outline, the radius of curvature along t [m] and the
+    curvature of the profile [1/m].
     """
     u, w, cu, cw, k2 = profile_point(table, step, arc)
     rho = radius - w
@@ -47,31 +48,32 @@ def locus_point(table, step, radius, ox, oo, ob, et, eo, eb, q, arc):
             cw * eo + cu * eb,
             cw * eb - cu * eo,
             1.0,
-            max(cu, 1e-3) / rho,
+            rho / max(cu, 1e-3),
             k2,
         )
-    c = max(cu, 1e-3)
-    sin_alpha = et / c
-    iq = 1.0 / q
-    sine = -cw * sin_alpha * iq
+    inverse_c = 1.0 / max(cu, 1e-3)
+    sin_alpha = et * inverse_c
+    sine = -cw * sin_alpha / q
     if abs(sine) > LARGEST_SINE or abs(sin_alpha) > LARGEST_SINE:
         sine = min(max(sine, -LARGEST_SINE), LARGEST_SINE)
         sin_alpha = min(max(sin_alpha, -LARGEST_SINE), LARGEST_SINE)
     cosine = sqrt(1.0 - sine * sine)
+    iq = 1.0 / q
     do = (cosine * eb - sine * et * eo) * iq
     db = (-cosine * eo - sine * et * eb) * iq
-    # the normal has no t-component, so its other two make a unit vector as they stand
+    r1 = rho * inverse_c
     sin2 = sin_alpha * sin_alpha
-    k1 = c / rho
-    kt = max((1.0 - sin2) * k1 + sin2 * k2, LEAST_ROLLING_CURVATURE * k1)
+    inverse_ratio = 1.0 / max(1.0 - sin2 + sin2 * k2 * r1, LEAST_ROLLING_CURVATURE)  # k1 / k_t
+    # the normal has no t-component, so its other two make a unit vector as they stand;
+    # t . circumference = cos(theta) q = cos(alpha)
     return (
         ox + u * et + rho * sine * q,
         oo + u * eo + rho * do,
         ob + u * eb + rho * db,
         cw * eo + cu * do,
         cw * eb + cu * db,
-        k1 * cosine * q / kt,  # t . circumference = cos(theta) q = cos(alpha)
-        kt,
+        cosine * q * inverse_ratio,
+        r1 * inverse_ratio,
         k2,
     )
 

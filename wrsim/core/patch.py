@@ -16,7 +16,7 @@ from math import sqrt
 
 from numba import njit
 
-from wrsim.core.layout import CURVATURE, DS, NB, NO, A, B, O, S, X
+from wrsim.core.layout import DS, NB, NO, RADIUS_T, A, B, O, S, X
 from wrsim.core.locus import locus_point
 from wrsim.core.profile import profile_point
 
@@ -28,10 +28,10 @@ def pair(
     """A pair of points of equal arclength.
 
     delta and (n0o, n0b): approach and normal (rail to wheel) at the main point.
-    Returns (gap, x, o, b, normal_o, normal_b, shrink, k_t): gap [m] with the wheel moved out by the approach; strip
+    Returns (gap, x, o, b, normal_o, normal_b, shrink, r_t): gap [m] with the wheel moved out by the approach; strip
     centre in rail axes at the true position; unit normal of the strip from rail to wheel.
     """
-    x, wo, wb, no, nb, shrink, kt, _k = locus_point(wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc)
+    x, wo, wb, no, nb, shrink, rt, _k = locus_point(wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc)
     ro, rb, tu, tw, _kr = profile_point(rail, rail_step, rail_arc)
     mo = -tw - no
     mb = tu - nb
@@ -39,7 +39,7 @@ def pair(
     mo *= inverse
     mb *= inverse
     gap = (wo + delta * n0o - ro) * mo + (wb + delta * n0b - rb) * mb
-    return gap, x, 0.5 * (wo + ro), 0.5 * (wb + rb), mo, mb, shrink, kt
+    return gap, x, 0.5 * (wo + ro), 0.5 * (wb + rb), mo, mb, shrink, rt
 
 
 @njit(cache=True)
@@ -62,7 +62,7 @@ def find_edge(
     # the wheel's arclength follows that of its outline by extrapolated midpoint steps of the shrink
     shrink = 1.0
     if et != 0.0:
-        _x, _o, _b, _no, _nb, shrink, _kt, _k = locus_point(
+        _x, _o, _b, _no, _nb, shrink, _rt, _k = locus_point(
             wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc
         )
     last_shrink = shrink
@@ -72,7 +72,7 @@ def find_edge(
         outer = min(inner + step, limit)
         mid = 1.5 * shrink - 0.5 * last_shrink
         outer_arc = inner_arc + direction * step * mid
-        gap, _x, _o, _b, mo, mb, new_shrink, _kt = pair(
+        gap, _x, _o, _b, mo, mb, new_shrink, _rt = pair(
             wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
             outer_arc, rail_arc + direction * outer, delta, n0o, n0b,
         )  # fmt: skip
@@ -105,13 +105,13 @@ def find_edge(
     for _ in range(60):
         s = (lo * hi_h - hi * lo_h) / (hi_h - lo_h)
         arc = inner_arc + direction * (s - inner) * mid
-        gap, _x, _o, _b, mo, mb, _st, _kt = pair(
+        gap, _x, _o, _b, mo, mb, _sh, _rt = pair(
             wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
             arc, rail_arc + direction * s, delta, n0o, n0b,
         )  # fmt: skip
         c = mo * n0o + mb * n0b if projected else 1.0
         h = (delta - recess) * c - gap
-        if abs(h) < 1e-9 * delta or hi - lo < 1e-12:
+        if abs(h) < 1e-7 * delta or hi - lo < 1e-12:
             break
         if h > 0.0:
             lo = s
@@ -135,12 +135,12 @@ def lay_strips(
 ):  # fmt: skip
     """Fill ``n`` strips of equal width between the edges ``start`` < 0 < ``end``.
 
-    Writes per strip S (centre), DS (width), X, O, B (centre in rail axes), NO, NB (normal), CURVATURE (k_t) and, as
-    A, the half length sqrt(2 h / k_t) of [S 25] with R_w^x = 1 / k_t [S 19, 20].
-    Returns (half length at the main point, k_t there).
+    Writes per strip S (centre), DS (width), X, O, B (centre in rail axes), NO, NB (normal), RADIUS_T (radius of curvature along t) and,
+    as A, the half length sqrt(2 h r_t) of [S 25] with R_w^x = r_t [S 19, 20].
+    Returns the half length at the main point.
     """
     width = (end - start) / n
-    _x, _o, _b, _no, _nb, shrink0, kt0, _k = locus_point(
+    _x, _o, _b, _no, _nb, shrink0, rt0, _k = locus_point(
         wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc
     )
     main = int(-start / width)  # the strip that holds s = 0
@@ -156,7 +156,7 @@ def lay_strips(
             # Adams-Bashforth over the shrink: second order with one evaluation a strip
             arc += (s - at) * (1.5 * shrink - 0.5 * last)
             at = s
-            gap, x, o, b, mo, mb, new_shrink, kt = pair(
+            gap, x, o, b, mo, mb, new_shrink, rt = pair(
                 wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
                 arc, rail_arc + s, delta, n0o, n0b,
             )  # fmt: skip
@@ -168,11 +168,11 @@ def lay_strips(
             row[S] = s
             row[DS] = width
             row[X] = x
-            row[A] = sqrt(2.0 * h / kt) if h > 0.0 else 0.0
+            row[A] = sqrt(2.0 * h * rt) if h > 0.0 else 0.0
             row[O] = o
             row[B] = b
             row[NO] = mo
             row[NB] = mb
-            row[CURVATURE] = kt
+            row[RADIUS_T] = rt
             i += direction
-    return sqrt(2.0 * (delta - recess) / kt0), kt0
+    return sqrt(2.0 * (delta - recess) * rt0)

@@ -75,21 +75,20 @@ def project(rail, rail_step, o, b, arc, steps):
 
 
 @njit(cache=True)
-def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, lo, hi, foot, sign):
+def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, lo, hi, arc, foot, sign):
     """A stationary point of the distance between two wheel arclengths: safeguarded Newton on its slope.
 
-    sign: +1 for a minimum (slope negative at ``lo``), -1 for a maximum.
+    arc, foot: first guess on wheel and rail; sign: +1 for a minimum (slope negative at ``lo``), -1 for a maximum.
     Returns (wheel arclength, rail arclength, distance, relative curvature, status): status 0 converged, 1 not.
     """
-    arc = 0.5 * (lo + hi)
     distance = 0.0
     relative = 0.0
     status = 1
     for _ in range(60):
-        _x, o, b, no, nb, shrink, _kt, k2 = locus_point(
+        _x, o, b, no, nb, shrink, _rt, k2 = locus_point(
             wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, arc
         )
-        foot, distance, ro, rb, k_rail = project(rail, rail_step, o, b, foot, 2)
+        foot, distance, ro, rb, k_rail = project(rail, rail_step, o, b, foot, 1)
         slope = -nb * ro + no * rb  # wheel tangent (-nb, no) times rail normal
         cosine = -(no * ro + nb * rb)
         relative = shrink * k2 - k_rail
@@ -100,7 +99,7 @@ def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q
         lean = max(1.0 - k_rail * distance, 0.2)
         rate = k2 * cosine - k_rail * cosine * cosine / (lean * shrink)
         step = -slope / rate if sign * rate > 0.0 else 2.0 * (hi - lo)
-        if abs(step) < 1e-13 or hi - lo < 1e-13:
+        if abs(step) < 1e-11 or hi - lo < 1e-12:
             status = 0
             break
         new = arc + step
@@ -169,7 +168,8 @@ def find_contacts(
         if turns and last_slope < 0.0 and slope >= 0.0 and distance < NEAR:
             arc, foot_at, depth, relative, state = refine(
                 wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-                (last_node - stride) * wheel_step, (node + stride) * wheel_step, foot, 1.0,
+                (last_node - stride) * wheel_step, (node + stride) * wheel_step,
+                (node - stride * slope / (slope - last_slope)) * wheel_step, foot, 1.0,
             )  # fmt: skip
             closest = min(closest, depth)
             if depth < 0.0 and 0.0 < foot_at < rail_end and count < found.shape[0]:
@@ -186,7 +186,8 @@ def find_contacts(
         elif turns and last_slope >= 0.0 and slope < 0.0 and linked and distance < NEAR:
             _arc, foot_at, depth, _relative, state = refine(
                 wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-                (last_node - stride) * wheel_step, (node + stride) * wheel_step, foot, -1.0,
+                (last_node - stride) * wheel_step, (node + stride) * wheel_step,
+                (node - stride * slope / (slope - last_slope)) * wheel_step, foot, -1.0,
             )  # fmt: skip
             if depth < 0.0:
                 found[count - 1, SADDLE_DEPTH] = -depth

@@ -220,7 +220,7 @@ def _lay_lobe(wheel, rail, settings, pose, patches, count, i, rows):
                 width += patches[j, WIDTH]
         n = int(ceil(settings[STRIPS] * (end - start) / width - 1e-9))  # noqa: RUF046
     n = min(max(n, FEWEST_STRIPS), rows.shape[0])
-    lobe[HALF_LENGTH], _kt = lay_strips(
+    lobe[HALF_LENGTH] = lay_strips(
         wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], pose[0], pose[1], pose[2], pose[3],
         pose[4], pose[5], sqrt(1.0 - pose[3] * pose[3]), lobe[ARC_WHEEL], lobe[ARC_RAIL], lobe[APPROACH],
         lobe[NO_MAIN], lobe[NB_MAIN], lobe[RECESS], settings[PROJECTED] > 0.5, start, end, n, rows,
