@@ -3,16 +3,14 @@
 import os
 import signal
 import threading
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset, straight
 
 from wrsim.errors import SimulationError
-from wrsim.simulation.integrate import creep_rate, integrate, step_for_speed
+from wrsim.simulation.integrate import integrate
 from wrsim.simulation.system import RigidBody, System
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
 Q0 = np.array([0.46, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -259,41 +257,3 @@ def test_rk44_converges_with_fourth_order_on_the_force_law(rolling):
     assert np.all((ratios[:, 0] > 14.0) & (ratios[:, 0] < 22.0)), ratios  # height: 16, from above
     assert np.all(ratios > 14.0), ratios  # the others gain from terms that cancel
     assert np.all(errors[0] < 1e-8)
-
-
-@pytest.mark.parametrize("speed", [1.0, 5.0, 20.0])
-def test_the_slip_of_the_wheels_decays_within_the_creep_limit_and_chatters_beyond(speed):
-    mass, inertia = 1813.0, 112.0
-    vehicle = replace(
-        example_wheelset(),
-        mass=mass,
-        inertia=(1120.0, inertia, 1120.0),
-        constant_force=(0.0, 0.0, mass * STANDARD_GRAVITY - 100e3),
-    )
-    forces = KnifeEdgeForces(vehicle, speed, straight(), 1000.0, KnifeEdge(creep=1e7))
-    system = System([RigidBody.of(vehicle)], forces)
-    q = np.array([0.46 - KnifeEdge().approach(50e3), 0.0, 0.0, 0.0, 0.0, 0.0])
-    q_t = np.array([0.0, speed, 0.0, 0.0, 0.0, 1.0002 * speed / 0.46])
-
-    def slip(step):
-        motion = integrate(system, q, q_t, duration=1000 * step, step=step)
-        assert motion.status == "completed"
-        return np.abs(motion.q_t[-50:, 1] - 0.46 * motion.q_t[-50:, 5]).max() / speed
-
-    limit = 2.785 / creep_rate(speed, mass, inertia, 0.46, 1e7)
-    assert step_for_speed(speed) <= min(0.75 * limit, 5e-4)
-    assert slip(0.98 * limit) < 1e-6
-    assert slip(1.1 * limit) > 1e-4  # bounded by the saturation: it does not blow up
-
-
-def test_the_step_is_a_whole_part_of_a_millisecond_and_grows_with_the_speed():
-    steps = [step_for_speed(v) for v in (1.0, 2.0, 5.0, 10.0, 20.0, 100.0)]
-    assert steps == sorted(steps)
-    assert steps[-1] == 5e-4
-    for step in steps:
-        assert 1e-3 / step == pytest.approx(round(1e-3 / step), abs=1e-9)
-
-
-def test_a_heavier_load_takes_a_smaller_step():
-    vehicle = example_wheelset(axle_load=200e3)
-    assert step_for_speed(5.0, vehicle) < step_for_speed(5.0, example_wheelset(axle_load=50e3))

@@ -25,9 +25,7 @@ LENGTH = 1.0
 """Lever that turns moments into forces where residuals are compared [m]."""
 
 SMALL = {"z": 1e-5, "x": 1e-2, "y": 1e-4, "heading": 1e-4, "roll": 1e-5, "spin": 1e-2}
-"""Change of a coordinate [m, rad] that changes the forces by some per cent of the weight; of its rate, per
-second.
-"""
+"""Change of a coordinate [m, rad], or of its rate per second, that changes the forces by a few per cent."""
 
 DIFFERENCE = 0.01
 """Step of the numerical derivative as a part of ``SMALL``."""
@@ -44,9 +42,7 @@ SEARCH_ROLL = 0.05
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A state without acceleration: q, q_t (6 per body); the largest residual over the weight; Newton's
-    iterations.
-    """
+    """A state without acceleration: q, q_t (6 per body); largest residual over the weight; Newton's iterations."""
 
     q: Array
     q_t: Array
@@ -83,11 +79,9 @@ def find_equilibrium(
     """Find the state near (q, q_t) where the generalised forces of the given equations vanish.
 
     q, q_t: (6 per body,) guess, kept where not unknown. unknowns: names of ``STATES`` to be found, for
-    example ``("z", "y", "heading", "roll", "spin_rate")`` for a wheelset rolling straight; ``"z@1"`` means
-    body 1.
+    example ``("z", "y", "heading", "roll", "spin_rate")`` for a wheelset rolling straight; ``"z@1"`` means body 1.
     equations: the coordinates whose forces must vanish, default those of the unknowns (a rate stands for its
-    coordinate). weight [N]: the scale of forces; moments are divided by weight times 1 m. tolerance: largest
-    scaled force.
+    coordinate). weight [N]: the scale of forces; moments are divided by weight times 1 m. tolerance: largest scaled force.
 
     A wheelset that hangs above the rails is first lowered until they carry it.
     Raises SimulationError when the forces do not vanish, naming those that remain and the state.
@@ -130,9 +124,7 @@ def find_equilibrium(
 def _newton(
     residual: Callable[[Array], Array], x: Array, small: Array, tolerance: float, max_iterations: int
 ) -> tuple[Array, Array, int]:
-    """Damped Newton's method: the best x, its residual (evaluated last) and the iterations; the caller
-    judges.
-    """
+    """Damped Newton's method: the best x, its residual (evaluated last), the iterations; the caller judges."""
     r = residual(x)
     damping = 0.0
     iteration = 0
@@ -173,8 +165,7 @@ def _solve(jacobian: Array, right: Array, damping: float) -> Array:
 
 
 def _bracket(function: Callable[[float], float], begin: float, small: float, enough: float, reach: float) -> bool:
-    """Move from ``begin`` the way the sign of the force points until it is small or changes sign, then
-    bisect.
+    """Move from ``begin`` as the sign of the force points until it is small or changes sign, then bisect.
 
     function: force along a coordinate. Stops with its last call where abs(force) <= enough; False if there
     is no such place within ``reach``.
@@ -203,8 +194,7 @@ def _bracket(function: Callable[[float], float], begin: float, small: float, eno
 
 
 def _stand(residual: Callable[[Array], Array], x: Array, place: int, row: int, tilt: int, tilt_row: int) -> None:
-    """Set the height x[place] so that the rails carry about the weight, and the roll x[tilt] so that both
-    do.
+    """Set the height x[place] so that the rails carry about the weight, and the roll x[tilt] so that both do.
 
     Newton's method does not find its way from a wheelset in the air or on one wheel.
     """

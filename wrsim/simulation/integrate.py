@@ -1,8 +1,6 @@
 """Time integration with a fixed step, samples, and an end in good order whatever happens.
 
-RK44 evaluates the creep forces explicitly. They damp the slip of the wheels at a rate that grows like 1/V,
-so the
-stable step shrinks with the speed: see ``step_for_speed``.
+Which step is stable: ``wrsim.simulation.step``.
 """
 
 from __future__ import annotations
@@ -14,7 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import FrameType
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -22,69 +20,19 @@ from wrsim.core.wheelset import first_not_finite
 from wrsim.errors import SimulationError
 from wrsim.simulation.system import COORDINATES, Array, System
 
-if TYPE_CHECKING:
-    from wrsim.vehicle.wheelset import Wheelset
-
 Cause = Literal["", "monitor", "interrupt", "not-finite", "forces"]
 Monitor = Callable[[float, Array, Array], str | None]
 Progress = Callable[[float, float], None]
 
-LARGEST_STEP = 5e-4
-"""Largest step [s]: 0.7 over the angular frequency of a wheelset on its contact springs (some 1450 rad/s).
-"""
-
-RK44_LIMIT = 2.785
-"""RK44 is stable on y' = -r y for h r below this number."""
-
 PROGRESS_INTERVAL = 0.1
 """Least time between two calls of the progress function [s]."""
-
-
-SAFETY = 0.75
-"""Part of the stability limit that a step may take."""
-
-CREEP_COEFFICIENT, CREEP_LOAD = 1e7, 50e3
-"""Creep coefficient of one wheel [N] at a wheel load [N]; it grows with the power 2/3 of the load (Hertz).
-"""
-
-MANCHESTER_WHEELSET = (1813.0, 112.0, 0.46, 50e3)
-"""Mass [kg], spin inertia [kg m2], radius [m], wheel load [N] where no wheelset is given."""
-
-
-def creep_rate(speed: float, mass: float, spin_inertia: float, radius: float, creep_coefficient: float) -> float:
-    """Decay rate of the longitudinal slip of a free wheelset [1/s], the fastest mode of the creep forces.
-
-    Two wheels with the force -C (v - r omega)/V each: rate = 2 C (1/m + r0^2/I_spin)/V. For m = 1813 kg,
-    I = 112 kg m2, r0 = 0.46 m and C = 1e7 N: 48800/V.
-    """
-    return 2.0 * creep_coefficient * (1.0 / mass + radius * radius / spin_inertia) / speed
-
-
-def step_for_speed(speed: float, wheelset: Wheelset | None = None) -> float:
-    """Step for a speed [m/s]: a whole part of a millisecond, at most ``LARGEST_STEP``.
-
-    It takes at most ``SAFETY`` of the stability limit of RK44 on the slip of the wheels, 2.785 / creep_rate.
-    *Measured* on a saturating creep law: the limit is 1.04 times that from 1 to 20 m/s. Beyond the limit a
-    run does not blow up; the saturated slip chatters, which looks like a result.
-
-    For the Manchester wheelset at 50 kN a wheel: 4.2e-5 s at 1 m/s, 2e-4 at 5, 3.3e-4 at 10, 5e-4 from 12
-    m/s up.
-    """
-    mass, inertia, radius, load = MANCHESTER_WHEELSET
-    if wheelset is not None:
-        mass, inertia, radius = wheelset.mass, wheelset.inertia[1], wheelset.mean_radius
-        load = 0.5 * wheelset.static_axle_load
-    coefficient = CREEP_COEFFICIENT * (max(load, 1e3) / CREEP_LOAD) ** (2.0 / 3.0)
-    limit = SAFETY * RK44_LIMIT / creep_rate(max(speed, 0.1), mass, inertia, radius, coefficient)
-    return 1e-3 / int(np.ceil(1e-3 / min(limit, LARGEST_STEP) - 1e-9))
 
 
 @dataclass(frozen=True)
 class Motion:
     """What an integration computed.
 
-    times (n,) [s]; q, q_t (n, 6 per body): sampled coordinates and rates, ``COORDINATES`` of each body; step
-    [s].
+    times (n,) [s]; q, q_t (n, 6 per body): sampled coordinates and rates, ``COORDINATES`` of each body; step [s].
     status: ``"completed"`` or ``"stopped"``; a stopped run says what stopped it (``cause``) and why in words
     (``reason``). All samples are finite. The last one is the state at the end or at the stop.
     """

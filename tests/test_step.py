@@ -1,0 +1,102 @@
+"""The stable time step: what the creep forces and the contact springs allow, and what happens beyond."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset, straight
+
+from wrsim.simulation.integrate import integrate
+from wrsim.simulation.step import (
+    RK44_LIMIT,
+    SAFETY,
+    creep_rate,
+    eigenvalues,
+    round_step,
+    stable_step,
+    step_for_speed,
+)
+from wrsim.simulation.system import RigidBody, System
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
+
+
+def rolling_on_edges(speed):
+    """Manchester wheelset on knife edges, creep coefficient 1e7 N, unsprung along the track; state and system."""
+    mass = 1813.0
+    vehicle = replace(
+        example_wheelset(),
+        mass=mass,
+        inertia=(1120.0, 112.0, 1120.0),
+        constant_force=(0.0, 0.0, mass * STANDARD_GRAVITY - 100e3),
+    )
+    forces = KnifeEdgeForces(vehicle, speed, straight(), 1000.0, KnifeEdge(creep=1e7))
+    q = np.array([0.46 - KnifeEdge().approach(50e3), 0.0, 0.0, 0.0, 0.0, 0.0])
+    q_t = np.array([0.0, speed, 0.0, 0.0, 0.0, speed / 0.46])
+    return System([RigidBody.of(vehicle)], forces), q, q_t
+
+
+@pytest.mark.parametrize("speed", [1.0, 5.0, 20.0])
+def test_the_slip_of_the_wheels_decays_within_the_creep_limit_and_stays_wrong_beyond(speed):
+    system, q, q_t = rolling_on_edges(speed)
+    q_t[5] *= 1.0002
+
+    def slip(step):
+        motion = integrate(system, q, q_t, duration=1000 * step, step=step)
+        assert motion.status == "completed"
+        return np.abs(motion.q_t[-50:, 1] - 0.46 * motion.q_t[-50:, 5]).max() / speed
+
+    limit = RK44_LIMIT / creep_rate(speed, 1813.0, 112.0, 0.46, 1e7)
+    assert step_for_speed(speed) <= min(SAFETY * limit, 5e-4)
+    assert slip(0.98 * limit) < 1e-6
+    assert slip(1.1 * limit) > 1e-4  # bounded by the saturation: it does not blow up
+
+
+@pytest.mark.parametrize("speed", [1.0, 5.0, 20.0])
+def test_the_stable_step_of_a_rolling_wheelset_is_that_of_its_slip(speed):
+    system, q, q_t = rolling_on_edges(speed)
+    limit = RK44_LIMIT / creep_rate(speed, 1813.0, 112.0, 0.46, 1e7)
+    assert stable_step(system, q, q_t) == pytest.approx(limit, rel=0.02)
+
+
+def test_the_stable_step_of_a_spring_is_that_of_its_frequency():
+    def law(t, q, q_t, out):
+        out.fill(0.0)
+        out[2] = -1500.0 * 1000.0**2 * q[2]
+
+    system = System([BODY], law)
+    q = np.zeros(6)
+    assert stable_step(system, q, q) == pytest.approx(2.828 / 1000.0, rel=4e-3)
+    values = eigenvalues(system, q, q)
+    assert np.abs(values).max() == pytest.approx(1000.0, rel=1e-6)
+
+
+def test_a_rolled_body_couples_heading_and_spin_in_its_eigenvalues():
+    # a torsion spring of 1 Nm/rad about the axle: spin alone at roll 0 and at any other roll
+    def law(t, q, q_t, out):
+        out.fill(0.0)
+        out[5] = -100.0 * 50.0**2 * q[5]
+
+    system = System([BODY], law)
+    for roll in (0.0, 0.3):
+        q = np.array([0.0, 0.0, 0.0, 0.0, roll, 0.0])
+        # spin angle against a fixed heading: inertia reduced by the coupling, 1/(1/I + tan(roll)^2 / I_cross)
+        reduced = 1.0 / (1.0 / 100.0 + np.tan(roll) ** 2 / 900.0)
+        expected = 50.0 * np.sqrt(100.0 / reduced)
+        assert np.abs(eigenvalues(system, q, np.zeros(6))).max() == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_step_is_a_whole_part_of_a_millisecond_and_grows_with_the_speed():
+    steps = [step_for_speed(v) for v in (1.0, 2.0, 5.0, 10.0, 20.0, 100.0)]
+    assert steps == sorted(steps)
+    assert steps[-1] == 5e-4
+    for step in steps:
+        assert 1e-3 / step == pytest.approx(round(1e-3 / step), abs=1e-9)
+    assert round_step(4e-4) == pytest.approx(1e-3 / 3)
+    assert round_step(1.0) == 5e-4
+
+
+def test_a_heavier_load_takes_a_smaller_step():
+    vehicle = example_wheelset(axle_load=200e3)
+    assert step_for_speed(5.0, vehicle) < step_for_speed(5.0, example_wheelset(axle_load=50e3))
