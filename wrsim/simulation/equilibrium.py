@@ -81,7 +81,8 @@ def find_equilibrium(
     q, q_t: (6 per body,) guess, kept where not unknown. unknowns: names of ``STATES`` to be found, for
     example ``("z", "y", "heading", "roll", "spin_rate")`` for a wheelset rolling straight; ``"z@1"`` means body 1.
     equations: the coordinates whose forces must vanish, default those of the unknowns (a rate stands for its
-    coordinate). weight [N]: the scale of forces; moments are divided by weight times 1 m. tolerance: largest scaled force.
+    coordinate). weight [N]: the scale of forces; moments are divided by weight times 1 m.
+    tolerance: largest scaled force.
 
     A wheelset that hangs above the rails is first lowered until they carry it.
     Raises SimulationError when the forces do not vanish, naming those that remain and the state.
