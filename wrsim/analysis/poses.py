@@ -19,6 +19,7 @@ from wrsim.contact.channels import WheelOnRail
 from wrsim.core import layout as k
 from wrsim.core.wheelset import kinematics
 from wrsim.core.wheelset_contact import add_forces, set_pose
+from wrsim.scenario.cases import StaticPose
 
 Array = NDArray[np.float64]
 
@@ -26,17 +27,6 @@ ROLLING_SPEED = 2.0  # of the quasi-static rolling [m/s]; creepages do not depen
 DEEPEST = 5e-3  # approach at which the search for the load is given up [m]
 LOAD_TOLERANCE = 1e-7
 LARGEST_ROLL = 0.05  # of a wheelset that looks for its balance [rad]
-
-
-@dataclass(frozen=True)
-class Pose:
-    """What is prescribed: lateral shift [m], yaw [rad], vertical load [N], roll [rad] (one wheel only)."""
-
-    name: str
-    lateral: float
-    yaw: float
-    load: float
-    roll: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -85,7 +75,7 @@ class StaticBench:
             a.call()
             add_forces(body, frame, wheel.side, wheel.half_spacing, a.total, self.force, self.moment)
 
-    def solve(self, pose: Pose) -> Solved:
+    def solve(self, pose: StaticPose) -> Solved:
         """Height (and roll, with two wheels) for the pose's load. The models then hold the contact found."""
         try:
             if len(self.wheels) == 1:
@@ -103,7 +93,7 @@ class StaticBench:
             message = f"the load lies in a jump of the force: {self.force[2]:.6g} N instead of {pose.load:.6g} N"
         return Solved(height, roll, message)
 
-    def _first_contact(self, pose: Pose, roll: float) -> float:
+    def _first_contact(self, pose: StaticPose, roll: float) -> float:
         """A height with contact, approached from above by the clearance between the profiles."""
         height = self.radius + 0.02 + abs(sin(roll)) * self.wheels[0].half_spacing
         lowest = height - 0.1
@@ -117,7 +107,7 @@ class StaticBench:
                 break
         raise NoContact(f"no contact: at a lateral shift of {1e3 * pose.lateral:g} mm the wheel is beside its rail")
 
-    def _height(self, pose: Pose, roll: float) -> float:
+    def _height(self, pose: StaticPose, roll: float) -> float:
         """Height at which the vertical force is the load."""
 
         def excess(height: float) -> float:
@@ -136,7 +126,7 @@ class StaticBench:
                 raise LoadNotReached(f"{pose.load:g} N are not reached within {1e3 * DEEPEST:g} mm of approach")
         return float(brentq(excess, near, far, xtol=1e-16, rtol=8.9e-16, maxiter=200))
 
-    def _balanced_roll(self, pose: Pose) -> float:
+    def _balanced_roll(self, pose: StaticPose) -> float:
         def moment(roll: float) -> float:
             self.evaluate(pose.lateral, self._height(pose, roll), pose.yaw, roll)
             return float(self.moment[0])

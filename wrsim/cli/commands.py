@@ -95,7 +95,7 @@ def run(
         from wrsim.analysis import run as analyse
 
         with progress_bar(not (quiet or as_json)) as progress:
-            result = analyse(scenario, progress=progress, output=directory)
+            result = analyse(scenario, progress=progress)
         files = write(result, directory, pictures)
         code = exit_code(result)
         if as_json:

@@ -1,12 +1,13 @@
 """From the kernel's columns to named channels.
 
-Raw arrays are stacked over samples and wheels; absent patches become not-a-number. Patches are put in the order of
-their normal force, largest first.
+Raw arrays are stacked over samples and wheels, one row per lobe. Lobes that share a patch (core.lobes) are joined here:
+forces and areas add up, extremes are taken over all, the main point is that of the deepest lobe. Patches are put in
+the order of their normal force, largest first; absent ones become not-a-number.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,21 +19,11 @@ from wrsim.core.locus import outline
 
 Array = NDArray[np.float64]
 
-_PATCH_CHANNELS = {
-    "N": k.N,
-    "Fx": k.FX_SUM,
-    "Fy": k.FY_SUM,
-    "spin_moment": k.SPIN_MOMENT,
+_SUMS = {"N": k.N, "Fx": k.FX_SUM, "Fy": k.FY_SUM, "area": k.AREA, "n_strips": k.N_STRIPS}
+_LARGEST = {"p0": k.P0, "contact_angle_max": k.ANGLE_MAX, "length": k.LENGTH}
+_OF_MAIN = {
     "contact_angle": k.ANGLE,
-    "contact_angle_min": k.ANGLE_MIN,
-    "contact_angle_max": k.ANGLE_MAX,
-    "contact_angle_mean": k.ANGLE_MEAN,
-    "p0": k.P0,
-    "area": k.AREA,
     "approach": k.APPROACH,
-    "n_strips": k.N_STRIPS,
-    "length": k.LENGTH,
-    "width": k.WIDTH,
     "xi": k.XI_MAIN,
     "eta": k.ETA_MAIN,
     "phi": k.PHI_MAIN,
@@ -94,13 +85,36 @@ class RawContacts:
         self.patches[sample, wheel] = model.arrays.patches
         self.totals[sample, wheel] = model.arrays.total
 
+    def clear(self, sample: int) -> None:
+        """Nothing was found at this sample."""
+        self.patches[sample] = 0.0
+        self.totals[sample] = np.nan
+        self.totals[sample, :, [k.COUNT, k.PATCHES]] = 0.0
 
-def _order(raw: RawContacts) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
-    """Order of the patches by normal force, and which are present (in that order); both (S, W, P)."""
-    present = np.arange(raw.patches.shape[2]) < raw.totals[..., k.COUNT, None]
-    force = np.where(present, raw.patches[..., k.N], -1.0)
+    def first(self, samples: int) -> RawContacts:
+        """The first samples alone."""
+        return RawContacts(self.patches[:samples], self.totals[:samples])
+
+
+@dataclass(frozen=True)
+class _Patches:
+    """Which lobes make which patch: member (S, W, patch, lobe), main lobe (S, W, patch), present (S, W, patch)."""
+
+    member: NDArray[np.bool_]
+    main: NDArray[np.intp]
+    present: NDArray[np.bool_]
+
+
+def _patches(raw: RawContacts) -> _Patches:
+    lobes = raw.patches.shape[2]
+    loaded = (np.arange(lobes) < raw.totals[..., k.COUNT, None]) & (raw.patches[..., k.N] > 0.0)
+    group = np.where(loaded, raw.patches[..., k.GROUP], -1.0)
+    member = group[..., None, :] == np.arange(lobes)[:, None]
+    force = np.where(member, raw.patches[..., None, :, k.N], 0.0).sum(axis=-1)
     order = np.argsort(-force, axis=-1, kind="stable")
-    return order, np.take_along_axis(present, order, axis=-1)
+    member = np.take_along_axis(member, order[..., None], axis=2)
+    depth = np.where(member, raw.patches[..., None, :, k.APPROACH], -1.0)
+    return _Patches(member, depth.argmax(axis=-1), member.any(axis=-1))
 
 
 def wheel_channels(raw: RawContacts) -> dict[str, Array]:
@@ -111,37 +125,58 @@ def wheel_channels(raw: RawContacts) -> dict[str, Array]:
         "Q": t[..., k.FORCE_B],
         "X": -t[..., k.FORCE_T],
         "T_gamma": t[..., k.WEAR],
-        "n_patches": t[..., k.COUNT],
+        "n_patches": t[..., k.PATCHES],
     }
 
 
-def patch_channels(
-    raw: RawContacts, wheels: Sequence[WheelOnRail], widening: Array | float = 0.0
-) -> dict[str, Array]:
+def patch_channels(raw: RawContacts, wheels: Sequence[WheelOnRail], widening: Array | float = 0.0) -> dict[str, Array]:
     """Channels with dimensions (sample, wheel, patch). widening: gauge beyond the nominal one, (S,) or one [m]."""
-    order, present = _order(raw)
-    sorted_patches = np.take_along_axis(raw.patches, order[..., None], axis=2)
+    p = _patches(raw)
 
-    def masked(values: Array) -> Array:
-        return np.where(present, values, np.nan)
+    def over(column: int) -> Array:
+        """Values of every lobe, seen from every patch: (S, W, patch, lobe)."""
+        return np.broadcast_to(raw.patches[..., None, :, column], p.member.shape)
 
-    channels = {name: masked(sorted_patches[..., column]) for name, column in _PATCH_CHANNELS.items()}
-    for name in ("u_wheel", "u_rail", "y_contact", "z_contact"):
-        channels[name] = np.full(present.shape, np.nan)
+    def of_main(column: int) -> Array:
+        return np.take_along_axis(over(column), p.main[..., None], axis=-1)[..., 0]
+
+    channels = {name: np.where(p.member, over(c), 0.0).sum(axis=-1) for name, c in _SUMS.items()}
+    channels |= {name: np.where(p.member, over(c), -np.inf).max(axis=-1) for name, c in _LARGEST.items()}
+    channels |= {name: of_main(c) for name, c in _OF_MAIN.items()}
+    channels["contact_angle_min"] = np.where(p.member, over(k.ANGLE_MIN), np.inf).min(axis=-1)
+    weight = np.where(p.member, over(k.N), 0.0)
+    mean = over(k.ANGLE_MEAN)
+    channels["contact_angle_mean"] = np.arctan2(
+        (weight * np.sin(mean)).sum(axis=-1), (weight * np.cos(mean)).sum(axis=-1)
+    )
+    place = over(k.ARC_RAIL)
+    ends = np.where(p.member, place + over(k.END), -np.inf).max(axis=-1)
+    starts = np.where(p.member, place + over(k.START), np.inf).min(axis=-1)
+    channels["width"] = np.where(p.present, ends, 0.0) - np.where(p.present, starts, 0.0)
+    # moments of the lobes about their own main points, brought to the patch's one
+    lever_s = place - of_main(k.ARC_RAIL)[..., None]
+    lever_x = over(k.X_MAIN) - of_main(k.X_MAIN)[..., None]
+    moments = over(k.SPIN_MOMENT) + lever_x * over(k.FY_SUM) - lever_s * over(k.FX_SUM)
+    channels["spin_moment"] = np.where(p.member, moments, 0.0).sum(axis=-1)
+    channels |= _positions(raw, wheels, of_main, widening)
+    return {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
+
+
+def _positions(
+    raw: RawContacts, wheels: Sequence[WheelOnRail], of_main: Callable[[int], Array], widening: Array | float
+) -> dict[str, Array]:
+    """Main points on the profiles and in the track frame, for one wheel after the other."""
     half_widening = 0.5 * np.broadcast_to(widening, raw.patches.shape[:1])
+    arcs = {"u_wheel": of_main(k.ARC_WHEEL), "u_rail": of_main(k.ARC_RAIL)}
+    out = {name: np.zeros_like(arc) for name, arc in arcs.items()}
+    out["y_contact"], out["z_contact"] = of_main(k.O_MAIN).copy(), of_main(k.B_MAIN).copy()
     for i, wheel in enumerate(wheels):
-        p = sorted_patches[:, i]
-        for name, profile, column in (
-            ("u_wheel", wheel.model.wheel, k.ARC_WHEEL),
-            ("u_rail", wheel.model.rail, k.ARC_RAIL),
-        ):
-            channels[name][:, i] = profile.at(np.clip(p[..., column], 0.0, profile.length))[0]
+        for name, profile in (("u_wheel", wheel.model.wheel), ("u_rail", wheel.model.rail)):
+            out[name][:, i] = profile.at(np.clip(arcs[name][:, i], 0.0, profile.length))[0]
         o, b = wheel.rail_origin
-        channels["y_contact"][:, i] = wheel.side * (o + half_widening[:, None] + p[..., k.O_MAIN])
-        channels["z_contact"][:, i] = b + p[..., k.B_MAIN]
-    for name in ("u_wheel", "u_rail", "y_contact", "z_contact"):
-        channels[name] = masked(channels[name])
-    return channels
+        out["y_contact"][:, i] = wheel.side * (o + half_widening[:, None] + out["y_contact"][:, i])
+        out["z_contact"][:, i] += b
+    return out
 
 
 @dataclass
@@ -149,7 +184,7 @@ class StripRecorder:
     """Collects strips and wheel outlines at chosen moments, the same wheels each time."""
 
     wheels: Sequence[WheelOnRail]
-    moments: list[dict[str, Array]]
+    moments: list[tuple[RawContacts, list[list[Array]], Array]]
 
     @classmethod
     def start(cls, wheels: Sequence[WheelOnRail]) -> StripRecorder:
@@ -158,56 +193,58 @@ class StripRecorder:
 
     def store(self) -> None:
         """Keep the strips and the outline of the pose that the models computed last."""
-        self.moments.append(
-            {
-                "patches": np.stack([w.model.arrays.patches.copy() for w in self.wheels]),
-                "totals": np.stack([w.model.arrays.total.copy() for w in self.wheels]),
-                "strips": _ragged([_used_strips(w) for w in self.wheels]),
-                "outline": np.stack([wheel_outline(w) for w in self.wheels]),
-            }
-        )
+        raw = RawContacts.empty(1, len(self.wheels), self.wheels[0].model.arrays.patches.shape[0])
+        strips = []
+        for i, wheel in enumerate(self.wheels):
+            a = wheel.model.arrays
+            raw.store(0, i, wheel.model)
+            count = int(a.total[k.COUNT])
+            strips.append([a.strips[j, : int(a.patches[j, k.N_STRIPS])].copy() for j in range(count)])
+        self.moments.append((raw, strips, np.stack([wheel_outline(w) for w in self.wheels])))
+
+    def clear_last(self) -> None:
+        """Nothing was found at the moment stored last."""
+        raw, _, outlines = self.moments[-1]
+        raw.clear(0)
+        self.moments[-1] = (raw, [[] for _ in self.wheels], np.full_like(outlines, np.nan))
 
     def channels(self) -> dict[str, Array]:
         """Strip channels (moment, wheel, patch, strip) and outlines for drawing."""
-        result: dict[str, Array] = {}
         rails = [w.model.rail.at(np.linspace(0.0, w.model.rail.length, OUTLINE_POINTS)) for w in self.wheels]
-        result["rail_profile_y"] = np.stack([r[0] for r in rails])
-        result["rail_profile_z"] = np.stack([r[1] for r in rails])
+        result = {"rail_profile_y": np.stack([r[0] for r in rails]), "rail_profile_z": np.stack([r[1] for r in rails])}
         if not self.moments:
             return result
-        most = max(m["strips"].shape[2] for m in self.moments)
-        rows = np.full((len(self.moments), *self.moments[0]["strips"].shape[:2], most, k.STRIP_COLUMNS), np.nan)
-        for row, m in zip(rows, self.moments, strict=True):
-            row[:, :, : m["strips"].shape[2]] = m["strips"]
-        raw = RawContacts(
-            np.stack([m["patches"] for m in self.moments]), np.stack([m["totals"] for m in self.moments])
-        )
-        order, present = _order(raw)
-        rows = np.take_along_axis(rows, order[..., None, None], axis=2)
-        counts = np.take_along_axis(raw.patches[..., k.N_STRIPS], order, axis=-1)
-        used = present[..., None] & (np.arange(most) < counts[..., None])
-        for name, column in _STRIP_CHANNELS.items():
-            result[name] = np.where(used, rows[..., column], np.nan)
-        result["strip_angle"] = np.where(used, np.arctan2(-rows[..., k.NO], rows[..., k.NB]), np.nan)
-        result["wheel_profile_y"] = np.stack([m["outline"][:, 0] for m in self.moments])
-        result["wheel_profile_z"] = np.stack([m["outline"][:, 1] for m in self.moments])
+        patches = self.wheels[0].model.arrays.patches.shape[0]
+        rows = [
+            [[_joined(raw, lobes, i, j) for j in range(patches)] for i, lobes in enumerate(strips)]
+            for raw, strips, _ in self.moments
+        ]
+        most = max(max((len(r) for wheel in moment for r in wheel), default=1) for moment in rows)
+        table = np.full((len(rows), len(self.wheels), patches, max(most, 1), k.STRIP_COLUMNS), np.nan)
+        for m, moment in enumerate(rows):
+            for i, wheel_rows in enumerate(moment):
+                for j, r in enumerate(wheel_rows):
+                    table[m, i, j, : len(r)] = r
+        result |= {name: table[..., column] for name, column in _STRIP_CHANNELS.items()}
+        result["strip_angle"] = np.arctan2(-table[..., k.NO], table[..., k.NB])
+        result["wheel_profile_y"] = np.stack([outline_[:, 0] for _, _, outline_ in self.moments])
+        result["wheel_profile_z"] = np.stack([outline_[:, 1] for _, _, outline_ in self.moments])
         return result
 
 
-def _used_strips(wheel: WheelOnRail) -> Array:
-    """(patches, strips in use, columns) of what was computed last."""
-    a = wheel.model.arrays
-    most = max((int(a.patches[i, k.N_STRIPS]) for i in range(int(a.total[k.COUNT]))), default=1)
-    return a.strips[:, :most].copy()
-
-
-def _ragged(parts: list[Array]) -> Array:
-    """Stack of arrays that differ in the number of strips, filled up with not-a-number."""
-    most = max(p.shape[1] for p in parts)
-    out = np.full((len(parts), max(p.shape[0] for p in parts), most, parts[0].shape[2]), np.nan)
-    for row, p in zip(out, parts, strict=True):
-        row[: p.shape[0], : p.shape[1]] = p
-    return out
+def _joined(raw: RawContacts, lobes: list[Array], wheel: int, patch: int) -> Array:
+    """Strips of one patch by increasing s, measured from the main point of its deepest lobe."""
+    p = _patches(raw)
+    members = [j for j in range(len(lobes)) if p.member[0, wheel, patch, j]]
+    if not members:
+        return np.zeros((0, k.STRIP_COLUMNS))
+    arcs = raw.patches[0, wheel, :, k.ARC_RAIL]
+    parts = []
+    for j in members:
+        part = lobes[j].copy()
+        part[:, k.S] += arcs[j] - arcs[p.main[0, wheel, patch]]
+        parts.append(part)
+    return np.concatenate(parts)
 
 
 def wheel_outline(wheel: WheelOnRail) -> Array:

@@ -63,6 +63,7 @@ class WheelsetOnTrack:
             )
         )
         self._scalars = views[kernel.SCALARS]
+        self._track = track
 
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
         """See ``ForceLaw``. Returns the status of the contacts; raises SimulationError off the track."""
@@ -76,6 +77,8 @@ class WheelsetOnTrack:
         """Distance of the wheelset along the centre line at the state asked for last [m]."""
         return float(self._scalars[kernel.S_CENTRE])
 
-    def set_distance(self, distance: float, left: float, right: float) -> None:
-        """Tell where to look for the wheelset first: before a state far from the last one."""
-        self._scalars[kernel.S_CENTRE : kernel.S_RIGHT + 1] = (distance, left, right)
+    def look_near(self, distance: float) -> None:
+        """Tell where to look for the wheelset first [m]: before a state far from the last one."""
+        self._scalars[kernel.S_CENTRE] = distance
+        self._scalars[kernel.S_LEFT] = self._track.rail_distance("left", distance)
+        self._scalars[kernel.S_RIGHT] = self._track.rail_distance("right", distance)

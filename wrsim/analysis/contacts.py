@@ -1,0 +1,37 @@
+"""Contact models for both wheels of a set-up."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.model import ContactModel
+
+if TYPE_CHECKING:
+    from wrsim.scenario.build import Setup
+
+
+def contact_models(setup: Setup, frictionless: bool = False) -> tuple[ContactModel, ContactModel]:
+    """Models of the left and the right wheel on their rails."""
+    settings = replace(setup.contact, tangential="none") if frictionless else setup.contact
+    wheels = (setup.wheelset.left, setup.wheelset.right)
+    left, right = (
+        ContactModel.build(wheel.profile, rail, wheel.radius, settings, friction)
+        for wheel, rail, friction in zip(wheels, setup.rails, settings.friction, strict=True)
+    )
+    return left, right
+
+
+def wheels_on_rails(setup: Setup, models: tuple[ContactModel, ContactModel]) -> tuple[WheelOnRail, WheelOnRail]:
+    """The same with their places: on the wheelset and in the track's cross-section at nominal gauge."""
+    left, right = (
+        WheelOnRail(
+            model,
+            side,
+            0.5 * setup.wheelset.profile_spacing,
+            (0.5 * setup.track.nominal_gauge - model.rail.gauge_point()[0], -model.rail.top[1]),
+        )
+        for model, side in zip(models, (1, -1), strict=True)
+    )
+    return left, right

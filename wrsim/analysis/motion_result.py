@@ -1,0 +1,109 @@
+"""From the sampled states of a run to its result.
+
+The contacts of each sample are computed anew from its state, so a sample is a pure function of the state. Strips are
+kept at chosen places and at the largest Y/Q of each wheel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
+from wrsim.results import Result, assemble
+from wrsim.simulation.placement import poses_on_track
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from wrsim.scenario.build import Setup
+    from wrsim.simulation.integrate import Motion
+    from wrsim.simulation.wheelset_law import WheelsetOnTrack
+
+    Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A sample whose strips are kept, and why."""
+
+    sample: int
+    label: str
+
+
+def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
+    """All channels of a motion, from its sampled states."""
+    track, speed = setup.track, setup.run.speed
+    poses = poses_on_track(track.centre, motion.q, motion.q_t, setup.run.start)
+    n = len(motion.times)
+    raw = RawContacts.empty(n, 2, setup.contact.max_patches)
+    out = np.zeros(6)
+
+    def evaluate(i: int) -> None:
+        law.look_near(float(poses.distance[i]))
+        law(motion.times[i], motion.q[i], motion.q_t[i], out)
+
+    for i in range(n):
+        evaluate(i)
+        for j, wheel in enumerate(law.wheels):
+            raw.store(i, j, wheel.model)
+    wheel = wheel_channels(raw)
+    snapshots = choose_snapshots(setup, poses.distance, wheel)
+    strips = StripRecorder.start(law.wheels)
+    for snapshot in snapshots:
+        evaluate(snapshot.sample)
+        strips.store()
+    kept = np.array([s.sample for s in snapshots], dtype=int)
+    gauge = track.gauge(poses.distance)
+    channels = {
+        "distance": poses.distance,
+        "speed": np.full(n, speed),
+        "curvature": track.curvature(poses.distance),
+        "cant": track.cant(poses.distance),
+        "gauge": gauge,
+        "lateral_shift": poses.lateral,
+        "vertical_shift": poses.height - setup.wheelset.mean_radius,
+        "yaw": poses.yaw,
+        "roll": poses.roll,
+        "spin_rate": poses.spin_rate,
+        **wheel,
+        **patch_channels(raw, law.wheels, gauge - track.nominal_gauge),
+        "snapshot_time": motion.times[kept],
+        "snapshot_distance": poses.distance[kept],
+        "snapshot_label": np.array([s.label for s in snapshots]),
+        **strips.channels(),
+    }
+    attributes: dict[str, str | float | int] = {
+        "title": setup.title,
+        "analysis": setup.analysis,
+        "status": motion.status,
+        "scenario_text": setup.text,
+        "step_s": motion.step,
+    }
+    if motion.status == "stopped":
+        attributes["stop_reason"] = motion.reason
+        attributes["stop_cause"] = motion.cause
+        attributes["stop_time_s"] = motion.end
+        attributes["stop_distance_m"] = float(poses.distance[-1])
+    return Result(assemble({"time": motion.times}, channels, attributes))
+
+
+def choose_snapshots(setup: Setup, distance: Array, wheel: dict[str, Array]) -> list[Snapshot]:
+    """Samples whose strips are kept: the distances asked for, the start of the largest Y/Q of either wheel."""
+    chosen = {
+        int(np.argmin(np.abs(distance - place))): f"at {place:g} m"
+        for place in setup.run.patches_at
+        if distance[0] - 0.5 <= place <= distance[-1] + 0.5
+    }
+    q = wheel["Q"]
+    quotient = np.divide(wheel["Y"], q, out=np.full(q.shape, -np.inf), where=q > 1.0)
+    for side, name in enumerate(("left", "right")):
+        if np.isfinite(quotient[:, side]).any():
+            chosen.setdefault(int(np.argmax(quotient[:, side])), f"largest Y/Q, {name} wheel")
+    if not chosen:
+        chosen[len(distance) - 1] = "end"
+    return [Snapshot(sample, label) for sample, label in sorted(chosen.items())]
+
+
