@@ -122,8 +122,8 @@ def _patch(wheel: np.ndarray, rail: np.ndarray, main: int, force: float, yaw: fl
     gap = (apart * normal).sum(1)
     mid, s = 0.5 * (wheel[main + i] + rail[base + i]), i * 5e-5
     radius = RADIUS * np.hypot(1.0, wt[i == 0, 1] / wt[i == 0, 0])[0]
-    low, high = 1e-7, 4e-4
-    for _ in range(40):
+    low, high = 4e-6, 4e-4
+    for _ in range(18):
         delta = np.sqrt(low * high)
         found = _pressure(s, gap, delta, radius)
         low, high = (delta, high) if found["N"] < force else (low, delta)
@@ -143,8 +143,9 @@ def _patch(wheel: np.ndarray, rail: np.ndarray, main: int, force: float, yaw: fl
 def _pressure(s: np.ndarray, gap: np.ndarray, delta: float, radius: float) -> dict:
     depth = 0.55 * delta - gap
     middle = int(np.argmin(np.abs(s)))
-    outside = np.flatnonzero(depth <= 0.0)
-    inside = np.arange(max(outside[outside < middle], default=-1) + 1, min(outside[outside > middle], default=len(s)))
+    out = depth <= 0.0
+    first = middle - int(np.argmax(np.append(out[middle::-1], True))) + 1
+    inside = np.arange(first, middle + int(np.argmax(np.append(out[middle:], True))))
     edges = []
     for a, b in ((inside[0], max(inside[0] - 1, 0)), (inside[-1], min(inside[-1] + 1, len(s) - 1))):
         edges.append(s[a] + (s[b] - s[a]) * depth[a] / max(depth[a] - depth[b], 1e-12))

@@ -62,7 +62,7 @@ def peak(
     if name not in dataset:
         return None
     data = dataset[name] if wheel is None else dataset[name].sel(wheel=wheel)
-    values = data.values.reshape(data.shape[0], -1)
+    values = data.values.reshape(data.shape[0], int(np.prod(data.shape[1:])))
     finite = np.isfinite(values)
     if not finite.any():
         return None

@@ -1,0 +1,329 @@
+"""Pictures draw the data they are given. Artists are inspected; nobody compares pixels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from support.synthetic_result import curve_run, static_poses
+
+from wrsim.plots import (
+    PatchAt,
+    against_pose,
+    channels_figure,
+    choose_moments,
+    contact_angle,
+    contact_angle_figure,
+    contact_patch,
+    cross_section_zoom,
+    history,
+    new_figure,
+    overview_figure,
+    patch_gallery,
+    pressure_scale,
+    save,
+    section_gallery,
+    standard_figures,
+    standard_pictures,
+    static_figure,
+    style,
+    track_layout,
+)
+from wrsim.plots.moments import moment_title, snapshot_letter
+from wrsim.plots.style import WHEEL_COLOUR, broken, pressure_map
+
+RUN_PICTURES = ["overview", "contact_angle", "forces", "derailment", "motion", "pressure", "patches", "sections"]
+
+
+@pytest.fixture
+def axes():
+    with style():
+        return new_figure(80, 60).add_subplot()
+
+
+def lines_of(axes, wheel: str) -> list:
+    return [line for line in axes.get_lines() if to_hex(line.get_color()).upper() == WHEEL_COLOUR[wheel]]
+
+
+def texts(figure: Figure) -> str:
+    """All words on a figure."""
+    found = [t.get_text() for t in figure.texts] + [figure.get_suptitle()]
+    for axes in figure.axes:
+        found += [axes.get_title(loc) for loc in ("left", "center")] + [axes.get_xlabel(), axes.get_ylabel()]
+        found += [t.get_text() for t in axes.texts]
+    return "\n".join(found)
+
+
+def one_pose() -> xr.Dataset:
+    return static_poses((6.0,), (0.0,))
+
+
+# histories ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("name", "factor"), [("Q", 1e-3), ("Y", 1e-3), ("Y_over_Q", 1.0), ("T_gamma", 1.0)])
+def test_histories_of_wheels_are_drawn_in_their_units_and_colours(axes, name, factor):
+    dataset = curve_run()
+    history(axes, dataset, name)
+    for wheel in ("left", "right"):
+        (line,) = lines_of(axes, wheel)
+        np.testing.assert_array_equal(line.get_xdata(), dataset["distance"])
+        np.testing.assert_allclose(line.get_ydata(), dataset[name].sel(wheel=wheel) * factor)
+
+
+def test_the_lateral_shift_is_drawn_in_millimetres(axes):
+    dataset = curve_run()
+    history(axes, dataset, "lateral_shift")
+    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), dataset["lateral_shift"] * 1e3)
+    assert "[mm]" in axes.get_ylabel()
+
+
+def test_the_contact_angle_shows_main_point_and_mean_and_the_band_between_the_extremes(axes):
+    dataset = curve_run()
+    contact_angle(axes, dataset, "right")
+    angle = np.degrees(dataset["contact_angle"].sel(wheel="right", patch=0))
+    drawn = lines_of(axes, "right")[0].get_ydata()
+    np.testing.assert_allclose(drawn[np.isfinite(drawn)], angle)
+    assert np.isnan(drawn).sum() >= 1  # the jump into the flange root is not bridged by a line
+    (band, *_) = axes.collections
+    edges = np.concatenate([path.vertices[:, 1] for path in band.get_paths()])
+    low, high = (dataset[f"contact_angle_{e}"].sel(wheel="right", patch=0) for e in ("min", "max"))
+    assert edges.min() == pytest.approx(float(np.degrees(low.min())))
+    assert edges.max() == pytest.approx(float(np.degrees(high.max())))
+
+
+def test_a_line_is_interrupted_where_the_contact_jumps():
+    x, y = broken(np.arange(4.0), np.array([0.0, 1.0, 50.0, 51.0]), 6.0)
+    np.testing.assert_array_equal(y, [0.0, 1.0, np.nan, 50.0, 51.0])
+    np.testing.assert_array_equal(x, [0.0, 1.0, 1.5, 2.0, 3.0])
+
+
+def test_a_sample_without_neighbours_is_a_visible_dot(axes):
+    dataset = curve_run().isel(time=slice(0, 3)).copy(deep=True)
+    dataset["yaw"][:] = [np.nan, 0.002, np.nan]
+    history(axes, dataset, "yaw")
+    dots = [line for line in axes.get_lines() if line.get_marker() == "o"]
+    assert [d.get_ydata().tolist() for d in dots] == [[2.0]]
+
+
+def test_curvature_and_cant_are_beneath_and_keep_their_hand(axes):
+    dataset = curve_run(radius=-300.0)
+    track_layout(axes, dataset)
+    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), dataset["curvature"] * 1e3)
+    cant = next(a for a in axes.figure.axes if a is not axes)
+    np.testing.assert_allclose(cant.get_lines()[0].get_ydata(), dataset["cant"] * 1e3)
+    assert axes.get_ylim()[0] < -3.3
+
+
+def test_panels_share_the_distance_axis_and_snapshots_are_lettered():
+    figure = channels_figure(curve_run(), ("Q", "Y"))
+    track, *rows = [a for a in figure.axes if a.get_ylabel() != "Cant\n[mm]"]
+    assert len(rows) == 2
+    assert all(a.get_xlim() == track.get_xlim() == (0.0, 260.0) for a in rows)
+    assert [t.get_text() for t in rows[0].texts] == list("abcde")
+
+
+def test_a_resting_wheelset_is_drawn_against_time():
+    dataset = curve_run().isel(time=slice(0, 5)).drop_dims("snapshot")
+    dataset = dataset.assign_coords(distance=dataset["distance"] * 0.0)
+    figure = channels_figure(dataset, ("Q",))
+    assert "Time" in texts(figure)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [contact_angle_figure, overview_figure, lambda d: channels_figure(d, ("Q",)), patch_gallery, section_gallery],
+)
+def test_a_stopped_run_says_on_every_picture_where_and_why(make):
+    figure = make(curve_run(stopped=True))
+    assert "Stopped at 142.41 m: derailment" in texts(figure)
+
+
+def test_a_stopped_run_is_marked_where_it_ended():
+    dataset = curve_run(stopped=True)
+    figure = channels_figure(dataset, ("Q",))
+    marks = [line for a in figure.axes for line in a.get_lines() if line.get_gid() == "stop"]
+    assert len(marks) == 2  # panel and track
+    assert all(line.get_xdata()[0] == dataset.attrs["stop_distance_m"] for line in marks)
+
+
+# patches -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_patch_is_drawn_with_its_semi_ellipses_of_pressure(axes):
+    dataset = curve_run()
+    where = PatchAt(3, "right", 0)
+    scale = pressure_scale(dataset)
+    contact_patch(axes, dataset, where, scale)
+    (mesh,) = [c for c in axes.collections if isinstance(c, QuadMesh)]
+    points, pressure = mesh.get_coordinates(), np.asarray(mesh.get_array())
+    strips = dataset.isel(snapshot=3, patch=0).sel(wheel="right").dropna("strip", subset=["strip_p"])
+    assert pressure.max() == pytest.approx(float(strips["strip_p"].max()) / 1e6, rel=1e-9)
+    # every strip appears as a column: along it p^2 / p0^2 + (x - x0)^2 / a^2 = 1
+    for s, x0, a, p in np.transpose([strips[f"strip_{n}"] for n in "sxap"]):
+        column = int(np.argmin(np.abs(points[0, :, 0] - 1e3 * s)))
+        assert points[0, column, 0] == pytest.approx(1e3 * s, abs=1e-9)
+        law = (pressure[:, column] / (1e-6 * p)) ** 2 + ((points[:, column, 1] - 1e3 * x0) / (1e3 * a)) ** 2
+        np.testing.assert_allclose(law, 1.0, rtol=1e-9)
+    assert axes.get_aspect() == 1.0
+    width = np.ptp(points[..., 0])
+    assert width == pytest.approx(1e3 * float(strips["strip_ds"].sum()), rel=1e-6)
+
+
+def test_empty_strips_split_a_patch_into_its_parts(axes):
+    dataset = one_pose().copy(deep=True)
+    dataset["strip_a"][0, 0, 0, 10:14] = 0.0
+    dataset["strip_p"][0, 0, 0, 10:14] = 0.0
+    contact_patch(axes, dataset, PatchAt(0, "left", 0), pressure_scale(dataset), strips=True)
+    assert len([c for c in axes.collections if isinstance(c, QuadMesh)]) == 2
+
+
+def test_all_patches_of_a_gallery_have_one_scale_of_colour_and_length():
+    figure = patch_gallery(curve_run())
+    panels = [a for a in figure.axes if a.collections and isinstance(a.collections[0], QuadMesh)]
+    assert len(panels) >= 10
+    scales = {(m.norm.vmin, m.norm.vmax) for a in panels for m in a.collections}
+    assert len(scales) == 1
+    assert next(iter(scales))[0] == 0.0
+    figure.canvas.draw()
+    per_mm = {round(a.get_window_extent().width / np.ptp(a.get_xlim()), 3) for a in panels}
+    up = {round(a.get_window_extent().height / np.ptp(a.get_ylim()), 3) for a in panels}
+    assert per_mm == up
+    assert len(per_mm) == 1
+
+
+def test_a_gallery_shows_every_patch_in_contact_and_none_else():
+    dataset = static_poses((-4.0, 4.0, 7.0), (12.0,))
+    in_contact = int(np.isfinite(dataset["strip_p"]).any("strip").sum())
+    figure = patch_gallery(dataset)
+    assert (
+        sum(len(a.collections) > 0 and a.get_ylabel() != "Cant" for a in figure.axes) - 1 == in_contact
+    )  # and the bar
+    assert "second patch" in texts(figure)
+
+
+def test_colours_of_pressure_darken_evenly():
+    r, g, b, _ = pressure_map()(np.linspace(0.0, 1.0, 50)).T
+    lightness = 0.2126 * r + 0.7152 * g + 0.0722 * b
+    assert (np.diff(lightness) < 0.0).all()
+
+
+def test_moments_are_spread_over_those_with_strips():
+    dataset = static_poses()
+    assert choose_moments(dataset, 100) == list(range(41))  # the last pose has no solution
+    few = choose_moments(dataset, 5)
+    assert (few[0], few[-1], len(few)) == (0, 40, 5)
+
+
+def test_titles_tell_the_pose_as_far_as_it_varies():
+    assert moment_title(static_poses((-4.0, 4.0), (0.0,)), 0, 0) == "(a) $\\Delta y$ = \N{MINUS SIGN}4 mm"
+    assert moment_title(static_poses(), 41, 2) == "(c) $\\Delta y$ = 10 mm\n$\\psi$ = 12 mrad"
+    assert moment_title(curve_run(), 2, 0).startswith("(c) ")  # a snapshot keeps the letter of the histories
+    assert [snapshot_letter(i) for i in (0, 25, 26, 53)] == ["a", "z", "aa", "bb"]
+
+
+# cross-sections ----------------------------------------------------------------------------------------------------
+
+
+def test_the_section_shows_both_outlines_and_the_patch_on_them(axes):
+    dataset = one_pose()
+    where = PatchAt(0, "left", 0)
+    cross_section_zoom(axes, dataset, where, pressure_scale(dataset))
+    drawn = {line.get_gid(): line for line in axes.get_lines()}
+    of_wheel = dataset.sel(wheel="left")
+    for part, values in (("rail", of_wheel), ("wheel", of_wheel.isel(pose=0))):
+        np.testing.assert_allclose(drawn[part].get_xdata()[1:-1], values[f"{part}_profile_y"] * 1e3)
+        np.testing.assert_allclose(drawn[part].get_ydata()[1:-1], values[f"{part}_profile_z"] * 1e3)
+    (patch,) = [c for c in axes.collections if isinstance(c, QuadMesh)]
+    centre = patch.get_coordinates().mean(axis=0)
+    strips = of_wheel.isel(pose=0, patch=0)
+    for y, z in np.transpose([strips["strip_y"], strips["strip_z"]]) * 1e3:
+        assert np.hypot(*(centre - [y, z]).T).min() < 1e-9
+    x0, x1 = axes.get_xlim()
+    y0, y1 = axes.get_ylim()
+    assert x0 < centre[:, 0].min() < centre[:, 0].max() < x1
+    assert y0 < centre[:, 1].min() < centre[:, 1].max() < y1
+
+
+def test_pressure_lines_stand_on_the_normals_of_the_strips(axes):
+    dataset = one_pose()
+    cross_section_zoom(axes, dataset, PatchAt(0, "left", 0), pressure_scale(dataset))
+    (lines,) = [c for c in axes.collections if c.get_gid() == "normals"]
+    angle = dataset["strip_angle"].values[0, 0, 0]
+    slopes = np.array([np.arctan2(*(s[1] - s[0])[::-1]) for s in lines.get_segments()]) - np.pi / 2
+    for slope in slopes:
+        assert np.abs(slope - angle).min() < 1e-9
+
+
+# static curves -----------------------------------------------------------------------------------------------------
+
+
+def test_static_curves_have_a_line_for_every_wheel_and_yaw(axes):
+    dataset = static_poses()
+    against_pose(axes, dataset, "p0")
+    lines = [line for line in lines_of(axes, "left") if line.get_gid() is None]
+    assert len(lines) == 2
+    for line, yaw in zip(lines, (0.0, 0.012), strict=True):
+        poses = np.flatnonzero(np.abs(dataset["yaw"] - yaw) < 1e-12)
+        expected = dataset["p0"].isel(pose=poses, patch=0).sel(wheel="left") * 1e-6
+        x, y = line.get_xdata(), line.get_ydata()
+        finite = np.isfinite(y)
+        np.testing.assert_allclose(y[finite], expected[np.isfinite(expected)])
+        np.testing.assert_allclose(x[finite], dataset["lateral_shift"][poses][np.isfinite(expected.values)] * 1e3)
+
+
+def test_poses_that_differ_only_in_yaw_are_drawn_against_yaw(axes):
+    dataset = static_poses((0.0,), (0.0, 6.0, 12.0))
+    against_pose(axes, dataset, "p0")
+    assert "Angle of attack" in axes.get_xlabel()
+
+
+def test_poses_without_a_solution_are_confessed_on_the_picture():
+    assert "1 of 42 poses without a solution" in texts(static_figure(static_poses()))
+
+
+# whole sets --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("dataset", "names"),
+    [
+        (lambda: curve_run(), RUN_PICTURES),
+        (lambda: curve_run(stopped=True), RUN_PICTURES),
+        (lambda: curve_run().isel(time=slice(0, 1)).drop_dims("snapshot"), RUN_PICTURES[:-2]),
+        (lambda: curve_run().isel(time=slice(0, 0)).drop_dims("snapshot"), []),
+        (lambda: static_poses(), ["contact", "patches", "sections"]),
+        (one_pose, ["patches", "sections"]),
+        (lambda: static_poses((0.0, 7.0), (0.0,), ("left",), 24e3), ["contact", "patches", "sections"]),
+        (lambda: static_poses().isel(pose=[41]), []),
+    ],
+)
+def test_every_kind_of_result_gets_its_pictures(dataset, names):
+    assert list(standard_figures(dataset())) == names
+
+
+def test_pictures_are_written_and_the_same_data_give_the_same_bytes(tmp_path):
+    dataset = static_poses((7.0,), (0.0,), ("left",))
+    paths = standard_pictures(dataset, tmp_path)
+    first = {p.name: p.read_bytes() for p in paths}
+    assert all(content.startswith(b"\x89PNG") for content in first.values())
+    again = {p.name: p.read_bytes() for p in standard_pictures(dataset, tmp_path)}
+    assert first == again
+
+
+def test_an_empty_run_is_a_figure_that_says_so(tmp_path):
+    figure = channels_figure(curve_run(stopped=True).isel(time=slice(0, 0)), ("Q",))
+    assert "No samples" in texts(figure)
+    assert "derailment" in texts(figure)
+    assert save(figure, tmp_path / "empty.png").stat().st_size > 1000
+
+
+def test_plots_leave_the_settings_of_the_user_alone():
+    import matplotlib as mpl
+
+    before = dict(mpl.rcParams)
+    channels_figure(curve_run(), ("Q",))
+    assert dict(mpl.rcParams) == before
