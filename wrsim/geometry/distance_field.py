@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 SPACING = 0.5e-3
 MARGIN_SIDE = 6e-3
 MARGIN_TOP = 8e-3
+MARGIN_BELOW = 6e-3  # below the lowest point: a flat rail is penetrated there
 SAMPLE = 0.05e-3
 
 
@@ -32,12 +33,12 @@ class DistanceField:
 
 
 def distance_field(rail: Profile, spacing: float = SPACING) -> DistanceField:
-    """Field of a rail profile (already inclined) over its bounding box with a margin at the sides and on top."""
+    """Field of a rail profile (already inclined) over its bounding box with a margin all around."""
     n = int(np.ceil(rail.length / SAMPLE)) + 1
     arc = np.linspace(0.0, rail.length, n)
     u, w = rail.at(arc)
     tu, tw = rail.tangent(arc)
-    o0, b0 = float(u.min() - MARGIN_SIDE), float(w.min())
+    o0, b0 = float(u.min() - MARGIN_SIDE), float(w.min() - MARGIN_BELOW)
     count_o = int(np.ceil((u.max() + MARGIN_SIDE - o0) / spacing)) + 1
     count_b = int(np.ceil((w.max() + MARGIN_TOP - b0) / spacing)) + 1
     grid = np.stack(
