@@ -50,7 +50,8 @@ def distance_field(rail: Profile, spacing: float = SPACING) -> DistanceField:
     along = du * tu[nearest] + dw * tw[nearest]
     outward = -du * tw[nearest] + dw * tu[nearest]
     foot = np.clip(arc[nearest] + np.clip(along, -SAMPLE, SAMPLE), 0.0, rail.length)
-    distance = np.copysign(np.hypot(du, dw), outward)
+    # from the foot on the curve, not from the nearest sample: that is up to half a SAMPLE beside it
+    distance = np.copysign(np.hypot(outward, along - (foot - arc[nearest])), outward)
     # beyond an end of the curve there is no steel to touch
     beyond = ((nearest == 0) & (along < 0.0)) | ((nearest == n - 1) & (along > 0.0))
     distance[beyond] = np.abs(distance[beyond])
