@@ -80,20 +80,19 @@ def locus_point(table, step, radius, ox, oo, ob, et, eo, eb, q, arc):
 
 @njit(cache=True)
 def locus_node(table, node, radius, oo, ob, et, eo, eb, q):
-    """(o, b, normal_o, normal_b, proper) at a table node, for the search: no interpolation, no curvature.
+    """(o, b, normal_o, normal_b, sine) at a table node, for the search: no interpolation, no curvature.
 
-    proper is False where the locus has no point: a nearly vertical flank of a yawed wheel touches nowhere.
+    Where abs(sine) is not below ``LARGEST_SINE`` the locus has no point (a nearly vertical flank of a yawed wheel
+    touches nowhere) and the plain section is returned.
     """
     u, w, cu, cw = table[node, 0], table[node, 1], table[node, 2], table[node, 3]
     rho = radius - w
     sine = -cw * et / (max(cu, 1e-3) * q)
-    proper = abs(sine) < LARGEST_SINE
-    if not proper:
-        sine = 0.0
-    cosine = sqrt(1.0 - sine * sine)
-    do = (cosine * eb - sine * et * eo) / q
-    db = (-cosine * eo - sine * et * eb) / q
-    return oo + u * eo + rho * do, ob + u * eb + rho * db, cw * eo + cu * do, cw * eb + cu * db, proper
+    angle = sine if abs(sine) < LARGEST_SINE else 0.0
+    cosine = sqrt(1.0 - angle * angle)
+    do = (cosine * eb - angle * et * eo) / q
+    db = (-cosine * eo - angle * et * eb) / q
+    return oo + u * eo + rho * do, ob + u * eb + rho * db, cw * eo + cu * do, cw * eb + cu * db, sine
 
 
 @njit(cache=True)

@@ -12,12 +12,15 @@ from math import sqrt
 
 from numba import njit
 
-from wrsim.core.locus import locus_node, locus_point
+from wrsim.core.locus import LARGEST_SINE, locus_node, locus_point
 from wrsim.core.profile import profile_point
 
 FIELD_ERROR = 1e-5  # of the field's interpolation, generously [m]
-NEAR = 5e-5  # distance of a sample beside which contact is looked for exactly [m]
+NEAR = 5e-5  # estimated least distance below which contact is looked for exactly [m]
 FAR = 5e-3  # distance beyond which the slope is not worth computing [m]
+STRETCH = 1.2  # the outline is at most this much longer than the profile where abs(sine) < STEEP
+STEEP = 0.1  # on steeper parts of a yawed wheel nothing is skipped
+YAW_HOLLOWS = 0.03  # yaw that makes the hollow parts of the outline about twice as hollow as the profile [rad]
 MARGIN = 5.5e-3  # the field reaches at least this far beyond the rail [m]
 
 
@@ -144,28 +147,44 @@ def find_contacts(
     status = 0
     near = False  # whether the last sample was one stride ago
     linked = False  # whether the outline stayed in the rail since the last contact found
-    last_node = 0
+    last_node = -stride
     last_slope = 0.0
+    last_distance = 0.0
     rail_end = (rail.shape[0] - 1) * rail_step
-    per_node = 1.0 / (1.1 * wheel_step)
+    per_node = 1.0 / (STRETCH * wheel_step)
+    hollow *= 1.0 + (et / YAW_HOLLOWS) ** 2
+    wary = 0  # no skips before this node
     node = 0
     while node < n:
-        o, b, no, nb, proper = locus_node(wheel, node, radius, oo, ob, et, eo, eb, q)
-        if not proper:
+        o, b, no, nb, sine = locus_node(wheel, node, radius, oo, ob, et, eo, eb, q)
+        if abs(sine) >= LARGEST_SINE:
             near = False
             linked = False
             node += stride
             continue
         distance, foot = field_distance(field, o0, b0, spacing, o, b)
+        if distance < FIELD_ERROR and not near and node - stride > last_node:
+            # a skip has ended inside the rail: the outline was longer than thought; back, and step by step
+            wary = node
+            node = last_node + stride
+            near = True
+            continue
         closest = min(closest, distance)
+        calm = node >= wary and abs(sine) < STEEP
         if distance > FAR:
             near = False
             linked = False
-            node += max(stride, int((distance - FIELD_ERROR) * per_node))
+            last_node = node
+            skip = int((distance - FIELD_ERROR) * per_node)
+            node += skip if calm and skip > stride else stride
             continue
         slope = _rail_slope(rail, rail_step, foot, no, nb)
-        turns = near and 0.0 < foot < rail_end
-        if turns and last_slope < 0.0 and slope >= 0.0 and distance < NEAR:
+        turns = near and 0.0 < foot < rail_end and (slope < 0.0) != (last_slope < 0.0)
+        if turns:
+            # the parabola's vertex between the two samples says whether a closer look is worth it
+            length = stride * wheel_step
+            turns = last_distance - 0.5 * length * last_slope * last_slope / (slope - last_slope) < NEAR
+        if turns and last_slope < 0.0:
             arc, foot_at, depth, relative, state = refine(
                 wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
                 (last_node - stride) * wheel_step, (node + stride) * wheel_step,
@@ -183,7 +202,7 @@ def find_contacts(
                 found[count, SADDLE_DEPTH] = -1.0
                 count += 1
                 linked = True
-        elif turns and last_slope >= 0.0 and slope < 0.0 and linked and distance < NEAR:
+        elif turns and linked:
             _arc, foot_at, depth, _relative, state = refine(
                 wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
                 (last_node - stride) * wheel_step, (node + stride) * wheel_step,
@@ -196,13 +215,14 @@ def find_contacts(
                 linked = False
         last_node = node
         last_slope = slope
+        last_distance = distance
         near = True
         clear = distance - FIELD_ERROR
         if clear > 0.0:
             # the distance bends down by no more than the wheel's hollow: the first place where it can vanish
             linked = False
             skip = int((slope + sqrt(slope * slope + 2.0 * hollow * clear)) / hollow * per_node)
-            if skip > stride:
+            if calm and skip > stride:
                 near = False
                 node += skip
                 continue
