@@ -101,7 +101,7 @@ def choose_snapshots(setup: Setup, distance: Array, wheel: dict[str, Array]) -> 
     quotient = np.divide(wheel["Y"], q, out=np.full(q.shape, -np.inf), where=q > 1.0)
     for side, name in enumerate(("left", "right")):
         if np.isfinite(quotient[:, side]).any():
-            chosen.setdefault(int(np.argmax(quotient[:, side])), f"largest Y/Q, {name} wheel")
+            chosen.setdefault(int(np.argmax(quotient[:, side])), f"largest Y/Q, {name}")
     if not chosen:
         chosen[len(distance) - 1] = "end"
     return [Snapshot(sample, label) for sample, label in sorted(chosen.items())]
