@@ -293,7 +293,8 @@ def test_poses_without_a_solution_are_confessed_on_the_picture():
     [
         (lambda: curve_run(), RUN_PICTURES),
         (lambda: curve_run(stopped=True), RUN_PICTURES),
-        (lambda: curve_run().isel(time=slice(0, 1)).drop_dims("snapshot"), RUN_PICTURES[:-2]),
+        (lambda: curve_run().isel(time=slice(0, 2)).drop_dims("snapshot"), RUN_PICTURES[:-2]),
+        (lambda: curve_run().isel(time=[100], snapshot=[3]), ["patches", "sections"]),
         (lambda: curve_run().isel(time=slice(0, 0)).drop_dims("snapshot"), []),
         (lambda: static_poses(), ["contact", "patches", "sections"]),
         (one_pose, ["patches", "sections"]),

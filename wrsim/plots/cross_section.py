@@ -28,8 +28,8 @@ from wrsim.plots.gallery import (
     rows_of,
     titles_height,
 )
-from wrsim.plots.moments import PatchAt, choose_moments, moment_dim, patches_of, select
-from wrsim.plots.patches import patch_note, pressure_scale
+from wrsim.plots.moments import PatchAt, choose_moments, moment_dim, patches_of, select, touching_runs
+from wrsim.plots.patches import NEAR_EDGE, patch_note, pressure_scale
 from wrsim.plots.stops import stop_note
 from wrsim.plots.style import (
     INK,
@@ -85,47 +85,41 @@ def patch_on_section(
     With ``fan`` > 0 the pressure also stands on the patch along the strips' normals, into the wheel: the
     largest pressure of the scale is ``fan`` mm long.
     """
-    strips = select(dataset, where)
-    if strips.sizes["strip"] == 0:
-        return axes
-    curve, normal, p = _curve(strips)
-    band = np.stack((curve - 0.5 * thickness * normal, curve + 0.5 * thickness * normal))
-    axes.pcolormesh(
-        band[..., 0], band[..., 1], np.tile(p, (2, 1)), shading="gouraud", cmap=pressure_map(), norm=scale,
-        zorder=3.0, gid="patch",
-    )  # fmt: skip
-    if fan > 0.0:
-        tips = curve + normal * (fan * p / float(scale.vmax or 1.0))[:, None]
-        axes.fill(*tips.T, facecolor="white", alpha=0.75, zorder=2.5)
-        axes.plot(*tips.T, color=INK, linewidth=0.7, zorder=2.7, gid="pressure")
-        inner = np.arange(len(_NEAR_EDGE), len(p) - len(_NEAR_EDGE))
-        few = inner[:: max(1, len(inner) // 16)]
-        lines = list(np.stack((curve, tips), axis=1)[few])
-        axes.add_collection(LineCollection(lines, colors=QUIET, linewidths=0.4, zorder=2.6, gid="normals"))
+    for run in touching_runs(select(dataset, where)):
+        curve, normal, p = _curve(run)
+        band = np.stack((curve - 0.5 * thickness * normal, curve + 0.5 * thickness * normal))
+        axes.pcolormesh(
+            band[..., 0], band[..., 1], np.tile(p, (2, 1)), shading="gouraud", cmap=pressure_map(), norm=scale,
+            zorder=3.0, gid="patch",
+        )  # fmt: skip
+        if fan > 0.0:
+            tips = curve + normal * (fan * p / float(scale.vmax or 1.0))[:, None]
+            axes.fill(*tips.T, facecolor="white", alpha=0.75, zorder=2.5)
+            axes.plot(*tips.T, color=INK, linewidth=0.7, zorder=2.7, gid="pressure")
+            inner = np.arange(len(NEAR_EDGE), len(p) - len(NEAR_EDGE))
+            few = inner[:: max(1, len(inner) // 16)]
+            lines = list(np.stack((curve, tips), axis=1)[few])
+            axes.add_collection(LineCollection(lines, colors=QUIET, linewidths=0.4, zorder=2.6, gid="normals"))
     return axes
-
-
-_NEAR_EDGE = np.array([0.0, 0.05, 0.2, 0.5])
-"""Distances from the patch's edge over half a strip where the last half strips are rounded."""
 
 
 def _curve(
     strips: xr.Dataset,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Points (n, 2) along a patch from edge to edge in mm, normals (n, 2) and pressures (n,) in MPa.
+    """Points (n, 2) along an island from edge to edge in mm, normals (n, 2) and pressures (n,) in MPa.
 
-    Towards an edge the pressure falls with the square root of the distance (see ``patches``).
+    Towards an edge the pressure falls with the square root of the distance, as in ``patches``.
     """
     y, z, angle, p, ds = (shown(strips, f"strip_{n}") for n in ("y", "z", "angle", "p", "ds"))
     slope = np.radians(angle)
     along = np.column_stack((np.cos(slope), np.sin(slope)))
     centre = np.column_stack((y, z))
-    out = (0.5 * (1.0 - _NEAR_EDGE))[:, None]
+    out = (0.5 * (1.0 - NEAR_EDGE))[:, None]
     start = centre[0] - out * ds[0] * along[0]
     end = (centre[-1] + out * ds[-1] * along[-1])[::-1]
-    count = len(_NEAR_EDGE)
+    count = len(NEAR_EDGE)
     along = np.vstack((np.tile(along[0], (count, 1)), along, np.tile(along[-1], (count, 1))))
-    fall = np.sqrt(_NEAR_EDGE)
+    fall = np.sqrt(NEAR_EDGE)
     pressure = np.concatenate((p[0] * fall, p, (p[-1] * fall)[::-1]))
     return np.vstack((start, centre, end)), np.column_stack((-along[:, 1], along[:, 0])), pressure
 
@@ -168,13 +162,13 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
     flat = page.panel * (OVERVIEW[3] - OVERVIEW[2]) / (OVERVIEW[1] - OVERVIEW[0])
     wheels = [""] if any(c.wheel for c in columns) else [str(w) for w in dataset["wheel"].values]
     rows = rows_of(dataset, columns)
-    top = 11.0 if stop_note(dataset) else 7.0
-    top += titles_height(dataset, columns)
+    start = 11.0 if stop_note(dataset) else 7.0
+    top = start + titles_height(page, dataset, columns)
     total = top + len(wheels) * (flat + _UNDER_OVERVIEW) + len(rows) * (page.panel + _UNDER_ZOOM) + FOOT
     with style():
         figure = new_figure(page.width, total, constrained=False)
         headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
-        draw_titles(figure, page, dataset, columns, top)
+        draw_titles(figure, page, dataset, columns, start + 0.8)
         for wheel in wheels:
             draw_label(figure, f"{wheel} wheel" if wheel else "", WHEEL_COLOUR.get(wheel, INK), top + 0.5 * flat)
             for j, column in enumerate(columns):

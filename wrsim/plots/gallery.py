@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import fill
 
 import numpy as np
 import xarray as xr
@@ -25,6 +26,7 @@ WIDEST_PANEL = 46.0
 FOOT = 12.0
 """Height of the colour bar with its label, mm."""
 _NARROWEST = 142.0
+_LETTER = 1.35  # mean width of a letter of the titles, mm
 
 
 @dataclass(frozen=True)
@@ -104,23 +106,26 @@ class Page:
         return place(figure, LEFT + column * (self.panel + GAP), top, self.panel, height)
 
 
-def titles_height(dataset: xr.Dataset, columns: Sequence[Column]) -> float:
+def titles_height(page: Page, dataset: xr.Dataset, columns: Sequence[Column]) -> float:
     """Height of the columns' titles, mm."""
-    return 5.0 + 3.0 * max((_title(dataset, c).count("\n") for c in columns), default=0)
+    return 5.0 + 3.0 * max((_title(page, dataset, c).count("\n") for c in columns), default=0)
 
 
-def draw_titles(figure: Figure, page: Page, dataset: xr.Dataset, columns: Sequence[Column], bottom: float) -> None:
-    """Titles of the columns, standing on ``bottom`` (mm from the upper edge)."""
+def draw_titles(figure: Figure, page: Page, dataset: xr.Dataset, columns: Sequence[Column], top: float) -> None:
+    """Titles of the columns, hanging from ``top`` (mm from the upper edge)."""
     down = figure.get_size_inches()[1] / MM
     for j, column in enumerate(columns):
         across = (LEFT + j * (page.panel + GAP)) / page.width
-        text, colour = _title(dataset, column), WHEEL_COLOUR.get(column.wheel, INK)
-        figure.text(across, 1.0 - (bottom - 1.2) / down, text, fontsize=6.8, va="bottom", color=colour)
+        text, colour = _title(page, dataset, column), WHEEL_COLOUR.get(column.wheel, INK)
+        figure.text(across, 1.0 - top / down, text, fontsize=6.8, va="top", color=colour)
 
 
-def _title(dataset: xr.Dataset, column: Column) -> str:
+def _title(page: Page, dataset: xr.Dataset, column: Column) -> str:
+    """Title of a column, its lines wrapped to the panel."""
     text = moment_title(dataset, column.moment, column.order)
-    return f"{text}\n{column.wheel} wheel" if column.wheel else text
+    lines = [*text.split("\n"), f"{column.wheel} wheel"] if column.wheel else text.split("\n")
+    widest = int((page.panel + 0.5 * GAP) / _LETTER)
+    return "\n".join(line if "$" in line else fill(line, widest) for line in lines)
 
 
 def draw_label(figure: Figure, text: str, colour: str, middle: float) -> None:

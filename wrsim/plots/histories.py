@@ -39,13 +39,18 @@ from wrsim.results import CHANNELS
 
 ANGLE_JUMP = 6.0
 """Degrees between two samples beyond which a contact has jumped elsewhere: the line is interrupted."""
+CLOSE = 0.015
+"""Share of the axis within which letters of snapshots are written together."""
 ANGLES = ("contact_angle", "contact_angle_min", "contact_angle_max", "contact_angle_mean")
 
 Panel = Callable[[Axes, xr.Dataset], Axes]
 
 
 def history(axes: Axes, dataset: xr.Dataset, name: str, **options: Any) -> Axes:
-    """Draw a channel: one line, one a wheel, or one a wheel and patch, as its dimensions ask."""
+    """Draw a channel: one line, one a wheel, or one a wheel and patch, as its dimensions ask.
+
+    Lines of patches are interrupted where the contact jumps or two patches change their order.
+    """
     x, _ = abscissa(dataset)
     values = shown(dataset, name)
     if values.ndim == 1:
@@ -57,7 +62,10 @@ def history(axes: Axes, dataset: xr.Dataset, name: str, **options: Any) -> Axes:
                 if not np.isfinite(of_wheel[:, k]).any():
                     continue
                 settings = {"color": WHEEL_COLOUR[str(wheel)], "linestyle": PATCH_LINE[k % 3]}
-                draw_line(axes, x, of_wheel[:, k], **(settings | options))
+                line = x, of_wheel[:, k]
+                if values.ndim == 3 and "contact_angle" in dataset:
+                    line = broken(*line, ANGLE_JUMP, by=shown(dataset, "contact_angle")[:, j, k])
+                draw_line(axes, *line, **(settings | options))
     words = CHANNELS[name].long_name
     axes.set_ylabel(f"{words[0].upper()}{words[1:]}\n${CHANNELS[name].symbol}${unit(name)}")
     return axes
@@ -136,16 +144,23 @@ def _limits_with_zero(axes: Axes, values: NDArray[Any], least: float, margin: fl
 
 
 def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> Axes:
-    """Fine dotted lines at the snapshots, with the letters that name them in the pictures of patches."""
+    """Fine dotted lines at the snapshots, with the letters that name them in the pictures of patches.
+
+    Letters of snapshots close together stand as one word over their middle.
+    """
     if "snapshot" not in dataset.dims:
         return axes
-    _, name = abscissa(dataset)
-    for i, at in enumerate(shown(dataset, f"snapshot_{name}")):
+    x, name = abscissa(dataset)
+    places = shown(dataset, f"snapshot_{name}")
+    for at in places:
         axes.axvline(at, color=QUIET, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1.2)
-        if letters:
+    if letters:
+        close = np.diff(places, prepend=-np.inf) <= CLOSE * np.ptp(x)
+        for group in np.split(np.arange(places.size), np.flatnonzero(~close))[1:]:
             axes.annotate(
-                snapshot_letter(i), (at, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 1.5),
-                textcoords="offset points", ha="center", va="bottom", color=QUIET, fontsize=6.5,
+                " ".join(snapshot_letter(int(i)) for i in group), (float(places[group].mean()), 1.0),
+                xycoords=("data", "axes fraction"), xytext=(0, 1.5), textcoords="offset points",
+                ha="center", va="bottom", color=QUIET, fontsize=6.5,
             )  # fmt: skip
     return axes
 
@@ -185,7 +200,8 @@ def stacked(
             track.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if is_stopped(dataset) else 0.0))
         figure.align_ylabels([*rows, track])
         if legend:
-            figure.legend(handles=list(legend), loc="outside lower center", ncols=min(len(legend), 6))
+            columns = len(legend) if len(legend) <= 5 else (len(legend) + 1) // 2
+            figure.legend(handles=list(legend), loc="outside lower center", ncols=columns)
         if stop_note(dataset):
             rows[0].set_title(stop_note(dataset), color=STOP_COLOUR, pad=11.0)
     return figure

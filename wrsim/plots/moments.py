@@ -8,6 +8,7 @@ from string import ascii_lowercase
 import numpy as np
 import xarray as xr
 
+from wrsim.plots.poses import pose_groups
 from wrsim.plots.style import shown
 
 
@@ -38,12 +39,21 @@ def sample_of(dataset: xr.Dataset, moment: int) -> int:
 
 
 def choose_moments(dataset: xr.Dataset, most: int) -> list[int]:
-    """At most ``most`` moments that have strips, evenly spread, first and last among them."""
+    """At most ``most`` moments that have strips, evenly spread, first and last among them.
+
+    Poses come in the order of their groups (yaw, load), each group with its share.
+    """
     strips = np.isfinite(dataset["strip_p"].values)
-    used = np.flatnonzero(strips.reshape(strips.shape[0], -1).any(axis=1))
-    if used.size > most:
-        used = used[np.unique(np.round(np.linspace(0, used.size - 1, most)).astype(int))]
-    return [int(i) for i in used]
+    has_strips = strips.reshape(strips.shape[0], -1).any(axis=1)
+    runs = moment_dim(dataset) == "snapshot"
+    groups = [np.arange(has_strips.size)] if runs else [member for _, member in pose_groups(dataset)]
+    groups = [used for used in (group[has_strips[group]] for group in groups) if used.size]
+    chosen: list[int] = []
+    for i, group in enumerate(groups[:most]):
+        share = (most - len(chosen)) // (min(len(groups), most) - i)
+        spread = np.unique(np.round(np.linspace(0, group.size - 1, min(share, group.size))).astype(int))
+        chosen += [int(j) for j in group[spread]]
+    return chosen
 
 
 def patches_of(dataset: xr.Dataset, moment: int, wheel: str) -> list[PatchAt]:
@@ -58,11 +68,21 @@ def snapshot_letter(index: int) -> str:
 
 
 def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
-    """The strips of one patch: strip channels with the ``strip`` dimension alone, unused strips dropped."""
+    """The strips of one patch by increasing s: strip channels with the ``strip`` dimension alone."""
     of_patch = dataset[[str(n) for n in dataset if str(n).startswith("strip_")]].isel(
         {moment_dim(dataset): where.moment, "patch": where.patch}
     )
-    return of_patch.sel(wheel=where.wheel).dropna("strip", how="all", subset=["strip_p"])
+    return of_patch.sel(wheel=where.wheel).dropna("strip", how="all", subset=["strip_p"]).sortby("strip_s")
+
+
+def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:
+    """The strips under pressure, split where a gap lies between neighbours: the islands of one patch."""
+    loaded = strips.isel(strip=np.flatnonzero((strips["strip_a"].values > 0.0) & (strips["strip_p"].values > 0.0)))
+    if loaded.sizes["strip"] == 0:
+        return []
+    s, ds = loaded["strip_s"].values, loaded["strip_ds"].values
+    gaps = np.flatnonzero(np.diff(s) > 0.75 * (ds[1:] + ds[:-1])) + 1
+    return [loaded.isel(strip=part) for part in np.split(np.arange(s.size), gaps)]
 
 
 def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
@@ -75,6 +95,7 @@ def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
     if runs:
         place = f"{shown(dataset, 'snapshot_distance')[moment]:.1f} m"
         label = str(dataset["snapshot_label"].values[moment]) if "snapshot_label" in dataset else ""
+        label = "" if label.startswith("at ") else label  # says no more than the place
         return f"{letter}{place}\n{label}" if label else letter + place
     parts = []
     for name, form in (

@@ -30,6 +30,7 @@ from wrsim.plots.moments import (
     choose_moments,
     sample_of,
     select,
+    touching_runs,
 )
 from wrsim.plots.stops import stop_note
 from wrsim.plots.style import (
@@ -47,6 +48,8 @@ Array = NDArray[np.float64]
 
 ACROSS = 49
 """Points along each strip of the raster."""
+NEAR_EDGE = np.array([0.0, 0.05, 0.2, 0.5])
+"""Distances from a patch's edge, over half a strip, of the points that round its end."""
 MOST_MOMENTS = 12
 """Moments in one gallery."""
 
@@ -63,8 +66,7 @@ def contact_patch(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normal
 
     Colours run smoothly from strip to strip; with ``strips`` the borders of the strips are drawn too.
     """
-    runs = _unbroken(select(dataset, where))
-    for s, x, a, p, borders in runs:
+    for s, x, a, p, borders in _islands(dataset, where):
         angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, ACROSS)
         along = np.sin(angle)[:, None] * a + x
         pressure = np.cos(angle)[:, None] * p
@@ -85,35 +87,28 @@ def contact_patch(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normal
     return axes
 
 
-def _unbroken(strips: xr.Dataset) -> list[tuple[Array, Array, Array, Array, Array]]:
-    """Runs of touching strips in mm and MPa, each (s, x, a, p, borders), closed at both ends.
+def _islands(dataset: xr.Dataset, where: PatchAt) -> list[tuple[Array, Array, Array, Array, Array]]:
+    """Islands of a patch in mm and MPa, each (s, x, a, p, borders of strips), closed at both ends.
 
     Towards an edge the interpenetration falls linearly, so half length and pressure fall with the square
     root of the distance: the points that round the last half strip follow that law.
     """
-    s, ds, x, a, p = (shown(strips, f"strip_{n}") for n in ("s", "ds", "x", "a", "p"))
-    order = np.argsort(s)
-    s, ds, x, a, p = (v[order] for v in (s, ds, x, a, p))
-    filled = np.flatnonzero((a > 0.0) & np.isfinite(p))
-    if filled.size == 0:
-        return []
-    gaps = np.diff(s[filled]) > 1.5 * np.maximum(ds[filled][1:], ds[filled][:-1])
-    runs = []
-    for part in np.split(filled, np.flatnonzero(gaps) + 1):
-        first, last = part[0], part[-1]
-        near = np.array([0.0, 0.05, 0.2, 0.5])  # distance from the edge over half a strip
-        low, high = s[first] - 0.5 * ds[first] * (1.0 - near), s[last] + 0.5 * ds[last] * (1.0 - near[::-1])
-        start, end = np.sqrt(near), np.sqrt(near[::-1])
-        runs.append(
+    islands = []
+    for run in touching_runs(select(dataset, where)):
+        s, ds, x, a, p = (shown(run, f"strip_{n}") for n in ("s", "ds", "x", "a", "p"))
+        low = s[0] - 0.5 * ds[0] * (1.0 - NEAR_EDGE)
+        high = (s[-1] + 0.5 * ds[-1] * (1.0 - NEAR_EDGE))[::-1]
+        fall = np.sqrt(NEAR_EDGE)
+        islands.append(
             (
-                np.concatenate((low, s[part], high)),
-                np.concatenate((np.full(4, x[first]), x[part], np.full(4, x[last]))),
-                np.concatenate((a[first] * start, a[part], a[last] * end)),
-                np.concatenate((p[first] * start, p[part], p[last] * end)),
-                s[part][1:] - 0.5 * ds[part][1:],
+                np.concatenate((low, s, high)),
+                np.concatenate((np.full(low.size, x[0]), x, np.full(low.size, x[-1]))),
+                np.concatenate((a[0] * fall, a, (a[-1] * fall)[::-1])),
+                np.concatenate((p[0] * fall, p, (p[-1] * fall)[::-1])),
+                s[1:] - 0.5 * ds[1:],
             )
         )
-    return runs
+    return islands
 
 
 def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> str:
@@ -152,7 +147,7 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
     per_mm = page.panel / (across[1] - across[0])
     heights = [per_mm * (high - low) for low, high in reaches]
     top = 11.0 if stop_note(dataset) else 7.0
-    titles = titles_height(dataset, columns)
+    titles = titles_height(page, dataset, columns)
     total = top + sum(heights) + len(rows) * _BENEATH + len(blocks) * titles + FOOT
     with style():
         figure = new_figure(page.width, total, constrained=False)
@@ -160,8 +155,8 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
         before = -1
         for (number, row), height, reach in zip(rows, heights, reaches, strict=True):
             if number != before:
+                draw_titles(figure, page, dataset, blocks[number], top + 0.8)
                 top += titles
-                draw_titles(figure, page, dataset, blocks[number], top)
                 before = number
             draw_label(figure, row.label, row.colour, top + 0.5 * height)
             first = next(j for j, where in enumerate(row.places) if where is not None)
@@ -189,17 +184,17 @@ _BENEATH = 12.5
 
 
 def _columns(count: int, rows: int) -> int:
-    """Columns of the gallery: up to six with several rows; a single row is folded at four or five."""
-    if rows > 1 or count <= 4:
+    """Columns of the gallery: up to six; a single row is folded so that its last line is as full as can be."""
+    if rows > 1 or count <= 6:
         return max(min(count, 6), 1)
-    return min((5, 4), key=lambda n: -count % n)
+    return min((6, 5, 4), key=lambda n: -count % n)
 
 
 def _reach(dataset: xr.Dataset, places: Sequence[PatchAt | None]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Common limits in s and x of some patches, mm."""
     s_ends, x_ends = [], []
     for where in places:
-        for s, x, a, _, _ in _unbroken(select(dataset, where)) if where is not None else []:
+        for s, x, a, _, _ in _islands(dataset, where) if where is not None else []:
             s_ends += [s.min(), s.max()]
             x_ends += [(x - a).min(), (x + a).max()]
     if not s_ends:

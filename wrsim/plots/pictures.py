@@ -33,13 +33,12 @@ HISTORIES: dict[str, tuple[str, ...]] = {
 def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures that suit the dataset, by file name without ending.
 
-    Runs: overview, contact_angle, forces, derailment, motion, pressure. Static analyses of several poses: contact.
-    Both: patches and sections of the snapshots or poses. What the dataset has no data for is left out.
+    Runs of several instants: overview, contact_angle, forces, derailment, motion, pressure. Static analyses of
+    several poses: contact. All: patches and sections of the snapshots or poses. What the dataset has no data for is
+    left out.
     """
     figures: dict[str, Callable[[], Figure]] = {}
-    if dataset.sizes.get("time") == 0:
-        return figures
-    if "time" in dataset.dims:
+    if dataset.sizes.get("time", 0) > 1:
         if set(ANGLES) <= set(dataset):
             figures["overview"] = lambda: overview_figure(dataset)
             figures["contact_angle"] = lambda: contact_angle_figure(dataset)
@@ -47,7 +46,7 @@ def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
             present = tuple(c for c in channels if c in dataset)
             if present:
                 figures[name] = _channels(dataset, present)
-    elif dataset.sizes["pose"] > 1 and any(_has_values(dataset, name) for name in PANELS):
+    elif dataset.sizes.get("pose", 0) > 1 and any(_has_values(dataset, name) for name in PANELS):
         figures["contact"] = lambda: static_figure(dataset)
     if has_patches(dataset):
         figures["patches"] = lambda: patch_gallery(dataset)
