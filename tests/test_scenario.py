@@ -69,7 +69,11 @@ ONE_FAULT = [
     ),
     ('kind = "arc"', "", 'track.segments[2].kind is missing: must be "straight", "transition" or "arc"'),
     ('kind = "straight"', 'kind = "transition"', "track.segments[1]: follows another transition"),
-    ("length_m = 40", "length_m = -40", "case.toml:15: track.segments[1].length_m = -40: must be a number above 0"),
+    (
+        "length_m = 40",
+        "length_m = -40",
+        "case.toml:15: track.segments[1].length_m = -40: must be a number from 0.01 to 100000",
+    ),
     ("length_m = 40", 'length_m = 40\nform = "klothoid"', 'must be "clothoid" or "bloss"; did you mean "clothoid"?'),
     ("friction = 0.35", "friction = 2.5", "contact.friction = 2.5: must be a number from 0 to 2"),
     ("friction = 0.35", "friction = -0.1", "contact.friction = -0.1: must be a number from 0 to 2"),

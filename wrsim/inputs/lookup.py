@@ -26,11 +26,11 @@ class Finder:
         """
         asked = Path(name)
         if asked.is_absolute():
-            if asked.is_file():
+            if os.path.isfile(asked):
                 return asked
-            raise InputError("no such file" if not asked.is_dir() else "is a directory, a file is needed")
+            raise InputError("no such file" if not os.path.isdir(asked) else "is a directory, a file is needed")
         for folder in self.folders:
-            if (folder / asked).is_file():
+            if os.path.isfile(folder / asked):
                 return folder / asked
         near = self._nearest(asked)
         places = ", ".join(str(folder.absolute()) for folder in self.folders)
@@ -44,7 +44,7 @@ class Finder:
         known: list[str] = []
         for folder in self.folders:
             for place in {folder / asked.parent, *(folder / room for room in ROOMS)}:
-                if place.is_dir():
+                if os.path.isdir(place):
                     known += sorted(p.relative_to(folder).as_posix() for p in place.iterdir() if p.is_file())
         known = [k for k in known if Path(k).suffix in (asked.suffix, ".toml")]
         same_name = [k for k in known if Path(k).name == asked.name or Path(k).stem == asked.name]
@@ -70,6 +70,6 @@ def user_folders(extra: tuple[str | Path, ...] = ()) -> tuple[Path, ...]:
     named = [("models", str(folder)) for folder in extra]
     named += [(VARIABLE, text) for text in os.environ.get(VARIABLE, "").split(os.pathsep) if text]
     for key, text in named:
-        if not Path(text).is_dir():
+        if not os.path.isdir(text):
             raise InputError(f'{key} = "{text}": must be a folder with model files; there is none of that name')
     return tuple(Path(text) for _, text in named)

@@ -59,7 +59,7 @@ class Section(BaseModel):
         yield from ()
 
     def consistency(self) -> Iterator[Fault]:
-        """Yield faults in the combination of values; called when every single value is right."""
+        """Yield faults in the combination of values; called when every value and every rule is met."""
         yield from ()
 
     @model_validator(mode="wrap")
@@ -85,8 +85,8 @@ class Section(BaseModel):
                 faults.append(_detail(e["type"], e["msg"], e["loc"], e["input"]))
         told = {f["loc"] for f in faults}
         combinations = list(cls.rules(data))
-        if kept is not None and not faults:
-            combinations += list(kept.consistency())
+        if kept is not None and not faults and not combinations:
+            combinations = list(kept.consistency())
         for fault in combinations:
             path = (fault.path,) if isinstance(fault.path, str) else fault.path
             if path in told or (path and path[0] in guessed):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 import tomllib
 from difflib import get_close_matches
@@ -56,9 +57,9 @@ def parse_toml(text: str, name: str) -> dict[str, Any]:
 
 def similar_files(path: Path) -> str:
     """Return a hint with files like ``path`` in its folder, or on a missing folder."""
-    if not path.parent.is_dir():
+    if not os.path.isdir(path.parent):
         return f" (there is no folder '{path.parent}')"
-    names = [p.name for p in path.parent.iterdir() if p.is_file()]
+    names = [p.name for p in path.parent.iterdir() if os.path.isfile(p)]
     near = get_close_matches(path.name, names, n=3, cutoff=0.6)
     if near:
         return "; did you mean " + " or ".join(f"'{path.parent / n}'" for n in near) + "?"

@@ -87,8 +87,8 @@ class RunSection(Section):
     }
 
     start_distance_m: Annotated[float, Quantity(0, 1e6, example="m along the centre line")] = 0.0
-    distance_m: Annotated[float, Quantity(above=0, high=1e6, example="m from the start")] | None = None
-    time_s: Annotated[float, Quantity(above=0, high=1e5, example="s from the start")] | None = None
+    distance_m: Annotated[float, Quantity(0.01, 1e6, example="m from the start")] | None = None
+    time_s: Annotated[float, Quantity(0.001, 1e5, example="s from the start")] | None = None
     step_us: Annotated[int, Whole(1, 20_000)] | None = None
     output_interval_ms: Annotated[float, Quantity(0.01, 10_000, example="ms between two samples")] = 5.0
 

@@ -177,19 +177,17 @@ def _run(scenario: Scenario, track: Track) -> RunPlan:
     room = f"must lie on the track, which is {track.length:.6g} m long"
     if start >= track.length and spec.analysis != "static":
         raise scenario.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
-    if section.distance_m is not None:
-        end = start + section.distance_m
-        if end > track.length * (1.0 + 1e-12):
-            message = f"ends at {end:.6g} m: {room}"
-            raise scenario.fault(("run", "distance_m"), message)
-    elif section.time_s is not None and spec.analysis == "curving":
-        end = start + section.time_s * speed
-        if end > track.length * (1.0 + 1e-12):
-            raise scenario.fault(("run", "time_s"), f"ends at {end:.6g} m: {room}")
-    end = min(end, track.length)
     patches = spec.output.patches_at_m
-    if patches is not None and spec.analysis == "curving":
-        for place in patches:
+    if spec.analysis == "curving":
+        key = "distance_m" if section.distance_m is not None else "time_s"
+        if section.distance_m is not None:
+            end = start + section.distance_m
+        elif section.time_s is not None:
+            end = start + section.time_s * speed
+        if end > track.length * (1.0 + 1e-12):
+            raise scenario.fault(("run", key), f"ends at {end:.6g} m: {room}")
+        end = min(end, track.length)
+        for place in patches or ():
             if not start <= place <= end:
                 message = f"{place:g} m is not passed by the run: must lie from {start:.6g} to {end:.6g} m"
                 raise scenario.fault(("output", "patches_at_m"), message)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -89,7 +90,7 @@ def _read(path: Path, children: tuple[Path, ...]) -> Merged:
     try:
         below = _read(below_path, family)
     except InputError as error:
-        if below_path.is_file():
+        if os.path.isfile(below_path):
             raise
         raise InputError(fault_line((BASE,), str(error), top.locate, base)) from None
     replaced = {own for own in top.owners if not isinstance(_at(data, own), dict)}

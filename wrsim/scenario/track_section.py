@@ -21,7 +21,7 @@ from wrsim.inputs.values import (
     refuse,
 )
 
-Length = Quantity(above=0, high=1e6, example="m")
+Length = Quantity(0.01, 1e5, example="m")
 Cant = Quantity(-250, 250, example="mm, positive leans to the inside of the curve")
 Widening = Quantity(-100, 100, example="mm")
 RailName = Text('a rail profile file such as "rails/60E1.toml"')
@@ -119,6 +119,11 @@ class Arc(Section):
             yield Fault("angle_deg", "cannot stand next to length_m: give one of them")
         elif "length_m" not in raw and "angle_deg" not in raw:
             yield Fault((), "needs length_m or angle_deg")
+
+    def consistency(self) -> Iterator[Fault]:
+        """An angle may be right and its arc too short or too long."""
+        if not Length.holds(self.length):
+            yield Fault("angle_deg", f"makes an arc of {self.length:g} m; its length must be {Length.words()}")
 
     @property
     def length(self) -> float:
