@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Polygon, Rectangle
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
@@ -70,7 +70,8 @@ def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> Axes:
             continue
         y, z = y[finite], z[finite]
         closed_y, closed_z = np.concatenate((y[:1], y, y[-1:])), np.concatenate(([beyond], z, [beyond]))
-        axes.fill(closed_y, closed_z, facecolor=fill, edgecolor="none", zorder=order)
+        solid = np.column_stack((closed_y, closed_z))
+        axes.add_artist(Polygon(solid, facecolor=fill, edgecolor="none", zorder=order))
         axes.plot(closed_y, closed_z, color=INK, linewidth=0.7, zorder=order + 0.5, gid=part)
     axes.set_aspect("equal")
     axes.grid(False)
@@ -94,7 +95,7 @@ def patch_on_section(
         )  # fmt: skip
         if fan > 0.0:
             tips = curve + normal * (fan * p / float(scale.vmax or 1.0))[:, None]
-            axes.fill(*tips.T, facecolor="white", alpha=0.75, zorder=2.5)
+            axes.add_artist(Polygon(tips, facecolor="white", alpha=0.75, zorder=2.5))
             axes.plot(*tips.T, color=INK, linewidth=0.7, zorder=2.7, gid="pressure")
             inner = np.arange(len(NEAR_EDGE), len(p) - len(NEAR_EDGE))
             few = inner[:: max(1, len(inner) // 16)]
@@ -216,4 +217,4 @@ def _mark_windows(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> N
         o, b, half = zoom_window(dataset, where)
         box = Rectangle((o - half, b - half), 2 * half, 2 * half, fill=False, edgecolor=QUIET, linewidth=0.5)
         box.set_zorder(4.0)
-        axes.add_patch(box)
+        axes.add_artist(box)

@@ -68,11 +68,16 @@ def snapshot_letter(index: int) -> str:
 
 
 def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
-    """The strips of one patch by increasing s: strip channels with the ``strip`` dimension alone."""
-    of_patch = dataset[[str(n) for n in dataset if str(n).startswith("strip_")]].isel(
+    """The strips of one patch by increasing s: the channels that are drawn, with the ``strip`` dimension alone."""
+    of_patch = dataset[[name for name in _DRAWN if name in dataset]].isel(
         {moment_dim(dataset): where.moment, "patch": where.patch}
     )
-    return of_patch.sel(wheel=where.wheel).dropna("strip", how="all", subset=["strip_p"]).sortby("strip_s")
+    of_wheel = of_patch.isel(wheel=int(np.flatnonzero(dataset["wheel"].values == where.wheel)[0]))
+    used = np.flatnonzero(np.isfinite(of_wheel["strip_p"].values))
+    return of_wheel.isel(strip=used[np.argsort(of_wheel["strip_s"].values[used], kind="stable")])
+
+
+_DRAWN = ("strip_s", "strip_ds", "strip_x", "strip_a", "strip_p", "strip_angle", "strip_y", "strip_z")
 
 
 def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:
