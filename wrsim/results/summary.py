@@ -153,6 +153,8 @@ def _stop(dataset: xr.Dataset) -> dict[str, Any] | None:
     if attributes["status"] != "stopped":
         return None
     stop: dict[str, Any] = {"reason": attributes["stop_reason"]}
+    if "stop_cause" in attributes:
+        stop["cause"] = attributes["stop_cause"]
     for key in ("stop_time_s", "stop_distance_m"):
         if key in attributes:
             value = float(attributes[key])
