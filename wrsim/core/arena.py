@@ -4,24 +4,24 @@ wheelset lie in one buffer and an index says where.
 index: (K, 4) int64 rows: offset, then up to three sizes (0 where there is no such dimension).
 """
 
-from numba import njit
+from wrsim.core.compiling import inlined
 
 
-@njit(cache=True)
+@inlined
 def vector(buffer, index, k):
     """Array number k as (n,)."""
     o = index[k, 0]
     return buffer[o : o + index[k, 1]]
 
 
-@njit(cache=True)
+@inlined
 def matrix(buffer, index, k):
     """Array number k as (n, m)."""
     o, n, m = index[k, 0], index[k, 1], index[k, 2]
     return buffer[o : o + n * m].reshape((n, m))
 
 
-@njit(cache=True)
+@inlined
 def block(buffer, index, k):
     """Array number k as (n, m, l)."""
     o, n, m, p = index[k, 0], index[k, 1], index[k, 2], index[k, 3]

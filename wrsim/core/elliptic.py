@@ -2,10 +2,10 @@
 
 from math import pi, sqrt
 
-from numba import njit
+from wrsim.core.compiling import inlined, kernel
 
 
-@njit(cache=True)
+@kernel
 def k_minus_e(m, m1):
     """K(m) - E(m), complete elliptic integrals of parameter m; m1 = 1 - m is passed to keep its digits near m = 1.
 
@@ -29,7 +29,7 @@ def k_minus_e(m, m1):
     return 0.5 * pi / a * total
 
 
-@njit(cache=True)
+@inlined
 def strip_potential(a, s):
     """Integral of sqrt((a^2 - x^2) / (x^2 + s^2)) dx over -a < x < a [m].
 

@@ -16,12 +16,11 @@ choice ("parabolic").
 
 from math import pi, sqrt
 
-from numba import njit
-
+from wrsim.core.compiling import kernel
 from wrsim.core.layout import DS, ETA, FX, FY, MZ, PHI, XI, A, P
 
 
-@njit(cache=True)
+@kernel
 def kalker_coefficients(creep, aspect):
     """C11, C22, C23 for a patch of aspect a/b.
 
@@ -48,7 +47,7 @@ def kalker_coefficients(creep, aspect):
     return c11, c22, c23
 
 
-@njit(cache=True)
+@kernel
 def flexibilities(creep, aspect, area, shear_modulus):
     """L1, L2, L3 [m/Pa] for the ellipse of the given area [m2] and aspect a/b."""
     a = sqrt(area * aspect / pi)
@@ -60,7 +59,7 @@ def flexibilities(creep, aspect, area, shear_modulus):
     )
 
 
-@njit(cache=True)
+@kernel
 def fastsim(strips, n, friction, paraboloid, xi0, eta0, l1, l2, l3, direction, shape, work):
     """Tangential tractions of n strips.
 

@@ -21,13 +21,12 @@ Yaw shifts the strips along x but is left out of I: each strip is taken centred 
 
 from math import log, pi, sqrt
 
-from numba import njit
-
+from wrsim.core.compiling import kernel
 from wrsim.core.elliptic import strip_potential
 from wrsim.core.layout import DS, FORCE, A, B, O, P, S
 
 
-@njit(cache=True)
+@kernel
 def own_influence(strips, n, half_length):
     """The double integral I of [S 29] over n strips that include s = 0 [m2]; half_length: x_L(0)."""
     total = 0.0
@@ -45,7 +44,7 @@ def own_influence(strips, n, half_length):
     return total - 2.0 * half_length * (end * (log(end) - 1.0) + start * (log(start) - 1.0))
 
 
-@njit(cache=True)
+@kernel
 def far_influence(strips, n, o, b):
     """The same integral over the strips of another lobe, seen from the point (o, b) [m2]."""
     total = 0.0
@@ -56,7 +55,7 @@ def far_influence(strips, n, o, b):
     return total
 
 
-@njit(cache=True)
+@kernel
 def solve_amplitudes(matrix, count, rows, amplitude):
     """Amplitudes Q of all lobes. A lobe that would have to pull is lifted off by the others: its Q is zero.
 
@@ -81,7 +80,7 @@ def solve_amplitudes(matrix, count, rows, amplitude):
         amplitude[i] = max(rows[i, count], 0.0) if amplitude[i] > 0.0 else 0.0
 
 
-@njit(cache=True)
+@kernel
 def _eliminate(rows, n):
     """Gauss-Jordan with row pivots in place; the solution is left in column n."""
     for c in range(n):
@@ -101,7 +100,7 @@ def _eliminate(rows, n):
                     rows[i, j] -= f * rows[c, j]
 
 
-@njit(cache=True)
+@kernel
 def set_pressures(strips, n, amplitude, factor):
     """Write P (peak pressure of each strip) and FORCE (its normal force [S 30]).
 

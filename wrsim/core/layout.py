@@ -12,7 +12,7 @@ POSE = 12
 
 # a strip's row: centre s, width, shift along x, half length, pressure, normal (o, b), centre (o, b), normal force,
 # creep forces, moment about the centre, creepages, radius of curvature along the rail
-S, DS, X, A, P, NO, NB, O, B, FORCE, FX, FY, MZ, XI, ETA, PHI, RADIUS_T = range(17)
+S, DS, X, A, P, NO, NB, O, B, FORCE, FX, FY, MZ, XI, ETA, PHI, RADIUS_T = range(17)  # noqa: E741 (O stands for outward)
 STRIP_COLUMNS = 17
 
 # a lobe's row; GROUP numbers the patch it belongs to

@@ -13,12 +13,11 @@ delta the lobe's penetration, sigma the penetration at the saddle. c > 0 says ex
 makes both equal when the two are equally deep and vanishes when the shallower one does.
 """
 
-from numba import njit
-
+from wrsim.core.compiling import inlined, kernel
 from wrsim.core.search import DEPTH, SADDLE_DEPTH
 
 
-@njit(cache=True)
+@kernel
 def select_deepest(found, count, most):
     """Keep the ``most`` deepest of the contacts, in their order along the profile; saddles are carried over.
 
@@ -44,7 +43,7 @@ def select_deepest(found, count, most):
     return count
 
 
-@njit(cache=True)
+@kernel
 def couple(found, count, eps, coupling, partner):
     """Coupling of each lobe and the lobe it is coupled to.
 
@@ -95,7 +94,7 @@ def couple(found, count, eps, coupling, partner):
                         partner[i] = j
 
 
-@njit(cache=True)
+@inlined
 def _share(depth, saddle, eps):
     """1 where the saddle reaches the lobe's top, 0 where it has left its virtual penetration."""
     return min(max(1.0 - (depth - saddle) / (eps * depth), 0.0), 1.0)

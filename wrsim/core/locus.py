@@ -20,15 +20,14 @@ the outline has a cusp. k_t is held at ``LEAST_ROLLING_CURVATURE`` k1 there; no 
 
 from math import sqrt
 
-from numba import njit
-
+from wrsim.core.compiling import inlined, kernel
 from wrsim.core.profile import profile_point
 
 LEAST_ROLLING_CURVATURE = 0.1
 LARGEST_SINE = 0.7  # of theta and alpha: beyond, the point is no candidate for contact
 
 
-@njit(cache=True)
+@inlined
 def locus_point(table, step, radius, ox, oo, ob, et, eo, eb, q, arc):
     """Point of the locus at profile arclength ``arc``.
 
@@ -51,14 +50,16 @@ def locus_point(table, step, radius, ox, oo, ob, et, eo, eb, q, arc):
             rho / max(cu, 1e-3),
             k2,
         )
+    iq = 1.0 / q
     inverse_c = 1.0 / max(cu, 1e-3)
     sin_alpha = et * inverse_c
-    sine = -cw * sin_alpha / q
+    sine = -cw * sin_alpha * iq
     if abs(sine) > LARGEST_SINE or abs(sin_alpha) > LARGEST_SINE:
         sine = min(max(sine, -LARGEST_SINE), LARGEST_SINE)
         sin_alpha = min(max(sin_alpha, -LARGEST_SINE), LARGEST_SINE)
-    cosine = sqrt(1.0 - sine * sine)
-    iq = 1.0 / q
+    s2 = sine * sine
+    # the series is exact to 1e-15 where it is used
+    cosine = 1.0 - s2 * (0.5 + s2 * (0.125 + s2 * 0.0625)) if s2 < 4e-4 else sqrt(1.0 - s2)
     do = (cosine * eb - sine * et * eo) * iq
     db = (-cosine * eo - sine * et * eb) * iq
     r1 = rho * inverse_c
@@ -78,7 +79,7 @@ def locus_point(table, step, radius, ox, oo, ob, et, eo, eb, q, arc):
     )
 
 
-@njit(cache=True)
+@inlined
 def locus_node(table, node, radius, oo, ob, et, eo, eb, q):
     """(o, b, normal_o, normal_b, sine) at a table node, for the search: no interpolation, no curvature.
 
@@ -95,7 +96,7 @@ def locus_node(table, node, radius, oo, ob, et, eo, eb, q):
     return oo + u * eo + rho * do, ob + u * eb + rho * db, cw * eo + cu * do, cw * eb + cu * db, sine
 
 
-@njit(cache=True)
+@kernel
 def outline(table, step, radius, pose, arc, out):
     """Outline of a wheel seen along its rail, for drawing: (o, b) at the arclengths ``arc`` to ``out`` (2, m).
 

@@ -14,17 +14,14 @@ lobe beside a deeper one takes part of that one's recess (see core.lobes).
 
 from math import sqrt
 
-from numba import njit
-
+from wrsim.core.compiling import inlined, kernel
 from wrsim.core.layout import DS, NB, NO, RADIUS_T, A, B, O, S, X
 from wrsim.core.locus import locus_point
 from wrsim.core.profile import profile_point
 
 
-@njit(cache=True)
-def pair(
-    wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc, delta, n0o, n0b
-):
+@inlined
+def pair(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc, delta, n0o, n0b):
     """A pair of points of equal arclength.
 
     delta and (n0o, n0b): approach and normal (rail to wheel) at the main point.
@@ -33,16 +30,21 @@ def pair(
     """
     x, wo, wb, no, nb, shrink, rt, _k = locus_point(wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc)
     ro, rb, tu, tw, _kr = profile_point(rail, rail_step, rail_arc)
-    mo = -tw - no
-    mb = tu - nb
-    inverse = 1.0 / sqrt(mo * mo + mb * mb)
-    mo *= inverse
-    mb *= inverse
+    # |n_r - n_w|^2 = 4 - |n_r + n_w|^2 and the sum is small: a series replaces root and division
+    po = no - tw
+    pb = nb + tu
+    t = 0.25 * (po * po + pb * pb)
+    if t < 1e-3:
+        inverse = 0.5 + t * (0.25 + t * (0.1875 + t * (0.15625 + t * 0.13671875)))
+    else:
+        inverse = 0.5 / sqrt(1.0 - t)
+    mo = (-tw - no) * inverse
+    mb = (tu - nb) * inverse
     gap = (wo + delta * n0o - ro) * mo + (wb + delta * n0b - rb) * mb
     return gap, x, 0.5 * (wo + ro), 0.5 * (wb + rb), mo, mb, shrink, rt
 
 
-@njit(cache=True)
+@kernel
 def find_edge(
     wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
     wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, first, direction, limit,
@@ -94,7 +96,7 @@ def find_edge(
         inner_h = outer_h
         last_shrink = shrink
         shrink = new_shrink
-    # Illinois' regula falsi between inner (h > 0) and outer (h <= 0)
+    # Illinois' regula falsi between inner (h > 0) and outer (h <= 0), in s^2, where h is nearly linear
     lo = inner
     hi = outer
     lo_h = inner_h
@@ -103,7 +105,7 @@ def find_edge(
     side = 0
     mid = 1.5 * shrink - 0.5 * last_shrink
     for _ in range(60):
-        s = (lo * hi_h - hi * lo_h) / (hi_h - lo_h)
+        s = sqrt((lo * lo * hi_h - hi * hi * lo_h) / (hi_h - lo_h))
         arc = inner_arc + direction * (s - inner) * mid
         gap, _x, _o, _b, mo, mb, _sh, _rt = pair(
             wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
@@ -128,15 +130,15 @@ def find_edge(
     return direction * s, 0
 
 
-@njit(cache=True)
+@kernel
 def lay_strips(
     wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
     wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, start, end, n, strips,
 ):  # fmt: skip
     """Fill ``n`` strips of equal width between the edges ``start`` < 0 < ``end``.
 
-    Writes per strip S (centre), DS (width), X, O, B (centre in rail axes), NO, NB (normal), RADIUS_T (radius of curvature along t) and,
-    as A, the half length sqrt(2 h r_t) of [S 25] with R_w^x = r_t [S 19, 20].
+    Writes per strip S (centre), DS (width), X, O, B (centre in rail axes), NO, NB (normal), RADIUS_T (radius of
+    curvature along t) and, as A, the half length sqrt(2 h r_t) of [S 25] with R_w^x = r_t [S 19, 20].
     Returns the half length at the main point.
     """
     width = (end - start) / n

@@ -5,14 +5,15 @@ Rows stand at uniform arclength ``step`` from L = 0; columns: u (outward), w (he
 interpolation, the curvature linearly; an index costs a division, no search.
 """
 
-from numba import njit
+from wrsim.core.compiling import inlined
 
 
-@njit(cache=True)
+@inlined
 def profile_point(table, step, arc):
     """Point of a profile at arclength ``arc`` [m]: (u, w, tangent_u, tangent_w, curvature).
 
-    The tangent's length differs from 1 by the fourth power of step times curvature (1e-10 for 0.1 mm on 13 mm). Beyond either end the profile goes on straight.
+    The tangent's length differs from 1 by the fourth power of step times curvature (1e-10 for 0.1 mm on 13 mm).
+    Beyond either end the profile goes on straight.
     """
     last = table.shape[0] - 1
     x = arc / step

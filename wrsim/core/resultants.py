@@ -2,8 +2,7 @@
 
 from math import atan, atan2, sqrt
 
-from numba import njit
-
+from wrsim.core.compiling import kernel
 from wrsim.core.layout import (
     ANGLE,
     ANGLE_MAX,
@@ -45,7 +44,7 @@ from wrsim.core.layout import (
 )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def set_creepages(pose, settings, lobe, strips, n):
     """Creepages of each strip and of the main point: velocity of the wheel's material over the rolling speed.
 
@@ -72,7 +71,7 @@ def set_creepages(pose, settings, lobe, strips, n):
         row[PHI] = (wo * row[NO] + wb * row[NB]) * inverse
 
 
-@njit(cache=True)
+@kernel
 def add_lobe(pose, lobe, strips, n, total):
     """Sum the strips' forces at their centres: to the wheel's total and to the lobe's own figures [S 31]."""
     ft = fo = fb = mt = mo = mb = 0.0

@@ -10,8 +10,7 @@ normals throughout, so a vertical rail side is as good as the crown.
 
 from math import sqrt
 
-from numba import njit
-
+from wrsim.core.compiling import inlined, kernel
 from wrsim.core.locus import LARGEST_SINE, locus_node, locus_point
 from wrsim.core.profile import profile_point
 
@@ -24,7 +23,7 @@ YAW_HOLLOWS = 0.03  # yaw that makes the hollow parts of the outline about twice
 MARGIN = 5.5e-3  # the field reaches at least this far beyond the rail [m]
 
 
-@njit(cache=True)
+@inlined
 def field_distance(field, o0, b0, spacing, o, b):
     """(signed distance, arclength of the nearest rail point) by bilinear interpolation of the field.
 
@@ -50,7 +49,7 @@ def field_distance(field, o0, b0, spacing, o, b):
     return distance, foot
 
 
-@njit(cache=True)
+@inlined
 def project(rail, rail_step, o, b, arc, steps):
     """Foot of the perpendicular from (o, b) on the rail by ``steps`` Newton steps from ``arc``.
 
@@ -77,7 +76,7 @@ def project(rail, rail_step, o, b, arc, steps):
     return arc, distance, no, nb, k
 
 
-@njit(cache=True)
+@kernel
 def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, lo, hi, arc, foot, sign):
     """A stationary point of the distance between two wheel arclengths: safeguarded Newton on its slope.
 
@@ -88,9 +87,7 @@ def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q
     relative = 0.0
     status = 1
     for _ in range(60):
-        _x, o, b, no, nb, shrink, _rt, k2 = locus_point(
-            wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, arc
-        )
+        _x, o, b, no, nb, shrink, _rt, k2 = locus_point(wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, arc)
         foot, distance, ro, rb, k_rail = project(rail, rail_step, o, b, foot, 1)
         slope = -nb * ro + no * rb  # wheel tangent (-nb, no) times rail normal
         cosine = -(no * ro + nb * rb)
@@ -117,7 +114,7 @@ WHEEL_ARC, RAIL_ARC, DEPTH, RELATIVE_CURVATURE, SADDLE_DEPTH, SADDLE_RAIL_ARC = 
 FOUND_COLUMNS = 6
 
 
-@njit(cache=True)
+@inlined
 def _rail_slope(rail, rail_step, foot, no, nb):
     """Slope of the distance along a wheel outline with normal (no, nb) over the rail point ``foot``."""
     x = foot / rail_step
@@ -128,7 +125,7 @@ def _rail_slope(rail, rail_step, foot, no, nb):
     return nb * tw + no * tu  # wheel tangent (-nb, no) times rail normal (-tw, tu)
 
 
-@njit(cache=True)
+@kernel
 def find_contacts(
     wheel, wheel_step, radius, rail, rail_step, field, o0, b0, spacing, ox, oo, ob, et, eo, eb, stride, hollow, found
 ):

@@ -7,8 +7,7 @@ formula hold as it stands, so the kernel knows no side.
 
 from math import ceil, sqrt
 
-from numba import njit
-
+from wrsim.core.compiling import kernel
 from wrsim.core.fastsim import fastsim, flexibilities
 from wrsim.core.kik_piotrowski import far_influence, own_influence, set_pressures, solve_amplitudes
 from wrsim.core.layout import (
@@ -92,7 +91,7 @@ WIDEST = 0.08  # half width at which the search for an edge is given up [m]
 FEWEST_STRIPS = 3
 
 
-@njit(cache=True)
+@kernel
 def wheel_rail(wheel, rail, field, creep, shape, settings, pose, found, patches, strips, work, total):
     """Contact of one wheel and one rail.
 
@@ -136,7 +135,7 @@ def wheel_rail(wheel, rail, field, creep, shape, settings, pose, found, patches,
     return status
 
 
-@njit(cache=True)
+@kernel
 def _bound_lobe(wheel, rail, settings, pose, found, i, count, lobe):
     """Main point, recess and edges of one lobe. Returns status bits; without contact the width is zero."""
     delta, wheel_arc, rail_arc = found[i, DEPTH], found[i, WHEEL_ARC], found[i, RAIL_ARC]
@@ -163,8 +162,8 @@ def _bound_lobe(wheel, rail, settings, pose, found, i, count, lobe):
         left = max(rail_arc - found[i - 1, SADDLE_RAIL_ARC], 1e-7)
     if i < count - 1 and found[i, SADDLE_DEPTH] >= 0.0:
         right = max(found[i, SADDLE_RAIL_ARC] - rail_arc, 1e-7)
-    # first step: a third of the half width that the relative curvature at the main point promises
-    first = 0.35 * sqrt(2.0 * (delta - recess) / max(found[i, RELATIVE_CURVATURE], 0.5))
+    # first step: half of the half width that the relative curvature at the main point promises
+    first = 0.55 * sqrt(2.0 * (delta - recess) / max(found[i, RELATIVE_CURVATURE], 0.5))
     first = min(max(first, 2e-5), 4e-3)
     q = sqrt(1.0 - pose[3] * pose[3])
     projected = settings[PROJECTED] > 0.5
@@ -184,7 +183,7 @@ def _bound_lobe(wheel, rail, settings, pose, found, i, count, lobe):
     return status
 
 
-@njit(cache=True)
+@kernel
 def _group(found, eps, patches, count):
     """Number the patches: neighbours whose virtual penetrations overlap share one."""
     group = -1
@@ -199,7 +198,7 @@ def _group(found, eps, patches, count):
         patches[i, GROUP] = group
 
 
-@njit(cache=True)
+@kernel
 def _lay_lobe(wheel, rail, settings, pose, patches, count, i, rows):
     """Strips of one lobe; the lobes of a patch share the number of strips by their widths."""
     lobe = patches[i]
@@ -235,7 +234,7 @@ def _lay_lobe(wheel, rail, settings, pose, patches, count, i, rows):
     lobe[B_MAIN] = row[B] + row[S] * row[NO]
 
 
-@njit(cache=True)
+@kernel
 def _press(settings, pose, patches, strips, count, work):
     """Pressures of all lobes from the displacements at their main points (core.kik_piotrowski), with damping."""
     matrix = work[2:5]
@@ -281,7 +280,7 @@ def _press(settings, pose, patches, strips, count, work):
         lobe[LENGTH] = 2.0 * longest
 
 
-@njit(cache=True)
+@kernel
 def _creep(creep, shape, settings, pose, patches, strips, count, i, work):
     """Creep forces of one lobe; coupled lobes share the ellipse and the mean creepages by their coupling."""
     n = int(patches[i, N_STRIPS])

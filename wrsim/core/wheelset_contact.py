@@ -6,20 +6,19 @@ more there (they are pseudovectors), so the kernel's formulae hold on both sides
 forces to round-off.
 """
 
-from numba import njit
-
+from wrsim.core.compiling import kernel
 from wrsim.core.layout import FORCE_B, FORCE_O, FORCE_T, MOMENT_B, MOMENT_O, MOMENT_T
 from wrsim.core.wheelset import point_velocity
 
 
-@njit(cache=True)
+@kernel
 def wheel_origin(body, side, half_spacing):
     """Wheel profile origin on the axle, global (x, y, z). side: +1 left, -1 right; half_spacing: H/2 [m]."""
     d = side * half_spacing
     return body[0] + d * body[9], body[1] + d * body[10], body[2] + d * body[11]
 
 
-@njit(cache=True)
+@kernel
 def set_pose(body, frame, side, half_spacing, pose):
     """Write the pose and motion of one wheel in its rail's axes to ``pose`` (12,), see core.wheel_rail.
 
@@ -45,7 +44,7 @@ def set_pose(body, frame, side, half_spacing, pose):
     pose[11] = side * (wx * bx + wy * by + wz * bz)
 
 
-@njit(cache=True)
+@kernel
 def add_forces(body, frame, side, half_spacing, total, force, moment):
     """Add one wheel's contact force and moment to ``force`` and ``moment`` (3,) at the centre of mass, global axes."""
     _rx, _ry, _rz, tx, ty, tz, nx, ny, nz, bx, by, bz = frame

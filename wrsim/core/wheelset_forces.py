@@ -4,10 +4,9 @@ Arrays come in an arena (core.arena) in the order named below: scalars and paths
 `core.wheel_rail.wheel_rail` takes them.
 """
 
-from numba import njit
-
 from wrsim.core.arena import block, matrix, vector
 from wrsim.core.carrier import carrier_forces
+from wrsim.core.compiling import kernel
 from wrsim.core.path import frame, locate
 from wrsim.core.wheel_rail import wheel_rail
 from wrsim.core.wheelset import generalised_forces, kinematics
@@ -24,7 +23,7 @@ SCALAR_COUNT = 7
 OK, OFF_TRACK = 0, 1024
 
 
-@njit(cache=True)
+@kernel
 def wheelset_forces(t, q, q_t, out, buffer, index):
     """Generalised forces (6,) on a wheelset at time t.
 
@@ -44,9 +43,7 @@ def wheelset_forces(t, q, q_t, out, buffer, index):
         return OFF_TRACK
     scalars[S_CENTRE] = s
     own = frame(centre, scalars[STEP_CENTRE], s)
-    fx, fy, fz, mx, my, mz = carrier_forces(
-        t, body, own, centre, scalars[STEP_CENTRE], vector(buffer, index, CARRIER)
-    )
+    fx, fy, fz, mx, my, mz = carrier_forces(t, body, own, centre, scalars[STEP_CENTRE], vector(buffer, index, CARRIER))
     force[0], force[1], force[2] = fx, fy, fz
     moment[0], moment[1], moment[2] = mx, my, mz
     half = scalars[HALF_SPACING]
@@ -56,7 +53,7 @@ def wheelset_forces(t, q, q_t, out, buffer, index):
     return status
 
 
-@njit(cache=True)
+@kernel
 def _one_side(body, side, half, path, place, scalars, buffer, index, first):
     """Contact of one wheel on its rail; adds to the arena's force and moment. Returns a status."""
     step = scalars[place - S_LEFT + STEP_LEFT]
@@ -83,7 +80,5 @@ def _one_side(body, side, half, path, place, scalars, buffer, index, first):
         matrix(buffer, index, first + 10),
         total,
     )
-    add_forces(
-        body, rail_frame, side, half, total, vector(buffer, index, FORCE), vector(buffer, index, MOMENT)
-    )
+    add_forces(body, rail_frame, side, half, total, vector(buffer, index, FORCE), vector(buffer, index, MOMENT))
     return status
