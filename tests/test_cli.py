@@ -34,22 +34,22 @@ def scenario(tmp_path: Path) -> Path:
 
 
 def analysis_that(monkeypatch: pytest.MonkeyPatch, does: Any) -> list[dict[str, Any]]:
-    """Put ``does(scenario, progress, output)`` in the place of the analyses; returns a record of its calls."""
+    """Put ``does()`` in the place of the analyses; returns a record of its calls."""
     calls: list[dict[str, Any]] = []
 
-    def run(scenario: Any, progress: Any = None, output: Any = None) -> Result:
-        calls.append({"scenario": scenario, "progress": progress, "output": output})
-        return does(scenario, progress, output)
+    def run(scenario: Any, progress: Any = None) -> Result:
+        calls.append({"scenario": scenario, "progress": progress})
+        return does()
 
     monkeypatch.setattr(wrsim.analysis, "run", run, raising=False)
     return calls
 
 
-def completed(*_: Any) -> Result:
+def completed() -> Result:
     return Result(curve_run(samples=40))
 
 
-def stopped(*_: Any) -> Result:
+def stopped() -> Result:
     return Result(curve_run(samples=40, stopped=True))
 
 
@@ -128,7 +128,6 @@ def test_a_run_leaves_dataset_tables_summary_pictures_and_its_scenario(
     calls = analysis_that(monkeypatch, completed)
     result = call("run", scenario, "-o", tmp_path / "out")
     assert result.exit_code == 0, result.output
-    assert calls[0]["output"] == tmp_path / "out"
     assert calls[0]["progress"] is None, "no bar where there is no terminal"
     names = {p.name for p in (tmp_path / "out").iterdir()}
     assert {"result.nc", "summary.json", "history.csv", "patches.csv", "scenario.toml", "overview.png"} <= names
@@ -179,7 +178,7 @@ def test_a_run_that_stops_keeps_what_was_computed_and_says_why(
 def test_a_run_interrupted_with_ctrl_c_keeps_what_was_computed_and_ends_with_130(
     scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupted(*_: Any) -> Result:
+    def interrupted() -> Result:
         dataset = curve_run(samples=40, stopped=True)
         dataset.attrs["stop_reason"] = "interrupted by the user at t = 1 s"
         return Result(dataset)
@@ -192,7 +191,7 @@ def test_a_run_interrupted_with_ctrl_c_keeps_what_was_computed_and_ends_with_130
 
 
 def failing(error: BaseException) -> Any:
-    def fail(*_: Any) -> Result:
+    def fail() -> Result:
         raise error
 
     return fail
