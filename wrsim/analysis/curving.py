@@ -22,9 +22,7 @@ if TYPE_CHECKING:
 def run_curving(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
     """Integrate from the start to the end of the run; a run that has to stop returns what it has."""
     plan = setup.run
-    law = WheelsetOnTrack(
-        setup.wheelset, setup.track, contact_models(setup), speed=plan.speed, start=plan.start
-    )
+    law = WheelsetOnTrack(setup.wheelset, setup.track, contact_models(setup), speed=plan.speed, start=plan.start)
     q, q_t = start_state(setup, law)
     system = System([RigidBody.of(setup.wheelset)], law)
     step = plan.step if plan.step is not None else round_step(SAFETY * stable_step(system, q, q_t))

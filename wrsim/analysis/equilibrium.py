@@ -39,9 +39,7 @@ def standing(setup: Setup, law: WheelsetOnTrack) -> Equilibrium:
 def start_state(setup: Setup, law: WheelsetOnTrack) -> tuple[Array, Array]:
     """State (q, q_t) from which a run starts: rolling steadily in the track as it is at the start."""
     speed, radius = setup.run.speed, setup.wheelset.mean_radius
-    q, q_t = place_on_track(
-        setup.track.centre, setup.run.start, speed=speed, height=radius, spin_rate=speed / radius
-    )
+    q, q_t = place_on_track(setup.track.centre, setup.run.start, speed=speed, height=radius, spin_rate=speed / radius)
     found = find_equilibrium(law, q, q_t, ROLLING, weight=setup.wheelset.static_axle_load)
     return found.q, found.q_t
 

@@ -40,9 +40,10 @@ def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
     n = len(motion.times)
     raw = RawContacts.empty(n, 2, setup.contact.max_patches)
     out = np.zeros(6)
+    places = law.places(poses.distance)
 
     def evaluate(i: int) -> None:
-        law.look_near(float(poses.distance[i]))
+        law.look_near(places[i])
         law(motion.times[i], motion.q[i], motion.q_t[i], out)
 
     for i in range(n):
@@ -105,5 +106,3 @@ def choose_snapshots(setup: Setup, distance: Array, wheel: dict[str, Array]) -> 
     if not chosen:
         chosen[len(distance) - 1] = "end"
     return [Snapshot(sample, label) for sample, label in sorted(chosen.items())]
-
-

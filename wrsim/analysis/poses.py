@@ -142,4 +142,3 @@ class StaticBench:
             if hi > LARGEST_ROLL:
                 raise LoadNotReached("the wheelset finds no balance in roll")
         return float(brentq(moment, lo, hi, xtol=1e-15, rtol=8.9e-16, maxiter=200))
-

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -38,9 +38,6 @@ class WheelsetOnTrack:
         """contacts: left and right; speed [m/s] of the track-following frame, which is at ``start`` [m] at t = 0."""
         half = 0.5 * wheelset.profile_spacing
         scalars = np.zeros(kernel.SCALAR_COUNT)
-        scalars[kernel.S_CENTRE] = start
-        scalars[kernel.S_LEFT] = track.rail_distance("left", start)
-        scalars[kernel.S_RIGHT] = track.rail_distance("right", start)
         paths = (track.centre, track.left, track.right)
         scalars[kernel.STEP_CENTRE : kernel.STEP_RIGHT + 1] = [p.step for p in paths]
         scalars[kernel.HALF_SPACING] = half
@@ -64,6 +61,7 @@ class WheelsetOnTrack:
         )
         self._scalars = views[kernel.SCALARS]
         self._track = track
+        self.look_near(self.places(np.array([start]))[0])
 
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
         """See ``ForceLaw``. Returns the status of the contacts; raises SimulationError off the track."""
@@ -77,8 +75,11 @@ class WheelsetOnTrack:
         """Distance of the wheelset along the centre line at the state asked for last [m]."""
         return float(self._scalars[kernel.S_CENTRE])
 
-    def look_near(self, distance: float) -> None:
-        """Tell where to look for the wheelset first [m]: before a state far from the last one."""
-        self._scalars[kernel.S_CENTRE] = distance
-        self._scalars[kernel.S_LEFT] = self._track.rail_distance("left", distance)
-        self._scalars[kernel.S_RIGHT] = self._track.rail_distance("right", distance)
+    def places(self, distances: Array) -> Array:
+        """Rows (n, 3) for ``look_near``: distances along the centre line (n,) and along both rails there [m]."""
+        sides: tuple[Literal["left", "right"], ...] = ("left", "right")
+        return np.column_stack([distances, *(self._track.rail_distance(side, distances) for side in sides)])
+
+    def look_near(self, place: Array) -> None:
+        """Tell where to look for the wheelset first, a row of ``places``: before a state far from the last one."""
+        self._scalars[[kernel.S_CENTRE, kernel.S_LEFT, kernel.S_RIGHT]] = place
