@@ -86,9 +86,11 @@ def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q
     distance = 0.0
     relative = 0.0
     status = 1
+    projections = 3  # the first guess of the foot may be far off; later ones are foretold
     for _ in range(60):
         _x, o, b, no, nb, shrink, _rt, k2 = locus_point(wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, arc)
-        foot, distance, ro, rb, k_rail = project(rail, rail_step, o, b, foot, 1)
+        foot, distance, ro, rb, k_rail = project(rail, rail_step, o, b, foot, projections)
+        projections = 1
         slope = -nb * ro + no * rb  # wheel tangent (-nb, no) times rail normal
         cosine = -(no * ro + nb * rb)
         relative = shrink * k2 - k_rail
@@ -105,6 +107,7 @@ def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q
         new = arc + step
         if new <= lo or new >= hi:
             new = 0.5 * (lo + hi)
+        foot += (new - arc) * cosine / (lean * shrink)
         arc = new
     return arc, foot, distance, relative, status
 
