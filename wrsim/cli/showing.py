@@ -73,7 +73,7 @@ def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:
         return "-", ""
     place = peak.get("pose")
     if place is None:
-        place = f"{peak['distance_m']:.1f} m" if "distance_m" in peak else f"{peak['time_s']:.3f} s"
+        place = f"{peak['distance_m']:z.1f} m" if "distance_m" in peak else f"{peak['time_s']:z.3f} s"
     return f"{peak['value']:.4g}", str(place)
 
 
