@@ -1,0 +1,129 @@
+"""Time of one wheel on one rail, against the bare arithmetic inside it. Run: python benchmarks/bench_contact.py
+
+Prints microseconds (minimum of repeats) for some poses, and where they go: the call from Python, the search, the
+curved patch with its pressure, the creep forces. The bare arithmetic is measured in the same run: as many K - E
+evaluations and FASTSIM cells in a plain loop as one patch needs, once with the cells one after the other along each
+strip ("scalar") and once as the kernel does it, all strips side by side ("side by side").
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from wrsim.analysis.poses import StaticBench
+from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.model import ContactModel
+from wrsim.contact.settings import ContactSettings
+from wrsim.core import layout as k
+from wrsim.core.compiling import kernel
+from wrsim.core.elliptic import strip_potential
+from wrsim.core.fastsim import fastsim
+from wrsim.core.search import find_contacts
+from wrsim.core.wheel_rail import wheel_rail
+from wrsim.geometry.profile_models import load_profile
+from wrsim.scenario.cases import StaticPose
+
+MODELS = Path(__file__).parents[1] / "models"
+POSES = (("tread, two lobes", 0.0, 0.002), ("tread", 3e-3, 0.002), ("tread and root", 5.06e-3, 0.001),
+         ("gauge corner", 6.5e-3, 0.005), ("flange", 8e-3, 0.01))  # fmt: skip
+
+
+def microseconds(function: Callable[[], object], calls: int = 200, repeats: int = 60) -> float:
+    """Minimum over the repeats of the mean over the calls."""
+    function()
+    best = np.inf
+    for _ in range(repeats):
+        began = time.perf_counter()
+        for _ in range(calls):
+            function()
+        best = min(best, (time.perf_counter() - began) / calls)
+    return 1e6 * best
+
+
+@kernel
+def bare(strips, n, reps, shape, work, side_by_side, cells):  # type: ignore[no-untyped-def]
+    """reps times: n K - E evaluations and n x cells FASTSIM cells."""
+    total = 0.0
+    for _ in range(reps):
+        for i in range(n):
+            total += strip_potential(strips[i, k.A], strips[i, k.S])
+        if side_by_side:
+            fastsim(strips, n, 0.3, 0.0, 1e-4, 1e-4, 1e-12, 1e-12, 1e-12, 1.0, shape, work)
+            continue
+        for i in range(n):
+            qx = 0.0
+            qy = 0.0
+            step = strips[i, k.XI] * strips[i, k.A] * 1e10
+            for j in range(cells):
+                qx -= step
+                qy -= step * (1.0 - j)
+                bound = 0.3 * strips[i, k.P] * shape[j]
+                size = np.sqrt(qx * qx + qy * qy)
+                if size > bound:
+                    qx *= bound / size
+                    qy *= bound / size
+                total += qx + qy
+    return total
+
+
+@kernel
+def nothing(a, b, c, d, e, f, g, h, i, j, l, m):  # type: ignore[no-untyped-def]  # noqa: E741
+    """Takes what the kernel takes."""
+    return 0
+
+
+def main() -> None:
+    """Print the table."""
+    wheel = load_profile(MODELS / "wheels/S1002.toml")
+    rail = load_profile(MODELS / "rails/60E1.toml").inclined(1 / 40)
+    origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
+    print(f"{'us':24s}{'total':>8s}{'call':>8s}{'search':>8s}{'patch':>8s}{'creep':>8s}{'lobes':>7s}{'x bare':>8s}")
+    for strips, cells in ((40, 20), (25, 12)):
+        settings = ContactSettings(strips=strips, cells=cells)
+        model = ContactModel.build(wheel, rail, 0.46, settings, 0.35)
+        bench = StaticBench([WheelOnRail(model, 1, 0.75, origin)], True, 0.46)
+        a = model.arrays
+        arguments = a.arguments()
+        call = microseconds(lambda arguments=arguments: nothing(*arguments))
+        floors: dict[str, float] = {}
+        measured = min(strips, 20)  # strips in the bare loop, scaled up
+        for name, lateral, yaw in POSES:
+            bench.solve(StaticPose(name, lateral, yaw, 55e3))
+            if not floors:
+                rows = a.strips[0]
+                for kind, side_by_side in (("scalar", False), ("side by side", True)):
+                    floors[kind] = microseconds(
+                        lambda rows=rows, s=side_by_side, a=a, n=measured, c=cells: bare(
+                            rows, n, 100, a.shape, a.work, s, c
+                        ),
+                        2, 30,
+                    ) / 100 * strips / measured  # fmt: skip
+                print(
+                    f"{strips} strips x {cells} cells; bare arithmetic "
+                    + ", ".join(f"{kind} {value:.2f}" for kind, value in floors.items())
+                )
+            s, p = a.settings, a.pose
+            total = microseconds(lambda arguments=arguments: wheel_rail(*arguments))
+            lobes = int(a.total[k.COUNT])
+            s[k.TANGENTIAL] = 0.0
+            normal = microseconds(lambda arguments=arguments: wheel_rail(*arguments))
+            s[k.TANGENTIAL] = 1.0
+            search = microseconds(
+                lambda a=a, s=s, p=p: find_contacts(
+                    a.wheel, s[k.WHEEL_STEP], s[k.RADIUS], a.rail, s[k.RAIL_STEP], a.field, s[k.FIELD_O],
+                    s[k.FIELD_B], s[k.FIELD_SPACING], p[0], p[1], p[2], p[3], p[4], p[5], int(s[k.STRIDE]),
+                    s[k.HOLLOW], a.found,
+                )
+            ) - 2.0 * call  # fmt: skip
+            print(
+                f"  {name:22s}{total:8.2f}{call:8.2f}{search:8.2f}{normal - call - search:8.2f}"
+                f"{total - normal:8.2f}{lobes:7d}{total / floors['scalar']:8.2f}"
+            )
+
+
+if __name__ == "__main__":
+    main()
