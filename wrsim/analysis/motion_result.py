@@ -50,8 +50,8 @@ def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
         evaluate(i)
         for j, wheel in enumerate(law.wheels):
             raw.store(i, j, wheel.model)
-    wheel = wheel_channels(raw)
-    snapshots = choose_snapshots(setup, poses.distance, wheel)
+    forces = wheel_channels(raw)
+    snapshots = choose_snapshots(setup, poses.distance, forces)
     strips = StripRecorder.start(law.wheels)
     for snapshot in snapshots:
         evaluate(snapshot.sample)
@@ -69,7 +69,7 @@ def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
         "yaw": poses.yaw,
         "roll": poses.roll,
         "spin_rate": poses.spin_rate,
-        **wheel,
+        **forces,
         **patch_channels(raw, law.wheels, gauge - track.nominal_gauge),
         "snapshot_time": motion.times[kept],
         "snapshot_distance": poses.distance[kept],

@@ -114,7 +114,7 @@ def _patches(raw: RawContacts) -> _Patches:
     order = np.argsort(-force, axis=-1, kind="stable")
     member = np.take_along_axis(member, order[..., None], axis=2)
     depth = np.where(member, raw.patches[..., None, :, k.APPROACH], -1.0)
-    return _Patches(member, depth.argmax(axis=-1), member.any(axis=-1))
+    return _Patches(member, depth.argmax(axis=-1), np.any(member, axis=-1))
 
 
 def wheel_channels(raw: RawContacts) -> dict[str, Array]:

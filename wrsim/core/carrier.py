@@ -9,6 +9,10 @@ omega_f the angular velocity of the frame, the force on the axle along each axis
 
     -k d.e - c (v_axle - v_frame - omega_f x (r_axle - r_frame)).e
 
+In a bogie the axle sits ``ahead`` of the centre, and the bogie stands along the chord of a curve: the points of the
+frame are then turned about b by -ahead kappa against the track, the angle of attack of a leading axle. How fast that
+angle changes in a transition is left out of the damper's velocity.
+
 The velocity is the one seen from the turning frame: a wheelset that follows a curve undisturbed meets no
 damper force. The points lie on the axle, so the spin does not move them.
 
@@ -19,6 +23,8 @@ speed at which the cant changes adds no force.
 
 The constant force acts at the centre of mass in the track axes at the wheelset's own place.
 """
+
+from math import cos, sin
 
 from numba import njit
 
@@ -31,7 +37,8 @@ HALF_SPACING, HEIGHT = 8, 9  # [m]; of the axle above the track plane with sprin
 SPRUNG_MASS, SPRUNG_HEIGHT = 10, 11  # [kg]; above the axle [m]
 CONSTANT = 12  # three: force along t, n, b [N]
 START, SPEED = 15, 16  # s0 [m], V [m/s]
-PARAMETERS = 17
+AHEAD = 17  # of the bogie centre [m]
+PARAMETERS = 18
 
 
 @njit(cache=True)
@@ -39,13 +46,20 @@ def carrier_forces(t, body, own, path, step, parameters):
     """Force and moment on a wheelset from everything but the rails.
 
     t: time [s]; body: 18 numbers of ``core.wheelset.kinematics``; own: track frame at the projection of the
-    centre of mass; path, step: centre line; parameters: (17,) as named above.
+    centre of mass; path, step: centre line; parameters: (18,) as named above.
     Returns (Fx, Fy, Fz [N], Mx, My, Mz [N m]): at the centre of mass, in global axes.
     """
     speed = parameters[SPEED]
     s = parameters[START] + speed * t
     rx, ry, rz, tx, ty, tz, nx, ny, nz, bx, by, bz = frame(path, step, s)
     wx, wy, wz, _ = frame_rates(path, step, s)
+    # direction of the axle of a wheelset that the frame holds: n turned by the attack
+    attack = -parameters[AHEAD] * (wx * bx + wy * by + wz * bz)
+    ca = cos(attack)
+    sa = sin(attack)
+    ex = ca * nx - sa * tx
+    ey = ca * ny - sa * ty
+    ez = ca * nz - sa * tz
     wx *= speed
     wy *= speed
     wz *= speed
@@ -99,9 +113,9 @@ def carrier_forces(t, body, own, path, step, parameters):
         ax = arm * body[9]
         ay = arm * body[10]
         az = arm * body[11]
-        dx = px + ax - arm * nx - height * bx
-        dy = py + ay - arm * ny - height * by
-        dz = pz + az - arm * nz - height * bz
+        dx = px + ax - arm * ex - height * bx
+        dy = py + ay - arm * ey - height * by
+        dz = pz + az - arm * ez - height * bz
         ux = vx + oy * az - oz * ay
         uy = vy + oz * ax - ox * az
         uz = vz + ox * ay - oy * ax

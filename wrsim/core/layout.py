@@ -19,9 +19,9 @@ STRIP_COLUMNS = 17
 (
     N, FX_SUM, FY_SUM, SPIN_MOMENT, P0, AREA, APPROACH, ANGLE, ANGLE_MIN, ANGLE_MAX, ANGLE_MEAN, N_STRIPS, LENGTH,
     WIDTH, XI_MAIN, ETA_MAIN, PHI_MAIN, ARC_WHEEL, ARC_RAIL, X_MAIN, O_MAIN, B_MAIN, NO_MAIN, NB_MAIN, DISSIPATION,
-    GROUP, COUPLING, PARTNER, HALF_LENGTH, CLOSING, START, END, RECESS,
-) = range(33)  # fmt: skip
-PATCH_COLUMNS = 33
+    GROUP, COUPLING, PARTNER, HALF_LENGTH, CLOSING, START, END, RECESS, AMPLITUDE,
+) = range(34)  # fmt: skip
+PATCH_COLUMNS = 34
 
 # total[...]: force and moment about the profile origin on the wheel (t, o, b), number of lobes, number of patches
 # (lobes that share a patch count once), wear number, closest distance

@@ -109,6 +109,7 @@ def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q
             new = 0.5 * (lo + hi)
         foot += (new - arc) * cosine / (lean * shrink)
         arc = new
+    foot, distance, ro, rb, k_rail = project(rail, rail_step, o, b, foot, 1)
     return arc, foot, distance, relative, status
 
 

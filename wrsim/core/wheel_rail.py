@@ -11,6 +11,7 @@ from wrsim.core.compiling import kernel
 from wrsim.core.fastsim import fastsim, flexibilities
 from wrsim.core.kik_piotrowski import far_influence, own_influence, set_pressures, solve_amplitudes
 from wrsim.core.layout import (
+    AMPLITUDE,
     APPROACH,
     ARC_RAIL,
     ARC_WHEEL,
@@ -272,7 +273,8 @@ def _press(settings, pose, patches, strips, count, work):
         lobe = patches[i]
         factor = max(1.0 + settings[DAMPING] * lobe[CLOSING], 0.0)
         largest, normal, area, longest = set_pressures(strips[i], int(lobe[N_STRIPS]), amplitude[i], factor)
-        lobe[P0] = max(largest, amplitude[i] * factor * lobe[HALF_LENGTH])
+        lobe[AMPLITUDE] = amplitude[i] * factor
+        lobe[P0] = max(largest, lobe[AMPLITUDE] * lobe[HALF_LENGTH])
         lobe[N] = normal
         if amplitude[i] == 0.0:
             lobe[N_STRIPS] = 0.0
@@ -299,6 +301,8 @@ def _creep(creep, shape, settings, pose, patches, strips, count, i, work):
                 share = patches[i, COUPLING]
             if int(patches[j, PARTNER]) == i:
                 share = max(share, patches[j, COUPLING])
+            # a lobe about to lift off counts for as little as it carries
+            share *= min(patches[j, AMPLITUDE] / patches[i, AMPLITUDE], 1.0)
         if share == 0.0 or patches[j, N] <= 0.0:
             continue
         area += share * patches[j, AREA]

@@ -22,7 +22,7 @@ def carrier_parameters(
     height: float | None = None,
     gravity: float = STANDARD_GRAVITY,
 ) -> Array:
-    """Parameters of ``core.carrier.carrier_forces`` (17,).
+    """Parameters of ``core.carrier.carrier_forces`` (18,).
 
     speed [m/s] and start [m]: the frame is at s = start + speed t; height [m]: of the axle above the track
     plane where the springs carry nothing, default the mean wheel radius; gravity [m/s2].
@@ -34,6 +34,7 @@ def carrier_parameters(
     p[kernel.STIFFNESS : kernel.STIFFNESS + 3] = suspension.stiffness
     p[kernel.DAMPING : kernel.DAMPING + 3] = suspension.damping
     p[kernel.HALF_SPACING] = suspension.half_spacing
+    p[kernel.AHEAD] = suspension.ahead_of_bogie_centre
     p[kernel.HEIGHT] = wheelset.mean_radius if height is None else height
     p[kernel.SPRUNG_MASS] = wheelset.sprung.mass
     p[kernel.SPRUNG_HEIGHT] = wheelset.sprung.height

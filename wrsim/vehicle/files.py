@@ -103,6 +103,9 @@ class SuspensionTable(Section):
     stiffness_kN_per_m: Annotated[tuple[float, float, float], Three()] = (0.0, 0.0, 0.0)
     damping_kNs_per_m: Annotated[tuple[float, float, float], Three()] = (0.0, 0.0, 0.0)
     half_spacing_mm: Annotated[float, Quantity(above=0, high=2000, example="mm from the middle")] = 1000.0
+    ahead_of_bogie_centre_mm: Annotated[
+        float, Quantity(-5000, 5000, example="mm, half the wheelbase for a leading axle, negative for a trailing one")
+    ] = 0.0
 
 
 class SprungTable(Section):
@@ -164,6 +167,7 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Wheelset:
             (1e3 * x, 1e3 * y, 1e3 * z),
             (1e3 * cx, 1e3 * cy, 1e3 * cz),
             file.suspension.half_spacing_mm / 1000.0,
+            file.suspension.ahead_of_bogie_centre_mm / 1000.0,
         ),
         sprung=SprungMass(file.sprung.mass_kg, file.sprung.height_above_axle_mm / 1000.0),
         source=file.source,

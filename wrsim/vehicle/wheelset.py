@@ -27,11 +27,15 @@ class Suspension:
     Stiffness [N/m] and damping [N s/m] along x (track), y (lateral), z (vertical) of each of the two sets, which
     sit at ``+-half_spacing`` [m] from the centre of mass. Yaw and roll stiffness follow from the spacing:
     ``2 kx half_spacing**2`` and ``2 kz half_spacing**2``.
+
+    ahead_of_bogie_centre: where the axle sits in a bogie [m]; 0 for one that steers itself. In a curve of curvature
+    kappa a bogie stands along the chord, so its leading axle is held at an angle of attack of -ahead kappa.
     """
 
     stiffness: tuple[float, float, float] = (0.0, 0.0, 0.0)
     damping: tuple[float, float, float] = (0.0, 0.0, 0.0)
     half_spacing: float = 1.0
+    ahead_of_bogie_centre: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,8 @@ class Wheelset:
     """A rigid wheelset.
 
     mass [kg]; inertia about the centre of mass (roll, pitch/spin, yaw) [kg m2]; profile_spacing: distance H between
-    the two wheel profile origins [m]; constant_force: extra force (x, y, z) at the centre of mass in the track frame [N].
+    the two wheel profile origins [m]; constant_force: extra force (x, y, z) at the centre of mass in the track frame
+    [N].
     """
 
     name: str
