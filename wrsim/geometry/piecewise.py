@@ -104,7 +104,7 @@ class PiecewiseCubic:
 
     def breaks(self) -> Array:
         """Distances between which the function is smooth, from 0 to the end."""
-        edges = [self.starts, [self.end]]
+        edges = [self.starts, np.array([self.end])]
         if len(self.kinks):
             edges += [self.kinks[:, 0] - self.kinks[:, 2], self.kinks[:, 0] + self.kinks[:, 2]]
         return np.unique(np.clip(np.concatenate(edges), 0.0, self.end))
