@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 
 from wrsim import load, run
@@ -21,6 +22,7 @@ from wrsim.plots import (
     style,
     track_layout,
 )
+from wrsim.plots.style import pressure_map
 
 HERE = Path(__file__).parent
 
@@ -50,9 +52,15 @@ def draw(dataset: xr.Dataset) -> Figure:
     scale = pressure_scale(dataset)
     section = figure.add_subplot(grid[:2, 1])
     cross_section_zoom(section, dataset, place, scale)
-    section.set_title("Outer wheel on the gauge corner", fontsize="medium", loc="left")
+    section.set_title("Outer wheel: pressure on the curved patch", fontsize="medium", loc="left")
     patch = figure.add_subplot(grid[2:, 1])
     contact_patch(patch, dataset, place, scale)
+    patch.set_xlabel("curved axis $s$ [mm], field side to the right")
+    patch.set_ylabel("along the rail $x$ [mm]")
+    colours = figure.colorbar(ScalarMappable(scale, pressure_map()), ax=patch, shrink=0.9)
+    colours.set_label("pressure [MPa]")
+    section.set_xlabel("outward [mm]")
+    section.set_ylabel("up [mm]")
     return figure
 
 

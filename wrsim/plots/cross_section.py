@@ -95,7 +95,7 @@ def patch_on_section(
         )  # fmt: skip
         if fan > 0.0:
             tips = curve + normal * (fan * p / float(scale.vmax or 1.0))[:, None]
-            axes.add_artist(Polygon(tips, facecolor="white", alpha=0.75, zorder=2.5))
+            axes.add_artist(Polygon(np.vstack((tips, curve[::-1])), facecolor="white", alpha=0.75, zorder=2.5))
             axes.plot(*tips.T, color=INK, linewidth=0.7, zorder=2.7, gid="pressure")
             inner = np.arange(len(NEAR_EDGE), len(p) - len(NEAR_EDGE))
             few = inner[:: max(1, len(inner) // 16)]
