@@ -87,6 +87,7 @@ def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q
     relative = 0.0
     status = 1
     projections = 3  # the first guess of the foot may be far off; later ones are foretold
+    last = 1.0  # length of the last step
     for _ in range(60):
         _x, o, b, no, nb, shrink, _rt, k2 = locus_point(wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, arc)
         foot, distance, ro, rb, k_rail = project(rail, rail_step, o, b, foot, projections)
@@ -102,14 +103,16 @@ def refine(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q
         rate = k2 * cosine - k_rail * cosine * cosine / (lean * shrink)
         step = -slope / rate if sign * rate > 0.0 else 2.0 * (hi - lo)
         if abs(step) < 1e-11 or hi - lo < 1e-12:
+            foot, distance, ro, rb, k_rail = project(rail, rail_step, o, b, foot, 1)
             status = 0
             break
         new = arc + step
-        if new <= lo or new >= hi:
+        # beside a join of arcs the rate may be off by half and Newton's steps swing to and fro
+        if new <= lo or new >= hi or abs(step) > 0.5 * last:
             new = 0.5 * (lo + hi)
+        last = abs(new - arc)
         foot += (new - arc) * cosine / (lean * shrink)
         arc = new
-    foot, distance, ro, rb, k_rail = project(rail, rail_step, o, b, foot, 1)
     return arc, foot, distance, relative, status
 
 
