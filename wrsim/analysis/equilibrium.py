@@ -13,6 +13,8 @@ from wrsim.analysis.motion_result import result_of
 from wrsim.simulation.equilibrium import Equilibrium, find_equilibrium
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.placement import place_on_track
+from wrsim.simulation.steady import SteadyMotion
+from wrsim.simulation.system import RigidBody
 from wrsim.simulation.wheelset_law import WheelsetOnTrack
 
 if TYPE_CHECKING:
@@ -37,11 +39,13 @@ def standing(setup: Setup, law: WheelsetOnTrack) -> Equilibrium:
 
 
 def start_state(setup: Setup, law: WheelsetOnTrack) -> tuple[Array, Array]:
-    """State (q, q_t) from which a run starts: rolling steadily in the track as it is at the start."""
-    speed, radius = setup.run.speed, setup.wheelset.mean_radius
-    q, q_t = place_on_track(setup.track.centre, setup.run.start, speed=speed, height=radius, spin_rate=speed / radius)
-    found = find_equilibrium(law, q, q_t, ROLLING, weight=setup.wheelset.static_axle_load)
-    return found.q, found.q_t
+    """State (q, q_t) from which a run starts: rolling steadily in the track as it is at the start, also in a curve."""
+    speed, radius, start = setup.run.speed, setup.wheelset.mean_radius, setup.run.start
+    centre = setup.track.centre
+    q, q_t = place_on_track(centre, start, speed=speed, height=radius, spin_rate=speed / radius)
+    steady = SteadyMotion(law, RigidBody.of(setup.wheelset), centre, speed=speed, distance=start)
+    found = find_equilibrium(steady, q, q_t, ROLLING, weight=setup.wheelset.static_axle_load)
+    return steady.state(found.q, found.q_t)
 
 
 def run_equilibrium(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:

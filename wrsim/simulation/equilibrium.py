@@ -3,7 +3,8 @@
 The law is asked for the generalised forces of a state; those belonging to the equations in hand must vanish.
 Any coordinate or rate may be an unknown, so that the same function finds a wheelset standing on the track,
 rolling straight at a spin rate to be found, or held at a given shift. Inertia forces are not added: the
-state must be one without acceleration (straight track, or a standing wheelset).
+state must be one without acceleration (straight track, or a standing wheelset), or the law must contain them
+(``wrsim.simulation.steady``).
 """
 
 from __future__ import annotations

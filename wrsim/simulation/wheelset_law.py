@@ -52,7 +52,7 @@ class WheelsetOnTrack:
         ]
         self.arena = pack(arrays)
         views = self.arena.views
-        origins = [(-c.rail.gauge_point()[0] + 0.5 * track.nominal_gauge, -c.rail.top[1]) for c in contacts]
+        origins = [(0.5 * track.nominal_gauge + c.outward, c.height) for c in (track.left_curve, track.right_curve)]
         self.wheels = tuple(
             WheelOnRail(replace(contact, arrays=KernelArrays(*views[first : first + 12])), side, half, origin)
             for contact, side, first, origin in zip(
