@@ -37,9 +37,7 @@ class SteadyMotion:
         turning = self._follow(q, q_t)
         self.forces(t, self._q, self._q_t, out)
         b = self.body
-        kernels.steady_inertia(
-            self._q, self._q_t, *turning, b.mass, b.spin_inertia, b.cross_inertia, self._inertia
-        )
+        kernels.steady_inertia(self._q, self._q_t, *turning, b.mass, b.spin_inertia, b.cross_inertia, self._inertia)
         out -= self._inertia
 
     def state(self, q: Array, q_t: Array) -> tuple[Array, Array]:
