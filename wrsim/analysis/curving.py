@@ -26,14 +26,17 @@ def run_curving(setup: Setup, progress: Callable[[float, float], None] | None = 
     q, q_t = start_state(setup, law)
     system = System([RigidBody.of(setup.wheelset)], law)
     step = plan.step if plan.step is not None else round_step(SAFETY * stable_step(system, q, q_t))
+    watch = DerailmentWatch(setup, law)
     motion = integrate(
         system,
         q,
         q_t,
-        duration=plan.duration,
+        # whole steps, so that the run does not pass the end of the track
+        duration=step * max(1, int(plan.duration / step + 1e-6)),
         step=step,
         sample_interval=plan.output_interval,
-        monitor=DerailmentWatch(setup, law),
+        monitor=watch,
+        monitor_interval=watch.interval,
         progress=progress,
     )
     return result_of(setup, law, motion)

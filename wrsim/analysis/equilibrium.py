@@ -10,6 +10,7 @@ import numpy as np
 
 from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.motion_result import result_of
+from wrsim.errors import SimulationError
 from wrsim.simulation.equilibrium import Equilibrium, find_equilibrium
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.placement import place_on_track
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 REST = ("z", "y", "heading", "roll")
 ROLLING = ("z", "x", "y", "heading", "roll", "spin_rate")
 
+OUTWARD = tuple(1e-3 * n for n in range(13))
+"""Lateral shifts [m] at which the search for steady curving begins, one after the other."""
+
 
 def standing(setup: Setup, law: WheelsetOnTrack) -> Equilibrium:
     """The wheelset at rest at the start of the run: height, lateral shift, yaw and roll without any force left.
@@ -39,13 +43,31 @@ def standing(setup: Setup, law: WheelsetOnTrack) -> Equilibrium:
 
 
 def start_state(setup: Setup, law: WheelsetOnTrack) -> tuple[Array, Array]:
-    """State (q, q_t) from which a run starts: rolling steadily in the track as it is at the start, also in a curve."""
+    """State (q, q_t) from which a run starts: rolling steadily in the track as it is at the start, also in a curve.
+
+    In a curve the search begins in the middle of the track and, as long as nothing is found, further and further
+    outward: a wheelset held hard against yaw does not find its way to the outer rail by itself.
+    Raises SimulationError when no start finds a balance.
+    """
     speed, radius, start = setup.run.speed, setup.wheelset.mean_radius, setup.run.start
-    centre = setup.track.centre
-    q, q_t = place_on_track(centre, start, speed=speed, height=radius, spin_rate=speed / radius)
+    centre, weight = setup.track.centre, setup.wheelset.static_axle_load
     steady = SteadyMotion(law, RigidBody.of(setup.wheelset), centre, speed=speed, distance=start)
-    found = find_equilibrium(steady, q, q_t, ROLLING, weight=setup.wheelset.static_axle_load)
-    return steady.state(found.q, found.q_t)
+    curvature = float(setup.track.curvature(start))
+    yaw = -setup.wheelset.suspension.ahead_of_bogie_centre * curvature
+    problem: SimulationError | None = None
+    for outward in OUTWARD if curvature != 0.0 else OUTWARD[:1]:
+        lateral = -float(np.copysign(outward, curvature))
+        q, q_t = place_on_track(
+            centre, start, speed=speed, height=radius, spin_rate=speed / radius, lateral=lateral, yaw=yaw
+        )
+        try:
+            found = find_equilibrium(steady, q, q_t, ROLLING, weight=weight)
+        except SimulationError as error:
+            problem = problem or error
+        else:
+            return steady.state(found.q, found.q_t)
+    assert problem is not None
+    raise SimulationError(f"no steady motion to start from at {start:g} m and {speed:g} m/s: {problem}")
 
 
 def run_equilibrium(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:

@@ -6,18 +6,20 @@ kept at chosen places and at the largest Y/Q of each wheel.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
+from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
-from wrsim.simulation.placement import poses_on_track
+from wrsim.simulation.placement import TrackPoses, poses_on_track
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from wrsim.geometry.path import Path
     from wrsim.scenario.build import Setup
     from wrsim.simulation.integrate import Motion
     from wrsim.simulation.wheelset_law import WheelsetOnTrack
@@ -34,9 +36,13 @@ class Snapshot:
 
 
 def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
-    """All channels of a motion, from its sampled states."""
+    """All channels of a motion, from its sampled states.
+
+    At the end of a stopped run the last state may have no place on the track any more; it is left out then.
+    Raises SimulationError when not even the first one has.
+    """
     track, speed = setup.track, setup.run.speed
-    poses = poses_on_track(track.centre, motion.q, motion.q_t, setup.run.start)
+    motion, poses = _placed(motion, law, track.centre, setup.run.start)
     n = len(motion.times)
     raw = RawContacts.empty(n, 2, setup.contact.max_patches)
     out = np.zeros(6)
@@ -51,7 +57,7 @@ def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
         for j, wheel in enumerate(law.wheels):
             raw.store(i, j, wheel.model)
     forces = wheel_channels(raw)
-    snapshots = choose_snapshots(setup, poses.distance, forces)
+    snapshots = choose_snapshots(setup, poses.distance, forces, motion.status == "stopped")
     strips = StripRecorder.start(law.wheels)
     for snapshot in snapshots:
         evaluate(snapshot.sample)
@@ -91,8 +97,24 @@ def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
     return Result(assemble({"time": motion.times}, channels, attributes))
 
 
-def choose_snapshots(setup: Setup, distance: Array, wheel: dict[str, Array]) -> list[Snapshot]:
-    """Samples whose strips are kept: the distances asked for, the start of the largest Y/Q of either wheel."""
+def _placed(motion: Motion, law: WheelsetOnTrack, centre: Path, start: float) -> tuple[Motion, TrackPoses]:
+    """The motion as far as all its samples have a place on the track, and their poses."""
+    out = np.zeros(6)
+    while True:
+        try:
+            poses = poses_on_track(centre, motion.q, motion.q_t, start)
+            law.look_near(law.places(poses.distance[-1:])[0])
+            law(motion.times[-1], motion.q[-1], motion.q_t[-1], out)
+        except SimulationError:
+            if motion.status == "completed" or len(motion.times) == 1:
+                raise
+            motion = replace(motion, times=motion.times[:-1], q=motion.q[:-1], q_t=motion.q_t[:-1])
+        else:
+            return motion, poses
+
+
+def choose_snapshots(setup: Setup, distance: Array, wheel: dict[str, Array], stopped: bool) -> list[Snapshot]:
+    """Samples whose strips are kept: the distances asked for, the largest Y/Q of either wheel, the stop if any."""
     chosen = {
         int(np.argmin(np.abs(distance - place))): f"at {place:g} m"
         for place in setup.run.patches_at
@@ -103,6 +125,6 @@ def choose_snapshots(setup: Setup, distance: Array, wheel: dict[str, Array]) -> 
     for side, name in enumerate(("left", "right")):
         if np.isfinite(quotient[:, side]).any():
             chosen.setdefault(int(np.argmax(quotient[:, side])), f"largest Y/Q, {name}")
-    if not chosen:
-        chosen[len(distance) - 1] = "end"
+    if stopped or not chosen:
+        chosen.setdefault(len(distance) - 1, "at the stop" if stopped else "end")
     return [Snapshot(sample, label) for sample, label in sorted(chosen.items())]

@@ -94,6 +94,7 @@ class _Recorder:
         steps: int,
         every: int,
         monitor: Monitor | None,
+        monitor_every: int,
         progress: Progress | None,
         interrupt: _Interrupt,
     ) -> None:
@@ -103,6 +104,7 @@ class _Recorder:
         self.steps = steps
         self.every = every
         self.monitor = monitor
+        self.monitor_every = monitor_every
         self.progress = progress
         self.interrupt = interrupt
         rows = steps // every + 2
@@ -152,10 +154,10 @@ class _Recorder:
         self.last_q_t[:] = q_t
         if k % self.every == 0 or k == self.steps:
             self.sample(k, q, q_t)
-            if self.monitor is not None:
-                reason = self.monitor(self.time_of(k), q, q_t)
-                if reason:
-                    return self.stop("monitor", reason)
+        if self.monitor is not None and (k % self.monitor_every == 0 or k == self.steps):
+            reason = self.monitor(self.time_of(k), q, q_t)
+            if reason:
+                return self.stop("monitor", reason)
         if self.progress is not None:
             now = time.perf_counter()
             if now - self.reported >= PROGRESS_INTERVAL:
@@ -217,14 +219,15 @@ def integrate(
     sample_interval: float | None = None,
     start: float = 0.0,
     monitor: Monitor | None = None,
+    monitor_interval: float | None = None,
     progress: Progress | None = None,
 ) -> Motion:
     """Integrate a system from the state (q, q_t) at time ``start`` for ``duration`` seconds.
 
     q, q_t: (6 per body,); step [s]; sample_interval [s]: rounded to whole steps, default every step; the
-    start and the end are always among the samples. monitor(t, q, q_t): asked at each sample, ends the run by
-    returning the reason. progress(fraction, seconds_left): called some ten times a second, and with (1, 0)
-    at the end of a completed run.
+    start and the end are always among the samples. monitor(t, q, q_t): asked every ``monitor_interval`` [s],
+    by default at each sample, ends the run by returning the reason. progress(fraction, seconds_left): called
+    some ten times a second, and with (1, 0) at the end of a completed run.
 
     The run ends early, with the samples so far, when a number is not finite, when the monitor says so, when
     the force law raises ``SimulationError``, and at Ctrl-C (the first ends the step, the second ends at
@@ -241,8 +244,9 @@ def integrate(
         raise ValueError(f"step and duration must be positive, got {step!r} and {duration!r}")
     steps = max(1, int(np.ceil(duration / step - 1e-9)))
     every = 1 if sample_interval is None else max(1, round(sample_interval / step))
+    monitor_every = every if monitor_interval is None else max(1, round(monitor_interval / step))
     with _interruptible() as interrupt:
-        recorder = _Recorder(system, start, step, steps, every, monitor, progress, interrupt)
+        recorder = _Recorder(system, start, step, steps, every, monitor, monitor_every, progress, interrupt)
         recorder.last_q[:] = q
         recorder.last_q_t[:] = q_t
         recorder.sample(0, q, q_t)
