@@ -1,0 +1,69 @@
+"""Strips over a Hertzian ellipse with given creepages, for tests of the tangential models alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.contact.creep_coefficients import creep_coefficients
+from wrsim.contact.model import bound_over_cells
+from wrsim.core import layout as k
+from wrsim.core.fastsim import fastsim, flexibilities
+
+Array = NDArray[np.float64]
+
+SHEAR_MODULUS, POISSON = 82e9, 0.28
+COEFFICIENTS = creep_coefficients(POISSON)
+MEAN_RADIUS = 5e-3  # sqrt(a b) [m]
+PEAK = 1e9  # [Pa]
+FORCE = 2.0 / 3.0 * np.pi * MEAN_RADIUS**2 * PEAK  # [N]
+
+
+def ellipse(aspect: float, strips: int = 40) -> Array:
+    """Rows of strips over the ellipse of half axes a along x and b = a / aspect."""
+    a, b = MEAN_RADIUS * np.sqrt(aspect), MEAN_RADIUS / np.sqrt(aspect)
+    rows = np.zeros((strips, k.STRIP_COLUMNS))
+    rows[:, k.DS] = 2.0 * b / strips
+    rows[:, k.S] = -b + (np.arange(strips) + 0.5) * 2.0 * b / strips
+    shape = np.sqrt(1.0 - (rows[:, k.S] / b) ** 2)
+    rows[:, k.A], rows[:, k.P], rows[:, k.NB] = a * shape, PEAK * shape, 1.0
+    rows[:, k.FORCE] = 0.5 * np.pi * rows[:, k.A] * rows[:, k.P] * rows[:, k.DS]
+    return rows
+
+
+def roll(
+    aspect: float,
+    xi: float = 0.0,
+    eta: float = 0.0,
+    phi: float = 0.0,
+    *,
+    friction: float = 0.3,
+    strips: int = 40,
+    cells: int = 20,
+    parabolic: bool = False,
+    direction: float = 1.0,
+) -> Array:
+    """FASTSIM on the ellipse; xi, eta at its centre, spin phi [1/m]. Returns the strips."""
+    rows = ellipse(aspect, strips)
+    rows[:, k.XI], rows[:, k.ETA], rows[:, k.PHI] = xi - phi * rows[:, k.S], eta, phi
+    force = rows[:, k.FORCE].sum()
+    paraboloid = 0.75 * force / (rows[:, k.A] ** 3 * rows[:, k.DS]).sum() if parabolic else 0.0
+    fastsim(
+        rows,
+        strips,
+        friction,
+        paraboloid,
+        (rows[:, k.FORCE] * rows[:, k.XI]).sum() / force,
+        (rows[:, k.FORCE] * rows[:, k.ETA]).sum() / force,
+        *flexibilities(COEFFICIENTS, aspect, np.pi * MEAN_RADIUS**2, SHEAR_MODULUS),
+        direction,
+        bound_over_cells(cells, parabolic),
+        np.zeros((9, max(strips, 8))),
+    )
+    return rows
+
+
+def total(rows: Array) -> Array:
+    """Fx, Fy on the wheel and their moment about the ellipse's centre."""
+    moment = rows[:, k.MZ] - rows[:, k.S] * rows[:, k.FX]
+    return np.array([rows[:, k.FX].sum(), rows[:, k.FY].sum(), moment.sum()])
