@@ -1,0 +1,208 @@
+"""Short runs of shipped wheelsets and of conical ones, with the full contact model in the loop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.analysis.contacts import contact_models
+from wrsim.contact.model import ContactModel
+from wrsim.contact.settings import ContactSettings
+from wrsim.geometry.profile import Profile
+from wrsim.geometry.profile_models import load_profile
+from wrsim.geometry.profile_sections import circle
+from wrsim.geometry.segments import Arc, Segment
+from wrsim.geometry.track import Track
+from wrsim.scenario.build import Setup, build
+from wrsim.scenario.loading import load
+from wrsim.simulation.equilibrium import Equilibrium, find_equilibrium
+from wrsim.simulation.integrate import Motion, integrate
+from wrsim.simulation.placement import TrackPoses, place_on_track, poses_on_track
+from wrsim.simulation.steady import SteadyMotion
+from wrsim.simulation.step import SAFETY, round_step, stable_step
+from wrsim.simulation.system import RigidBody, System
+from wrsim.simulation.wheelset_law import WheelsetOnTrack
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY, SprungMass, Suspension, Wheel, Wheelset
+
+Array = NDArray[np.float64]
+
+ROOT = Path(__file__).parents[2]
+SCENARIOS = ROOT / "scenarios"
+STEERING = "vehicles/wheelset_s1002_steering.toml"
+LEADING = "vehicles/wheelset_s1002_leading.toml"
+
+
+def straight(length: float) -> dict[str, Any]:
+    """A segment as in a scenario file."""
+    return {"kind": "straight", "length_m": length}
+
+
+def transition(length: float) -> dict[str, Any]:
+    """A segment as in a scenario file."""
+    return {"kind": "transition", "length_m": length}
+
+
+def arc(length: float, radius: float, cant_mm: float = 0.0, widening_mm: float = 0.0) -> dict[str, Any]:
+    """A segment as in a scenario file."""
+    return {
+        "kind": "arc",
+        "length_m": length,
+        "radius_m": radius,
+        "cant_mm": cant_mm,
+        "gauge_widening_mm": widening_mm,
+    }
+
+
+def setup_of(
+    segments: Sequence[Mapping[str, Any]],
+    speed: float,
+    vehicle: str = STEERING,
+    start: float = 0.0,
+    values: Mapping[str, Any] | None = None,
+) -> Setup:
+    """A run of an S1002 wheelset on 60E1 1:40 along the given track; speed [m/s]; values: further keys."""
+    keys = {
+        "vehicle.model": vehicle,
+        "vehicle.speed_kmh": 3.6 * speed,
+        "track.segments": list(segments),
+        "output.patches_at_m": [start],
+        "run.start_distance_m": start,
+    }
+    return build(load(SCENARIOS / "curve_r300.toml").with_values(keys | dict(values or {})))
+
+
+def relaid(setup: Setup, heading: float = 0.0, start: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Setup:
+    """The same run on the same track, laid in another direction from another point."""
+    return _on(setup, setup.track.segments, heading, start)
+
+
+def mirrored(setup: Setup) -> Setup:
+    """The same run on the mirrored track."""
+    turned = [replace(s, radius=-s.radius) if isinstance(s, Arc) else s for s in setup.track.segments]
+    return _on(setup, turned, 0.0, (0.0, 0.0, 0.0))
+
+
+def _on(setup: Setup, segments: Sequence[Segment], heading: float, start: tuple[float, float, float]) -> Setup:
+    track = setup.track
+    offsets = [(c.outward, c.height) for c in (track.left_curve, track.right_curve)]
+    laid = Track.build(
+        segments,
+        track.nominal_gauge,
+        left_offset=offsets[0],
+        right_offset=offsets[1],
+        cant_base=track.cant_base,
+        heading=heading,
+        start=start,
+    )
+    return replace(setup, track=laid)
+
+
+# --- conical wheels on crowns -----------------------------------------------------------------------------
+
+RADIUS = 0.46
+CONICITY = 0.05
+CROWN = 0.3
+HALF_TOPS = 0.75  # from the centre line to the tops of the rails
+HALF_CONTACTS = HALF_TOPS - CROWN * CONICITY  # to the contacts of the centred wheelset: on the inner side of the tops
+AXLE_LOAD = 100e3
+
+
+@cache
+def cone() -> Profile:
+    """The shipped conical wheel 1:20, without flange."""
+    return load_profile(ROOT / "models/wheels/cone_1in20.toml")
+
+
+@cache
+def crown() -> Profile:
+    """A rail of one arc of 300 mm, as models/rails/crown_300.toml, but wider than the wheel."""
+    return circle("crown R300", "rail", CROWN, 0.06)
+
+
+@dataclass(frozen=True)
+class Ride:
+    """A wheelset on its track, ready to be placed and run."""
+
+    wheelset: Wheelset
+    track: Track
+    law: WheelsetOnTrack
+    speed: float
+    start: float
+
+    @property
+    def body(self) -> RigidBody:
+        """The rigid body of the wheelset."""
+        return RigidBody.of(self.wheelset)
+
+    def steady(
+        self, unknowns: Sequence[str], lateral: float = 0.0, equations: Sequence[str] | None = None
+    ) -> Equilibrium:
+        """The steady motion at the start, found from a pose at a lateral shift [m]."""
+        q, q_t = place_on_track(
+            self.track.centre,
+            self.start,
+            speed=self.speed,
+            height=self.wheelset.mean_radius,
+            spin_rate=self.speed / self.wheelset.mean_radius,
+            lateral=lateral,
+        )
+        law = SteadyMotion(self.law, self.body, self.track.centre, speed=self.speed, distance=self.start)
+        found = find_equilibrium(law, q, q_t, unknowns, weight=self.wheelset.static_axle_load, equations=equations)
+        q, q_t = law.state(found.q, found.q_t)
+        return replace(found, q=q, q_t=q_t)
+
+    def run(self, q: Array, q_t: Array, duration: float, step: float | None = None, every: float = 5e-3) -> Motion:
+        """Integrate from a state at the start; the step by default as an analysis chooses it."""
+        system = System([self.body], self.law)
+        if step is None:
+            step = round_step(SAFETY * stable_step(system, q, q_t))
+        self.law.look_near(self.law.places(np.array([self.start]))[0])
+        motion = integrate(system, q, q_t, duration=duration, step=step, sample_interval=every)
+        assert motion.status == "completed", motion.reason
+        return motion
+
+    def poses(self, motion: Motion) -> TrackPoses:
+        """Poses of a motion against the track."""
+        return poses_on_track(self.track.centre, motion.q, motion.q_t, self.start)
+
+
+def ride(setup: Setup) -> Ride:
+    """The wheelset of a set-up on its track."""
+    law = WheelsetOnTrack(
+        setup.wheelset, setup.track, contact_models(setup), speed=setup.run.speed, start=setup.run.start
+    )
+    return Ride(setup.wheelset, setup.track, law, setup.run.speed, setup.run.start)
+
+
+def cone_ride(
+    segments: Sequence[Segment],
+    speed: float,
+    *,
+    start: float = 1.0,
+    suspension: Suspension | None = None,
+    mass: float = 1813.0,
+    settings: ContactSettings | None = None,
+) -> Ride:
+    """A conical wheelset (Manchester mass and inertia, 100 kN) on crowned rails, by default without suspension."""
+    wheel = Wheel(cone(), RADIUS)
+    wheelset = Wheelset(
+        name="conical",
+        mass=mass,
+        inertia=(1120.0, 112.0, 1120.0),
+        profile_spacing=2.0 * HALF_TOPS,
+        left=wheel,
+        right=wheel,
+        suspension=suspension or Suspension(),
+        sprung=SprungMass(AXLE_LOAD / STANDARD_GRAVITY - mass, 0.0),
+    )
+    track = Track.build(segments, 2.0 * HALF_TOPS)
+    settings = settings or ContactSettings()
+    models = [ContactModel.build(cone(), crown(), RADIUS, settings, 0.35) for _ in range(2)]
+    law = WheelsetOnTrack(wheelset, track, (models[0], models[1]), speed=speed, start=start)
+    return Ride(wheelset, track, law, speed, start)
