@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 REST = ("z", "y", "heading", "roll")
 ROLLING = ("z", "x", "y", "heading", "roll", "spin_rate")
 
-OUTWARD = tuple(1e-3 * n for n in range(13))
-"""Lateral shifts [m] at which the search for steady curving begins, one after the other."""
+PLAY = 12e-3
+"""Farthest lateral shift at which the search for steady curving begins, more by half the gauge widening [m]."""
 
 
 def standing(setup: Setup, law: WheelsetOnTrack) -> Equilibrium:
@@ -55,10 +55,11 @@ def start_state(setup: Setup, law: WheelsetOnTrack) -> tuple[Array, Array]:
     curvature = float(setup.track.curvature(start))
     yaw = -setup.wheelset.suspension.ahead_of_bogie_centre * curvature
     problem: SimulationError | None = None
-    for outward in OUTWARD if curvature != 0.0 else OUTWARD[:1]:
-        lateral = -float(np.copysign(outward, curvature))
+    play = PLAY + 0.5 * max(float(setup.track.gauge(start)) - setup.track.nominal_gauge, 0.0)
+    shifts = np.arange(0.0, play, 1e-3) if curvature != 0.0 else np.zeros(1)
+    for lateral in -np.copysign(shifts, curvature):
         q, q_t = place_on_track(
-            centre, start, speed=speed, height=radius, spin_rate=speed / radius, lateral=lateral, yaw=yaw
+            centre, start, speed=speed, height=radius, spin_rate=speed / radius, lateral=float(lateral), yaw=yaw
         )
         try:
             found = find_equilibrium(steady, q, q_t, ROLLING, weight=weight)
