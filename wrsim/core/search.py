@@ -175,7 +175,8 @@ def find_contacts(
             continue
         closest = min(closest, distance)
         calm = node >= wary and abs(sine) < STEEP
-        if distance > FAR:
+        if distance > FAR or foot <= 0.0 or foot >= rail_end:
+            # far away, or beside an end of the rail, where the distance bends as it likes: no more than the way
             near = False
             linked = False
             last_node = node
@@ -183,7 +184,7 @@ def find_contacts(
             node += skip if calm and skip > stride else stride
             continue
         slope = _rail_slope(rail, rail_step, foot, no, nb)
-        turns = near and 0.0 < foot < rail_end and (slope < 0.0) != (last_slope < 0.0)
+        turns = near and (slope < 0.0) != (last_slope < 0.0)
         if turns:
             # the parabola's vertex between the two samples says whether a closer look is worth it
             length = stride * wheel_step
