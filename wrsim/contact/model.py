@@ -188,8 +188,9 @@ def _arrays(
     numbers[k.FIELD_O], numbers[k.FIELD_B] = field_.origin
     numbers[k.FIELD_SPACING] = field_.spacing
     numbers[k.STRIDE] = max(1, round(SEARCH_REACH / wheel_step))
-    # yaw makes the outline a little more hollow than the profile
-    numbers[k.HOLLOW] = max(1.5 * float(-wheel_table[:, 4].min()), 1.0)
+    # yaw makes the outline a little more hollow than the profile, distance the rail's curves of equal distance
+    hollows = max(float(-wheel_table[:, 4].min()), 0.0) + max(float(rail_table[:, 4].max()), 0.0)
+    numbers[k.HOLLOW] = max(1.5 * hollows, 1.0)
     most = settings.strips if settings.strips is not None else MOST_STRIPS
     return KernelArrays(
         wheel_table,

@@ -138,7 +138,7 @@ def find_contacts(
 ):
     """All local maxima of the interpenetration, in order along the wheel profile.
 
-    stride: nodes between two samples near the rail; hollow: largest concave curvature of the wheel's outline [1/m].
+    stride: nodes between two samples near the rail; hollow: largest concave curvatures of both bodies together [1/m].
     found: (n, FOUND_COLUMNS) array that receives per contact the wheel and rail arclength, the penetration
     (positive), the relative curvature, and the least penetration between this contact and the next with its rail
     arclength (-1 where the profiles separate in between).
@@ -224,7 +224,7 @@ def find_contacts(
         near = True
         clear = distance - FIELD_ERROR
         if clear > 0.0:
-            # the distance bends down by no more than the wheel's hollow: the first place where it can vanish
+            # the distance bends down by no more than both bodies are hollow: the first place where it can vanish
             linked = False
             skip = int((slope + sqrt(slope * slope + 2.0 * hollow * clear)) / hollow * per_node)
             if calm and skip > stride:
