@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.derailment import DerailmentWatch
-from wrsim.analysis.equilibrium import start_state
 from wrsim.analysis.motion_result import result_of
+from wrsim.analysis.start import start_state
 from wrsim.geometry.segments import Straight
 from wrsim.geometry.track import Track
 from wrsim.simulation.integrate import integrate
