@@ -10,6 +10,7 @@ from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.derailment import DerailmentWatch
 from wrsim.analysis.motion_result import result_of
 from wrsim.analysis.start import start_state
+from wrsim.errors import InputError
 from wrsim.geometry.segments import Straight
 from wrsim.geometry.track import Track
 from wrsim.simulation.integrate import integrate
@@ -29,7 +30,7 @@ def run_curving(setup: Setup, progress: Callable[[float, float], None] | None = 
     law = WheelsetOnTrack(setup.wheelset, setup.track, contact_models(setup), speed=plan.speed, start=plan.start)
     q, q_t = start_state(setup, law)
     system = System([RigidBody.of(setup.wheelset)], law)
-    step = plan.step if plan.step is not None else chosen_step(setup, system, q, q_t)
+    step = chosen_step(setup, system, q, q_t)
     watch = DerailmentWatch(setup, law)
     motion = integrate(
         system,
@@ -47,12 +48,20 @@ def run_curving(setup: Setup, progress: Callable[[float, float], None] | None = 
 
 
 def chosen_step(setup: Setup, system: System, q: Array, q_t: Array) -> float:
-    """Step [s] that is stable at the start (q, q_t) of a run and on straight track.
+    """Step [s] that the plan asks for, or one that is stable at the start (q, q_t) of the run and on straight track.
 
     In a curve the creep forces are near saturation and allow a longer step than they do on straight track, so a run
     that starts in a curve must not rely on its start.
+    Raises InputError for a step asked for that is not even stable at the start: its results would look like results.
     """
     limit = stable_step(system, q, q_t)
+    if setup.run.step is not None:
+        if setup.run.step > limit:
+            raise InputError(
+                f"run.step_us = {1e6 * setup.run.step:g}: must be at most {1e6 * limit:.0f}, where the integration "
+                f"becomes unstable at {3.6 * setup.run.speed:g} km/h; without step_us a good one is chosen"
+            )
+        return setup.run.step
     if setup.track.curvature(setup.run.start) != 0.0:
         level = replace(setup, track=straight_track(setup), run=replace(setup.run, start=0.0))
         law = WheelsetOnTrack(level.wheelset, level.track, contact_models(level), speed=level.run.speed)

@@ -67,14 +67,10 @@ class DerailmentWatch:
 
     def _derailed(self, i: int, wheel: WheelOnRail, t: float, distance: float) -> str:
         """Why the wheelset has derailed on one side; empty when it has not."""
+        reason = off_the_rail(wheel, self.flange_tips[i], self.gauge_faces[i])
+        if reason:
+            return f"derailed: {reason}"
         a = wheel.model.arrays
-        height = a.pose[2] - wheel.model.radius - wheel.model.rail.top[1]
-        tip = self.flange_tips[i]
-        if tip is not None and _outward(wheel, a.pose, tip) > self.gauge_faces[i]:
-            climbed = f"has climbed over its rail (lifted by {1e3 * height:.0f} mm)"
-            return f"derailed: the flange of the {wheel.name} wheel {climbed}"
-        if height < -DROP:
-            return f"derailed: the {wheel.name} wheel has dropped beside its rail"
         count = int(a.total[k.COUNT])
         before = self.last_contact[i]
         if before is None or np.any(a.patches[:count, k.N] > 0.0):
@@ -92,6 +88,20 @@ class DerailmentWatch:
             f"the contact solution is lost: the {name} wheel and its rail overlap by {1e3 * depths[name]:.2g} mm "
             f"(more than {1e3 * DEEPEST:g} mm); a shorter step may help"
         )
+
+
+def off_the_rail(wheel: WheelOnRail, tip: tuple[float, float] | None, face: float) -> str:
+    """How a wheel, at the pose that its model computed last, has left its rail; empty when it has not.
+
+    tip: of its flange, from ``flange_tip``; face: of the rail, from ``gauge_face``.
+    """
+    pose = wheel.model.arrays.pose
+    height = pose[2] - wheel.model.radius - wheel.model.rail.top[1]
+    if height < -DROP:
+        return f"the {wheel.name} wheel has dropped beside its rail"
+    if tip is not None and _outward(wheel, pose, tip) > face:
+        return f"the flange of the {wheel.name} wheel has climbed over its rail (lifted by {1e3 * height:.0f} mm)"
+    return ""
 
 
 def _outward(wheel: WheelOnRail, pose: Array, point: tuple[float, float]) -> float:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wrsim.analysis.contacts import contact_models
+from wrsim.analysis.derailment import flange_tip, gauge_face, off_the_rail
 from wrsim.errors import SimulationError
 from wrsim.geometry.segments import Arc
 from wrsim.geometry.track import Track
@@ -49,18 +50,24 @@ def start_state(setup: Setup, law: WheelsetOnTrack) -> State:
     curvature = float(setup.track.curvature(setup.run.start))
     play = PLAY + 0.5 * max(float(setup.track.gauge(setup.run.start)) - setup.track.nominal_gauge, 0.0)
     shifts = -np.copysign(np.arange(0.0, play, 1e-3), curvature) if curvature != 0.0 else np.zeros(1)
+    problems = []
     for lateral in shifts:
         try:
             return _steady(setup, law, *_guess(setup, float(lateral)))
         except SimulationError as error:
-            problem = error
+            problems.append(error)
     if curvature != 0.0:
         try:
             return _settled(setup, law, *_run_in(setup, float(shifts[len(shifts) // 2])))
         except SimulationError as error:
-            problem = error
+            problems.append(error)
     run = setup.run
-    raise SimulationError(f"no steady motion to start from at {run.start:g} m and {run.speed:g} m/s: {problem}")
+    curve = f" in a curve of {1.0 / abs(curvature):.4g} m radius" if curvature != 0.0 else ""
+    advice = ": start the run before the curve to see what becomes of it" if curve else ""
+    raise SimulationError(
+        f"the run has no steady motion to start from at {run.start:g} m and {3.6 * run.speed:g} km/h{curve}{advice}. "
+        f"The search ended with: {problems[-1]}"
+    )
 
 
 def _guess(setup: Setup, lateral: float) -> State:
@@ -88,7 +95,7 @@ def _steady(setup: Setup, law: WheelsetOnTrack, q: Array, q_t: Array) -> State:
     """The steady motion near a state at the start. Raises SimulationError when there is none."""
     steady = _motion(setup, law)
     found = find_equilibrium(steady, q, q_t, ROLLING, weight=setup.wheelset.static_axle_load)
-    return steady.state(found.q, found.q_t)
+    return _on_the_rails(law, *steady.state(found.q, found.q_t))
 
 
 def _settled(setup: Setup, law: WheelsetOnTrack, q: Array, q_t: Array) -> State:
@@ -104,7 +111,17 @@ def _settled(setup: Setup, law: WheelsetOnTrack, q: Array, q_t: Array) -> State:
         steady(0.0, q, q_t, out)
         if not np.abs(out).max() <= STEADY_ENOUGH * setup.wheelset.static_axle_load:
             raise
-        return steady.state(q, q_t)
+        return _on_the_rails(law, *steady.state(q, q_t))
+
+
+def _on_the_rails(law: WheelsetOnTrack, q: Array, q_t: Array) -> State:
+    """The state itself. Raises SimulationError when a wheel has left its rail."""
+    law(0.0, q, q_t, np.zeros(6))
+    for wheel in law.wheels:
+        reason = off_the_rail(wheel, flange_tip(wheel.model.wheel), gauge_face(wheel.model.rail))
+        if reason:
+            raise SimulationError(reason)
+    return q, q_t
 
 
 def _run_in(setup: Setup, lateral: float) -> State:
