@@ -5,11 +5,11 @@ Loops around the kernels of core.halfspace_normal and core.halfspace_rolling; no
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.linalg import LinearOperator, gmres
 
 from wrsim.contact.half_space_operator import HalfSpaceOperator
 from wrsim.core import halfspace_normal as normal
@@ -133,7 +133,7 @@ def solve_rolling(
         return out.ravel()
 
     unscale = operator.dx / scale
-    system = LinearOperator((q.size, q.size), matvec=product, dtype=np.float64)
+    basis = np.empty((KRYLOV_STEPS + 1, q.size))
     for step in range(NEWTON_STEPS):
         slip = operator.slip(q, forward)
         products += 1
@@ -144,12 +144,34 @@ def solve_rolling(
         errors.append(worst / largest)
         if errors[-1] < tolerance:
             return Traction(q, slip, state, step, products, errors[-1], True)
-        flat, _ = gmres(system, rhs.ravel(), rtol=KRYLOV_TOLERANCE, atol=0.0, restart=KRYLOV_STEPS, maxiter=1)
-        work[:] = correction(flat.reshape(shape))
+        _gmres(product, rhs.ravel(), basis, KRYLOV_TOLERANCE, work.ravel())
+        work[:] = correction(work)
         # where a few elements swing between two states a shorter step breaks the circle
         swinging = step > 5 and errors[-1] > 0.3 * errors[-3]
         rolling.update(q, work, (0.5 if step % 3 else 0.8) if swinging else 1.0, bound)
     return Traction(q, slip, state, NEWTON_STEPS, products, errors[-1], False)
+
+
+def _gmres(product: Callable[[Array], Array], b: Array, basis: Array, tolerance: float, x: Array) -> None:
+    """Generalised minimal residuals from zero, without restart, to a relative tolerance. basis: (steps + 1, n)."""
+    steps = len(basis) - 1
+    columns, y = np.zeros((steps, steps + 1)), np.zeros(steps)
+    cosines, sines, g = np.zeros(steps), np.zeros(steps), np.zeros(steps + 1)
+    size = float(np.sqrt((b * b).sum()))
+    x[:] = 0.0
+    if size == 0.0:
+        return
+    g[0] = size
+    np.divide(b, size, out=basis[0])
+    done = 0
+    while done < steps:
+        basis[done + 1] = product(basis[done])
+        rolling.orthogonalise(basis, done, columns[done])
+        residual = rolling.rotate(columns[done], done, cosines, sines, g)
+        done += 1
+        if residual <= tolerance * size:
+            break
+    rolling.combine(basis, columns, done, g, y, x)
 
 
 def first_guess(operator: HalfSpaceOperator, bound: Array, rigid_slip: Array, forward: float, q: Array) -> None:

@@ -208,3 +208,63 @@ def rigid_slip(pose, least_speed, axis, rows, x0, dx, ahead, place, wx, ws):
             wx[j, i] = slip * inverse
             ws[j, i] = (uo * nb - ub * no) * inverse
     return forward
+
+
+@kernel
+def orthogonalise(basis, k, h):
+    """Make row k + 1 of the basis orthogonal to rows 0 .. k (modified Gram and Schmidt) and of unit length.
+
+    Writes the column h (k + 2,) of Arnoldi's matrix. Plain loops: a threaded library would wait for busy cores.
+    """
+    n = basis.shape[1]
+    w = basis[k + 1]
+    for j in range(k + 1):
+        product = 0.0
+        v = basis[j]
+        for i in range(n):
+            product += v[i] * w[i]
+        h[j] = product
+        for i in range(n):
+            w[i] -= product * v[i]
+    size = 0.0
+    for i in range(n):
+        size += w[i] * w[i]
+    size = sqrt(size)
+    h[k + 1] = size
+    if size > 0.0:
+        for i in range(n):
+            w[i] /= size
+
+
+@kernel
+def rotate(h, k, cosines, sines, g):
+    """Givens' rotations on the column h of Arnoldi's matrix; g: right hand side. Returns the new residual."""
+    for j in range(k):
+        a = cosines[j] * h[j] + sines[j] * h[j + 1]
+        h[j + 1] = -sines[j] * h[j] + cosines[j] * h[j + 1]
+        h[j] = a
+    size = sqrt(h[k] * h[k] + h[k + 1] * h[k + 1])
+    cosines[k] = h[k] / size if size > 0.0 else 1.0
+    sines[k] = h[k + 1] / size if size > 0.0 else 0.0
+    h[k] = size
+    h[k + 1] = 0.0
+    g[k + 1] = -sines[k] * g[k]
+    g[k] = cosines[k] * g[k]
+    return abs(g[k + 1])
+
+
+@kernel
+def combine(basis, columns, k, g, y, out):
+    """out = sum of y_j basis_j with the upper triangle columns[j, i <= j] y = g, j < k."""
+    for i in range(k - 1, -1, -1):
+        value = g[i]
+        for j in range(i + 1, k):
+            value -= columns[j, i] * y[j]
+        y[i] = value / columns[i, i] if columns[i, i] != 0.0 else 0.0
+    for i in range(out.shape[0]):
+        out[i] = 0.0
+    for j in range(k):
+        v = basis[j]
+        c = y[j]
+        for i in range(out.shape[0]):
+            out[i] += c * v[i]

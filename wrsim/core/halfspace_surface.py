@@ -3,7 +3,9 @@
 The reference is the middle of the rail profile and the wheel's outline (core.locus), swept along the rail: rows at
 equal steps of the curved axis s, columns at equal steps of x. A row's normal is the bisector of the two profiles'
 normals. Along the axis points of rail and wheel are kept opposite each other: half of any tangential offset goes to
-either profile, so that the pairs stay true far from the main point too.
+either profile, so that the pairs stay true far from the main point too. CONTACT pairs them by arclength from two
+points of the same lateral place instead (``level``); on a flank of angle a these are offset by the approach times
+tan(a) and the normals err by a quarter of that times the difference of the curvatures. Offered for comparison only.
 
 The gap is measured along the row's normal from the rail to the surface of revolution itself, not to a parabola: yaw
 needs no shift of rows, the true surface of a yawed flange lies skewed on the grid.
@@ -39,14 +41,21 @@ def _offset(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, 
 
 
 @kernel
-def lay_axis(wheel, wheel_step, radius, rail, rail_step, pose, wheel_arc, rail_arc, start, step, n, axis):
+def lay_axis(wheel, wheel_step, radius, rail, rail_step, pose, wheel_arc, rail_arc, level, start, step, n, axis):
     """Rows at s = start, start + step, ... (n of them) from a pair of opposite points at s = 0.
 
-    pose: see core.layout; start may lie on either side of zero; axis: (>= n, AXIS_COLUMNS).
-    The way to the first row and between rows is walked in pieces of at most 0.25 mm.
+    pose: see core.layout; level: pair as CONTACT does, see above; start may lie on either side of zero;
+    axis: (>= n, AXIS_COLUMNS). The way to the first row and between rows is walked in pieces of at most 0.25 mm.
     """
     ox, oo, ob, et, eo, eb = pose[0], pose[1], pose[2], pose[3], pose[4], pose[5]
     q = sqrt(1.0 - et * et)
+    if level:
+        u, _w, _tu, _tw, _k = profile_point(rail, rail_step, rail_arc)
+        for _ in range(20):
+            _x, wo, _wb, _no, nb, shrink, _rt, _k = locus_point(
+                wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc
+            )
+            wheel_arc -= (wo - u) / min(nb, -LEAST_FACING) * -shrink
     _e, shrink = _offset(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc)
     at = 0.0
     for i in range(n):
@@ -60,8 +69,9 @@ def lay_axis(wheel, wheel_step, radius, rail, rail_step, pose, wheel_arc, rail_a
                 e, shrink = _offset(
                     wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc
                 )
-                wheel_arc -= 0.5 * e * shrink
-                rail_arc += 0.5 * e
+                if not level:
+                    wheel_arc -= 0.5 * e * shrink
+                    rail_arc += 0.5 * e
         at = goal
         gap, x, o, b, mo, mb, _sh, rt = pair(
             wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc, 0.0, 0.0, 1.0
