@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
+NEAR = 1.0
+"""Distance within which the largest Y/Q of both wheels are one moment [m]."""
+
+
 @dataclass(frozen=True)
 class Snapshot:
     """A sample whose strips are kept, and why."""
@@ -122,9 +126,15 @@ def choose_snapshots(setup: Setup, distance: Array, wheel: dict[str, Array], sto
     }
     q = wheel["Q"]
     quotient = np.divide(wheel["Y"], q, out=np.full(q.shape, -np.inf), where=q > 1.0)
-    for side, name in enumerate(("left", "right")):
-        if np.isfinite(quotient[:, side]).any():
-            chosen.setdefault(int(np.argmax(quotient[:, side])), f"largest Y/Q, {name}")
+    peaks = [int(np.argmax(quotient[:, side])) for side in (0, 1)]
+    if abs(distance[peaks[0]] - distance[peaks[1]]) < NEAR:
+        side = int(quotient[peaks[1], 1] > quotient[peaks[0], 0])
+        labels = {peaks[side]: "largest Y/Q"}
+    else:
+        labels = {peak: f"largest Y/Q, {name}" for peak, name in zip(peaks, ("left", "right"), strict=True)}
+    for peak, label in labels.items():
+        if np.isfinite(quotient[peak]).any():
+            chosen.setdefault(peak, label)
     if stopped or not chosen:
         chosen.setdefault(len(distance) - 1, "at the stop" if stopped else "end")
     return [Snapshot(sample, label) for sample, label in sorted(chosen.items())]
