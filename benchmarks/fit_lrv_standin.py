@@ -54,8 +54,8 @@ vertical load the pressure hardly depends on the contact angle, for the normal f
 grow alike."""
 FLANK, BELOW, TIP, BACK = 4.0, 20.0, 13.0, 10.0
 """Length of the straight flank and radii of the arcs from there to the flange back [mm]; they touch nothing here."""
-BELOW_ENDS = 60.0
-"""Angle at which the first of these arcs gives way to the second [deg]."""
+BELOW_ENDS, BACK_BEGINS = 60.0, -70.0
+"""Angles at which the first of these arcs gives way to the second, and at which the curve begins on the back [deg]."""
 OUTER_END = 45.0
 """Where the wheel ends on the field side, outward from the tape circle [mm]."""
 
@@ -110,14 +110,14 @@ def chain(shape: Shape) -> dict[str, Any]:
 
     s = shape
     from_back = (
-        BACK + reach(TIP, 0.0, BELOW_ENDS) + reach(BELOW, BELOW_ENDS, FLANGE_ANGLE)
+        reach(BACK, BACK_BEGINS, 0.0) + reach(TIP, 0.0, BELOW_ENDS) + reach(BELOW, BELOW_ENDS, FLANGE_ANGLE)
         + FLANK * sin(radians(90.0 - FLANGE_ANGLE)) + reach(s.lower_radius, FLANGE_ANGLE, MIDDLE_ANGLE)
         + reach(s.upper_radius, MIDDLE_ANGLE, s.tread_angle)
     )  # fmt: skip
     line = OUTER_END - s.root_at - reach(s.tread_radius, s.tread_angle, CONE)
     return {
-        "start_mm": round(s.root_at - from_back, 2),
-        "start_angle_deg": -90.0,
+        "start_mm": s.root_at - from_back,
+        "start_angle_deg": BACK_BEGINS,
         "pieces": [
             {"shape": "arc", "radius_mm": BACK, "to_angle_deg": 0.0},
             {"shape": "arc", "radius_mm": TIP, "to_angle_deg": BELOW_ENDS},
@@ -126,9 +126,17 @@ def chain(shape: Shape) -> dict[str, Any]:
             {"shape": "arc", "radius_mm": s.lower_radius, "to_angle_deg": MIDDLE_ANGLE},
             {"shape": "arc", "radius_mm": s.upper_radius, "to_angle_deg": s.tread_angle},
             {"shape": "arc", "radius_mm": s.tread_radius, "to_angle_deg": CONE},
-            {"shape": "line", "length_mm": round(line, 1)},
+            {"shape": "line", "length_mm": line},
         ],
     }
+
+
+def printed(shape: Shape) -> dict[str, Any]:
+    """The same, rounded as the file prints it."""
+    keys = chain(shape.rounded())
+    keys["start_mm"] = round(keys["start_mm"], 2)
+    keys["pieces"][-1]["length_mm"] = round(keys["pieces"][-1]["length_mm"], 1)
+    return keys
 
 
 def wheel(keys: dict[str, Any]) -> Profile:
@@ -175,7 +183,7 @@ def fit(setup: Setup) -> Shape:
         lambda x: float(np.sum(off(x) ** 2)), unit, seed=SEED, maxiter=GENERATIONS, popsize=POPULATION, polish=False,
         callback=lambda intermediate_result: _report(float(intermediate_result.fun)),
     )  # fmt: skip
-    fine = least_squares(off, rough.x, bounds=(0.0, 1.0), diff_step=1e-4, xtol=1e-10)
+    fine = least_squares(off, rough.x, bounds=(0.0, 1.0), diff_step=1e-3)
     _report(2.0 * float(fine.cost))
     return Shape.of(bounds[:, 0] + fine.x * size)
 
@@ -186,10 +194,10 @@ def _report(value: float) -> None:
 
 def text(shape: Shape) -> str:
     """The profile file, with its story."""
-    keys = chain(shape)
+    keys = printed(shape)
     lines = [
         *HEAD.splitlines(),
-        f"start_mm = {keys['start_mm']:g}              # [fit] flange back, outward from the tape circle",
+        f"start_mm = {keys['start_mm']:g}              # [fit] beginning of the curve, outward",
         f"start_angle_deg = {keys['start_angle_deg']:g}",
     ]
     for piece, words in zip(keys["pieces"], PIECES, strict=True):
@@ -217,8 +225,8 @@ date = {DATE}
 source = "fitted to table 2 of F. Marques et al. by benchmarks/fit_lrv_standin.py; not the paper's wheel"
 """
 PIECES = (
-    "flange back and below [set]",
-    "flange tip [set]",
+    "flange, from the back to the tip [set]",
+    "flange, from the tip on [set]",
     "from the tip to the flank [set], which stands at 70 degrees [chosen]",
     "flank [set]",
     "lower root fillet: radius [fit], where it ends [chosen]",
@@ -240,7 +248,7 @@ def main() -> None:
         # what rounding costs is won back with the position
         rounded = fit(setup).rounded()
         near = [rounded.moved(0.01 * i) for i in range(-20, 21)]
-        costs = [float(np.sum(deviations(setup, chain(shape)) ** 2)) for shape in near]
+        costs = [float(np.sum(deviations(setup, printed(shape)) ** 2)) for shape in near]
         shape = near[int(np.argmin(costs))]
         print(f"\n{shape}\nsum of squares after rounding {min(costs):.2f}")
         FILE.write_text(text(shape), encoding="utf-8")
