@@ -5,9 +5,9 @@
 
 The wheel is a chain of tangent lines and arcs (docs/profiles.md). Five numbers of it are fitted, within bounds that a
 wheel of a light rail vehicle could have; two angles that the table does not tell, and flange tip and back, which touch
-nothing here, are set. Each candidate runs
-scenarios/static_paper.toml, so the options are those of the file. A differential evolution with a fixed seed looks
-for the best region, a least-squares fit finishes; then the numbers are rounded as a drawing would print them.
+nothing here, are set. Each candidate runs scenarios/static_paper.toml, so the options are those of the file. A
+differential evolution with a fixed seed looks for the best region, a least-squares fit finishes; then the numbers are
+rounded as a drawing would print them. Other seeds end at the same wheel.
 
 This is a fit of 5 numbers to 12, and no validation of anything. It says that a wheel exists with which the equations
 of the paper, as they are implemented here, give numbers near the published ones.
