@@ -1,0 +1,145 @@
+"""Every shipped scenario and model works; a few numbers of the scenarios are pinned.
+
+Long scenarios run in short: a run that starts in a full curve starts in steady curving (`docs/runs.md`), so that half a
+metre there shows what the whole run comes to. The numbers are those of the day of writing, to two or three digits.
+Better numerics move them by less than the tolerances; what moves them by more has changed the physics.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from support.runs import ROOT, SCENARIOS
+
+from wrsim.analysis import run
+from wrsim.cli.showing import facts
+from wrsim.geometry.profile_models import load_profile
+from wrsim.inputs.lookup import Finder
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load, load_text
+from wrsim.vehicle.files import load_vehicle
+
+FILES = sorted(SCENARIOS.glob("*.toml"))
+MODELS = ROOT / "models"
+
+NUMBERS = 0.02  # relative tolerance of pinned numbers, see above
+
+
+@cache
+def in_the_curve(name: str, arc: int = 0) -> xr.Dataset:
+    """The first moment of a scenario that is started in the middle of one of its arcs."""
+    scenario = load(SCENARIOS / f"{name}.toml")
+    arcs = [f for f in build(scenario).track.features() if f.kind == "arc"]
+    middle = 0.5 * (arcs[arc].start + arcs[arc].end)
+    values = {"run.start_distance_m": middle, "run.distance_m": 0.5, "output.patches_at_m": [middle]}
+    result = run(scenario.with_values(values))
+    assert result.status == "completed"
+    assert (result.dataset["T_gamma"].values >= 0.0).all()
+    return result.dataset.isel(time=0)
+
+
+def of_wheels(sample: xr.Dataset, name: str, factor: float = 1.0) -> list[float]:
+    """A channel of the left and the right wheel, of patches the first, in units of ``1 / factor``."""
+    values = sample[name].values
+    return list(factor * (values[:, 0] if values.ndim == 2 else values))
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_every_scenario_is_valid_and_says_what_it_comes_to(file):
+    scenario = load(file)
+    setup = build(scenario)
+    assert setup.title and setup.title == scenario.title
+    assert facts(setup)
+    # the text that a result carries builds the same
+    again = build(load_text(scenario.text, folder=SCENARIOS))
+    assert again.run == setup.run
+    assert again.track.length == setup.track.length
+    assert scenario.text.startswith("#") or "base" in file.read_text()  # comments teach
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_every_scenario_runs_in_short(file):
+    scenario = load(file)
+    values: dict[str, Any] = {}
+    if scenario.analysis == "curving":
+        values = {"run.distance_m": 2.0, "output.patches_at_m": [1.0]}
+    result = run(scenario.with_values(values))
+    assert result.status == "completed"
+    assert np.isfinite(result.dataset["Q"].values).all()
+    assert (result.dataset["T_gamma"].values >= 0.0).all()  # creep forces never do positive work
+    assert result.summary()["status"] == "completed"
+
+
+def test_the_300_m_curve():
+    sample = in_the_curve("curve_r300")
+    # free to steer: outward by 5 mm, nearly radial; tread and flange root of the outer wheel share the load
+    assert 1e3 * sample["lateral_shift"].item() == pytest.approx(-5.06, rel=NUMBERS)
+    assert abs(sample["yaw"].item()) < 0.3e-3
+    assert of_wheels(sample, "Q", 1e-3) == pytest.approx([49.6, 59.7], rel=NUMBERS)
+    assert of_wheels(sample, "Y", 1e-3) == pytest.approx([1.28, 4.45], rel=0.05)
+    assert list(sample["n_patches"].values) == [1, 2]
+    angles = np.degrees(np.sort(sample["contact_angle"].sel(wheel="right").values[:2]))
+    assert angles == pytest.approx([7.4, 17.3], abs=0.3)
+
+
+def test_the_sharp_curve_is_conformal_contact_on_the_flange_root():
+    sample = in_the_curve("curve_r150_sharp")
+    assert 1e3 * sample["lateral_shift"].item() == pytest.approx(-8.72, rel=NUMBERS)
+    assert 1e3 * sample["yaw"].item() == pytest.approx(-8.45, rel=NUMBERS)  # 1.28 m / 150 m but for the springs
+    assert of_wheels(sample, "Q", 1e-3) == pytest.approx([49.3, 59.9], rel=NUMBERS)
+    assert of_wheels(sample, "Y", 1e-3) == pytest.approx([17.3, 19.7], rel=0.03)
+    outer = sample.sel(wheel="right").isel(patch=0)
+    assert int(outer["n_patches"]) == 1  # one patch from the throat of the root up its flank
+    assert np.degrees(outer["contact_angle"].item()) == pytest.approx(29.8, abs=0.5)
+    assert np.degrees(outer["contact_angle_min"].item()) == pytest.approx(20.8, abs=0.5)
+    assert np.degrees(outer["contact_angle_max"].item()) == pytest.approx(62.0, abs=2.0)
+    assert np.degrees(outer["contact_angle_variation"].item()) > 35.0
+    assert 1e3 * outer["width"].item() == pytest.approx(9.9, rel=0.05)
+    # spread over so much of the root the pressure is lower than on the small patch of the inner wheel
+    assert outer["p0"].item() < sample["p0"].sel(wheel="left").isel(patch=0).item()
+    assert outer["T_gamma"].item() == pytest.approx(242.0, rel=0.05)
+
+
+def test_both_curves_of_the_s_show_the_same_on_opposite_wheels():
+    first, second = in_the_curve("s_curve", 0), in_the_curve("s_curve", 1)
+    assert 1e3 * first["lateral_shift"].item() == pytest.approx(-5.13, rel=NUMBERS)
+    assert second["lateral_shift"].item() == pytest.approx(-first["lateral_shift"].item(), rel=1e-6)
+    for name in ("Y", "Q", "contact_angle", "p0", "T_gamma"):
+        assert of_wheels(second, name) == pytest.approx(of_wheels(first, name)[::-1], rel=1e-6), name
+    assert of_wheels(first, "Y_over_Q") == pytest.approx([0.0325, 0.0833], rel=0.05)
+
+
+def test_the_static_scenario_moves_the_contact_from_field_side_to_flange():
+    dataset = run(load(SCENARIOS / "static_s1002.toml")).dataset
+    assert dataset.sizes["pose"] == 42
+    assert (dataset["pose_message"].values == "").all()
+    straight = dataset.isel(pose=np.flatnonzero(dataset["yaw"].values == 0.0))
+    shift, angle = straight["lateral_shift"].values, straight["contact_angle"].values[:, 0, 0]
+    # the right wheel: to the right (negative) is towards its flange, whose flank has 70 degrees; beyond it climbs
+    assert np.degrees(angle.max()) == pytest.approx(70.0, abs=0.1)
+    assert shift[np.argmax(angle)] == pytest.approx(-8e-3)
+    assert 1e3 * straight["vertical_shift"].values[shift < -8.5e-3].min() > 5.0
+    assert (np.diff(angle[(shift > -7.5e-3) & (shift < 1.5e-3)]) < 0.0).all()
+    assert np.abs(straight["Q"].values / 60e3 - 1.0).max() < 1e-6
+    centred = straight.isel(pose=int(np.argmin(np.abs(shift))))
+    assert 1e-6 * centred["p0"].values[0, 0] == pytest.approx(530.0, rel=0.05)
+
+
+@pytest.mark.parametrize("file", sorted(MODELS.glob("wheels/*")) + sorted(MODELS.glob("rails/*")), ids=lambda f: f.stem)
+def test_every_shipped_profile_loads(file: Path):
+    profile = load_profile(file)
+    assert profile.kind == file.parent.name.removesuffix("s")
+    assert 0.03 < profile.length < 0.3
+    assert profile.source
+
+
+@pytest.mark.parametrize("file", sorted(MODELS.glob("vehicles/*")), ids=lambda f: f.stem)
+def test_every_shipped_vehicle_loads(file: Path):
+    wheelset = load_vehicle(file, Finder((MODELS,)))
+    assert wheelset.name and wheelset.source
+    assert 40e3 < wheelset.static_axle_load < 250e3
