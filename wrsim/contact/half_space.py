@@ -31,6 +31,7 @@ Pairing = Literal["opposite", "level"]
 AHEAD = 1.0 / 6.0  # of an element: where the rigid slip is taken, which cancels most of the error of first order
 WIDENING = (0.0, 0.15, 0.5)  # of the grid, tried in turn when contact reaches its edge
 MOST_ELEMENTS = 200_000
+TURNS = 30  # between pressures and tractions that move each other
 FINE_S = 2e-4  # largest default element across [m]: jumps of a profile's curvature make narrow peaks
 
 STATUS_OVERLAP = 8  # penetration too deep, or elements too many
@@ -190,22 +191,38 @@ class HalfSpace:
             rows, columns = grid.pen.shape
             angles = grid.angle if self.influence == "angle-corrected" else None
             operator = HalfSpaceOperator(rows, columns, ds, dx, compliance, angles)
-            guess = start.p if start is not None else None
-            pressure = solve_normal(operator, grid.pen, self.tolerance, guess)
+            pressure, traction, settled = self._solve_grid(model, grid, operator, start)
             p = pressure.p
             reaches_edge = p[0].any() or p[-1].any() or p[:, 0].any() or p[:, -1].any()
             if not reaches_edge:
                 break
         status = STATUS_GRID_EDGE if reaches_edge else 0
-        traction = None
-        if model.settings.tangential != "none" and model.friction > 0.0:
-            traction = self._roll(model, grid, operator, p, start)
-            status |= 0 if traction.converged else STATUS_NOT_CONVERGED
-        status |= 0 if pressure.converged else STATUS_NOT_CONVERGED
+        if not (settled and pressure.converged and (traction is None or traction.converged)):
+            status |= STATUS_NOT_CONVERGED
         return _patch(a.pose, grid, pressure, traction), status
 
+    def _solve_grid(
+        self, model: ContactModel, grid: Grid, operator: HalfSpaceOperator, start: HalfSpacePatch | None
+    ) -> tuple[Pressure, Traction | None, bool]:
+        """Pressures and tractions; in turns where they move each other (Panagiotopoulos), and whether that settled."""
+        pressure = solve_normal(operator, grid.pen, self.tolerance, start.p if start is not None else None)
+        if model.settings.tangential == "none" or model.friction <= 0.0:
+            return pressure, None, True
+        traction = self._roll(model, grid, operator, pressure.p, start.q if start is not None else None)
+        for _ in range(TURNS):
+            if not operator.coupled:
+                return pressure, traction, True
+            last = pressure.p
+            pen = grid.pen - operator.normal_of_tractions(traction.q)
+            pressure = solve_normal(operator, pen, self.tolerance, last)
+            traction = self._roll(model, grid, operator, pressure.p, traction.q)
+            change = np.abs(pressure.p - last).max()
+            if change <= 100.0 * self.tolerance * pressure.p.max():
+                return pressure, traction, True
+        return pressure, traction, False
+
     def _roll(
-        self, model: ContactModel, grid: Grid, operator: HalfSpaceOperator, p: Array, start: HalfSpacePatch | None
+        self, model: ContactModel, grid: Grid, operator: HalfSpaceOperator, p: Array, start: Array | None
     ) -> Traction:
         a = model.arrays
         w = np.empty((2, *p.shape))
@@ -221,12 +238,9 @@ class HalfSpace:
             w[0],
             w[1],
         )
-        extra = operator.slip_of_pressure(p, forward)
-        if extra is not None:
-            w += extra
-        return solve_rolling(
-            operator, model.friction * p, w, forward, 10.0 * self.tolerance, start.q if start is not None else None
-        )
+        if operator.coupled:
+            w += operator.slip_of_pressure(p, forward)
+        return solve_rolling(operator, model.friction * p, w, forward, 10.0 * self.tolerance, start)
 
 
 def _patch(pose: Array, grid: Grid, pressure: Pressure, traction: Traction | None) -> HalfSpacePatch:

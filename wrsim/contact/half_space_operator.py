@@ -1,15 +1,19 @@
 """Tractions to displacements of a half-space on a grid, by convolution in Fourier space.
 
 Kernel coefficients (core.halfspace_influence) are computed once for each shape of element and scaled; their transforms
-are kept for each size of grid. ``"angle-corrected"`` turns them by the angle alpha = a(source) - a(receiver) between
-the rows' normals (Blanco-Lorenzo et al., Tribology International 103, 2016; Vollebregt, CONTACT user guide, 2023):
+are kept for each size of grid. Displacements are those of the wheel relative to the rail, tractions act on the wheel:
+p along the row's normal n (from rail to wheel), q_x along the rail, q_s along the row's tangent t.
 
-    B_nn = A_nn cos alpha - A_ns sin alpha        B_ss = A_ss cos alpha + A_sn sin alpha
-    B_sn = A_sn cos alpha - A_ss sin alpha        B_xs = A_xs cos alpha + A_xn sin alpha
-    B_xx = A_xx, B_sx = A_sx                      B_xn = A_xn cos alpha - A_xs sin alpha
+``"angle-corrected"`` takes a traction in the frame of its own row J, with the influence of the half-space tangent
+there, and the displacement in the frame of row I (Vollebregt, Vehicle System Dynamics 56, 2018; version 3 of
+CONTACT's corrections). With alpha = a(J) - a(I) between the normals:
 
-Because cos and sin of a difference are sums of products of functions of source and receiver alone, each of them is
-two plain convolutions: the corrected kernel costs twice the plain one, nothing more.
+    B_nn = A_nn cos alpha + A_sn sin alpha        B_ns = A_ns cos alpha + A_ss sin alpha
+    B_sn = A_sn cos alpha - A_nn sin alpha        B_ss = A_ss cos alpha - A_ns sin alpha
+
+(A_sn = -A_ns is zero for equal materials.) Pressure thus makes slip and creep forces lift or press. Written in the
+axes (o, b) of the section these are sums of A_nn * (p n), A_ss * (q_s t), ...: plain convolutions, so the corrected
+kernel costs about twice the plain one, nothing more.
 """
 
 from __future__ import annotations
@@ -41,7 +45,7 @@ _ODD = {
 
 @dataclass(frozen=True)
 class Compliance:
-    """Constants of two bodies: c_n, c_t, c_k of core.halfspace_influence [1/Pa]; c_k is wheel minus rail."""
+    """Constants of two bodies: c_n, c_t, c_k of core.halfspace_influence [1/Pa]; c_k is rail minus wheel."""
 
     normal: float
     tangential: float
@@ -55,7 +59,7 @@ class Compliance:
         return cls(
             sum((1.0 - m.poisson_ratio) / m.shear_modulus for m in both) / (2.0 * pi),
             sum(m.poisson_ratio / m.shear_modulus for m in both) / (2.0 * pi),
-            (k_wheel - k_rail) / (4.0 * pi),
+            (k_rail - k_wheel) / (4.0 * pi),
         )
 
     @property
@@ -101,13 +105,30 @@ class HalfSpaceOperator:
         self.compliance = compliance
         # one element more than the linear convolution needs: the slip looks one element ahead
         self._period = (scipy.fft.next_fast_len(2 * rows, True), scipy.fft.next_fast_len(2 * columns, True))
-        self._turn = None if angles is None else (np.cos(angles)[:, None], np.sin(angles)[:, None])
-        self._tangential: tuple[Array, Array, Array] | None = None
-        self._normal = compliance.normal * dx * self._of(NN)
+        self._tangent, self._normal_of_row = _frames(angles)
+        self._curved = angles is not None
+        self._spectra: dict[int, Array] = {}
         self._near = Inverse(rows, columns, ds, dx, compliance)
 
+    @property
+    def coupled(self) -> bool:
+        """Whether pressures make tangential, and tractions normal displacements."""
+        return self._curved or self.compliance.coupling != 0.0
+
     def _of(self, kind: int) -> Array:
-        return _spectrum(kind, round(self.ds / self.dx, 9), self.rows, self.columns, self._period)
+        """Spectrum of A_nn, A_xx, A_ss, A_xs, or the imaginary part of that of A_xn, A_sn."""
+        if kind not in self._spectra:
+            c, ratio = self.compliance, round(self.ds / self.dx, 9)
+
+            def integral(k: int) -> Array:
+                return _spectrum(k, ratio, self.rows, self.columns, self._period)
+
+            if kind in (XX, SS):
+                spectrum = c.normal * integral(NN) + c.tangential * integral(kind)
+            else:
+                spectrum = {NN: c.normal, XS: c.tangential, XN: c.coupling, SN: c.coupling}[kind] * integral(kind)
+            self._spectra[kind] = self.dx * spectrum
+        return self._spectra[kind]
 
     def _transform(self, q: Array) -> Spectrum:
         return scipy.fft.fft(scipy.fft.rfft(q, self._period[1], axis=-1), self._period[0], axis=-2, overwrite_x=True)
@@ -115,19 +136,6 @@ class HalfSpaceOperator:
     def _back(self, f: Spectrum) -> Array:
         cut = scipy.fft.ifft(f, axis=-2, overwrite_x=True)[..., : self.rows, :]
         return scipy.fft.irfft(cut, self._period[1], axis=-1)[..., : self.columns]
-
-    def normal(self, p: Array) -> Array:
-        """Normal displacement difference under the pressures p [Pa], (rows, columns) [m]."""
-        if self._turn is None:
-            f = self._transform(p)
-            f *= self._normal
-            return self._back(f)
-        cos, sin = self._turn
-        f = self._transform(np.stack([cos * p, sin * p]))
-        f *= self._normal
-        u = self._back(f)
-        turned: Array = cos * u[0] + sin * u[1]
-        return turned
 
     def near_pressure(self, e: Array) -> Array:
         """Roughly the pressure that makes the normal displacement e: the preconditioner of the normal problem."""
@@ -137,78 +145,72 @@ class HalfSpaceOperator:
         """Roughly the tractions that make the tangential displacements u, (2, rows, columns)."""
         return self._near.traction(u)
 
-    def _shear(self) -> tuple[Array, Array, Array]:
-        """Spectra of A_xx, A_ss, A_xs."""
-        if self._tangential is None:
-            c, dx = self.compliance, self.dx
-            self._tangential = (
-                dx * (c.normal * self._of(NN) + c.tangential * self._of(XX)),
-                dx * (c.normal * self._of(NN) + c.tangential * self._of(SS)),
-                dx * c.tangential * self._of(XS),
-            )
-        return self._tangential
-
     def _ahead(self, forward: float) -> Spectrum:
         """Takes u(x) to (u(x) - u(x + forward dx)) / dx."""
         k = 2.0 * pi * scipy.fft.rfftfreq(self._period[1])
-        return (1.0 - np.exp(1j * forward * k)) / self.dx
+        ahead: Spectrum = (1.0 - np.exp(1j * forward * k)) / self.dx
+        return ahead
+
+    def normal(self, p: Array) -> Array:
+        """Normal displacements under the pressures p [Pa], (rows, columns) [m]."""
+        if not self._curved:
+            f = self._transform(p)
+            f *= self._of(NN)
+            return self._back(f)
+        n = self._normal_of_row
+        f = self._transform(n * p)
+        f *= self._of(NN)
+        if self.compliance.coupling != 0.0:
+            f += 1j * self._of(SN) * self._transform(self._tangent * p)
+        u: Array = (n * self._back(f)).sum(axis=0)
+        return u
 
     def slip(self, q: Array, forward: float) -> Array:
-        """Slip over the rolling speed, (2, rows, columns), that the tractions q on the wheel bring about."""
-        xx, ss, xs = self._shear()
-        ahead = self._ahead(forward)
-        if self._turn is None:
+        """Slip over the rolling speed, (2, rows, columns), that the tractions q bring about."""
+        if not self._curved:
             f = self._transform(q)
-            f *= ahead
-            return self._back(np.stack([xx * f[0] + xs * f[1], xs * f[0] + ss * f[1]]))
-        cos, sin = self._turn
-        f = self._transform(np.stack([q[0], cos * q[1], sin * q[1]]))
-        f *= ahead
-        parts = [xx * f[0], xs * f[0], xs * f[1], xs * f[2], ss * f[1], ss * f[2]]
-        if self.compliance.coupling != 0.0:
-            xn, sn = self._coupling()
-            # sin(a_source - a_receiver) = sin cos - cos sin
-            parts += [xn * f[1], xn * f[2], sn * f[1], sn * f[2]]
-        u = self._back(np.stack(parts))
-        x = u[0] + cos * u[2] + sin * u[3]
-        s = u[1] + cos * u[4] + sin * u[5]
-        if self.compliance.coupling != 0.0:
-            x += cos * u[7] - sin * u[6]
-            s += cos * u[9] - sin * u[8]
-        return np.stack([x, s])
+            f *= self._ahead(forward)
+            xs = self._of(XS)
+            return self._back(np.stack([self._of(XX) * f[0] + xs * f[1], xs * f[0] + self._of(SS) * f[1]]))
+        x, section = self._under_tractions(q)
+        u = self._back(np.concatenate([x[None], section]) * self._ahead(forward))
+        return np.stack([u[0], (self._tangent * u[1:]).sum(axis=0)])
 
-    def slip_of_pressure(self, p: Array, forward: float) -> Array | None:
-        """Slip over the rolling speed that the pressures bring about; None where there is none.
+    def normal_of_tractions(self, q: Array) -> Array:
+        """Normal displacements under tangential tractions (rows, columns) [m]; zero unless ``coupled``."""
+        if not self.coupled:
+            return np.zeros(q.shape[1:])
+        if not self._curved:
+            f = self._transform(q)
+            return self._back(-1j * (self._of(XN) * f[0] + self._of(SN) * f[1]))
+        _, section = self._under_tractions(q)
+        u: Array = (self._normal_of_row * self._back(section)).sum(axis=0)
+        return u
 
-        On a plane with equal materials there is none; different materials and turned normals make some.
-        """
-        c = self.compliance
-        if c.coupling == 0.0 and self._turn is None:
-            return None
+    def slip_of_pressure(self, p: Array, forward: float) -> Array:
+        """Slip over the rolling speed that the pressures bring about; zero unless ``coupled``."""
+        if not self.coupled:
+            return np.zeros((2, *p.shape))
         ahead = self._ahead(forward)
-        if self._turn is None:
-            f = self._transform(p) * ahead
-            xn, sn = self._coupling()
-            return self._back(np.stack([xn * f, sn * f]))
-        cos, sin = self._turn
-        f = self._transform(np.stack([cos * p, sin * p])) * ahead
-        _, ss, xs = self._shear()
-        u = self._back(np.stack([xs * f[0], xs * f[1], ss * f[0], ss * f[1]]))
-        x = -(cos * u[1] - sin * u[0])
-        s = -(cos * u[3] - sin * u[2])
-        if c.coupling != 0.0:
-            xn, sn = self._coupling()
-            u = self._back(np.stack([xn * f[0], xn * f[1], sn * f[0], sn * f[1]]))
-            x += cos * u[0] + sin * u[1]
-            s += cos * u[2] + sin * u[3]
-        return np.stack([x, s])
+        along = 1j * self._of(XN) * self._transform(p)
+        if not self._curved:
+            return self._back(np.stack([along, 1j * self._of(SN) * self._transform(p)]) * ahead)
+        section = self._of(NN) * self._transform(self._normal_of_row * p)
+        if self.compliance.coupling != 0.0:
+            section = section + 1j * self._of(SN) * self._transform(self._tangent * p)
+        u = self._back(np.concatenate([along[None], section]) * ahead)
+        return np.stack([u[0], (self._tangent * u[1:]).sum(axis=0)])
 
-    def _coupling(self) -> tuple[Spectrum, Spectrum]:
-        """Spectra of A_xn and A_sn."""
-        scale = self.compliance.coupling * self.dx
-        xn: Spectrum = 1j * scale * self._of(XN)
-        sn: Spectrum = 1j * scale * self._of(SN)
-        return xn, sn
+    def _under_tractions(self, q: Array) -> tuple[Spectrum, Spectrum]:
+        """Transforms of the displacements along x, and in the section (o, b), under turned tractions."""
+        t = self._tangent
+        f = self._transform(np.concatenate([q, t * q[0], t * q[1]]))
+        x: Spectrum = self._of(XX) * f[0] + self._of(XS) * f[1]
+        section: Spectrum = self._of(XS) * f[2:4] + self._of(SS) * f[4:6]
+        if self.compliance.coupling != 0.0:
+            g = self._transform(np.concatenate([self._normal_of_row * q[0], self._normal_of_row * q[1]]))
+            section = section - 1j * (self._of(XN) * g[0:2] + self._of(SN) * g[2:4])
+        return x, section
 
     def self_slip(self) -> float:
         """Largest slip that an element's own traction brings about, over that traction [1/Pa]."""
@@ -216,6 +218,13 @@ class HalfSpaceOperator:
         c = self.compliance
         along = (XX, SS)
         return max(c.normal * (own[NN, 0] - own[NN, 1]) + c.tangential * (own[k, 0] - own[k, 1]) for k in along)
+
+
+def _frames(angles: Array | None) -> tuple[Array, Array]:
+    """Tangents and normals of the rows in (o, b), (2, rows, 1)."""
+    a = np.zeros(1) if angles is None else np.asarray(angles, dtype=np.float64)
+    cos, sin = np.cos(a)[:, None], np.sin(a)[:, None]
+    return np.stack([cos, sin]), np.stack([-sin, cos])
 
 
 class Inverse:

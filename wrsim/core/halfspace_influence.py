@@ -11,8 +11,8 @@ centre. Every one is a second difference of a primitive over the four corners:
     s/r^2      s atan(x/s) + x ln(r)
 
 With G and nu of each body, c_n = sum (1 - nu)/(2 pi G), c_t = sum nu/(2 pi G) over both bodies and
-c_k = ((1 - 2 nu_w)/G_w - (1 - 2 nu_r)/G_r)/(4 pi) (zero for equal materials), the displacement difference of the two
-surfaces under a unit load on an element is
+c_k = ((1 - 2 nu_r)/G_r - (1 - 2 nu_w)/G_w)/(4 pi) (zero for equal materials), the displacement of the wheel's surface
+relative to the rail's under a unit traction on an element of the wheel is
 
     normal from normal               A_nn = c_n I[1/r]
     along x from along x             A_xx = c_n I[1/r] + c_t I[x^2/r^3]
