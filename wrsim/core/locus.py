@@ -24,6 +24,7 @@ from wrsim.core.compiling import inlined, kernel
 from wrsim.core.profile import profile_point
 
 LEAST_ROLLING_CURVATURE = 0.1
+DRAWN_SINE = 0.25  # of theta: beyond, the outline is drawn as the plain section
 LARGEST_SINE = 0.7  # of theta and alpha: beyond, the point is no candidate for contact
 
 
@@ -100,14 +101,15 @@ def locus_node(table, node, radius, oo, ob, et, eo, eb, q):
 def outline(table, step, radius, pose, arc, out):
     """Outline of a wheel seen along its rail, for drawing: (o, b) at the arclengths ``arc`` to ``out`` (2, m).
 
-    pose: see core.wheel_rail. Where a yawed wheel's flank is nearly vertical the plain section stands instead.
+    pose: see core.wheel_rail. Where a yawed wheel's flank is nearly vertical the locus climbs around the wheel; the
+    plain section stands there instead.
     """
     q = sqrt(1.0 - pose[3] * pose[3])
     for i in range(arc.shape[0]):
         u, w, cu, cw, _k = profile_point(table, step, arc[i])
         rho = radius - w
         sine = -cw * pose[3] / (max(cu, 1e-3) * q)
-        if abs(sine) >= LARGEST_SINE:
+        if abs(sine) >= DRAWN_SINE:
             sine = 0.0
         cosine = sqrt(1.0 - sine * sine)
         out[0, i] = pose[1] + u * pose[4] + rho * (cosine * pose[5] - sine * pose[3] * pose[4]) / q

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping
+from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -23,6 +24,11 @@ STATUSES = ("completed", "stopped")
 
 def versions() -> dict[str, str]:
     """Versions of what shapes the numbers, as attributes: ``wrsim_version``, ``numpy_version``, ..."""
+    return dict(_versions())
+
+
+@lru_cache(maxsize=1)
+def _versions() -> dict[str, str]:
     found = {"wrsim_version": __version__, "python_version": platform.python_version()}
     for package in ("numpy", "numba", "exudyn", "scipy"):
         try:
