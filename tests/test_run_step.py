@@ -61,3 +61,17 @@ def test_runs_of_any_speed_are_finite_and_agree_with_half_their_step(speed, way,
     other = np.interp(times, half["time"].values, half["lateral_shift"].values)
     assert shift[inside] == pytest.approx(other[inside], abs=0.01 * np.ptp(other))
     assert np.ptp(other) > 1e-5  # it does move
+
+
+def test_samples_are_never_farther_apart_than_asked_for():
+    often = setup_of([straight(4.0)], 20.0, STEERING, values={"run.output_interval_ms": 0.3})
+    dataset = run_curving(often).dataset
+    assert dataset.attrs["step_s"] == pytest.approx(0.25e-3)
+    assert np.diff(dataset["time"].values).max() < 0.3e-3
+
+
+def test_a_run_ends_where_its_track_ends():
+    dataset = run_curving(setup_of([straight(3.0), arc(5.0, 500.0)], 13.0, STEERING)).dataset
+    assert 8.0 - 13.0 * dataset.attrs["step_s"] < dataset["distance"].values[-1] < 8.0 + 1e-3
+    # beyond it the track would go straight on, and the centrifugal force would be gone
+    assert dataset["Q"].values[-1] == pytest.approx(dataset["Q"].values[-2], rel=1e-3)

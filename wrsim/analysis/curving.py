@@ -50,6 +50,8 @@ def run_curving(setup: Setup, progress: Callable[[float, float], None] | None = 
 def chosen_step(setup: Setup, system: System, q: Array, q_t: Array) -> float:
     """Step [s] that the plan asks for, or one that is stable at the start (q, q_t) of the run and on straight track.
 
+    It is never longer than the time between two samples.
+
     In a curve the creep forces are near saturation and allow a longer step than they do on straight track, so a run
     that starts in a curve must not rely on its start.
     Raises InputError for a step asked for that is not even stable at the start: its results would look like results.
@@ -66,7 +68,7 @@ def chosen_step(setup: Setup, system: System, q: Array, q_t: Array) -> float:
         level = replace(setup, track=straight_track(setup), run=replace(setup.run, start=0.0))
         law = WheelsetOnTrack(level.wheelset, level.track, contact_models(level), speed=level.run.speed)
         limit = min(limit, stable_step(System([RigidBody.of(level.wheelset)], law), *start_state(level, law)))
-    return round_step(SAFETY * limit)
+    return round_step(min(SAFETY * limit, setup.run.output_interval))
 
 
 def straight_track(setup: Setup) -> Track:
