@@ -2,45 +2,17 @@
 
 from math import pi, sqrt
 
-from wrsim.core.compiling import inlined, kernel
-
-
-@kernel
-def k_minus_e(m, m1):
-    """K(m) - E(m), complete elliptic integrals of parameter m; m1 = 1 - m is passed to keep its digits near m = 1.
-
-    K = pi / (2 AGM(1, sqrt(m1))) and K - E = K sum_n 2^(n-1) c_n^2 (Abramowitz and Stegun 17.6.4), so nothing
-    cancels at small m. Infinite at m = 1.
-    """
-    if m1 <= 0.0:
-        return float("inf")
-    a = 1.0
-    b = sqrt(m1)
-    total = 0.5 * m
-    power = 1.0
-    for _ in range(40):
-        c = 0.5 * (a - b)
-        b = sqrt(a * b)
-        a -= c
-        total += power * c * c
-        if c < 1e-9 * a:
-            break
-        power *= 2.0
-    return 0.5 * pi / a * total
+from wrsim.core.compiling import inlined
 
 
 @inlined
-def strip_potential(a, s):
-    """Integral of sqrt((a^2 - x^2) / (x^2 + s^2)) dx over -a < x < a [m].
+def twice_k_minus_e(p, b, c2):
+    """2 p (K - E) of the parameter m = c2 / p^2, with b = p sqrt(1 - m) > 0 [the unit of p].
 
-    The displacement (times pi E*) at distance s beside a strip of unit width that carries the semi-ellipse
-    sqrt(a^2 - x^2): the inner integral of [S 29]. In closed form 2 sqrt(a^2 + s^2) (K(m) - E(m)) with
-    m = a^2 / (a^2 + s^2); written homogeneously so that only one division is left. At s -> 0 it goes like
-    2 a (ln(4 a / |s|) - 1); s must not be zero.
+    K = pi / (2 AGM(1, sqrt(1 - m))) and K - E = K sum_n 2^(n-1) c_n^2 (Abramowitz and Stegun 17.6.4), c_0^2 = m, so
+    nothing cancels at small m. Homogeneous in p: one division is left.
     """
-    p = sqrt(a * a + s * s)
-    b = abs(s)
-    total = 0.5 * a * a
+    total = 0.5 * c2
     power = 1.0
     for _ in range(40):
         c = 0.5 * (p - b)
@@ -51,3 +23,22 @@ def strip_potential(a, s):
             break
         power *= 2.0
     return pi * total / p
+
+
+@inlined
+def k_minus_e(m, m1):
+    """K(m) - E(m) of parameter m, infinite at m = 1; m1 = 1 - m is passed to keep its digits near there."""
+    if m1 <= 0.0:
+        return float("inf")
+    return 0.5 * twice_k_minus_e(1.0, sqrt(m1), m)
+
+
+@inlined
+def strip_potential(a, s):
+    """Integral of sqrt((a^2 - x^2) / (x^2 + s^2)) dx over -a < x < a [m].
+
+    The displacement (times pi E*) at distance s beside a strip of unit width that carries the semi-ellipse
+    sqrt(a^2 - x^2): the inner integral of [S 29]. In closed form 2 sqrt(a^2 + s^2) (K(m) - E(m)) with
+    m = a^2 / (a^2 + s^2). At s -> 0 it goes like 2 a (ln(4 a / |s|) - 1); s must not be zero.
+    """
+    return twice_k_minus_e(sqrt(a * a + s * s), abs(s), a * a)
