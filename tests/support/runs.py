@@ -16,7 +16,6 @@ from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ContactSettings
 from wrsim.geometry.profile import Profile
 from wrsim.geometry.profile_models import load_profile
-from wrsim.geometry.profile_sections import circle
 from wrsim.geometry.segments import Arc, Segment
 from wrsim.geometry.track import Track
 from wrsim.scenario.build import Setup, build
@@ -121,8 +120,8 @@ def cone() -> Profile:
 
 @cache
 def crown() -> Profile:
-    """A rail of one arc of 300 mm, as models/rails/crown_300.toml, but wider than the wheel."""
-    return circle("crown R300", "rail", CROWN, 0.06)
+    """The shipped rail of one arc of 300 mm."""
+    return load_profile(ROOT / "models/rails/crown_300.toml")
 
 
 @dataclass(frozen=True)
