@@ -130,7 +130,8 @@ class HalfSpace:
     element: size of the elements (along x, along s) [m]; None: so that the smallest patch that matters gets about
     ``resolution`` elements over its length and its width, across not larger than 0.2 mm. influence: see above.
     tolerance: of the gap over the approach; tractions are solved to ten times that over the largest bound.
-    reach: zones of overlap not farther apart share a grid [m]. pairing: which points of the profiles belong together,
+    together, apart: distances of two zones of overlap up to which they press each other down fully, and from which on
+    not at all [m] (see contact.half_space_grid). pairing: which points of the profiles belong together,
     ``"opposite"`` ones or, as in CONTACT, those of equal arclength from two points of the same lateral place
     (``"level"``; see core.halfspace_surface).
     """
@@ -139,7 +140,8 @@ class HalfSpace:
     resolution: int = 36
     influence: Influence = "half-space"
     tolerance: float = 1e-5
-    reach: float = 6e-3
+    together: float = 4e-3
+    apart: float = 8e-3
     pairing: Pairing = "opposite"
 
     def solve_pose(self, model: ContactModel, before: HalfSpaceContact | None = None) -> HalfSpaceContact:
@@ -167,7 +169,7 @@ class HalfSpace:
 
     def seeds(self, model: ContactModel) -> tuple[list[Seed], float, int]:
         """Patches at the pose set in the model's arrays, deepest first; closest distance [m]; search status."""
-        return find_seeds(model.arrays, self.reach, self.pairing == "level")
+        return find_seeds(model.arrays, self.together, self.apart, self.pairing == "level")
 
     def elements_for(self, seed: Seed) -> tuple[float, float]:
         """Element size (dx, ds) for a patch [m]. The shape of elements comes in steps, so that kernels are reused."""
@@ -190,7 +192,7 @@ class HalfSpace:
                 return None, STATUS_OVERLAP
             rows, columns = grid.pen.shape
             angles = grid.angle if self.influence == "angle-corrected" else None
-            operator = HalfSpaceOperator(rows, columns, ds, dx, compliance, angles)
+            operator = HalfSpaceOperator(rows, columns, ds, dx, compliance, angles, grid.shares)
             pressure, traction, settled = self._solve_grid(model, grid, operator, start)
             p = pressure.p
             reaches_edge = p[0].any() or p[-1].any() or p[:, 0].any() or p[:, -1].any()

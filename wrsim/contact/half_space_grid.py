@@ -1,12 +1,14 @@
 """Where wheel and rail may touch at a pose: grids over the curved patch for the half-space solver.
 
 The undeformed bodies overlap in zones along the curved axis; contact lies within them, because pressure pushes the
-surfaces apart everywhere. Zones not farther apart than ``reach`` share one axis and one grid, so that they press each
-other down; zones farther apart get grids of their own and do not know of each other.
+surfaces apart everywhere. Zones nearer than ``together`` press each other down as one half-space does, zones farther
+apart than ``apart`` do not know of each other, and in between the mutual influence fades like CONTACT's,
+((apart - d)/(apart - together))^0.8, so that nothing jumps as the distance d of two zones changes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, floor, sqrt
 
@@ -26,6 +28,7 @@ FINEST, COARSEST = 1e-6, 1e-4  # steps of the first look along the axis [m]
 LOOK = 400  # steps of the first look to either side
 TURN = 0.17  # cosine of the largest angle between the normals of one grid (80 degrees)
 DEEPEST_GAP = 5e-3  # at which an axis is given up [m]
+FADING = 0.8  # exponent
 
 
 @dataclass(frozen=True)
@@ -42,13 +45,14 @@ class Place:
 
 @dataclass(frozen=True)
 class Seed:
-    """A main point and the zones that share its axis."""
+    """A main point and the zones that share its axis, by increasing s; influence: of every zone on every other."""
 
     wheel_arc: float
     rail_arc: float
     depth: float
     level: bool
     places: tuple[Place, ...]
+    influence: Array
 
     @property
     def narrowest(self) -> tuple[float, float]:
@@ -63,7 +67,9 @@ class Grid:
     """Elements dx x ds over a patch.
 
     axis: (rows, AXIS_COLUMNS) of core.halfspace_surface; x: (columns,) centres along the rail [m]; pen: (rows,
-    columns) undeformed interpenetration along the rows' normals; place: from the reference to the wheel [m].
+    columns) undeformed interpenetration along the rows' normals; place: from the reference to the wheel [m];
+    shares: for every group of zones that fades apart, its rows (rows, 1) and its influence on all rows (rows, 1);
+    empty when all act as one.
     """
 
     axis: Array
@@ -72,6 +78,7 @@ class Grid:
     ds: float
     pen: Array
     place: Array
+    shares: tuple[tuple[Array, Array], ...]
 
     @property
     def s(self) -> Array:
@@ -94,10 +101,10 @@ class Grid:
         return np.arctan2(-self.axis[:, surface.AT_NO], self.axis[:, surface.AT_NB])
 
 
-def find_seeds(a: KernelArrays, reach: float, level: bool = False) -> tuple[list[Seed], float, int]:
+def find_seeds(a: KernelArrays, together: float, apart: float, level: bool = False) -> tuple[list[Seed], float, int]:
     """Main points at the pose that is set, deepest first, with their zones; closest distance [m]; search status.
 
-    reach: farthest zones on one grid [m]; level: pair the profiles' points as CONTACT does (core.halfspace_surface).
+    together, apart: see above [m]; level: pair the profiles' points as CONTACT does (core.halfspace_surface).
     """
     s, p = a.settings, a.pose
     count, closest, status = find_contacts(
@@ -105,16 +112,17 @@ def find_seeds(a: KernelArrays, reach: float, level: bool = False) -> tuple[list
         s[k.FIELD_SPACING], p[0], p[1], p[2], p[3], p[4], p[5], int(s[k.STRIDE]), s[k.HOLLOW], a.found,
     )  # fmt: skip
     seeds: list[Seed] = []
-    taken = np.zeros(count, dtype=bool)
+    taken: list[tuple[float, float]] = []  # stretches of the wheel's profile
+
+    def free(start: float, end: float) -> bool:
+        return all(end < lo or start > hi for lo, hi in taken)
+
     for i in np.argsort(-a.found[:count, DEPTH]):
-        if taken[i]:
-            continue
-        seed, reached = _look(a, a.found[i].copy(), reach, level)
-        arcs = a.found[:count, WHEEL_ARC]
-        for start, end in reached:
-            taken |= (arcs >= start) & (arcs <= end)
-        taken[i] = True
-        seeds.append(seed)
+        found = a.found[i].copy()
+        if free(found[WHEEL_ARC], found[WHEEL_ARC]):
+            seed, reached = _look(a, found, together, apart, level, free)
+            seeds.append(seed)
+            taken += reached
     return seeds, float(closest), int(status)
 
 
@@ -134,8 +142,13 @@ def _axis(a: KernelArrays, wheel_arc: float, rail_arc: float, level: bool, step:
     return axis
 
 
-def _look(a: KernelArrays, found: Array, reach: float, level: bool) -> tuple[Seed, list[tuple[float, float]]]:
-    """Zones around one main point, and the stretches of the wheel's profile that they take."""
+def _look(
+    a: KernelArrays, found: Array, together: float, apart: float, level: bool, free: Callable[[float, float], bool]
+) -> tuple[Seed, list[tuple[float, float]]]:
+    """Zones around one main point, and the stretches of the wheel's profile that they take.
+
+    free: whether a stretch still belongs to no other main point.
+    """
     depth = float(found[DEPTH])
     half = sqrt(2.0 * depth / max(float(found[RELATIVE_CURVATURE]), 0.5))
     step = min(max(half / 12.0, FINEST), COARSEST)
@@ -147,29 +160,57 @@ def _look(a: KernelArrays, found: Array, reach: float, level: bool) -> tuple[See
     after, before = np.flatnonzero(lost[LOOK:]), np.flatnonzero(lost[: LOOK + 1])
     first = int(before[-1]) + 1 if before.size else 0
     last = LOOK + int(after[0]) - 1 if after.size else 2 * LOOK
-    zones = _runs(pen, first, last)
     radius = axis[:, surface.AT_RADIUS]
-    boxes = []
-    for lo, hi in zones:
-        reach_x = np.sqrt(2.0 * radius[lo : hi + 1] * pen[lo : hi + 1])
+    arc = axis[:, surface.AT_WHEEL]
+    zones, boxes = [], []
+    for lo, hi in _runs(pen, first, last):
+        ends = min(arc[lo], arc[hi]), max(arc[lo], arc[hi])
+        if not (lo <= LOOK <= hi or free(*ends)):
+            continue
+        half_x = np.sqrt(2.0 * radius[lo : hi + 1] * pen[lo : hi + 1])
         x = axis[lo : hi + 1, surface.AT_X]
-        boxes.append((lo, hi, float((x - reach_x).min()), float((x + reach_x).max())))
+        zones.append((lo, hi))
+        boxes.append(
+            (
+                _crossing(pen, lo, -1) * step,
+                _crossing(pen, hi, 1) * step,
+                float((x - half_x).min()),
+                float((x + half_x).max()),
+            )
+        )
     own = next(n for n, (lo, hi) in enumerate(zones) if lo <= LOOK <= hi)
     joined = [own]
     for order in (range(own + 1, len(zones)), range(own - 1, -1, -1)):
         near = own
         for n in order:
-            if _distance(boxes[near], boxes[n], step) > reach:
+            if _distance(boxes[near], boxes[n]) >= apart:
                 break
             joined.append(n)
             near = n
-    places = tuple(_place(axis, pen, *zones[n], step) for n in sorted(joined))
-    arcs = [(float(axis[zones[n][0], surface.AT_WHEEL]), float(axis[zones[n][1], surface.AT_WHEEL])) for n in joined]
+    joined.sort()
+    influence = np.array([[_fading(_distance(boxes[i], boxes[j]), together, apart) for i in joined] for j in joined])
+    places = tuple(_place(axis, pen, *zones[n], step) for n in joined)
     margin = 2.0 * step
+    stretches = [(float(arc[zones[n][0]]), float(arc[zones[n][1]])) for n in joined]
     return (
-        Seed(float(found[WHEEL_ARC]), float(found[RAIL_ARC]), depth, level, places),
-        [(min(arc) - margin, max(arc) + margin) for arc in arcs],
+        Seed(float(found[WHEEL_ARC]), float(found[RAIL_ARC]), depth, level, places, influence),
+        [(min(ends) - margin, max(ends) + margin) for ends in stretches],
     )
+
+
+def _crossing(pen: Array, row: int, side: int) -> float:
+    """Where overlap ends beyond its last row, in rows."""
+    other = row + side
+    if not 0 <= other < len(pen):
+        return float(row)
+    return row + side * float(pen[row] / (pen[row] - pen[other]))
+
+
+def _fading(distance: float, together: float, apart: float) -> float:
+    """Share of the mutual influence of two zones that counts."""
+    if distance <= together:
+        return 1.0
+    return max((apart - distance) / (apart - together), 0.0) ** FADING
 
 
 def _runs(pen: Array, first: int, last: int) -> list[tuple[int, int]]:
@@ -180,9 +221,9 @@ def _runs(pen: Array, first: int, last: int) -> list[tuple[int, int]]:
     return [(int(lo) + first, int(hi) + first - 1) for lo, hi in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _distance(one: tuple[int, int, float, float], other: tuple[int, int, float, float], step: float) -> float:
-    """Between the boxes of two zones [m]."""
-    along_s = max(other[0] - one[1], one[0] - other[1], 0) * step
+def _distance(one: tuple[float, float, float, float], other: tuple[float, float, float, float]) -> float:
+    """Between two boxes (s from, s to, x from, x to) [m]."""
+    along_s = max(other[0] - one[1], one[0] - other[1], 0.0)
     along_x = max(other[2] - one[3], one[2] - other[3], 0.0)
     return sqrt(along_s**2 + along_x**2)
 
@@ -226,4 +267,16 @@ def lay_grid(a: KernelArrays, seed: Seed, dx: float, ds: float, margin: float = 
         a.wheel, s[k.WHEEL_STEP], s[k.RADIUS], a.rail, s[k.RAIL_STEP], a.pose, axis, len(axis), float(x[0]), dx, pen,
         place,
     )  # fmt: skip
-    return Grid(axis, x, dx, ds, pen, place)
+    return Grid(axis, x, dx, ds, pen, place, _shares(seed, axis[:, surface.AT_S]))
+
+
+def _shares(seed: Seed, s: Array) -> tuple[tuple[Array, Array], ...]:
+    """Rows and influence of each group of zones; a row belongs to the zone it is nearest to."""
+    if (seed.influence == 1.0).all():
+        return ()
+    borders = [0.5 * (p.end + q.start) for p, q in zip(seed.places[:-1], seed.places[1:], strict=True)]
+    zone = np.searchsorted(borders, s)
+    shares = []
+    for n in range(len(seed.places)):
+        shares.append(((zone == n).astype(np.float64)[:, None], seed.influence[zone, n][:, None].copy()))
+    return tuple(shares)

@@ -18,6 +18,7 @@ kernel costs about twice the plain one, nothing more.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import pi
@@ -95,11 +96,19 @@ def _spectrum(kind: int, ratio: float, rows: int, columns: int, period: tuple[in
 class HalfSpaceOperator:
     """Influence of tractions on (rows, columns) elements ds x dx upon each other.
 
-    angles: of the rows' normals [rad] for the angle-corrected kernel, or None for the plain one.
+    angles: of the rows' normals [rad] for the angle-corrected kernel, or None for the plain one. shares: for groups of
+    rows whose mutual influence is weakened, the rows of each group and its influence on all rows, both (rows, 1).
     """
 
     def __init__(
-        self, rows: int, columns: int, ds: float, dx: float, compliance: Compliance, angles: Array | None = None
+        self,
+        rows: int,
+        columns: int,
+        ds: float,
+        dx: float,
+        compliance: Compliance,
+        angles: Array | None = None,
+        shares: Sequence[tuple[Array, Array]] = (),
     ) -> None:
         self.rows, self.columns, self.ds, self.dx = rows, columns, ds, dx
         self.compliance = compliance
@@ -107,6 +116,7 @@ class HalfSpaceOperator:
         self._period = (scipy.fft.next_fast_len(2 * rows, True), scipy.fft.next_fast_len(2 * columns, True))
         self._tangent, self._normal_of_row = _frames(angles)
         self._curved = angles is not None
+        self._shares = tuple(shares)
         self._spectra: dict[int, Array] = {}
         self._near = Inverse(rows, columns, ds, dx, compliance)
 
@@ -151,8 +161,36 @@ class HalfSpaceOperator:
         ahead: Spectrum = (1.0 - np.exp(1j * forward * k)) / self.dx
         return ahead
 
+    def _shared(self, act: Callable[[Array], Array], q: Array) -> Array:
+        """What all groups of rows do to all rows."""
+        if not self._shares:
+            return act(q)
+        total = self._shares[0][1] * act(self._shares[0][0] * q)
+        for own, influence in self._shares[1:]:
+            total += influence * act(own * q)
+        return total
+
     def normal(self, p: Array) -> Array:
         """Normal displacements under the pressures p [Pa], (rows, columns) [m]."""
+        return self._shared(self._normal, p)
+
+    def slip(self, q: Array, forward: float) -> Array:
+        """Slip over the rolling speed, (2, rows, columns), that the tractions q bring about."""
+        return self._shared(lambda part: self._slip(part, forward), q)
+
+    def normal_of_tractions(self, q: Array) -> Array:
+        """Normal displacements under tangential tractions (rows, columns) [m]; zero unless ``coupled``."""
+        if not self.coupled:
+            return np.zeros(q.shape[1:])
+        return self._shared(self._normal_of_tractions, q)
+
+    def slip_of_pressure(self, p: Array, forward: float) -> Array:
+        """Slip over the rolling speed that the pressures bring about; zero unless ``coupled``."""
+        if not self.coupled:
+            return np.zeros((2, *p.shape))
+        return self._shared(lambda part: self._slip_of_pressure(part, forward), p)
+
+    def _normal(self, p: Array) -> Array:
         if not self._curved:
             f = self._transform(p)
             f *= self._of(NN)
@@ -165,8 +203,7 @@ class HalfSpaceOperator:
         u: Array = (n * self._back(f)).sum(axis=0)
         return u
 
-    def slip(self, q: Array, forward: float) -> Array:
-        """Slip over the rolling speed, (2, rows, columns), that the tractions q bring about."""
+    def _slip(self, q: Array, forward: float) -> Array:
         if not self._curved:
             f = self._transform(q)
             f *= self._ahead(forward)
@@ -176,10 +213,7 @@ class HalfSpaceOperator:
         u = self._back(np.concatenate([x[None], section]) * self._ahead(forward))
         return np.stack([u[0], (self._tangent * u[1:]).sum(axis=0)])
 
-    def normal_of_tractions(self, q: Array) -> Array:
-        """Normal displacements under tangential tractions (rows, columns) [m]; zero unless ``coupled``."""
-        if not self.coupled:
-            return np.zeros(q.shape[1:])
+    def _normal_of_tractions(self, q: Array) -> Array:
         if not self._curved:
             f = self._transform(q)
             return self._back(-1j * (self._of(XN) * f[0] + self._of(SN) * f[1]))
@@ -187,10 +221,7 @@ class HalfSpaceOperator:
         u: Array = (self._normal_of_row * self._back(section)).sum(axis=0)
         return u
 
-    def slip_of_pressure(self, p: Array, forward: float) -> Array:
-        """Slip over the rolling speed that the pressures bring about; zero unless ``coupled``."""
-        if not self.coupled:
-            return np.zeros((2, *p.shape))
+    def _slip_of_pressure(self, p: Array, forward: float) -> Array:
         ahead = self._ahead(forward)
         along = 1j * self._of(XN) * self._transform(p)
         if not self._curved:
