@@ -82,7 +82,8 @@ class HalfSpaceBench(StaticBench):
 
     def _height(self, pose: StaticPose, roll: float) -> float:
         """Height at which the vertical force is the load: secants on force^(2/3), nearly linear in the height."""
-        height = self._fast._height(pose, roll)
+        start = self._fast.solve(replace(pose, roll=roll)) if len(self.wheels) == 1 else None
+        height = start.height if start is not None and np.isfinite(start.height) else self._first_contact(pose, roll)
         target = pose.load ** (2.0 / 3.0)
 
         def excess(z: float) -> float:
@@ -96,7 +97,7 @@ class HalfSpaceBench(StaticBench):
         first = height
         value = excess(height)
         # force^(2/3) is about proportional to the approach
-        rate = -(value + target) / max(approach(), 1e-7)
+        rate = -max(value + target, 0.1 * target) / max(approach(), 1e-7)
         for _ in range(EVALUATIONS):
             if abs(self.force[2] / pose.load - 1.0) < LOAD_TOLERANCE:
                 return height

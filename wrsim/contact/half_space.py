@@ -19,10 +19,12 @@ from numpy.typing import NDArray
 from wrsim.contact.half_space_grid import Grid, Seed, find_seeds, lay_grid
 from wrsim.contact.half_space_operator import Compliance, HalfSpaceOperator
 from wrsim.contact.half_space_solvers import Pressure, Traction, solve_normal, solve_rolling
-from wrsim.contact.model import ContactModel
+from wrsim.contact.model import ContactModel, KernelArrays
+from wrsim.core import halfspace_surface as surface
 from wrsim.core import layout as k
 from wrsim.core.halfspace_normal import summarise
 from wrsim.core.halfspace_rolling import rigid_slip
+from wrsim.core.wheel_rail import DEEPEST
 
 Array = NDArray[np.float64]
 Influence = Literal["half-space", "angle-corrected"]
@@ -34,7 +36,7 @@ MOST_ELEMENTS = 200_000
 TURNS = 30  # between pressures and tractions that move each other
 FINE_S = 2e-4  # largest default element across [m]: jumps of a profile's curvature make narrow peaks
 
-STATUS_OVERLAP = 8  # penetration too deep, or elements too many
+STATUS_TOO_MANY = 8  # elements
 STATUS_GRID_EDGE = 16  # contact reaches the edge of the grid
 STATUS_NOT_CONVERGED = 32
 
@@ -189,7 +191,7 @@ class HalfSpace:
         for widening in WIDENING:
             grid = lay_grid(a, seed, dx, ds, widening)
             if grid.pen.size > MOST_ELEMENTS:
-                return None, STATUS_OVERLAP
+                return None, STATUS_TOO_MANY
             rows, columns = grid.pen.shape
             angles = grid.angle if self.influence == "angle-corrected" else None
             operator = HalfSpaceOperator(rows, columns, ds, dx, compliance, angles, grid.shares)
@@ -199,6 +201,8 @@ class HalfSpace:
             if not reaches_edge:
                 break
         status = STATUS_GRID_EDGE if reaches_edge else 0
+        status |= k.STATUS_TOO_DEEP if seed.depth > DEEPEST else 0
+        status |= k.STATUS_PROFILE_END if _leaves_profiles(a, grid, p) else 0
         if not (settled and pressure.converged and (traction is None or traction.converged)):
             status |= STATUS_NOT_CONVERGED
         return _patch(a.pose, grid, pressure, traction), status
@@ -243,6 +247,16 @@ class HalfSpace:
         if operator.coupled:
             w += operator.slip_of_pressure(p, forward)
         return solve_rolling(operator, model.friction * p, w, forward, 10.0 * self.tolerance, start)
+
+
+def _leaves_profiles(a: KernelArrays, grid: Grid, p: Array) -> bool:
+    """Whether contact reaches rows beyond the end of a profile, which is continued straight there."""
+    rows = p.any(axis=1)
+    ends = (
+        (surface.AT_WHEEL, (len(a.wheel) - 1) * a.settings[k.WHEEL_STEP]),
+        (surface.AT_RAIL, (len(a.rail) - 1) * a.settings[k.RAIL_STEP]),
+    )
+    return any(bool(((grid.axis[rows, c] < 0.0) | (grid.axis[rows, c] > end)).any()) for c, end in ends)
 
 
 def _patch(pose: Array, grid: Grid, pressure: Pressure, traction: Traction | None) -> HalfSpacePatch:
