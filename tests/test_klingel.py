@@ -1,4 +1,4 @@
-"""A free conical wheelset on crowned rails with the full contact model: Klingel's wave and the line it rolls in a curve.
+"""A free conical wheelset on crowned rails, full contact model: Klingel's wave, and the line it rolls in a curve.
 
 Cones of conicity lambda on crowns of radius Rr whose tops are 2 L apart touch at +-l, l = L - Rr lambda. A wheelset
 shifted by y and rolled by phi touches where the crowns have the slopes lambda +- phi: both contacts move by -Rr phi on

@@ -57,9 +57,7 @@ def test_a_full_circle_closes_within_a_nanometre(radius: float) -> None:
 
 @pytest.mark.parametrize("radius, length", [(25.0, 15.0), (300.0, 40.0), (-300.0, 40.0), (5000.0, 150.0)])
 @pytest.mark.parametrize("shape", SHAPES)
-def test_heading_behind_a_transition_is_half_that_of_the_arc(
-    radius: float, length: float, shape: str
-) -> None:
+def test_heading_behind_a_transition_is_half_that_of_the_arc(radius: float, length: float, shape: str) -> None:
     track = Track.build([Transition(length, shape), Arc(10.0, radius)])  # type: ignore[arg-type]
     assert track.heading(length) == pytest.approx(length / (2.0 * radius), rel=1e-15)
 
@@ -83,8 +81,7 @@ def test_bloss_transition_ends_where_adaptive_quadrature_says() -> None:
         return length / radius * (xi**3 - 0.5 * xi**4)
 
     exact = [
-        quad(lambda s, f=f: f(heading(s)), 0.0, length, epsabs=1e-13, epsrel=1e-13)[0]
-        for f in (math.cos, math.sin)
+        quad(lambda s, f=f: f(heading(s)), 0.0, length, epsabs=1e-13, epsrel=1e-13)[0] for f in (math.cos, math.sin)
     ]
     assert np.abs(track.centre_line.position(length)[:2] - exact).max() < 1e-12
 
@@ -116,8 +113,7 @@ def test_curvature_and_frame_are_continuous_at_every_joint(segments: Callable, s
             # the rounding makes the rail's curvature vector continuous as well; what is left is the jump of
             # kappa' d = 6e-5 / m2 seen at the angle of some mrad between rail and centre line
             bends = [
-                dd - np.sum(dd * d, 1)[:, None] * d / np.sum(d * d, 1)[:, None]
-                for d, dd in ((d0, dd0), (d1, dd1))
+                dd - np.sum(dd * d, 1)[:, None] * d / np.sum(d * d, 1)[:, None] for d, dd in ((d0, dd0), (d1, dd1))
             ]
             assert np.abs(bends[0] - bends[1]).max() < 3e-7
     for side in ("left", "right"):
@@ -135,8 +131,7 @@ def test_a_joint_without_transition_keeps_the_tangent_and_is_reported() -> None:
     assert np.abs(tangents[0] - tangents[1]).max() < 3e-6 / 190.0 * 2.0
     assert Track.build(curve(300.0)).jumps == ()
     spread = np.abs(
-        track.centre.position(np.linspace(9.0, 11.0, 200))
-        - track.centre_line.position(np.linspace(9.0, 11.0, 200))
+        track.centre.position(np.linspace(9.0, 11.0, 200)) - track.centre_line.position(np.linspace(9.0, 11.0, 200))
     ).max()
     assert spread < 0.25**2 / 190.0 / 20.0  # the table blends the jump over one row distance
 
@@ -281,14 +276,10 @@ def test_level_rails_differ_in_length_by_spacing_times_heading(shape: str) -> No
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("side, sign", [("left", 1.0), ("right", -1.0)])
-def test_rail_tangent_and_curvature_are_the_derivatives_of_its_position(
-    shape: str, side: str, sign: float
-) -> None:
+def test_rail_tangent_and_curvature_are_the_derivatives_of_its_position(shape: str, side: str, sign: float) -> None:
     """Against p = r + d n + h b differentiated numerically: cant ramp, widening and curvature together."""
     o, h = 0.043, 0.15
-    track = Track.build(
-        s_curve(60.0, shape), left_offset=(o, h), right_offset=(o, h), rounding=5.0, heading=1.0
-    )
+    track = Track.build(s_curve(60.0, shape), left_offset=(o, h), right_offset=(o, h), rounding=5.0, heading=1.0)
 
     def place(s: np.ndarray) -> np.ndarray:
         roll, heading = track.roll(s)[:, None], track.heading(s)[:, None]

@@ -76,9 +76,7 @@ class RawContacts:
     @classmethod
     def empty(cls, samples: int, wheels: int, patches: int) -> RawContacts:
         """Zeros for that many samples."""
-        return cls(
-            np.zeros((samples, wheels, patches, k.PATCH_COLUMNS)), np.zeros((samples, wheels, k.TOTAL))
-        )
+        return cls(np.zeros((samples, wheels, patches, k.PATCH_COLUMNS)), np.zeros((samples, wheels, k.TOTAL)))
 
     def store(self, sample: int, wheel: int, model: ContactModel) -> None:
         """Copy what the model computed last."""

@@ -15,9 +15,7 @@ Array = NDArray[np.float64]
 def _kalker_table() -> Array:
     """(20, 3, 3): aspect (a < b from .1 to 1, then a > b from b/a = .1 to 1), Poisson ratio 0, .25, .5, C11 C22 C23."""
     text = files("wrsim.contact").joinpath("data/kalker_1990_table_e3.csv").read_text(encoding="utf-8")
-    rows = np.array(
-        [[float(x) for x in line.split(",")] for line in text.splitlines() if line and line[0].isdigit()]
-    )
+    rows = np.array([[float(x) for x in line.split(",")] for line in text.splitlines() if line and line[0].isdigit()])
     by_aspect = {round(a, 4): rows[np.isclose(rows[:, 0], a)][:, 2:] for a in np.unique(rows[:, 0])}
     wide = [by_aspect[round(g / 10, 4)] for g in range(1, 11)]
     long = [by_aspect[min(by_aspect, key=lambda a, g=g: abs(a - 10.0 / g))] for g in range(1, 11)]  # type: ignore[misc]

@@ -158,18 +158,14 @@ def bound_over_cells(cells: int, parabolic: bool) -> Array:
     return np.ascontiguousarray((primitive[:-1] - primitive[1:]) / (x[:-1] - x[1:]))
 
 
-def _arrays(
-    wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: float
-) -> KernelArrays:
+def _arrays(wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: float) -> KernelArrays:
     wheel_table, wheel_step = _cached_table(wheel)
     rail_table, rail_step = _cached_table(rail)
     field_ = _cached_field(rail)
     parabolic = settings.traction_bound == "parabolic"
     # Kalker's combined elastic constants: means of the compliances
     shear_compliance = 0.5 * sum(1.0 / m.shear_modulus for m in (settings.wheel, settings.rail))
-    poisson = (
-        0.5 * sum(m.poisson_ratio / m.shear_modulus for m in (settings.wheel, settings.rail)) / shear_compliance
-    )
+    poisson = 0.5 * sum(m.poisson_ratio / m.shear_modulus for m in (settings.wheel, settings.rail)) / shear_compliance
     numbers = np.zeros(k.SETTINGS)
     numbers[k.MODULUS] = combined_modulus(settings)
     numbers[k.SHEAR_MODULUS] = 1.0 / shear_compliance

@@ -118,9 +118,7 @@ def _roll(path, i, xi, step):
     rise = x2 * (3.0 - 2.0 * xi)
     y = 1.0 - xi
     return (
-        path[i, 6]
-        + rise * (path[i + 1, 6] - path[i, 6])
-        + step * (xi * y * y * path[i, 7] - x2 * y * path[i + 1, 7])
+        path[i, 6] + rise * (path[i + 1, 6] - path[i, 6]) + step * (xi * y * y * path[i, 7] - x2 * y * path[i + 1, 7])
     )
 
 

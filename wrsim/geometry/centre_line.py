@@ -36,14 +36,10 @@ class CentreLine:
     anchor_points: Array
 
     @classmethod
-    def build(
-        cls, curvature: PiecewiseCubic, start: tuple[float, float, float], heading: float
-    ) -> CentreLine:
+    def build(cls, curvature: PiecewiseCubic, start: tuple[float, float, float], heading: float) -> CentreLine:
         """Integrate a curvature law [1/m] from a start point [m] and heading [rad]."""
         anchors = [np.zeros(1)]
-        for begin, length, row in zip(
-            curvature.starts, curvature.lengths, curvature.coefficients, strict=True
-        ):
+        for begin, length, row in zip(curvature.starts, curvature.lengths, curvature.coefficients, strict=True):
             turn = length * max(abs(row[0]), abs(row.sum()))  # the ramps are monotone
             pieces = max(1, int(np.ceil(turn / MAX_TURN)))
             anchors.append(begin + length * np.arange(1, pieces + 1) / pieces)

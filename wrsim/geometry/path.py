@@ -27,9 +27,7 @@ class Path:
 
     def __post_init__(self) -> None:
         if self.table.ndim != 2 or self.table.shape[0] < 2 or self.table.shape[1] != len(COLUMNS):
-            raise InputError(
-                f"path table of shape {self.table.shape}; allowed: (n, {len(COLUMNS)}) with n >= 2"
-            )
+            raise InputError(f"path table of shape {self.table.shape}; allowed: (n, {len(COLUMNS)}) with n >= 2")
         if not self.step > 0.0:
             raise InputError(f"path step = {self.step} m; allowed: above zero")
         if not np.all(np.isfinite(self.table)):

@@ -65,10 +65,7 @@ class SweptCurve:
         pieces = np.maximum(1, np.ceil(np.diff(breaks) / MAX_PIECE)).astype(int)
         anchors = np.concatenate(
             [[0.0]]
-            + [
-                a + (b - a) * np.arange(1, n + 1) / n
-                for a, b, n in zip(breaks, breaks[1:], pieces, strict=False)
-            ]
+            + [a + (b - a) * np.arange(1, n + 1) / n for a, b, n in zip(breaks, breaks[1:], pieces, strict=False)]
         )
         laws = (
             centre,

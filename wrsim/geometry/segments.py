@@ -112,9 +112,7 @@ def check(segments: Sequence[Segment], gauge: float) -> None:
         raise InputError("track.segments is empty; allowed: at least one straight, transition or arc")
     for number, segment in enumerate(segments, 1):
         if not isinstance(segment, Straight | Arc | Transition):
-            raise InputError(
-                f"segment {number} is a {type(segment).__name__}; allowed: Straight, Transition, Arc"
-            )
+            raise InputError(f"segment {number} is a {type(segment).__name__}; allowed: Straight, Transition, Arc")
         where = f"segment {number} ({kind_of(segment)})"
         length = _number(where, "length_m", segment.length)
         if not length > 0.0:
@@ -122,9 +120,7 @@ def check(segments: Sequence[Segment], gauge: float) -> None:
         if isinstance(segment, Straight):
             _range(where, "cant_start_mm", segment.cant_start, -MAX_CANT, MAX_CANT)
             _range(where, "cant_end_mm", segment.cant_end, -MAX_CANT, MAX_CANT)
-            _range(
-                where, "gauge_widening_start_mm", segment.gauge_widening_start, -MAX_WIDENING, MAX_WIDENING
-            )
+            _range(where, "gauge_widening_start_mm", segment.gauge_widening_start, -MAX_WIDENING, MAX_WIDENING)
             _range(where, "gauge_widening_end_mm", segment.gauge_widening_end, -MAX_WIDENING, MAX_WIDENING)
         elif isinstance(segment, Arc):
             radius = _number(where, "radius_m", segment.radius)
@@ -142,9 +138,7 @@ def check(segments: Sequence[Segment], gauge: float) -> None:
             _range(where, "gauge_widening_mm", segment.gauge_widening, -MAX_WIDENING, MAX_WIDENING)
         elif segment.form not in FORMS:
             hint = suggest(str(segment.form), FORMS)
-            raise InputError(
-                f"{where}: form = {segment.form!r}; allowed: {', '.join(map(repr, FORMS))}{hint}"
-            )
+            raise InputError(f"{where}: form = {segment.form!r}; allowed: {', '.join(map(repr, FORMS))}{hint}")
         if isinstance(segment, Transition) and number > 1 and isinstance(segments[number - 2], Transition):
             raise InputError(
                 f"{where} follows another transition, so the curvature between them is open; "
@@ -162,9 +156,7 @@ def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
     check(segments, gauge)
     lengths = np.array([float(s.length) for s in segments])
     starts = np.concatenate(([0.0], np.cumsum(lengths)[:-1]))
-    ends = [
-        _ends(segments, i) for i in range(len(segments))
-    ]  # per segment: (curvature, cant, widening) twice
+    ends = [_ends(segments, i) for i in range(len(segments))]  # per segment: (curvature, cant, widening) twice
 
     rows: tuple[list, list, list] = ([], [], [])
     for i, segment in enumerate(segments):
