@@ -11,6 +11,9 @@ from matplotlib.axes import Axes
 from wrsim.plots.style import STOP_COLOUR, abscissa
 from wrsim.results import CHANNELS
 
+ONE_LINE = 124
+"""Letters of a note that fit across a full-width picture."""
+
 
 def is_stopped(dataset: xr.Dataset) -> bool:
     """True when the analysis ended before its time."""
@@ -29,10 +32,10 @@ def stop_note(dataset: xr.Dataset) -> str:
     if not is_stopped(dataset):
         return ""
     reason = dataset.attrs.get("stop_reason", "")
-    if "time" not in dataset.dims:
-        return fill(f"Stopped: {reason}", 110)
+    if "time" not in dataset.dims or "along the track" in reason:  # the reason knows the place
+        return fill(f"Stopped: {reason}", ONE_LINE)
     at, symbol = _place(dataset)
-    return fill(f"Stopped at {at:.5g} {symbol}: {reason}", 110)
+    return fill(f"Stopped at {at:.5g} {symbol}: {reason}", ONE_LINE)
 
 
 def _place(dataset: xr.Dataset) -> tuple[float, str]:
