@@ -16,7 +16,7 @@ import numpy as np
 import scipy.ndimage
 from numpy.typing import NDArray
 
-from wrsim.contact.half_space_grid import Grid, Seed, find_seeds, lay_grid
+from wrsim.contact.half_space_grid import Grid, Seed, count_elements, find_seeds, lay_grid
 from wrsim.contact.half_space_operator import Compliance, HalfSpaceOperator
 from wrsim.contact.half_space_solvers import Pressure, Traction, solve_normal, solve_rolling
 from wrsim.contact.model import ContactModel, KernelArrays
@@ -63,15 +63,17 @@ class HalfSpacePatch:
     """All contact on one grid.
 
     p: pressures (rows, columns) over (s, x) [Pa]; q: tractions on the wheel along x and along the rows' tangents,
-    outward (2, rows, columns) [Pa]; slip: of the wheel over the rolling speed, alike; state: 0 outside, 1 adhesion,
-    2 slip; approach: largest undeformed interpenetration along the normals [m]; force, moment: on the wheel (t, o, b),
-    the moment about the wheel's profile origin [N, N m]; wear: dissipation over the rolling speed [N].
+    outward (2, rows, columns) [Pa]; slip, rigid_slip: of the wheel over the rolling speed, alike, with and without
+    the elastic part; state: 0 outside, 1 adhesion, 2 slip; approach: largest undeformed interpenetration along the
+    normals [m]; force, moment: on the wheel (t, o, b), the moment about the wheel's profile origin [N, N m]; wear:
+    work of the creep forces on the rigid slip over the rolling speed, T-gamma [N].
     """
 
     grid: Grid
     p: Array
     q: Array
     slip: Array
+    rigid_slip: Array
     state: Array
     approach: float
     force: Array
@@ -189,13 +191,14 @@ class HalfSpace:
         compliance = Compliance.of(model.settings.wheel, model.settings.rail)
         dx, ds = self.elements_for(seed)
         for widening in WIDENING:
-            grid = lay_grid(a, seed, dx, ds, widening)
-            if grid.pen.size > MOST_ELEMENTS:
+            if count_elements(seed, dx, ds, widening) > MOST_ELEMENTS:
                 return None, STATUS_TOO_MANY
+            grid = lay_grid(a, seed, dx, ds, widening)
             rows, columns = grid.pen.shape
             angles = grid.angle if self.influence == "angle-corrected" else None
             operator = HalfSpaceOperator(rows, columns, ds, dx, compliance, angles, grid.shares)
-            pressure, traction, settled = self._solve_grid(model, grid, operator, start)
+            rigid, forward = _rigid_slip(model, grid)
+            pressure, traction, settled = self._solve_grid(model, grid, operator, start, rigid, forward)
             p = pressure.p
             reaches_edge = p[0].any() or p[-1].any() or p[:, 0].any() or p[:, -1].any()
             if not reaches_edge:
@@ -205,48 +208,49 @@ class HalfSpace:
         status |= k.STATUS_PROFILE_END if _leaves_profiles(a, grid, p) else 0
         if not (settled and pressure.converged and (traction is None or traction.converged)):
             status |= STATUS_NOT_CONVERGED
-        return _patch(a.pose, grid, pressure, traction), status
+        return _patch(a.pose, grid, pressure, traction, rigid), status
 
     def _solve_grid(
-        self, model: ContactModel, grid: Grid, operator: HalfSpaceOperator, start: HalfSpacePatch | None
+        self,
+        model: ContactModel,
+        grid: Grid,
+        operator: HalfSpaceOperator,
+        start: HalfSpacePatch | None,
+        rigid: Array,
+        forward: float,
     ) -> tuple[Pressure, Traction | None, bool]:
         """Pressures and tractions; in turns where they move each other (Panagiotopoulos), and whether that settled."""
         pressure = solve_normal(operator, grid.pen, self.tolerance, start.p if start is not None else None)
         if model.settings.tangential == "none" or model.friction <= 0.0:
             return pressure, None, True
-        traction = self._roll(model, grid, operator, pressure.p, start.q if start is not None else None)
+
+        def roll(p: Array, first: Array | None) -> Traction:
+            w = rigid + operator.slip_of_pressure(p, forward) if operator.coupled else rigid
+            return solve_rolling(operator, model.friction * p, w, forward, 10.0 * self.tolerance, first)
+
+        traction = roll(pressure.p, start.q if start is not None else None)
         for _ in range(TURNS):
             if not operator.coupled:
                 return pressure, traction, True
             last = pressure.p
             pen = grid.pen - operator.normal_of_tractions(traction.q)
             pressure = solve_normal(operator, pen, self.tolerance, last)
-            traction = self._roll(model, grid, operator, pressure.p, traction.q)
+            traction = roll(pressure.p, traction.q)
             change = np.abs(pressure.p - last).max()
             if change <= 100.0 * self.tolerance * pressure.p.max():
                 return pressure, traction, True
         return pressure, traction, False
 
-    def _roll(
-        self, model: ContactModel, grid: Grid, operator: HalfSpaceOperator, p: Array, start: Array | None
-    ) -> Traction:
-        a = model.arrays
-        w = np.empty((2, *p.shape))
-        forward = rigid_slip(
-            a.pose,
-            a.settings[k.LEAST_SPEED],
-            grid.axis,
-            len(p),
-            float(grid.x[0]),
-            grid.dx,
-            AHEAD,
-            grid.place,
-            w[0],
-            w[1],
-        )
-        if operator.coupled:
-            w += operator.slip_of_pressure(p, forward)
-        return solve_rolling(operator, model.friction * p, w, forward, 10.0 * self.tolerance, start)
+
+def _rigid_slip(model: ContactModel, grid: Grid) -> tuple[Array, float]:
+    """Rigid slip of all elements (2, rows, columns), and the direction of rolling."""
+    a = model.arrays
+    w = np.empty((2, *grid.pen.shape))
+    forward = rigid_slip(
+        a.pose, a.settings[k.LEAST_SPEED], grid.axis, len(grid.axis), float(grid.x[0]), grid.dx, AHEAD, grid.place,
+        w[0], w[1],
+    )  # fmt: skip
+    return w, forward
 
 
 def _leaves_profiles(a: KernelArrays, grid: Grid, p: Array) -> bool:
@@ -259,10 +263,10 @@ def _leaves_profiles(a: KernelArrays, grid: Grid, p: Array) -> bool:
     return any(bool(((grid.axis[rows, c] < 0.0) | (grid.axis[rows, c] > end)).any()) for c, end in ends)
 
 
-def _patch(pose: Array, grid: Grid, pressure: Pressure, traction: Traction | None) -> HalfSpacePatch:
+def _patch(pose: Array, grid: Grid, pressure: Pressure, traction: Traction | None, rigid: Array) -> HalfSpacePatch:
     p = pressure.p
     if traction is None:
-        q, slip, state = np.zeros((2, *p.shape)), np.zeros((2, *p.shape)), np.where(p > 0.0, 1.0, 0.0)
+        q, slip, state = np.zeros((2, *p.shape)), rigid, np.where(p > 0.0, 2.0, 0.0)
     else:
         q, slip, state = traction.q, traction.slip, traction.state
     cell = grid.dx * grid.ds
@@ -274,9 +278,9 @@ def _patch(pose: Array, grid: Grid, pressure: Pressure, traction: Traction | Non
         )
     )
     moment = np.cross(arms, lines, axis=0).sum(axis=(1, 2))
-    wear = float((np.hypot(*q) * np.hypot(*slip)).sum()) * cell
+    wear = -float((q * rigid).sum()) * cell
     return HalfSpacePatch(
-        grid, p, q, slip, state, float(grid.pen.max()), lines.sum(axis=(1, 2)), moment, wear, _regions(grid, p),
+        grid, p, q, slip, rigid, state, float(grid.pen.max()), lines.sum(axis=(1, 2)), moment, wear, _regions(grid, p),
         pressure, traction,
     )  # fmt: skip
 

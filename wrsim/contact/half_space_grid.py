@@ -250,10 +250,25 @@ def _place(axis: Array, pen: Array, lo: int, hi: int, step: float) -> Place:
     )
 
 
+def _extent(seed: Seed) -> tuple[float, float, float, float]:
+    """Of all zones: s from, s to, x from, x to [m]."""
+    return (
+        min(p.start for p in seed.places),
+        max(p.end for p in seed.places),
+        min(p.x_start for p in seed.places),
+        max(p.x_end for p in seed.places),
+    )
+
+
+def count_elements(seed: Seed, dx: float, ds: float, margin: float = 0.0) -> float:
+    """About how many elements `lay_grid` lays."""
+    start, end, x_start, x_end = _extent(seed)
+    return (1.0 + 2.0 * margin) ** 2 * (end - start) / ds * (x_end - x_start) / dx
+
+
 def lay_grid(a: KernelArrays, seed: Seed, dx: float, ds: float, margin: float = 0.0) -> Grid:
     """Elements over all zones of a seed; margin: share by which the grid is widened on every side."""
-    start, end = min(p.start for p in seed.places), max(p.end for p in seed.places)
-    x_start, x_end = min(p.x_start for p in seed.places), max(p.x_end for p in seed.places)
+    start, end, x_start, x_end = _extent(seed)
     more_s, more_x = margin * (end - start), margin * (x_end - x_start)
     first, last = floor((start - more_s) / ds), ceil((end + more_s) / ds)
     axis = _axis(a, seed.wheel_arc, seed.rail_arc, seed.level, ds, first, last)

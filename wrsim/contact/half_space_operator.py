@@ -81,14 +81,15 @@ def _integrals(ratio: float, columns: int, rows: int) -> Array:
 def _spectrum(kind: int, ratio: float, rows: int, columns: int, period: tuple[int, int]) -> Array:
     """Transform of one integral for a grid, elements 1 x ratio: real, or the imaginary part of an imaginary one."""
     size = 64
-    while size < max(rows, columns):
+    while size <= max(rows, columns):
         size *= 2
-    quarter = _integrals(ratio, size, size)[kind, :columns, :rows].T
+    # one column more than the grid has: the slip looks one element ahead
+    quarter = _integrals(ratio, size, size)[kind, : columns + 1, :rows].T
     odd_s, odd_x = _ODD[kind]
     full = np.zeros(period)
-    full[:rows, :columns] = quarter
-    full[1 - rows :, :columns] = quarter[:0:-1] * (-1.0 if odd_s else 1.0)
-    full[:, 1 - columns :] = full[:, columns - 1 : 0 : -1] * (-1.0 if odd_x else 1.0)
+    full[:rows, : columns + 1] = quarter
+    full[1 - rows :, : columns + 1] = quarter[:0:-1] * (-1.0 if odd_s else 1.0)
+    full[:, -columns:] = full[:, columns:0:-1] * (-1.0 if odd_x else 1.0)
     transform = scipy.fft.rfft2(full)
     return np.ascontiguousarray(transform.imag if odd_s != odd_x else transform.real)
 
@@ -112,8 +113,7 @@ class HalfSpaceOperator:
     ) -> None:
         self.rows, self.columns, self.ds, self.dx = rows, columns, ds, dx
         self.compliance = compliance
-        # one element more than the linear convolution needs: the slip looks one element ahead
-        self._period = (scipy.fft.next_fast_len(2 * rows, True), scipy.fft.next_fast_len(2 * columns, True))
+        self._period = (scipy.fft.next_fast_len(2 * rows - 1, True), scipy.fft.next_fast_len(2 * columns + 1, True))
         self._tangent, self._normal_of_row = _frames(angles)
         self._curved = angles is not None
         self._shares = tuple(shares)
