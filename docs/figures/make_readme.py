@@ -49,7 +49,7 @@ def draw(dataset: xr.Dataset) -> Figure:
         axes.set_xlabel("")
     moment = int(np.argmax(dataset.strip_angle.sel(wheel="right").max(("patch", "strip")).values))
     place = PatchAt(moment, "right", 0)
-    scale = pressure_scale(dataset)
+    scale = pressure_scale(dataset, [moment])
     section = figure.add_subplot(grid[:2, 1])
     cross_section_zoom(section, dataset, place, scale)
     section.set_title("Outer wheel: pressure on the curved patch", fontsize="medium", loc="left")
