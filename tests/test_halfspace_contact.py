@@ -198,6 +198,16 @@ def test_default_elements_are_converged():
     assert figures[0] == pytest.approx(figures[1], rel=6e-3)
 
 
+def test_a_narrow_peak_gets_finer_rows():
+    # where the rail's radius jumps from 80 to 13 mm S1002 at 6.5 mm presses a second peak, half a millimetre wide
+    b = stand("S1002/60E1 1:20", **FRICTIONLESS)
+    b.solve(StaticPose("", 6.5e-3, 0.0, 24e3))
+    (patch,) = b.contacts[0].patches
+    fine = solve(b.wheels[0].model, b.wheels[0].model.arrays.pose.copy(), HalfSpace((patch.grid.dx, 2e-5))).patches[0]
+    assert patch.grid.ds < 1.2e-4
+    assert patch.p0 == pytest.approx(fine.p0, rel=0.01)
+
+
 def test_planar_patch_needs_no_angle_correction():
     model = contact_model(round_wheel(0.3), flat_rail(), radius=0.46)
     pose = lowered(0.46, 0.08e-3, yaw=3e-3, speed=10.0)

@@ -76,9 +76,9 @@ class HalfSpaceBench(StaticBench):
         self._solvers = [self.solver] * len(self.wheels)
         self._fast.solve(pose)
         for i, wheel in enumerate(self.wheels):
-            seeds, _, _ = self.solver.seeds(wheel.model)
-            if seeds:
-                self._solvers[i] = replace(self.solver, element=self.solver.elements_for(seeds[0]))
+            element = self.solver.elements_at(wheel.model)
+            if element is not None:
+                self._solvers[i] = replace(self.solver, element=element)
 
     def _height(self, pose: StaticPose, roll: float) -> float:
         """Height at which the vertical force is the load: secants on force^(2/3), nearly linear in the height."""

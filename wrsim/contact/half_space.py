@@ -33,6 +33,8 @@ Pairing = Literal["opposite", "level"]
 AHEAD = 1.0 / 6.0  # of an element: where the rigid slip is taken, which cancels most of the error of first order
 WIDENING = (0.0, 0.15, 0.5)  # of the grid, tried in turn when contact reaches its edge
 MOST_ELEMENTS = 200_000
+SHARP, HIGH = 0.05, 0.75  # peaks that ask for finer rows: their bend, their height, over the highest
+MOST_HALVINGS = 3
 TURNS = 30  # between pressures and tractions that move each other
 FINE_S = 2e-4  # largest default element across [m]: jumps of a profile's curvature make narrow peaks
 
@@ -132,7 +134,8 @@ class HalfSpace:
     """The exact solver and its settings.
 
     element: size of the elements (along x, along s) [m]; None: so that the smallest patch that matters gets about
-    ``resolution`` elements over its length and its width, across not larger than 0.2 mm. influence: see above.
+    ``resolution`` elements over its length and its width, across not larger than about 0.2 mm, and halved across until
+    no peak of pressure is sharper than the rows can tell. influence: see above.
     tolerance: of the gap over the approach; tractions are solved to ten times that over the largest bound.
     together, apart: distances of two zones of overlap up to which they press each other down fully, and from which on
     not at all [m] (see contact.half_space_grid). pairing: which points of the profiles belong together,
@@ -175,8 +178,14 @@ class HalfSpace:
         """Patches at the pose set in the model's arrays, deepest first; closest distance [m]; search status."""
         return find_seeds(model.arrays, self.together, self.apart, self.pairing == "level")
 
+    def elements_at(self, model: ContactModel) -> tuple[float, float] | None:
+        """Elements (dx, ds) of the deepest patch at the pose set in the model's arrays [m]; None without contact."""
+        seeds, _, _ = self.seeds(model)
+        pressed = self._press(model, seeds[0], None) if seeds else None
+        return None if pressed is None else (pressed.grid.dx, pressed.grid.ds)
+
     def elements_for(self, seed: Seed) -> tuple[float, float]:
-        """Element size (dx, ds) for a patch [m]. The shape of elements comes in steps, so that kernels are reused."""
+        """Element size (dx, ds) to begin with [m]. The shape of elements comes in steps, so that kernels are reused."""
         if self.element is not None:
             return self.element
         length, width = (max(extent, 1e-7) for extent in seed.narrowest)
@@ -184,62 +193,100 @@ class HalfSpace:
         shape = 2.0 ** (floor(2.0 * log2(min(width / self.resolution, FINE_S) / dx) + 0.5) / 2.0)
         return dx, min(max(shape, 0.125), 4.0) * dx
 
+    def _press(self, model: ContactModel, seed: Seed, start: HalfSpacePatch | None) -> _Pressed | None:
+        """The normal problem on a grid that holds the contact and tells its peaks; None with too many elements."""
+        dx, ds = self.elements_for(seed)
+        pressed = None
+        for _ in range(1 if self.element is not None else 1 + MOST_HALVINGS):
+            finer = self._press_on(model, seed, dx, ds, start)
+            if finer is None:
+                break
+            pressed = finer
+            if not _has_sharp_peak(pressed.pressure.p):
+                break
+            ds *= 0.5
+        return pressed
+
+    def _press_on(
+        self, model: ContactModel, seed: Seed, dx: float, ds: float, start: HalfSpacePatch | None
+    ) -> _Pressed | None:
+        compliance = Compliance.of(model.settings.wheel, model.settings.rail)
+        pressed = None
+        for widening in WIDENING:
+            if count_elements(seed, dx, ds, widening) > MOST_ELEMENTS:
+                break
+            grid = lay_grid(model.arrays, seed, dx, ds, widening)
+            angles = grid.angle if self.influence == "angle-corrected" else None
+            rows, columns = grid.pen.shape
+            operator = HalfSpaceOperator(rows, columns, ds, dx, compliance, angles, grid.shares)
+            pressure = solve_normal(operator, grid.pen, self.tolerance, start.p if start is not None else None)
+            p = pressure.p
+            pressed = _Pressed(
+                grid, operator, pressure, bool(p[0].any() or p[-1].any() or p[:, 0].any() or p[:, -1].any())
+            )
+            if not pressed.reaches_edge:
+                break
+        return pressed
+
     def _solve_seed(
         self, model: ContactModel, seed: Seed, start: HalfSpacePatch | None
     ) -> tuple[HalfSpacePatch | None, int]:
-        a = model.arrays
-        compliance = Compliance.of(model.settings.wheel, model.settings.rail)
-        dx, ds = self.elements_for(seed)
-        for widening in WIDENING:
-            if count_elements(seed, dx, ds, widening) > MOST_ELEMENTS:
-                return None, STATUS_TOO_MANY
-            grid = lay_grid(a, seed, dx, ds, widening)
-            rows, columns = grid.pen.shape
-            angles = grid.angle if self.influence == "angle-corrected" else None
-            operator = HalfSpaceOperator(rows, columns, ds, dx, compliance, angles, grid.shares)
-            rigid, forward = _rigid_slip(model, grid)
-            pressure, traction, settled = self._solve_grid(model, grid, operator, start, rigid, forward)
-            p = pressure.p
-            reaches_edge = p[0].any() or p[-1].any() or p[:, 0].any() or p[:, -1].any()
-            if not reaches_edge:
-                break
-        status = STATUS_GRID_EDGE if reaches_edge else 0
+        pressed = self._press(model, seed, start)
+        if pressed is None:
+            return None, STATUS_TOO_MANY
+        grid, pressure = pressed.grid, pressed.pressure
+        rigid, forward = _rigid_slip(model, grid)
+        traction, settled = None, True
+        if model.settings.tangential != "none" and model.friction > 0.0:
+            first = start.q if start is not None else None
+            pressure, traction, settled = self._roll(model, pressed, rigid, forward, first)
+        status = STATUS_GRID_EDGE if pressed.reaches_edge else 0
         status |= k.STATUS_TOO_DEEP if seed.depth > DEEPEST else 0
-        status |= k.STATUS_PROFILE_END if _leaves_profiles(a, grid, p) else 0
+        status |= k.STATUS_PROFILE_END if _leaves_profiles(model.arrays, grid, pressure.p) else 0
         if not (settled and pressure.converged and (traction is None or traction.converged)):
             status |= STATUS_NOT_CONVERGED
-        return _patch(a.pose, grid, pressure, traction, rigid), status
+        return _patch(model.arrays.pose, grid, pressure, traction, rigid), status
 
-    def _solve_grid(
-        self,
-        model: ContactModel,
-        grid: Grid,
-        operator: HalfSpaceOperator,
-        start: HalfSpacePatch | None,
-        rigid: Array,
-        forward: float,
-    ) -> tuple[Pressure, Traction | None, bool]:
-        """Pressures and tractions; in turns where they move each other (Panagiotopoulos), and whether that settled."""
-        pressure = solve_normal(operator, grid.pen, self.tolerance, start.p if start is not None else None)
-        if model.settings.tangential == "none" or model.friction <= 0.0:
-            return pressure, None, True
+    def _roll(
+        self, model: ContactModel, pressed: _Pressed, rigid: Array, forward: float, first: Array | None
+    ) -> tuple[Pressure, Traction, bool]:
+        """Tractions; in turns with the pressures where they move each other (Panagiotopoulos); whether that settled."""
+        operator, pressure = pressed.operator, pressed.pressure
 
-        def roll(p: Array, first: Array | None) -> Traction:
+        def roll(p: Array, q: Array | None) -> Traction:
             w = rigid + operator.slip_of_pressure(p, forward) if operator.coupled else rigid
-            return solve_rolling(operator, model.friction * p, w, forward, 10.0 * self.tolerance, first)
+            return solve_rolling(operator, model.friction * p, w, forward, 10.0 * self.tolerance, q)
 
-        traction = roll(pressure.p, start.q if start is not None else None)
+        traction = roll(pressure.p, first)
         for _ in range(TURNS):
             if not operator.coupled:
                 return pressure, traction, True
             last = pressure.p
-            pen = grid.pen - operator.normal_of_tractions(traction.q)
+            pen = pressed.grid.pen - operator.normal_of_tractions(traction.q)
             pressure = solve_normal(operator, pen, self.tolerance, last)
             traction = roll(pressure.p, traction.q)
-            change = np.abs(pressure.p - last).max()
-            if change <= 100.0 * self.tolerance * pressure.p.max():
+            if np.abs(pressure.p - last).max() <= 100.0 * self.tolerance * pressure.p.max():
                 return pressure, traction, True
         return pressure, traction, False
+
+
+@dataclass(frozen=True)
+class _Pressed:
+    """A grid with its operator and pressures; whether contact reaches the grid's edge."""
+
+    grid: Grid
+    operator: HalfSpaceOperator
+    pressure: Pressure
+    reaches_edge: bool
+
+
+def _has_sharp_peak(p: Array) -> bool:
+    """Whether a high peak over the rows bends by more than SHARP of itself from one row to the next."""
+    crest = np.zeros(len(p) + 2)
+    crest[1:-1] = p.max(axis=1)
+    middle = crest[1:-1]
+    high = (middle > HIGH * middle.max()) & (middle >= crest[:-2]) & (middle >= crest[2:])
+    return bool((2.0 * middle - crest[:-2] - crest[2:])[high].max(initial=0.0) > SHARP * middle.max())
 
 
 def _rigid_slip(model: ContactModel, grid: Grid) -> tuple[Array, float]:
