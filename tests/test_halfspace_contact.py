@@ -255,6 +255,15 @@ def test_the_other_wheel_is_the_mirror_image(lateral):
     assert right.moment * [-1.0, 1.0, -1.0] == pytest.approx(left.moment, rel=1e-6, abs=1e-2)
 
 
+def test_a_wheelset_finds_its_roll():
+    b = HalfSpaceBench(bench(pair_model("S1002/60E1 1:40"), sides=(1, -1)).wheels, True, 0.46, HalfSpace(resolution=16))
+    solved = b.solve(StaticPose("", 3e-3, 0.002, 110e3))
+    assert not solved.message
+    assert b.force[2] == pytest.approx(110e3, rel=1e-4)
+    assert abs(b.moment[0]) < 1e-3 * 110e3 * HALF_SPACING
+    assert 0.0 < solved.roll < 1e-3
+
+
 def test_a_scaled_wheel_on_a_scaled_rail():
     # all lengths x 2: the same pressures, forces x 4
     small = contact_model(round_wheel(0.2), flat_rail(), radius=0.4)

@@ -82,8 +82,10 @@ class HalfSpaceBench(StaticBench):
 
     def _height(self, pose: StaticPose, roll: float) -> float:
         """Height at which the vertical force is the load: secants on force^(2/3), nearly linear in the height."""
-        start = self._fast.solve(replace(pose, roll=roll)) if len(self.wheels) == 1 else None
-        height = start.height if start is not None and np.isfinite(start.height) else self._first_contact(pose, roll)
+        try:
+            height = self._fast._height(pose, roll)
+        except LoadNotReached:
+            height = self._fast._first_contact(pose, roll)
         target = pose.load ** (2.0 / 3.0)
 
         def excess(z: float) -> float:
