@@ -15,6 +15,7 @@ so the cache lives in a directory named after a hash of this whole package.
 import hashlib
 import os
 import sys
+import tempfile
 from pathlib import Path
 
 import numba
@@ -26,8 +27,17 @@ def _cache_directory() -> str:
     for source in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(source.name.encode())
         digest.update(source.read_bytes())
-    root = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return os.path.join(root, "wrsim", "kernels-" + digest.hexdigest()[:16])
+    name = "kernels-" + digest.hexdigest()[:16]
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    for root in (home, tempfile.gettempdir()):
+        path = os.path.join(root, "wrsim", name)
+        try:
+            os.makedirs(path, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(path, os.W_OK):
+            return path
+    return tempfile.mkdtemp(prefix="wrsim-")
 
 
 if not os.environ.get("NUMBA_CACHE_DIR"):
