@@ -26,12 +26,7 @@ def contact_models(setup: Setup, frictionless: bool = False) -> tuple[ContactMod
 def wheels_on_rails(setup: Setup, models: tuple[ContactModel, ContactModel]) -> tuple[WheelOnRail, WheelOnRail]:
     """The same with their places: on the wheelset and in the track's cross-section at nominal gauge."""
     left, right = (
-        WheelOnRail(
-            model,
-            side,
-            0.5 * setup.wheelset.profile_spacing,
-            (0.5 * setup.track.nominal_gauge - model.rail.gauge_point()[0], -model.rail.top[1]),
-        )
-        for model, side in zip(models, (1, -1), strict=True)
+        WheelOnRail(model, side, 0.5 * setup.wheelset.profile_spacing, origin)
+        for model, side, origin in zip(models, (1, -1), setup.track.rail_origins, strict=True)
     )
     return left, right

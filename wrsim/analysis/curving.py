@@ -12,7 +12,6 @@ from wrsim.analysis.motion_result import result_of
 from wrsim.analysis.start import start_state
 from wrsim.errors import InputError
 from wrsim.geometry.segments import Straight
-from wrsim.geometry.track import Track
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.step import SAFETY, round_step, stable_step
 from wrsim.simulation.system import RigidBody, System
@@ -65,14 +64,7 @@ def chosen_step(setup: Setup, system: System, q: Array, q_t: Array) -> float:
             )
         return setup.run.step
     if setup.track.curvature(setup.run.start) != 0.0:
-        level = replace(setup, track=straight_track(setup), run=replace(setup.run, start=0.0))
+        level = replace(setup, track=setup.track.relaid([Straight(100.0)]), run=replace(setup.run, start=0.0))
         law = WheelsetOnTrack(level.wheelset, level.track, contact_models(level), speed=level.run.speed)
         limit = min(limit, stable_step(System([RigidBody.of(level.wheelset)], law), *start_state(level, law)))
     return round_step(min(SAFETY * limit, setup.run.output_interval))
-
-
-def straight_track(setup: Setup) -> Track:
-    """Straight, level track with the gauge and the rails of a set-up."""
-    track = setup.track
-    left, right = ((curve.outward, curve.height) for curve in (track.left_curve, track.right_curve))
-    return Track.build([Straight(100.0)], track.nominal_gauge, left_offset=left, right_offset=right)

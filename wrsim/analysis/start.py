@@ -11,7 +11,6 @@ from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.derailment import flange_tip, gauge_face, off_the_rail
 from wrsim.errors import SimulationError
 from wrsim.geometry.segments import Arc
-from wrsim.geometry.track import Track
 from wrsim.simulation.equilibrium import find_equilibrium
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.placement import place_on_track, poses_on_track
@@ -134,8 +133,7 @@ def _run_in(setup: Setup, lateral: float) -> State:
         cant=float(np.copysign(1.0, curvature) * track.cant(run.start)),
         gauge_widening=float(track.gauge(run.start)) - track.nominal_gauge,
     )
-    left, right = ((curve.outward, curve.height) for curve in (track.left_curve, track.right_curve))
-    arc = Track.build([bend], track.nominal_gauge, left_offset=left, right_offset=right, cant_base=track.cant_base)
+    arc = track.relaid([bend])
     there = replace(setup, track=arc, run=replace(run, start=10.0))
     law = WheelsetOnTrack(wheelset, arc, contact_models(there), speed=run.speed, start=10.0)
     q, q_t = _guess(there, lateral)

@@ -5,7 +5,7 @@ wheel. On the right side these axes are left-handed; a mirrored angular velocity
 formula hold as it stands, so the kernel knows no side.
 """
 
-from math import ceil, sqrt
+from math import ceil, pi, sqrt
 
 from wrsim.core.compiling import kernel
 from wrsim.core.fastsim import fastsim, flexibilities
@@ -241,7 +241,7 @@ def _press(settings, pose, patches, strips, count, work):
     matrix = work[2:5]
     rows = work[5:8]
     amplitude = work[8]
-    stiffness = 3.141592653589793 * settings[MODULUS]
+    stiffness = pi * settings[MODULUS]
     for i in range(count):
         lobe = patches[i]
         n = int(lobe[N_STRIPS])

@@ -39,7 +39,7 @@ from wrsim.inputs.checking import check
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.toml_files import parse_toml, read_text
-from wrsim.inputs.values import Annotation, Choice, Numbers, Quantity, Switch, TableList, Text
+from wrsim.inputs.values import Annotation, Choice, Day, Numbers, Quantity, Switch, TableList, Text
 
 MM = 1e-3
 
@@ -57,18 +57,6 @@ class Pair(Annotation):
         if not isinstance(value, (list, tuple)) or len(value) != 2:
             raise self.refusal()
         return Numbers(Quantity(-1e5, 1e5)).check(value)
-
-
-class Day(Annotation):
-    """A date."""
-
-    def words(self) -> str:
-        return "a date without quotes, like 2026-01-31"
-
-    def check(self, value: Any) -> datetime.date:
-        if not isinstance(value, datetime.date):
-            raise self.refusal()
-        return value
 
 
 class ProfileFile(Section):

@@ -168,6 +168,17 @@ class Track:
         """Centre-line distance [m] at a rail's own arclength: the inverse of `rail_distance`."""
         return self._curve(side).distance(arclength)
 
+    @property
+    def rail_origins(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Outward and up coordinates of the left and right rail profile's origin at nominal gauge [m]."""
+        left, right = ((0.5 * self.nominal_gauge + c.outward, c.height) for c in (self.left_curve, self.right_curve))
+        return left, right
+
+    def relaid(self, segments: Sequence[Segment]) -> Track:
+        """Another track, of these segments, with the same rails, gauge and cant base."""
+        left, right = ((curve.outward, curve.height) for curve in (self.left_curve, self.right_curve))
+        return Track.build(segments, self.nominal_gauge, left_offset=left, right_offset=right, cant_base=self.cant_base)
+
     def features(self) -> tuple[Feature, ...]:
         """The segments in order, with labels and distances, for plots and reports."""
         starts = self.centre_line.curvature_law.starts

@@ -52,11 +52,10 @@ class WheelsetOnTrack:
         ]
         self.arena = pack(arrays)
         views = self.arena.views
-        origins = [(0.5 * track.nominal_gauge + c.outward, c.height) for c in (track.left_curve, track.right_curve)]
         self.wheels = tuple(
             WheelOnRail(replace(contact, arrays=KernelArrays(*views[first : first + 12])), side, half, origin)
             for contact, side, first, origin in zip(
-                contacts, (1, -1), (kernel.LEFT, kernel.RIGHT), origins, strict=True
+                contacts, (1, -1), (kernel.LEFT, kernel.RIGHT), track.rail_origins, strict=True
             )
         )
         self._scalars = views[kernel.SCALARS]
