@@ -15,6 +15,7 @@ import pytest
 from support.runs import LEADING, SCENARIOS, STEERING, arc, ride, setup_of, straight, transition
 from typer.testing import CliRunner
 
+from wrsim.analysis import run
 from wrsim.analysis.curving import run_curving
 from wrsim.analysis.derailment import LIFT_DISTANCE, LIFT_TIME, DerailmentWatch, flange_tip, gauge_face
 from wrsim.cli import app
@@ -232,6 +233,14 @@ def test_a_lost_solution_stops_the_run_in_good_order(monkeypatch, tmp_path):
 def test_a_step_beyond_the_stability_limit_is_refused():
     with pytest.raises(InputError, match=r"run\.step_us = 1000: must be at most 4\d\d, where the integration becomes"):
         run_curving(setup_of([straight(10.0)], 10.0, STEERING, values={"run.step_us": 1000}))
+
+
+def test_the_complaint_about_a_long_step_names_file_and_line(tmp_path):
+    file = tmp_path / "long_step.toml"
+    base = SCENARIOS / "curve_r300.toml"
+    file.write_text(f'base = "{base.as_posix()}"\n[run]\nstep_us = 4000\n')
+    with pytest.raises(InputError, match=r"long_step\.toml:3: run\.step_us = 4000: must be at most \d+, where"):
+        run(load(file))
 
 
 def test_a_curve_that_nobody_can_start_in_is_told_with_its_place():

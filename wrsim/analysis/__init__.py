@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from wrsim.analysis.curving import run_curving
+from wrsim.analysis.curving import StepTooLong, run_curving
 from wrsim.analysis.equilibrium import run_equilibrium
 from wrsim.analysis.static import run_static
 from wrsim.scenario.build import build
@@ -31,7 +31,11 @@ def run(scenario: Scenario, progress: Progress | None = None) -> Result:
     Raises InputError when the scenario's parts do not fit together, SimulationError when there is not even a start.
     """
     setup = build(scenario)
-    return _ANALYSES[setup.analysis](setup, progress)
+    try:
+        return _ANALYSES[setup.analysis](setup, progress)
+    except StepTooLong as fault:
+        # only here are the file and the line of the key known
+        raise scenario.fault(("run", "step_us"), fault.rule) from None
 
 
 __all__ = ["run"]

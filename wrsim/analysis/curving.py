@@ -23,6 +23,14 @@ if TYPE_CHECKING:
     from wrsim.simulation.system import Array
 
 
+class StepTooLong(InputError):
+    """The step asked for is not stable. ``rule`` says what is allowed, without file and key."""
+
+    def __init__(self, step: float, rule: str) -> None:
+        super().__init__(f"run.step_us = {1e6 * step:g}: {rule}")
+        self.rule = rule
+
+
 def run_curving(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
     """Integrate from the start to the end of the run; a run that has to stop returns what it has."""
     plan = setup.run
@@ -53,14 +61,15 @@ def chosen_step(setup: Setup, system: System, q: Array, q_t: Array) -> float:
 
     In a curve the creep forces are near saturation and allow a longer step than they do on straight track, so a run
     that starts in a curve must not rely on its start.
-    Raises InputError for a step asked for that is not even stable at the start: its results would look like results.
+    Raises StepTooLong for a step asked for that is not even stable at the start: its results would look like results.
     """
     limit = stable_step(system, q, q_t)
     if setup.run.step is not None:
         if setup.run.step > limit:
-            raise InputError(
-                f"run.step_us = {1e6 * setup.run.step:g}: must be at most {1e6 * limit:.0f}, where the integration "
-                f"becomes unstable at {3.6 * setup.run.speed:g} km/h; without step_us a good one is chosen"
+            raise StepTooLong(
+                setup.run.step,
+                f"must be at most {1e6 * limit:.0f}, where the integration becomes unstable at "
+                f"{3.6 * setup.run.speed:g} km/h; without step_us a good one is chosen",
             )
         return setup.run.step
     if setup.track.curvature(setup.run.start) != 0.0:
