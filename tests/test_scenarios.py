@@ -134,7 +134,7 @@ def test_the_static_scenario_moves_the_contact_from_field_side_to_flange():
 def test_every_shipped_profile_loads(file: Path):
     profile = load_profile(file)
     assert profile.kind == file.parent.name.removesuffix("s")
-    assert 0.03 < profile.length < 0.3
+    assert 0.02 < profile.length < 0.3
     assert profile.source
 
 

@@ -8,6 +8,7 @@ chain      lines and arcs, each tangent to the one before: a start, lengths, rad
 rail-head  tangent arcs from the crown outward and straight sides, symmetric
 cone       a straight line through the tape circle
 circle     one arc, horizontal at the origin
+worn       another profile with bells of material taken off, see `wrsim.geometry.wear`
 points     a file of points beside it, read by `wrsim.geometry.profile_files` (measured or exported)
 ========== ==========================================================================================
 """
@@ -16,6 +17,7 @@ from __future__ import annotations
 
 import datetime
 from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, cast
 
@@ -35,8 +37,10 @@ from wrsim.geometry.profile_sections import (
     rail_head,
 )
 from wrsim.geometry.profile_sections import Section as Piece
+from wrsim.geometry.wear import Direction, Removal, worn
 from wrsim.inputs.checking import check
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
+from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.toml_files import parse_toml, read_text
 from wrsim.inputs.values import Annotation, Choice, Day, Numbers, Quantity, Switch, TableList, Text
@@ -306,6 +310,67 @@ class CircleFile(ProfileFile):
         return circle(self.name, self.side, self.radius_mm * MM, self.half_width_mm * MM, self.source)
 
 
+# --- kind = "worn" ------------------------------------------------------------------------------------
+
+
+class BellOfWear(Section):
+    """Depth cos^2 over a stretch of the profile, see `wrsim.geometry.wear`."""
+
+    header: ClassVar[str] = "[[removals]]"
+
+    direction: Annotated[str, Choice(("vertical", "normal"))]
+    depth_mm: Annotated[float, Quantity(-20.0, 20.0, example="negative: material that flowed there")]
+    middle_mm: Coordinate
+    half_width_mm: Annotated[float, Quantity(0.5, 500.0)]
+
+    def removal(self) -> Removal:
+        """The same in metres."""
+        return Removal(
+            cast(Direction, self.direction), self.depth_mm * MM, self.middle_mm * MM, self.half_width_mm * MM
+        )
+
+
+BELLS: dict[str, Any] = {"vertical": BellOfWear, "normal": BellOfWear}
+
+
+class WornFile(ProfileFile):
+    """kind = "worn"."""
+
+    header: ClassVar[str] = 'a profile file with kind = "worn"'
+    aliases: ClassVar[dict[str, str]] = ProfileFile.aliases | {"removal": "removals", "wear": "removals"}
+
+    base: Annotated[str, Text('the file of the unworn profile, such as "S1002.toml",')]
+    removals: Annotated[tuple[Any, ...], TableList("direction", lambda: BELLS, "[[removals]]")]
+
+    def consistency(self) -> Iterator[Fault]:
+        """Something is taken off."""
+        if not self.removals:
+            yield Fault("removals", "must hold at least one [[removals]] table")
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`. The base is looked up beside the file, then among the models."""
+        folders = (path.parent, *user_folders(), shipped_models(), shipped_models() / f"{self.body}s")
+        try:
+            base = Finder(folders).find(self.base)
+        except InputError as error:
+            raise InputError(f'base = "{self.base}": {error}') from None
+        chain = (*_building.get(), path.resolve())
+        if base.resolve() in chain:
+            raise InputError(f'base = "{self.base}": the profile would start from itself')
+        token = _building.set(chain)
+        try:
+            new = load_profile(base, self.side)
+        finally:
+            _building.reset(token)
+        return worn(new, [bell.removal() for bell in self.removals], self.name, self.source)
+
+
+_building: ContextVar[tuple[Path, ...]] = ContextVar("profile files that are being built", default=())
+
+
+# --- kind = "points" ----------------------------------------------------------------------------------
+
+
 class PointsFile(ProfileFile):
     """kind = "points"."""
 
@@ -354,6 +419,7 @@ FILE_KINDS: dict[str, type[ProfileFile]] = {
     "rail-head": RailHeadFile,
     "cone": ConeFile,
     "circle": CircleFile,
+    "worn": WornFile,
     "points": PointsFile,
 }
 
