@@ -52,7 +52,9 @@ def profile(name: str, kind: str, directory: Path | None) -> Profile:
 def wheel_on_rail(wheel: str, rail: str, cant: str, rolling: bool, directory: Path | None) -> WheelOnRail:
     """One wheel on one inclined rail."""
     inclined = profile(rail, "rails", directory).inclined(1.0 / float(cant.split(":")[1]))
-    settings = ContactSettings(wheel=STEEL, rail=STEEL, damping=0.0, tangential="fastsim" if rolling else "none")
+    settings = ContactSettings(
+        normal="half-space", tangential="half-space" if rolling else "none", wheel=STEEL, rail=STEEL, damping=0.0
+    )
     model = ContactModel.build(profile(wheel, "wheels", directory), inclined, RADIUS, settings, FRICTION)
     return WheelOnRail(model, 1, HALF_SPACING, (HALF_GAUGE - inclined.gauge_point()[0], -inclined.top[1]))
 

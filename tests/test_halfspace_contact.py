@@ -28,7 +28,8 @@ from wrsim.core import layout as k
 from wrsim.geometry.profile_sections import circle
 from wrsim.scenario.cases import StaticPose
 
-FRICTIONLESS = {"tangential": "none"}
+EXACT = {"normal": "half-space", "tangential": "half-space"}
+FRICTIONLESS = EXACT | {"tangential": "none"}
 
 
 def solve(model, pose, solver=HalfSpace(), before=None):  # noqa: B008 (frozen)
@@ -44,6 +45,7 @@ def lowered(radius, approach, yaw=0.0, lateral=0.0, speed=0.0):
 
 
 def stand(pair="S1002/60E1 1:40", solver=HalfSpace(), **choices):  # noqa: B008
+    choices = EXACT | choices
     model = pair_model(pair, **choices)
     fast = bench(model, rolling=choices.get("tangential") != "none")
     return HalfSpaceBench(fast.wheels, fast.speed > 0.0, 0.46, solver)
@@ -98,7 +100,7 @@ def test_ball_in_a_deep_groove(groove, influence, spin, approach, p0, width, len
     # after Li 2002; CONTACT 25.2, testbank groove_li: ball 10 mm, rolling radius 420 mm, 10 kN, G 80 GPa, mu 0.3
     steel = Material(2.0 * 80e9 * 1.28, 0.28)
     ball, trough = circle("ball", "wheel", -0.010, 0.0096), circle("groove", "rail", -1e-3 * groove, 0.0098)
-    model = ContactModel.build(ball, trough, 0.42, ContactSettings(wheel=steel, rail=steel), 0.3)
+    model = ContactModel.build(ball, trough, 0.42, ContactSettings(**EXACT, damping=0.0, wheel=steel, rail=steel), 0.3)
     solver = HalfSpace((0.0958333e-3, 0.25e-3), influence=influence)
 
     def at(depth):
@@ -153,7 +155,7 @@ def static_cases():
 def solve_case(row, pairing):
     element = {24000.0: 2e-4, 60000.0: 2.5e-4, 100000.0: 3e-4}[float(row["Fz_req_N"])]
     b = stand(
-        solver=HalfSpace((element, element), pairing=pairing), tangential="fastsim" if row["tang"] == "3" else "none"
+        solver=HalfSpace((element, element), pairing=pairing), tangential="half-space" if row["tang"] == "3" else "none"
     )
     solved = b.solve(StaticPose("", 1e-3 * float(row["y_ws_mm"]), float(row["yaw_rad"]), float(row["Fz_req_N"])))
     assert not solved.message
@@ -209,7 +211,7 @@ def test_a_narrow_peak_gets_finer_rows():
 
 
 def test_planar_patch_needs_no_angle_correction():
-    model = contact_model(round_wheel(0.3), flat_rail(), radius=0.46)
+    model = contact_model(round_wheel(0.3), flat_rail(), radius=0.46, **EXACT)
     pose = lowered(0.46, 0.08e-3, yaw=3e-3, speed=10.0)
     plain = solve(model, pose)
     corrected = solve(model, pose, HalfSpace(influence="angle-corrected"))
@@ -247,7 +249,7 @@ def test_forces_are_the_sum_over_the_patch():
 
 @pytest.mark.parametrize("lateral", [0.0, 6.6e-3])
 def test_the_other_wheel_is_the_mirror_image(lateral):
-    model = pair_model("S1002/60E1 1:40")
+    model = pair_model("S1002/60E1 1:40", **EXACT)
     left, right = (HalfSpaceBench(bench(model, sides=(side,)).wheels, True, 0.46) for side in (1, -1))
     left.solve(StaticPose("", lateral, 0.003, 50e3))
     right.solve(StaticPose("", -lateral, -0.003, 50e3))
@@ -256,7 +258,9 @@ def test_the_other_wheel_is_the_mirror_image(lateral):
 
 
 def test_a_wheelset_finds_its_roll():
-    b = HalfSpaceBench(bench(pair_model("S1002/60E1 1:40"), sides=(1, -1)).wheels, True, 0.46, HalfSpace(resolution=16))
+    b = HalfSpaceBench(
+        bench(pair_model("S1002/60E1 1:40", **EXACT), sides=(1, -1)).wheels, True, 0.46, HalfSpace(resolution=16)
+    )
     solved = b.solve(StaticPose("", 3e-3, 0.002, 110e3))
     assert not solved.message
     assert b.force[2] == pytest.approx(110e3, rel=1e-4)
@@ -266,8 +270,8 @@ def test_a_wheelset_finds_its_roll():
 
 def test_a_scaled_wheel_on_a_scaled_rail():
     # all lengths x 2: the same pressures, forces x 4
-    small = contact_model(round_wheel(0.2), flat_rail(), radius=0.4)
-    large = contact_model(round_wheel(0.4), flat_rail(), radius=0.8)
+    small = contact_model(round_wheel(0.2), flat_rail(), radius=0.4, **EXACT)
+    large = contact_model(round_wheel(0.4), flat_rail(), radius=0.8, **EXACT)
     one = solve(small, lowered(0.4, 0.05e-3, yaw=2e-3, speed=10.0), HalfSpace(resolution=30))
     two = solve(large, lowered(0.8, 0.10e-3, yaw=2e-3, speed=10.0), HalfSpace(resolution=30))
     assert two.patches[0].p0 == pytest.approx(one.patches[0].p0, rel=3e-3)
@@ -306,7 +310,7 @@ def test_before_is_a_start_not_an_answer():
 
 
 def test_no_contact_is_no_patch():
-    model = contact_model(round_wheel(0.3), flat_rail(), radius=0.46)
+    model = contact_model(round_wheel(0.3), flat_rail(), radius=0.46, **EXACT)
     contact = solve(model, lowered(0.46, -1e-3))
     assert contact.patches == ()
     assert not contact.force.any()

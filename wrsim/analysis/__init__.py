@@ -31,6 +31,8 @@ def run(scenario: Scenario, progress: Progress | None = None) -> Result:
     Raises InputError when the scenario's parts do not fit together, SimulationError when there is not even a start.
     """
     setup = build(scenario)
+    if setup.contact.normal == "half-space" and setup.analysis != "static":
+        raise scenario.fault(("contact", "normal"), 'is for analysis = "static" only')
     try:
         return _ANALYSES[setup.analysis](setup, progress)
     except StepTooLong as fault:

@@ -9,8 +9,9 @@ import numpy as np
 
 from wrsim.analysis.poses import DEEPEST, LoadNotReached, NoContact, Solved, StaticBench
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
-from wrsim.core import layout as k
+from wrsim.contact.half_space import STATUS_TOO_MANY, HalfSpace, status_words
+from wrsim.contact.half_space_patch import HalfSpaceContact
+from wrsim.contact.half_space_rows import solve_into
 from wrsim.core.wheelset import kinematics
 from wrsim.core.wheelset_contact import add_forces, set_pose
 from wrsim.scenario.cases import StaticPose
@@ -30,11 +31,11 @@ class HalfSpaceBench(StaticBench):
         self, wheels: Sequence[WheelOnRail], rolling: bool, radius: float, solver: HalfSpace | None = None
     ) -> None:
         super().__init__(wheels, rolling, radius)
-        self.solver = solver if solver is not None else HalfSpace()
+        self.solver = solver if solver is not None else HalfSpace.of(self.wheels[0].model.settings.half_space)
         self.contacts: list[HalfSpaceContact | None] = [None] * len(self.wheels)
         self.evaluations = 0
         self._solvers = [self.solver] * len(self.wheels)
-        self._fast = StaticBench(wheels, rolling, radius)
+        self._fast = StaticBench([replace(w, model=w.model.fast()) for w in wheels], rolling, radius)
 
     def evaluate(self, lateral: float, height: float, yaw: float, roll: float) -> None:
         """Contact of all wheels at one pose; leaves ``contacts``, ``force`` and ``moment`` at the centre of mass."""
@@ -49,11 +50,8 @@ class HalfSpaceBench(StaticBench):
             pose = wheel.model.arrays.pose
             set_pose(body, frame, wheel.side, wheel.half_spacing, pose)
             pose[0] = 0.0
-            contact = self._solvers[i].solve_pose(wheel.model, self.contacts[i])
-            self.contacts[i] = contact
-            total = np.zeros(k.TOTAL)
-            total[:3], total[3:6] = contact.force, contact.moment
-            add_forces(body, frame, wheel.side, wheel.half_spacing, total, self.force, self.moment)
+            self.contacts[i] = solve_into(wheel.model, self._solvers[i], self.contacts[i])
+            add_forces(body, frame, wheel.side, wheel.half_spacing, wheel.model.arrays.total, self.force, self.moment)
 
     def solve(self, pose: StaticPose) -> Solved:
         """Height (and roll, with two wheels) for the pose's load; ``contacts`` then holds the contact found."""
@@ -65,17 +63,26 @@ class HalfSpaceBench(StaticBench):
             self.contacts = [None] * len(self.wheels)
             return Solved(float("nan"), float("nan"), str(problem))
         missed = self.force[2] / pose.load - 1.0
-        message = ""
+        message = status_words(self._status())
         if abs(missed) > 10.0 * LOAD_TOLERANCE:
-            message = f"the load was missed: {self.force[2]:.6g} N instead of {pose.load:.6g} N"
+            words = f"the load was missed: {self.force[2]:.6g} N instead of {pose.load:.6g} N"
+            message = f"{words}; {message}" if message else words
         return Solved(height, roll, message)
+
+    def _status(self) -> int:
+        """All that the contacts found last have to say."""
+        status = 0
+        for contact in self.contacts:
+            status |= contact.status if contact is not None else 0
+        return status
 
     def _fix_elements(self, pose: StaticPose) -> None:
         """Elements for the deepest patch of every wheel, at the fast model's height."""
         self.contacts = [None] * len(self.wheels)
         self._solvers = [self.solver] * len(self.wheels)
         self._fast.solve(pose)
-        for i, wheel in enumerate(self.wheels):
+        for i, (wheel, fast) in enumerate(zip(self.wheels, self._fast.wheels, strict=True)):
+            wheel.model.arrays.pose[:] = fast.model.arrays.pose
             element = self.solver.elements_at(wheel.model)
             if element is not None:
                 self._solvers[i] = replace(self.solver, element=element)
@@ -90,6 +97,8 @@ class HalfSpaceBench(StaticBench):
 
         def excess(z: float) -> float:
             self.evaluate(pose.lateral, z, pose.yaw, roll)
+            if self._status() & STATUS_TOO_MANY:
+                raise LoadNotReached(status_words(STATUS_TOO_MANY))
             return float(np.cbrt(max(self.force[2], 0.0)) ** 2 - target)
 
         def approach() -> float:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wrsim.analysis.contacts import contact_models, wheels_on_rails
+from wrsim.analysis.half_space_bench import HalfSpaceBench
 from wrsim.analysis.poses import StaticBench
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
 from wrsim.errors import SimulationError
@@ -29,7 +30,8 @@ def run_static(setup: Setup, progress: Callable[[float, float], None] | None = N
     wheels = both if plan.target == "wheelset" else tuple(w for w in both if w.name == plan.side)
     wheelset = setup.wheelset
     radius = wheelset.mean_radius if len(wheels) == 2 else getattr(wheelset, plan.side).radius
-    bench = StaticBench(wheels, plan.rolling, radius)
+    exact = setup.contact.normal == "half-space"
+    bench = (HalfSpaceBench if exact else StaticBench)(wheels, plan.rolling, radius)
     n = len(plan.poses)
     raw = RawContacts.empty(n, len(wheels), setup.contact.max_patches)
     strips = StripRecorder.start(wheels)

@@ -3,158 +3,76 @@
 Slow and trusted: the fast models are measured against it. The undeformed gap is exact (surface of revolution against
 swept rail, measured along the normals of the curved reference), the elastic bodies are half-spaces bent along the
 curved axis (``influence = "half-space"``) or with their influence turned by the angle between the normals
-(``"angle-corrected"``). Damping is no part of it.
+(``"angle-corrected"``). Damping multiplies the pressures of a row by max(0, 1 + c d(approach)/dt).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import floor, log2
-from typing import Literal
 
 import numpy as np
-import scipy.ndimage
 from numpy.typing import NDArray
 
 from wrsim.contact.half_space_grid import Grid, Seed, count_elements, find_seeds, lay_grid
 from wrsim.contact.half_space_operator import Compliance, HalfSpaceOperator
+from wrsim.contact.half_space_patch import HalfSpaceContact, HalfSpacePatch, patch_of
 from wrsim.contact.half_space_solvers import Pressure, Traction, solve_normal, solve_rolling
-from wrsim.contact.model import ContactModel, KernelArrays
+from wrsim.contact.model import MOST_STRIPS, ContactModel, KernelArrays
+from wrsim.contact.settings import HalfSpaceSettings
 from wrsim.core import halfspace_surface as surface
 from wrsim.core import layout as k
-from wrsim.core.halfspace_normal import summarise
 from wrsim.core.halfspace_rolling import rigid_slip
 from wrsim.core.wheel_rail import DEEPEST
 
 Array = NDArray[np.float64]
-Influence = Literal["half-space", "angle-corrected"]
-Pairing = Literal["opposite", "level"]
 
 AHEAD = 1.0 / 6.0  # of an element: where the rigid slip is taken, which cancels most of the error of first order
 WIDENING = (0.0, 0.15, 0.5)  # of the grid, tried in turn when contact reaches its edge
 MOST_ELEMENTS = 200_000
+MOST_ROWS = MOST_STRIPS
 SHARP, HIGH = 0.05, 0.75  # peaks that ask for finer rows: their bend, their height, over the highest
 MOST_HALVINGS = 3
 TURNS = 30  # between pressures and tractions that move each other
 FINE_S = 2e-4  # largest default element across [m]: jumps of a profile's curvature make narrow peaks
 
-STATUS_TOO_MANY = 8  # elements
-STATUS_GRID_EDGE = 16  # contact reaches the edge of the grid
-STATUS_NOT_CONVERGED = 32
+STATUS_TOO_MANY = 64  # elements
+STATUS_GRID_EDGE = 128  # contact reaches the edge of the grid
+STATUS_NOT_CONVERGED = 256
+_WORDS = {
+    STATUS_TOO_MANY: (
+        f"contact needs more than {MOST_ELEMENTS} elements or {MOST_ROWS} rows of them: give larger ones "
+        "(contact.half_space)"
+    ),
+    STATUS_GRID_EDGE: "contact reaches the edge of the grid of elements",
+    STATUS_NOT_CONVERGED: "pressures or tractions have not converged",
+    k.STATUS_TOO_DEEP: f"wheel and rail overlap by more than {1e3 * DEEPEST:g} mm",
+    k.STATUS_PROFILE_END: "contact reaches the end of a profile, which is continued straight there",
+}
+
+
+def status_words(status: int) -> str:
+    """What a status has to say, empty when all is well."""
+    return "; ".join(words for bit, words in _WORDS.items() if status & bit)
 
 
 @dataclass(frozen=True)
-class Region:
-    """One connected region of contact.
-
-    normal_force: sum of p dA [N]; area [m2]; p0 [Pa]; s, x: extents (from, to) [m]; angle: contact angle at the
-    outer edges in s (from, to) [rad]; centre: (x, o, b) of the pressure's resultant [m].
-    """
-
-    normal_force: float
-    area: float
-    p0: float
-    s: tuple[float, float]
-    x: tuple[float, float]
-    angle: tuple[float, float]
-    centre: tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class HalfSpacePatch:
-    """All contact on one grid.
-
-    p: pressures (rows, columns) over (s, x) [Pa]; q: tractions on the wheel along x and along the rows' tangents,
-    outward (2, rows, columns) [Pa]; slip, rigid_slip: of the wheel over the rolling speed, alike, with and without
-    the elastic part; state: 0 outside, 1 adhesion, 2 slip; approach: largest undeformed interpenetration along the
-    normals [m]; force, moment: on the wheel (t, o, b), the moment about the wheel's profile origin [N, N m]; wear:
-    work of the creep forces on the rigid slip over the rolling speed, T-gamma [N].
-    """
-
-    grid: Grid
-    p: Array
-    q: Array
-    slip: Array
-    rigid_slip: Array
-    state: Array
-    approach: float
-    force: Array
-    moment: Array
-    wear: float
-    regions: tuple[Region, ...]
-    normal: Pressure
-    rolling: Traction | None
-
-    @property
-    def normal_force(self) -> float:
-        """Sum of p dA [N]."""
-        return sum(r.normal_force for r in self.regions)
-
-    @property
-    def p0(self) -> float:
-        """Largest pressure [Pa]."""
-        return max((r.p0 for r in self.regions), default=0.0)
-
-    @property
-    def area(self) -> float:
-        """Contact area [m2]."""
-        return sum(r.area for r in self.regions)
-
-    @property
-    def counted_area(self) -> float:
-        """Number of elements in contact times their size, as CONTACT states it: too large by about half an element
-        around the edge [m2]."""
-        return float(np.count_nonzero(self.p)) * self.grid.dx * self.grid.ds
-
-    @property
-    def creep_force(self) -> tuple[float, float]:
-        """Sums of q dA along x and along the rows' tangents, on the wheel [N]."""
-        cell = self.grid.dx * self.grid.ds
-        return float(self.q[0].sum()) * cell, float(self.q[1].sum()) * cell
-
-
-@dataclass(frozen=True)
-class HalfSpaceContact:
-    """Contact of one wheel on one rail: patches by falling normal force; totals on the wheel as in ContactModel."""
-
-    patches: tuple[HalfSpacePatch, ...]
-    force: Array
-    moment: Array
-    closest: float
-    status: int
-
-    @property
-    def normal_force(self) -> float:
-        """Sum over all patches [N]."""
-        return sum(p.normal_force for p in self.patches)
-
-
-@dataclass(frozen=True)
-class HalfSpace:
+class HalfSpace(HalfSpaceSettings):
     """The exact solver and its settings.
 
-    element: size of the elements (along x, along s) [m]; None: so that the smallest patch that matters gets about
-    ``resolution`` elements over its length and its width, across not larger than about 0.2 mm, and halved across until
-    no peak of pressure is sharper than the rows can tell. influence: see above.
-    tolerance: of the gap over the approach; tractions are solved to ten times that over the largest bound.
-    together, apart: distances of two zones of overlap up to which they press each other down fully, and from which on
-    not at all [m] (see contact.half_space_grid). pairing: which points of the profiles belong together,
-    ``"opposite"`` ones or, as in CONTACT, those of equal arclength from two points of the same lateral place
-    (``"level"``; see core.halfspace_surface).
+    Settings: `wrsim.contact.settings.HalfSpaceSettings`.
     """
 
-    element: tuple[float, float] | None = None
-    resolution: int = 36
-    influence: Influence = "half-space"
-    tolerance: float = 1e-5
-    together: float = 4e-3
-    apart: float = 8e-3
-    pairing: Pairing = "opposite"
+    @classmethod
+    def of(cls, settings: HalfSpaceSettings) -> HalfSpace:
+        """The solver with these settings."""
+        return cls(**{f.name: getattr(settings, f.name) for f in fields(HalfSpaceSettings)})
 
     def solve_pose(self, model: ContactModel, before: HalfSpaceContact | None = None) -> HalfSpaceContact:
         """Contact at the pose set in the model's arrays (`ContactModel.evaluate` and `StaticBench` set it).
 
         The approach comes from the pose. before: solution of a pose near by on the same elements, to start from.
+        Tractions are solved for when the model's settings say ``tangential = "half-space"``.
         """
         seeds, closest, status = self.seeds(model)
         patches = []
@@ -213,13 +131,14 @@ class HalfSpace:
         compliance = Compliance.of(model.settings.wheel, model.settings.rail)
         pressed = None
         for widening in WIDENING:
-            if count_elements(seed, dx, ds, widening) > MOST_ELEMENTS:
+            rows, columns = count_elements(seed, dx, ds, widening)
+            if rows > MOST_ROWS or rows * columns > MOST_ELEMENTS:
                 break
             grid = lay_grid(model.arrays, seed, dx, ds, widening)
             angles = grid.angle if self.influence == "angle-corrected" else None
             rows, columns = grid.pen.shape
             operator = HalfSpaceOperator(rows, columns, ds, dx, compliance, angles, grid.shares)
-            pressure = solve_normal(operator, grid.pen, self.tolerance, start.p if start is not None else None)
+            pressure = solve_normal(operator, grid.pen, self.tolerance, start.normal.p if start is not None else None)
             p = pressure.p
             pressed = _Pressed(
                 grid, operator, pressure, bool(p[0].any() or p[-1].any() or p[:, 0].any() or p[:, -1].any())
@@ -236,26 +155,33 @@ class HalfSpace:
             return None, STATUS_TOO_MANY
         grid, pressure = pressed.grid, pressed.pressure
         rigid, forward = _rigid_slip(model, grid)
+        damping = _damping(model, grid)
         traction, settled = None, True
-        if model.settings.tangential != "none" and model.friction > 0.0:
+        if model.settings.tangential == "half-space" and model.friction > 0.0:
             first = start.q if start is not None else None
-            pressure, traction, settled = self._roll(model, pressed, rigid, forward, first)
+            pressure, traction, settled = self._roll(model, pressed, rigid, forward, damping, first)
         status = STATUS_GRID_EDGE if pressed.reaches_edge else 0
         status |= k.STATUS_TOO_DEEP if seed.depth > DEEPEST else 0
         status |= k.STATUS_PROFILE_END if _leaves_profiles(model.arrays, grid, pressure.p) else 0
         if not (settled and pressure.converged and (traction is None or traction.converged)):
             status |= STATUS_NOT_CONVERGED
-        return _patch(model.arrays.pose, grid, pressure, traction, rigid), status
+        return patch_of(model.arrays.pose, grid, damping * pressure.p, pressure, traction, rigid), status
 
     def _roll(
-        self, model: ContactModel, pressed: _Pressed, rigid: Array, forward: float, first: Array | None
+        self,
+        model: ContactModel,
+        pressed: _Pressed,
+        rigid: Array,
+        forward: float,
+        damping: Array,
+        first: Array | None,
     ) -> tuple[Pressure, Traction, bool]:
         """Tractions; in turns with the pressures where they move each other (Panagiotopoulos); whether that settled."""
         operator, pressure = pressed.operator, pressed.pressure
 
         def roll(p: Array, q: Array | None) -> Traction:
             w = rigid + operator.slip_of_pressure(p, forward) if operator.coupled else rigid
-            return solve_rolling(operator, model.friction * p, w, forward, 10.0 * self.tolerance, q)
+            return solve_rolling(operator, model.friction * damping * p, w, forward, 10.0 * self.tolerance, q)
 
         traction = roll(pressure.p, first)
         for _ in range(TURNS):
@@ -300,6 +226,19 @@ def _rigid_slip(model: ContactModel, grid: Grid) -> tuple[Array, float]:
     return w, forward
 
 
+def _damping(model: ContactModel, grid: Grid) -> Array:
+    """Factor of the pressures of every row (rows, 1): 1 + c times the rate of approach there, never negative.
+
+    The spin moves a surface of revolution in itself, so it brings nothing nearer.
+    """
+    pose = model.arrays.pose
+    velocity, omega, axle = pose[6:9], pose[9:12], pose[3:6]
+    turning = omega - (omega @ axle) * axle
+    arm = np.column_stack([grid.axis[:, surface.AT_X], grid.centre]) - pose[:3]
+    closing = -((velocity + np.cross(turning, arm))[:, 1:] * grid.normal).sum(axis=1)
+    return np.maximum(1.0 + model.settings.damping * closing, 0.0)[:, None]
+
+
 def _leaves_profiles(a: KernelArrays, grid: Grid, p: Array) -> bool:
     """Whether contact reaches rows beyond the end of a profile, which is continued straight there."""
     rows = p.any(axis=1)
@@ -308,52 +247,3 @@ def _leaves_profiles(a: KernelArrays, grid: Grid, p: Array) -> bool:
         (surface.AT_RAIL, (len(a.rail) - 1) * a.settings[k.RAIL_STEP]),
     )
     return any(bool(((grid.axis[rows, c] < 0.0) | (grid.axis[rows, c] > end)).any()) for c, end in ends)
-
-
-def _patch(pose: Array, grid: Grid, pressure: Pressure, traction: Traction | None, rigid: Array) -> HalfSpacePatch:
-    p = pressure.p
-    if traction is None:
-        q, slip, state = np.zeros((2, *p.shape)), rigid, np.where(p > 0.0, 2.0, 0.0)
-    else:
-        q, slip, state = traction.q, traction.slip, traction.state
-    cell = grid.dx * grid.ds
-    no, nb = grid.normal.T[:, :, None]
-    lines = np.stack([q[0], p * no + q[1] * nb, p * nb - q[1] * no]) * cell
-    arms = np.stack(
-        np.broadcast_arrays(
-            grid.x[None, :] - pose[0], grid.centre[:, 0, None] - pose[1], grid.centre[:, 1, None] - pose[2]
-        )
-    )
-    moment = np.cross(arms, lines, axis=0).sum(axis=(1, 2))
-    wear = -float((q * rigid).sum()) * cell
-    return HalfSpacePatch(
-        grid, p, q, slip, rigid, state, float(grid.pen.max()), lines.sum(axis=(1, 2)), moment, wear, _regions(grid, p),
-        pressure, traction,
-    )  # fmt: skip
-
-
-def _regions(grid: Grid, p: Array) -> tuple[Region, ...]:
-    """Connected regions by falling normal force."""
-    labels, _ = scipy.ndimage.label(p > 0.0)
-    regions = []
-    for number, box in enumerate(scipy.ndimage.find_objects(labels), start=1):
-        own = np.where(labels[box] == number, p[box], 0.0)
-        rows, columns = box
-        starts, ends, total = np.zeros(len(own)), np.zeros(len(own)), np.zeros(5)
-        summarise(own, grid.dx, grid.ds, starts, ends, total)
-        across = own.max(axis=1)[None, :]
-        lo, hi, ignored = np.zeros(1), np.zeros(1), np.zeros(5)
-        summarise(across, grid.ds, grid.dx, lo, hi, ignored)
-        s = grid.s[rows.start] + grid.ds * (np.array([lo[0], hi[0]]) - 0.5)
-        x = grid.x[columns.start] + grid.dx * (np.array([starts.min(), ends.max()]) - 0.5)
-        weight = own / own.sum()
-        centre = weight.sum(axis=1) @ grid.centre[rows]
-        angle = np.interp(s, grid.s, grid.angle)
-        regions.append(
-            Region(
-                float(total[2]), float(total[0]), float(total[1]), (float(s[0]), float(s[1])),
-                (float(x[0]), float(x[1])), (float(angle[0]), float(angle[1])),
-                (float(weight.sum(axis=0) @ grid.x[columns]), float(centre[0]), float(centre[1])),
-            )
-        )  # fmt: skip
-    return tuple(sorted(regions, key=lambda r: -r.normal_force))

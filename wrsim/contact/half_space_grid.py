@@ -260,10 +260,10 @@ def _extent(seed: Seed) -> tuple[float, float, float, float]:
     )
 
 
-def count_elements(seed: Seed, dx: float, ds: float, margin: float = 0.0) -> float:
-    """About how many elements `lay_grid` lays."""
+def count_elements(seed: Seed, dx: float, ds: float, margin: float = 0.0) -> tuple[float, float]:
+    """About how many rows and columns `lay_grid` lays."""
     start, end, x_start, x_end = _extent(seed)
-    return (1.0 + 2.0 * margin) ** 2 * (end - start) / ds * (x_end - x_start) / dx
+    return (1.0 + 2.0 * margin) * (end - start) / ds, (1.0 + 2.0 * margin) * (x_end - x_start) / dx
 
 
 def lay_grid(a: KernelArrays, seed: Seed, dx: float, ds: float, margin: float = 0.0) -> Grid:

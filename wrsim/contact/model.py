@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.contact.creep_coefficients import creep_coefficients
-from wrsim.contact.settings import ContactSettings
+from wrsim.contact.settings import ContactSettings, Tangential
 from wrsim.core import layout as k
 from wrsim.core.search import FOUND_COLUMNS
 from wrsim.core.wheel_rail import wheel_rail
@@ -47,6 +47,12 @@ class ContactModel:
         """Prepare tables and scratch. The rail profile is given with its inclination."""
         return cls(wheel, rail, radius, settings, friction, _arrays(wheel, rail, radius, settings, friction))
 
+    def fast(self) -> ContactModel:
+        """A fast model of the same wheel on the same rail, for a first idea of where the exact one will stand."""
+        tangential: Tangential = "none" if self.settings.tangential == "none" else "fastsim"
+        settings = replace(self.settings, normal="kik-piotrowski", tangential=tangential)
+        return ContactModel.build(self.wheel, self.rail, self.radius, settings, self.friction)
+
     def evaluate(
         self,
         origin: ArrayLike,
@@ -61,8 +67,11 @@ class ContactModel:
         """
         a = self.arrays
         a.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
-        status = a.call()
-        return Contact.copy_from(a, status)
+        if self.settings.normal == "half-space":
+            from wrsim.contact.half_space_rows import solve_into  # which builds on this module
+
+            return Contact.copy_from(a, solve_into(self).status)
+        return Contact.copy_from(a, a.call())
 
 
 @dataclass(frozen=True)
@@ -187,7 +196,7 @@ def _arrays(wheel: Profile, rail: Profile, radius: float, settings: ContactSetti
     # yaw makes the outline a little more hollow than the profile, distance the rail's curves of equal distance
     hollows = max(float(-wheel_table[:, 4].min()), 0.0) + max(float(rail_table[:, 4].max()), 0.0)
     numbers[k.HOLLOW] = max(1.5 * hollows, 1.0)
-    most = settings.strips if settings.strips is not None else MOST_STRIPS
+    most = settings.strips if settings.strips is not None and settings.normal != "half-space" else MOST_STRIPS
     return KernelArrays(
         wheel_table,
         rail_table,

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-Normal = Literal["kik-piotrowski"]
+Normal = Literal["kik-piotrowski", "half-space"]
 Approach = Literal["projected", "constant"]
-Tangential = Literal["fastsim", "none"]
+Tangential = Literal["fastsim", "half-space", "none"]
+Influence = Literal["half-space", "angle-corrected"]
+Pairing = Literal["opposite", "level"]
 TractionBound = Literal["elliptic", "parabolic"]
 
 
@@ -25,13 +27,38 @@ class Material:
 
 
 @dataclass(frozen=True)
+class HalfSpaceSettings:
+    """Numbers of the exact half-space solver (`wrsim.contact.half_space`).
+
+    element: size of the elements (along x, along s) [m]; None: so that the smallest patch that matters gets about
+    ``resolution`` elements over its length and its width, across not larger than about 0.2 mm, and halved across until
+    no peak of pressure is sharper than the rows can tell. influence: of a plane half-space, or turned by the angle
+    between the normals.
+    tolerance: of the gap over the approach; tractions are solved to ten times that over the largest bound.
+    together, apart: distances of two zones of overlap up to which they press each other down fully, and from which on
+    not at all [m] (see contact.half_space_grid). pairing: which points of the profiles belong together,
+    ``"opposite"`` ones or, as in CONTACT, those of equal arclength from two points of the same lateral place
+    (``"level"``; see core.halfspace_surface).
+    """
+
+    element: tuple[float, float] | None = None
+    resolution: int = 36
+    influence: Influence = "half-space"
+    tolerance: float = 1e-5
+    together: float = 4e-3
+    apart: float = 8e-3
+    pairing: Pairing = "opposite"
+
+
+@dataclass(frozen=True)
 class ContactSettings:
     """What the user chose for the contact of both wheels.
 
-    normal: model of the normal pressure.
+    normal: model of the normal pressure; ``"half-space"`` is the exact solver.
     approach: how a rigid approach closes the gap along the curved axis: ``"constant"`` everywhere alike, as
         in the paper; ``"projected"`` by its share along the normal of each strip.
-    tangential: model of the creep forces; ``"none"`` is frictionless.
+    tangential: model of the creep forces; ``"half-space"`` is the exact one and needs that normal model; ``"none"``
+        is frictionless.
     traction_bound: shape of the bound ``mu p`` along a strip that FASTSIM holds the tractions under.
     friction: coefficient on the left and right rail [1].
     strips: number of strips over the width of a patch, or None when ``strip_width`` rules.
@@ -40,6 +67,7 @@ class ContactSettings:
     damping: c [s/m]; the elastic normal force N becomes ``N (1 + c d(approach)/dt)``, never negative.
     max_patches: patches kept on one wheel, largest first; 1 to 3.
     wheel, rail: the two materials.
+    half_space: numbers of the exact solver.
     """
 
     normal: Normal = "kik-piotrowski"
@@ -54,3 +82,8 @@ class ContactSettings:
     max_patches: int = 3
     wheel: Material = field(default_factory=Material)
     rail: Material = field(default_factory=Material)
+    half_space: HalfSpaceSettings = field(default_factory=HalfSpaceSettings)
+
+    def __post_init__(self) -> None:
+        if self.tangential == "half-space" and self.normal != "half-space":
+            raise ValueError('tangential = "half-space" needs normal = "half-space"')

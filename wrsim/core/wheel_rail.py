@@ -123,6 +123,13 @@ def wheel_rail(wheel, rail, field, creep, shape, settings, pose, found, patches,
     for i in range(count):
         _lay_lobe(wheel, rail, settings, pose, patches, count, i, strips[i])
     _press(settings, pose, patches, strips, count, work)
+    carry(creep, shape, settings, pose, patches, strips, count, work, total)
+    return status
+
+
+@kernel
+def carry(creep, shape, settings, pose, patches, strips, count, work, total):
+    """Creep forces of lobes whose pressures are known, and the sums over all of them; arguments as above."""
     for i in range(count):
         if settings[TANGENTIAL] > 0.5:
             _creep(creep, shape, settings, pose, patches, strips, count, i, work)
@@ -133,7 +140,6 @@ def wheel_rail(wheel, rail, field, creep, shape, settings, pose, found, patches,
         if patches[i, N] > 0.0 and patches[i, GROUP] != loaded:
             loaded = patches[i, GROUP]
             total[PATCHES] += 1.0
-    return status
 
 
 @kernel

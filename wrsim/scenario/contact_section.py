@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
-from wrsim.contact.settings import ContactSettings, Material
+from wrsim.contact.settings import ContactSettings, HalfSpaceSettings, Material
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import Choice, Quantity, Whole
 
@@ -13,7 +13,11 @@ Modulus = Quantity(1, 1000, example="GPa, steel 210")
 Poisson = Quantity(0, 0.49, example="steel 0.28")
 Friction = Quantity(0, 2, example="dry steel 0.3 to 0.5")
 
+Element = Quantity(0.001, 5, example="mm; 0.1 to 0.3 for patches of rails")
+
 STEEL = Material()
+EXACT = HalfSpaceSettings()
+NEEDS_EXACT = '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
 DEFAULTS = ContactSettings()
 
 MATERIAL_ALIASES = {
@@ -55,6 +59,46 @@ class MaterialSection(Section):
         return Material(modulus * 1e9, self.poisson if part.poisson is None else part.poisson)
 
 
+class HalfSpaceSection(Section):
+    """Elements and kernel of the exact solver, wherever it is used; see HalfSpaceSettings."""
+
+    header: ClassVar[str] = "[contact.half_space]"
+    aliases: ClassVar[dict[str, str]] = {
+        "dx_mm": "element_x_mm",
+        "ds_mm": "element_s_mm",
+        "elements": "resolution",
+        "kernel": "influence",
+    }
+
+    element_x_mm: Annotated[float, Element] | None = None
+    element_s_mm: Annotated[float, Element] | None = None
+    resolution: Annotated[int, Whole(8, 400)] = EXACT.resolution
+    influence: Annotated[Literal["half-space", "angle-corrected"], Choice(("half-space", "angle-corrected"))] = (
+        EXACT.influence
+    )
+    pairing: Annotated[Literal["opposite", "level"], Choice(("opposite", "level"))] = EXACT.pairing
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """Elements by their size or by their number."""
+        sizes = [key for key in ("element_x_mm", "element_s_mm") if key in raw]
+        if len(sizes) == 1:
+            other = "element_s_mm" if "element_x_mm" in raw else "element_x_mm"
+            yield Fault(other, f"goes with {sizes[0]}: must be {Element.words()}", missing=True)
+        if sizes and "resolution" in raw:
+            yield Fault("resolution", f"cannot stand next to {' and '.join(sizes)}: give sizes or a number")
+
+    def settings(self) -> HalfSpaceSettings:
+        """Return the same in SI units."""
+        sized = self.element_x_mm is not None and self.element_s_mm is not None
+        return HalfSpaceSettings(
+            element=(self.element_x_mm / 1e3, self.element_s_mm / 1e3) if sized else None,  # type: ignore[operator]
+            resolution=self.resolution,
+            influence=self.influence,
+            pairing=self.pairing,
+        )
+
+
 class ContactSection(Section):
     """Everything has a default; see ContactSettings for the meaning of each choice."""
 
@@ -73,9 +117,13 @@ class ContactSection(Section):
         "patches": "max_patches",
     }
 
-    normal: Annotated[Literal["kik-piotrowski"], Choice(("kik-piotrowski",))] = DEFAULTS.normal
+    normal: Annotated[Literal["kik-piotrowski", "half-space"], Choice(("kik-piotrowski", "half-space"))] = (
+        DEFAULTS.normal
+    )
     approach: Annotated[Literal["projected", "constant"], Choice(("projected", "constant"))] = DEFAULTS.approach
-    tangential: Annotated[Literal["fastsim", "none"], Choice(("fastsim", "none"))] = DEFAULTS.tangential
+    tangential: (
+        Annotated[Literal["fastsim", "half-space", "none"], Choice(("fastsim", "half-space", "none"))] | None
+    ) = None
     traction_bound: Annotated[Literal["elliptic", "parabolic"], Choice(("elliptic", "parabolic"))] = (
         DEFAULTS.traction_bound
     )
@@ -90,23 +138,29 @@ class ContactSection(Section):
     ] = DEFAULTS.damping
     max_patches: Annotated[int, Whole(1, 3)] = DEFAULTS.max_patches
     material: MaterialSection = MaterialSection()
+    half_space: HalfSpaceSection = HalfSpaceSection()
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """Friction for both sides or for each; a number of strips or their width."""
+        """Friction for both sides or for each; a number of strips or their width; exact creep on exact pressure."""
+        if raw.get("tangential") == "half-space" and raw.get("normal", DEFAULTS.normal) != "half-space":
+            yield Fault(
+                "tangential", '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
+            )
         yield from both_or_sides(raw, "friction", "friction_left", "friction_right", complete=True)
         if "strips" in raw and "strip_width_mm" in raw:
             yield Fault("strip_width_mm", "cannot stand next to strips: give one of them")
 
     def settings(self) -> ContactSettings:
-        """Return the same in SI units."""
+        """Return the same in SI units. Creep forces are by default exact on exact pressures, else FASTSIM's."""
+        exact: Literal["half-space", "fastsim"] = "half-space" if self.normal == "half-space" else "fastsim"
         left = self.friction if self.friction_left is None else self.friction_left
         right = self.friction if self.friction_right is None else self.friction_right
         by_width = self.strip_width_mm is not None
         return ContactSettings(
             normal=self.normal,
             approach=self.approach,
-            tangential=self.tangential,
+            tangential=self.tangential or exact,
             traction_bound=self.traction_bound,
             friction=(left, right),
             strips=None if by_width else (self.strips or DEFAULTS.strips),
@@ -116,4 +170,5 @@ class ContactSection(Section):
             max_patches=self.max_patches,
             wheel=self.material.of(self.material.wheel),
             rail=self.material.of(self.material.rail),
+            half_space=self.half_space.settings(),
         )

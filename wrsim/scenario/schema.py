@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import Choice, Text
 from wrsim.scenario.analysis_sections import OutputSection, RunSection, StaticSection
-from wrsim.scenario.contact_section import ContactSection, MaterialSection
+from wrsim.scenario.contact_section import ContactSection, HalfSpaceSection, MaterialSection
 from wrsim.scenario.track_section import Arc, Straight, TrackSection, Transition
 from wrsim.scenario.vehicle_section import VehicleSection
 
@@ -63,7 +63,7 @@ def _tell_sections_of_each_other() -> None:
     """Let every section say where a key belongs that it does not know."""
     sections: tuple[type[Section], ...] = (
         ScenarioSpec, VehicleSection, TrackSection, Straight, Transition, Arc,
-        ContactSection, MaterialSection, StaticSection, RunSection, OutputSection,
+        ContactSection, MaterialSection, HalfSpaceSection, StaticSection, RunSection, OutputSection,
     )  # fmt: skip
     for section in sections:
         section.elsewhere = {
