@@ -50,6 +50,14 @@ def print_facts(facts: dict[str, Any]) -> None:
 def print_summary(result: Result, directory: Path, files: list[Path]) -> None:
     """The peaks of each wheel as a small table, and where everything is."""
     from rich.console import Console
+
+    print_peaks(result)
+    Console(highlight=False).print(f"{len(files)} files in {directory}", soft_wrap=True)
+
+
+def print_peaks(result: Result) -> None:
+    """The peaks of each wheel as a small table."""
+    from rich.console import Console
     from rich.table import Table
 
     summary = result.summary()
@@ -63,9 +71,7 @@ def print_summary(result: Result, directory: Path, files: list[Path]) -> None:
         peaks = [peaks.get(name) for peaks in summary["wheels"].values()]
         if any(p is not None and p["value"] is not None for p in peaks):
             table.add_row(name, *(cell for p in peaks for cell in _peak(p)))
-    console = Console(highlight=False)
-    console.print(table)
-    console.print(f"{len(files)} files in {directory}", soft_wrap=True)
+    Console(highlight=False).print(table)
 
 
 def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:
