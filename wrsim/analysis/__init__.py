@@ -47,8 +47,6 @@ def run(
     with; SimulationError when there is not even a start.
     """
     setup = build(scenario)
-    if setup.contact.normal == "half-space" and setup.analysis != "static":
-        raise scenario.fault(("contact", "normal"), 'is for analysis = "static" only')
     if setup.analysis in _AT_ONCE:
         if resume:
             raise scenario.fault(("analysis",), "nothing is kept of it to resume; run it without --resume")

@@ -13,9 +13,10 @@ import numpy as np
 from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.derailment import DerailmentWatch
 from wrsim.analysis.motion_result import result_of
-from wrsim.analysis.start import start_state
+from wrsim.analysis.start import exact_start, start_state
 from wrsim.errors import InputError
 from wrsim.geometry.segments import Straight
+from wrsim.simulation.half_space_law import HalfSpaceOnTrack
 from wrsim.simulation.integrate import integrate, recorded_motion
 from wrsim.simulation.step import SAFETY, round_step, stable_step
 from wrsim.simulation.system import RigidBody, System
@@ -52,8 +53,7 @@ def run_curving(
         step = keeping.recorded_step()
         q = q_t = np.zeros(system.size)  # the file knows better
     else:
-        q, q_t = start_state(setup, law)
-        step = chosen_step(setup, system, q, q_t)
+        q, q_t, step = _start(setup, law, system)
     watch = DerailmentWatch(setup, law)
     with nullcontext() if keeping is None else closing(keeping.tape(step, system.size)) as tape:
         motion = integrate(
@@ -79,7 +79,20 @@ def recorded_curving(setup: Setup, path: Path) -> Result:
 
 def _law(setup: Setup) -> WheelsetOnTrack:
     run = setup.run
-    return WheelsetOnTrack(setup.wheelset, setup.track, contact_models(setup), speed=run.speed, start=run.start)
+    kind = HalfSpaceOnTrack if setup.contact.normal == "half-space" else WheelsetOnTrack
+    return kind(setup.wheelset, setup.track, contact_models(setup), speed=run.speed, start=run.start)
+
+
+def _start(setup: Setup, law: WheelsetOnTrack, system: System) -> tuple[Array, Array, float]:
+    """State (q, q_t) and step of a run. The exact contact solver takes the step that is stable with a fast model."""
+    near = replace(setup, contact=setup.contact.fast())
+    if near.contact == setup.contact:
+        q, q_t = start_state(setup, law)
+        return q, q_t, chosen_step(setup, system, q, q_t)
+    fast = _law(near)
+    q, q_t = start_state(near, fast)
+    step = chosen_step(near, System([RigidBody.of(setup.wheelset)], fast), q, q_t)
+    return *exact_start(setup, law, q, q_t), step
 
 
 def chosen_step(setup: Setup, system: System, q: Array, q_t: Array) -> float:

@@ -22,6 +22,7 @@ from wrsim.cli.showing import (
     print_peaks,
     print_summary,
     progress_bar,
+    tell_slow,
 )
 from wrsim.cli.storing import PART, can_go_on, claim, is_complete, patch_pictures, read, write
 from wrsim.errors import InputError
@@ -104,7 +105,9 @@ def run(
         from wrsim.scenario.loading import load
 
         scenario = load(file, models or ())
-        build(scenario)  # what cannot run leaves nothing behind
+        setup = build(scenario)  # what cannot run leaves nothing behind
+        if not quiet:
+            tell_slow(setup)
         directory = output if output is not None else Path("results") / file.stem
         record = directory / PART
         if resume and not record.exists():

@@ -38,6 +38,23 @@ def facts(setup: Setup) -> dict[str, Any]:
     return facts
 
 
+def tell_slow(setup: Setup) -> None:
+    """Warn of a run whose forces all come from the exact contact solver."""
+    if setup.contact.normal != "half-space" or setup.analysis != "curving":
+        return
+    from wrsim.simulation.step import step_for_speed
+
+    step = setup.run.step or step_for_speed(setup.run.speed, setup.wheelset)
+    evaluations = 4.0 * setup.run.duration / step
+    complain(
+        f'contact.normal = "half-space" solves the exact problem at every stage of the integration: about '
+        f"{evaluations:.0f} times for each wheel, some {_duration(EXACT_TIME * evaluations).removesuffix(' left')}"
+    )
+
+
+EXACT_TIME = 0.06  # of both wheels together, with creep forces [s]
+
+
 def print_facts(facts: dict[str, Any]) -> None:
     for name, value in facts.items():
         if isinstance(value, list):
