@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wrsim.analysis.conicity import run_conicity
 from wrsim.analysis.curving import StepTooLong, recorded_curving, run_curving
 from wrsim.analysis.equilibrium import run_equilibrium
 from wrsim.analysis.keeping import Keeping, recorded_setup
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 Progress = Callable[[float, float], None]
 """progress(fraction done, seconds left)"""
 
-_AT_ONCE = {"static": run_static, "equilibrium": run_equilibrium}
+_AT_ONCE = {"static": run_static, "equilibrium": run_equilibrium, "conicity": run_conicity}
 _IN_TIME = {"curving": run_curving}
 _RECORDED = {"curving": recorded_curving}
 

@@ -1,4 +1,4 @@
-"""The commands: check, run, show, plot, profile.
+"""The commands: check, run, show, plot, profile; conicity is in a file of its own.
 
 They import what they need when they run, so that ``wrsim --help`` answers at once.
 """
@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from wrsim import __version__
+from wrsim.cli.conicity import conicity
 from wrsim.cli.ending import INTERRUPTED, exit_code, told
 from wrsim.cli.showing import (
     complain,
@@ -221,3 +222,6 @@ def profile(
         if picture.suffix.lower() != ".png":
             raise InputError(f"-o {picture}: must end in .png")
         print_files([profile_picture(loaded, picture)], as_json)
+
+
+app.command()(conicity)
