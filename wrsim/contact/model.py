@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.contact.creep_coefficients import creep_coefficients
-from wrsim.contact.settings import ContactSettings
+from wrsim.contact.settings import ContactSettings, Tangential
 from wrsim.core import layout as k
 from wrsim.core.search import FOUND_COLUMNS
 from wrsim.core.wheel_rail import wheel_rail
@@ -48,8 +48,10 @@ class ContactModel:
         return cls(wheel, rail, radius, settings, friction, _arrays(wheel, rail, radius, settings, friction))
 
     def fast(self) -> ContactModel:
-        """The same wheel on the same rail with `ContactSettings.fast`, in arrays of its own."""
-        return ContactModel.build(self.wheel, self.rail, self.radius, self.settings.fast(), self.friction)
+        """A fast model of the same wheel on the same rail, for a first idea of where the exact one will stand."""
+        tangential: Tangential = "none" if self.settings.tangential == "none" else "fastsim"
+        settings = replace(self.settings, normal="kik-piotrowski", tangential=tangential)
+        return ContactModel.build(self.wheel, self.rail, self.radius, settings, self.friction)
 
     def evaluate(
         self,

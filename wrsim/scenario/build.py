@@ -14,7 +14,6 @@ from wrsim.geometry.profile import Profile
 from wrsim.geometry.profile_models import load_profile
 from wrsim.geometry.track import Track
 from wrsim.scenario.cases import StaticPose, static_poses
-from wrsim.scenario.conicity_section import ConicityPlan
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
 from wrsim.vehicle.files import load_vehicle, with_wheel
@@ -63,11 +62,11 @@ class Setup:
     """Everything an analysis needs, in SI units, and the text it came from.
 
     rails: inclined profiles of the left and right rail; static: of a static analysis only; run: also of a
-    static one, then without meaning; conicity: of a conicity analysis only; files: the model files that were read.
+    static one, then without meaning; files: the model files that were read.
     """
 
     title: str
-    analysis: Literal["static", "equilibrium", "curving", "conicity"]
+    analysis: Literal["static", "equilibrium", "curving"]
     wheelset: Wheelset
     rails: tuple[Profile, Profile]
     track: Track
@@ -76,7 +75,6 @@ class Setup:
     static: StaticPlan | None
     text: str
     files: tuple[Path, ...]
-    conicity: ConicityPlan | None = None
 
 
 def build(scenario: Scenario) -> Setup:
@@ -90,7 +88,8 @@ def build(scenario: Scenario) -> Setup:
     wheelset = _wheelset(scenario, files)
     rails = _rails(scenario, files)
     track = _track(scenario, rails)
-    _check_placement(scenario, wheelset, rails, track)
+    if spec.track.gauge_between == "gauge points":
+        _check_placement(scenario, wheelset, rails, track)
     plan = None
     if spec.static is not None:
         poses = static_poses(scenario)
@@ -108,7 +107,6 @@ def build(scenario: Scenario) -> Setup:
         static=plan,
         text=scenario.text,
         files=tuple(dict.fromkeys(files)),
-        conicity=spec.conicity.plan() if spec.analysis == "conicity" else None,
     )
 
 
@@ -141,10 +139,12 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
         assert name is not None  # the schema asks for it
         files.append(scenario.find(("track", key), name))
         rail = load_profile(files[-1], "rail").inclined(section.inclination)
-        try:
-            rail.gauge_point()
-        except InputError as error:
-            raise scenario.fault(("track", key), str(error)) from None
+        if section.gauge_between == "gauge points":
+            try:
+                rail.gauge_point()
+            except InputError as error:
+                hint = '; bare pairs of curves are placed by gauge_between = "origins" (static poses)'
+                raise scenario.fault(("track", key), str(error) + hint) from None
         found.append(rail)
     return found[0], found[1]
 
@@ -159,7 +159,9 @@ def _track(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
     row: tuple[segments.Segment, ...] = tuple(s.to_geometry() for s in section.segments)
     if not row:
         row = (segments.Straight(LEVEL_TRACK),)
-    offsets = [(-rail.gauge_point()[0], -rail.top[1]) for rail in rails]
+    offsets = [(0.0, 0.0)] * 2  # of the profiles' origins, from half the gauge and from the track's plane
+    if section.gauge_between == "gauge points":
+        offsets = [(-rail.gauge_point()[0], -rail.top[1]) for rail in rails]
     try:
         return Track.build(
             row,
@@ -178,7 +180,7 @@ def _run(scenario: Scenario, track: Track) -> RunPlan:
     speed = (spec.vehicle.speed_kmh or 0.0) / 3.6
     start, end = section.start_distance_m, track.length
     room = f"must lie on the track, which is {track.length:.6g} m long"
-    if start >= track.length and spec.analysis not in ("static", "conicity"):
+    if start >= track.length and spec.analysis != "static":
         raise scenario.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
     patches = spec.output.patches_at_m
     if spec.analysis == "curving":

@@ -38,7 +38,7 @@ class Scenario:
 
     @property
     def analysis(self) -> str:
-        """static, equilibrium, curving or conicity."""
+        """static, equilibrium or curving."""
         return self.spec.analysis
 
     @property

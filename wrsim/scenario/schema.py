@@ -8,19 +8,13 @@ from typing import Annotated, Any, ClassVar, Literal
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import Choice, Text
 from wrsim.scenario.analysis_sections import OutputSection, RunSection, StaticSection
-from wrsim.scenario.conicity_section import ConicitySection
 from wrsim.scenario.contact_section import ContactSection, HalfSpaceSection, MaterialSection
 from wrsim.scenario.track_section import Arc, Straight, TrackSection, Transition
 from wrsim.scenario.vehicle_section import VehicleSection
 
-Analysis = Literal["static", "equilibrium", "curving", "conicity"]
+Analysis = Literal["static", "equilibrium", "curving"]
 
-UNUSED = {
-    "static": ("run", "output", "conicity"),
-    "equilibrium": ("static", "conicity"),
-    "curving": ("static", "conicity"),
-    "conicity": ("static", "run", "output"),
-}
+UNUSED = {"static": ("run", "output"), "equilibrium": ("static",), "curving": ("static",)}
 """Sections that an analysis does not look at: refused in a file, dropped when they come from its base."""
 
 
@@ -37,14 +31,13 @@ class ScenarioSpec(Section):
     }
 
     title: Annotated[str, Text("a title")] = "untitled"
-    analysis: Annotated[Analysis, Choice(("static", "equilibrium", "curving", "conicity"))]
+    analysis: Annotated[Analysis, Choice(("static", "equilibrium", "curving"))]
     vehicle: VehicleSection
     track: TrackSection
     contact: ContactSection = ContactSection()
     static: StaticSection | None = None
     run: RunSection = RunSection()
     output: OutputSection = OutputSection()
-    conicity: ConicitySection = ConicitySection()
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -55,6 +48,9 @@ class ScenarioSpec(Section):
         for unused in UNUSED.get(analysis, ()) if isinstance(analysis, str) else ():
             if unused in raw:
                 yield Fault(unused, f'is not used by analysis = "{analysis}": remove it')
+        track = raw.get("track")
+        if analysis != "static" and isinstance(track, dict) and track.get("gauge_between") == "origins":
+            yield Fault(("track", "gauge_between"), 'may be "origins" with analysis = "static" only')
         if analysis == "curving":
             vehicle, track = raw.get("vehicle"), raw.get("track")
             if isinstance(vehicle, dict) and "speed_kmh" not in VehicleSection.keys_meant(vehicle):
@@ -70,7 +66,7 @@ def _tell_sections_of_each_other() -> None:
     """Let every section say where a key belongs that it does not know."""
     sections: tuple[type[Section], ...] = (
         ScenarioSpec, VehicleSection, TrackSection, Straight, Transition, Arc,
-        ContactSection, MaterialSection, HalfSpaceSection, StaticSection, RunSection, OutputSection, ConicitySection,
+        ContactSection, MaterialSection, HalfSpaceSection, StaticSection, RunSection, OutputSection,
     )  # fmt: skip
     for section in sections:
         section.elsewhere = {

@@ -147,7 +147,11 @@ SEGMENTS: dict[str, type[Straight] | type[Transition] | type[Arc]] = {
 
 
 class TrackSection(Section):
-    """gauge_mm, rail (or rail_left, rail_right), inclination, cant_base_mm, segments."""
+    """gauge_mm, rail (or rail_left, rail_right), inclination, cant_base_mm, segments.
+
+    gauge_between = "origins" (static poses only): gauge_mm is the distance of the two rail profiles' origins, which lie
+    in the plane of the track. For bare pairs of curves that have no gauge point.
+    """
 
     header: ClassVar[str] = "[track]"
     aliases: ClassVar[dict[str, str]] = {
@@ -161,6 +165,7 @@ class TrackSection(Section):
     gauge_mm: Annotated[
         float, Quantity(400, 2000, example="mm, 14 mm below the top of the inclined rails, such as 1435")
     ]
+    gauge_between: Annotated[Literal["gauge points", "origins"], Choice(("gauge points", "origins"))] = "gauge points"
     inclination: Annotated[float, Inclination()]
     rail: Annotated[str, RailName] | None = None
     rail_left: Annotated[str, RailName] | None = None

@@ -1,0 +1,2 @@
+def write_standing(board, path):
+    pass

@@ -1,0 +1,363 @@
+"""The reference tables of wheel-rail contact computed with CONTACT 25.2, and any of our models on their cases.
+
+The tables are not part of this repository (subsets are, in tests/data). Columns: millimetres, newtons, megapascals,
+radians; CONTACT's track frame, y to the right and z down. A right wheel there is the mirror image of our left wheel,
+with the same numbers for lateral shift and yaw and the opposite one for roll.
+"""
+
+from __future__ import annotations
+
+import csv
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.analysis.half_space_bench import HalfSpaceBench
+from wrsim.analysis.poses import StaticBench
+from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.half_space import HalfSpace
+from wrsim.contact.half_space_patch import HalfSpaceContact
+from wrsim.contact.model import Contact, ContactModel
+from wrsim.contact.settings import ContactSettings, Material, Normal, Tangential, TractionBound
+from wrsim.core import layout as k
+from wrsim.geometry.profile import Profile
+from wrsim.geometry.profile_files import read_profile
+from wrsim.geometry.profile_models import load_profile
+from wrsim.geometry.profile_sections import circle
+from wrsim.scenario.cases import StaticPose
+
+Array = NDArray[np.float64]
+Row = dict[str, str]
+
+MODELS = Path(__file__).parents[1] / "models"
+STEEL = Material(2.0 * 82e9 * 1.28, 0.28)  # G 82 GPa, nu 0.28
+HALF_SPACING, HALF_GAUGE, FRICTION = 0.75, 0.7175, 0.3
+TOUCHING = 0.2  # strips whose edges are nearer than this part of their width belong to one region
+
+
+# --- models -------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A model by name: the value of ``normal`` (or "half-space"), then options after slashes.
+
+    Options: ``constant`` or ``projected`` (approach), ``strips=30``, ``parabolic``, a ``tangential`` model; for the
+    half-space ``table`` (element size of the row, area counted by elements), ``level`` (pairing as CONTACT's),
+    ``angle-corrected``, ``resolution=48``.
+    """
+
+    name: str
+    settings: ContactSettings
+    solver: HalfSpace | None = None
+    table_elements: bool = False
+
+    @classmethod
+    def parse(cls, name: str) -> Chosen:
+        """Raises SystemExit for an option that is not known."""
+        normal, *options = name.split("/")
+        exact = normal == "half-space"
+        values: dict[str, object] = {"normal": normal}
+        if exact:
+            values["tangential"] = "half-space"
+        if normal not in get_args(Normal):
+            raise SystemExit(f"model '{name}': allowed: {', '.join(get_args(Normal))}")
+        solver, table = HalfSpace(), False
+        for option in options:
+            key, _, value = option.partition("=")
+            if option in ("constant", "projected"):
+                values["approach"] = option
+            elif option in ("elliptic", "parabolic"):
+                values["traction_bound"] = option
+            elif key == "strips" and value.isdigit():
+                values["strips"] = int(value)
+            elif exact and option == "table":
+                table = True
+            elif exact and option == "level":
+                solver = replace(solver, pairing="level")
+            elif exact and option == "angle-corrected":
+                solver = replace(solver, influence="angle-corrected")
+            elif exact and key == "resolution" and value.isdigit():
+                solver = replace(solver, resolution=int(value))
+            else:
+                raise SystemExit(f"model '{name}': unknown option '{option}'; {' '.join((cls.__doc__ or '').split())}")
+        settings = ContactSettings(wheel=STEEL, rail=STEEL, damping=0.0, **values)  # type: ignore[arg-type]
+        return cls(name, settings, solver if exact else None, table)
+
+    def with_tangential(self, tangential: str) -> ContactSettings:
+        """Settings with a model of the creep forces by its name, perhaps with "/parabolic"."""
+        name, _, bound = tangential.partition("/")
+        if name not in get_args(Tangential) or bound not in ("", *get_args(TractionBound)):
+            raise SystemExit(
+                f"creep forces '{tangential}': allowed: {', '.join(get_args(Tangential))}, or with /parabolic"
+            )
+        return replace(self.settings, tangential=name, traction_bound=bound or "elliptic")  # type: ignore[arg-type]
+
+
+# --- what a model says --------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Region:
+    """One connected region of contact: N [N], p0 [Pa], area [m2], lateral place in the track frame [m]; extents along
+    the curved axis and along the rail [m]; contact angles at its edges [rad]."""
+
+    normal_force: float
+    p0: float
+    area: float
+    place: float
+    width: float
+    length: float
+    angle_from: float
+    angle_to: float
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A model's contact at one pose: the patch with the largest force, all regions, forces on the wheel [N], seconds of
+    one evaluation at the pose that was found."""
+
+    normal_force: float
+    p0: float
+    area: float
+    approach: float
+    n_patches: int
+    force: Array
+    moment: Array
+    regions: tuple[Region, ...]
+    seconds: float
+
+    @property
+    def angles(self) -> tuple[float, float]:
+        """Contact angles at the edges of the region with the largest force [rad]."""
+        return self.regions[0].angle_from, self.regions[0].angle_to
+
+    @property
+    def total(self) -> float:
+        """Normal force of all regions [N]."""
+        return sum(r.normal_force for r in self.regions)
+
+
+def strip_regions(strips: Array, place: float) -> tuple[Region, ...]:
+    """Connected regions of strips in contact, by falling force; strips (n, STRIP_COLUMNS) of all lobes."""
+    strips = strips[(strips[:, k.FORCE] > 0.0) & (strips[:, k.A] > 0.0)]
+    tangent = np.column_stack([strips[:, k.NB], -strips[:, k.NO]])
+    centre, half = strips[:, [k.O, k.B]], 0.5 * strips[:, k.DS, None]
+    near, far = centre - half * tangent, centre + half * tangent
+    apart = np.hypot(*(far[:, None] - near[None, :]).transpose(2, 0, 1))
+    joined = apart < TOUCHING * np.minimum(strips[:, None, k.DS], strips[None, :, k.DS])
+    label = np.arange(len(strips))
+    for i, j in np.argwhere(joined):
+        label[label == label[j]] = label[i]
+    found = []
+    for one in np.unique(label):
+        own = strips[label == one]
+        own = own[np.argsort(own[:, k.O] * own[:, k.NB].mean() - own[:, k.B] * own[:, k.NO].mean())]
+        angle = np.arctan2(-own[:, k.NO], own[:, k.NB])
+        ends = (angle[0], angle[-1])
+        if len(own) > 1:  # at the outer edges of the outer strips
+            ends = (1.5 * angle[0] - 0.5 * angle[1], 1.5 * angle[-1] - 0.5 * angle[-2])
+        force = own[:, k.FORCE]
+        found.append(
+            Region(
+                float(force.sum()),
+                float(own[:, k.P].max()),
+                float((2.0 * own[:, k.A] * own[:, k.DS]).sum()),
+                float(force @ own[:, k.O] / force.sum()) + place,
+                float(own[:, k.DS].sum()),
+                float((own[:, k.X] + own[:, k.A]).max() - (own[:, k.X] - own[:, k.A]).min()),
+                float(ends[0]),
+                float(ends[1]),
+            )
+        )
+    return tuple(sorted(found, key=lambda r: -r.normal_force))
+
+
+def answer_of_strips(model: ContactModel, contact: Contact, place: float) -> Answer | None:
+    """The answer of a strip model; None without contact."""
+    lobes = contact.patches[contact.patches[:, k.N] > 0.0]
+    if not len(lobes):
+        return None
+    groups = {g: float(lobes[lobes[:, k.GROUP] == g, k.N].sum()) for g in set(lobes[:, k.GROUP])}
+    main = lobes[lobes[:, k.GROUP] == max(groups, key=groups.__getitem__)]
+    return Answer(
+        float(main[:, k.N].sum()),
+        float(main[:, k.P0].max()),
+        float(main[:, k.AREA].sum()),
+        float(main[np.argmax(main[:, k.N]), k.APPROACH]),
+        len(groups),
+        contact.force,
+        contact.moment,
+        strip_regions(np.concatenate(contact.strips), place),
+        _seconds(model.arrays.call, 10),
+    )
+
+
+def answer_of_elements(contact: HalfSpaceContact | None, place: float, counted: bool, seconds: float) -> Answer | None:
+    """The answer of the exact solver; None without contact."""
+    if contact is None or not contact.patches:
+        return None
+    patch = contact.patches[0]
+    regions = [
+        Region(
+            r.normal_force, r.p0, r.area, r.centre[1] + place, r.s[1] - r.s[0], r.x[1] - r.x[0], r.angle[0], r.angle[1]
+        )
+        for p in contact.patches
+        for r in p.regions
+    ]  # fmt: skip
+    return Answer(
+        patch.normal_force,
+        patch.p0,
+        patch.counted_area if counted else patch.area,
+        patch.approach,
+        len(contact.patches),
+        contact.force,
+        contact.moment,
+        tuple(sorted(regions, key=lambda r: -r.normal_force)),
+        seconds,
+    )
+
+
+def _seconds(call: object, repeats: int) -> float:
+    """Shortest of some calls."""
+    best = np.inf
+    for _ in range(repeats):
+        began = time.perf_counter()
+        call()  # type: ignore[operator]
+        best = min(best, time.perf_counter() - began)
+    return float(best)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Which wheel stands on which rail, and where."""
+
+    wheel: Profile
+    rail: Profile
+    origin: tuple[float, float]
+    radius: float
+    rolling: bool
+
+
+def solve(chosen: Chosen, place: Place, pose: StaticPose, spin: float = 0.0, element: float = 0.0) -> Answer | None:
+    """Contact of a model at a prescribed vertical load; None where it finds none, with a line that says so.
+
+    spin: rate about the axle at 2 m/s [rad/s], 0: no slip at the tape circle; element: of the reference [m].
+    """
+    settings = chosen.settings if place.rolling else replace(chosen.settings, tangential="none")
+    model = _model(place.wheel, place.rail, place.radius, settings)
+    wheel = WheelOnRail(model, 1, HALF_SPACING, place.origin)
+    radius = 2.0 / spin if spin else place.radius
+    if chosen.solver is None:
+        bench = StaticBench([wheel], place.rolling, radius)
+        solved = bench.solve(pose)
+        answer = answer_of_strips(model, Contact.copy_from(model.arrays, 0), place.origin[0])
+    else:
+        solver = replace(chosen.solver, element=(element, element)) if chosen.table_elements else chosen.solver
+        exact = HalfSpaceBench([wheel], place.rolling, radius, solver)
+        solved = exact.solve(pose)
+        still = _model(place.wheel, place.rail, place.radius, replace(settings, tangential="none"))
+        still.arrays.pose[:] = model.arrays.pose
+        seconds = _seconds(lambda: solver.solve_pose(still), 1) if exact.contacts[0] is not None else np.nan
+        answer = answer_of_elements(exact.contacts[0], place.origin[0], chosen.table_elements, seconds)
+    if solved.message:
+        print(f"  {chosen.name}: {pose.name}: {solved.message}")
+    return answer
+
+
+@cache
+def _model(wheel: Profile, rail: Profile, radius: float, settings: ContactSettings) -> ContactModel:
+    return ContactModel.build(wheel, rail, radius, settings, FRICTION)
+
+
+# --- cases --------------------------------------------------------------------------------------------
+
+
+def read(path: Path) -> list[Row]:
+    """Rows of a reference table."""
+    if not path.is_file():
+        raise SystemExit(f"{path}: there is no such reference table")
+    with path.open(newline="") as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
+
+
+def by_case(rows: Iterable[Row]) -> dict[str, dict[str, list[Row]]]:
+    """Case -> method -> rows (one for each patch)."""
+    found: dict[str, dict[str, list[Row]]] = {}
+    for row in rows:
+        found.setdefault(row["case_id"], {}).setdefault(row["method"], []).append(row)
+    return found
+
+
+@cache
+def shipped(kind: str, name: str) -> Profile:
+    """A shipped profile by the name that the tables use."""
+    worn = {"wheels": "S1002_worn", "rails": "60E1_worn"}
+    return load_profile(MODELS / kind / f"{worn[kind] if 'worn' in name else name}.toml")
+
+
+@cache
+def own_place(wheel: str, rail: str, cant: str, rolling: bool) -> Place:
+    """Place of a right wheel of ``own_static.csv``: R 460 mm, gauge 1435 mm, origins 1500 mm apart."""
+    inclined = shipped("rails", rail).inclined(1.0 / float(cant.split(":")[1]))
+    origin = (HALF_GAUGE - inclined.gauge_point()[0], -inclined.top[1])
+    return Place(shipped("wheels", wheel), inclined, origin, 0.46, rolling)
+
+
+@cache
+def bench_place(folder: Path) -> Place:
+    """Place of the Manchester contact benchmark: its own profiles, from the reference folder."""
+    wheel = read_profile(folder / "profiles/MBench_S1002_v3.prw", "wheel", measured=False)
+    rail = read_profile(folder / "profiles/MBench_UIC60_v3.prr", "rail", measured=False)
+    return Place(wheel, rail, (HALF_GAUGE - rail.gauge_point()[0], -rail.top[1]), 0.46, True)
+
+
+@cache
+def arc_place(radius_wheel: float, radius_rail: float, radius: float) -> Place:
+    """A hollow wheel arc on a rail corner, origins above one another at zero shift; frictionless."""
+    wheel = circle("hollow", "wheel", radius_wheel, 0.95 * radius_wheel)
+    rail = circle("corner", "rail", radius_rail, 0.98 * radius_rail)
+    return Place(wheel, rail, (HALF_SPACING, 0.0), radius, False)
+
+
+def pose_of(row: Row) -> StaticPose:
+    """The pose of a row of either side as that of our left wheel."""
+    mirrored = 1.0 if row.get("side", "R") == "R" else -1.0
+    return StaticPose(
+        row["case_id"],
+        mirrored * 1e-3 * float(row["y_ws_mm"]),
+        mirrored * float(row["yaw_rad"]),
+        float(row["Fz_req_N"]),
+        -mirrored * float(row.get("roll_rad", 0.0)),
+    )
+
+
+def static_answers(
+    chosen: Chosen, cases: dict[str, dict[str, list[Row]]], folder: Path, own: bool
+) -> Iterator[tuple[str, Row, Answer | None]]:
+    """Answers to the cases of a static table; own: with our profiles, else the Manchester ones."""
+    for name, methods in cases.items():
+        row = next(iter(methods.values()))[0]
+        rolling = row.get("tang", "3") == "3"
+        place = own_place(row["wheel"], row["rail"], row["cant_label"], rolling) if own else bench_place(folder)
+        spin = abs(float(row["vpitch_radps"]))
+        yield name, row, solve(chosen, place, pose_of(row), spin, 1e-3 * float(row["dx_eff_mm"]))
+
+
+def groove_answer(chosen: Chosen, groove: float, spin: float) -> Answer | None:
+    """A ball of R 10 mm across and R 420 mm along in a groove of a radius [m]; G 80 GPa, nu 0.28, 10 kN vertical.
+
+    spin: turning rate of the ball at 0.42 m/s [rad/s]; friction takes part in the load.
+    """
+    steel = Material(2.0 * 80e9 * 1.28, 0.28)
+    ball = replace(chosen, settings=replace(chosen.settings, wheel=steel, rail=steel))
+    wheel = circle("ball", "wheel", -0.010, 0.0098)
+    rail = circle("groove", "rail", -groove, 0.98 * groove)
+    place = Place(wheel, rail, (HALF_SPACING, 0.0), 0.42, True)
+    return solve(ball, place, StaticPose("ball", 0.0, 0.0, 10e3), spin * 2.0 / 0.42)
