@@ -15,6 +15,7 @@ from wrsim.core.fastsim import kalker_coefficients
 
 ASPECTS = [0.1, 0.3, 1.0, 2.5, 10.0]
 FRICTION = 0.3
+BOUND = {False: "fastsim", True: "fastsim, parabolic"}
 WITH_BOUND = pytest.mark.parametrize("parabolic", [False, True], ids=["elliptic", "parabolic"])
 
 signed = st.floats(-6.0, -1.0).map(lambda x: 10.0**x) | st.floats(-6.0, -1.0).map(lambda x: -(10.0**x)) | st.just(0.0)
@@ -53,10 +54,10 @@ def test_creep_coefficients_are_continuous_and_rise_with_length():
 @pytest.mark.parametrize("aspect", ASPECTS)
 def test_full_sliding_gives_mu_n_against_the_slip(aspect, parabolic):
     for xi, eta in ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1)):
-        force = total(roll(aspect, xi, eta, parabolic=parabolic))[:2]
+        force = total(roll(aspect, xi, eta, model=BOUND[parabolic]))[:2]
         weight = roll(aspect)[:, k.FORCE].sum()
         np.testing.assert_allclose(force, -FRICTION * weight * np.sign([xi, eta]), rtol=1e-12)
-    force = total(roll(aspect, 0.06, -0.08, parabolic=parabolic))[:2]
+    force = total(roll(aspect, 0.06, -0.08, model=BOUND[parabolic]))[:2]
     assert np.hypot(*force) == pytest.approx(FRICTION * weight, rel=1e-12)
 
 
@@ -73,19 +74,16 @@ def test_oblique_sliding_is_turned_by_the_unequal_flexibilities(aspect, degrees)
 @WITH_BOUND
 @given(aspect=aspects, xi=signed, eta=signed, phi=spins, friction=st.floats(0.0, 2.0))
 def test_no_strip_pulls_more_than_friction_allows(aspect, xi, eta, phi, friction, parabolic):
-    rows = roll(aspect, xi, eta, phi, friction=friction, parabolic=parabolic, strips=12, cells=8)
+    rows = roll(aspect, xi, eta, phi, friction=friction, model=BOUND[parabolic], strips=12, cells=8)
     assert np.isfinite(rows).all()
     force, limit = np.hypot(rows[:, k.FX], rows[:, k.FY]), friction * rows[:, k.FORCE]
-    if parabolic:
-        assert force.sum() <= limit.sum() * (1.0 + 1e-12)  # the paraboloid has the same sum, not the same strips
-    else:
-        assert (force <= limit * (1.0 + 1e-12)).all()
+    assert (force <= limit * (1.0 + 1e-12) + 1e-300).all()
 
 
 @WITH_BOUND
 @given(aspect=aspects, xi=signed, eta=signed, phi=spins, direction=st.sampled_from([1.0, -1.0]))
 def test_creep_forces_only_take_power(aspect, xi, eta, phi, direction, parabolic):
-    rows = roll(aspect, xi, eta, phi, parabolic=parabolic, direction=direction, strips=12, cells=8)
+    rows = roll(aspect, xi, eta, phi, model=BOUND[parabolic], direction=direction, strips=12, cells=8)
     power = rows[:, k.FX] * rows[:, k.XI] + rows[:, k.FY] * rows[:, k.ETA] + rows[:, k.MZ] * rows[:, k.PHI]
     assert power.sum() <= 1e-12 * np.abs(power).sum()
 
@@ -123,17 +121,17 @@ def reference():
 
 # Largest |difference| of fx, fy over mu N and of the moment over mu N sqrt(a b), measured with 66 x 66 cells.
 # Against the program's own FASTSIM pure creepages agree to the cells; oblique ones differ because it blends the three
-# flexibilities into one. Against the exact solution 5 % is what FASTSIM is known for, 10 % with spin and oblique slip;
-# the parabolic bound adds 5 % of moment and spin force.
+# flexibilities into one. Its parabolic bound is one paraboloid over the ellipse, ours a parabola on every strip: nearer
+# to the exact solution. Against that 5 % is what FASTSIM is known for, 10 % with spin and oblique slip.
 ACCURACY = [
     ("fastsim_ell", False, False, 0.015, 0.02),
     ("fastsim_ell", False, True, 0.05, 0.03),
-    ("fastsim_par", True, False, 0.015, 0.01),
-    ("fastsim_par", True, True, 0.065, 0.03),
+    ("fastsim_par", True, False, 0.04, 0.06),
+    ("fastsim_par", True, True, 0.135, 0.08),
     ("contact", False, False, 0.06, 0.035),
     ("contact", False, True, 0.10, 0.055),
-    ("contact", True, False, 0.10, 0.105),
-    ("contact", True, True, 0.13, 0.11),
+    ("contact", True, False, 0.075, 0.08),
+    ("contact", True, True, 0.10, 0.08),
 ]
 
 
@@ -148,7 +146,7 @@ def test_forces_beside_contact(method, parabolic, combined, force, moment):
     errors = []
     for row in rows:
         creepages = float(row["cksi"]), float(row["ceta"]), 1e3 * float(row["cphi_radpmm"])
-        ours = total(roll(float(row["a_over_b"]), *creepages, strips=66, cells=66, parabolic=parabolic))
+        ours = total(roll(float(row["a_over_b"]), *creepages, strips=66, cells=66, model=BOUND[parabolic]))
         ours /= FRICTION * FORCE * np.array([1.0, 1.0, MEAN_RADIUS])
         errors.append(ours - [float(row["fx"]), float(row["fy"]), float(row["mz_norm"])])
     errors = np.abs(errors).max(axis=0)

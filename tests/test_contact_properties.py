@@ -17,6 +17,7 @@ states = st.fixed_dictionaries(
     {
         "pair": st.sampled_from(sorted(PAIRS)),
         "friction": st.sampled_from([0.0, 0.3, 2.0]),
+        "tangential": st.sampled_from(["fastsim", "fastrip", "polach", "linear", "shen-hedrick-elkins"]),
         "bound": st.sampled_from(["elliptic", "parabolic"]),
         "approach": st.sampled_from(["projected", "constant"]),
         "damping": st.sampled_from([0.0, 2.0]),
@@ -35,6 +36,7 @@ def model_of(state):
     return pair_model(
         state["pair"],
         friction=state["friction"],
+        tangential=state["tangential"],
         traction_bound=state["bound"],
         approach=state["approach"],
         damping=state["damping"],
@@ -72,13 +74,8 @@ def test_any_pose_gives_finite_forces_that_push_and_stay_within_friction(state):
     assert (strips[:, k.FORCE] >= 0.0).all()
     assert (lobes[:, k.APPROACH] > 0.0).all()
     tangential, limit = np.hypot(strips[:, k.FX], strips[:, k.FY]), state["friction"] * strips[:, k.FORCE]
-    if state["bound"] == "elliptic":
+    if state["tangential"] != "linear":  # which knows no limit
         assert (tangential <= limit * (1.0 + 1e-9) + 1e-300).all()
-    else:
-        # Lobes that grow together share one paraboloid, but only in part: coupled ones may exceed mu N.
-        # 1.36 is the worst of 40000 random poses, at overlaps of millimetres; single lobes keep to mu N.
-        excess = 1.4 if (lobes[:, k.COUPLING] > 0.0).any() else 1.0
-        assert tangential.sum() <= excess * limit.sum() * (1.0 + 1e-9)
     assert contact.wear_number >= -1e-12 * limit.sum()
     assert len(lobes) <= model.settings.max_patches
     assert model.arrays.total[k.PATCHES] <= model.arrays.total[k.COUNT] == len(lobes)

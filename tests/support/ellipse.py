@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.creep_coefficients import creep_coefficients
-from wrsim.contact.model import bound_over_cells
+from wrsim.contact.model import TANGENTIAL, bound_over_cells
 from wrsim.core import layout as k
-from wrsim.core.fastsim import fastsim, flexibilities
+from wrsim.core.creep_forces import creep_forces
 
 Array = NDArray[np.float64]
 
@@ -37,29 +37,34 @@ def roll(
     eta: float = 0.0,
     phi: float = 0.0,
     *,
+    model: str = "fastsim",
     friction: float = 0.3,
     strips: int = 40,
     cells: int = 20,
-    parabolic: bool = False,
     direction: float = 1.0,
 ) -> Array:
-    """FASTSIM on the ellipse; xi, eta at its centre, spin phi [1/m]. Returns the strips."""
+    """A tangential model on the ellipse; xi, eta at its centre, spin phi [1/m]. Returns the strips.
+
+    model: a choice of ContactSettings.tangential, or "fastsim, parabolic".
+    """
     rows = ellipse(aspect, strips)
     rows[:, k.XI], rows[:, k.ETA], rows[:, k.PHI] = xi - phi * rows[:, k.S], eta, phi
     force = rows[:, k.FORCE].sum()
-    paraboloid = 0.75 * force / (rows[:, k.A] ** 3 * rows[:, k.DS]).sum() if parabolic else 0.0
-    fastsim(
-        rows,
-        strips,
-        friction,
-        paraboloid,
-        (rows[:, k.FORCE] * rows[:, k.XI]).sum() / force,
-        (rows[:, k.FORCE] * rows[:, k.ETA]).sum() / force,
-        *flexibilities(COEFFICIENTS, aspect, np.pi * MEAN_RADIUS**2, SHEAR_MODULUS),
-        direction,
-        bound_over_cells(cells, parabolic),
-        np.zeros((9, max(strips, 8))),
-    )
+    lobe = np.zeros((1, k.PATCH_COLUMNS))
+    lobe[0, [k.N, k.N_STRIPS, k.AMPLITUDE, k.PARTNER]] = force, strips, 1.0, -1.0
+    lobe[0, k.AREA] = np.pi * MEAN_RADIUS**2
+    lobe[0, k.LENGTH], lobe[0, k.WIDTH] = 2.0 * MEAN_RADIUS * np.sqrt(aspect), 2.0 * MEAN_RADIUS / np.sqrt(aspect)
+    name, _, bound = model.partition(", ")
+    numbers = np.zeros(k.SETTINGS)
+    numbers[k.TANGENTIAL] = TANGENTIAL[name]
+    numbers[k.PARABOLIC] = bound == "parabolic"
+    numbers[[k.FRICTION, k.FRICTION_GAUGE]] = friction
+    numbers[k.SHEAR_MODULUS] = SHEAR_MODULUS
+    numbers[[k.FALL_RATIO, k.ADHESION_FACTOR, k.SLIP_FACTOR]] = 1.0
+    pose = np.zeros(k.POSE)
+    pose[6] = direction
+    shape = bound_over_cells(cells, bound == "parabolic")
+    creep_forces(COEFFICIENTS, shape, numbers, pose, lobe, rows[None], 1, 0, np.zeros((12, max(strips, 8))))
     return rows
 
 

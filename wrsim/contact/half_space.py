@@ -157,7 +157,7 @@ class HalfSpace(HalfSpaceSettings):
         rigid, forward = _rigid_slip(model, grid)
         damping = _damping(model, grid)
         traction, settled = None, True
-        if model.settings.tangential == "half-space" and model.friction > 0.0:
+        if model.settings.tangential == "half-space" and max(model.friction.static, model.friction.at_corner) > 0.0:
             first = start.q if start is not None else None
             pressure, traction, settled = self._roll(model, pressed, rigid, forward, damping, first)
         status = STATUS_GRID_EDGE if pressed.reaches_edge else 0
@@ -178,10 +178,12 @@ class HalfSpace(HalfSpaceSettings):
     ) -> tuple[Pressure, Traction, bool]:
         """Tractions; in turns with the pressures where they move each other (Panagiotopoulos); whether that settled."""
         operator, pressure = pressed.operator, pressed.pressure
+        speed = np.hypot(model.arrays.pose[6], model.arrays.settings[k.LEAST_SPEED])
+        friction = model.friction.coefficient(pressed.grid.normal[:, None, :], speed * np.hypot(*rigid))
 
         def roll(p: Array, q: Array | None) -> Traction:
             w = rigid + operator.slip_of_pressure(p, forward) if operator.coupled else rigid
-            return solve_rolling(operator, model.friction * damping * p, w, forward, 10.0 * self.tolerance, q)
+            return solve_rolling(operator, friction * damping * p, w, forward, 10.0 * self.tolerance, q)
 
         traction = roll(pressure.p, first)
         for _ in range(TURNS):

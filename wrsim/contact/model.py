@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from math import tan
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.contact.creep_coefficients import creep_coefficients
-from wrsim.contact.settings import ContactSettings, Tangential
+from wrsim.contact.settings import ContactSettings, Friction, Tangential
 from wrsim.core import layout as k
 from wrsim.core.search import FOUND_COLUMNS
 from wrsim.core.wheel_rail import wheel_rail
@@ -22,6 +23,15 @@ TABLE_STEP = 0.1e-3  # of the profile tables [m]
 SEARCH_REACH = 0.75e-3  # distance of the search's samples near the rail [m]
 EPSILON = 0.55  # [S 23]
 MOST_STRIPS = 2000
+TANGENTIAL: dict[Tangential, int] = {
+    "none": k.NO_CREEP_FORCES,
+    "fastsim": k.FASTSIM,
+    "fastrip": k.FASTRIP,
+    "polach": k.POLACH,
+    "linear": k.LINEAR,
+    "shen-hedrick-elkins": k.SHEN_HEDRICK_ELKINS,
+    "half-space": k.NO_CREEP_FORCES,  # not the kernel's: contact.half_space
+}
 LEAST_SPEED = 0.05  # rolling speed below which creepages are regularised [m/s]
 
 
@@ -37,19 +47,20 @@ class ContactModel:
     rail: Profile
     radius: float
     settings: ContactSettings
-    friction: float
+    friction: Friction
     arrays: KernelArrays = field(repr=False, compare=False)
 
     @classmethod
     def build(
-        cls, wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: float
+        cls, wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: float | Friction
     ) -> ContactModel:
         """Prepare tables and scratch. The rail profile is given with its inclination."""
-        return cls(wheel, rail, radius, settings, friction, _arrays(wheel, rail, radius, settings, friction))
+        law = Friction.of(friction)
+        return cls(wheel, rail, radius, settings, law, _arrays(wheel, rail, radius, settings, law))
 
     def fast(self) -> ContactModel:
         """A fast model of the same wheel on the same rail, for a first idea of where the exact one will stand."""
-        tangential: Tangential = "none" if self.settings.tangential == "none" else "fastsim"
+        tangential: Tangential = "fastsim" if self.settings.tangential == "half-space" else self.settings.tangential
         settings = replace(self.settings, normal="kik-piotrowski", tangential=tangential)
         return ContactModel.build(self.wheel, self.rail, self.radius, settings, self.friction)
 
@@ -167,11 +178,14 @@ def bound_over_cells(cells: int, parabolic: bool) -> Array:
     return np.ascontiguousarray((primitive[:-1] - primitive[1:]) / (x[:-1] - x[1:]))
 
 
-def _arrays(wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: float) -> KernelArrays:
+def _arrays(
+    wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: Friction
+) -> KernelArrays:
     wheel_table, wheel_step = _cached_table(wheel)
     rail_table, rail_step = _cached_table(rail)
     field_ = _cached_field(rail)
-    parabolic = settings.traction_bound == "parabolic"
+    # FaStrip knows no other bound than the pressure's
+    parabolic = settings.traction_bound == "parabolic" and settings.tangential == "fastsim"
     # Kalker's combined elastic constants: means of the compliances
     shear_compliance = 0.5 * sum(1.0 / m.shear_modulus for m in (settings.wheel, settings.rail))
     poisson = 0.5 * sum(m.poisson_ratio / m.shear_modulus for m in (settings.wheel, settings.rail)) / shear_compliance
@@ -181,11 +195,17 @@ def _arrays(wheel: Profile, rail: Profile, radius: float, settings: ContactSetti
     numbers[k.EPSILON] = EPSILON
     numbers[k.PROJECTED] = settings.approach == "projected"
     numbers[k.DAMPING] = settings.damping
-    numbers[k.FRICTION] = friction
+    numbers[k.FRICTION] = friction.static
+    numbers[k.FRICTION_GAUGE] = friction.at_corner
+    numbers[k.ZONE_START], numbers[k.ZONE_END] = (tan(0.5 * angle) for angle in friction.ramp)
+    numbers[k.FALL_RATIO] = friction.falling_ratio
+    numbers[k.FALL_DECAY] = friction.falling_decay
+    numbers[k.ADHESION_FACTOR] = settings.polach_adhesion
+    numbers[k.SLIP_FACTOR] = settings.polach_slip
     numbers[k.PARABOLIC] = parabolic
     numbers[k.STRIPS] = settings.strips or 0
     numbers[k.STRIP_WIDTH] = settings.strip_width or 0.0
-    numbers[k.TANGENTIAL] = settings.tangential == "fastsim"
+    numbers[k.TANGENTIAL] = TANGENTIAL[settings.tangential]
     numbers[k.LEAST_SPEED] = LEAST_SPEED
     numbers[k.WHEEL_STEP] = wheel_step
     numbers[k.RADIUS] = radius
@@ -208,6 +228,6 @@ def _arrays(wheel: Profile, rail: Profile, radius: float, settings: ContactSetti
         np.zeros((8, FOUND_COLUMNS)),
         np.zeros((settings.max_patches, k.PATCH_COLUMNS)),
         np.zeros((settings.max_patches, most, k.STRIP_COLUMNS)),
-        np.zeros((9, max(most, 8))),
+        np.zeros((12, max(most, 8))),
         np.zeros(k.TOTAL),
     )

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import radians, tan
 from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 Normal = Literal["kik-piotrowski", "half-space"]
 Approach = Literal["projected", "constant"]
-Tangential = Literal["fastsim", "half-space", "none"]
+Tangential = Literal["fastsim", "fastrip", "polach", "linear", "shen-hedrick-elkins", "half-space", "none"]
 Influence = Literal["half-space", "angle-corrected"]
 Pairing = Literal["opposite", "level"]
 TractionBound = Literal["elliptic", "parabolic"]
+
+DRY = 0.35  # coefficient of friction unless told otherwise
 
 
 @dataclass(frozen=True)
@@ -51,6 +59,44 @@ class HalfSpaceSettings:
 
 
 @dataclass(frozen=True)
+class Friction:
+    """Coefficient of friction of one rail that depends on the place and the slip.
+
+    static: at no slip, on the top of the rail [1].
+    gauge_corner: the same at contact angles from ``ramp[1]`` on, or None where it is as on the top; between
+        ``ramp[0]`` and ``ramp[1]`` [rad] it changes smoothly.
+    falling_ratio, falling_decay: A [1] and B [s/m] of ``mu = static ((1 - A) exp(-B w) + A)``, w the slip speed;
+        A = 1 is friction that does not fall.
+    """
+
+    static: float
+    gauge_corner: float | None = None
+    ramp: tuple[float, float] = (radians(15.0), radians(35.0))
+    falling_ratio: float = 1.0
+    falling_decay: float = 0.6
+
+    @classmethod
+    def of(cls, friction: float | Friction) -> Friction:
+        """The law itself, or that of a mere coefficient."""
+        return friction if isinstance(friction, Friction) else cls(friction)
+
+    @property
+    def at_corner(self) -> float:
+        """Coefficient on the gauge corner at no slip [1]."""
+        return self.static if self.gauge_corner is None else self.gauge_corner
+
+    def coefficient(self, normal: Array, slip: Array) -> Array:
+        """Coefficients at places with these unit normals (..., 2), outward and up, at these slip speeds [m/s].
+
+        The same as `core.friction` gives the strips.
+        """
+        start, end = (tan(0.5 * angle) for angle in self.ramp)
+        part = np.clip((-normal[..., 0] / (1.0 + normal[..., 1]) - start) / max(end - start, 1e-9), 0.0, 1.0)
+        mu = self.static + (self.at_corner - self.static) * part * part * (3.0 - 2.0 * part)
+        return mu * (self.falling_ratio + (1.0 - self.falling_ratio) * np.exp(-self.falling_decay * slip))
+
+
+@dataclass(frozen=True)
 class ContactSettings:
     """What the user chose for the contact of both wheels.
 
@@ -60,10 +106,11 @@ class ContactSettings:
     tangential: model of the creep forces; ``"half-space"`` is the exact one and needs that normal model; ``"none"``
         is frictionless.
     traction_bound: shape of the bound ``mu p`` along a strip that FASTSIM holds the tractions under.
-    friction: coefficient on the left and right rail [1].
+    polach_adhesion, polach_slip: Polach's factors kA and kS, ``0 < kS <= kA <= 1``.
+    friction: on the left and right rail: a coefficient [1] or a Friction.
     strips: number of strips over the width of a patch, or None when ``strip_width`` rules.
     strip_width: width of a strip along the curved axis [m], or None when ``strips`` rules.
-    cells: cells of a strip along the rolling direction (FASTSIM).
+    cells: cells of a strip along the rolling direction (FASTSIM, FaStrip).
     damping: c [s/m]; the elastic normal force N becomes ``N (1 + c d(approach)/dt)``, never negative.
     max_patches: patches kept on one wheel, largest first; 1 to 3.
     wheel, rail: the two materials.
@@ -74,7 +121,9 @@ class ContactSettings:
     approach: Approach = "projected"
     tangential: Tangential = "fastsim"
     traction_bound: TractionBound = "elliptic"
-    friction: tuple[float, float] = (0.35, 0.35)
+    polach_adhesion: float = 1.0
+    polach_slip: float = 1.0
+    friction: tuple[float | Friction, float | Friction] = (DRY, DRY)
     strips: int | None = 40
     strip_width: float | None = None
     cells: int = 20

@@ -10,14 +10,17 @@ from its leading edge; where the traction would exceed the bound it slides. Cree
 contain the spin's share y phi); their mean over the patch works through L1 and L2, the deviation from it through L3,
 which on a flat patch with constant spin is Kalker's original.
 
-Bound: mu times the pressure ("elliptic"), or the paraboloid c (x_L^2 - x^2) of the same total force, Kalker's own
-choice ("parabolic").
+Bound: mu times the pressure, a semi-ellipse along the strip ("elliptic"), or the parabola of the same force
+("parabolic"). Kalker's own bound is one paraboloid over the whole ellipse, which takes the strips' forces from
+the edges to the middle; here every strip keeps its mu N, because friction is a matter of the place.
 """
 
 from math import pi, sqrt
 
-from wrsim.core.compiling import kernel
-from wrsim.core.layout import DS, ETA, FX, FY, MZ, PHI, XI, A, P
+from wrsim.core.compiling import inlined, kernel
+from wrsim.core.layout import DS, ETA, FORCE, FX, FY, MU, MZ, PHI, XI, A
+
+PARABOLA_PEAK = 0.375 * pi  # of the parabola over that of the semi-ellipse of equal force
 
 
 @kernel
@@ -59,15 +62,22 @@ def flexibilities(creep, aspect, area, shear_modulus):
     )
 
 
+@inlined
+def largest_traction(row):
+    """Peak of the semi-ellipse along a strip that holds its mu N [Pa]: mu p where the pressure is one itself."""
+    return 2.0 * row[MU] * row[FORCE] / (pi * max(row[A] * row[DS], 1e-300))
+
+
 @kernel
-def fastsim(strips, n, friction, paraboloid, xi0, eta0, l1, l2, l3, direction, shape, work):
+def fastsim(strips, n, peak, xi0, eta0, l1, l2, l3, direction, shape, work):
     """Tangential tractions of n strips.
 
-    paraboloid: 0 for the elliptic bound, else c of the paraboloid [Pa/m2]; xi0, eta0: mean creepages; direction: +1
-    rolling along +x, -1 backwards; shape: (cells,) means of sqrt(1 - X^2), or of 1 - X^2 for the paraboloid, over
-    each cell, X = x / x_L from the leading edge on (means, so that full sliding gives mu N exactly);
-    work: (9, >= n) scratch. Reads A, P, DS, XI, ETA, PHI of each strip (creepages of the wheel against the rail) and
-    writes FX, FY, MZ: forces on the wheel [N] and their moment about the strip's centre [N m].
+    peak: of the bound over that of the semi-ellipse of equal force, 1 for the elliptic bound, PARABOLA_PEAK for the
+    parabolic one; xi0, eta0: mean creepages; direction: +1 rolling along +x, -1 backwards; shape: (cells,) means of
+    sqrt(1 - X^2), or of 1 - X^2 for the parabola, over each cell, X = x / x_L from the leading edge on (means, so that
+    full sliding gives mu N exactly); work: (9, >= n) scratch. Reads A, DS, FORCE, MU, XI, ETA, PHI of each strip
+    (creepages of the wheel against the rail) and writes FX, FY, MZ: forces on the wheel [N] and their moment about the
+    strip's centre [N m].
     """
     cells = shape.shape[0]
     step_x = work[0]
@@ -82,7 +92,7 @@ def fastsim(strips, n, friction, paraboloid, xi0, eta0, l1, l2, l3, direction, s
         step_x[i] = -(xi0 / l1 + (strips[i, XI] - xi0) / l3) * a * dx
         step_y[i] = -(eta0 / l2 + (strips[i, ETA] - eta0) / l3) * a * dx
         turn[i] = -direction * strips[i, PHI] / l3 * a * a * dx
-        bound[i] = friction * (paraboloid * a * a if paraboloid > 0.0 else strips[i, P])
+        bound[i] = peak * largest_traction(strips[i])
         qx[i] = 0.0
         qy[i] = 0.0
         strips[i, FX] = 0.0

@@ -4,16 +4,21 @@
 (
     MODULUS, SHEAR_MODULUS, EPSILON, PROJECTED, DAMPING, FRICTION, PARABOLIC, STRIPS, STRIP_WIDTH, TANGENTIAL,
     LEAST_SPEED, WHEEL_STEP, RADIUS, RAIL_STEP, FIELD_O, FIELD_B, FIELD_SPACING, STRIDE, HOLLOW,
-) = range(19)  # fmt: skip
-SETTINGS = 19
+    FRICTION_GAUGE, ZONE_START, ZONE_END, FALL_RATIO, FALL_DECAY, ADHESION_FACTOR, SLIP_FACTOR,
+) = range(26)  # fmt: skip
+SETTINGS = 26
+
+# settings[TANGENTIAL]
+NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6)
 
 # pose[...]: profile origin on the axle (t, o, b), axle outward, velocity of the origin, angular velocity
 POSE = 12
 
 # a strip's row: centre s, width, shift along x, half length, pressure, normal (o, b), centre (o, b), normal force,
-# creep forces, moment about the centre, creepages, radius of curvature along the rail
-S, DS, X, A, P, NO, NB, O, B, FORCE, FX, FY, MZ, XI, ETA, PHI, RADIUS_T = range(17)  # noqa: E741 (O stands for outward)
-STRIP_COLUMNS = 17
+# creep forces, moment about the centre, creepages, radius of curvature along the rail,
+# coefficient of friction
+S, DS, X, A, P, NO, NB, O, B, FORCE, FX, FY, MZ, XI, ETA, PHI, RADIUS_T, MU = range(18)  # noqa: E741 (O stands for outward)
+STRIP_COLUMNS = 18
 
 # a lobe's row; GROUP numbers the patch it belongs to
 (

@@ -8,7 +8,7 @@ formula hold as it stands, so the kernel knows no side.
 from math import ceil, pi, sqrt
 
 from wrsim.core.compiling import kernel
-from wrsim.core.fastsim import fastsim, flexibilities
+from wrsim.core.creep_forces import creep_forces
 from wrsim.core.kik_piotrowski import far_influence, own_influence, set_pressures, solve_amplitudes
 from wrsim.core.layout import (
     AMPLITUDE,
@@ -22,23 +22,16 @@ from wrsim.core.layout import (
     COUNT,
     COUPLING,
     DAMPING,
-    DS,
     END,
     EPSILON,
-    ETA,
     FIELD_B,
     FIELD_O,
     FIELD_SPACING,
-    FORCE,
-    FRICTION,
-    FX,
-    FY,
     GROUP,
     HALF_LENGTH,
     HOLLOW,
     LENGTH,
     MODULUS,
-    MZ,
     N_STRIPS,
     NB,
     NB_MAIN,
@@ -46,14 +39,12 @@ from wrsim.core.layout import (
     NO_MAIN,
     O_MAIN,
     P0,
-    PARABOLIC,
     PARTNER,
     PATCHES,
     PROJECTED,
     RADIUS,
     RAIL_STEP,
     RECESS,
-    SHEAR_MODULUS,
     START,
     STATUS_PROFILE_END,
     STATUS_TOO_DEEP,
@@ -65,8 +56,6 @@ from wrsim.core.layout import (
     WHEEL_STEP,
     WIDTH,
     X_MAIN,
-    XI,
-    A,
     B,
     N,
     O,
@@ -98,7 +87,7 @@ def wheel_rail(wheel, rail, field, creep, shape, settings, pose, found, patches,
 
     wheel, rail: profile tables (see core.profile), the rail's in (o, b) with its inclination; field: signed distances
     of the rail; creep: (20, 3) Kalker coefficients; shape: bound over the cells; settings: (SETTINGS,); pose: (POSE,);
-    see core.layout. found: (8, FOUND_COLUMNS) and work: (9, >= strips, >= 8) scratch. Writes patches
+    see core.layout. found: (8, FOUND_COLUMNS) and work: (12, >= strips, >= 8) scratch. Writes patches
     (lobes, PATCH_COLUMNS), strips (lobes, n, STRIP_COLUMNS) and total (TOTAL,). Forces act on the wheel; a lobe with
     N = 0 is none.
     Returns a status: 0, or a sum of the STATUS bits.
@@ -132,7 +121,7 @@ def carry(creep, shape, settings, pose, patches, strips, count, work, total):
     """Creep forces of lobes whose pressures are known, and the sums over all of them; arguments as above."""
     for i in range(count):
         if settings[TANGENTIAL] > 0.5:
-            _creep(creep, shape, settings, pose, patches, strips, count, i, work)
+            creep_forces(creep, shape, settings, pose, patches, strips, count, i, work)
         add_lobe(pose, patches[i], strips[i], int(patches[i, N_STRIPS]), total)
     total[COUNT] = count
     loaded = -1.0
@@ -286,43 +275,3 @@ def _press(settings, pose, patches, strips, count, work):
             lobe[N_STRIPS] = 0.0
         lobe[AREA] = area
         lobe[LENGTH] = 2.0 * longest
-
-
-@kernel
-def _creep(creep, shape, settings, pose, patches, strips, count, i, work):
-    """Creep forces of one lobe; coupled lobes share the ellipse and the mean creepages by their coupling."""
-    n = int(patches[i, N_STRIPS])
-    if n == 0 or patches[i, N] <= 0.0 or settings[FRICTION] <= 0.0:
-        for j in range(n):
-            strips[i, j, FX] = 0.0
-            strips[i, j, FY] = 0.0
-            strips[i, j, MZ] = 0.0
-        return
-    area = width = longest = normal = xi0 = eta0 = cubes = 0.0
-    for j in range(count):
-        share = 1.0
-        if j != i:
-            share = 0.0
-            if int(patches[i, PARTNER]) == j:
-                share = patches[i, COUPLING]
-            if int(patches[j, PARTNER]) == i:
-                share = max(share, patches[j, COUPLING])
-            # a lobe about to lift off counts for as little as it carries
-            share *= min(patches[j, AMPLITUDE] / patches[i, AMPLITUDE], 1.0)
-        if share == 0.0 or patches[j, N] <= 0.0:
-            continue
-        area += share * patches[j, AREA]
-        width += share * patches[j, WIDTH]
-        longest = max(longest, share * patches[j, LENGTH])
-        normal += share * patches[j, N]
-        for m in range(int(patches[j, N_STRIPS])):
-            row = strips[j, m]
-            xi0 += share * row[FORCE] * row[XI]
-            eta0 += share * row[FORCE] * row[ETA]
-            cubes += share * row[A] * row[A] * row[A] * row[DS]
-    l1, l2, l3 = flexibilities(creep, longest / width, area, settings[SHEAR_MODULUS])
-    paraboloid = 0.75 * normal / cubes if settings[PARABOLIC] > 0.5 else 0.0
-    direction = 1.0 if pose[6] >= 0.0 else -1.0
-    fastsim(
-        strips[i], n, settings[FRICTION], paraboloid, xi0 / normal, eta0 / normal, l1, l2, l3, direction, shape, work
-    )

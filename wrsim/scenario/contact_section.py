@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
-from wrsim.contact.settings import ContactSettings, HalfSpaceSettings, Material
+from wrsim.contact.settings import DRY, ContactSettings, HalfSpaceSettings, Material, Tangential
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import Choice, Quantity, Whole
 
@@ -121,13 +121,13 @@ class ContactSection(Section):
         DEFAULTS.normal
     )
     approach: Annotated[Literal["projected", "constant"], Choice(("projected", "constant"))] = DEFAULTS.approach
-    tangential: (
-        Annotated[Literal["fastsim", "half-space", "none"], Choice(("fastsim", "half-space", "none"))] | None
-    ) = None
+    tangential: Annotated[Tangential, Choice(get_args(Tangential))] | None = None
     traction_bound: Annotated[Literal["elliptic", "parabolic"], Choice(("elliptic", "parabolic"))] = (
         DEFAULTS.traction_bound
     )
-    friction: Annotated[float, Friction] = DEFAULTS.friction[0]
+    polach_kA: Annotated[float, Quantity(above=0, high=1)] = DEFAULTS.polach_adhesion
+    polach_kS: Annotated[float, Quantity(above=0, high=1)] = DEFAULTS.polach_slip
+    friction: Annotated[float, Friction] = DRY
     friction_left: Annotated[float, Friction] | None = None
     friction_right: Annotated[float, Friction] | None = None
     strips: Annotated[int, Whole(5, 1000)] | None = None
@@ -153,7 +153,7 @@ class ContactSection(Section):
 
     def settings(self) -> ContactSettings:
         """Return the same in SI units. Creep forces are by default exact on exact pressures, else FASTSIM's."""
-        exact: Literal["half-space", "fastsim"] = "half-space" if self.normal == "half-space" else "fastsim"
+        exact: Tangential = "half-space" if self.normal == "half-space" else "fastsim"
         left = self.friction if self.friction_left is None else self.friction_left
         right = self.friction if self.friction_right is None else self.friction_right
         by_width = self.strip_width_mm is not None

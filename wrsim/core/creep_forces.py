@@ -1,0 +1,115 @@
+"""Creep forces of one lobe: its equivalent ellipse, its mean creepages, the model of the user's choice."""
+
+from math import pi, sqrt
+
+from wrsim.core.compiling import kernel
+from wrsim.core.fastrip import fastrip
+from wrsim.core.fastsim import PARABOLA_PEAK, fastsim, flexibilities, kalker_coefficients
+from wrsim.core.friction import set_friction
+from wrsim.core.layout import (
+    ADHESION_FACTOR,
+    AMPLITUDE,
+    AREA,
+    COUPLING,
+    ETA,
+    FASTRIP,
+    FASTSIM,
+    FORCE,
+    FX,
+    FY,
+    LENGTH,
+    MU,
+    MZ,
+    N_STRIPS,
+    PARABOLIC,
+    PARTNER,
+    PHI,
+    POLACH,
+    SHEAR_MODULUS,
+    SHEN_HEDRICK_ELKINS,
+    SLIP_FACTOR,
+    TANGENTIAL,
+    WIDTH,
+    XI,
+    N,
+)
+from wrsim.core.linear_creep import linear_creep
+from wrsim.core.polach import polach
+
+
+@kernel
+def creep_forces(creep, shape, settings, pose, patches, strips, count, i, work):
+    """Write FX, FY, MZ of the strips of lobe i.
+
+    Coupled lobes share the ellipse and the mean creepages by their coupling. The ellipse has the area of the patch and
+    its aspect, length over width.
+    """
+    n = int(patches[i, N_STRIPS])
+    largest = set_friction(pose, settings, strips[i], n)
+    if n == 0 or patches[i, N] <= 0.0 or largest <= 0.0:
+        for j in range(n):
+            strips[i, j, FX] = 0.0
+            strips[i, j, FY] = 0.0
+            strips[i, j, MZ] = 0.0
+        return
+    area = width = longest = normal = xi0 = eta0 = phi0 = 0.0
+    for j in range(count):
+        share = 1.0
+        if j != i:
+            share = 0.0
+            if int(patches[i, PARTNER]) == j:
+                share = patches[i, COUPLING]
+            if int(patches[j, PARTNER]) == i:
+                share = max(share, patches[j, COUPLING])
+            # a lobe about to lift off counts for as little as it carries
+            share *= min(patches[j, AMPLITUDE] / patches[i, AMPLITUDE], 1.0)
+        if share == 0.0 or patches[j, N] <= 0.0:
+            continue
+        area += share * patches[j, AREA]
+        width += share * patches[j, WIDTH]
+        longest = max(longest, share * patches[j, LENGTH])
+        normal += share * patches[j, N]
+        for m in range(int(patches[j, N_STRIPS])):
+            row = strips[j, m]
+            xi0 += share * row[FORCE] * row[XI]
+            eta0 += share * row[FORCE] * row[ETA]
+            phi0 += share * row[FORCE] * row[PHI]
+    xi0 /= normal
+    eta0 /= normal
+    phi0 /= normal
+    aspect = longest / width
+    direction = 1.0 if pose[6] >= 0.0 else -1.0
+    model = int(settings[TANGENTIAL])
+    if model == POLACH:
+        _spread_polach(creep, settings, strips[i], n, normal, xi0, eta0, phi0, aspect, area, direction)
+        return
+    l1, l2, l3 = flexibilities(creep, aspect, area, settings[SHEAR_MODULUS])
+    if model == FASTSIM:
+        peak = PARABOLA_PEAK if settings[PARABOLIC] > 0.5 else 1.0
+        fastsim(strips[i], n, peak, xi0, eta0, l1, l2, l3, direction, shape, work)
+    elif model == FASTRIP:
+        fastrip(strips[i], n, sqrt(area * aspect / pi), l1, l2, l3, direction, shape, work)
+    else:
+        linear_creep(strips[i], n, xi0, eta0, l1, l2, l3, direction, model == SHEN_HEDRICK_ELKINS)
+
+
+@kernel
+def _spread_polach(creep, settings, strips, n, normal, xi0, eta0, phi0, aspect, area, direction):
+    """Polach's forces, over the strips in proportion to their mu N; normal: force on the ellipse [N]."""
+    friction = own = 0.0
+    for i in range(n):
+        friction += strips[i, MU] * strips[i, FORCE]
+        own += strips[i, FORCE]
+    stiffness = settings[SHEAR_MODULUS] * own / (normal * friction)
+    c11, c22, c23 = kalker_coefficients(creep, aspect)
+    a = sqrt(area * aspect / pi)
+    # rolling backwards is the mirror image x -> -x: xi, phi and Fx, Mz change sign
+    fx, fy, mz = polach(
+        direction * xi0, eta0, direction * phi0, a, a / aspect, c11, c22, c23, stiffness,
+        settings[ADHESION_FACTOR], settings[SLIP_FACTOR],
+    )  # fmt: skip
+    for i in range(n):
+        limit = strips[i, MU] * strips[i, FORCE]
+        strips[i, FX] = direction * fx * limit
+        strips[i, FY] = fy * limit
+        strips[i, MZ] = direction * mz * limit
