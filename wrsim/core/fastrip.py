@@ -37,6 +37,7 @@ from wrsim.core.compiling import kernel
 from wrsim.core.fastsim import largest_traction
 from wrsim.core.layout import DS, ETA, FX, FY, MZ, PHI, XI, A
 
+NOTHING = 1e-30  # bound below which a strip only slides [Pa]
 FADING = 0.75  # |psi| from which on the adhesion zone of strip theory is taken back
 
 
@@ -63,7 +64,7 @@ def fastrip(strips, n, half_length, l1, l2, l3, direction, shape, work):
         step_y[i] = -strips[i, ETA] * soft * a * dx
         turn[i] = -direction * strips[i, PHI] * soft * a * a * dx
         ax, ay, d, psi = 0.0, 0.0, 0.0, 0.0
-        if bound > 0.0 and a > 0.0:
+        if bound > NOTHING:
             # all over a
             x = -shift * strips[i, XI] / (l1 * bound)
             y = -shift * strips[i, ETA] / (l2 * bound)
