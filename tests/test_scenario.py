@@ -115,9 +115,9 @@ ONE_FAULT = [
     (
         'analysis = "curving"',
         'analysis = "curve"',
-        'case.toml:2: analysis = "curve": must be "static", "equilibrium" or "curving"',
+        'case.toml:2: analysis = "curve": must be "static", "equilibrium", "curving"',
     ),
-    ('analysis = "curving"', "", 'analysis is missing: must be "static", "equilibrium" or "curving"'),
+    ('analysis = "curving"', "", 'analysis is missing: must be "static", "equilibrium", "curving"'),
     ('title = "a curve"', "friction = 0.3", "friction = 0.3: unknown key; 'friction' belongs in [contact]"),
     ("[vehicle]", "[vehikle]", "vehikle: unknown key; did you mean 'vehicle'?"),
     ('title = "a curve"', 'title = ""', 'title = "": must be a title in quotes'),

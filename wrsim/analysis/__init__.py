@@ -6,10 +6,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wrsim.analysis.curving import StepTooLong, run_curving
+from wrsim.analysis.conicity import run_conicity
+from wrsim.analysis.curving import StepTooLong, recorded_curving, run_curving
 from wrsim.analysis.equilibrium import run_equilibrium
+from wrsim.analysis.keeping import Keeping, recorded_setup
 from wrsim.analysis.static import run_static
 from wrsim.scenario.build import build
 
@@ -20,24 +23,50 @@ if TYPE_CHECKING:
 Progress = Callable[[float, float], None]
 """progress(fraction done, seconds left)"""
 
-_ANALYSES = {"static": run_static, "equilibrium": run_equilibrium, "curving": run_curving}
+_AT_ONCE = {"static": run_static, "equilibrium": run_equilibrium, "conicity": run_conicity}
+_IN_TIME = {"curving": run_curving}
+_RECORDED = {"curving": recorded_curving}
 
 
-def run(scenario: Scenario, progress: Progress | None = None) -> Result:
+def run(
+    scenario: Scenario,
+    progress: Progress | None = None,
+    *,
+    record: str | Path | None = None,
+    resume: bool = False,
+) -> Result:
     """Run what the scenario asks for.
 
     progress: called some ten times a second with the fraction done and the seconds left. A run that has to stop
     (derailment, Ctrl-C, not-a-number) returns what it computed; ``result.status`` and ``result.stop_reason`` say so.
-    Raises InputError when the scenario's parts do not fit together, SimulationError when there is not even a start.
+
+    record: a file in which a run in time is kept while it lasts, so that nothing is lost with its process; delete it
+    when the result is safe. resume: go on with the run in that file, with the same numbers as if it had never been
+    interrupted. A static analysis keeps nothing.
+
+    Raises InputError when the scenario's parts do not fit together, or when there is no run of this scenario to go on
+    with; SimulationError when there is not even a start.
     """
     setup = build(scenario)
-    if setup.contact.normal == "half-space" and setup.analysis != "static":
-        raise scenario.fault(("contact", "normal"), 'is for analysis = "static" only')
+    if setup.analysis in _AT_ONCE:
+        if resume:
+            raise scenario.fault(("analysis",), "nothing is kept of it to resume; run it without --resume")
+        return _AT_ONCE[setup.analysis](setup, progress)
+    keeping = None if record is None else Keeping.of(scenario, setup, Path(record), resume)
     try:
-        return _ANALYSES[setup.analysis](setup, progress)
+        return _IN_TIME[setup.analysis](setup, progress, keeping)
     except StepTooLong as fault:
         # only here are the file and the line of the key known
         raise scenario.fault(("run", "step_us"), fault.rule) from None
 
 
-__all__ = ["run"]
+def recorded(record: str | Path) -> Result:
+    """The result of what a file holds of a run that was cut off, or that is still under way.
+
+    Raises InputError when there is no such file, it is none of a run, or its models are gone or have changed.
+    """
+    setup = recorded_setup(Path(record))
+    return _RECORDED[setup.analysis](setup, Path(record))
+
+
+__all__ = ["recorded", "run"]

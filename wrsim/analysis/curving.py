@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing, nullcontext
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.derailment import DerailmentWatch
 from wrsim.analysis.motion_result import result_of
-from wrsim.analysis.start import start_state
+from wrsim.analysis.start import exact_start, start_state
 from wrsim.errors import InputError
 from wrsim.geometry.segments import Straight
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.half_space_law import HalfSpaceOnTrack
+from wrsim.simulation.integrate import integrate, recorded_motion
 from wrsim.simulation.step import SAFETY, round_step, stable_step
 from wrsim.simulation.system import RigidBody, System
 from wrsim.simulation.wheelset_law import WheelsetOnTrack
 
 if TYPE_CHECKING:
+    from wrsim.analysis.keeping import Keeping
     from wrsim.results import Result
     from wrsim.scenario.build import Setup
     from wrsim.simulation.system import Array
@@ -31,27 +37,62 @@ class StepTooLong(InputError):
         self.rule = rule
 
 
-def run_curving(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
-    """Integrate from the start to the end of the run; a run that has to stop returns what it has."""
+def run_curving(
+    setup: Setup,
+    progress: Callable[[float, float], None] | None = None,
+    keeping: Keeping | None = None,
+) -> Result:
+    """Integrate from the start to the end of the run; a run that has to stop returns what it has.
+
+    keeping: the file in which the run is kept while it lasts, and from which it may go on.
+    """
     plan = setup.run
-    law = WheelsetOnTrack(setup.wheelset, setup.track, contact_models(setup), speed=plan.speed, start=plan.start)
-    q, q_t = start_state(setup, law)
+    law = _law(setup)
     system = System([RigidBody.of(setup.wheelset)], law)
-    step = chosen_step(setup, system, q, q_t)
+    if keeping is not None and keeping.resume:
+        step = keeping.recorded_step()
+        q = q_t = np.zeros(system.size)  # the file knows better
+    else:
+        q, q_t, step = _start(setup, law, system)
     watch = DerailmentWatch(setup, law)
-    motion = integrate(
-        system,
-        q,
-        q_t,
-        # whole steps, so that the run does not pass the end of the track
-        duration=step * max(1, int(plan.duration / step + 1e-6)),
-        step=step,
-        sample_interval=plan.output_interval,
-        monitor=watch,
-        monitor_interval=watch.interval,
-        progress=progress,
-    )
+    with nullcontext() if keeping is None else closing(keeping.tape(step, system.size)) as tape:
+        motion = integrate(
+            system,
+            q,
+            q_t,
+            # whole steps, so that the run does not pass the end of the track
+            duration=step * max(1, int(plan.duration / step + 1e-6)),
+            step=step,
+            sample_interval=plan.output_interval,
+            monitor=watch,
+            monitor_interval=watch.interval,
+            progress=progress,
+            tape=tape,
+        )
     return result_of(setup, law, motion)
+
+
+def recorded_curving(setup: Setup, path: Path) -> Result:
+    """The result of what a file holds of a run; the process that ran it may be dead or still at work."""
+    return result_of(setup, _law(setup), recorded_motion(path))
+
+
+def _law(setup: Setup) -> WheelsetOnTrack:
+    run = setup.run
+    kind = HalfSpaceOnTrack if setup.contact.normal == "half-space" else WheelsetOnTrack
+    return kind(setup.wheelset, setup.track, contact_models(setup), speed=run.speed, start=run.start)
+
+
+def _start(setup: Setup, law: WheelsetOnTrack, system: System) -> tuple[Array, Array, float]:
+    """State (q, q_t) and step of a run. The exact contact solver takes the step that is stable with a fast model."""
+    near = replace(setup, contact=setup.contact.fast())
+    if near.contact == setup.contact:
+        q, q_t = start_state(setup, law)
+        return q, q_t, chosen_step(setup, system, q, q_t)
+    fast = _law(near)
+    q, q_t = start_state(near, fast)
+    step = chosen_step(near, System([RigidBody.of(setup.wheelset)], fast), q, q_t)
+    return *exact_start(setup, law, q, q_t), step
 
 
 def chosen_step(setup: Setup, system: System, q: Array, q_t: Array) -> float:

@@ -65,6 +65,15 @@ class DerailmentWatch:
             reason = reason or self._overlap()
         return f"{reason}, at t = {t:.4g} s, {distance:.2f} m along the track" if reason else None
 
+    def memory(self) -> Array:
+        """When and where either wheel was last seen in contact. See ``simulation.tape.Remembers``."""
+        return np.array([np.nan if seen is None else seen[j] for seen in self.last_contact for j in (0, 1)])
+
+    def recall(self, memory: Array) -> None:
+        """Put back what ``memory`` gave."""
+        pairs = [(float(memory[i]), float(memory[i + 1])) for i in (0, 2)]
+        self.last_contact = [None if np.isnan(pair[0]) else pair for pair in pairs]
+
     def _derailed(self, i: int, wheel: WheelOnRail, t: float, distance: float) -> str:
         """Why the wheelset has derailed on one side; empty when it has not."""
         reason = off_the_rail(wheel, self.flange_tips[i], self.gauge_faces[i])

@@ -10,9 +10,10 @@ import numpy as np
 
 from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.motion_result import result_of
-from wrsim.analysis.start import PLAY
+from wrsim.analysis.start import EXACT, PLAY
 from wrsim.errors import SimulationError
 from wrsim.simulation.equilibrium import Equilibrium, find_equilibrium
+from wrsim.simulation.half_space_law import HalfSpaceOnTrack
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.placement import place_on_track
 from wrsim.simulation.wheelset_law import WheelsetOnTrack
@@ -54,8 +55,13 @@ def standing(setup: Setup, law: WheelsetOnTrack) -> Equilibrium:
 
 def run_equilibrium(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
     """Find the rest state; the result holds that one sample, at time 0."""
-    law = WheelsetOnTrack(setup.wheelset, setup.track, contact_models(setup), speed=0.0, start=setup.run.start)
-    found = standing(setup, law)
+    fast = replace(setup, contact=setup.contact.fast())
+    law = WheelsetOnTrack(setup.wheelset, setup.track, contact_models(fast), speed=0.0, start=setup.run.start)
+    found = standing(fast, law)
+    if setup.contact.normal == "half-space":
+        law = HalfSpaceOnTrack(setup.wheelset, setup.track, contact_models(setup), speed=0.0, start=setup.run.start)
+        weight = setup.wheelset.static_axle_load
+        found = find_equilibrium(law, found.q, found.q_t, REST, weight=weight, tolerance=EXACT)
     if progress is not None:
         progress(1.0, 0.0)
     rest = Motion(np.zeros(1), found.q[None], found.q_t[None], 0.0, "completed")

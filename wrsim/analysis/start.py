@@ -30,6 +30,9 @@ ROLLING = ("z", "x", "y", "heading", "roll", "spin_rate")
 PLAY = 12e-3
 """Farthest lateral shift at which the search for steady curving begins, more by half the gauge widening [m]."""
 
+EXACT = 1e-5
+"""Unbalanced part of the weight with the exact contact solver, which iterates."""
+
 RUN_IN = 3.0
 """Time of running in on a long arc where the search alone finds nothing [s]."""
 
@@ -67,6 +70,17 @@ def start_state(setup: Setup, law: WheelsetOnTrack) -> State:
         f"the run has no steady motion to start from at {run.start:g} m and {3.6 * run.speed:g} km/h{curve}{advice}. "
         f"The search ended with: {problems[-1]}"
     )
+
+
+def exact_start(setup: Setup, law: WheelsetOnTrack, q: Array, q_t: Array) -> State:
+    """The steady motion with the exact contact solver near that of a fast model; the given one if none is found."""
+    steady = _motion(setup, law)
+    weight = setup.wheelset.static_axle_load
+    try:
+        found = find_equilibrium(steady, q, q_t, ROLLING, weight=weight, tolerance=EXACT, max_iterations=8)
+        return _on_the_rails(law, *steady.state(found.q, found.q_t))
+    except SimulationError:
+        return q, q_t
 
 
 def _guess(setup: Setup, lateral: float) -> State:

@@ -1,4 +1,4 @@
-"""The commands: check, run, plot, profile.
+"""The commands: check, run, show, plot, profile; conicity is in a file of its own.
 
 They import what they need when they run, so that ``wrsim --help`` answers at once.
 """
@@ -12,9 +12,20 @@ from typing import Annotated
 import typer
 
 from wrsim import __version__
+from wrsim.cli.conicity import conicity
 from wrsim.cli.ending import INTERRUPTED, exit_code, told
-from wrsim.cli.showing import complain, facts, print_facts, print_files, print_json, print_summary, progress_bar
-from wrsim.cli.storing import claim, patch_pictures, write
+from wrsim.cli.showing import (
+    complain,
+    facts,
+    print_facts,
+    print_files,
+    print_json,
+    print_peaks,
+    print_summary,
+    progress_bar,
+    tell_slow,
+)
+from wrsim.cli.storing import PART, can_go_on, claim, is_complete, patch_pictures, read, write
 from wrsim.errors import InputError
 
 app = typer.Typer(
@@ -79,24 +90,45 @@ def run(
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>.")
     ] = None,
     models: Models = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with the run in DIR that was cut off or interrupted.")
+    ] = False,
     pictures: Annotated[bool, typer.Option(help="Draw the standard pictures.")] = True,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scenario; leaves dataset, tables, summary and pictures in DIR."""
+    """Run a scenario; leaves dataset, tables, summary and pictures in DIR.
+
+    While it lasts, a run is kept in DIR/result.nc.part, so that one that was cut off goes on with --resume.
+    """
     with told(as_json):
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
 
         scenario = load(file, models or ())
-        build(scenario)  # what cannot run leaves nothing behind
+        setup = build(scenario)  # what cannot run leaves nothing behind
+        if not quiet:
+            tell_slow(setup)
         directory = output if output is not None else Path("results") / file.stem
-        claim(directory, scenario)
+        record = directory / PART
+        if resume and not record.exists():
+            if is_complete(directory, scenario):
+                complain(f"{directory} holds the whole result of this scenario already")
+                return
+            complain(f"there is no run in {directory} to go on with; it starts from the beginning")
+            resume = False
         from wrsim.analysis import run as analyse
 
-        with progress_bar(not (quiet or as_json)) as progress:
-            result = analyse(scenario, progress=progress)
-        files = write(result, directory, pictures)
+        if not resume:
+            claim(directory, scenario)
+        try:
+            with progress_bar(not (quiet or as_json)) as progress:
+                result = analyse(scenario, progress=progress, record=record, resume=resume)
+            files = write(result, directory, pictures)
+        except KeyboardInterrupt:
+            if record.exists():
+                raise KeyboardInterrupt(f"interrupted; the run is safe in {record}: go on with --resume") from None
+            raise
         code = exit_code(result)
         if as_json:
             print_json(
@@ -115,13 +147,34 @@ def run(
                 complain(f"{file}: stopped: {result.stop_reason}")
                 if not quiet:
                     complain(f"what was computed is in {directory}; draw it with: wrsim plot {directory}")
+                    if can_go_on(result):
+                        complain("go on with the same command and --resume")
         if code:
             raise typer.Exit(code)
 
 
+ResultFile = Annotated[
+    Path,
+    typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off (.part)."),
+]
+
+
+@app.command()
+def show(result: ResultFile, as_json: Json = False) -> None:
+    """Print the summary of a result, or of what there is of a run."""
+    with told(as_json):
+        loaded = read(result)
+        if as_json:
+            print_json(loaded.summary())
+            return
+        print_peaks(loaded)
+        if loaded.stop_reason:
+            print(f"stopped: {loaded.stop_reason}")
+
+
 @app.command()
 def plot(
-    result: Annotated[Path, typer.Argument(metavar="RESULT", help="A result file, or the folder of a run.")],
+    result: ResultFile,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: beside the result.")
     ] = None,
@@ -135,9 +188,7 @@ def plot(
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
     with told(as_json):
-        from wrsim.results import Result
-
-        loaded = Result.load(result)
+        loaded = read(result)
         directory = output or (result if result.is_dir() else result.parent)
         if at:
             files = patch_pictures(loaded, at, directory)
@@ -171,3 +222,6 @@ def profile(
         if picture.suffix.lower() != ".png":
             raise InputError(f"-o {picture}: must end in .png")
         print_files([profile_picture(loaded, picture)], as_json)
+
+
+app.command()(conicity)

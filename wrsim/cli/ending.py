@@ -50,8 +50,8 @@ def told(as_json: bool) -> Iterator[None]:
         sys.stdout.flush()
     except WrsimError as error:
         _fail(str(error), type(error).__name__, error.exit_code, as_json)
-    except KeyboardInterrupt:
-        _fail("interrupted", "KeyboardInterrupt", INTERRUPTED, as_json)
+    except KeyboardInterrupt as interrupt:
+        _fail(str(interrupt) or "interrupted", "KeyboardInterrupt", INTERRUPTED, as_json)
     except BrokenPipeError:  # the reader of a pipe has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit from None

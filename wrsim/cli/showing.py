@@ -38,6 +38,23 @@ def facts(setup: Setup) -> dict[str, Any]:
     return facts
 
 
+def tell_slow(setup: Setup) -> None:
+    """Warn of a run whose forces all come from the exact contact solver."""
+    if setup.contact.normal != "half-space" or setup.analysis != "curving":
+        return
+    from wrsim.simulation.step import step_for_speed
+
+    step = setup.run.step or step_for_speed(setup.run.speed, setup.wheelset)
+    evaluations = 4.0 * setup.run.duration / step
+    complain(
+        f'contact.normal = "half-space" solves the exact problem at every stage of the integration: about '
+        f"{evaluations:.0f} times for each wheel, some {_duration(EXACT_TIME * evaluations).removesuffix(' left')}"
+    )
+
+
+EXACT_TIME = 0.06  # of both wheels together, with creep forces [s]
+
+
 def print_facts(facts: dict[str, Any]) -> None:
     for name, value in facts.items():
         if isinstance(value, list):
@@ -49,6 +66,14 @@ def print_facts(facts: dict[str, Any]) -> None:
 
 def print_summary(result: Result, directory: Path, files: list[Path]) -> None:
     """The peaks of each wheel as a small table, and where everything is."""
+    from rich.console import Console
+
+    print_peaks(result)
+    Console(highlight=False).print(f"{len(files)} files in {directory}", soft_wrap=True)
+
+
+def print_peaks(result: Result) -> None:
+    """The peaks of each wheel as a small table."""
     from rich.console import Console
     from rich.table import Table
 
@@ -63,9 +88,7 @@ def print_summary(result: Result, directory: Path, files: list[Path]) -> None:
         peaks = [peaks.get(name) for peaks in summary["wheels"].values()]
         if any(p is not None and p["value"] is not None for p in peaks):
             table.add_row(name, *(cell for p in peaks for cell in _peak(p)))
-    console = Console(highlight=False)
-    console.print(table)
-    console.print(f"{len(files)} files in {directory}", soft_wrap=True)
+    Console(highlight=False).print(table)
 
 
 def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:

@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from wrsim.results import Result
     from wrsim.scenario.loading import Scenario
 
+RESULT = "result.nc"
+PART = RESULT + ".part"
+"""The run in a folder while it lasts, and after that if it did not come to its end."""
+
 NEAR = 1.0
 """Distance to the place asked for at which kept patches still count as being there [m]."""
 
@@ -25,15 +29,51 @@ def claim(directory: Path, scenario: Scenario) -> None:
 
 
 def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
-    """Numbers first, pictures last: what fails late costs least."""
+    """Numbers first, pictures last: what fails late costs least.
+
+    Once the numbers are safe, the run's own file has done its work, unless the user may want to go on with it.
+    """
     from wrsim.results import write_run
 
     files = [directory / "scenario.toml", *write_run(result, directory)]
+    if not can_go_on(result):
+        (directory / PART).unlink(missing_ok=True)
     if pictures:
         from wrsim.plots import standard_pictures
 
         files += standard_pictures(result.dataset, directory)
     return files
+
+
+def can_go_on(result: Result) -> bool:
+    """True for a run that Ctrl-C has ended, or the death of its process."""
+    return result.dataset.attrs.get("stop_cause") in ("interrupt", "cut-off")
+
+
+def read(path: Path) -> Result:
+    """A result, or what there is of a run that did not come to its end: a file, or the newer of both in a folder."""
+    from wrsim.results import Result
+
+    if path.is_dir():
+        part, whole = path / PART, path / RESULT
+        path = whole
+        if part.exists() and (not whole.exists() or part.stat().st_mtime_ns > whole.stat().st_mtime_ns):
+            path = part
+    if path.suffix == ".part":
+        from wrsim.analysis import recorded
+
+        return recorded(path)
+    return Result.load(path)
+
+
+def is_complete(directory: Path, scenario: Scenario) -> bool:
+    """True when the folder holds the whole result of this scenario and no run that was cut off."""
+    from wrsim.results import Result
+
+    if (directory / PART).exists() or not (directory / RESULT).exists():
+        return False
+    result = Result.load(directory / RESULT)
+    return not can_go_on(result) and result.dataset.attrs["scenario_text"] == scenario.text
 
 
 def patch_pictures(result: Result, at: list[str], directory: Path) -> list[Path]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from math import tan
 
@@ -59,10 +59,8 @@ class ContactModel:
         return cls(wheel, rail, radius, settings, law, _arrays(wheel, rail, radius, settings, law))
 
     def fast(self) -> ContactModel:
-        """A fast model of the same wheel on the same rail, for a first idea of where the exact one will stand."""
-        tangential: Tangential = "fastsim" if self.settings.tangential == "half-space" else self.settings.tangential
-        settings = replace(self.settings, normal="kik-piotrowski", tangential=tangential)
-        return ContactModel.build(self.wheel, self.rail, self.radius, settings, self.friction)
+        """The same wheel on the same rail with `ContactSettings.fast`, in arrays of its own."""
+        return ContactModel.build(self.wheel, self.rail, self.radius, self.settings.fast(), self.friction)
 
     def evaluate(
         self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import radians, tan
 from typing import Literal
 
@@ -132,6 +132,13 @@ class ContactSettings:
     wheel: Material = field(default_factory=Material)
     rail: Material = field(default_factory=Material)
     half_space: HalfSpaceSettings = field(default_factory=HalfSpaceSettings)
+
+    def fast(self) -> ContactSettings:
+        """The same with a fast model in place of the exact one, for a first idea of where that will stand."""
+        if self.normal != "half-space":
+            return self
+        tangential: Tangential = "fastsim" if self.tangential == "half-space" else self.tangential
+        return replace(self, normal="kik-piotrowski", tangential=tangential)
 
     def __post_init__(self) -> None:
         if self.tangential == "half-space" and self.normal != "half-space":

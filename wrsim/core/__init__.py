@@ -21,13 +21,18 @@ from pathlib import Path
 import numba
 
 
-def _cache_directory() -> str:
-    """Directory for compiled kernels, named after the sources of this package and the numba version."""
+def sources_digest() -> str:
+    """Digest of the sources of this package, the numba and the Python version: of what the kernels compute."""
     digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
     for source in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(source.name.encode())
         digest.update(source.read_bytes())
-    name = "kernels-" + digest.hexdigest()[:16]
+    return digest.hexdigest()[:16]
+
+
+def _cache_directory() -> str:
+    """Directory for compiled kernels, named after the sources of this package and the numba version."""
+    name = "kernels-" + sources_digest()
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     for root in (home, tempfile.gettempdir()):
         path = os.path.join(root, "wrsim", name)

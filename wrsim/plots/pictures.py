@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from wrsim.plots.conicity import conicity_figure
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.histories import (
     ANGLES,
@@ -34,10 +35,12 @@ def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures that suit the dataset, by file name without ending.
 
     Runs of several instants: overview, contact_angle, forces, derailment, motion, pressure. Static analyses of
-    several poses: contact. All: patches and sections of the snapshots or poses. What the dataset has no data for is
-    left out.
+    several poses: contact. Both: patches and sections of the snapshots or poses. Conicity analyses: conicity. What
+    the dataset has no data for is left out.
     """
     figures: dict[str, Callable[[], Figure]] = {}
+    if "equivalent_conicity" in dataset:
+        return {"conicity": lambda: conicity_figure(dataset)}
     if dataset.sizes.get("time", 0) > 1:
         if set(ANGLES) <= set(dataset):
             figures["overview"] = lambda: overview_figure(dataset)

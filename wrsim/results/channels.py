@@ -114,6 +114,7 @@ _ALL = (
     _of("pose", "pose", "1", "1", "name of the pose", kind="text", coordinate=True),
     _of("wheel", "wheel", "1", "1", "side of the wheelset", kind="text", coordinate=True),
     _of("patch", "patch", "1", "1", "contact patch, largest force first", kind="count", coordinate=True),
+    _of("amplitude", "amplitude", "m", "mm", "amplitude of the swing", r"\hat y", coordinate=True),
     _of("snapshot", "snapshot", "1", "1", "number of the snapshot", kind="count", coordinate=True),
     # the track under the wheelset
     _of("distance", "time", "m", "m", "distance along the track", coordinate=True),
@@ -130,6 +131,11 @@ _ALL = (
     _of("yaw", "sample", "rad", "mrad", "angle of attack", r"\psi"),
     _of("roll", "sample", "rad", "mrad", "roll", r"\varphi"),
     _of("spin_rate", "sample", "rad/s", "rad/s", "rotation about the axle", r"\omega"),
+    # rolling of undeformed profiles
+    _of("rolling_radius_difference", "pose", "m", "mm", "rolling radius difference", r"\Delta r"),
+    _of("rolling_radius", "pose wheel", "m", "mm", "rolling radius", "r"),
+    _of("equivalent_conicity", "amplitude", "1", "1", "equivalent conicity", r"\tan\gamma_e"),
+    _of("conicity_wavelength", "amplitude", "m", "m", "wavelength of the swing", r"\lambda"),
     # a wheel
     _of("Y", _WHEEL, "N", "kN", "lateral force", "Y"),
     _of("Q", _WHEEL, "N", "kN", "vertical force", "Q"),

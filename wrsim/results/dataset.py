@@ -49,7 +49,7 @@ def assemble(
     ----------
     coords
         Either ``time`` (n,) in seconds for a run or ``pose`` (n,) names for a static analysis; ``wheel``
-        (default ``("left", "right")``) names the wheels present.
+        (default ``("left", "right")``) names the wheels present; ``amplitude`` (m,) in metres goes with poses.
     channels
         Arrays by channel name, in SI units, shaped as the register says (sample first, then wheel, patch,
         strip). The sizes of ``patch``, ``snapshot``, ``strip``, ``rail_point`` and ``wheel_point`` follow
@@ -98,17 +98,19 @@ def assemble(
 def _labels(sample: str, coords: Mapping[str, ArrayLike]) -> tuple[dict[str, int], dict[str, NDArray[Any]]]:
     """Sizes and labels of the dimensions that the caller names: sample and wheel."""
     for name in coords:
-        if name not in (sample, "wheel"):
+        if name not in (sample, "wheel", "amplitude"):
             raise ValueError(f"coords: '{name}' is not a dimension that the caller labels")
     wheels = tuple(str(w) for w in np.atleast_1d(np.asarray(coords.get("wheel", WHEELS))))
     if len(set(wheels)) != len(wheels) or not wheels or not set(wheels) <= set(WHEELS):
         raise ValueError(f"coords: wheel is {wheels}; allowed are 'left', 'right' or both")
     labels = {sample: _typed(CHANNELS[sample], coords[sample]), "wheel": np.array(wheels)}
+    if "amplitude" in coords:
+        labels["amplitude"] = _typed(CHANNELS["amplitude"], coords["amplitude"])
     if labels[sample].ndim != 1:
         raise ValueError(f"coords: '{sample}' must be one-dimensional, not {labels[sample].shape}")
     if sample == "pose" and np.unique(labels["pose"]).size != labels["pose"].size:
         raise ValueError("coords: every pose needs a name of its own")
-    return {sample: labels[sample].size, "wheel": len(wheels)}, labels
+    return {name: values.size for name, values in labels.items()}, labels
 
 
 def _registered(name: str) -> Channel:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from wrsim.errors import WrsimError
@@ -20,6 +22,22 @@ _REASONS = {
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
+@contextmanager
+def told_plainly(path: Path, size: int | None = None) -> Iterator[None]:
+    """Turn an ``OSError`` of writing to ``path`` into one sentence (``WrsimError``); size: of the content [bytes]."""
+    try:
+        yield
+    except OSError as problem:
+        if problem.errno in _FULL:
+            needed = "" if size is None else f" ({size / 1e6:.1f} MB needed)"
+            if size is not None and size < 1e5:
+                needed = f" ({size / 1e3:.1f} kB needed)"
+            why = f"the disk is full{needed}; free some space or choose another directory"
+        else:
+            why = _REASONS.get(problem.errno or 0, (problem.strerror or str(problem)).lower())
+        raise WrsimError(f"cannot write {path}: {why}") from problem
+
+
 def write_atomically(path: str | Path, content: bytes) -> Path:
     """Write ``content`` to a neighbour of ``path``, bring it to the disk, then give it its name.
 
@@ -28,7 +46,7 @@ def write_atomically(path: str | Path, content: bytes) -> Path:
     """
     path = Path(path)
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    try:
+    with told_plainly(path, len(content)):
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             with open(temporary, "xb") as stream:
@@ -39,11 +57,4 @@ def write_atomically(path: str | Path, content: bytes) -> Path:
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
-    except OSError as problem:
-        if problem.errno in _FULL:
-            size = f"{len(content) / 1e6:.1f} MB" if len(content) >= 1e5 else f"{len(content) / 1e3:.1f} kB"
-            why = f"the disk is full ({size} needed); free some space or choose another directory"
-        else:
-            why = _REASONS.get(problem.errno or 0, (problem.strerror or str(problem)).lower())
-        raise WrsimError(f"cannot write {path}: {why}") from problem
     return path

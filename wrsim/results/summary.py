@@ -39,12 +39,36 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     }
     if "time" in dataset.dims:
         summary["full_curves"] = full_curves(dataset)
+    if "equivalent_conicity" in dataset:
+        summary |= conicity_summary(dataset)
     summary["versions"] = {
         name.removesuffix("_version"): value
         for name, value in attributes.items()
         if name.endswith("_version") and name != "format_version"
     }
     return summary
+
+
+def conicity_summary(dataset: xr.Dataset) -> dict[str, Any]:
+    """Equivalent conicity at 3 mm (at 5 and 1 mm as well) and where the wheelset swings about.
+
+    nonlinearity_per_mm: (tan gamma_e at 4 mm - tan gamma_e at 2 mm) / 2 mm, Polach's parameter: negative where
+    conicity falls with the amplitude, which bodes ill for running behaviour at small ones. ``None`` where one of its
+    amplitudes is missing.
+    """
+    amplitude = 1e3 * dataset["amplitude"].values
+    values = dataset["equivalent_conicity"].values
+
+    def at(millimetres: float) -> float | None:
+        near = np.flatnonzero(np.abs(amplitude - millimetres) < 1e-6)
+        return float(values[near[0]]) if near.size and np.isfinite(values[near[0]]) else None
+
+    two, four = at(2.0), at(4.0)
+    return {
+        "equivalent_conicity": {f"{mm}_mm": at(float(mm)) for mm in (1, 3, 5)},
+        "nonlinearity_per_mm": None if two is None or four is None else 0.5 * (four - two),
+        "equilibrium_shift_mm": 1e3 * float(dataset.attrs["equilibrium_shift_m"]),
+    }
 
 
 def peak(

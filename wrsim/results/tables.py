@@ -25,7 +25,8 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
 
     Runs get ``history.csv`` (one row per instant), ``patches.csv`` (one row per instant, wheel and patch
     in contact) and ``strips.csv`` (the strips of the snapshots). Static analyses get ``patches.csv`` (one
-    row per pose, wheel and patch; a wheel without contact keeps one row) and ``strips.csv``. The dataset
+    row per pose, wheel and patch; a wheel without contact keeps one row) and ``strips.csv``;
+    conicity analyses add ``conicity.csv`` (one row per amplitude). The dataset
     goes first, so that a full disk costs the tables before the numbers. A stopped analysis is written like
     any other.
     Raises ``WrsimError`` when something cannot be written.
@@ -39,6 +40,11 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     return written
 
 
+def write_table(dataset: xr.Dataset, name: str, path: str | Path) -> Path:
+    """Write one of the `tables` of a result. Raises ``WrsimError`` when it cannot be written."""
+    return write_atomically(path, _csv(tables(dataset)[name]))
+
+
 def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:
     """All tables of a result by name; the first row of each is the header."""
     found: dict[str, list[Row]] = {}
@@ -48,7 +54,16 @@ def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:
         found["patches"] = patch_table(dataset)
     if "strip" in dataset.dims:
         found["strips"] = strip_table(dataset)
+    if "amplitude" in dataset.dims:
+        found["conicity"] = conicity_table(dataset)
     return found
+
+
+def conicity_table(dataset: xr.Dataset) -> list[Row]:
+    """One row per amplitude."""
+    channels = [CHANNELS["amplitude"], *_present(dataset, ("amplitude",))]
+    columns = [_text(channel, dataset[channel.name].values) for channel in channels]
+    return [[channel.column for channel in channels], *(list(row) for row in zip(*columns, strict=True))]
 
 
 def history_table(dataset: xr.Dataset) -> list[Row]:

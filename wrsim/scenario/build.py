@@ -14,6 +14,7 @@ from wrsim.geometry.profile import Profile
 from wrsim.geometry.profile_models import load_profile
 from wrsim.geometry.track import Track
 from wrsim.scenario.cases import StaticPose, static_poses
+from wrsim.scenario.conicity_section import ConicityPlan
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
 from wrsim.vehicle.files import load_vehicle, with_wheel
@@ -62,11 +63,11 @@ class Setup:
     """Everything an analysis needs, in SI units, and the text it came from.
 
     rails: inclined profiles of the left and right rail; static: of a static analysis only; run: also of a
-    static one, then without meaning; files: the model files that were read.
+    static one, then without meaning; conicity: of a conicity analysis only; files: the model files that were read.
     """
 
     title: str
-    analysis: Literal["static", "equilibrium", "curving"]
+    analysis: Literal["static", "equilibrium", "curving", "conicity"]
     wheelset: Wheelset
     rails: tuple[Profile, Profile]
     track: Track
@@ -75,6 +76,7 @@ class Setup:
     static: StaticPlan | None
     text: str
     files: tuple[Path, ...]
+    conicity: ConicityPlan | None = None
 
 
 def build(scenario: Scenario) -> Setup:
@@ -107,6 +109,7 @@ def build(scenario: Scenario) -> Setup:
         static=plan,
         text=scenario.text,
         files=tuple(dict.fromkeys(files)),
+        conicity=spec.conicity.plan() if spec.analysis == "conicity" else None,
     )
 
 
@@ -180,7 +183,7 @@ def _run(scenario: Scenario, track: Track) -> RunPlan:
     speed = (spec.vehicle.speed_kmh or 0.0) / 3.6
     start, end = section.start_distance_m, track.length
     room = f"must lie on the track, which is {track.length:.6g} m long"
-    if start >= track.length and spec.analysis != "static":
+    if start >= track.length and spec.analysis not in ("static", "conicity"):
         raise scenario.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
     patches = spec.output.patches_at_m
     if spec.analysis == "curving":

@@ -38,7 +38,7 @@ class Scenario:
 
     @property
     def analysis(self) -> str:
-        """static, equilibrium or curving."""
+        """static, equilibrium, curving or conicity."""
         return self.spec.analysis
 
     @property

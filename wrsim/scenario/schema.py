@@ -8,13 +8,19 @@ from typing import Annotated, Any, ClassVar, Literal
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import Choice, Text
 from wrsim.scenario.analysis_sections import OutputSection, RunSection, StaticSection
+from wrsim.scenario.conicity_section import ConicitySection
 from wrsim.scenario.contact_section import ContactSection, HalfSpaceSection, MaterialSection
 from wrsim.scenario.track_section import Arc, Straight, TrackSection, Transition
 from wrsim.scenario.vehicle_section import VehicleSection
 
-Analysis = Literal["static", "equilibrium", "curving"]
+Analysis = Literal["static", "equilibrium", "curving", "conicity"]
 
-UNUSED = {"static": ("run", "output"), "equilibrium": ("static",), "curving": ("static",)}
+UNUSED = {
+    "static": ("run", "output", "conicity"),
+    "equilibrium": ("static", "conicity"),
+    "curving": ("static", "conicity"),
+    "conicity": ("static", "run", "output"),
+}
 """Sections that an analysis does not look at: refused in a file, dropped when they come from its base."""
 
 
@@ -31,13 +37,14 @@ class ScenarioSpec(Section):
     }
 
     title: Annotated[str, Text("a title")] = "untitled"
-    analysis: Annotated[Analysis, Choice(("static", "equilibrium", "curving"))]
+    analysis: Annotated[Analysis, Choice(("static", "equilibrium", "curving", "conicity"))]
     vehicle: VehicleSection
     track: TrackSection
     contact: ContactSection = ContactSection()
     static: StaticSection | None = None
     run: RunSection = RunSection()
     output: OutputSection = OutputSection()
+    conicity: ConicitySection = ConicitySection()
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -66,7 +73,7 @@ def _tell_sections_of_each_other() -> None:
     """Let every section say where a key belongs that it does not know."""
     sections: tuple[type[Section], ...] = (
         ScenarioSpec, VehicleSection, TrackSection, Straight, Transition, Arc,
-        ContactSection, MaterialSection, HalfSpaceSection, StaticSection, RunSection, OutputSection,
+        ContactSection, MaterialSection, HalfSpaceSection, StaticSection, RunSection, OutputSection, ConicitySection,
     )  # fmt: skip
     for section in sections:
         section.elsewhere = {

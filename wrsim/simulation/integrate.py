@@ -11,16 +11,18 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from types import FrameType
 from typing import Literal
 
 import numpy as np
 
 from wrsim.core.wheelset import first_not_finite
-from wrsim.errors import SimulationError
+from wrsim.errors import InputError, SimulationError
+from wrsim.results.run_file import is_running
 from wrsim.simulation.system import COORDINATES, Array, System
+from wrsim.simulation.tape import Cause, Checkpoint, Ending, Recording, Tape, memory_of, recall
 
-Cause = Literal["", "monitor", "interrupt", "not-finite", "forces"]
 Monitor = Callable[[float, Array, Array], str | None]
 Progress = Callable[[float, float], None]
 
@@ -97,6 +99,8 @@ class _Recorder:
         monitor_every: int,
         progress: Progress | None,
         interrupt: _Interrupt,
+        tape: Tape,
+        begin: Checkpoint,
     ) -> None:
         self.system = system
         self.start = start
@@ -107,14 +111,11 @@ class _Recorder:
         self.monitor_every = monitor_every
         self.progress = progress
         self.interrupt = interrupt
-        rows = steps // every + 2
-        self.times = np.zeros(rows)
-        self.q = np.zeros((rows, system.size))
-        self.q_t = np.zeros((rows, system.size))
-        self.count = 0
-        self.last_step = 0
-        self.last_q = np.array(system.q)
-        self.last_q_t = np.array(system.q_t)
+        self.tape = tape
+        self.things = (system.forces, monitor)
+        self.first = self.last_step = begin.step
+        self.last_q = begin.q.copy()
+        self.last_q_t = begin.q_t.copy()
         self.cause: Cause = ""
         self.reason = ""
         self.began = self.reported = time.perf_counter()
@@ -123,12 +124,9 @@ class _Recorder:
         """Time after k steps [s]."""
         return self.start + k * self.step
 
-    def sample(self, k: int, q: Array, q_t: Array) -> None:
-        """Store the state after step k."""
-        self.times[self.count] = self.time_of(k)
-        self.q[self.count] = q
-        self.q_t[self.count] = q_t
-        self.count += 1
+    def checkpoint(self) -> Checkpoint:
+        """The last good state with what the law and the monitor remember now."""
+        return Checkpoint(self.last_step, self.last_q.copy(), self.last_q_t.copy(), memory_of(self.things))
 
     def stop(self, cause: Cause, reason: str) -> bool:
         """Note why the run ends."""
@@ -153,35 +151,60 @@ class _Recorder:
         self.last_q[:] = q
         self.last_q_t[:] = q_t
         if k % self.every == 0 or k == self.steps:
-            self.sample(k, q, q_t)
+            self.tape.sample(self.time_of(k), q, q_t)
         if self.monitor is not None and (k % self.monitor_every == 0 or k == self.steps):
             reason = self.monitor(self.time_of(k), q, q_t)
             if reason:
                 return self.stop("monitor", reason)
+        if self.tape.due():
+            self.tape.flush(self.checkpoint())
         if self.progress is not None:
             now = time.perf_counter()
             if now - self.reported >= PROGRESS_INTERVAL:
                 self.reported = now
-                self.progress(k / self.steps, (now - self.began) * (self.steps - k) / k)
+                self.progress(k / self.steps, (now - self.began) * (self.steps - k) / (k - self.first))
         if self.interrupt.asked:
+            self.tape.flush(self.checkpoint())
             return self.stop("interrupt", f"interrupted by the user at t = {self.time_of(k):.6g} s")
         return True
 
-    def motion(self) -> Motion:
-        """The samples so far, with the last good state at the end."""
-        last = self.time_of(self.last_step)
-        if self.times[self.count - 1] < last:
-            self.sample(self.last_step, self.last_q, self.last_q_t)
-        n = self.count
-        return Motion(
-            times=self.times[:n].copy(),
-            q=self.q[:n].copy(),
-            q_t=self.q_t[:n].copy(),
-            step=self.step,
-            status="stopped" if self.cause else "completed",
-            cause=self.cause,
-            reason=self.reason,
-        )
+    def end(self) -> None:
+        """Put the last good state among the samples and say how the run ended."""
+        if self.last_step % self.every and self.last_step != self.steps:
+            self.tape.sample(self.time_of(self.last_step), self.last_q, self.last_q_t)
+        self.tape.end(Ending(self.cause, self.reason))
+
+
+def _motion(rows: Array, step: float, ending: Ending) -> Motion:
+    """A motion from the rows of a tape."""
+    size = rows.shape[1] // 2
+    return Motion(
+        times=rows[:, 0].copy(),
+        q=rows[:, 1 : 1 + size].copy(),
+        q_t=rows[:, 1 + size :].copy(),
+        step=step,
+        status="stopped" if ending.cause else "completed",
+        cause=ending.cause,
+        reason=ending.reason,
+    )
+
+
+def recorded_motion(path: str | Path) -> Motion:
+    """The motion that a run file holds; of a run whose process died, up to its last flush.
+
+    The file's header must hold ``step_s`` and ``start_s``. Raises ``InputError`` when there is no whole sample.
+    """
+    recording = Recording.read(path)
+    rows, ending, known = recording.rows, recording.ending, recording.checkpoint
+    step, start = float(recording.header["step_s"]), float(recording.header["start_s"])
+    if ending is None:
+        if known is not None and (len(rows) == 0 or rows[-1, 0] < start + known.step * step):
+            rows = np.vstack([rows, np.concatenate([[start + known.step * step], known.q, known.q_t])])
+        if len(rows) == 0:
+            raise InputError(f"{path}: the run was cut off before its first sample; run the scenario again")
+        what = "is still running; this is" if is_running(path) else "was cut off, its process ended before it did;"
+        ending = Ending("cut-off", f"the run {what} known up to t = {rows[-1, 0]:.6g} s")
+    return _motion(rows, step, ending)
 
 
 def _blame(system: System, recorder: _Recorder) -> str:
@@ -200,8 +223,8 @@ def _blame(system: System, recorder: _Recorder) -> str:
 
     system.forces = watch
     try:
-        at = recorder.time_of(recorder.last_step)
-        system.solve(recorder.last_q, recorder.last_q_t, at, recorder.step, 1, lambda t: True)
+        k = recorder.last_step
+        system.solve(recorder.last_q, recorder.last_q_t, recorder.start, recorder.step, 1, lambda t: True, first=k)
     except SimulationError:
         pass
     finally:
@@ -221,13 +244,16 @@ def integrate(
     monitor: Monitor | None = None,
     monitor_interval: float | None = None,
     progress: Progress | None = None,
+    tape: Tape | None = None,
 ) -> Motion:
     """Integrate a system from the state (q, q_t) at time ``start`` for ``duration`` seconds.
 
     q, q_t: (6 per body,); step [s]; sample_interval [s]: rounded to whole steps, default every step; the
     start and the end are always among the samples. monitor(t, q, q_t): asked every ``monitor_interval`` [s],
     by default at each sample, ends the run by returning the reason. progress(fraction, seconds_left): called
-    some ten times a second, and with (1, 0) at the end of a completed run.
+    some ten times a second, and with (1, 0) at the end of a completed run. tape: takes the samples, by default in
+    memory; one that holds a checkpoint makes the run go on from there, whatever (q, q_t), and one that holds the
+    whole run only plays it back.
 
     The run ends early, with the samples so far, when a number is not finite, when the monitor says so, when
     the force law raises ``SimulationError``, and at Ctrl-C (the first ends the step, the second ends at
@@ -245,13 +271,23 @@ def integrate(
     steps = max(1, int(np.ceil(duration / step - 1e-9)))
     every = 1 if sample_interval is None else max(1, round(sample_interval / step))
     monitor_every = every if monitor_interval is None else max(1, round(monitor_interval / step))
+    tape = Tape(system.size) if tape is None else tape
+    if tape.ending is not None:
+        return _motion(tape.rows(), step, tape.ending)
+    begin = tape.checkpoint
     with _interruptible() as interrupt:
-        recorder = _Recorder(system, start, step, steps, every, monitor, monitor_every, progress, interrupt)
-        recorder.last_q[:] = q
-        recorder.last_q_t[:] = q_t
-        recorder.sample(0, q, q_t)
+        if begin is None:
+            begin = Checkpoint(0, q, q_t, memory_of((system.forces, monitor)))
+            tape.sample(start, q, q_t)
+            tape.flush(begin)
+        else:
+            recall((system.forces, monitor), begin.memory)
+        recorder = _Recorder(
+            system, start, step, steps, every, monitor, monitor_every, progress, interrupt, tape, begin
+        )
         try:
-            system.solve(q, q_t, start, step, steps, recorder.after_step)
+            left = steps - begin.step
+            system.solve(begin.q, begin.q_t, start, step, left, recorder.after_step, first=begin.step)
         except KeyboardInterrupt:
             at = recorder.time_of(recorder.last_step)
             recorder.stop("interrupt", f"interrupted by the user at t = {at:.6g} s")
@@ -266,4 +302,5 @@ def integrate(
         )
     if progress is not None and not recorder.cause:
         progress(1.0, 0.0)
-    return recorder.motion()
+    recorder.end()
+    return _motion(tape.rows(), step, Ending(recorder.cause, recorder.reason))

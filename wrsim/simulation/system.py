@@ -38,6 +38,10 @@ COORDINATES = ("z", "x", "y", "heading", "roll", "spin")
 """Names of the six coordinates of a body, in the order of q and q_t [m, rad]."""
 
 
+SPAN = 1 << 20
+"""Steps that Exudyn is asked for at once; it is stopped after half of them, or sooner."""
+
+
 class ForceLaw(Protocol):
     """Generalised forces on all bodies.
 
@@ -109,6 +113,8 @@ class System:
         self.forces = forces
         self.size = 6 * len(self.bodies)
         self._error: BaseException | None = None
+        self._clock = (0.0, 1.0, 0)
+        """Start [s], half a step [s], half steps done before Exudyn's time 0."""
         with _silence():
             self._container = exudyn.SystemContainer()
             mbs = self._container.AddSystem()
@@ -136,8 +142,9 @@ class System:
 
         def user_function(mbs: object, t: float, item: int, q: object, q_t: object) -> Array:
             system = cast(System, reference())
+            start, half, before = system._clock
             try:
-                system.forces(t, system.q, system.q_t, out)
+                system.forces(start + (before + round(t / half)) * half, system.q, system.q_t, out)
             except BaseException as error:
                 system._error = error
                 raise
@@ -160,8 +167,12 @@ class System:
         step: float,
         steps: int,
         after_step: Callable[[float], bool],
+        first: int = 0,
     ) -> None:
-        """Integrate ``steps`` steps of RK44 from the state (q, q_t) at time ``start``.
+        """Integrate ``steps`` steps of RK44 from the state (q, q_t), which is that after ``first`` steps.
+
+        Times are start + k step exactly, k whole (and half, within a step), and the step is the same number to the
+        last bit however a run is cut into calls of this function: what it computes depends on the state alone.
 
         ``after_step(t)`` runs after every step (``q`` and ``q_t`` then hold the new state), and once at the
         start; False ends the run. What it or the force law raises comes through. Exudyn does not look at the
@@ -170,39 +181,52 @@ class System:
         """
         data = self._mbs.systemData
         initial = exudyn.ConfigurationType.Initial
-        data.SetODE2Coordinates(list(map(float, q)), initial)
-        data.SetODE2Coordinates_t(list(map(float, q_t)), initial)
         settings = exudyn.SimulationSettings()
         settings.solution.file.write = False
         settings.solution.sensors.active = False
         integration = settings.timeIntegration
-        integration.startTime = start
-        integration.endTime = start + steps * step
-        integration.numberOfSteps = steps
+        # Exudyn divides the time by the number of steps; a power of two gives the step back exactly
+        integration.startTime = 0.0
+        integration.endTime = SPAN * step
+        integration.numberOfSteps = SPAN
         integration.automaticStepSize = False
         integration.adaptiveStep = False
         integration.explicit.computeEndOfStepAccelerations = False
         integration.explicit.useLieGroupIntegration = False
         integration.verboseMode = 0
         integration.verboseModeFile = 0
+        half = 0.5 * step
+        going = True
+        done = last = 0
 
         def post_step(mbs: object, t: float) -> bool:
+            nonlocal going, done
+            done = round(t / step)
             try:
-                return after_step(t)
+                going = after_step(start + (first + done) * step)
             except BaseException as error:
                 self._error = error
                 raise
+            return going and done < last
 
         self._error = None
         with _silence():
             self._mbs.SetPostStepUserFunction(post_step)
             try:
-                self._mbs.SolveDynamic(
-                    settings,
-                    solverType=exudyn.DynamicSolverType.RK44,
-                    storeSolver=False,
-                    showCausingItems=False,
-                )
+                while going and steps > 0 and self._error is None:
+                    data.SetODE2Coordinates(list(map(float, q)), initial)
+                    data.SetODE2Coordinates_t(list(map(float, q_t)), initial)
+                    done, last = 0, min(steps, SPAN // 2)
+                    self._clock = (start, half, 2 * first)
+                    self._mbs.SolveDynamic(
+                        settings,
+                        solverType=exudyn.DynamicSolverType.RK44,
+                        storeSolver=False,
+                        showCausingItems=False,
+                    )
+                    if done == 0:
+                        break
+                    first, steps, q, q_t = first + done, steps - done, self.q.copy(), self.q_t.copy()
             except exudyn.ExudynError:
                 if self._error is None:
                     raise

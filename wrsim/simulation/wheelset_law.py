@@ -82,3 +82,11 @@ class WheelsetOnTrack:
     def look_near(self, place: Array) -> None:
         """Tell where to look for the wheelset first, a row of ``places``: before a state far from the last one."""
         self._scalars[[kernel.S_CENTRE, kernel.S_LEFT, kernel.S_RIGHT]] = place
+
+    def memory(self) -> Array:
+        """Where the next call looks first: it decides the last bits of the places found. See ``tape.Remembers``."""
+        return self._scalars[[kernel.S_CENTRE, kernel.S_LEFT, kernel.S_RIGHT]].copy()
+
+    def recall(self, memory: Array) -> None:
+        """Put back what ``memory`` gave."""
+        self.look_near(memory)

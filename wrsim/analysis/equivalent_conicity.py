@@ -1,0 +1,116 @@
+"""Equivalent conicity by EN 15302: the cone that would give a wheelset the wavelength it has on its real profiles.
+
+The centre of an unyawed, massless wheelset that rolls without slip follows
+
+    y'' + Delta r(y) / (2 e r0) = 0,    Delta r = r_left - r_right,
+
+with 2 e = 1.5 m between the contact points and r0 the mean radius. It swings about the place where Delta r = 0. The
+first integral of the equation is y'^2 / 2 + P(y) = E with P the integral of Delta r / (2 e r0), so the wavelength of
+a swing from y1 to y2 with P(y1) = P(y2) = E is a quadrature,
+
+    lambda = 2 int_y1^y2 dy / sqrt(2 (E - P(y))),
+
+and the equivalent conicity at the amplitude (y2 - y1) / 2 is that of Klingel's cone,
+
+    tan(gamma_e) = (2 pi / lambda)^2 e r0.
+
+No time steps, no tolerance: the quadrature is the exact solution for the piecewise linear Delta r given.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.optimize import brentq
+
+Array = NDArray[np.float64]
+
+CONTACT_DISTANCE = 1.5
+"""2 e, between the contact points of both wheels by EN 15302 [m]."""
+POINTS = 2000
+"""Of the quadrature over a swing."""
+
+
+@dataclass(frozen=True, eq=False)
+class EquivalentConicity:
+    """tan(gamma_e) and wavelength [m] over the amplitude [m], all (m,); not-a-number where the wheelset does not swing
+    to and fro with that amplitude. equilibrium: lateral shift with equal rolling radii [m]."""
+
+    amplitude: Array
+    conicity: Array
+    wavelength: Array
+    equilibrium: float
+
+
+def equivalent_conicity(
+    shift: Array,
+    radius_difference: Array,
+    mean_radius: float,
+    amplitude: ArrayLike,
+    contact_distance: float = CONTACT_DISTANCE,
+) -> EquivalentConicity:
+    """Equivalent conicity of a rolling radius difference given at rising shifts (n,), linear in between.
+
+    Not-a-number in ``radius_difference`` (a wheel beside its rail) bounds the range. The equilibrium is the one at the
+    foot of the deepest well of P.
+    """
+    amplitude = np.atleast_1d(np.asarray(amplitude, dtype=float))
+    nothing = np.full(amplitude.shape, np.nan)
+    part = _around_middle(np.isfinite(radius_difference))
+    y, rate = shift[part], radius_difference[part] / (contact_distance * mean_radius)
+    if y.size < 3:
+        return EquivalentConicity(amplitude, nothing, nothing, float("nan"))
+    well = _Well(y, rate)
+    wavelength = np.array([well.wavelength(a) for a in amplitude])
+    conicity = (2.0 * np.pi / wavelength) ** 2 * 0.5 * contact_distance * mean_radius
+    return EquivalentConicity(amplitude, conicity, wavelength, well.bottom)
+
+
+class _Well:
+    """The potential P of a piecewise linear restoring term."""
+
+    def __init__(self, y: Array, rate: Array) -> None:
+        self.y, self.rate = y, rate
+        self.slope = np.diff(rate) / np.diff(y)
+        self.potential = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(y) * (rate[1:] + rate[:-1]))])
+        # P is lowest at an end of the range or where the rate crosses zero upwards
+        crossing = np.flatnonzero((rate[:-1] <= 0.0) & (rate[1:] > 0.0))
+        places = y[crossing] - rate[crossing] / self.slope[crossing]
+        self.bottom = float(places[np.argmin(self(places))]) if places.size else float("nan")
+
+    def __call__(self, y: ArrayLike) -> Array:
+        y = np.asarray(y, dtype=float)
+        i = np.clip(np.searchsorted(self.y, y, side="right") - 1, 0, self.y.size - 2)
+        x = y - self.y[i]
+        return np.asarray(self.potential[i] + x * (self.rate[i] + 0.5 * x * self.slope[i]))
+
+    def wavelength(self, amplitude: float) -> float:
+        """Of the swing of this amplitude; not-a-number when there is none."""
+        low = max(self.bottom - 2.0 * amplitude, float(self.y[0]))
+        high = min(self.bottom, float(self.y[-1]) - 2.0 * amplitude)
+        if not low < high:
+            return float("nan")
+
+        def unbalance(start: float) -> float:
+            return float(self(start + 2.0 * amplitude) - self(start))
+
+        if unbalance(low) > 0.0 or unbalance(high) < 0.0:
+            return float("nan")
+        start = brentq(unbalance, low, high, xtol=1e-16)
+        angle = (np.arange(POINTS) + 0.5) * np.pi / POINTS
+        left = 2.0 * (self(start) - self(start + amplitude * (1.0 - np.cos(angle))))
+        if (left <= 0.0).any():
+            return float("nan")
+        return float(2.0 * np.pi / POINTS * np.sum(amplitude * np.sin(angle) / np.sqrt(left)))
+
+
+def _around_middle(known: NDArray[np.bool_]) -> slice:
+    """The longest run of known values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]]).astype(int)))
+    if not edges.size:
+        return slice(0, 0)
+    starts, stops = edges[::2], edges[1::2]
+    best = int(np.argmax(stops - starts))
+    return slice(int(starts[best]), int(stops[best]))

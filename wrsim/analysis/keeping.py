@@ -1,0 +1,156 @@
+"""Keeping a run in a file while it lasts, and going on with one that was cut off.
+
+The file stands beside the result that it becomes (``result.nc.part``) and holds, next to samples and checkpoints
+(``wrsim.simulation.tape``), what the run was: the scenario as text, a digest of every number that the scenario's files
+came to, and the versions that shape the numbers. A run goes on only where all of that is the same.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import tomllib
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wrsim.core import sources_digest
+from wrsim.errors import InputError
+from wrsim.results import versions
+from wrsim.results.run_file import read_run_file
+from wrsim.scenario.loading import load_text
+from wrsim.simulation.tape import FileTape
+
+if TYPE_CHECKING:
+    from wrsim.scenario.build import Setup
+    from wrsim.scenario.loading import Scenario
+
+SUFFIX = ".part"
+"""Behind the name of the result: the file of a run that is not over."""
+
+
+@dataclass(frozen=True)
+class Keeping:
+    """Where a run is kept while it lasts, whether it goes on with what is there, and what the file says of it."""
+
+    path: Path
+    resume: bool
+    header: dict[str, Any]
+
+    @classmethod
+    def of(cls, scenario: Scenario, setup: Setup, path: Path, resume: bool = False) -> Keeping:
+        """For a scenario. With ``resume``, raises ``InputError`` when the file is that of another run."""
+        header = {
+            "title": scenario.title,
+            "analysis": scenario.analysis,
+            "scenario_text": scenario.text,
+            "folders": [str(folder.resolve()) for folder in scenario.directories],
+            "files": {str(file): _file_digest(file) for file in setup.files},
+            "numbers": numbers_digest(setup),
+            "kernels": sources_digest(),
+            **versions(),
+        }
+        if resume:
+            _same_run(path, header)
+        return cls(path, resume, header)
+
+    def recorded_step(self) -> float:
+        """Time step of the run that goes on [s]."""
+        return float(read_run_file(self.path)[0]["step_s"])
+
+    def tape(self, step: float, size: int) -> FileTape:
+        """The file, to be written on: from its last checkpoint, or anew. step [s]; size: number of coordinates."""
+        if self.resume:
+            return FileTape.continued(self.path)
+        return FileTape.create(self.path, self.header | {"step_s": step, "start_s": 0.0}, size)
+
+
+def _same_run(path: Path, now: dict[str, Any]) -> None:
+    """Raise ``InputError`` when a file holds a run that would not go on with the same numbers."""
+    then, _ = read_run_file(path)
+    again = "run it without --resume to start from the beginning"
+    changed = _first_change(tomllib.loads(then["scenario_text"]), tomllib.loads(now["scenario_text"]))
+    if changed:
+        raise InputError(f"{path}: is the run of another scenario: {changed}; {again}")
+    _same_models(path, then, now, again)
+    for name in ("wrsim", "python", "numpy", "numba", "exudyn", "scipy"):
+        a, b = then.get(f"{name}_version"), now[f"{name}_version"]
+        if a != b:
+            raise InputError(f"{path}: was computed with {name} {a}, this is {b}: the numbers would differ; {again}")
+    if then["kernels"] != now["kernels"]:
+        raise InputError(f"{path}: was computed by another state of wrsim's kernels: the numbers would differ; {again}")
+
+
+def _first_change(then: Any, now: Any, key: str = "") -> str:
+    """What differs first between two trees of tables, in words; empty when nothing does."""
+    if isinstance(then, dict) and isinstance(now, dict):
+        for name in [*then, *(n for n in now if n not in then)]:
+            inner = f"{key}.{name}" if key else name
+            changed = _first_change(then.get(name), now.get(name), inner)
+            if changed:
+                return changed
+        return ""
+    if isinstance(then, list) and isinstance(now, list) and len(then) == len(now):
+        found = (_first_change(a, b, f"{key}[{i}]") for i, (a, b) in enumerate(zip(then, now, strict=True)))
+        return next(filter(None, found), "")
+    if then == now:
+        return ""
+    old, new = ("missing" if v is None else "a table" if isinstance(v, dict | list) else repr(v) for v in (then, now))
+    return f"{key} was {old}, here it is {new}"
+
+
+def _same_models(path: Path, then: dict[str, Any], now: dict[str, Any], again: str) -> None:
+    if then["numbers"] == now["numbers"]:
+        return
+    changed = [file for file, digest in now["files"].items() if then["files"].get(file, digest) != digest]
+    what = f"{changed[0]} has" if len(changed) == 1 else "files that the scenario names have"
+    raise InputError(f"{path}: {what} changed since the run began; {again}")
+
+
+def recorded_setup(path: Path) -> Setup:
+    """The set-up of the run that a file holds, from the scenario in it.
+
+    Raises ``InputError`` when its models are not there any more or have changed.
+    """
+    from wrsim.scenario.build import build
+
+    header, _ = read_run_file(path)
+    folders = [Path(folder) for folder in header["folders"]]
+    setup = build(load_text(header["scenario_text"], folders[0], folders[1:]))
+    now = {"numbers": numbers_digest(setup), "files": {str(file): _file_digest(file) for file in setup.files}}
+    _same_models(path, header, now, "what is in the file can no longer be read: run the scenario again")
+    return setup
+
+
+def _file_digest(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()[:16]
+
+
+def numbers_digest(setup: Setup) -> str:
+    """Digest of all numbers and words of a set-up, however deep they lie; not of its text and of names of files."""
+    digest = hashlib.sha256()
+    _feed(digest, setup)
+    return digest.hexdigest()[:32]
+
+
+def _feed(digest: Any, value: object) -> None:
+    if isinstance(value, np.ndarray):
+        digest.update(f"{value.dtype.str}{value.shape}".encode())
+        digest.update(np.ascontiguousarray(value).tobytes())
+    elif is_dataclass(value):
+        for field in fields(value):
+            if not field.name.startswith("_") and field.name not in ("text", "title"):
+                digest.update(field.name.encode())
+                _feed(digest, getattr(value, field.name))
+    elif isinstance(value, dict):
+        for key in value:
+            digest.update(repr(key).encode())
+            _feed(digest, value[key])
+    elif isinstance(value, tuple | list):
+        digest.update(f"[{len(value)}]".encode())
+        for item in value:
+            _feed(digest, item)
+    elif value is None or isinstance(value, str | int | float | complex | np.generic):
+        digest.update(repr(value).encode())
+    # functions, splines, names of files: made from what has been fed, or of no weight

@@ -1,0 +1,185 @@
+"""``wrsim conicity``: the equivalent conicity of any pair of profiles."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wrsim.cli.ending import told
+from wrsim.cli.showing import print_json
+from wrsim.errors import InputError
+
+if TYPE_CHECKING:
+    from wrsim.geometry.profile import Kind, Profile
+    from wrsim.inputs.lookup import Finder
+    from wrsim.results import Result
+
+TAPE_TO_BACK = 70.0
+"""From the tape circle to the flange back, EN 13715 [mm]."""
+
+
+def conicity(
+    wheel: Annotated[str, typer.Argument(metavar="WHEEL", help="Wheel profile, such as wheels/S1002.toml.")],
+    rail: Annotated[str, typer.Argument(metavar="RAIL", help="Rail profile, such as rails/60E1.toml.")],
+    gauge_mm: Annotated[float, typer.Option(help="14 mm below the rail tops.")] = 1435.0,
+    flange_back_mm: Annotated[float, typer.Option(help="Distance of the flange backs.")] = 1360.0,
+    inclination: Annotated[str, typer.Option(help='Of the rails: 1:40, 1:20 ... or "none".')] = "1:40",
+    radius_mm: Annotated[float, typer.Option(help="Of both wheels at the tape circle.")] = 460.0,
+    diameters_mm: Annotated[
+        tuple[float, float] | None, typer.Option(metavar="LEFT RIGHT", help="In place of --radius-mm.")
+    ] = None,
+    wheel_right: Annotated[str | None, typer.Option(metavar="WHEEL", help="Where the right wheel differs.")] = None,
+    rail_right: Annotated[str | None, typer.Option(metavar="RAIL", help="Where the right rail differs.")] = None,
+    roll: Annotated[
+        str, typer.Option(help='none (EN 15302), rail-top or centre: see "Equivalent conicity" in docs/conicity.md.')
+    ] = "none",
+    models: Annotated[
+        list[Path] | None, typer.Option("--models", metavar="DIR", help="Folder with model files of your own.")
+    ] = None,
+    picture: Annotated[Path | None, typer.Option(metavar="PNG", help="Draw it there.")] = None,
+    table: Annotated[Path | None, typer.Option(metavar="CSV", help="Write tan gamma_e every 0.1 mm there.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+) -> None:
+    """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
+    with told(as_json):
+        from wrsim.analysis.conicity import conicity as analyse
+        from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+        from wrsim.inputs.values import nearest
+        from wrsim.scenario.conicity_section import AMPLITUDES, ROLLS, ConicityPlan
+        from wrsim.vehicle.wheelset import Wheel, Wheelset
+
+        _within("--gauge-mm", gauge_mm, 400.0, 2000.0)
+        _within("--flange-back-mm", flange_back_mm, 300.0, 1900.0)
+        diameters = diameters_mm or (2.0 * radius_mm, 2.0 * radius_mm)
+        for diameter in diameters:
+            key = "--radius-mm" if diameters_mm is None else "--diameters-mm"
+            factor = 0.5 if diameters_mm is None else 1.0
+            _within(key, factor * diameter, factor * 200.0, factor * 3000.0)
+        if roll not in ROLLS:
+            near = nearest(roll, ROLLS)
+            raise InputError(f"--roll {roll}: must be {', '.join(ROLLS)}" + (f"; did you mean {near}?" if near else ""))
+        for key, path, suffix in (("--picture", picture, ".png"), ("--table", table, ".csv")):
+            if path is not None and path.suffix.lower() != suffix:
+                raise InputError(f"{key} {path}: must end in {suffix}")
+        finder = Finder((Path(), *user_folders(tuple(models or ())), shipped_models()))
+        slope = _slope(inclination)
+        left_wheel = _profile(finder, wheel, "wheel")
+        left_rail = _profile(finder, rail, "rail").inclined(slope)
+        right_wheel = left_wheel if wheel_right is None else _profile(finder, wheel_right, "wheel")
+        right_rail = left_rail if rail_right is None else _profile(finder, rail_right, "rail").inclined(slope)
+        wheelset = Wheelset(
+            name="wheelset",
+            mass=0.0,
+            inertia=(0.0, 0.0, 0.0),
+            profile_spacing=(flange_back_mm + 2.0 * TAPE_TO_BACK) / 1e3,
+            left=Wheel(left_wheel, 0.5e-3 * diameters[0]),
+            right=Wheel(right_wheel, 0.5e-3 * diameters[1]),
+        )
+        names = [_both(p.name, q.name) for p, q in ((left_wheel, right_wheel), (left_rail, right_rail))]
+        plan = ConicityPlan(tuple(a / 1e3 for a in AMPLITUDES), roll)
+        title = f"{names[0]} on {names[1]}" + (f", inclined {inclination}" if slope else "")
+        result = analyse(wheelset, (left_rail, right_rail), gauge_mm / 1e3, plan, title)
+        files = _files(result, picture, table)
+        if as_json:
+            print_json({**_numbers(result), "files": [str(f) for f in files]})
+        else:
+            _print(result)
+            for file in files:
+                print(file)
+
+
+def _within(key: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise InputError(f"{key} {value:g}: must be from {low:g} to {high:g} mm")
+
+
+def _slope(text: str) -> float:
+    from pydantic_core import PydanticCustomError
+
+    from wrsim.scenario.track_section import Inclination
+
+    try:
+        number: Any = float(text)
+    except ValueError:
+        number = text
+    try:
+        return Inclination().check(number)
+    except PydanticCustomError as error:
+        raise InputError(f"--inclination {text}: {error.message()}") from None
+
+
+def _profile(finder: Finder, name: str, kind: Kind) -> Profile:
+    from wrsim.geometry.profile_models import load_profile
+
+    try:
+        file = finder.find(name)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from None
+    return load_profile(file, kind)
+
+
+def _both(left: str, right: str) -> str:
+    return left if left == right else f"{left} / {right}"
+
+
+def _files(result: Result, picture: Path | None, table: Path | None) -> list[Path]:
+    from wrsim.results.tables import write_table
+
+    files = []
+    if table is not None:
+        files.append(write_table(result.dataset, "conicity", table))
+    if picture is not None:
+        from wrsim.plots import save
+        from wrsim.plots.conicity import conicity_figure
+
+        files.append(save(conicity_figure(result.dataset), picture))
+    return files
+
+
+def _numbers(result: Result) -> dict[str, Any]:
+    """What --json tells."""
+    dataset, summary = result.dataset, result.summary()
+    return {
+        "title": result.title,
+        **{key: summary[key] for key in ("equivalent_conicity", "nonlinearity_per_mm", "equilibrium_shift_mm")},
+        "amplitude_mm": [round(1e3 * a, 9) for a in dataset["amplitude"].values.tolist()],
+        "tan_gamma_e": [None if v != v else v for v in dataset["equivalent_conicity"].values.tolist()],
+    }
+
+
+def _print(result: Result) -> None:
+    """Every half millimetre: conicity and wavelength over amplitude, and what lies at that shift."""
+    from rich.console import Console
+    from rich.table import Table
+
+    dataset, summary = result.dataset, result.summary()
+    table = Table(title=result.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    heads = ("y mm", "tan gamma_e", "wavelength m", "delta r mm", "angle left deg", "angle right deg")
+    for head in heads:
+        table.add_column(head, justify="right")
+    shift = 1e3 * dataset["lateral_shift"].values
+    columns = [1e3 * dataset["rolling_radius_difference"].values]
+    columns += [57.29577951308232 * dataset["contact_angle"].values[:, j, 0] for j in (0, 1)]
+    for amplitude, value, wavelength in zip(
+        1e3 * dataset["amplitude"].values,
+        dataset["equivalent_conicity"].values,
+        dataset["conicity_wavelength"].values,
+        strict=True,
+    ):
+        if abs(2.0 * amplitude - round(2.0 * amplitude)) > 1e-6:
+            continue
+        i = int(abs(shift - amplitude).argmin())
+        cells = [f"{amplitude:.1f}", f"{value:.3f}", f"{wavelength:.2f}"]
+        cells += [f"{c[i]:.3f}" for c in columns[:1]] + [f"{c[i]:.2f}" for c in columns[1:]]
+        table.add_row(*(cell.replace("nan", "-") for cell in cells))
+    console = Console(highlight=False)
+    console.print(table)
+    place = summary["equilibrium_shift_mm"]
+    console.print(
+        f"amplitudes are counted from the equilibrium at y = {place:z.3f} mm; delta r and angles at y itself",
+        soft_wrap=True,
+    )
+    if summary["nonlinearity_per_mm"] is not None:
+        console.print(f"nonlinearity parameter {summary['nonlinearity_per_mm']:z.4f} per mm")

@@ -1,0 +1,113 @@
+"""Rolling radius difference, contact points and angles over the lateral shift; equivalent conicity over amplitude."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from wrsim.plots.style import FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, broken, new_figure, shown, style, unit
+from wrsim.results import CHANNELS
+
+JUMP = 1.5
+"""Millimetres between two shifts beyond which a contact point has jumped elsewhere: the line is interrupted."""
+ROLL_WORDS = {
+    "none": "wheelset without roll (EN 15302)",
+    "rail-top": "wheelset rolled, shift at the rail tops",
+    "centre": "wheelset rolled, shift of its centre",
+}
+
+
+def conicity_figure(dataset: xr.Dataset) -> Figure:
+    """Four panels on one page."""
+    attributes = dataset.attrs
+    radii = [2e3 * float(attributes[f"radius_{side}_m"]) for side in ("left", "right")]
+    diameters = f"{radii[0]:.6g}" if radii[0] == radii[1] else f"{radii[0]:.6g} / {radii[1]:.6g}"
+    facts = (
+        f"gauge {1e3 * float(attributes['gauge_m']):.6g} mm, profile origins "
+        f"{1e3 * float(attributes['profile_spacing_m']):.6g} mm apart, wheels {diameters} mm, "
+        f"{ROLL_WORDS.get(str(attributes['roll']), '')}"
+    )
+    with style():
+        figure = new_figure(FULL_WIDTH, 132.0)
+        figure.suptitle(f"{attributes['title']}\n{facts}", x=0.012, ha="left", fontsize=8.0)
+        axes = [figure.add_subplot(2, 2, i + 1) for i in range(4)]
+        radius_difference(axes[0], dataset)
+        conicity_curve(axes[1], dataset)
+        contact_points(axes[2], dataset)
+        angles(axes[3], dataset)
+    return figure
+
+
+def radius_difference(axes: Axes, dataset: xr.Dataset) -> Axes:
+    """Delta r over the lateral shift, with the place where the wheelset is in balance."""
+    y, difference = shown(dataset, "lateral_shift"), shown(dataset, "rolling_radius_difference")
+    axes.plot(*broken(y, difference, JUMP), color=INK)
+    axes.axhline(0.0, color=QUIET, linewidth=0.5)
+    place = 1e3 * float(dataset.attrs["equilibrium_shift_m"])
+    axes.plot([place], [0.0], "o", markerfacecolor="white", markeredgecolor=INK, markersize=4.0, zorder=3.0)
+    if abs(place) > 5e-3:
+        axes.annotate(
+            f"{place:.2f} mm".replace("-", "\N{MINUS SIGN}"),
+            (place, 0.0),
+            xytext=(6.0, -10.0),
+            textcoords="offset points",
+            fontsize=6.5,
+        )
+    axes.set_xlabel(CHANNELS["lateral_shift"].label)
+    axes.set_ylabel(f"Rolling radius difference $\\Delta r${unit('rolling_radius_difference')}")
+    axes.set_title("left minus right", fontsize=6.5, color=QUIET, pad=2.0)
+    return axes
+
+
+def conicity_curve(axes: Axes, dataset: xr.Dataset) -> Axes:
+    """tan gamma_e over the amplitude; the value at 3 mm is written beside it."""
+    amplitude, values = shown(dataset, "amplitude"), dataset["equivalent_conicity"].values
+    axes.plot(amplitude, values, color=INK)
+    at = np.flatnonzero((np.abs(amplitude - 3.0) < 1e-6) & np.isfinite(values))
+    for i in at:
+        axes.plot([amplitude[i]], [values[i]], "o", color=INK, markersize=3.5)
+        axes.annotate(
+            f"{values[i]:.3f}", (amplitude[i], values[i]), xytext=(0.0, 6.0), textcoords="offset points",
+            fontsize=7.0, ha="center",
+        )  # fmt: skip
+    axes.set_ylim(0.0, 1.12 * max(float(np.nanmax(values, initial=0.0)), 1e-3))
+    axes.set_xlabel(CHANNELS["amplitude"].label)
+    axes.set_ylabel(r"Equivalent conicity $\tan\gamma_e$")
+    return axes
+
+
+def contact_points(axes: Axes, dataset: xr.Dataset) -> Axes:
+    """Where the contact is, on the wheel profile (solid) and on the rail profile (dashed)."""
+    y = shown(dataset, "lateral_shift")
+    for j, wheel in enumerate(dataset["wheel"].values):
+        for name, line in (("u_wheel", "-"), ("u_rail", (0, (3, 1.5)))):
+            body = name.removeprefix("u_")
+            axes.plot(
+                *broken(y, shown(dataset, name)[:, j, 0], JUMP), color=WHEEL_COLOUR[str(wheel)], linestyle=line,
+                label=f"{wheel} {body}",
+            )  # fmt: skip
+    axes.set_xlabel(CHANNELS["lateral_shift"].label)
+    axes.set_ylabel("Contact point, outward u [mm]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=4, fontsize=6.5, handlelength=1.6)
+    return axes
+
+
+def angles(axes: Axes, dataset: xr.Dataset) -> Axes:
+    """Contact angles of both wheels against the track plane."""
+    y = shown(dataset, "lateral_shift")
+    values, points = shown(dataset, "contact_angle"), shown(dataset, "u_wheel")
+    for j, wheel in enumerate(dataset["wheel"].values):
+        line = broken(y, values[:, j, 0], JUMP, by=points[:, j, 0])
+        axes.plot(*line, color=WHEEL_COLOUR[str(wheel)], label=f"{wheel} wheel")
+    axes.set_yscale("asinh", linear_width=2.0)
+    axes.set_yticks([-2.0, 0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 70.0])
+    axes.set_yticks([], minor=True)
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "\N{MINUS SIGN}"))
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    axes.set_ylim(min(1.2 * low, 0.0), max(1.2 * high, 2.0))
+    axes.set_xlabel(CHANNELS["lateral_shift"].label)
+    axes.set_ylabel("Contact angle $\\gamma$ [°]")
+    axes.legend(loc="best", fontsize=6.5)
+    return axes

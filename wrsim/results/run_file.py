@@ -1,0 +1,178 @@
+"""The file that a run in time writes while it lasts: whole records, appended one after the other.
+
+A process may die at any byte. Every record carries its length and a checksum, so a reader takes the records that are
+whole and sees nothing of a torn one; who continues the run cuts the torn one off. What a record means is for its
+writer to say (``wrsim.simulation.tape``).
+
+Layout, little-endian: the signature; then for each record its kind (4 bytes), the length of its content (uint64), the
+CRC-32 of kind and content (uint32), the content. The first record is the header, a JSON object.
+
+Data reach the operating system at every record, which is what the death of a process asks for. They reach the disk
+when the system sees fit: after a power failure the file ends earlier, at a whole record all the same.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import os
+import struct
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from wrsim.errors import InputError
+from wrsim.results.files import told_plainly
+
+try:
+    import fcntl
+except ImportError:  # no such locks on this system: two runs into one folder go unnoticed
+    fcntl = None  # type: ignore[assignment]
+
+SIGNATURE = b"wrsim run\r\n\x1a\x01\x00\x00\x00"
+"""Last four bytes: version of the layout."""
+
+HEADER = b"HEAD"
+_FRAME = struct.Struct("<4sQI")
+
+
+@dataclass(frozen=True)
+class Record:
+    """Kind, content, and the place in the file behind it."""
+
+    kind: bytes
+    content: bytes
+    end: int
+
+
+class RunFile:
+    """A run file open for appending, locked against a second run. Close it, or use it in a ``with``."""
+
+    def __init__(self, path: Path, stream: IO[bytes]) -> None:
+        self.path = path
+        self._stream = stream
+
+    @classmethod
+    def create(cls, path: str | Path, header: dict[str, Any]) -> RunFile:
+        """Start a file; an older one of that name is replaced, unless a run is writing to it (``InputError``)."""
+        path = Path(path)
+        with told_plainly(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            file = cls(path, _locked(path))
+            file.cut(0)
+            file._write(SIGNATURE)
+        file.append(HEADER, json.dumps(header, ensure_ascii=False).encode())
+        return file
+
+    @classmethod
+    def continued(cls, path: str | Path, end: int) -> RunFile:
+        """Open a file to go on behind the record that ends at ``end``; the rest is cut off."""
+        path = Path(path)
+        with told_plainly(path):
+            file = cls(path, _locked(path))
+            file.cut(end)
+        return file
+
+    def append(self, kind: bytes, *parts: bytes) -> None:
+        """Write one record. Raises ``WrsimError`` when the disk is full; what was written before stays readable."""
+        checksum = zlib.crc32(kind)
+        for part in parts:
+            checksum = zlib.crc32(part, checksum)
+        size = sum(len(part) for part in parts)
+        with told_plainly(self.path, size):
+            begin = self._stream.tell()
+            try:
+                self._write(b"".join((_FRAME.pack(kind, size, checksum), *parts)))
+            except BaseException:  # Ctrl-C as well: later records must not stand behind a torn one
+                with contextlib.suppress(OSError):
+                    self.cut(begin)
+                raise
+
+    def _write(self, data: bytes) -> None:
+        """Everything, or an error: a disk that fills up takes a part first."""
+        rest = memoryview(data)
+        while rest:
+            rest = rest[self._stream.write(rest) :]
+
+    def cut(self, end: int) -> None:
+        """Throw away what stands behind ``end``."""
+        self._stream.truncate(end)
+        self._stream.seek(end)
+
+    def close(self) -> None:
+        """Close the file and let go of its lock."""
+        self._stream.close()
+
+    def __enter__(self) -> RunFile:
+        return self
+
+    def __exit__(self, *of: object) -> None:
+        self.close()
+
+
+def _locked(path: Path) -> IO[bytes]:
+    """The file, unbuffered and locked; it is made where it does not exist."""
+    stream = open(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "r+b", buffering=0)  # noqa: SIM115
+    if fcntl is not None:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as problem:
+            stream.close()
+            if problem.errno not in (errno.EACCES, errno.EAGAIN):  # a file system without locks
+                return open(path, "r+b", buffering=0)
+            raise InputError(f"{path}: another run is writing to it; choose another directory with -o") from None
+    return stream
+
+
+def is_running(path: str | Path) -> bool:
+    """True while a run is writing to the file (as far as the system can tell)."""
+    if fcntl is None:
+        return False
+    with contextlib.suppress(OSError), open(path, "rb") as stream:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+    return False
+
+
+def read_run_file(path: str | Path) -> tuple[dict[str, Any], list[Record]]:
+    """Header and whole records of a run file, in their order; what is torn or damaged ends the list.
+
+    Raises ``InputError`` when the file is missing, is none of ours, or does not even hold a whole header.
+    """
+    path = Path(path)
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file of a run") from None
+    except OSError as problem:
+        raise InputError(f"{path}: cannot be read: {(problem.strerror or str(problem)).lower()}") from problem
+    if data[:12] != SIGNATURE[:12]:
+        if SIGNATURE.startswith(data):
+            raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
+        raise InputError(f"{path}: not the file of a run of wrsim")
+    if data[12:16] != SIGNATURE[12:]:
+        raise InputError(f"{path}: written by another version of wrsim, in a layout that this one does not read")
+    records = _whole_records(data)
+    if not records or records[0].kind != HEADER:
+        raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
+    return json.loads(records[0].content), records[1:]
+
+
+def _whole_records(data: bytes) -> list[Record]:
+    records: list[Record] = []
+    place = len(SIGNATURE)
+    while place + _FRAME.size <= len(data):
+        kind, size, checksum = _FRAME.unpack_from(data, place)
+        start = place + _FRAME.size
+        if size > len(data) - start:
+            break
+        content = data[start : start + size]
+        if zlib.crc32(content, zlib.crc32(kind)) != checksum:
+            break
+        place = start + size
+        records.append(Record(kind, content, place))
+    return records

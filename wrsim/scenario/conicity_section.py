@@ -1,0 +1,43 @@
+"""[conicity]: at which amplitudes, and how the wheelset's shift is counted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal
+
+from wrsim.inputs.section import Section
+from wrsim.inputs.values import Choice, Quantity, Series
+
+Roll = Literal["none", "rail-top", "centre"]
+ROLLS: tuple[Roll, ...] = ("none", "rail-top", "centre")
+
+Amplitude = Quantity(above=0, high=30, example="mm")
+AMPLITUDES = tuple(round(1.0 + 0.1 * i, 1) for i in range(61))
+"""1 to 7 mm in steps of 0.1 mm."""
+
+
+@dataclass(frozen=True)
+class ConicityPlan:
+    """Amplitudes [m] and what the lateral shift is.
+
+    roll = "none": the wheelset does not roll, as in EN 15302. "rail-top": it rolls until both wheels touch, the shift
+    is that of its point at the height of the rail tops, which makes the kinematics of rolling exact. "centre": it
+    rolls, the shift is that of its centre of mass, the ``lateral_shift`` of a run.
+    """
+
+    amplitudes: tuple[float, ...]
+    roll: Roll = "none"
+
+
+class ConicitySection(Section):
+    """amplitude_mm, roll."""
+
+    header: ClassVar[str] = "[conicity]"
+    aliases: ClassVar[dict[str, str]] = {"amplitudes_mm": "amplitude_mm", "y_mm": "amplitude_mm"}
+
+    amplitude_mm: Annotated[tuple[float, ...], Series(Amplitude)] = AMPLITUDES
+    roll: Annotated[Roll, Choice(ROLLS)] = "none"
+
+    def plan(self) -> ConicityPlan:
+        """The same in SI units."""
+        return ConicityPlan(tuple(a / 1000.0 for a in self.amplitude_mm), self.roll)

@@ -1,0 +1,232 @@
+"""Where the samples of a run go: into memory, or into a file from which a run that died goes on.
+
+The integrator hands over one row per sample. A ``FileTape`` writes them out whenever its block is full or
+``FLUSH_INTERVAL`` has passed, together with a checkpoint: step number, state, and what the force law and the monitor
+remember. So a process that dies loses that much of wall time and no more, and the memory that sampling needs does not
+grow with the run.
+
+A run that goes on from a checkpoint computes the same numbers, to the bit, as one that was never interrupted: the
+integrator's times are whole multiples of its step (``System.solve``), its state is complete, and whatever survives a
+call of the law or the monitor is kept if they have ``memory()`` and ``recall()`` (``Remembers``).
+"""
+
+from __future__ import annotations
+
+import struct
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.errors import InputError
+from wrsim.results.run_file import RunFile, read_run_file
+
+Array = NDArray[np.float64]
+Cause = Literal["", "monitor", "interrupt", "not-finite", "forces", "cut-off"]
+
+FLUSH_INTERVAL = 0.5
+"""Longest wall time between two flushes [s]."""
+
+BLOCK = 256
+"""Samples that wait in memory for the next flush, at most."""
+
+_FLUSH, _END = b"FLSH", b"END."
+_COUNTS = struct.Struct("<qqq")  # step of the checkpoint (-1: there is none), rows, length of the memory
+
+
+@runtime_checkable
+class Remembers(Protocol):
+    """A force law or a monitor whose next answer depends on more than time and state."""
+
+    def memory(self) -> Array:
+        """A copy of everything that it keeps from one call to the next, in one row."""
+
+    def recall(self, memory: Array) -> None:
+        """Put it back."""
+
+
+def memory_of(things: Sequence[object]) -> Array:
+    """What those that remember keep, one after the other, each behind its length."""
+    rows = [thing.memory() if isinstance(thing, Remembers) else np.zeros(0) for thing in things]
+    return np.concatenate([part for row in rows for part in ([float(len(row))], row)])
+
+
+def recall(things: Sequence[object], memory: Array) -> None:
+    """The opposite of ``memory_of`` for the same things."""
+    place = 0
+    for thing in things:
+        n = int(memory[place])
+        if isinstance(thing, Remembers):
+            thing.recall(memory[place + 1 : place + 1 + n])
+        place += 1 + n
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """All that a run needs to go on behind step ``step``: coordinates, rates, and memory (``memory_of``)."""
+
+    step: int
+    q: Array
+    q_t: Array
+    memory: Array
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a run ended: ``cause`` is empty when it reached its end."""
+
+    cause: Cause
+    reason: str
+
+
+class Tape:
+    """Samples in memory. Rows are (time, q, q_t)."""
+
+    checkpoint: Checkpoint | None = None
+    """Where to go on; None at the beginning of a run."""
+
+    ending: Ending | None = None
+    """Of a run that is over already."""
+
+    def __init__(self, size: int) -> None:
+        """size: number of coordinates."""
+        self.size = size
+        self._block = np.zeros((BLOCK, 1 + 2 * size))
+        self._used = 0
+        self._kept: list[Array] = []
+
+    def sample(self, t: float, q: Array, q_t: Array) -> None:
+        """Keep one row."""
+        if self._used == BLOCK:
+            self.flush(None)
+        row = self._block[self._used]
+        row[0] = t
+        row[1 : 1 + self.size] = q
+        row[1 + self.size :] = q_t
+        self._used += 1
+
+    def due(self) -> bool:
+        """True when the integrator should give a checkpoint to ``flush``."""
+        return False
+
+    def flush(self, checkpoint: Checkpoint | None) -> None:
+        """Put the waiting rows away; checkpoint: of the step that has just been sampled, if it is known."""
+        if self._used:
+            self._kept.append(self._block[: self._used].copy())
+        self._used = 0
+
+    def end(self, ending: Ending) -> None:
+        """The run is over."""
+        self.flush(None)
+
+    def rows(self) -> Array:
+        """All samples (n, 1 + 2 size)."""
+        self.flush(None)
+        return np.concatenate(self._kept) if self._kept else np.zeros((0, 1 + 2 * self.size))
+
+
+class FileTape(Tape):
+    """Samples and checkpoints in a file; see the module."""
+
+    def __init__(self, file: RunFile, size: int) -> None:
+        super().__init__(size)
+        self._file = file
+        self._flushed = time.perf_counter()
+
+    @classmethod
+    def create(cls, path: str | Path, header: dict[str, Any], size: int) -> FileTape:
+        """Start the file of a new run; header: what the reader needs to know of it."""
+        return cls(RunFile.create(path, header | {"size": size}), size)
+
+    @classmethod
+    def continued(cls, path: str | Path) -> FileTape:
+        """Go on with a file: from its last checkpoint, or with nothing but its ``ending`` to tell.
+
+        A run that the user has interrupted goes on. Raises ``InputError`` when there is nothing to go on from.
+        """
+        recorded = Recording.read(path)
+        over = recorded.ending is not None and recorded.ending.cause != "interrupt"
+        if recorded.checkpoint is None:
+            raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
+        end = recorded.end if over else recorded.checkpoint_end
+        tape = cls(RunFile.continued(path, end), recorded.size)
+        tape.checkpoint = recorded.checkpoint
+        tape.ending = recorded.ending if over else None
+        return tape
+
+    def due(self) -> bool:
+        """See ``Tape``."""
+        return self._used == BLOCK or time.perf_counter() - self._flushed >= FLUSH_INTERVAL
+
+    def flush(self, checkpoint: Checkpoint | None) -> None:
+        """Write the waiting rows and the checkpoint as one record."""
+        rows = self._block[: self._used].tobytes()
+        if checkpoint is None:
+            if self._used:
+                self._file.append(_FLUSH, _COUNTS.pack(-1, self._used, 0), rows)
+        else:
+            counts = _COUNTS.pack(checkpoint.step, self._used, len(checkpoint.memory))
+            state = (checkpoint.q, checkpoint.q_t, checkpoint.memory)
+            self._file.append(_FLUSH, counts, rows, *(np.asarray(a, dtype=float).tobytes() for a in state))
+        self._used = 0
+        self._flushed = time.perf_counter()
+
+    def end(self, ending: Ending) -> None:
+        """See ``Tape``."""
+        self.flush(None)
+        self._file.append(_END, ending.cause.encode() + b"\0" + ending.reason.encode())
+
+    def rows(self) -> Array:
+        """See ``Tape``."""
+        self.flush(None)
+        return Recording.read(self._file.path).rows
+
+    def close(self) -> None:
+        """Close the file; it stays."""
+        self._file.close()
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What a run file holds.
+
+    rows (n, 1 + 2 size): samples, without any that a continued run would compute again; checkpoint: the last one, its
+    record ends at ``checkpoint_end``; ending: None when the process died first; end: of the last whole record.
+    """
+
+    header: dict[str, Any]
+    size: int
+    rows: Array
+    checkpoint: Checkpoint | None
+    checkpoint_end: int
+    ending: Ending | None
+    end: int
+
+    @classmethod
+    def read(cls, path: str | Path) -> Recording:
+        """Read a file as far as it is whole. Raises ``InputError`` when there is no such file, or none of a run."""
+        header, records = read_run_file(path)
+        size = int(header["size"])
+        width = 1 + 2 * size
+        blocks = [np.zeros((0, width))]
+        checkpoint, checkpoint_end, ending, end = None, 0, None, 0
+        for record in records:
+            end = record.end
+            if record.kind == _END:
+                cause, _, reason = record.content.decode().partition("\0")
+                ending = Ending(cause, reason)  # type: ignore[arg-type]
+                continue
+            step, count, memory = _COUNTS.unpack_from(record.content)
+            values = np.frombuffer(record.content, dtype="<f8", offset=_COUNTS.size)
+            blocks.append(values[: count * width].reshape(count, width))
+            if step >= 0:
+                q, q_t, kept = np.split(values[count * width :], [size, 2 * size])
+                if len(kept) != memory:
+                    raise InputError(f"{path}: the file is damaged; run the scenario again")
+                checkpoint, checkpoint_end = Checkpoint(step, q.copy(), q_t.copy(), kept.copy()), end
+        rows = np.concatenate(blocks)
+        return cls(header, size, rows, checkpoint, checkpoint_end, ending, end)
