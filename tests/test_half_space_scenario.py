@@ -49,6 +49,17 @@ def test_strips_are_the_rows_of_the_elements(contact):
     assert d["Q"].values == pytest.approx(60e3, rel=1e-4)
 
 
+def test_elements_sum_up_to_their_strips():
+    d = solved(EXACT)
+    dx = np.diff(d["element_x"].values, axis=-1)[..., :1]
+    for element, strip in (("element_p", "strip_N"), ("element_qx", "strip_Fx"), ("element_qs", "strip_Fy")):
+        forces = np.nansum(d[element].values, axis=-1) * dx * d["strip_ds"].values
+        held = np.isfinite(d[strip].values)
+        assert forces[held] == pytest.approx(d[strip].values[held], rel=1e-6, abs=1e-6)
+    bound = 0.3 * d["element_p"].values * (1.0 + 1e-6)
+    assert (np.hypot(d["element_qx"], d["element_qs"]).values <= bound)[np.isfinite(bound)].all()
+
+
 def test_fastsim_on_exact_pressures_is_near_exact_creep():
     # FASTSIM's known 5 to 10 %; pressures and patches are the exact ones but for the share of friction in the load
     exact, fast = solved(EXACT), solved(ON_EXACT)

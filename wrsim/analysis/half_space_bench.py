@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from wrsim.analysis.poses import DEEPEST, LoadNotReached, NoContact, Solved, StaticBench
-from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.half_space import STATUS_TOO_MANY, HalfSpace, status_words
 from wrsim.contact.half_space_patch import HalfSpaceContact
-from wrsim.contact.half_space_rows import solve_into
+from wrsim.contact.half_space_rows import element_fields, solve_into
 from wrsim.core.wheelset import kinematics
 from wrsim.core.wheelset_contact import add_forces, set_pose
 from wrsim.scenario.cases import StaticPose
@@ -68,6 +68,11 @@ class HalfSpaceBench(StaticBench):
             words = f"the load was missed: {self.force[2]:.6g} N instead of {pose.load:.6g} N"
             message = f"{words}; {message}" if message else words
         return Solved(height, roll, message)
+
+    def elements(self) -> list[list[ElementField]]:
+        """See `StaticBench.elements`."""
+        most = self.wheels[0].model.settings.max_patches
+        return [[] if contact is None else element_fields(contact, most) for contact in self.contacts]
 
     def _status(self) -> int:
         """All that the contacts found last have to say."""

@@ -65,7 +65,7 @@ def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
     strips = StripRecorder.start(law.wheels)
     for snapshot in snapshots:
         evaluate(snapshot.sample)
-        strips.store()
+        strips.store(law.elements())
     kept = np.array([s.sample for s in snapshots], dtype=int)
     gauge = track.gauge(poses.distance)
     channels = {

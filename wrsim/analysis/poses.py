@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.core import layout as k
 from wrsim.core.wheelset import kinematics
 from wrsim.core.wheelset_contact import add_forces, set_pose
@@ -92,6 +92,10 @@ class StaticBench:
         if abs(missed) > 1e-6:
             message = f"the load lies in a jump of the force: {self.force[2]:.6g} N instead of {pose.load:.6g} N"
         return Solved(height, roll, message)
+
+    def elements(self) -> list[list[ElementField]]:
+        """Elements of every wheel's patches at the last pose, where the solver has any."""
+        return []
 
     def _first_contact(self, pose: StaticPose, roll: float) -> float:
         """A height with contact, approached from above by the clearance between the profiles."""

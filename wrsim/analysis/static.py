@@ -44,7 +44,7 @@ def run_static(setup: Setup, progress: Callable[[float, float], None] | None = N
             heights[i], rolls[i], messages[i] = solved.height, solved.roll, solved.message
             for j, wheel in enumerate(wheels):
                 raw.store(i, j, wheel.model)
-            strips.store()
+            strips.store(bench.elements())
             if not np.isfinite(solved.height):
                 raw.clear(i)
                 strips.clear_last()

@@ -44,7 +44,11 @@ _STRIP_CHANNELS = {
     "strip_eta": k.ETA,
     "strip_phi": k.PHI,
 }
+POSE_CHANNELS = {"wheel_origin": 0, "wheel_axle": 3, "wheel_velocity": 6, "wheel_rotation": 9}
+"""Channels that hold a wheel's pose and motion, and their first place in the kernel's pose."""
+
 OUTLINE_POINTS = 500
+MOST_FIELDS = 100
 
 
 @dataclass(frozen=True)
@@ -177,20 +181,44 @@ def _positions(
     return out
 
 
+@dataclass(frozen=True)
+class ElementField:
+    """Elements of one patch of the exact solver: x of the columns relative to the wheel's section [m]; pressures
+    (rows, columns), tractions on the wheel along x and the rows' tangents (2, rows, columns) [Pa]; rows are strips."""
+
+    x: Array
+    p: Array
+    q: Array
+
+
+@dataclass(frozen=True)
+class _Moment:
+    """One moment: contacts (1, W), strips of every lobe of every wheel, outlines and poses of the wheels, elements."""
+
+    raw: RawContacts
+    strips: list[list[Array]]
+    outlines: Array
+    poses: Array
+    elements: list[list[ElementField]]
+
+
 @dataclass
 class StripRecorder:
-    """Collects strips and wheel outlines at chosen moments, the same wheels each time."""
+    """Collects strips, poses and wheel outlines at chosen moments, the same wheels each time."""
 
     wheels: Sequence[WheelOnRail]
-    moments: list[tuple[RawContacts, list[list[Array]], Array]]
+    moments: list[_Moment]
 
     @classmethod
     def start(cls, wheels: Sequence[WheelOnRail]) -> StripRecorder:
         """An empty record."""
         return cls(wheels, [])
 
-    def store(self) -> None:
-        """Keep the strips and the outline of the pose that the models computed last."""
+    def store(self, elements: Sequence[Sequence[ElementField]] = ()) -> None:
+        """Keep what belongs to the pose that the models computed last.
+
+        elements: of every wheel's patches, if any; kept of the first MOST_FIELDS moments.
+        """
         raw = RawContacts.empty(1, len(self.wheels), self.wheels[0].model.arrays.patches.shape[0])
         strips = []
         for i, wheel in enumerate(self.wheels):
@@ -198,13 +226,17 @@ class StripRecorder:
             raw.store(0, i, wheel.model)
             count = int(a.total[k.COUNT])
             strips.append([a.strips[j, : int(a.patches[j, k.N_STRIPS])].copy() for j in range(count)])
-        self.moments.append((raw, strips, np.stack([wheel_outline(w) for w in self.wheels])))
+        outlines = np.stack([wheel_outline(w) for w in self.wheels])
+        poses = np.stack([w.model.arrays.pose for w in self.wheels])
+        kept = [list(e) for e in elements] if len(self.moments) < MOST_FIELDS else []
+        self.moments.append(_Moment(raw, strips, outlines, poses, kept))
 
     def clear_last(self) -> None:
         """Nothing was found at the moment stored last."""
-        raw, _, outlines = self.moments[-1]
-        raw.clear(0)
-        self.moments[-1] = (raw, [[] for _ in self.wheels], np.full_like(outlines, np.nan))
+        last = self.moments[-1]
+        last.raw.clear(0)
+        outlines, poses = np.full_like(last.outlines, np.nan), np.full_like(last.poses, np.nan)
+        self.moments[-1] = _Moment(last.raw, [[] for _ in self.wheels], outlines, poses, [])
 
     def channels(self) -> dict[str, Array]:
         """Strip channels (moment, wheel, patch, strip) and outlines for drawing."""
@@ -214,8 +246,8 @@ class StripRecorder:
             return result
         patches = self.wheels[0].model.arrays.patches.shape[0]
         rows = [
-            [[_joined(raw, lobes, i, j) for j in range(patches)] for i, lobes in enumerate(strips)]
-            for raw, strips, _ in self.moments
+            [[_joined(m.raw, lobes, i, j) for j in range(patches)] for i, lobes in enumerate(m.strips)]
+            for m in self.moments
         ]
         most = max(max((len(r) for wheel in moment for r in wheel), default=1) for moment in rows)
         table = np.full((len(rows), len(self.wheels), patches, max(most, 1), k.STRIP_COLUMNS), np.nan)
@@ -225,9 +257,29 @@ class StripRecorder:
                     table[m, i, j, : len(r)] = r
         result |= {name: table[..., column] for name, column in _STRIP_CHANNELS.items()}
         result["strip_angle"] = np.arctan2(-table[..., k.NO], table[..., k.NB])
-        result["wheel_profile_y"] = np.stack([outline_[:, 0] for _, _, outline_ in self.moments])
-        result["wheel_profile_z"] = np.stack([outline_[:, 1] for _, _, outline_ in self.moments])
-        return result
+        result["wheel_profile_y"] = np.stack([m.outlines[:, 0] for m in self.moments])
+        result["wheel_profile_z"] = np.stack([m.outlines[:, 1] for m in self.moments])
+        poses = np.stack([m.poses for m in self.moments])
+        result |= {name: poses[..., at : at + 3] for name, at in POSE_CHANNELS.items()}
+        return result | self._elements(table.shape[:4])
+
+    def _elements(self, shape: tuple[int, ...]) -> dict[str, Array]:
+        """Channels of the elements, if any were kept; shape: moments, wheels, patches, strips."""
+        fields = {
+            (m, i, j): field
+            for m, moment in enumerate(self.moments)
+            for i, wheel in enumerate(moment.elements)
+            for j, field in enumerate(wheel)
+        }
+        if not fields:
+            return {}
+        columns = max(field.x.size for field in fields.values())
+        x, values = np.full((*shape[:3], columns), np.nan), np.full((3, *shape, columns), np.nan)
+        for (m, i, j), field in fields.items():
+            rows, own = field.p.shape
+            x[m, i, j, :own] = field.x
+            values[:, m, i, j, :rows, :own] = field.p, *field.q
+        return {"element_x": x} | dict(zip(("element_p", "element_qx", "element_qs"), values, strict=True))
 
 
 def _joined(raw: RawContacts, lobes: list[Array], wheel: int, patch: int) -> Array:

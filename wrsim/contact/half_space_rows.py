@@ -6,11 +6,10 @@ pressure, half its length and the middle of that along the rail. Regions beyond 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.contact.channels import ElementField
 from wrsim.contact.half_space import HalfSpace
 from wrsim.contact.half_space_patch import HalfSpaceContact, HalfSpacePatch, Region
 from wrsim.contact.model import ContactModel
@@ -21,16 +20,6 @@ from wrsim.core.resultants import add_lobe, set_creepages
 from wrsim.core.wheel_rail import carry
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class ElementField:
-    """Elements of one region: x of the columns relative to the wheel's section [m]; pressures and tractions on the
-    wheel along x and along the rows' tangents (rows, columns) [Pa], rows as the strips of the patch."""
-
-    x: Array
-    p: Array
-    q: Array
 
 
 def solve_into(

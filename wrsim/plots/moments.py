@@ -7,9 +7,11 @@ from string import ascii_lowercase
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from wrsim.plots.poses import pose_groups
 from wrsim.plots.style import shown
+from wrsim.results import CHANNELS
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,23 @@ def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
     of_wheel = of_patch.isel(wheel=int(np.flatnonzero(dataset["wheel"].values == where.wheel)[0]))
     used = np.flatnonzero(np.isfinite(of_wheel["strip_p"].values))
     return of_wheel.isel(strip=used[np.argsort(of_wheel["strip_s"].values[used], kind="stable")])
+
+
+def select_elements(dataset: xr.Dataset, where: PatchAt) -> tuple[NDArray, NDArray, NDArray] | None:
+    """Elements of one patch of the exact solver in mm and MPa: s of the rows, x of the columns, pressures over (s, x),
+    zero outside of contact. None when there are none."""
+    if "element_p" not in dataset:
+        return None
+    at = {moment_dim(dataset): where.moment, "patch": where.patch}
+    wheel = int(np.flatnonzero(dataset["wheel"].values == where.wheel)[0])
+    s, x, p = (
+        np.asarray(dataset[name].isel(at | {"wheel": wheel}).values) * CHANNELS[name].shown.factor
+        for name in ("strip_s", "element_x", "element_p")
+    )
+    rows, columns = np.isfinite(s), np.isfinite(x)
+    if not columns.any():
+        return None
+    return s[rows], x[columns], np.nan_to_num(p[np.ix_(rows, columns)])
 
 
 _DRAWN = ("strip_s", "strip_ds", "strip_x", "strip_a", "strip_p", "strip_angle", "strip_y", "strip_z")

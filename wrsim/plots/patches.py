@@ -12,6 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
@@ -30,6 +31,7 @@ from wrsim.plots.moments import (
     choose_moments,
     sample_of,
     select,
+    select_elements,
     touching_runs,
 )
 from wrsim.plots.stops import stop_note
@@ -64,23 +66,25 @@ def pressure_scale(dataset: xr.Dataset, moments: Sequence[int] | None = None) ->
 def contact_patch(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize, *, strips: bool = False) -> Axes:
     """Draw one patch: every strip's semi-ellipse of pressure over (s, x) in mm, and the patch's outline.
 
+    Where the exact solver left its elements, their pressures are drawn.
     Colours run smoothly from strip to strip; with ``strips`` the borders of the strips are drawn too.
     """
+    elements = select_elements(dataset, where)
     for s, x, a, p, borders in _islands(dataset, where):
-        angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, ACROSS)
-        along = np.sin(angle)[:, None] * a + x
-        pressure = np.cos(angle)[:, None] * p
-        mesh = axes.pcolormesh(
-            np.broadcast_to(s, along.shape),
-            along,
-            pressure,
-            shading="gouraud",
-            cmap=pressure_map(),
-            norm=scale,
-        )
+        outline_s = np.concatenate((s, s[::-1], s[:1]))
+        outline_x = np.concatenate((x - a, (x + a)[::-1], (x - a)[:1]))
+        (line,) = axes.plot(outline_s, outline_x, color=INK, lw=0.7)
+        if elements is None:
+            angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, ACROSS)
+            along = np.sin(angle)[:, None] * a + x
+            across, pressure = np.broadcast_to(s, along.shape), np.cos(angle)[:, None] * p
+        else:
+            across, along = np.meshgrid(elements[0], elements[1])
+            pressure = elements[2].T
+        mesh = axes.pcolormesh(across, along, pressure, shading="gouraud", cmap=pressure_map(), norm=scale)
         mesh.set_rasterized(True)
-        outline_s = np.concatenate((s, s[::-1]))
-        axes.plot(np.append(outline_s, s[0]), np.concatenate((x - a, (x + a)[::-1], (x - a)[:1])), color=INK, lw=0.7)
+        if elements is not None:
+            mesh.set_clip_path(Path(line.get_xydata()), axes.transData)
         if strips:
             axes.vlines(borders, np.interp(borders, s, x - a), np.interp(borders, s, x + a), color=INK, lw=0.2)
     axes.set_aspect("equal")

@@ -40,6 +40,7 @@ _SHOWN = {
     "mm": Shown("mm", "mm", 1e3),
     "um": Shown("µm", "um", 1e6),
     "mm2": Shown("mm²", "mm2", 1e6),
+    "m/s": Shown("m/s", "m_s", 1.0),
     "km/h": Shown("km/h", "kmh", 3.6),
     "1/km": Shown("1/km", "per_km", 1e3),
     "1/m": Shown("1/m", "per_m", 1.0),
@@ -107,6 +108,7 @@ def _of(
 _WHEEL = "sample wheel"
 _PATCH = "sample wheel patch"
 _STRIP = "moment wheel patch strip"
+_ELEMENT = "moment wheel patch strip column"
 
 _ALL = (
     # labels of the dimensions
@@ -186,6 +188,16 @@ _ALL = (
     _of("strip_xi", _STRIP, "1", "permille", "longitudinal creepage", r"\xi"),
     _of("strip_eta", _STRIP, "1", "permille", "lateral creepage", r"\eta"),
     _of("strip_phi", _STRIP, "1/m", "1/m", "spin creepage", r"\phi"),
+    # the elements of the exact solver, rows as the strips
+    _of("element_x", "moment wheel patch column", "m", "mm", "along the track", "x"),
+    _of("element_p", _ELEMENT, "Pa", "MPa", "pressure", "p"),
+    _of("element_qx", _ELEMENT, "Pa", "MPa", "longitudinal traction", "q_x"),
+    _of("element_qs", _ELEMENT, "Pa", "MPa", "lateral traction", "q_s"),
+    # poses and motions of the wheels, for whoever looks at these contacts again
+    _of("wheel_origin", "moment wheel axis", "m", "m", "wheel's profile origin"),
+    _of("wheel_axle", "moment wheel axis", "1", "1", "direction of the axle, outward"),
+    _of("wheel_velocity", "moment wheel axis", "m/s", "m/s", "velocity of the wheel's profile origin"),
+    _of("wheel_rotation", "moment wheel axis", "rad/s", "rad/s", "angular velocity of the wheel"),
     # outlines for drawing
     _of("rail_profile_y", "wheel rail_point", "m", "mm", "rail profile, outward", "o"),
     _of("rail_profile_z", "wheel rail_point", "m", "mm", "rail profile, up", "b"),

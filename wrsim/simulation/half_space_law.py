@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.contact.channels import ElementField
 from wrsim.contact.half_space_patch import HalfSpaceContact
-from wrsim.contact.half_space_rows import solve_into
+from wrsim.contact.half_space_rows import element_fields, solve_into
 from wrsim.core.path import frame
 from wrsim.core.wheelset import generalised_forces, kinematics
 from wrsim.core.wheelset_contact import add_forces
@@ -64,3 +65,7 @@ class HalfSpaceOnTrack(WheelsetOnTrack):
         generalised_forces(body, self._force, self._moment, self._exact)
         out += self._exact
         return status
+
+    def elements(self) -> list[list[ElementField]]:
+        """See `WheelsetOnTrack.elements`."""
+        return [element_fields(c, self.wheels[0].model.settings.max_patches) for c in self.contacts]

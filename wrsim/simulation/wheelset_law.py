@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from wrsim.contact.arena import pack
-from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel, KernelArrays
 from wrsim.core import wheelset_forces as kernel
 from wrsim.errors import SimulationError
@@ -68,6 +68,10 @@ class WheelsetOnTrack:
         if status & kernel.OFF_TRACK:
             raise SimulationError(f"the wheelset has left the track's neighbourhood at t = {t:.6g} s")
         return status
+
+    def elements(self) -> list[list[ElementField]]:
+        """Elements of every wheel's patches at the state asked for last, where the contact model has any."""
+        return []
 
     @property
     def distance(self) -> float:
