@@ -23,12 +23,19 @@ class Arena:
 
 
 def pack(arrays: Sequence[Array]) -> Arena:
-    """Copy arrays of one to three dimensions into a new arena."""
+    """Copy arrays of one to three dimensions into a new arena.
+
+    An array that stands in the row more than once (the same object: a table that wheels share) is copied once.
+    """
     index = np.zeros((len(arrays), 4), dtype=np.int64)
     end = 0
+    places: dict[int, int] = {}
     for row, array in zip(index, arrays, strict=True):
-        row[0] = end
         row[1 : 1 + array.ndim] = array.shape
+        if id(array) in places:
+            row[0] = places[id(array)]
+            continue
+        row[0] = places[id(array)] = end
         end += -(-array.size // ALIGNMENT) * ALIGNMENT
     buffer = np.zeros(end)
     views = []

@@ -46,10 +46,21 @@ def wheelset_forces(t, q, q_t, out, buffer, index):
     fx, fy, fz, mx, my, mz = carrier_forces(t, body, own, centre, scalars[STEP_CENTRE], vector(buffer, index, CARRIER))
     force[0], force[1], force[2] = fx, fy, fz
     moment[0], moment[1], moment[2] = mx, my, mz
+    status = contact_forces(body, buffer, index)
+    generalised_forces(body, force, moment, out)
+    return status
+
+
+@kernel
+def contact_forces(body, buffer, index):
+    """Add the contacts of both wheels to the force and the moment in the arena; returns a status.
+
+    body: 18 numbers of ``core.wheelset.kinematics``.
+    """
+    scalars = vector(buffer, index, SCALARS)
     half = scalars[HALF_SPACING]
     status = _one_side(body, 1, half, matrix(buffer, index, LEFT_RAIL), S_LEFT, scalars, buffer, index, LEFT)
     status |= _one_side(body, -1, half, matrix(buffer, index, RIGHT_RAIL), S_RIGHT, scalars, buffer, index, RIGHT)
-    generalised_forces(body, force, moment, out)
     return status
 
 

@@ -253,14 +253,7 @@ class TableList(Annotation):
             try:
                 kept.append(self._entry(entry))
             except ValidationError as error:
-                faults += [
-                    InitErrorDetails(
-                        type=PydanticCustomError(e["type"], e["msg"]),  # type: ignore[arg-type]
-                        loc=(position, *e["loc"]),
-                        input=e["input"],
-                    )
-                    for e in error.errors(include_url=False)
-                ]
+                faults += faults_at((position,), error)
         if faults:
             raise ValidationError.from_exception_data("tables", faults)
         return tuple(kept)
@@ -277,6 +270,18 @@ class TableList(Annotation):
         except PydanticCustomError as error:
             raise one_fault((self.by,), error.message(), entry[self.by]) from None
         return sections[name].model_validate(entry)
+
+
+def faults_at(place: tuple[str | int, ...], error: ValidationError) -> list[InitErrorDetails]:
+    """Return the faults of a table that stands at ``place`` of a larger one."""
+    return [
+        InitErrorDetails(
+            type=PydanticCustomError(e["type"], e["msg"]),  # type: ignore[arg-type]
+            loc=(*place, *e["loc"]),
+            input=e["input"],
+        )
+        for e in error.errors(include_url=False)
+    ]
 
 
 def one_fault(loc: tuple[str | int, ...], message: str, value: Any, kind: str = "value") -> ValidationError:

@@ -116,14 +116,14 @@ def find_equilibrium(
             roll = int(column) + STATES.index("roll")
             tilt = list(columns).index(roll) if roll in columns and roll in equation else -1
             _stand(residual, x, place, equation[int(column)], tilt, equation.get(roll, -1))
-    x, r, iterations = _newton(residual, x, small, tolerance, max_iterations)
+    x, r, iterations = newton(residual, x, small, tolerance, max_iterations)
     largest = float(np.max(np.abs(r)))
     if not largest <= tolerance:
         raise SimulationError("equilibrium not found; " + _words(r, equations, unknowns, x))
     return Equilibrium(state[:size].copy(), state[size:].copy(), largest, iterations)
 
 
-def _newton(
+def newton(
     residual: Callable[[Array], Array], x: Array, small: Array, tolerance: float, max_iterations: int
 ) -> tuple[Array, Array, int]:
     """Damped Newton's method: the best x, its residual (evaluated last), the iterations; the caller judges."""
@@ -166,7 +166,7 @@ def _solve(jacobian: Array, right: Array, damping: float) -> Array:
     return np.linalg.solve(normal + damping * np.trace(normal) * np.eye(jacobian.shape[1]), jacobian.T @ right)
 
 
-def _bracket(function: Callable[[float], float], begin: float, small: float, enough: float, reach: float) -> bool:
+def bracket(function: Callable[[float], float], begin: float, small: float, enough: float, reach: float) -> bool:
     """Move from ``begin`` as the sign of the force points until it is small or changes sign, then bisect.
 
     function: force along a coordinate. Stops with its last call where abs(force) <= enough; False if there
@@ -210,7 +210,7 @@ def _stand(residual: Callable[[Array], Array], x: Array, place: int, row: int, t
             return float(residual(x)[row])
 
         begin = float(x[place])
-        if not _bracket(excess, begin, SMALL["z"], 0.5, SEARCH_HEIGHT):
+        if not bracket(excess, begin, SMALL["z"], 0.5, SEARCH_HEIGHT):
             raise SimulationError(
                 "equilibrium: the rails do not carry the wheelset anywhere within "
                 f"{1e3 * SEARCH_HEIGHT:.0f} mm of z = {begin:.6g} m; is it above the rails?"
@@ -220,4 +220,4 @@ def _stand(residual: Callable[[Array], Array], x: Array, place: int, row: int, t
     if tilt < 0:
         seat()
     else:
-        _bracket(seat, float(x[tilt]), SMALL["roll"], 0.1, SEARCH_ROLL)
+        bracket(seat, float(x[tilt]), SMALL["roll"], 0.1, SEARCH_ROLL)

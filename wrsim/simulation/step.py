@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.simulation.equilibrium import DIFFERENCE, SMALL
-from wrsim.simulation.system import COORDINATES, Array, System
+from wrsim.simulation.bodies import mass_matrix
+from wrsim.simulation.linear import force_derivatives
+from wrsim.simulation.system import Array, System
 
 if TYPE_CHECKING:
     from wrsim.vehicle.wheelset import Wheelset
@@ -72,41 +73,17 @@ def round_step(step: float) -> float:
     return 1e-3 / int(np.ceil(1e-3 / min(step, LARGEST_STEP) - 1e-9))
 
 
-def mass_matrix(system: System, q: Array) -> Array:
-    """Mass matrix of all bodies in their coordinates (6 n, 6 n)."""
-    whole = np.zeros((system.size, system.size))
-    for i, body in enumerate(system.bodies):
-        s, c = np.sin(q[6 * i + 4]), np.cos(q[6 * i + 4])
-        across, along = body.cross_inertia, body.spin_inertia
-        block = np.diag([body.mass] * 3 + [across * c * c + along * s * s, across, along])
-        block[3, 5] = block[5, 3] = along * s
-        whole[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = block
-    return whole
-
-
 def eigenvalues(system: System, q: Array, q_t: Array, t: float = 0.0) -> Array:
-    """Eigenvalues (complex, 12 per body) [1/s] of the motion about a state, by numerical derivatives of the
-    forces.
+    """Eigenvalues (complex, 12 per body, 2 per damper in series with a spring) [1/s] of the motion about a state.
 
-    The gyroscopic terms of the spin (some rad/s) are left out: this is for the fast modes that limit the
-    step.
+    By numerical derivatives of the forces. The gyroscopic terms of the spin (some rad/s) are left out: this is for the
+    fast modes that limit the step.
     """
     n = system.size
-    state = np.concatenate([q, q_t])
-    small = DIFFERENCE * np.array([SMALL[name] for name in COORDINATES] * (2 * len(system.bodies)))
-    columns = []
-    for i in range(2 * n):
-        h = np.zeros(2 * n)
-        h[i] = small[i]
-        plus, minus = state + h, state - h
-        difference = system.generalised_forces(t, plus[:n], plus[n:]) - system.generalised_forces(
-            t, minus[:n], minus[n:]
-        )
-        columns.append(difference / (2.0 * small[i]))
-    accelerations = np.linalg.solve(mass_matrix(system, q), np.array(columns).T)
+    derivatives = force_derivatives(system.forces, q, q_t, len(system.bodies), t)
     matrix = np.zeros((2 * n, 2 * n))
     matrix[:n, n:] = np.eye(n)
-    matrix[n:] = accelerations
+    matrix[n:] = np.linalg.solve(mass_matrix(system.bodies, q), np.hstack(derivatives))
     return np.asarray(np.linalg.eigvals(matrix))
 
 

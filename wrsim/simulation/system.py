@@ -15,22 +15,20 @@ import os
 import sys
 import weakref
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.errors import InputError
-
-if TYPE_CHECKING:
-    from wrsim.vehicle.wheelset import Wheelset
+from wrsim.simulation.bodies import RigidBody, Solid
 
 if not hasattr(sys, "exudynFast") and not os.environ.get("EXUDYN_MODULE"):
     sys.exudynFast = True  # type: ignore[attr-defined]
 with contextlib.redirect_stdout(io.StringIO()):  # it announces which module it loaded
     import exudyn
     from exudyn import itemInterface as items
+
+__all__ = ["COORDINATES", "Array", "ForceLaw", "RigidBody", "System"]
 
 Array = NDArray[np.float64]
 
@@ -54,39 +52,6 @@ class ForceLaw(Protocol):
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> object: ...
 
 
-@dataclass(frozen=True)
-class RigidBody:
-    """A body of revolution: mass [kg], inertia about its axle and across it, about the centre of mass [kg
-    m2].
-    """
-
-    mass: float
-    spin_inertia: float
-    cross_inertia: float
-
-    def __post_init__(self) -> None:
-        for key in ("mass", "spin_inertia", "cross_inertia"):
-            value = getattr(self, key)
-            if not (np.isfinite(value) and value > 0.0):
-                raise InputError(f"body: {key} must be a positive number, not {value!r}")
-        if self.spin_inertia > 2.0 * self.cross_inertia:
-            raise InputError(
-                f"body: spin inertia {self.spin_inertia:g} kg m2 with a cross inertia of "
-                f"{self.cross_inertia:g} kg m2; no solid has more than twice its cross inertia"
-            )
-
-    @classmethod
-    def of(cls, wheelset: Wheelset) -> RigidBody:
-        """The body of a wheelset. Its roll and yaw inertia must agree, for it spins about its axle."""
-        roll, spin, yaw = wheelset.inertia
-        if abs(roll - yaw) > 1e-6 * abs(yaw):
-            raise InputError(
-                f"wheelset '{wheelset.name}': roll inertia {roll:g} and yaw inertia {yaw:g} kg m2 differ; "
-                "a wheelset spins about its axle, so that the two must be equal (take their mean)"
-            )
-        return cls(mass=wheelset.mass, spin_inertia=spin, cross_inertia=yaw)
-
-
 @contextlib.contextmanager
 def _silence() -> Iterator[None]:
     """Keep Exudyn from writing to the console, and let a second Ctrl-C come through as KeyboardInterrupt."""
@@ -104,14 +69,15 @@ def _silence() -> Iterator[None]:
 class System:
     """An assembled Exudyn system; build one per force law and run it as often as you like.
 
-    ``q`` and ``q_t`` (6 per body) are live views on Exudyn's memory: the state of the moment while a run
-    lasts. Copy what you keep; they must not outlive the system.
+    ``q`` and ``q_t`` (6 per body, then the dampers') are live views on Exudyn's memory: the state of the moment while
+    a run lasts. Copy what you keep; they must not outlive the system.
     """
 
-    def __init__(self, bodies: Sequence[RigidBody], forces: ForceLaw) -> None:
+    def __init__(self, bodies: Sequence[Solid], forces: ForceLaw, dampers: int = 0) -> None:
+        """dampers: how many in series with a spring, each with an unknown of its own (``core.vehicle_forces``)."""
         self.bodies = tuple(bodies)
         self.forces = forces
-        self.size = 6 * len(self.bodies)
+        self.size = 6 * len(self.bodies) + dampers
         self._error: BaseException | None = None
         self._clock = (0.0, 1.0, 0)
         """Start [s], half a step [s], half steps done before Exudyn's time 0."""
@@ -121,9 +87,21 @@ class System:
             nodes = []
             for body in self.bodies:
                 node = mbs.AddNode(items.NodeRigidBodyRxyz())
-                # order of the permuted axes: z (yaw), x (roll), y (spin)
-                inertia = [body.cross_inertia, body.cross_inertia, body.spin_inertia, 0.0, 0.0, 0.0]
+                roll, spin, yaw = body.inertia
+                inertia = [yaw, roll, spin, 0.0, 0.0, 0.0]  # order of the permuted axes: z, x, y
                 mbs.AddObject(items.ObjectRigidBody(mass=body.mass, inertia=inertia, nodeNumber=node))
+                nodes.append(node)
+            if dampers:
+                zeros = [0.0] * dampers
+                node = mbs.AddNode(
+                    items.NodeGenericODE2(
+                        numberOfODE2Coordinates=dampers,
+                        referenceCoordinates=zeros,
+                        initialCoordinates=zeros,
+                        initialCoordinates_t=zeros,
+                    )
+                )
+                mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(dampers)))
                 nodes.append(node)
             mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes, forceUserFunction=self._callback()))
             mbs.Assemble()
@@ -153,7 +131,7 @@ class System:
         return user_function
 
     def generalised_forces(self, t: float, q: Array, q_t: Array) -> Array:
-        """The force law's answer to one state, as a new array of length 6 n."""
+        """The force law's answer to one state, as a new array of the length of q."""
         out = np.zeros(self.size)
         forces = self.forces
         forces(t, np.ascontiguousarray(q, dtype=float), np.ascontiguousarray(q_t, dtype=float), out)

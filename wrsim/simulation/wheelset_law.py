@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
@@ -20,6 +21,45 @@ if TYPE_CHECKING:
     from wrsim.vehicle.wheelset import Wheelset
 
 
+Contacts = tuple[ContactModel, ContactModel]
+"""Contact models of the left and the right wheel."""
+
+
+def wheelset_arrays(wheelset: Wheelset, track: Track, contacts: Contacts, *, speed: float, start: float) -> list[Array]:
+    """The arrays of one wheelset in the order of ``core.wheelset_forces``."""
+    scalars = np.zeros(kernel.SCALAR_COUNT)
+    paths = (track.centre, track.left, track.right)
+    scalars[kernel.STEP_CENTRE : kernel.STEP_RIGHT + 1] = [p.step for p in paths]
+    scalars[kernel.HALF_SPACING] = 0.5 * wheelset.profile_spacing
+    return [
+        scalars,
+        carrier_parameters(wheelset, speed=speed, start=start),
+        *(p.table for p in paths),
+        np.zeros(3),
+        np.zeros(3),
+        *contacts[0].arrays.arguments(),
+        *contacts[1].arrays.arguments(),
+    ]
+
+
+def wheels_on_track(
+    views: Sequence[Array], wheelset: Wheelset, track: Track, contacts: Contacts
+) -> tuple[WheelOnRail, ...]:
+    """The two wheels of a wheelset, whose models compute in the arena's views of its arrays."""
+    count = kernel.RIGHT - kernel.LEFT
+    return tuple(
+        WheelOnRail(
+            replace(contact, arrays=KernelArrays(*views[first : first + count])),
+            side,
+            0.5 * wheelset.profile_spacing,
+            origin,
+        )
+        for contact, side, first, origin in zip(
+            contacts, (1, -1), (kernel.LEFT, kernel.RIGHT), track.rail_origins, strict=True
+        )
+    )
+
+
 class WheelsetOnTrack:
     """Forces on a wheelset at any state; a ``ForceLaw``.
 
@@ -30,35 +70,15 @@ class WheelsetOnTrack:
         self,
         wheelset: Wheelset,
         track: Track,
-        contacts: tuple[ContactModel, ContactModel],
+        contacts: Contacts,
         *,
         speed: float,
         start: float = 0.0,
     ) -> None:
         """contacts: left and right; speed [m/s] of the track-following frame, which is at ``start`` [m] at t = 0."""
-        half = 0.5 * wheelset.profile_spacing
-        scalars = np.zeros(kernel.SCALAR_COUNT)
-        paths = (track.centre, track.left, track.right)
-        scalars[kernel.STEP_CENTRE : kernel.STEP_RIGHT + 1] = [p.step for p in paths]
-        scalars[kernel.HALF_SPACING] = half
-        arrays = [
-            scalars,
-            carrier_parameters(wheelset, speed=speed, start=start),
-            *(p.table for p in paths),
-            np.zeros(3),
-            np.zeros(3),
-            *contacts[0].arrays.arguments(),
-            *contacts[1].arrays.arguments(),
-        ]
-        self.arena = pack(arrays)
-        views = self.arena.views
-        self.wheels = tuple(
-            WheelOnRail(replace(contact, arrays=KernelArrays(*views[first : first + 12])), side, half, origin)
-            for contact, side, first, origin in zip(
-                contacts, (1, -1), (kernel.LEFT, kernel.RIGHT), track.rail_origins, strict=True
-            )
-        )
-        self._scalars = views[kernel.SCALARS]
+        self.arena = pack(wheelset_arrays(wheelset, track, contacts, speed=speed, start=start))
+        self.wheels = wheels_on_track(self.arena.views, wheelset, track, contacts)
+        self._scalars = self.arena.views[kernel.SCALARS]
         self._track = track
         self.look_near(self.places(np.array([start]))[0])
 

@@ -151,7 +151,7 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Wheelset:
         raise InputError(f"{path}: is a profile file; a vehicle file with a table [wheelset] is needed here")
     file = check(VehicleFile, data, locate)
     finder = (find or Finder(())).beside(path)
-    profiles = tuple(_wheel(file.wheelset, side, finder, locate) for side in ("left", "right"))
+    profiles = tuple(load_wheel(file.wheelset, side, finder, locate) for side in ("left", "right"))
     radii = file.wheelset.radii
     body = file.wheelset
     x, y, z = file.suspension.stiffness_kN_per_m
@@ -181,7 +181,10 @@ def with_wheel(wheelset: Wheelset, side: str, profile: Profile | None, radius: f
     return replace(wheelset, left=new) if side == "left" else replace(wheelset, right=new)
 
 
-def _wheel(table: WheelsetTable, side: str, finder: Finder, locate: Locate) -> Profile:
+def load_wheel(
+    table: WheelsetTable, side: str, finder: Finder, locate: Locate, path: KeyPath = ("wheelset",)
+) -> Profile:
+    """Read the profile of one wheel of a [wheelset] that stands at ``path`` of its file. Raises InputError."""
     own = table.wheel_left if side == "left" else table.wheel_right
     key = "wheel" if own is None else f"wheel_{side}"
     name = own or table.wheel
@@ -189,5 +192,5 @@ def _wheel(table: WheelsetTable, side: str, finder: Finder, locate: Locate) -> P
     try:
         file = finder.find(name)
     except InputError as error:
-        raise InputError(fault_line(("wheelset", key), str(error), locate, name)) from None
+        raise InputError(fault_line((*path, key), str(error), locate, name)) from None
     return load_profile(file, "wheel")

@@ -1,0 +1,79 @@
+"""Whole vehicles on track, ready to be asked for forces, states and motions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from wrsim.contact.model import ContactModel
+from wrsim.geometry.segments import Segment, Straight
+from wrsim.geometry.track import Track
+from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.scenario.build import Setup, build
+from wrsim.scenario.loading import load
+from wrsim.simulation.system import System
+from wrsim.simulation.vehicle_law import Drive, VehicleOnTrack
+from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle_files import load_whole_vehicle
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+ROOT = Path(__file__).parents[2]
+MANCHESTER = ROOT / "models/vehicles/manchester_1.toml"
+COARSE = {"contact.strips": 15, "contact.cells": 8}
+
+
+@cache
+def manchester() -> Vehicle:
+    """The shipped vehicle."""
+    return load_whole_vehicle(MANCHESTER, Finder((shipped_models(),)))
+
+
+@cache
+def rails_and_contact() -> Setup:
+    """S1002 on 60E1 1:40 with a coarse patch."""
+    return build(load(ROOT / "scenarios/curve_r300.toml").with_values(COARSE))
+
+
+@dataclass(frozen=True)
+class Train:
+    """A vehicle on its track."""
+
+    law: VehicleOnTrack
+
+    @property
+    def system(self) -> System:
+        """A new Exudyn system of it."""
+        return System(self.law.bodies, self.law, self.law.dampers)
+
+
+def on_track(
+    vehicle: Vehicle,
+    speed: float = 0.0,
+    segments: Sequence[Segment] = (Straight(400.0),),
+    start: float = 50.0,
+    drive: Drive = "train",
+    gravity: float = STANDARD_GRAVITY,
+    heading: float = 0.0,
+) -> Train:
+    """The vehicle on track of these segments, its origin at ``start`` [m]; speed [m/s]."""
+    setup = rails_and_contact()
+    left, right = ((curve.outward, curve.height) for curve in (setup.track.left_curve, setup.track.right_curve))
+    track = Track.build(
+        segments,
+        setup.track.nominal_gauge,
+        left_offset=left,
+        right_offset=right,
+        cant_base=setup.track.cant_base,
+        heading=heading,
+    )
+    contacts = []
+    for mounted in vehicle.wheelsets:
+        wheels = (mounted.wheelset.left, mounted.wheelset.right)
+        models = [
+            ContactModel.build(wheel.profile, rail, wheel.radius, setup.contact, friction)
+            for wheel, rail, friction in zip(wheels, setup.rails, setup.contact.friction, strict=True)
+        ]
+        contacts.append((models[0], models[1]))
+    return Train(VehicleOnTrack(vehicle, track, contacts, speed=speed, start=start, drive=drive, gravity=gravity))

@@ -1,0 +1,92 @@
+"""Rigid bodies of a system: mass and inertia, and the mass matrix in their coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.core import rigid_body as kernel
+from wrsim.errors import InputError
+
+if TYPE_CHECKING:
+    from wrsim.vehicle.wheelset import Wheelset
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """A body of revolution: mass [kg], inertia about its axle and across it, about the centre of mass [kg
+    m2].
+    """
+
+    mass: float
+    spin_inertia: float
+    cross_inertia: float
+
+    def __post_init__(self) -> None:
+        for key in ("mass", "spin_inertia", "cross_inertia"):
+            value = getattr(self, key)
+            if not (np.isfinite(value) and value > 0.0):
+                raise InputError(f"body: {key} must be a positive number, not {value!r}")
+        if self.spin_inertia > 2.0 * self.cross_inertia:
+            raise InputError(
+                f"body: spin inertia {self.spin_inertia:g} kg m2 with a cross inertia of "
+                f"{self.cross_inertia:g} kg m2; no solid has more than twice its cross inertia"
+            )
+
+    @property
+    def inertia(self) -> tuple[float, float, float]:
+        """Principal inertia about x, y (the axle), z [kg m2]."""
+        return self.cross_inertia, self.spin_inertia, self.cross_inertia
+
+    @classmethod
+    def of(cls, wheelset: Wheelset) -> RigidBody:
+        """The body of a wheelset. Its roll and yaw inertia must agree, for it spins about its axle."""
+        roll, spin, yaw = wheelset.inertia
+        if abs(roll - yaw) > 1e-6 * abs(yaw):
+            raise InputError(
+                f"wheelset '{wheelset.name}': roll inertia {roll:g} and yaw inertia {yaw:g} kg m2 differ; "
+                "a wheelset spins about its axle, so that the two must be equal (take their mean)"
+            )
+        return cls(mass=wheelset.mass, spin_inertia=spin, cross_inertia=yaw)
+
+
+@dataclass(frozen=True)
+class SolidBody:
+    """A body that does not spin: mass [kg], principal inertia about x, y, z [kg m2]."""
+
+    mass: float
+    inertia: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        for key, value in (("mass", self.mass), *zip(("Ixx", "Iyy", "Izz"), self.inertia, strict=True)):
+            if not (np.isfinite(value) and value > 0.0):
+                raise InputError(f"body: {key} must be a positive number, not {value!r}")
+        if 2.0 * max(self.inertia) > sum(self.inertia) * (1.0 + 1e-9):
+            raise InputError(f"body: one of the inertias {self.inertia} kg m2 is larger than the other two together")
+
+
+Solid = RigidBody | SolidBody
+
+
+def mass_matrix(bodies: Sequence[Solid], q: Array) -> Array:
+    """Mass matrix in the coordinates q (6 per body; one more for every damper in series with a spring, of mass 1)."""
+    whole = np.eye(len(q))
+    for i, body in enumerate(bodies):
+        own = slice(6 * i, 6 * i + 6)
+        kernel.mass_block(q[own], body.mass, *body.inertia, whole[own, own])
+    return whole
+
+
+def velocity_forces(bodies: Sequence[Solid], q: Array, q_t: Array) -> Array:
+    """Quadratic velocity forces h of M(q) q_tt + h(q, q_t) = F, as a new array of the length of q."""
+    whole = np.zeros(len(q))
+    for i, body in enumerate(bodies):
+        own = slice(6 * i, 6 * i + 6)
+        kernel.velocity_forces(q[own], q_t[own], *body.inertia, whole[own])
+    return whole

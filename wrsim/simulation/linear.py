@@ -1,0 +1,87 @@
+"""A system about one of its states: derivatives of the forces, mass, damping and stiffness matrices, state matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
+from wrsim.simulation.equilibrium import DIFFERENCE, SMALL
+from wrsim.simulation.system import COORDINATES, Array, ForceLaw
+
+SMALL_EXTENSION = 1e-4
+"""Change of the extension of a damper in series with a spring [m]; forces are linear in it or nearly so."""
+
+
+def steps_of(bodies: int, size: int) -> tuple[Array, Array]:
+    """Steps of the numerical derivatives in q and q_t: one row of ``SMALL`` per body, then the dampers'."""
+    own = DIFFERENCE * np.array([SMALL[name] for name in COORDINATES] * bodies)
+    dampers = np.full(size - own.size, SMALL_EXTENSION)
+    return np.concatenate([own, dampers]), np.concatenate([own, dampers])
+
+
+def force_derivatives(forces: ForceLaw, q: Array, q_t: Array, bodies: int, t: float = 0.0) -> tuple[Array, Array]:
+    """Derivatives of the generalised forces with respect to q and to q_t, each (n, n), by central differences."""
+    n = len(q)
+    out = np.zeros(n)
+    found = []
+    for which, steps in enumerate(steps_of(bodies, n)):
+        columns = np.zeros((n, n))
+        for i in range(n):
+            both = []
+            for sign in (1.0, -1.0):
+                state = [np.array(q, dtype=float), np.array(q_t, dtype=float)]
+                state[which][i] += sign * steps[i]
+                forces(t, state[0], state[1], out)
+                both.append(out.copy())
+            columns[:, i] = (both[0] - both[1]) / (2.0 * steps[i])
+        found.append(columns)
+    return found[0], found[1]
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """mass q_tt + damping q_t + stiffness q = 0 for small motions about a state, all (n, n); bodies: how many.
+
+    Behind the coordinates of the bodies stand those of the dampers in series with springs, whose rates are the
+    extensions of the damping parts.
+    """
+
+    mass: Array
+    damping: Array
+    stiffness: Array
+    bodies: int
+
+    @property
+    def state_matrix(self) -> Array:
+        """A of y_t = A y with y = (q of the bodies, q_t of the bodies, extensions of the dampers)."""
+        n, m = len(self.mass), 6 * self.bodies
+        full = np.zeros((2 * n, 2 * n))
+        full[:n, n:] = np.eye(n)
+        full[n:, :n] = -np.linalg.solve(self.mass, self.stiffness)
+        full[n:, n:] = -np.linalg.solve(self.mass, self.damping)
+        kept = np.r_[0:m, n : 2 * n]
+        return full[np.ix_(kept, kept)]
+
+
+def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float = 0.0) -> Linearised:
+    """Matrices of the small motions about a state without acceleration, gyroscopic terms included.
+
+    On straight track a steady run is such a state; in a curve it is not, for the coordinates are global.
+    """
+
+    def left_over(t: float, q: Array, q_t: Array, out: Array) -> None:
+        forces(t, q, q_t, out)
+        out -= velocity_forces(bodies, q, q_t)
+
+    by_q, by_q_t = force_derivatives(left_over, q, q_t, len(bodies), t)
+    return Linearised(mass_matrix(bodies, q), -by_q_t, -by_q, len(bodies))
+
+
+def accelerations(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float = 0.0) -> Array:
+    """Second derivatives of the coordinates at a state: M^-1 (F - h)."""
+    out = np.zeros(len(q))
+    forces(t, q, q_t, out)
+    return np.asarray(np.linalg.solve(mass_matrix(bodies, q), out - velocity_forces(bodies, q, q_t)))

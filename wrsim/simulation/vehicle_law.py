@@ -1,0 +1,191 @@
+"""The force law of a whole vehicle on its track: suspension, gravity, drive and all contacts in one numba call."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.contact.arena import pack
+from wrsim.core import suspension, vehicle_forces
+from wrsim.core import wheelset_forces as wheelset_kernel
+from wrsim.errors import SimulationError
+from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
+from wrsim.simulation.suspension_table import suspension_table
+from wrsim.simulation.system import Array
+from wrsim.simulation.wheelset_law import Contacts, wheels_on_track, wheelset_arrays
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from wrsim.contact.channels import WheelOnRail
+    from wrsim.geometry.track import Track
+    from wrsim.vehicle.vehicle import Vehicle
+
+Drive = Literal["free", "train", "wheels"]
+DRIVES: tuple[Drive, ...] = ("free", "train", "wheels")
+"""What holds the speed: nothing; a pull along the track; moments on the axles. See ``core.vehicle_forces``."""
+
+SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
+
+
+class VehicleOnTrack:
+    """Generalised forces on a vehicle at any state; a ``ForceLaw``.
+
+    ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand behind their coordinates. After a
+    call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body and travel
+    of every element in the axes of its first body (of a strut along a line: tension and extension, in the places of x),
+    ``distance`` the place of the reference body along the centre line.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        track: Track,
+        contacts: Sequence[Contacts],
+        *,
+        speed: float,
+        start: float = 0.0,
+        drive: Drive = "train",
+        gravity: float = STANDARD_GRAVITY,
+    ) -> None:
+        """contacts: of every wheelset; speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0."""
+        self.vehicle, self.track, self.speed, self.start = vehicle, track, speed, start
+        self.bodies: tuple[Solid, ...] = (
+            *(RigidBody.of(mounted.wheelset) for mounted in vehicle.wheelsets),
+            *(SolidBody(body.mass, body.inertia) for body in vehicle.bodies),
+        )
+        table = suspension_table(vehicle)
+        self.dampers = table.states
+        self.size = 6 * len(self.bodies) + self.dampers
+        own = self._arrays(table.elements, table.tables, speed, start, drive, gravity)
+        whole = list(own)
+        for mounted, models in zip(vehicle.wheelsets, contacts, strict=True):
+            whole += wheelset_arrays(mounted.wheelset, track, models, speed=speed, start=start)
+        self.arena = pack(whole)
+        views = self.arena.views
+        self.scalars = views[vehicle_forces.V_SCALARS]
+        self.elements = views[vehicle_forces.ELEMENTS]
+        self.records = views[vehicle_forces.RECORDS]
+        self._loads = views[vehicle_forces.LOADS]
+        self._views = [
+            views[first : first + wheelset_kernel.ARRAYS]
+            for first in range(vehicle_forces.FIRST_WHEELSET, len(views), wheelset_kernel.ARRAYS)
+        ]
+        self.wheels: tuple[tuple[WheelOnRail, ...], ...] = tuple(
+            wheels_on_track(view, mounted.wheelset, track, models)
+            for view, mounted, models in zip(self._views, vehicle.wheelsets, contacts, strict=True)
+        )
+        self.look_near(start)
+
+    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
+        """See ``ForceLaw``. Returns the status of the contacts; raises SimulationError off the track."""
+        status = int(vehicle_forces.vehicle_forces(t, q, q_t, out, self.arena.buffer, self.arena.index))
+        if status & wheelset_kernel.OFF_TRACK:
+            raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
+        return status
+
+    @property
+    def distance(self) -> float:
+        """Distance of the reference body along the centre line at the state asked for last [m]."""
+        return float(self.scalars[vehicle_forces.S_REFERENCE])
+
+    @property
+    def drive_force(self) -> float:
+        """Force that holds the speed at the state asked for last, positive forward [N]."""
+        return float(self.scalars[vehicle_forces.DRIVE_FORCE])
+
+    def look_near(self, origin: float | Array) -> None:
+        """Tell where to look for the vehicle first: the distance of its origin, or of every wheelset [m].
+
+        Needed before a state far from the last one.
+        """
+        vehicle = self.vehicle
+        if np.ndim(origin) == 0:
+            origin = float(origin)  # type: ignore[arg-type]
+            distances = [origin + mounted.x for mounted in vehicle.wheelsets]
+        else:
+            distances = [float(s) for s in np.asarray(origin)]
+            origin = distances[0] - vehicle.wheelsets[0].x
+        for view, distance in zip(self._views, distances, strict=True):
+            s = view[wheelset_kernel.SCALARS]
+            s[wheelset_kernel.S_CENTRE] = distance
+            for k, side in zip((wheelset_kernel.S_LEFT, wheelset_kernel.S_RIGHT), SIDES, strict=True):
+                s[k] = float(self.track.rail_distance(side, distance))
+        self.scalars[vehicle_forces.S_REFERENCE] = origin + vehicle.parts[vehicle.reference].centre[0]
+        for row in self._loads:
+            row[vehicle_forces.S_LOAD] = origin + vehicle.parts[int(row[0])].centre[0]
+
+    @contextmanager
+    def dampers_at_rest(self) -> Iterator[None]:
+        """While this lasts, dampers in series with springs carry nothing: they have had time to yield."""
+        series = self.elements[:, suspension.SERIES].copy()
+        own = self._with_state()
+        try:
+            self.elements[own, suspension.SERIES] = 0.0
+            yield
+        finally:
+            self.elements[:, suspension.SERIES] = series
+
+    def yielded(self, q: Array, q_t: Array) -> Array:
+        """The rates q_t with the extensions at which the dampers in series with springs carry nothing."""
+        q_t = np.array(q_t, dtype=float)
+        self(0.0, q, q_t, np.zeros(self.size))
+        for i in self._with_state():
+            row = self.elements[i]
+            line = int(row[suspension.KIND]) == suspension.LINE
+            travel = self.records[i, 3 + (0 if line else int(row[suspension.DIRECTION]))]
+            q_t[6 * len(self.bodies) + int(row[suspension.STATE])] = travel
+        return q_t
+
+    def _with_state(self) -> NDArray[np.intp]:
+        """Numbers of the elements with an unknown of their own."""
+        struts = self.elements[:, suspension.KIND] >= suspension.AXIS
+        return np.flatnonzero(struts & (self.elements[:, suspension.STATE] >= 0.0))
+
+    def _arrays(
+        self, elements: Array, tables: Array, speed: float, start: float, drive: Drive, gravity: float
+    ) -> list[Array]:
+        """The vehicle's own arrays in the order of ``core.vehicle_forces``."""
+        vehicle, n = self.vehicle, len(self.bodies)
+        scalars = np.zeros(vehicle_forces.VEHICLE_SCALARS)
+        scalars[vehicle_forces.GRAVITY] = gravity
+        scalars[vehicle_forces.START] = start
+        scalars[vehicle_forces.SPEED] = speed
+        scalars[vehicle_forces.VEHICLE_MASS] = vehicle.mass
+        scalars[vehicle_forces.DRIVE] = DRIVES.index(drive)
+        scalars[vehicle_forces.REFERENCE] = vehicle.reference
+        scalars[vehicle_forces.AHEAD] = vehicle.parts[vehicle.reference].centre[0]
+        scalars[vehicle_forces.STEP] = self.track.centre.step
+        bodies = np.array(
+            [(body.mass, i if i < len(vehicle.wheelsets) else -1.0) for i, body in enumerate(self.bodies)]
+        )
+        loads = np.zeros((len(vehicle.loads), vehicle_forces.LOAD_COLUMNS))
+        for row, load in zip(loads, vehicle.loads, strict=True):
+            row[0] = vehicle.index(load.body)
+            row[1:4] = np.array(load.at) - np.array(vehicle.parts[int(row[0])].centre)
+            row[4:7] = load.force
+        axles = np.array([(i, self._holder(m.name), m.wheelset.mean_radius) for i, m in enumerate(vehicle.wheelsets)])
+        return [
+            scalars,
+            bodies,
+            np.zeros((n + 1, 18)),
+            np.zeros((n + 1, 3)),
+            np.zeros((n + 1, 3)),
+            elements,
+            tables,
+            np.zeros((len(elements), suspension.RECORD)),
+            loads,
+            axles,
+            self.track.centre.table,
+        ]
+
+    def _holder(self, wheelset: str) -> int:
+        """The body that takes the reaction of a moment on a wheelset: the first that an element joins to it."""
+        vehicle = self.vehicle
+        ends = [e.first for e in vehicle.elements if e.second == wheelset]
+        ends += [e.second for e in vehicle.elements if e.first == wheelset]
+        bodies = [name for name in ends if vehicle.index(name) < len(vehicle.parts)]
+        return vehicle.index(bodies[0]) if bodies else -1

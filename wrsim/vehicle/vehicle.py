@@ -1,0 +1,128 @@
+"""A vehicle: bodies, wheelsets, suspension, loads. Plain data, SI units, in the vehicle's axes.
+
+The origin is at the height of the rails, anywhere along the vehicle; x forward, y left, z up. All places are those of
+the design position: the vehicle at rest on level track.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.vehicle.elements import Element, Triple
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body: mass [kg], principal inertia about x, y, z [kg m2], centre of mass [m]."""
+
+    name: str
+    mass: float
+    inertia: Triple
+    centre: Triple
+
+
+@dataclass(frozen=True)
+class MountedWheelset:
+    """A wheelset at its place x [m] along the vehicle, its axle at the mean radius above the rails."""
+
+    name: str
+    wheelset: Wheelset
+    x: float
+
+    @property
+    def centre(self) -> Triple:
+        """Centre of mass [m]."""
+        return (self.x, 0.0, self.wheelset.mean_radius)
+
+    @property
+    def mass(self) -> float:
+        """Mass [kg]."""
+        return self.wheelset.mass
+
+
+@dataclass(frozen=True)
+class Load:
+    """A constant force [N] along the track's axes t, n, b at a point [m] of a body."""
+
+    name: str
+    body: str
+    force: Triple
+    at: Triple
+
+
+@dataclass(frozen=True)
+class Point:
+    """A point [m] of a body whose motion is kept in results."""
+
+    name: str
+    body: str
+    at: Triple
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """A whole vehicle. The wheelsets come first in the state, from front to rear as in the file, then the bodies."""
+
+    name: str
+    wheelsets: tuple[MountedWheelset, ...]
+    bodies: tuple[Body, ...]
+    elements: tuple[Element, ...]
+    loads: tuple[Load, ...] = ()
+    points: tuple[Point, ...] = ()
+    source: str = ""
+
+    @property
+    def parts(self) -> tuple[MountedWheelset | Body, ...]:
+        """Everything with mass, in the order of the state."""
+        return (*self.wheelsets, *self.bodies)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parts."""
+        return tuple(part.name for part in self.parts)
+
+    def index(self, name: str) -> int:
+        """Place of a part in the state; the frame that follows the track comes behind the last one."""
+        return self.names.index(name) if name in self.names else len(self.names)
+
+    @property
+    def mass(self) -> float:
+        """Mass of everything [kg]."""
+        return sum(part.mass for part in self.parts)
+
+    @property
+    def weight(self) -> float:
+        """Force of all wheels on level rails at rest [N], if no spring to the track's frame carries a share."""
+        return self.mass * STANDARD_GRAVITY - sum(load.force[2] for load in self.loads)
+
+    @property
+    def centre(self) -> Array:
+        """Centre of mass (3,) [m]."""
+        moments = sum(part.mass * np.array(part.centre) for part in self.parts)
+        return np.asarray(moments / self.mass)
+
+    @property
+    def reference(self) -> int:
+        """The part whose place on the track stands for the vehicle's: the heaviest body, or the first wheelset."""
+        if not self.bodies:
+            return 0
+        return len(self.wheelsets) + int(np.argmax([body.mass for body in self.bodies]))
+
+    @property
+    def with_state(self) -> tuple[Element, ...]:
+        """Elements with an unknown of their own, in their order in the state."""
+        return tuple(e for e in self.elements if getattr(e, "has_state", False))
+
+    def with_wheelsets(self, change: Callable[[Wheelset], Wheelset]) -> Vehicle:
+        """The vehicle with every wheelset changed."""
+        return replace(self, wheelsets=tuple(replace(m, wheelset=change(m.wheelset)) for m in self.wheelsets))
