@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.contact_bench import HALF_SPACING, PAIRS, RADIUS, bench, contact_of, pair_model, rail_origin, strips_of
 
+from wrsim.contact.settings import Friction
 from wrsim.core import layout as k
 from wrsim.scenario.cases import StaticPose
 
@@ -16,7 +17,7 @@ speeds = st.sampled_from([0.0, 1e-3, -0.5, 20.0, 100.0])
 states = st.fixed_dictionaries(
     {
         "pair": st.sampled_from(sorted(PAIRS)),
-        "friction": st.sampled_from([0.0, 0.3, 2.0]),
+        "friction": st.sampled_from([0.0, 0.3, 2.0, Friction(0.5, 0.1, falling_ratio=0.4)]),
         "tangential": st.sampled_from(["fastsim", "fastrip", "polach", "linear", "shen-hedrick-elkins"]),
         "bound": st.sampled_from(["elliptic", "parabolic"]),
         "approach": st.sampled_from(["projected", "constant"]),
@@ -73,7 +74,7 @@ def test_any_pose_gives_finite_forces_that_push_and_stay_within_friction(state):
     assert (lobes[:, k.N] >= 0.0).all() and (lobes[:, k.P0] >= 0.0).all() and (lobes[:, k.AREA] >= 0.0).all()
     assert (strips[:, k.FORCE] >= 0.0).all()
     assert (lobes[:, k.APPROACH] > 0.0).all()
-    tangential, limit = np.hypot(strips[:, k.FX], strips[:, k.FY]), state["friction"] * strips[:, k.FORCE]
+    tangential, limit = np.hypot(strips[:, k.FX], strips[:, k.FY]), strips[:, k.MU] * strips[:, k.FORCE]
     if state["tangential"] != "linear":  # which knows no limit
         assert (tangential <= limit * (1.0 + 1e-9) + 1e-300).all()
     assert contact.wear_number >= -1e-12 * limit.sum()

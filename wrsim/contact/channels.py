@@ -43,6 +43,7 @@ _STRIP_CHANNELS = {
     "strip_xi": k.XI,
     "strip_eta": k.ETA,
     "strip_phi": k.PHI,
+    "strip_friction": k.MU,
 }
 POSE_CHANNELS = {"wheel_origin": 0, "wheel_axle": 3, "wheel_velocity": 6, "wheel_rotation": 9}
 """Channels that hold a wheel's pose and motion, and their first place in the kernel's pose."""

@@ -15,6 +15,7 @@ from wrsim.contact.half_space_patch import HalfSpaceContact, HalfSpacePatch, Reg
 from wrsim.contact.model import ContactModel
 from wrsim.core import halfspace_surface as surface
 from wrsim.core import layout as k
+from wrsim.core.friction import set_friction
 from wrsim.core.halfspace_normal import summarise
 from wrsim.core.resultants import add_lobe, set_creepages
 from wrsim.core.wheel_rail import carry
@@ -45,6 +46,8 @@ def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
         _write_region(patch, region, a.patches[i], a.strips[i])
         a.patches[i, k.GROUP] = i
         set_creepages(a.pose, a.settings, a.patches[i], a.strips[i], int(a.patches[i, k.N_STRIPS]))
+        if model.settings.tangential != "none":
+            set_friction(a.pose, a.settings, a.strips[i], int(a.patches[i, k.N_STRIPS]))
     force, moment = contact.force, contact.moment
     bare, whole = np.zeros(k.TOTAL), np.zeros(k.TOTAL)
     by_strips = model.settings.tangential not in ("half-space", "none")

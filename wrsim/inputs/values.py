@@ -284,6 +284,26 @@ def faults_at(place: tuple[str | int, ...], error: ValidationError) -> list[Init
     ]
 
 
+@dataclass(frozen=True)
+class OrTable(Annotation):
+    """A plain number, or a table that says more; the check returns a float or the section."""
+
+    number: Quantity
+    section: Callable[[], Any]
+    header: str
+
+    def words(self) -> str:
+        return f"{self.number.words()} or a table ({self.header})"
+
+    def check(self, value: Any) -> Any:
+        if isinstance(value, dict):
+            return self.section().model_validate(value)
+        number = as_float(value)
+        if number is None or not self.number.holds(number):
+            raise self.refusal() if isinstance(value, str | list | bool) else self.number.refusal()
+        return number
+
+
 def one_fault(loc: tuple[str | int, ...], message: str, value: Any, kind: str = "value") -> ValidationError:
     """Return a validation error with a single fault at ``loc``."""
     fault = PydanticCustomError(kind, message)  # type: ignore[arg-type]

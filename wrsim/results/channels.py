@@ -188,6 +188,7 @@ _ALL = (
     _of("strip_xi", _STRIP, "1", "permille", "longitudinal creepage", r"\xi"),
     _of("strip_eta", _STRIP, "1", "permille", "lateral creepage", r"\eta"),
     _of("strip_phi", _STRIP, "1/m", "1/m", "spin creepage", r"\phi"),
+    _of("strip_friction", _STRIP, "1", "1", "coefficient of friction of the strip", r"\mu"),
     # the elements of the exact solver, rows as the strips
     _of("element_x", "moment wheel patch column", "m", "mm", "along the track", "x"),
     _of("element_p", _ELEMENT, "Pa", "MPa", "pressure", "p"),

@@ -7,11 +7,12 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from wrsim.contact.settings import DRY, ContactSettings, HalfSpaceSettings, Material, Tangential
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.values import Choice, Quantity, Whole
+from wrsim.inputs.values import Choice, OrTable, Quantity, Whole
+from wrsim.scenario.friction_section import Coefficient, FrictionSection
 
 Modulus = Quantity(1, 1000, example="GPa, steel 210")
 Poisson = Quantity(0, 0.49, example="steel 0.28")
-Friction = Quantity(0, 2, example="dry steel 0.3 to 0.5")
+FRICTION = OrTable(Coefficient, lambda: FrictionSection, "[contact.friction]")
 
 Element = Quantity(0.001, 5, example="mm; 0.1 to 0.3 for patches of rails")
 
@@ -115,6 +116,10 @@ class ContactSection(Section):
         "n_strips": "strips",
         "n_cells": "cells",
         "patches": "max_patches",
+        "kA": "polach_kA",
+        "kS": "polach_kS",
+        "k_A": "polach_kA",
+        "k_S": "polach_kS",
     }
 
     normal: Annotated[Literal["kik-piotrowski", "half-space"], Choice(("kik-piotrowski", "half-space"))] = (
@@ -127,9 +132,9 @@ class ContactSection(Section):
     )
     polach_kA: Annotated[float, Quantity(above=0, high=1)] = DEFAULTS.polach_adhesion
     polach_kS: Annotated[float, Quantity(above=0, high=1)] = DEFAULTS.polach_slip
-    friction: Annotated[float, Friction] = DRY
-    friction_left: Annotated[float, Friction] | None = None
-    friction_right: Annotated[float, Friction] | None = None
+    friction: Annotated[float | FrictionSection, FRICTION] = DRY
+    friction_left: Annotated[float | FrictionSection, FRICTION] | None = None
+    friction_right: Annotated[float | FrictionSection, FRICTION] | None = None
     strips: Annotated[int, Whole(5, 1000)] | None = None
     strip_width_mm: Annotated[float, Quantity(0.005, 2, example="mm along the curved axis")] | None = None
     cells: Annotated[int, Whole(2, 500)] = DEFAULTS.cells
@@ -151,17 +156,26 @@ class ContactSection(Section):
         if "strips" in raw and "strip_width_mm" in raw:
             yield Fault("strip_width_mm", "cannot stand next to strips: give one of them")
 
+    def consistency(self) -> Iterator[Fault]:
+        """Polach's factors in order: with kS above kA his law would pull more than mu N."""
+        if self.polach_kS > self.polach_kA:
+            yield Fault("polach_kS", f"must not be above polach_kA ({self.polach_kA:g})")
+
     def settings(self) -> ContactSettings:
         """Return the same in SI units. Creep forces are by default exact on exact pressures, else FASTSIM's."""
         exact: Tangential = "half-space" if self.normal == "half-space" else "fastsim"
-        left = self.friction if self.friction_left is None else self.friction_left
-        right = self.friction if self.friction_right is None else self.friction_right
+        left, right = (
+            both.law() if isinstance(both, FrictionSection) else both
+            for both in (own if own is not None else self.friction for own in (self.friction_left, self.friction_right))
+        )
         by_width = self.strip_width_mm is not None
         return ContactSettings(
             normal=self.normal,
             approach=self.approach,
             tangential=self.tangential or exact,
             traction_bound=self.traction_bound,
+            polach_adhesion=self.polach_kA,
+            polach_slip=self.polach_kS,
             friction=(left, right),
             strips=None if by_width else (self.strips or DEFAULTS.strips),
             strip_width=None if self.strip_width_mm is None else self.strip_width_mm / 1000.0,

@@ -1,0 +1,73 @@
+"""[contact.friction]: friction that depends on the place on the rail and on the slip speed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import radians
+from typing import Annotated, Any, ClassVar
+
+from wrsim.contact.settings import Friction
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import Quantity
+
+Coefficient = Quantity(0, 2, example="dry steel 0.3 to 0.5")
+Angle = Quantity(-30, 80, example="contact angle in degrees, flange side positive")
+
+PLAIN = Friction(0.0)
+FROM_DEG, FULL_DEG = 15.0, 35.0
+
+
+class FrictionSection(Section):
+    """Friction of both rails or of one; see `wrsim.contact.settings.Friction`."""
+
+    header: ClassVar[str] = "[contact.friction]"
+    aliases: ClassVar[dict[str, str]] = {
+        "mu": "static",
+        "mu0": "static",
+        "coefficient": "static",
+        "top_of_rail": "static",
+        "gauge": "gauge_corner",
+        "flange": "gauge_corner",
+        "A": "falling_ratio",
+        "B": "falling_decay_s_per_m",
+    }
+    elsewhere: ClassVar[dict[str, str]] = {
+        "left": "[contact] as friction_left",
+        "right": "[contact] as friction_right",
+        "friction_left": "[contact]",
+        "friction_right": "[contact]",
+    }
+
+    static: Annotated[float, Coefficient]
+    gauge_corner: Annotated[float, Coefficient] | None = None
+    gauge_corner_from_deg: Annotated[float, Angle] = FROM_DEG
+    gauge_corner_full_deg: Annotated[float, Angle] = FULL_DEG
+    falling_ratio: Annotated[float, Quantity(0, 1, example="limit at fast slip over static, 1 does not fall")] = 1.0
+    falling_decay_s_per_m: Annotated[float, Quantity(0, 100, example="dry 0.6, wet 0.2")] = PLAIN.falling_decay
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """No number without the one that it belongs to."""
+        for key in ("gauge_corner_from_deg", "gauge_corner_full_deg"):
+            if key in raw and "gauge_corner" not in raw:
+                yield Fault("gauge_corner", f"goes with {key}: must be {Coefficient.words()}", missing=True)
+                break
+        if "falling_decay_s_per_m" in raw and "falling_ratio" not in raw:
+            yield Fault("falling_ratio", "goes with falling_decay_s_per_m: must be a number from 0 to 1", missing=True)
+
+    def consistency(self) -> Iterator[Fault]:
+        """The ramp rises."""
+        if self.gauge_corner_full_deg <= self.gauge_corner_from_deg:
+            yield Fault(
+                "gauge_corner_full_deg", f"must be above gauge_corner_from_deg ({self.gauge_corner_from_deg:g})"
+            )
+
+    def law(self) -> Friction:
+        """Return the same in SI units."""
+        return Friction(
+            static=self.static,
+            gauge_corner=self.gauge_corner,
+            ramp=(radians(self.gauge_corner_from_deg), radians(self.gauge_corner_full_deg)),
+            falling_ratio=self.falling_ratio,
+            falling_decay=self.falling_decay_s_per_m,
+        )
