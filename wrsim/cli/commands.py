@@ -21,6 +21,7 @@ from wrsim.cli.showing import (
     print_files,
     print_json,
     print_peaks,
+    print_smoothing,
     print_summary,
     progress_bar,
     tell_slow,
@@ -208,20 +209,35 @@ def profile(
     kind: Annotated[
         str | None, typer.Option(metavar="wheel|rail", help="Needed for a file of two columns only.")
     ] = None,
+    cutoff: Annotated[
+        list[float] | None,
+        typer.Option(
+            "--cutoff",
+            metavar="MM",
+            help="Smooth the points as measured ones, halving waves of this length; up to four, to compare them.",
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
-    """Draw a profile with its slope and curvature."""
+    """Draw a profile with its slope and curvature; of measured points also what smoothing did to them."""
     with told(as_json):
         if kind not in (None, "wheel", "rail"):
             raise InputError(f"--kind {kind}: must be wheel or rail")
-        from wrsim.geometry.profile_models import load_profile
-        from wrsim.plots.profile import profile_picture
-
-        loaded = load_profile(file, kind)  # type: ignore[arg-type]
         picture = output or Path(file.stem + ".png")
         if picture.suffix.lower() != ".png":
             raise InputError(f"-o {picture}: must end in .png")
-        print_files([profile_picture(loaded, picture)], as_json)
+        from wrsim.cli.profiles import loaded_and_smoothed
+        from wrsim.plots.profile import profile_picture
+
+        loaded, reports = loaded_and_smoothed(file, kind, cutoff or [])  # type: ignore[arg-type]
+        files = [profile_picture(loaded, picture, reports)]
+        if as_json:
+            smoothing = {"smoothing": [r.numbers() for r in reports]} if reports else {}
+            print_json({"files": [str(f) for f in files], **smoothing})
+        else:
+            if reports:
+                print_smoothing(reports)
+            print_files(files, as_json)
 
 
 app.command()(conicity)

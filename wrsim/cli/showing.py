@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from wrsim.geometry.smoothing_report import SmoothingReport
     from wrsim.results import Result
     from wrsim.scenario.build import Setup
 
@@ -98,6 +99,39 @@ def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:
     if place is None:
         place = f"{peak['distance_m']:z.1f} m" if "distance_m" in peak else f"{peak['time_s']:z.3f} s"
     return f"{peak['value']:.4g}", str(place)
+
+
+def print_smoothing(reports: Sequence[SmoothingReport]) -> None:
+    """Curvature before and after, and how far smoothing moved the points, one line a cut-off."""
+    from rich.console import Console
+    from rich.table import Table
+
+    first = reports[0]
+    print(f"{len(first.points)} points, which scatter by {1e6 * first.scatter:.3g} um across the curve")
+    table = Table(box=None, pad_edge=False)
+    for head in (
+        "cut-off",
+        "largest curvature [1/m]",
+        "at u [mm]",
+        "RMS change [um]",
+        "largest [um]",
+        "at u [mm]",
+        "line",
+    ):
+        table.add_column(head, justify="right")
+    table.add_row("none", f"{first.curvature_before:.4g}", *[""] * 5)
+    for r in reports:
+        most, where, line = r.largest_change
+        table.add_row(
+            f"{1e3 * r.cutoff:g} mm",
+            f"{r.curvature_after:.4g}",
+            f"{1e3 * r.sharpest:.2f}",
+            f"{1e6 * r.rms_change:.3g}",
+            f"{1e6 * most:.3g}",
+            f"{1e3 * where:.2f}",
+            str(line),
+        )
+    Console(highlight=False).print(table)
 
 
 def print_files(files: list[Path], as_json: bool) -> None:

@@ -7,7 +7,7 @@ could change the shape: steps back, zig-zags, gaps and crossings are refused wit
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,9 @@ from wrsim.geometry.smoothing import CUTOFF, smoothed
 HEIGHTS = ("up", "down")
 SIDES = ("positive", "negative")
 """Sign that a file's lateral coordinate has on the field side."""
+
+FARTHEST = 1e3
+"""Largest coordinate of a point, m."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,28 @@ PROFILE_FILES = {
 """Formats by the name that files use in their key ``format``."""
 
 
+@dataclass(frozen=True)
+class Reading:
+    """Points of a file, upright, in order and checked, and what is to become of them.
+
+    measured: smoothed, not interpolated; cutoff: wavelength at which smoothing halves a wave [m].
+    """
+
+    points: Points
+    kind: Kind
+    name: str
+    source: str
+    measured: bool
+    cutoff: float = CUTOFF
+
+    def profile(self) -> Profile:
+        """The profile through the points, smoothed or interpolated. Raises InputError where that cannot be."""
+        if not self.measured:
+            return interpolated(self.points, self.name, self.kind, self.source)
+        source = f"{self.source}; smoothed, cut-off {1e3 * self.cutoff:g} mm"
+        return smoothed(self.points, self.name, self.kind, source, self.cutoff)
+
+
 def read_profile(
     path: str | Path,
     kind: Kind | None = None,
@@ -56,6 +81,29 @@ def read_profile(
     clip: tuple[float, float] | None = None,
     turn: float = 0.0,
 ) -> Profile:
+    """Read a file of points as a profile; parameters and errors as for `read_points`."""
+    return read_points(
+        path, kind, format=format, name=name, source=source, measured=measured, cutoff=cutoff, unit=unit,
+        heights=heights, field_side=field_side, clip=clip, turn=turn,
+    ).profile()  # fmt: skip
+
+
+def read_points(
+    path: str | Path,
+    kind: Kind | None = None,
+    *,
+    format: str | None = None,
+    name: str | None = None,
+    source: str | None = None,
+    measured: bool | None = None,
+    cutoff: float | None = None,
+    unit: str | None = None,
+    heights: str | None = None,
+    field_side: str | None = None,
+    clip: tuple[float, float] | None = None,
+    turn: float = 0.0,
+    shift: tuple[float, float] = (0.0, 0.0),
+) -> Reading:
     """Read a file of points.
 
     Parameters
@@ -73,6 +121,7 @@ def read_profile(
         None: for a wheel with a flange by the shape, otherwise positive.
     clip : keep only the points between these u, m, after all of the above.
     turn : turn the profile about its origin, rad, positive: top towards the gauge side (u negative).
+    shift : move it outward and up, m, last of all.
 
     Raises InputError with file, line and what is allowed.
     """
@@ -92,6 +141,12 @@ def read_profile(
 
     metres = METRES[unit] if unit else scan.unit or METRES["mm"]
     lateral, height = (metres * a for a in scan.arrays())
+    far = np.flatnonzero(np.maximum(np.abs(lateral), np.abs(height)) > FARTHEST)
+    if far.size:
+        raise InputError(
+            f"{path}:{scan.line[far[0]]}: this point lies {np.hypot(lateral[far[0]], height[far[0]]):.4g} m from the "
+            f"origin; allowed: {FARTHEST:g} m. Is the unit right?"
+        )
     points = Points(str(path), lateral, height, np.array(scan.line, dtype=np.intp))
     points = points.without_duplicates(metres * scan.resolution, metres * scan.least_distance)
     check_count(points)
@@ -102,12 +157,16 @@ def read_profile(
         points = points.clipped(*clip)
     check_points(points)
 
-    name = name or scan.name or path.stem
-    source = source or scan.source or path.name
-    if measured if measured is not None else scan.measured:
-        cutoff = CUTOFF if cutoff is None else cutoff
-        return smoothed(points, name, body, f"{source}; smoothed, cut-off {1e3 * cutoff:g} mm", cutoff)
-    return interpolated(points, name, body, source)
+    points = replace(points, u=points.u + shift[0], w=points.w + shift[1])
+    told = measured if measured is not None else bool(scan.measured)
+    return Reading(
+        points,
+        body,
+        name or scan.name or path.stem,
+        source or scan.source or path.name,
+        told,
+        CUTOFF if cutoff is None else cutoff,
+    )
 
 
 def write_profile(profile: Profile, path: str | Path, format: str | None = None) -> Path:

@@ -25,7 +25,7 @@ import numpy as np
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile import Kind, Profile
-from wrsim.geometry.profile_files import HEIGHTS, PROFILE_FILES, SIDES, read_profile
+from wrsim.geometry.profile_files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, read_profile
 from wrsim.geometry.profile_sections import (
     Arc,
     Line,
@@ -396,7 +396,11 @@ class PointsFile(ProfileFile):
 
     def build(self, path: Path) -> Profile:
         """See `ProfileFile`."""
-        profile = read_profile(
+        return self.reading(path).profile()
+
+    def reading(self, path: Path) -> Reading:
+        """The points, not yet a profile."""
+        return read_points(
             path.parent / self.file,
             self.side,
             format=self.format,
@@ -409,8 +413,8 @@ class PointsFile(ProfileFile):
             field_side=self.field_side,
             clip=None if self.clip_mm is None else (self.clip_mm[0] * MM, self.clip_mm[1] * MM),
             turn=1e-3 * self.turn_mrad,
+            shift=(self.shift_mm[0] * MM, self.shift_mm[1] * MM),
         )
-        return profile.shifted(self.shift_mm[0] * MM, self.shift_mm[1] * MM)
 
 
 FILE_KINDS: dict[str, type[ProfileFile]] = {
@@ -446,6 +450,29 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
     path = Path(path)
     if path.suffix.lower() != ".toml":
         return read_profile(path, kind)
+    model = _read_toml(path, kind)
+    try:
+        return model.build(path)
+    except InputError as error:
+        if isinstance(model, PointsFile):
+            raise  # names the file of points
+        raise InputError(f"{path}: {error}") from None
+
+
+def load_points(path: str | Path, kind: Kind | None = None) -> Reading | None:
+    """Read the points that a profile is made from; None for a shape that is given by formula.
+
+    Parameters and errors as for `load_profile`.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".toml":
+        return read_points(path, kind)
+    model = _read_toml(path, kind)
+    return model.reading(path) if isinstance(model, PointsFile) else None
+
+
+def _read_toml(path: Path, kind: Kind | None) -> ProfileFile:
+    """The checked content of a TOML profile file."""
     text = read_text(path, "profile file")
     data = parse_toml(text, str(path))
     locate = _locator(str(path), text)
@@ -453,12 +480,7 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
     model = check(FILE_KINDS[file_kind], data, locate)
     if kind is not None and model.body != kind:
         raise InputError(f'{locate(("body",))}: body = "{model.body}": a {kind} profile is needed here')
-    try:
-        return model.build(path)
-    except InputError as error:
-        if isinstance(model, PointsFile):
-            raise  # names the file of points
-        raise InputError(f"{path}: {error}") from None
+    return model
 
 
 def _locator(name: str, text: str) -> Callable[[KeyPath], str]:

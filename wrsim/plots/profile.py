@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from textwrap import shorten
 
@@ -12,9 +13,12 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, Multiple
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile import GAUGE_DEPTH, Profile
+from wrsim.geometry.smoothing_report import SmoothingReport
 from wrsim.plots.style import FULL_WIDTH, INK, QUIET, RAIL_FILL, WHEEL_FILL, headline, new_figure, place, save, style
 
 LINE = "#0072B2"
+CUTOFF_COLOURS = (LINE, "#D55E00", "#009E73", "#CC79A7")
+"""One for every cut-off that is compared."""
 LEFT, RIGHT, TOP, BOTTOM, GAP = 15.0, 15.0, 13.0, 10.0, 6.0
 """Margins of the figure and the gap between panels, mm."""
 PANEL = 32.0
@@ -27,13 +31,17 @@ RADII = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 """Ticks of radius, mm."""
 
 
-def profile_picture(profile: Profile, path: str | Path) -> Path:
+def profile_picture(profile: Profile, path: str | Path, smoothing: Sequence[SmoothingReport] = ()) -> Path:
     """Write `profile_figure` as PNG; returns the path. Raises WrsimError where it cannot be written."""
-    return save(profile_figure(profile), path)
+    return save(profile_figure(profile, smoothing), path)
 
 
-def profile_figure(profile: Profile) -> Figure:
-    """Shape, slope angle and curvature of a profile against the outward coordinate."""
+def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) -> Figure:
+    """Shape, slope angle and curvature of a profile against the outward coordinate.
+
+    smoothing: one report for every cut-off that is to be compared; their curvatures are drawn over that of the bare
+    points, and a further panel shows how far the points lie from the smoothed curves.
+    """
     u, w = 1e3 * profile.u, 1e3 * profile.w
     pad = 0.03 * np.ptp(u)
     across, up = float(np.ptp(u) + 2.0 * pad), float(np.ptp(w) + 4.0 * pad)
@@ -42,17 +50,21 @@ def profile_figure(profile: Profile) -> Figure:
     if height > TALLEST:
         across, height = across * height / TALLEST, TALLEST
     with style():
-        figure = new_figure(FULL_WIDTH, TOP + height + 2.0 * (PANEL + GAP) + BOTTOM, constrained=False)
+        rows = 3 if smoothing else 2
+        figure = new_figure(FULL_WIDTH, TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
         headline(figure, f"{profile.name} ({profile.kind})")
         down = figure.get_size_inches()[1] * 25.4
         note = shorten(profile.source, 130, placeholder=" ...")
         figure.text(0.012, 1.0 - 6.5 / down, note, ha="left", va="top", fontsize=6.5, color=QUIET)
         panels = [place(figure, LEFT, TOP, width, height)]
-        for row in (0, 1):
+        for row in range(rows):
             top = TOP + height + GAP + row * (PANEL + GAP)
             panels.append(place(figure, LEFT, top, width, PANEL))
             panels[-1].sharex(panels[0])
-        draw_profile(profile, *panels)
+        draw_profile(profile, *panels[:3])
+        if smoothing:
+            compare_curvatures(smoothing, panels[2])
+            draw_changes(smoothing, panels[3])
         middle_u, middle_w = 0.5 * (u.min() + u.max()), 0.5 * (w.min() + w.max())
         panels[0].set_xlim(middle_u - 0.5 * across, middle_u + 0.5 * across)
         panels[0].set_ylim(middle_w - 0.5 * up, middle_w + 0.5 * up)
@@ -61,6 +73,35 @@ def profile_figure(profile: Profile) -> Figure:
             axes.set_xlabel("")
         figure.align_ylabels(panels)
     return figure
+
+
+def compare_curvatures(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes:
+    """Curvature of the bare points in grey behind that of every cut-off; keeps the scale that is set."""
+    axes.lines[0].remove()
+    first = smoothing[0]
+    axes.plot(
+        1e3 * first.points.u, first.bare_curvature, color=QUIET, linewidth=0.4, alpha=0.3, zorder=1.0,
+        label="bare points",
+    )  # fmt: skip
+    for report, colour in zip(smoothing, CUTOFF_COLOURS, strict=False):
+        p = report.profile
+        label = f"cut-off {1e3 * report.cutoff:g} mm"
+        axes.plot(1e3 * p.u, p.curvature_after, color=colour, linewidth=1.0, label=label)
+    axes.legend(loc="upper center", ncols=5, fontsize=6.5, frameon=True, framealpha=0.9, edgecolor="none")
+    axes.set_title("positive: turns upward; as smoothed, and of a spline through the bare points", fontsize=6.5,
+                   color=QUIET, pad=2.0)  # fmt: skip
+    return axes
+
+
+def draw_changes(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes:
+    """Distance of the measured points from the smoothed curves against u, um."""
+    for report, colour in zip(smoothing, CUTOFF_COLOURS, strict=False):
+        axes.plot(1e3 * report.points.u, 1e6 * report.change, ".", color=colour, markersize=1.6, zorder=2.0)
+    axes.axhline(0.0, color=INK, linewidth=0.5)
+    axes.set_title("distance of the points from the smoothed curve", fontsize=6.5, color=QUIET, pad=2.0)
+    axes.set_xlabel("Outward u [mm]")
+    axes.set_ylabel("Change [µm]")
+    return axes
 
 
 def draw_profile(
