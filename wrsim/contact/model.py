@@ -76,11 +76,15 @@ class ContactModel:
         """
         a = self.arrays
         a.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
+        return Contact.copy_from(a, self.solve())
+
+    def solve(self) -> int:
+        """Contact at the pose set in the arrays, written into them; returns the status."""
         if self.settings.normal == "half-space":
             from wrsim.contact.half_space_rows import solve_into  # which builds on this module
 
-            return Contact.copy_from(a, solve_into(self).status)
-        return Contact.copy_from(a, a.call())
+            return solve_into(self).status
+        return self.arrays.call()
 
 
 @dataclass(frozen=True)

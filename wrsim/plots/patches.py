@@ -63,14 +63,16 @@ def pressure_scale(dataset: xr.Dataset, moments: Sequence[int] | None = None) ->
     return Normalize(0.0, float(np.nanmax(chosen, initial=0.0)) or 1.0)
 
 
-def contact_patch(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize, *, strips: bool = False) -> Axes:
+def contact_patch(
+    axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize, *, strips: bool = False, shift: float = 0.0
+) -> Axes:
     """Draw one patch: every strip's semi-ellipse of pressure over (s, x) in mm, and the patch's outline.
 
-    Where the exact solver left its elements, their pressures are drawn.
+    Where the exact solver left its elements, their pressures are drawn. shift: added to s [mm].
     Colours run smoothly from strip to strip; with ``strips`` the borders of the strips are drawn too.
     """
     elements = select_elements(dataset, where)
-    for s, x, a, p, borders in _islands(dataset, where):
+    for s, x, a, p, borders in islands(dataset, where, shift):
         outline_s = np.concatenate((s, s[::-1], s[:1]))
         outline_x = np.concatenate((x - a, (x + a)[::-1], (x - a)[:1]))
         (line,) = axes.plot(outline_s, outline_x, color=INK, lw=0.7)
@@ -79,7 +81,7 @@ def contact_patch(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normal
             along = np.sin(angle)[:, None] * a + x
             across, pressure = np.broadcast_to(s, along.shape), np.cos(angle)[:, None] * p
         else:
-            across, along = np.meshgrid(elements[0], elements[1])
+            across, along = np.meshgrid(elements[0] + shift, elements[1])
             pressure = elements[2].T
         mesh = axes.pcolormesh(across, along, pressure, shading="gouraud", cmap=pressure_map(), norm=scale)
         mesh.set_rasterized(True)
@@ -91,7 +93,7 @@ def contact_patch(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normal
     return axes
 
 
-def _islands(dataset: xr.Dataset, where: PatchAt) -> list[tuple[Array, Array, Array, Array, Array]]:
+def islands(dataset: xr.Dataset, where: PatchAt, shift: float = 0.0) -> list[tuple[Array, Array, Array, Array, Array]]:
     """Islands of a patch in mm and MPa, each (s, x, a, p, borders of strips), closed at both ends.
 
     Towards an edge the interpenetration falls linearly, so half length and pressure fall with the square
@@ -100,6 +102,7 @@ def _islands(dataset: xr.Dataset, where: PatchAt) -> list[tuple[Array, Array, Ar
     islands = []
     for run in touching_runs(select(dataset, where)):
         s, ds, x, a, p = (shown(run, f"strip_{n}") for n in ("s", "ds", "x", "a", "p"))
+        s = s + shift
         low = s[0] - 0.5 * ds[0] * (1.0 - NEAR_EDGE)
         high = (s[-1] + 0.5 * ds[-1] * (1.0 - NEAR_EDGE))[::-1]
         fall = np.sqrt(NEAR_EDGE)
@@ -198,7 +201,7 @@ def _reach(dataset: xr.Dataset, places: Sequence[PatchAt | None]) -> tuple[tuple
     """Common limits in s and x of some patches, mm."""
     s_ends, x_ends = [], []
     for where in places:
-        for s, x, a, _, _ in _islands(dataset, where) if where is not None else []:
+        for s, x, a, _, _ in islands(dataset, where) if where is not None else []:
             s_ends += [s.min(), s.max()]
             x_ends += [(x - a).min(), (x + a).max()]
     if not s_ends:

@@ -1,0 +1,215 @@
+"""The same poses or the same run by several contact models, side by side.
+
+What is compared belongs to a wheel, since models may split the contact into patches differently: sums and extremes
+over its patches, and the angle of the largest one. Samples are those of the reference; other runs are interpolated to
+them in time.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from wrsim.analysis import run
+from wrsim.analysis.contacts import contact_models
+from wrsim.contact.channels import POSE_CHANNELS
+from wrsim.errors import InputError, SimulationError, suggest
+from wrsim.scenario.build import build
+from wrsim.scenario.contact_choice import with_contact_model
+
+if TYPE_CHECKING:
+    from wrsim.results import Result
+    from wrsim.scenario.build import Setup
+    from wrsim.scenario.loading import Scenario
+
+Array = NDArray[np.float64]
+
+RELATIVE, OF_LOAD, PLAIN = "relative", "of the normal force", "plain"
+DIFFERENCES = {
+    "N": RELATIVE,
+    "p0": RELATIVE,
+    "area": RELATIVE,
+    "approach": RELATIVE,
+    "contact_angle": PLAIN,
+    "contact_angle_variation": PLAIN,
+    "X": OF_LOAD,
+    "Y": OF_LOAD,
+    "Q": OF_LOAD,
+    "T_gamma": RELATIVE,
+}
+"""Quantities that are compared, and what their difference is divided by."""
+
+TIMED_MOMENTS = 8
+TIMED = 0.02  # least time of one measurement [s]
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One model: its name, its result, the time of the whole analysis and of one contact of one wheel [s]."""
+
+    name: str
+    result: Result
+    run_time: float
+    evaluation_time: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Models and what they make of the same scenario; ``reference``: whom the others are measured against.
+
+    values: dims (model, sample, wheel), ``sample`` those of the reference: every quantity of ``DIFFERENCES`` in SI
+    units, and ``<quantity>_difference`` as a ratio, or in SI units where it is plain.
+    """
+
+    models: tuple[Compared, ...]
+    reference: str
+    values: xr.Dataset
+
+    @property
+    def main(self) -> Compared:
+        """The reference."""
+        return next(m for m in self.models if m.name == self.reference)
+
+
+def compare(
+    scenario: Scenario,
+    names: Sequence[str],
+    reference: str | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> Comparison:
+    """Analyse a scenario with several contact models (names as in `scenario.contact_choice`).
+
+    reference: one of the names, the first unless given. Raises InputError for names that are no models, before
+    anything is computed; SimulationError, with the model's name, when one has no result at all.
+    """
+    if len(names) < 2:
+        raise InputError(f"--models {','.join(names)}: needs two models at least, such as kik-piotrowski,half-space")
+    reference = names[0] if reference is None else reference
+    if reference not in names:
+        raise InputError(f"--reference {reference}: is none of the models{suggest(reference, list(names))}")
+    if scenario.analysis not in ("static", "curving", "equilibrium"):
+        raise InputError(f'analysis = "{scenario.analysis}": contact models are compared in static poses and runs')
+    scenarios = [with_contact_model(scenario, name) for name in names]
+    setups = [build(s) for s in scenarios]
+    began = time.perf_counter()
+    models = []
+    for i, (name, own, setup) in enumerate(zip(names, scenarios, setups, strict=True)):
+
+        def share(done: float, left: float, before: int = i) -> None:
+            """Progress of all models together; the time left as if the others took as long."""
+            if progress is not None:
+                part = (before + done) / len(names)
+                progress(part, (time.perf_counter() - began) * (1.0 - part) / part if part > 0.0 else left)
+
+        start = time.perf_counter()
+        try:
+            result = run(own, progress=share)
+        except SimulationError as error:
+            raise SimulationError(f'model "{name}": {error}') from None
+        taken = time.perf_counter() - start
+        models.append(Compared(name, result, taken, time_evaluation(setup, result.dataset)))
+    main = next(m for m in models if m.name == reference)
+    return Comparison(tuple(models), reference, _values(models, main))
+
+
+def of_wheels(dataset: xr.Dataset) -> dict[str, Array]:
+    """The quantities of ``DIFFERENCES`` (sample, wheel) in SI units; not-a-number without contact."""
+    touching = np.isfinite(dataset["N"].values).any(axis=-1)
+
+    def over(name: str, fold: Callable[..., Array], empty: float) -> Array:
+        values = dataset[name].values
+        return np.where(touching, fold(np.where(np.isfinite(values), values, empty), axis=-1), np.nan)
+
+    values = {
+        "N": over("N", np.sum, 0.0),
+        "p0": over("p0", np.max, -np.inf),
+        "area": over("area", np.sum, 0.0),
+        "approach": over("approach", np.max, -np.inf),
+        "contact_angle": dataset["contact_angle"].values[..., 0],
+        "contact_angle_variation": over("contact_angle_max", np.max, -np.inf)
+        - over("contact_angle_min", np.min, np.inf),
+    }
+    return values | {name: dataset[name].values for name in ("X", "Y", "Q", "T_gamma")}
+
+
+def summary(comparison: Comparison, name: str) -> dict[str, dict[str, float]]:
+    """Median, 95 % quantile and largest of abs(difference) of a model, by quantity."""
+    found = {}
+    for quantity in DIFFERENCES:
+        difference = np.abs(comparison.values[f"{quantity}_difference"].sel(model=name).values)
+        difference = difference[np.isfinite(difference)]
+        if difference.size:
+            median, most = np.quantile(difference, (0.5, 0.95))
+            found[quantity] = {"median": float(median), "p95": float(most), "max": float(difference.max())}
+    return found
+
+
+def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
+    """Time of one contact of one wheel [s]: median over some of the moments that the result keeps; nan without any."""
+    standing = setup.static is not None and not setup.static.rolling
+    models = dict(zip(("left", "right"), contact_models(setup, frictionless=standing), strict=True))
+    poses = np.concatenate([dataset[name].values for name in POSE_CHANNELS], axis=-1) if _posed(dataset) else None
+    if poses is None:
+        return float("nan")
+    moments = np.flatnonzero(np.isfinite(poses).all(axis=(1, 2)))
+    times = []
+    for moment in moments[np.unique(np.linspace(0, max(len(moments) - 1, 0), TIMED_MOMENTS).astype(int))]:
+        for wheel, pose in zip(dataset["wheel"].values, poses[moment], strict=True):
+            model = models[str(wheel)]
+            model.arrays.pose[:] = pose
+            model.solve()
+            count, began = 0, time.perf_counter()
+            while (taken := time.perf_counter() - began) < TIMED:
+                model.solve()
+                count += 1
+            times.append(taken / count)
+    return float(np.median(times)) if times else float("nan")
+
+
+def _posed(dataset: xr.Dataset) -> bool:
+    return all(name in dataset for name in POSE_CHANNELS)
+
+
+def _values(models: Sequence[Compared], main: Compared) -> xr.Dataset:
+    """Quantities and differences of all models at the samples of the reference."""
+    base = main.result.dataset
+    sample = "time" if "time" in base.dims else "pose"
+    tables = {m.name: _at_samples(m.result.dataset, base, sample) for m in models}
+    own = tables[main.name]
+    variables: dict[str, tuple[tuple[str, ...], Array]] = {}
+    for quantity, kind in DIFFERENCES.items():
+        values = np.stack([table[quantity] for table in tables.values()])
+        scale = {RELATIVE: own[quantity], OF_LOAD: own["N"], PLAIN: np.ones_like(own[quantity])}[kind]
+        difference = np.full_like(values, np.nan)
+        np.divide(values - own[quantity], scale, out=difference, where=np.abs(scale) > 0.0)
+        variables[quantity] = (("model", sample, "wheel"), values)
+        variables[f"{quantity}_difference"] = (("model", sample, "wheel"), difference)
+    labels = {"model": list(tables), sample: base[sample].values, "wheel": base["wheel"].values}
+    kept = [
+        n for n in ("distance", "lateral_shift", "yaw", "load") if n in base.variables and base[n].dims == (sample,)
+    ]
+    return xr.Dataset(variables, coords=labels | {n: ((sample,), base[n].values) for n in kept})
+
+
+def _at_samples(dataset: xr.Dataset, base: xr.Dataset, sample: str) -> dict[str, Array]:
+    """A model's quantities at the reference's samples; not-a-number beyond its end and where a pose is unsolved."""
+    values = of_wheels(dataset)
+    if sample == "pose":
+        places = {str(name): i for i, name in enumerate(dataset["pose"].values)}
+        rows = np.array([places.get(str(name), -1) for name in base["pose"].values])
+        solved = (rows >= 0) & (dataset["pose_message"].values[rows] == "")
+        return {name: np.where(solved[:, None], v[rows], np.nan) for name, v in values.items()}
+    times, wanted = dataset["time"].values, base["time"].values
+    if times.size == wanted.size and np.allclose(times, wanted, rtol=0.0, atol=1e-9):
+        return values
+    beyond = wanted > times[-1] + 1e-9
+    return {
+        name: np.column_stack([np.where(beyond, np.nan, np.interp(wanted, times, column)) for column in v.T])
+        for name, v in values.items()
+    }

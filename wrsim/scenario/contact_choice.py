@@ -1,0 +1,85 @@
+"""Contact models by short names: ``half-space``, ``kik-piotrowski+polach``, ``kik-piotrowski+strips=80``.
+
+Parts are joined by ``+``: a normal model, a tangential model, and keys of [contact] with their values. What is not
+named stays as the scenario has it, but exact pressures get exact creep forces unless a part says otherwise or the
+scenario is frictionless, and other pressures FASTSIM where the scenario has exact creep forces. ``file`` is the
+scenario's own choice.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any, get_args
+
+from wrsim.contact.settings import Normal, Tangential
+from wrsim.errors import InputError, suggest
+from wrsim.scenario.loading import Scenario
+
+NORMAL: tuple[str, ...] = get_args(Normal)
+TANGENTIAL: tuple[str, ...] = get_args(Tangential)
+OWN = "file"
+
+
+def with_contact_model(scenario: Scenario, name: str) -> Scenario:
+    """The scenario with the contact model of that name, checked. Raises InputError that names the model."""
+    values = _values(scenario, name)
+    try:
+        return scenario.with_values(values) if values else scenario
+    except InputError as error:
+        raise InputError("\n".join(f'model "{name}": {line}' for line in str(error).split("\n"))) from None
+
+
+def split_names(names: str) -> list[str]:
+    """Names out of a list with commas. Raises InputError for one that is empty or stands there twice."""
+    found = [name.strip() for name in names.split(",")]
+    for name in found:
+        if not name:
+            raise InputError(f'--models {names}: has an empty name; write for example "kik-piotrowski,half-space"')
+        if found.count(name) > 1:
+            raise InputError(f'--models {names}: "{name}" stands there twice')
+    return found
+
+
+def _values(scenario: Scenario, name: str) -> dict[str, Any]:
+    """Keys of the scenario that the name sets."""
+    chosen: dict[str, Any] = {}
+    for part in (p.strip() for p in name.split("+")):
+        if part == OWN:
+            continue
+        key, equals, text = (p.strip() for p in part.partition("="))
+        if equals:
+            chosen[f"contact.{key}"] = _value(text)
+        elif part in NORMAL and "contact.normal" not in chosen:
+            chosen["contact.normal"] = part
+        elif part in TANGENTIAL and "contact.tangential" not in chosen:
+            chosen["contact.tangential"] = part
+        else:
+            raise InputError(_unknown(name, part, chosen))
+    own = scenario.spec.contact
+    normal = chosen.get("contact.normal", own.normal)
+    if "contact.tangential" not in chosen and "contact.normal" in chosen and own.tangential != "none":
+        if normal == "half-space":
+            chosen["contact.tangential"] = "half-space"
+        elif own.settings().tangential == "half-space":
+            chosen["contact.tangential"] = "fastsim"
+    return chosen
+
+
+def _unknown(name: str, part: str, chosen: dict[str, Any]) -> str:
+    where = f'model "{name}"' + (f': "{part}"' if part != name else "")
+    for kind, known in (("normal", NORMAL), ("tangential", TANGENTIAL)):
+        if part in known:
+            return f'{where}: there is a {kind} model already ("{chosen[f"contact.{kind}"]}")'
+    words = f"{where}: no contact model is called so{suggest(part, sorted({*NORMAL, *TANGENTIAL, OWN}))}"
+    return (
+        f"{words}; normal models are {', '.join(NORMAL)}; tangential ones {', '.join(TANGENTIAL)}; "
+        f'join them with "+", as in kik-piotrowski+polach or kik-piotrowski+strips=80'
+    )
+
+
+def _value(text: str) -> Any:
+    """A value as in the file; a word needs no quotes."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
