@@ -1,4 +1,4 @@
-"""The commands: check, run, show, plot, profile; compare and conicity are in files of their own.
+"""The commands: check, run, show, plot, profile; assess, compare and conicity are in files of their own.
 
 They import what they need when they run, so that ``wrsim --help`` answers at once.
 """
@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from wrsim import __version__
+from wrsim.cli.assessing import assess
 from wrsim.cli.compare import compare
 from wrsim.cli.conicity import conicity
 from wrsim.cli.ending import INTERRUPTED, exit_code, told
@@ -241,5 +242,6 @@ def profile(
             print_files(files, as_json)
 
 
+app.command()(assess)
 app.command()(compare)
 app.command()(conicity)

@@ -34,7 +34,7 @@ class Shown:
 
 
 PLAIN = Shown("1", "", 1.0)
-_SHOWN = {
+SHOWN = {
     "s": Shown("s", "s", 1.0),
     "m": Shown("m", "m", 1.0),
     "mm": Shown("mm", "mm", 1e3),
@@ -102,7 +102,7 @@ def _of(
     kind: Kind = "number",
     coordinate: bool = False,
 ) -> Channel:
-    return Channel(name, tuple(dims.split()), unit, long_name, _SHOWN[shown], symbol, kind, coordinate)
+    return Channel(name, tuple(dims.split()), unit, long_name, SHOWN[shown], symbol, kind, coordinate)
 
 
 _WHEEL = "sample wheel"

@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import Choice, Text
 from wrsim.scenario.analysis_sections import OutputSection, RunSection, StaticSection
+from wrsim.scenario.assessment_section import AssessmentSection
 from wrsim.scenario.conicity_section import ConicitySection
 from wrsim.scenario.contact_section import ContactSection, HalfSpaceSection, MaterialSection
 from wrsim.scenario.track_section import Arc, Straight, TrackSection, Transition
@@ -16,10 +17,10 @@ from wrsim.scenario.vehicle_section import VehicleSection
 Analysis = Literal["static", "equilibrium", "curving", "conicity"]
 
 UNUSED = {
-    "static": ("run", "output", "conicity"),
-    "equilibrium": ("static", "conicity"),
+    "static": ("run", "output", "conicity", "assessment"),
+    "equilibrium": ("static", "conicity", "assessment"),
     "curving": ("static", "conicity"),
-    "conicity": ("static", "run", "output"),
+    "conicity": ("static", "run", "output", "assessment"),
 }
 """Sections that an analysis does not look at: refused in a file, dropped when they come from its base."""
 
@@ -45,6 +46,7 @@ class ScenarioSpec(Section):
     run: RunSection = RunSection()
     output: OutputSection = OutputSection()
     conicity: ConicitySection = ConicitySection()
+    assessment: AssessmentSection = AssessmentSection()
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -74,6 +76,7 @@ def _tell_sections_of_each_other() -> None:
     sections: tuple[type[Section], ...] = (
         ScenarioSpec, VehicleSection, TrackSection, Straight, Transition, Arc,
         ContactSection, MaterialSection, HalfSpaceSection, StaticSection, RunSection, OutputSection, ConicitySection,
+        AssessmentSection,
     )  # fmt: skip
     for section in sections:
         section.elsewhere = {

@@ -1,0 +1,56 @@
+"""Runs with invented forces of known mean, spread and frequency, to test assessments against closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from wrsim.results import Result, assemble
+
+Array = NDArray[np.float64]
+Q0 = 50e3
+
+
+def run(
+    length: float = 600.0,
+    speed: float = 20.0,
+    step: float = 2e-3,
+    *,
+    y: Callable[[Array], tuple[Any, Any]] = lambda s: (0.0 * s, 0.0 * s),
+    q: Callable[[Array], tuple[Any, Any]] = lambda s: (Q0 + 0.0 * s, Q0 + 0.0 * s),
+    curvature: Callable[[Array], Array] = np.zeros_like,
+    attributes: Mapping[str, Any] | None = None,
+    **channels: Callable[[Array], Any],
+) -> Result:
+    """A run whose channels are functions of distance [m]; y, q: of both wheels [N]."""
+    time = np.arange(int(length / speed / step) + 1) * step
+    s = speed * time
+    given = {
+        "distance": s,
+        "speed": np.full(s.size, speed),
+        "curvature": curvature(s),
+        "cant": np.zeros(s.size),
+        "Y": np.column_stack(y(s)),
+        "Q": np.column_stack(q(s)),
+        **{name: value(s) for name, value in channels.items()},
+    }
+    known = {"title": "synthetic", "analysis": "curving", "status": "completed", "scenario_text": ""}
+    return Result(assemble({"time": time}, given, known | dict(attributes or {})))
+
+
+def curve(radius: float, lead: float = 200.0, ramp: float = 50.0, length: float = 300.0) -> Callable[[Array], Array]:
+    """Curvature of straight track, a clothoid, a full curve, a clothoid, straight track."""
+    places = np.cumsum([0.0, lead, ramp, length, ramp])
+    return lambda s: np.interp(s, places, np.array([0.0, 0.0, 1.0, 1.0, 0.0]) / radius)
+
+
+def with_wheelsets(results: list[Result]) -> Result:
+    """One run of several wheelsets from runs of one each."""
+    parts = [r.dataset[["Y", "Q"]] for r in results]
+    dataset = xr.concat(parts, dim="wheelset").assign_coords(wheelset=[str(i + 1) for i in range(len(parts))])
+    rest = results[0].dataset.drop_vars(["Y", "Q", "Y_over_Q"])
+    return Result(xr.merge([rest, dataset]).assign_attrs(results[0].dataset.attrs))

@@ -1,0 +1,281 @@
+"""From a result to its assessment: filtered signals, their values section by section, limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.signal import welch
+
+from wrsim.analysis.assessment import limits
+from wrsim.analysis.assessment import quantities as q
+from wrsim.analysis.assessment.filters import (
+    band_pass,
+    low_pass,
+    sampling_rate,
+    sliding_mean,
+    sliding_rms,
+    windows,
+)
+from wrsim.analysis.assessment.nadal import longest_stretch, nadal_limit
+from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, sections_of
+from wrsim.analysis.assessment.settings import flange_angle_of, friction_of, settings_of
+from wrsim.errors import InputError
+from wrsim.results import Result
+from wrsim.results.assessment import Assessment, Limit, Quantity, Section, Value
+from wrsim.scenario.assessment_section import AssessmentSettings
+
+Array = NDArray[np.float64]
+
+NEEDED = ("distance", "Y", "Q")
+HUNTING = (1.5, 10.0)
+"""Band in which the frequency of an instability is looked for [Hz]."""
+
+
+def assess(result: Result, settings: AssessmentSettings | None = None) -> Assessment:
+    """Assess a run by EN 14363 and what else is known of its wheels.
+
+    settings: by default those of [assessment] in the scenario that the result carries. Works on any run with the
+    channels distance, Y and Q on both wheels; other channels add their quantities.
+    Raises InputError for a result that is no run, or that the filters cannot work on.
+    """
+    dataset, settings = result.dataset, settings or settings_of(result.dataset)
+    if "time" not in dataset.dims:
+        raise InputError(f'a result of analysis = "{result.analysis}" has no history; only runs can be assessed')
+    missing = [name for name in NEEDED if name not in dataset.variables]
+    if missing or dataset.sizes.get("wheel", 0) < 2:
+        raise InputError(f"the result cannot be assessed: it has no {missing[0] if missing else 'second wheel'}")
+    dataset = _evenly_sampled(dataset)
+    sections = sections_of(dataset, settings.section_length)
+    notes: list[str] = []
+    axles = [_Axle.of(name, part, settings) for name, part in _wheelsets(dataset)]
+    nadal = _nadal(dataset, settings, notes)
+    if not any(axle.rms.size for axle in axles):
+        notes.append(f"instability: the run is shorter than the window of {q.STABILITY_WINDOW:g} m")
+    if settings.axle_load is None:
+        notes.append("static loads: the mean of Q over the run; [assessment] axle_load_kN sets them")
+    values = [v for axle in axles for section in sections for v in axle.values(section, settings, nadal)]
+    order = {quantity: i for i, quantity in enumerate(vars(q).values()) if isinstance(quantity, Quantity)}
+    values.sort(key=lambda v: order[v.quantity])
+    known: dict[str, float | str] = {"vehicle_kind": settings.kind}
+    for axle in axles:
+        known[f"axle_load{'_' if axle.name else ''}{axle.name}_kN"] = axle.load / 1e3
+        known[f"instability_frequency{'_' if axle.name else ''}{axle.name}_Hz"] = axle.frequency
+    if nadal is not None:
+        known["nadal_limit"] = nadal.value
+    return Assessment(result.title, sections, tuple(values), tuple(notes), known, _signals(axles))
+
+
+def _evenly_sampled(dataset: xr.Dataset) -> xr.Dataset:
+    """Without a last sample off the raster (where a run was stopped), and without samples at rest."""
+    time = dataset["time"].values
+    if time.size > 2 and abs((time[-1] - time[-2]) - (time[1] - time[0])) > 1e-6 * (time[1] - time[0]):
+        dataset = dataset.isel(time=slice(0, -1))
+    if np.any(np.diff(dataset["distance"].values) <= 0.0):
+        raise InputError("the result cannot be assessed: the vehicle does not move forward all the time")
+    return dataset
+
+
+def _wheelsets(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
+    """Name (empty where there is only one) and channels of every wheelset."""
+    if "wheelset" not in dataset.dims:
+        yield "", dataset
+        return
+    for i in range(dataset.sizes["wheelset"]):
+        name = str(dataset["wheelset"].values[i]) if "wheelset" in dataset.coords else str(i + 1)
+        yield name, dataset.isel(wheelset=i)
+
+
+def _nadal(dataset: xr.Dataset, settings: AssessmentSettings, notes: list[str]) -> Limit | None:
+    """Nadal's limit of the run; a note where it is unknown."""
+    friction = friction_of(dataset) if settings.friction is None else settings.friction
+    angle = flange_angle_of(dataset) if settings.flange_angle is None else settings.flange_angle
+    if friction is None or angle is None:
+        what = "angle of the flange" if angle is None else "coefficient of friction"
+        notes.append(f"Nadal: the result does not tell the {what}; [assessment] sets it")
+        return None
+    words = f"Nadal: flange {np.degrees(angle):.1f}°, friction {friction:g}"
+    return Limit(nadal_limit(angle, friction), words, "pub")
+
+
+def _quotient(y: Array, load: Array) -> Array:
+    """Y/Q; beyond any limit where the wheel is pushed outward without load, 0 where it is without either."""
+    free = load <= 0.0
+    return np.where(free, np.where(y > 1e3, np.inf, 0.0), y / np.where(free, 1.0, load))
+
+
+@dataclass(frozen=True, eq=False)
+class _Axle:
+    """Filtered signals of one wheelset: over its samples (n,), and over the middles of windows (m,), (k,)."""
+
+    name: str
+    load: float
+    frequency: float
+    distance: Array
+    y: Array
+    q: Array
+    quotient: Array
+    middles: Array
+    sum_y_mean: Array
+    quotient_mean: Array
+    stability_middles: Array
+    rms: Array
+    wear: Array | None
+    wear_mean: Array | None
+    attack: Array | None
+    shift: Array | None
+
+    @classmethod
+    def of(cls, name: str, dataset: xr.Dataset, settings: AssessmentSettings) -> _Axle:
+        """Filter the channels of one wheelset."""
+        distance = dataset["distance"].values
+        rate = sampling_rate(dataset["time"].values)
+        raw_y, raw_q = (dataset[c].transpose("time", "wheel").sel(wheel=["left", "right"]).values for c in ("Y", "Q"))
+        if not (np.isfinite(raw_y).all() and np.isfinite(raw_q).all()):
+            raise InputError("the result cannot be assessed: some of its wheel forces are not numbers")
+        y, load = (low_pass(values, rate, q.CUT_OFF) for values in (raw_y, raw_q))
+        quotient = _quotient(y, load)
+        middles = windows(distance, q.WINDOW, q.STEP)
+        raw_sum = raw_y[:, 0] - raw_y[:, 1]
+        frequency = settings.instability_frequency or _frequency(raw_sum, rate)
+        low = max(frequency - q.STABILITY_HALF_BAND, 0.4)
+        hunting = band_pass(raw_sum, rate, low, frequency + q.STABILITY_HALF_BAND)
+        stability = windows(distance, q.STABILITY_WINDOW, q.STABILITY_STEP)
+        wear = (
+            dataset["T_gamma"].transpose("time", "wheel").sel(wheel=["left", "right"]).values
+            if "T_gamma" in dataset
+            else None
+        )
+        return cls(
+            name=name,
+            load=settings.axle_load if settings.axle_load is not None else float(raw_q.sum(axis=1).mean()),
+            frequency=frequency,
+            distance=distance,
+            y=y,
+            q=load,
+            quotient=quotient,
+            middles=middles,
+            sum_y_mean=sliding_mean(distance, y[:, 0] - y[:, 1], middles, q.WINDOW),
+            quotient_mean=_mean_of_quotient(distance, quotient, middles),
+            stability_middles=stability,
+            rms=sliding_rms(distance, hunting, stability, q.STABILITY_WINDOW),
+            wear=wear,
+            wear_mean=None if wear is None else sliding_mean(distance, wear, middles, q.WINDOW),
+            attack=dataset["yaw"].values if "yaw" in dataset else None,
+            shift=dataset["lateral_shift"].values if "lateral_shift" in dataset else None,
+        )
+
+    def values(self, section: Section, settings: AssessmentSettings, nadal: Limit | None) -> Iterator[Value]:
+        """Everything that can be said of one section."""
+        inside = (self.distance >= section.start) & (self.distance <= section.end)
+        if inside.sum() < 2:
+            return
+        yield from self._safety(section, inside, settings, nadal)
+        yield from self._loading(section, inside)
+        yield from self._information(section, inside)
+
+    def _within(self, section: Section) -> NDArray[np.bool_]:
+        """Windows of 2 m that lie in a section."""
+        half = 0.5 * q.WINDOW - 1e-6
+        return (self.middles - half >= section.start) & (self.middles + half <= section.end)
+
+    def _safety(
+        self, section: Section, inside: NDArray[np.bool_], settings: AssessmentSettings, nadal: Limit | None
+    ) -> Iterator[Value]:
+        within = self._within(section)
+        if within.any():
+            sum_y = np.abs(np.percentile(self.sum_y_mean[within], [q.LOW, q.HIGH])).max()
+            yield self._value(q.SUM_Y, section, sum_y, limits.track_shift(self.load, settings.kind))
+            for wheel, side in _SIDES:
+                quotient = _high(self.quotient_mean[within, side])
+                yield self._value(q.Y_OVER_Q, section, quotient, limits.derailment(section.radius), wheel)
+                if nadal is not None:
+                    yield self._value(q.NADAL, section, quotient, nadal, wheel)
+        if nadal is not None:
+            for wheel, side in _SIDES:
+                beyond = longest_stretch(self.distance[inside], self.quotient[inside, side] - nadal.value)
+                yield self._value(q.CLIMB, section, beyond, limits.CLIMB_DISTANCE, wheel)
+        middle = (self.stability_middles >= section.start) & (self.stability_middles <= section.end)
+        if middle.any():
+            limit = limits.instability(self.load, settings.kind)
+            yield self._value(q.INSTABILITY, section, self.rms[middle].max(), limit)
+
+    def _loading(self, section: Section, inside: NDArray[np.bool_]) -> Iterator[Value]:
+        for wheel, side in _SIDES:
+            limit = limits.vertical_force(0.5 * self.load, section.speed)
+            yield self._value(q.Q_MAX, section, np.percentile(self.q[inside, side], q.HIGH), limit, wheel)
+            lowest = np.percentile(self.q[inside, side], q.LOW)
+            yield self._value(q.UNLOADING, section, 1.0 - lowest / (0.5 * self.load), None, wheel)
+        if section.zone not in (STRAIGHT, TRANSITION):
+            wheel, side = _SIDES[1] if section.radius > 0.0 else _SIDES[0]  # the outer one
+            y, load = np.median(self.y[inside, side]), np.median(self.q[inside, side])
+            yield self._value(q.Y_QST, section, y, limits.quasi_static_guiding(section.radius), wheel)
+            yield self._value(q.Q_QST, section, load, limits.quasi_static_vertical(), wheel)
+
+    def _information(self, section: Section, inside: NDArray[np.bool_]) -> Iterator[Value]:
+        if self.wear is not None and self.wear_mean is not None:
+            within = self._within(section)
+            for wheel, side in _SIDES:
+                yield self._value(q.WEAR, section, self.wear[inside, side].mean(), None, wheel)
+                if within.any():
+                    largest = np.percentile(self.wear_mean[within, side], q.HIGH)
+                    yield self._value(q.WEAR_MAX, section, largest, None, wheel)
+        if self.attack is not None:
+            yield self._value(q.ATTACK, section, abs(np.median(self.attack[inside])), None)
+        if self.shift is not None:
+            shift = np.abs(np.percentile(self.shift[inside], [q.LOW, q.HIGH])).max()
+            yield self._value(q.SHIFT, section, shift, None)
+
+    def _value(self, quantity: Quantity, section: Section, value: float, limit: Limit | None, wheel: str = "") -> Value:
+        return Value(quantity, section, self.name, wheel, float(value), limit)
+
+
+_SIDES = (("left", 0), ("right", 1))
+
+
+def _high(values: Array) -> float:
+    """Percentile 99.85 %; infinite as soon as one value is."""
+    return float(np.percentile(values, q.HIGH)) if np.isfinite(values).all() else np.inf
+
+
+def _mean_of_quotient(distance: Array, quotient: Array, middles: Array) -> Array:
+    """Sliding mean; infinite in windows in which the quotient is."""
+    lifted = ~np.isfinite(quotient)
+    mean = sliding_mean(distance, np.where(lifted, 0.0, quotient), middles, q.WINDOW)
+    touched = sliding_mean(distance, lifted.astype(float), middles, q.WINDOW)
+    return np.where(touched > 1e-12, np.inf, mean)
+
+
+def _frequency(signal: Array, rate: float) -> float:
+    """Frequency of the highest peak of the power spectrum in the band of hunting [Hz]."""
+    frequencies, power = welch(signal, rate, nperseg=min(signal.size, max(256, int(4.0 * rate))), detrend="linear")
+    inside = (frequencies >= HUNTING[0]) & (frequencies <= HUNTING[1])
+    if not inside.any():
+        return 0.5 * sum(HUNTING)
+    return float(frequencies[inside][np.argmax(power[inside])])
+
+
+def _signals(axles: list[_Axle]) -> xr.Dataset:
+    """What was evaluated, against distance: dimensions place [m], wheelset, wheel."""
+    place = axles[0].middles
+    dims = ("wheelset", "place", "wheel")
+    forces = {
+        name: (
+            dims,
+            np.stack(
+                [[np.interp(place, a.distance, getattr(a, name.lower())[:, i]) for i in (0, 1)] for a in axles]
+            ).transpose(0, 2, 1),
+        )
+        for name in ("Y", "Q")
+    }
+    return xr.Dataset(
+        {
+            "sum_Y": (dims[:2], np.stack([a.sum_y_mean for a in axles])),
+            "Y_over_Q": (dims, np.stack([a.quotient_mean for a in axles])),
+            **forces,
+        },
+        coords={"place": place, "wheelset": [a.name for a in axles], "wheel": ["left", "right"]},
+    )

@@ -1,0 +1,98 @@
+"""Filters and sliding values of measured or simulated signals, as EN 14363 and UIC 518 name them.
+
+All filters are zero-phase: a Butterworth filter runs forward and backward, so that nothing is shifted along the track
+and values of one place stay together. The gain at the named cut-off is -3 dB for both passes together (the single pass
+has a higher cut-off). Low-passes are of second order in each pass, 24 dB an octave in all. Band-passes are a low-pass
+and a high-pass of fourth order in each pass, 48 dB an octave in all: with less, the narrow band about f0 of the
+instability criterion would take 10 % off f0 itself.
+
+Sliding values are integrals over distance, exact for a signal that is linear between its samples.
+"""
+
+from __future__ import annotations
+
+from math import atan, pi, tan
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+from wrsim.errors import InputError
+
+Array = NDArray[np.float64]
+
+LEAST_SAMPLES = 30
+"""Samples that a signal needs before filtering means anything."""
+
+
+def sampling_rate(time: Array) -> float:
+    """Samples a second of uniform times. Raises InputError when they are too few or not uniform."""
+    if time.size < LEAST_SAMPLES:
+        raise InputError(f"the result has {time.size} samples; filters need at least {LEAST_SAMPLES}")
+    steps = np.diff(time)
+    step = float(np.median(steps))
+    if np.abs(steps - step).max() > 1e-3 * step:
+        raise InputError("the samples of the result are not evenly spaced in time; filters need them to be")
+    return 1.0 / step
+
+
+def low_pass(signal: Array, rate: float, cut_off: float) -> Array:
+    """Zero-phase low-pass along the first axis; -3 dB at ``cut_off`` [Hz], 24 dB an octave.
+
+    rate: samples a second. Raises InputError when the signal is sampled too slowly for the filter.
+    """
+    return _filtered(signal, rate, "lowpass", cut_off, 2)
+
+
+def band_pass(signal: Array, rate: float, low: float, high: float) -> Array:
+    """Zero-phase band-pass; -3 dB at ``low`` and ``high`` [Hz], 48 dB an octave beyond. See ``low_pass``."""
+    return _filtered(_filtered(signal, rate, "lowpass", high, 4), rate, "highpass", low, 4)
+
+
+def _filtered(signal: Array, rate: float, kind: str, cut_off: float, order: int) -> Array:
+    """Both passes of a Butterworth filter of that order each: gain 1/(1 + (sqrt 2 - 1) w^(2 order)), w = f/cut_off."""
+    if not 0.0 < cut_off < 0.45 * rate:
+        raise InputError(
+            f"a filter at {cut_off:g} Hz needs more than {cut_off / 0.45:.3g} samples a second; the result has "
+            f"{rate:.4g}: run it with output_interval_ms = {0.4e3 / cut_off:.2g} or less"
+        )
+    # the bilinear transform maps frequencies to tan(pi f / rate); the corner of one pass is moved there
+    factor = (2.0**0.5 - 1.0) ** (-0.5 / order)
+    factor = factor if kind == "lowpass" else 1.0 / factor
+    corner = rate / pi * atan(factor * tan(pi * cut_off / rate))
+    pad = min(int(3.0 * rate / cut_off), signal.shape[0] - 2)
+    return np.asarray(sosfiltfilt(butter(order, corner, kind, fs=rate, output="sos"), signal, axis=0, padlen=pad))
+
+
+def windows(distance: Array, length: float, step: float, start: float | None = None, end: float | None = None) -> Array:
+    """Middles of windows of ``length`` every ``step`` [m] that lie within the distances, or from start to end."""
+    first = distance[0] if start is None else max(start, distance[0])
+    last = distance[-1] if end is None else min(end, distance[-1])
+    room = last - first - length
+    if room < -1e-9:
+        return np.zeros(0)
+    return np.asarray(first + 0.5 * length + step * np.arange(int(room / step + 1e-6) + 1))
+
+
+def sliding_mean(distance: Array, signal: Array, middles: Array, length: float) -> Array:
+    """Mean of a signal (n, ...) over windows of ``length`` [m] about ``middles``: (windows, ...)."""
+    ends = np.array([middles - 0.5 * length, middles + 0.5 * length])
+    low, high = _integral(distance, signal, ends)
+    return (high - low) / length
+
+
+def sliding_rms(distance: Array, signal: Array, middles: Array, length: float) -> Array:
+    """Root of the mean square of a signal over windows; see ``sliding_mean``."""
+    return np.sqrt(np.maximum(sliding_mean(distance, signal * signal, middles, length), 0.0))
+
+
+def _integral(distance: Array, signal: Array, at: Array) -> Array:
+    """Integral over distance from the first sample to places ``at`` (...), of the signal linear between samples."""
+    steps = np.diff(distance)
+    rest = (1,) * (signal.ndim - 1)
+    pieces = 0.5 * (signal[1:] + signal[:-1]) * steps.reshape(-1, *rest)
+    whole = np.concatenate([np.zeros((1, *signal.shape[1:])), np.cumsum(pieces, axis=0)])
+    i = np.clip(np.searchsorted(distance, at, side="right") - 1, 0, distance.size - 2)
+    beyond = (at - distance[i]).reshape(*at.shape, *rest)
+    slope = (signal[i + 1] - signal[i]) / steps[i].reshape(*at.shape, *rest)
+    return np.asarray(whole[i] + beyond * (signal[i] + 0.5 * slope * beyond))

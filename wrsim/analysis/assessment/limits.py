@@ -1,0 +1,74 @@
+"""Limits of EN 14363 and UIC 518 and of others, as functions of what they depend on. SI units.
+
+Marks: [pub] from a published source at hand, [mem] from memory of the standard, to be confirmed against its text
+before a result goes into an acceptance report.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wrsim.results.assessment import Limit
+from wrsim.scenario.assessment_section import Kind
+
+EN = "EN 14363"
+
+
+def track_shift(axle_load: float, kind: Kind) -> Limit:
+    """Sum Y over 2 m: k1 (10 kN + 2Q0/3), k1 = 1, 0.85 for freight wagons; axle_load 2Q0 [N]."""
+    k1 = 0.85 if kind == "freight" else 1.0
+    return Limit(k1 * (10e3 + axle_load / 3.0), f"{EN}: k1 (10 kN + 2Q0/3), k1 = {k1:g} (Prud'homme)", "mem")
+
+
+def instability(axle_load: float, kind: Kind) -> Limit:
+    """Sliding rms of Sum Y over 100 m: half the limit of Sum Y."""
+    return Limit(0.5 * track_shift(axle_load, kind).value, f"{EN}: half the limit of Sum Y", "mem")
+
+
+def derailment(radius: float) -> Limit | None:
+    """Y/Q over 2 m: 0.8; not set below 250 m radius. radius [m] of either sign."""
+    return Limit(0.8, f"{EN}, R >= 250 m", "mem") if abs(radius) >= 250.0 * (1.0 - 1e-6) else None
+
+
+def vertical_force(wheel_load: float, speed: float) -> Limit:
+    """Q: 90 kN + Q0, at most a value that falls with speed; wheel_load Q0 [N], speed [m/s]."""
+    kmh = 3.6 * speed - 1e-6
+    steps = ((160.0, 200e3), (200.0, 190e3), (250.0, 180e3), (300.0, 170e3))
+    most = next((force for limit, force in steps if kmh <= limit), 160e3)
+    return Limit(min(90e3 + wheel_load, most), f"{EN}: 90 kN + Q0, at most {most / 1e3:g} kN at this speed", "mem")
+
+
+def quasi_static_guiding(radius: float) -> Limit | None:
+    """Yqst: 60 kN; 30 kN + 10500 kN m/R in very small radius curves (250 to 400 m); not set below 250 m."""
+    r = abs(radius)
+    if r < 250.0 * (1.0 - 1e-6):
+        return None
+    if r < 400.0:
+        return Limit(30e3 + 10500e3 / r, f"{EN}: 30 kN + 10500 kN m/R, R < 400 m", "mem")
+    return Limit(60e3, EN, "mem")
+
+
+def quasi_static_vertical() -> Limit:
+    """Qqst: 145 kN."""
+    return Limit(145e3, EN, "mem")
+
+
+CLIMB_DISTANCE = Limit(1.524, "49 CFR 213.333: Nadal's limit exceeded for no more than 5 ft", "mem")
+
+
+@dataclass(frozen=True)
+class BodyLimits:
+    """Accelerations of the car body [m/s2]: largest in the ride band and rms, lateral and vertical."""
+
+    lateral: float
+    vertical: float
+    lateral_rms: float
+    vertical_rms: float
+
+
+BODY: dict[Kind, BodyLimits] = {
+    "passenger": BodyLimits(2.5, 2.5, 0.5, 0.75),
+    "locomotive": BodyLimits(2.5, 2.5, 0.5, 1.0),
+    "freight": BodyLimits(3.0, 5.0, 1.3, 2.0),
+}
+"""Ride characteristics of EN 14363 [mem]."""

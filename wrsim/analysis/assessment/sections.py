@@ -1,0 +1,133 @@
+"""Sections of track: stretches of one class, cut into pieces of about equal length.
+
+Classes, by the radius of the curve (the test zones of EN 14363 [mem]; below 250 m the standard stops, CEN/TS 17843
+calls it zone 5 [pub]):
+
+============  ==================  ================================================
+class         radius              length of a section [mem]
+============  ==================  ================================================
+straight      above 2500 m        250 m, above 220 km/h 500 m
+large radius  600 to 2500 m       100 m up to 140 km/h, 200 m up to 220, then 500 m
+small radius  400 to 600 m        100 m
+very small    250 to 400 m        70 m
+tight         below 250 m         70 m
+transition    changing            as long as it is
+============  ==================  ================================================
+
+A full curve shorter than that is one section, marked as short. What changes its curvature is a transition, also
+between two curves.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from wrsim.results.assessment import Section
+
+Array = NDArray[np.float64]
+
+STRAIGHT = "straight"
+TRANSITION = "transition"
+CURVES: tuple[tuple[str, float], ...] = (
+    (STRAIGHT, 2500.0),
+    ("large radius", 600.0),
+    ("small radius", 400.0),
+    ("very small radius", 250.0),
+    ("tight", 0.0),
+)
+"""Names of the classes and the radius [m] down to which each reaches; the limit belongs to the class of smaller radii
+for straight track and of larger radii else."""
+
+CHANGING = 1e-6
+"""Change of curvature [1/m2] from which track counts as a transition: 1/R = 1/3000 m over 330 m."""
+
+LEAST = 5.0
+"""Stretches shorter than this [m] are joined to the one before."""
+
+CANT_BASE = 1.5
+GRAVITY = 9.80665
+
+
+def zone_of(curvature: float) -> str:
+    """Class of a curve or of straight track."""
+    radius = 1.0 / max(abs(curvature), 1e-12)
+    if radius > CURVES[0][1]:
+        return STRAIGHT
+    return next(name for name, least in CURVES[1:] if radius >= least - 1e-6 * least)
+
+
+def section_length(zone: str, speed: float) -> float:
+    """Length of sections of a class [m] at a speed [m/s]; infinite for transitions."""
+    kmh = 3.6 * speed - 1e-6
+    if zone == STRAIGHT:
+        return 250.0 if kmh <= 220.0 else 500.0
+    if zone == "large radius":
+        return 100.0 if kmh <= 140.0 else 200.0 if kmh <= 220.0 else 500.0
+    return {"small radius": 100.0, "very small radius": 70.0, "tight": 70.0}.get(zone, np.inf)
+
+
+def sections_of(dataset: xr.Dataset, length: float | None = None) -> tuple[Section, ...]:
+    """Sections of the track that a run has passed; length [m]: of sections of every class, instead of the above."""
+    distance = dataset["distance"].values
+    curvature = dataset["curvature"].values if "curvature" in dataset else np.zeros(distance.size)
+    speed = dataset["speed"].values if "speed" in dataset else np.gradient(distance, dataset["time"].values)
+    cant = dataset["cant"].values if "cant" in dataset else np.zeros(distance.size)
+    # positive to the outside of the curve, as a cant: lateral acceleration over gravity times the base
+    missing = CANT_BASE * speed**2 * curvature / GRAVITY - cant
+    found: list[Section] = []
+    for zone, first, last in _stretches(distance, curvature):
+        inside = slice(first, last + 1)
+        start, end = float(distance[first]), float(distance[last])
+        mean_speed = float(speed[inside].mean())
+        wanted = length if length is not None and zone != TRANSITION else section_length(zone, mean_speed)
+        pieces = max(1, int((end - start) / wanted + 1e-6))
+        edges = np.linspace(start, end, pieces + 1)
+        for a, b in pairwise(edges):
+            part = slice(*np.searchsorted(distance, [a, b]))
+            bend = _bend(curvature[part] if part.stop > part.start else curvature[first : first + 1], zone)
+            hand = np.sign(bend) if abs(bend) > 1e-9 else 1.0
+            found.append(
+                Section(
+                    number=len(found) + 1,
+                    zone=zone,
+                    start=float(a),
+                    end=float(b),
+                    radius=np.inf if zone == STRAIGHT and abs(bend) < 1e-6 else 1.0 / bend,
+                    speed=float(speed[part].mean()) if part.stop > part.start else mean_speed,
+                    cant_deficiency=float(hand * missing[part].mean()) if part.stop > part.start else 0.0,
+                    short=zone != TRANSITION and bool(b - a < wanted * (1.0 - 1e-6)),
+                )
+            )
+    return tuple(found)
+
+
+def _bend(curvature: Array, zone: str) -> float:
+    """Mean curvature of a section, the sharpest one of a transition [1/m]."""
+    return float(curvature[np.argmax(np.abs(curvature))] if zone == TRANSITION else curvature.mean())
+
+
+def _stretches(distance: Array, curvature: Array) -> list[tuple[str, int, int]]:
+    """Class, first and last sample of every stretch of one class."""
+    slope = np.abs(np.diff(curvature)) / np.maximum(np.diff(distance), 1e-9)
+    names = [
+        TRANSITION if s > CHANGING else zone_of(0.5 * (a + b))
+        for s, a, b in zip(slope, curvature[:-1], curvature[1:], strict=True)
+    ]
+    found: list[tuple[str, int, int]] = []
+    for i, name in enumerate(names):
+        if found and found[-1][0] == name:
+            found[-1] = (name, found[-1][1], i + 1)
+        else:
+            found.append((name, i, i + 1))
+    joined: list[tuple[str, int, int]] = []
+    for name, first, last in found:
+        short = distance[last] - distance[first] < LEAST
+        if joined and (short or joined[-1][0] == name):
+            joined[-1] = (joined[-1][0], joined[-1][1], last)
+        else:
+            joined.append((name, first, last))
+    return joined

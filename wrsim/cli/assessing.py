@@ -1,0 +1,113 @@
+"""``wrsim assess``: a run assessed by EN 14363 and what else is known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wrsim.cli.ending import told
+from wrsim.cli.showing import print_json
+from wrsim.cli.storing import read
+
+WIDTH = 112
+"""Letters that the tables need."""
+
+if TYPE_CHECKING:
+    from wrsim.results.assessment import Assessment, ZoneValue
+
+
+def assess(
+    result: Annotated[
+        Path, typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off.")
+    ],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: beside the result.")
+    ] = None,
+    scenario: Annotated[
+        Path | None, typer.Option("--scenario", metavar="FILE", help="Take [assessment] from this scenario instead.")
+    ] = None,
+    pictures: Annotated[bool, typer.Option(help="Draw the pictures.")] = True,
+    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+) -> None:
+    """Assess a run: EN 14363 quantities section by section, limits and margins; leaves tables and pictures."""
+    with told(as_json):
+        from wrsim.analysis.assessment import assess as assessed
+        from wrsim.results import write_atomically
+        from wrsim.scenario.loading import load
+
+        loaded = read(result)
+        settings = None if scenario is None else load(scenario).spec.assessment.settings()
+        found = assessed(loaded, settings)
+        directory = output or (result if result.is_dir() else result.parent)
+        files = [
+            write_atomically(directory / "assessment.json", found.json()),
+            write_atomically(directory / "assessment.csv", found.csv()),
+        ]
+        if pictures:
+            from wrsim.plots.assessment import assessment_pictures
+
+            files += assessment_pictures(found, directory)
+        if as_json:
+            print_json(found.as_dict() | {"files": [str(f) for f in files]})
+            return
+        print_assessment(found)
+        print(f"{len(files)} files in {directory}")
+
+
+def print_assessment(found: Assessment) -> None:
+    """Sections, then the worst value of every quantity in every class of track, then what could not be said."""
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False, markup=False)
+    console.width = max(console.width, WIDTH)
+    sections = Table(title=found.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    for heading in ("section", "class", "from m", "to m", "km/h", "cant deficiency mm"):
+        sections.add_column(heading, justify="left" if heading == "class" else "right", no_wrap=True)
+    for s in found.sections:
+        note = " (short)" if s.short else ""
+        numbers = (f"{s.start:z.1f}", f"{s.end:.1f}", f"{3.6 * s.speed:.0f}", f"{1e3 * s.cant_deficiency:z.0f}")
+        sections.add_row(str(s.number), s.label + note, *numbers)
+    console.print(sections)
+    table = Table(box=None, pad_edge=False)
+    numbers = ("worst", "estimate", "limit", "margin")
+    for heading in ("", "unit", "class (sections)", *numbers, "", "by", "worst in"):
+        table.add_column(heading, justify="right" if heading in numbers else "left", no_wrap=True)
+    sources: dict[str, str] = {}
+    last = ""
+    for row in found.zones():
+        limit, quantity = row.worst.limit, row.worst.quantity
+        letter = ""
+        if limit is not None:
+            letter = sources.setdefault(f"{limit.source} [{limit.mark}]", chr(ord("a") + len(sources) % 26))
+        table.add_row(*_cells(row, quantity.key != last, letter))
+        last = quantity.key
+    console.print()
+    console.print(table)
+    console.print()
+    for source, letter in sources.items():
+        console.print(f"{letter}  {source}", soft_wrap=True)
+    for note in found.notes:
+        console.print(f"note: {note}", soft_wrap=True)
+    verdict = "every quantity is within its limit" if found.passed else "A LIMIT IS EXCEEDED"
+    console.print(f"{verdict}; [mem]: from memory of the standard, [pub]: from a published source", soft_wrap=True)
+
+
+def _cells(row: ZoneValue, first: bool, letter: str) -> list[str]:
+    worst = row.worst
+    shown = worst.quantity.shown
+    limit = worst.limit
+    return [
+        worst.quantity.symbol if first else "",
+        shown.symbol if first and shown.symbol != "1" else "",
+        f"{worst.section.zone} ({row.sections})",
+        f"{worst.value * shown.factor:z.4g}",
+        "" if row.estimate is None else f"{row.estimate * shown.factor:z.4g}",
+        "" if limit is None else f"{limit.value * shown.factor:.4g}",
+        "" if worst.margin is None else f"{100.0 * worst.margin:.0f} %",
+        "" if row.passed is None else "ok" if row.passed else "EXCEEDED",
+        letter,
+        f"section {worst.section.number}" + (f", {worst.place}" if worst.place else ""),
+    ]

@@ -1,0 +1,289 @@
+"""An assessment: values of sections of track, their limits, and what follows. Made by ``wrsim.analysis.assessment``.
+
+Values are in SI units; ``Quantity.shown`` says in which unit people read them.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from wrsim.results.channels import PLAIN, Shown
+
+SAFETY, LOADING, RIDE, INFORMATION = "running safety", "track loading", "ride characteristics", "information"
+
+ENOUGH_SECTIONS = 10
+"""Sections of a zone from which an estimated maximum is given. The standard asks for more [mem]."""
+
+ESTIMATE = {SAFETY: 3.0, LOADING: 2.2, RIDE: 2.2, INFORMATION: 2.2}
+"""Estimated maximum: mean plus this times the standard deviation over the sections (EN 14363, one dimension [mem])."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A piece of track that is assessed for itself.
+
+    number: from 1; zone: its class; start, end [m]; radius [m]: of the mean curvature (of the sharpest one in a
+    transition), positive to the left, infinite on straight track; speed [m/s] and cant deficiency [m] (over 1.5 m,
+    positive where cant is missing): means; short: shorter than sections of that zone should be.
+    """
+
+    number: int
+    zone: str
+    start: float
+    end: float
+    radius: float
+    speed: float
+    cant_deficiency: float
+    short: bool
+
+    @property
+    def length(self) -> float:
+        """[m]"""
+        return self.end - self.start
+
+    @property
+    def label(self) -> str:
+        """Words for tables: zone, radius and hand."""
+        if math.isinf(self.radius) or self.zone == "transition":
+            return self.zone
+        return f"{self.zone}, R {abs(self.radius):.0f} m {'left' if self.radius > 0.0 else 'right'}"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What is assessed: its symbol, its meaning, its group, how it is evaluated, and from where that comes."""
+
+    key: str
+    symbol: str
+    words: str
+    group: str
+    shown: Shown
+    evaluation: str
+    source: str
+    quasi_static: bool = False
+
+
+@dataclass(frozen=True)
+class Limit:
+    """The largest value allowed, and who says so; ``mark`` is [pub] or [mem], as in the reference data."""
+
+    value: float
+    source: str
+    mark: str
+
+
+@dataclass(frozen=True)
+class Value:
+    """One quantity in one section, on one wheelset and, where it belongs to a wheel, on that wheel."""
+
+    quantity: Quantity
+    section: Section
+    wheelset: str
+    wheel: str
+    value: float
+    limit: Limit | None = None
+
+    @property
+    def passed(self) -> bool | None:
+        """None where there is no limit."""
+        return None if self.limit is None else bool(self.value <= self.limit.value)
+
+    @property
+    def margin(self) -> float | None:
+        """What is left to the limit, as a part of it; negative beyond it."""
+        return None if self.limit is None else 1.0 - self.value / self.limit.value
+
+    @property
+    def place(self) -> str:
+        """Wheelset and wheel in words; empty where there is only one of both."""
+        return " ".join(part for part in (self.wheelset, self.wheel) if part)
+
+
+@dataclass(frozen=True)
+class ZoneValue:
+    """One quantity over all sections of a zone.
+
+    worst: the section, wheelset and wheel nearest to or furthest beyond the limit; sections: how many; mean and
+    deviation of the sections' largest values; estimate: estimated maximum, None with too few sections.
+    """
+
+    worst: Value
+    sections: int
+    mean: float
+    deviation: float
+    estimate: float | None
+
+    @property
+    def passed(self) -> bool | None:
+        """The worst section and the estimated maximum within the limit; None where there is no limit."""
+        limit = self.worst.limit
+        if limit is None:
+            return None
+        return bool(self.worst.passed) and (self.estimate is None or self.estimate <= limit.value)
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """Everything that an assessment found.
+
+    notes: what could not be assessed, and why; settings: numbers it rests on, in units for readers; signals: what was
+    evaluated, against distance, for pictures (dimensions ``place``, ``wheelset``, ``wheel``).
+    """
+
+    title: str
+    sections: tuple[Section, ...]
+    values: tuple[Value, ...]
+    notes: tuple[str, ...]
+    settings: Mapping[str, float | str]
+    signals: xr.Dataset = field(repr=False)
+
+    @property
+    def passed(self) -> bool:
+        """True when no value and no estimated maximum is beyond its limit."""
+        return all(row.passed is not False for row in self.zones())
+
+    def of(self, key: str) -> list[Value]:
+        """Values of one quantity."""
+        return [value for value in self.values if value.quantity.key == key]
+
+    def zones(self) -> list[ZoneValue]:
+        """Every quantity over every zone, in the order in which they were found."""
+        groups: dict[tuple[str, str], list[Value]] = {}
+        for value in self.values:
+            groups.setdefault((value.quantity.key, value.section.zone), []).append(value)
+        return [_zone(values) for values in groups.values()]
+
+    def as_dict(self) -> dict[str, Any]:
+        """What ``assessment.json`` holds, in units for readers."""
+        return {
+            "title": self.title,
+            "passed": self.passed,
+            "settings": dict(self.settings),
+            "notes": list(self.notes),
+            "quantities": [_quantity(q) for q in dict.fromkeys(v.quantity for v in self.values)],
+            "sections": [_section(s) for s in self.sections],
+            "zones": [_zone_row(z) for z in self.zones()],
+            "values": [_value(v) for v in self.values],
+        }
+
+    def json(self) -> bytes:
+        """Content of ``assessment.json``."""
+        return (json.dumps(self.as_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
+
+    def csv(self) -> bytes:
+        """Content of ``assessment.csv``: one row per value."""
+        stream = io.StringIO()
+        rows = [_flat(v) for v in self.values]
+        writer = csv.DictWriter(stream, _COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+        return stream.getvalue().encode()
+
+
+def _zone(values: list[Value]) -> ZoneValue:
+    worst = min(values, key=lambda v: -v.value if v.margin is None else v.margin)
+    largest: dict[int, float] = {}
+    for v in values:
+        largest[v.section.number] = max(largest.get(v.section.number, -math.inf), v.value)
+    per_section = np.array(list(largest.values()))
+    mean = float(per_section.mean())
+    deviation = float(per_section.std(ddof=1)) if per_section.size > 1 else 0.0
+    estimate = None
+    if per_section.size >= ENOUGH_SECTIONS and not worst.quantity.quasi_static:
+        estimate = mean + ESTIMATE[worst.quantity.group] * deviation
+    return ZoneValue(worst, per_section.size, mean, deviation, estimate)
+
+
+def _number(value: float | None, factor: float = 1.0) -> float | None:
+    """A plain number that JSON knows; None for what is none."""
+    return None if value is None or not math.isfinite(value) else float(value) * factor
+
+
+def _quantity(q: Quantity) -> dict[str, Any]:
+    named = {"key": q.key, "symbol": q.symbol, "name": q.words, "group": q.group, "unit": q.shown.symbol}
+    return named | {"evaluation": q.evaluation, "source": q.source}
+
+
+def _section(s: Section) -> dict[str, Any]:
+    return {
+        "section": s.number,
+        "zone": s.zone,
+        "start_m": s.start,
+        "end_m": s.end,
+        "radius_m": _number(s.radius),
+        "speed_kmh": 3.6 * s.speed,
+        "cant_deficiency_mm": 1e3 * s.cant_deficiency,
+        "short": s.short,
+    }
+
+
+def _value(v: Value) -> dict[str, Any]:
+    factor = v.quantity.shown.factor
+    return {
+        "quantity": v.quantity.key,
+        "section": v.section.number,
+        "wheelset": v.wheelset,
+        "wheel": v.wheel,
+        "value": _number(v.value, factor),
+        "limit": None if v.limit is None else _number(v.limit.value, factor),
+        "limit_source": "" if v.limit is None else f"{v.limit.source} [{v.limit.mark}]",
+        "margin": _number(v.margin),
+        "passed": v.passed,
+    }
+
+
+def _zone_row(z: ZoneValue) -> dict[str, Any]:
+    factor = z.worst.quantity.shown.factor
+    statistics = {"mean": _number(z.mean, factor), "deviation": _number(z.deviation, factor)}
+    statistics["estimated_maximum"] = _number(z.estimate, factor)
+    return {
+        "zone": z.worst.section.zone,
+        "sections": z.sections,
+        **statistics,
+        "passed": z.passed,
+        "worst": _value(z.worst),
+    }
+
+
+_COLUMNS = (
+    "quantity", "unit", "section", "zone", "start_m", "end_m", "radius_m", "wheelset", "wheel", "value", "limit",
+    "margin", "passed", "limit_source",
+)  # fmt: skip
+
+
+def _flat(v: Value) -> dict[str, Any]:
+    row = {**_value(v), **{k: x for k, x in _section(v.section).items() if k in _COLUMNS}}
+    row |= {"unit": v.quantity.shown.symbol, "section": v.section.number}
+    return {key: _cell(row[key]) for key in _COLUMNS}
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+__all__ = [
+    "INFORMATION",
+    "LOADING",
+    "PLAIN",
+    "RIDE",
+    "SAFETY",
+    "Assessment",
+    "Limit",
+    "Quantity",
+    "Section",
+    "Value",
+    "ZoneValue",
+]

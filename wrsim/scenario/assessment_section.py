@@ -1,0 +1,61 @@
+"""[assessment]: what an assessment rests on besides the result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import radians
+from typing import Annotated, ClassVar, Literal
+
+from wrsim.inputs.section import Section
+from wrsim.inputs.values import Choice, Quantity
+
+Kind = Literal["passenger", "locomotive", "freight"]
+KINDS: tuple[Kind, ...] = ("passenger", "locomotive", "freight")
+
+
+@dataclass(frozen=True)
+class AssessmentSettings:
+    """What an assessment rests on; None is taken from the result where it can be.
+
+    kind of vehicle; axle_load 2Q0 of every wheelset [N]; friction: coefficient for Nadal's limit; flange_angle [rad];
+    instability_frequency f0 [Hz]; section_length of every class of track [m].
+    """
+
+    kind: Kind = "passenger"
+    axle_load: float | None = None
+    friction: float | None = None
+    flange_angle: float | None = None
+    instability_frequency: float | None = None
+    section_length: float | None = None
+
+
+class AssessmentSection(Section):
+    """vehicle_kind and, where they are not to come from the result, loads, friction, flange angle."""
+
+    header: ClassVar[str] = "[assessment]"
+    aliases: ClassVar[dict[str, str]] = {
+        "kind": "vehicle_kind",
+        "type": "vehicle_kind",
+        "mu": "friction",
+        "flange_deg": "flange_angle_deg",
+        "f0_Hz": "instability_frequency_Hz",
+        "section_m": "section_length_m",
+    }
+
+    vehicle_kind: Annotated[Kind, Choice(KINDS)] = "passenger"
+    axle_load_kN: Annotated[float, Quantity(1, 500, example="kN, 2 Q0 of one wheelset")] | None = None
+    friction: Annotated[float, Quantity(0.01, 2, example="for Nadal's limit; dry steel 0.3 to 0.5")] | None = None
+    flange_angle_deg: Annotated[float, Quantity(45, 89, example="degrees, S1002 70")] | None = None
+    instability_frequency_Hz: Annotated[float, Quantity(0.5, 30, example="Hz")] | None = None
+    section_length_m: Annotated[float, Quantity(5, 10_000, example="m")] | None = None
+
+    def settings(self) -> AssessmentSettings:
+        """The same in SI units."""
+        return AssessmentSettings(
+            kind=self.vehicle_kind,
+            axle_load=None if self.axle_load_kN is None else self.axle_load_kN * 1e3,
+            friction=self.friction,
+            flange_angle=None if self.flange_angle_deg is None else radians(self.flange_angle_deg),
+            instability_frequency=self.instability_frequency_Hz,
+            section_length=self.section_length_m,
+        )
