@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 SHOWN = ("p0", "area", "approach", "N", "contact_angle", "X", "Y", "T_gamma")
 """Quantities in the table on the screen."""
-FEW = 12
-"""Rows of a small comparison whose values are printed one by one."""
+FEW = 4
+"""Poses and wheels of a small comparison, whose values are printed one by one."""
 
 
 def compare(
@@ -152,7 +152,7 @@ def _write(found: Comparison, report: dict[str, Any], directory: Path, pictures:
 
 
 def _print(found: Comparison, report: dict[str, Any], directory: Path, files: int) -> None:
-    """Differences by model, the values themselves when they are few, and where everything is."""
+    """The values when they are few, differences and times; a column for every model. And where everything is."""
     from rich.console import Console
     from rich.table import Table
 
@@ -160,53 +160,33 @@ def _print(found: Comparison, report: dict[str, Any], directory: Path, files: in
     from wrsim.results import CHANNELS
 
     console = Console(highlight=False)
-    values = found.values
+    values, models = found.values, report["models"]
     sample = "time" if "time" in values.dims else "pose"
-    if values.sizes[sample] * values.sizes["wheel"] * values.sizes["model"] <= FEW * 3:
-        table = Table(box=None, pad_edge=False)
-        for name in (sample, "wheel", "model"):
-            table.add_column(name)
-        for q in SHOWN:
-            table.add_column(CHANNELS[q].column, justify="right")
-        for row in _value_rows(found):
-            table.add_row(*row)
-        console.print(table)
-        console.print()
-    table = Table(
-        title=f'difference from "{found.reference}": median / 95 %',
-        title_justify="left", title_style="bold", box=None, pad_edge=False,
-    )  # fmt: skip
-    table.add_column("model")
+    table = Table(box=None, pad_edge=False)
+    table.add_column("")
+    for name in models:
+        table.add_column(name, justify="right", overflow="fold")
+    if values.sizes[sample] * values.sizes["wheel"] <= FEW:
+        for i, place in enumerate(values[sample].values):
+            for j, wheel in enumerate(values["wheel"].values):
+                table.add_row(f"{place} {wheel}" if sample == "pose" else str(wheel), style="bold")
+                for q in SHOWN:
+                    numbers = values[q].values[:, i, j] * CHANNELS[q].shown.factor
+                    table.add_row(CHANNELS[q].column, *("-" if n != n else f"{n:.5g}" for n in numbers))
+    table.add_row("difference, median / 95 %", style="bold")
     for q in SHOWN:
         unit = {PLAIN: "deg", OF_LOAD: "% of N"}.get(DIFFERENCES[q], "%")
-        table.add_column(f"{q} ({unit})".replace("contact_", ""), justify="right")
-    table.add_column("one contact (us)", justify="right")
-    table.add_column("all (s)", justify="right")
-    for name, model in report["models"].items():
-        cells = []
-        for q in SHOWN:
-            numbers = model["differences"].get(f"{q}_{'deg' if DIFFERENCES[q] == PLAIN else 'percent'}")
-            shown = "-" if numbers is None else f"{numbers['median']:.2g} / {numbers['p95']:.2g}"
-            cells.append("" if name == found.reference else shown)
-        time = "-" if model["evaluation_us"] is None else f"{model['evaluation_us']:.3g}"
-        table.add_row(name, *cells, time, f"{model['run_s']:.3g}")
+        key = f"{q}_{'deg' if DIFFERENCES[q] == PLAIN else 'percent'}"
+        told = [model["differences"].get(key) for model in models.values()]
+        cells = ["-" if t is None else f"{t['median']:.2g} / {t['p95']:.2g}" for t in told]
+        cells = ["reference" if n == found.reference else c for n, c in zip(models, cells, strict=True)]
+        table.add_row(f"{q} ({unit})", *cells)
+    table.add_row("time", style="bold")
+    times = [model["evaluation_us"] for model in models.values()]
+    table.add_row("one contact (us)", *("-" if t is None else f"{t:.3g}" for t in times))
+    table.add_row("all (s)", *(f"{model['run_s']:.3g}" for model in models.values()))
     console.print(table)
-    for name, model in report["models"].items():
+    for name, model in models.items():
         if model["unsolved_poses"]:
             console.print(f"{name}: {model['unsolved_poses']} poses without a solution")
     console.print(f"{files} files in {directory}", soft_wrap=True)
-
-
-def _value_rows(found: Comparison) -> list[list[str]]:
-    from wrsim.results import CHANNELS
-
-    values = found.values
-    sample = "time" if "time" in values.dims else "pose"
-    rows = []
-    for i, place in enumerate(values[sample].values):
-        for j, wheel in enumerate(values["wheel"].values):
-            for m, model in enumerate(values["model"].values):
-                numbers = [float(values[q].values[m, i, j]) * CHANNELS[q].shown.factor for q in SHOWN]
-                cells = ["-" if n != n else f"{n:.5g}" for n in numbers]
-                rows.append([str(place) if m == 0 else "", str(wheel) if m == 0 else "", str(model), *cells])
-    return rows

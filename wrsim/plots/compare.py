@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from wrsim.plots.gallery import colour_bar
-from wrsim.plots.moments import PatchAt, choose_moments, moment_title, patches_of, select
+from wrsim.plots.moments import PatchAt, choose_moments, moment_dim, moment_title, patches_of, select
 from wrsim.plots.patches import contact_patch, islands
 from wrsim.plots.poses import pose_abscissa, pose_groups
 from wrsim.plots.style import FULL_WIDTH, GROUP_LINE, INK, QUIET, draw_line, headline, new_figure, place, shown, style
@@ -27,22 +27,24 @@ MODEL_COLOUR = ("#222222", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00"
 HISTORIES = ("Q", "Y", "contact_angle", "p0", "T_gamma")
 STATIC = ("p0", "area", "approach", "contact_angle", "Y", "X")
 MOST_MOMENTS = 6
+NEAR = 1.0
+"""Distance within which snapshots of two runs are the same place [m]."""
 LEFT, GAP, TITLES, BENEATH, FOOT = 24.0, 5.0, 8.0, 11.0, 17.0
 
 
 def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Sequence[int] | None = None) -> Figure:
     """Patches of every model (rows, by wheel) at the same moments (columns), to one scale.
 
-    results: datasets by the models' names, the reference first; they must hold the same moments. Across: the rail's
+    results: datasets by the models' names, the reference first; a moment that one lacks stays empty. Across: the rail's
     arclength from the reference's largest patch, so that shifts between models are seen.
     """
     names = list(results)
     first = results[names[0]]
     chosen = list(moments) if moments is not None else choose_moments(first, MOST_MOMENTS)
-    chosen = [m for m in chosen if all(m < d["strip_p"].shape[0] for d in results.values())]
     wheels = [str(w) for w in first["wheel"].values]
     rows = [(wheel, name) for wheel in wheels for name in names]
-    drawn = {(w, n, m): _placed(results[n], first, m, w) for w, n in rows for m in chosen}
+    same = {(n, m): _same_moment(results[n], first, m) for n in names for m in chosen}
+    drawn = {(w, n, m): _placed(results[n], first, m, same[n, m], w) for w, n in rows for m in chosen}
     drawn = {key: patches for key, patches in drawn.items() if patches}
     reach_s, reach_x = {}, {}
     for wheel in wheels:
@@ -55,8 +57,8 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
     per_mm = min(panel / across, 60.0 / max(high - low for low, high in reach_x.values()))
     heights = {w: per_mm * (high - low) for w, (low, high) in reach_x.items()}
     total = 8.0 + sum(heights[w] + BENEATH for w, _ in rows) + TITLES * len(wheels) + FOOT
-    largest = max((float(np.nanmax(shown(d, "strip_p")[chosen], initial=0.0)) for d in results.values()), default=0.0)
-    scale = Normalize(0.0, largest or 1.0)
+    shapes = [shown(select(results[n], where), "strip_p") for (_, n, _), p in drawn.items() for where, _ in p]
+    scale = Normalize(0.0, max((float(p.max()) for p in shapes), default=1.0))
     with style():
         figure = new_figure(FULL_WIDTH, total, constrained=False)
         headline(figure, title)
@@ -82,7 +84,7 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
                 axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
                 axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
                 axes.tick_params(labelsize=5.6, pad=1.2)
-                axes.set_xlabel(_note(results[name], wheel, moment), fontsize=5.8, color=QUIET, labelpad=1.0)
+                axes.set_xlabel(_note(results[name], patches), fontsize=5.8, color=QUIET, labelpad=1.0)
             top += heights[wheel] + BENEATH
         reading = "Across: arclength on the rail from the reference's\nmain point [mm]. Up: rolling direction $x$ [mm]."
         colour_bar(figure, scale, top + 1.0, reading)
@@ -143,9 +145,25 @@ def _difference_unit(quantity: str) -> tuple[float, str]:
     return 100.0, "[% of $N$]" if quantity in ("X", "Y", "Q") else "[%]"
 
 
-def _placed(dataset: xr.Dataset, first: xr.Dataset, moment: int, wheel: str) -> list[tuple[PatchAt, float]]:
-    """Patches of a wheel and what to add to their s, so that all lie on the arclength of the rail [mm]."""
-    origin = patches_of(first, moment, wheel)
+def _same_moment(dataset: xr.Dataset, first: xr.Dataset, moment: int) -> int | None:
+    """The pose of the same name, or the snapshot taken at the same place, of another dataset."""
+    if moment_dim(first) == "pose":
+        found = np.flatnonzero(dataset["pose"].values == first["pose"].values[moment])
+        return int(found[0]) if found.size else None
+    offsets = np.abs(dataset["snapshot_distance"].values - first["snapshot_distance"].values[moment])
+    return int(np.argmin(offsets)) if offsets.size and offsets.min() <= NEAR else None
+
+
+def _placed(
+    dataset: xr.Dataset, first: xr.Dataset, reference: int, moment: int | None, wheel: str
+) -> list[tuple[PatchAt, float]]:
+    """Patches of a wheel and what to add to their s, so that all lie on the arclength of the rail [mm].
+
+    reference: the moment in the dataset of the reference, whose main point is zero.
+    """
+    if moment is None:
+        return []
+    origin = patches_of(first, reference, wheel)
     zero = _arc(first, origin[0]) if origin else 0.0
     return [(where, _arc(dataset, where) - zero) for where in patches_of(dataset, moment, wheel)]
 
@@ -172,10 +190,10 @@ def _ends(
     return (min(s, default=0.0), min(x, default=0.0)), (max(s, default=0.0), max(x, default=0.0))
 
 
-def _note(dataset: xr.Dataset, wheel: str, moment: int) -> str:
+def _note(dataset: xr.Dataset, patches: Sequence[tuple[PatchAt, float]]) -> str:
     """Largest pressure and force of the strips drawn."""
-    at = {"snapshot" if "time" in dataset.dims else "pose": moment}
-    strips = dataset[["strip_p", "strip_N"]].isel(at).sel(wheel=wheel)
+    at = {moment_dim(dataset): patches[0][0].moment}
+    strips = dataset[["strip_p", "strip_N"]].isel(at).sel(wheel=patches[0][0].wheel)
     return f"{float(strips['strip_p'].max()) / 1e6:.0f} MPa, {float(strips['strip_N'].sum()) / 1e3:.1f} kN"
 
 
