@@ -129,5 +129,5 @@ def test_a_short_table_is_printed_whole(tmp_path):
         env={"COLUMNS": "200"},
     )
     assert ended.exit_code == 0, ended.output
-    assert 'difference from "file"' in ended.stdout
+    assert "reference" in ended.stdout
     assert "T_gamma" in ended.stdout

@@ -1,4 +1,5 @@
-"""The commands: check, run, show, plot, profile; assess, compare and conicity are in files of their own.
+"""The commands: check, run, show, plot, profile; assess, compare, resolve and conicity are in files
+of their own.
 
 They import what they need when they run, so that ``wrsim --help`` answers at once.
 """
@@ -16,6 +17,7 @@ from wrsim.cli.assessing import assess
 from wrsim.cli.compare import compare
 from wrsim.cli.conicity import conicity
 from wrsim.cli.ending import INTERRUPTED, exit_code, told
+from wrsim.cli.resolve import resolve
 from wrsim.cli.showing import (
     complain,
     facts,
@@ -244,4 +246,5 @@ def profile(
 
 app.command()(assess)
 app.command()(compare)
+app.command()(resolve)
 app.command()(conicity)

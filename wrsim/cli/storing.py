@@ -81,7 +81,7 @@ def patch_pictures(result: Result, at: list[str], directory: Path) -> list[Path]
     from wrsim.plots import patch_gallery, save, section_gallery
     from wrsim.plots.cross_section import has_outlines
 
-    moments = _moments(result, at)
+    moments = moments_at(result, at)
     name = "_".join("".join(c if c.isalnum() or c in "+-." else "-" for c in place) for place in at)
     files = [save(patch_gallery(result.dataset, moments), directory / f"patches_at_{name}.png")]
     if has_outlines(result.dataset):
@@ -89,7 +89,7 @@ def patch_pictures(result: Result, at: list[str], directory: Path) -> list[Path]
     return files
 
 
-def _moments(result: Result, at: list[str]) -> list[int]:
+def moments_at(result: Result, at: list[str]) -> list[int]:
     """Places of the asked distances or poses among those whose patches the result holds. Raises InputError."""
     from wrsim.plots.moments import has_patches
 

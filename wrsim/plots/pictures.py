@@ -41,7 +41,7 @@ def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     figures: dict[str, Callable[[], Figure]] = {}
     if "equivalent_conicity" in dataset:
         return {"conicity": lambda: conicity_figure(dataset)}
-    if dataset.sizes.get("time", 0) > 1:
+    if dataset.sizes.get("time", 0) > 1 and "resolved_with" not in dataset.attrs:  # these are moments, no history
         if set(ANGLES) <= set(dataset):
             figures["overview"] = lambda: overview_figure(dataset)
             figures["contact_angle"] = lambda: contact_angle_figure(dataset)

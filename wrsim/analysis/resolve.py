@@ -1,0 +1,162 @@
+"""The kept moments of a result solved again by another contact model, as a result of just these moments.
+
+Every wheel keeps its pose and motion but for its height, which follows from the vertical force that it had: two models
+need different approaches for one force. With ``keep = "pose"`` the height stays and the force follows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.analysis.contacts import contact_models, wheels_on_rails
+from wrsim.contact.channels import (
+    POSE_CHANNELS,
+    ElementField,
+    RawContacts,
+    StripRecorder,
+    WheelOnRail,
+    patch_channels,
+    wheel_channels,
+)
+from wrsim.contact.half_space_rows import element_fields, solve_into
+from wrsim.core import layout as k
+from wrsim.errors import InputError
+from wrsim.results import CHANNELS, Result, assemble
+from wrsim.scenario.build import build
+from wrsim.scenario.contact_choice import with_contact_model
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from wrsim.scenario.loading import Scenario
+
+Array = NDArray[np.float64]
+Keep = Literal["load", "pose"]
+
+TOLERANCE = 1e-5  # of the vertical force
+EVALUATIONS = 25
+LARGEST_MOVE = 0.3  # of the approach in one step
+DEEPEST = 1e-3  # farthest a wheel is moved [m]
+
+
+def resolve(
+    result: Result,
+    scenario: Scenario,
+    name: str = "half-space",
+    *,
+    keep: Keep = "load",
+    moments: Sequence[int] | None = None,
+    progress: Callable[[float, float], None] | None = None,
+) -> Result:
+    """Solve the contacts that a result keeps (poses, snapshots) with the contact model of that name.
+
+    scenario: of the result, for profiles and friction (`scenario.loading.load_text` of its ``scenario_text``); name:
+    see `scenario.contact_choice`; moments: indices of those wanted, default all. Channels of track and wheelset are
+    those of the result; those of wheels, patches and strips are new.
+    Raises InputError for a result that keeps no poses of its wheels.
+    """
+    dataset = result.dataset
+    if not all(channel in dataset for channel in POSE_CHANNELS):
+        raise InputError("the result keeps no moments whose contacts could be solved again; run its scenario anew")
+    own = with_contact_model(scenario, name)
+    setup = build(own)
+    frictionless = setup.static is not None and not setup.static.rolling
+    both = wheels_on_rails(setup, contact_models(setup, frictionless))
+    wheels = [next(w for w in both if w.name == str(label)) for label in dataset["wheel"].values]
+    poses = np.concatenate([dataset[channel].values for channel in POSE_CHANNELS], axis=-1)
+    chosen = list(range(len(poses))) if moments is None else list(moments)
+    samples = _samples(dataset, chosen)
+    loads = dataset["Q"].values[samples]
+    raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.max_patches)
+    strips = StripRecorder.start(wheels)
+    for row, moment in enumerate(chosen):
+        elements = []
+        for j, wheel in enumerate(wheels):
+            fields: list[ElementField] = []
+            if np.isfinite(poses[moment, j]).all():
+                wheel.model.arrays.pose[:] = poses[moment, j]
+                fields = _settle(wheel, float(loads[row, j]) if keep == "load" else 0.0)
+                raw.store(row, j, wheel.model)
+            elements.append(fields)
+        strips.store(elements)
+        if not np.isfinite(poses[moment]).all():
+            raw.clear(row)
+            strips.clear_last()
+        if progress is not None:
+            progress((row + 1) / len(chosen), 0.0)
+    widening = dataset["gauge"].values[samples] - setup.track.nominal_gauge if "gauge" in dataset else 0.0
+    new = {**wheel_channels(raw), **patch_channels(raw, wheels, widening), **strips.channels()}
+    return Result(assemble(*_kept(dataset, samples, chosen, new), _attributes(dataset, own.text, name, keep)))
+
+
+def _settle(wheel: WheelOnRail, load: float) -> list[ElementField]:
+    """Contact of one wheel at the height for a vertical force, or as it stands without one; its elements, if any."""
+    model = wheel.model
+    pose, total = model.arrays.pose, model.arrays.total
+    found: list[list[ElementField]] = [[]]
+
+    def force(height: float) -> float:
+        pose[2] = height
+        if model.settings.normal == "half-space":
+            found[0] = element_fields(solve_into(model), len(model.arrays.patches))
+        else:
+            model.solve()
+        return float(total[k.FORCE_B])
+
+    height = first = float(pose[2])
+    value = force(height)
+    if not load > 0.0:
+        return found[0]
+    # secants on force^(2/3), nearly linear in the height
+    target = load ** (2.0 / 3.0)
+    approach = max(float(model.arrays.patches[: int(total[k.COUNT]), k.APPROACH].max(initial=0.0)), 1e-6)
+    rate = -target / approach
+    excess = np.cbrt(max(value, 0.0)) ** 2 - target
+    for _ in range(EVALUATIONS):
+        if abs(value / load - 1.0) < TOLERANCE:
+            break
+        move = float(np.clip(-excess / rate, -LARGEST_MOVE * approach, LARGEST_MOVE * approach))
+        if abs(height + move - first) > DEEPEST:
+            break
+        last, height = excess, height + move
+        value = force(height)
+        excess = np.cbrt(max(value, 0.0)) ** 2 - target
+        if (excess - last) * move < 0.0:
+            rate = (excess - last) / move
+    return found[0]
+
+
+def _samples(dataset: xr.Dataset, moments: Sequence[int]) -> NDArray[np.intp]:
+    """Samples that the moments belong to."""
+    if "pose" in dataset.dims:
+        return np.array(moments, dtype=np.intp)
+    times = dataset["time"].values
+    return np.array([np.argmin(np.abs(times - dataset["snapshot_time"].values[m])) for m in moments], dtype=np.intp)
+
+
+def _kept(
+    dataset: xr.Dataset, samples: NDArray[np.intp], moments: Sequence[int], new: dict[str, Array]
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Coordinates and channels: those of the track and the wheelset at the samples, and the new ones."""
+    sample = "time" if "time" in dataset.dims else "pose"
+    channels: dict[str, Array] = {}
+    for name, channel in CHANNELS.items():
+        if name not in dataset.variables or (channel.coordinate and name != "distance"):
+            continue
+        if dataset[name].dims == (sample,):
+            channels[name] = dataset[name].values[samples]
+        elif dataset[name].dims == ("snapshot",):
+            channels[name] = dataset[name].values[list(moments)]
+    coords = {sample: dataset[sample].values[samples], "wheel": dataset["wheel"].values}
+    return coords, channels | new
+
+
+def _attributes(dataset: xr.Dataset, text: str, name: str, keep: Keep) -> dict[str, str | float | int]:
+    """Those of the result, with what was done to it."""
+    kept = ("title", "analysis", "status", "step_s", "stop_reason", "stop_cause", "stop_time_s", "stop_distance_m")
+    attributes = {key: dataset.attrs[key] for key in kept if key in dataset.attrs}
+    return attributes | {"scenario_text": text, "resolved_with": name, "resolved_at_same": keep}

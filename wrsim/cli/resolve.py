@@ -1,0 +1,88 @@
+"""``wrsim resolve``: the kept moments of a result by another contact model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wrsim.cli.ending import told
+from wrsim.cli.showing import print_json, progress_bar
+from wrsim.errors import InputError
+
+if TYPE_CHECKING:
+    from wrsim.results import Result
+
+COLUMNS = ("N", "p0", "area", "approach", "Fx", "Fy")
+
+
+def resolve(
+    result: Annotated[Path, typer.Argument(metavar="RESULT", help="A result file, or the folder of a run.")],
+    model: Annotated[
+        str, typer.Option("--model", metavar="NAME", help="Contact model, such as half-space+fastsim.")
+    ] = "half-space",
+    at: Annotated[
+        list[str] | None,
+        typer.Option("--at", metavar="PLACE", help="At this distance in m, or this pose, only; may be given again."),
+    ] = None,
+    same: Annotated[
+        str, typer.Option(metavar="load|pose", help="What every wheel keeps: its vertical force or its height.")
+    ] = "load",
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")
+    ] = None,
+    model_files: Annotated[
+        list[Path] | None, typer.Option("--model-files", metavar="DIR", help="Folder with model files of your own.")
+    ] = None,
+    pictures: Annotated[bool, typer.Option(help="Draw the pictures.")] = True,
+    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")] = False,
+) -> None:
+    """Solve the contacts at the kept moments of a result again, by the exact solver or any other contact model."""
+    with told(as_json):
+        if same not in ("load", "pose"):
+            raise InputError(f"--same {same}: must be load or pose")
+        from wrsim.analysis.resolve import resolve as solve
+        from wrsim.cli.storing import moments_at, read, write
+        from wrsim.results import write_atomically
+        from wrsim.scenario.loading import load_text
+
+        before = read(result)
+        folder = result if result.is_dir() else result.parent
+        scenario = load_text(before.dataset.attrs["scenario_text"], folder, model_files or ())
+        moments = moments_at(before, at) if at else None
+        with progress_bar(not (quiet or as_json)) as progress:
+            after = solve(before, scenario, model, keep=same, moments=moments, progress=progress)  # type: ignore[arg-type]
+        directory = output or folder / "".join(c if c.isalnum() or c in "-+._" else "_" for c in model)
+        write_atomically(directory / "scenario.toml", after.dataset.attrs["scenario_text"].encode())
+        files = write(after, directory, pictures)
+        if as_json:
+            print_json({"directory": str(directory), "files": [str(f) for f in files], "summary": after.summary()})
+        elif not quiet:
+            _print(before, after)
+            print(f"{len(files)} files in {directory}")
+
+
+def _print(before: Result, after: Result) -> None:
+    """Largest patch of every moment and wheel, before and after."""
+    import numpy as np
+    from rich.console import Console
+    from rich.table import Table
+
+    from wrsim.results import CHANNELS
+
+    new, old = after.dataset, before.dataset
+    sample = "time" if "time" in new.dims else "pose"
+    table = Table(box=None, pad_edge=False)
+    for name in ("at", "wheel", "", *(CHANNELS[c].column for c in COLUMNS)):
+        table.add_column(name, justify="left" if name in ("at", "wheel", "") else "right")
+    for i, place in enumerate(new[sample].values):
+        j = int(np.flatnonzero(old[sample].values == place)[0])
+        words = f"{float(new['distance'].values[i]):.1f} m" if sample == "time" else str(place)
+        for w, wheel in enumerate(new["wheel"].values):
+            for when, dataset, at in (("was", old, j), ("now", new, i)):
+                cells = [f"{dataset[c].values[at, w, 0] * CHANNELS[c].shown.factor:.4g}" for c in COLUMNS]
+                first = when == "was"
+                table.add_row(words if first and w == 0 else "", str(wheel) if first else "", when, *cells)
+    Console(highlight=False).print(table)
