@@ -194,6 +194,49 @@ def test_a_file_of_something_else_is_refused(tmp_path):
         recorded_motion(tmp_path / "y.part")
 
 
+class Crossings:
+    """A monitor that notes when the body crosses the centre line; stops at the hundredth time."""
+
+    def __init__(self, most: int) -> None:
+        self.most = most
+        self.side = 1.0
+        self.times: list[float] = []
+
+    def __call__(self, t: float, q: Any, q_t: Any) -> str | None:
+        if q[2] * self.side < 0.0:
+            self.side = -self.side
+            self.times.append(t)
+        return f"{self.most} crossings" if len(self.times) >= self.most else None
+
+    def memory(self) -> Any:
+        return np.array([self.side, *self.times])
+
+    def recall(self, memory: Any) -> None:
+        self.side, self.times = float(memory[0]), list(memory[1:])
+
+
+@pytest.mark.parametrize("most", [100, 4])
+def test_what_the_monitor_has_noted_survives_a_death_in_the_run_and_behind_it(tmp_path, often, most):
+    def watched(tape: tapes.Tape | None) -> tuple[Motion, list[float]]:
+        watch = Crossings(most)
+        system = System([BODY], Play())
+        motion = integrate(system, Q0, V0, duration=1.0, step=STEP, sample_interval=STEP, monitor=watch, tape=tape)
+        return motion, watch.times
+
+    whole, times = watched(None)
+    assert 4 <= len(times) < 100
+    path = tmp_path / "x.part"
+    with closing(FileTape.create(path, {"step_s": STEP, "start_s": 0.0}, 6)) as tape:
+        watched(tape)
+    data = path.read_bytes()
+    for part in (0.3, 0.6, 1.0):
+        path.write_bytes(data[: int(part * len(data))])
+        with closing(FileTape.continued(path)) as tape:
+            again, noted = watched(tape)
+        assert same(again, whole)
+        assert noted == times
+
+
 # --- the command ------------------------------------------------------------------------------------------------
 
 KEYS: dict[str, Any] = {"track.segments": [straight(5.0)], "output.patches_at_m": [1.0], "run.step_us": 100}

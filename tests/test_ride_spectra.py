@@ -68,7 +68,8 @@ def test_weightings_have_the_published_factors_at_100_rad_a_second(name, value):
 
 @pytest.mark.parametrize(
     ("name", "frequency", "value"),
-    [("Wk", 1.0, 0.482), ("Wk", 8.0, 1.036), ("Wk", 31.5, 0.405), ("Wd", 1.0, 1.011), ("Wd", 4.0, 0.512), ("Wd", 8.0, 0.253)],
+    [("Wk", 1.0, 0.482), ("Wk", 8.0, 1.036), ("Wk", 31.5, 0.405), ("Wd", 1.0, 1.011), ("Wd", 4.0, 0.512),
+     ("Wd", 8.0, 0.253)],
 )  # fmt: skip
 def test_weightings_have_the_factors_of_the_table_of_ISO_2631(name, frequency, value):
     # table 3 of ISO 2631-1 [mem], three digits at nominal frequencies

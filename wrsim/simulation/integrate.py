@@ -118,6 +118,7 @@ class _Recorder:
         self.last_q_t = begin.q_t.copy()
         self.cause: Cause = ""
         self.reason = ""
+        self.broken_off = False
         self.began = self.reported = time.perf_counter()
 
     def time_of(self, k: int) -> float:
@@ -164,12 +165,17 @@ class _Recorder:
                 self.reported = now
                 self.progress(k / self.steps, (now - self.began) * (self.steps - k) / (k - self.first))
         if self.interrupt.asked:
-            self.tape.flush(self.checkpoint())
             return self.stop("interrupt", f"interrupted by the user at t = {self.time_of(k):.6g} s")
         return True
 
     def end(self) -> None:
-        """Put the last good state among the samples and say how the run ended."""
+        """Put the last good state among the samples and say how the run ended.
+
+        A checkpoint keeps what the monitor remembers of the whole run. Not so when Ctrl-C has broken into a step, for
+        then the law remembers a state that is not the last one.
+        """
+        if not self.broken_off:
+            self.tape.flush(self.checkpoint())
         if self.last_step % self.every and self.last_step != self.steps:
             self.tape.sample(self.time_of(self.last_step), self.last_q, self.last_q_t)
         self.tape.end(Ending(self.cause, self.reason))
@@ -273,6 +279,8 @@ def integrate(
     monitor_every = every if monitor_interval is None else max(1, round(monitor_interval / step))
     tape = Tape(system.size) if tape is None else tape
     if tape.ending is not None:
+        if tape.checkpoint is not None:
+            recall((system.forces, monitor), tape.checkpoint.memory)
         return _motion(tape.rows(), step, tape.ending)
     begin = tape.checkpoint
     with _interruptible() as interrupt:
@@ -290,6 +298,7 @@ def integrate(
             system.solve(begin.q, begin.q_t, start, step, left, recorder.after_step, first=begin.step)
         except KeyboardInterrupt:
             at = recorder.time_of(recorder.last_step)
+            recorder.broken_off = True
             recorder.stop("interrupt", f"interrupted by the user at t = {at:.6g} s")
         except SimulationError as error:
             recorder.stop("forces", str(error))
