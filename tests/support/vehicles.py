@@ -14,8 +14,8 @@ from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.simulation.system import System
-from wrsim.simulation.vehicle_law import Drive, VehicleOnTrack
-from wrsim.vehicle.vehicle import Vehicle
+from wrsim.simulation.vehicle_law import VehicleOnTrack
+from wrsim.vehicle.vehicle import Drive, Vehicle
 from wrsim.vehicle.vehicle_files import load_whole_vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 

@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wrsim.analysis.conicity import run_conicity
-from wrsim.analysis.curving import StepTooLong, recorded_curving, run_curving
+from wrsim.analysis.curving import recorded_curving, run_curving
 from wrsim.analysis.equilibrium import run_equilibrium
 from wrsim.analysis.keeping import Keeping, recorded_setup
 from wrsim.analysis.static import run_static
+from wrsim.analysis.step_choice import StepTooLong
 from wrsim.scenario.build import build
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Curving: a wheelset runs along the track at constant speed, from an equilibrium start."""
+"""Curving: a wheelset (a vehicle: ``vehicle_curving``) runs along the track at constant speed, from equilibrium."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.derailment import DerailmentWatch
 from wrsim.analysis.motion_result import result_of
 from wrsim.analysis.start import exact_start, start_state
-from wrsim.errors import InputError
+from wrsim.analysis.step_choice import allowed_step
+from wrsim.analysis.vehicle_curving import recorded_vehicle_curving, run_vehicle_curving
 from wrsim.geometry.segments import Straight
 from wrsim.simulation.half_space_law import HalfSpaceOnTrack
 from wrsim.simulation.integrate import integrate, recorded_motion
@@ -29,14 +30,6 @@ if TYPE_CHECKING:
     from wrsim.simulation.system import Array
 
 
-class StepTooLong(InputError):
-    """The step asked for is not stable. ``rule`` says what is allowed, without file and key."""
-
-    def __init__(self, step: float, rule: str) -> None:
-        super().__init__(f"run.step_us = {1e6 * step:g}: {rule}")
-        self.rule = rule
-
-
 def run_curving(
     setup: Setup,
     progress: Callable[[float, float], None] | None = None,
@@ -46,6 +39,8 @@ def run_curving(
 
     keeping: the file in which the run is kept while it lasts, and from which it may go on.
     """
+    if setup.vehicle is not None:
+        return run_vehicle_curving(setup, progress, keeping)
     plan = setup.run
     law = _law(setup)
     system = System([RigidBody.of(setup.wheelset)], law)
@@ -74,6 +69,8 @@ def run_curving(
 
 def recorded_curving(setup: Setup, path: Path) -> Result:
     """The result of what a file holds of a run; the process that ran it may be dead or still at work."""
+    if setup.vehicle is not None:
+        return recorded_vehicle_curving(setup, path)
     return result_of(setup, _law(setup), recorded_motion(path))
 
 
@@ -106,13 +103,7 @@ def chosen_step(setup: Setup, system: System, q: Array, q_t: Array) -> float:
     """
     limit = stable_step(system, q, q_t)
     if setup.run.step is not None:
-        if setup.run.step > limit:
-            raise StepTooLong(
-                setup.run.step,
-                f"must be at most {1e6 * limit:.0f}, where the integration becomes unstable at "
-                f"{3.6 * setup.run.speed:g} km/h; without step_us a good one is chosen",
-            )
-        return setup.run.step
+        return allowed_step(setup.run.step, limit, setup.run.speed)
     if setup.track.curvature(setup.run.start) != 0.0:
         level = replace(setup, track=setup.track.relaid([Straight(100.0)]), run=replace(setup.run, start=0.0))
         law = WheelsetOnTrack(level.wheelset, level.track, contact_models(level), speed=level.run.speed)

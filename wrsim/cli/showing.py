@@ -22,8 +22,7 @@ def facts(setup: Setup) -> dict[str, Any]:
     facts: dict[str, Any] = {
         "title": setup.title,
         "analysis": setup.analysis,
-        "vehicle": setup.wheelset.name,
-        "axle_load_kN": setup.wheelset.static_axle_load / 1e3,
+        **_of_vehicle(setup),
         "gauge_mm": 1e3 * setup.track.nominal_gauge,
         "rails": [rail.name for rail in setup.rails],
         "files": [str(f) for f in setup.files],
@@ -37,6 +36,18 @@ def facts(setup: Setup) -> dict[str, Any]:
         facts["duration_s"] = setup.run.duration
         facts["patches_at_m"] = list(setup.run.patches_at)
     return facts
+
+
+def _of_vehicle(setup: Setup) -> dict[str, Any]:
+    if setup.vehicle is None:
+        return {"vehicle": setup.wheelset.name, "axle_load_kN": setup.wheelset.static_axle_load / 1e3}
+    vehicle = setup.vehicle
+    return {
+        "vehicle": vehicle.name,
+        "wheelsets": [mounted.name for mounted in vehicle.wheelsets],
+        "axle_load_kN": vehicle.weight / len(vehicle.wheelsets) / 1e3,
+        "drive": setup.run.drive,
+    }
 
 
 def tell_slow(setup: Setup) -> None:
@@ -80,6 +91,9 @@ def print_peaks(result: Result) -> None:
     from rich.table import Table
 
     summary = result.summary()
+    if "wheelsets" in summary:
+        print_vehicle_peaks(result.title, summary)
+        return
     table = Table(title=result.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
     table.add_column("peak")
     for wheel in summary["wheels"]:
@@ -91,6 +105,33 @@ def print_peaks(result: Result) -> None:
         if any(p is not None and p["value"] is not None for p in peaks):
             table.add_row(name, *(cell for p in peaks for cell in _peak(p)))
     Console(highlight=False).print(table)
+
+
+def print_vehicle_peaks(title: str, summary: dict[str, Any]) -> None:
+    """The peaks of every wheel of a vehicle, a line each, and the events."""
+    from rich.console import Console
+    from rich.table import Table
+
+    names = ("Y_max_kN", "Q_min_kN", "Q_max_kN", "Y_over_Q_max", "T_gamma_max_N", "p0_max_MPa")
+    table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    for name in ("wheelset", "wheel"):
+        table.add_column(name)
+    for name in names:
+        table.add_column(name, justify="right")
+    for wheelset, own in summary["wheelsets"].items():
+        for wheel, peaks in own["wheels"].items():
+            table.add_row(wheelset, wheel, *(_peak(peaks.get(name))[0] for name in names))
+    console = Console(highlight=False)
+    console.print(table)
+    events = summary.get("events", [])
+    for event in events[:MOST_EVENTS]:
+        console.print(f"{event['distance_m']:.1f} m: {event['event']}", soft_wrap=True)
+    if len(events) > MOST_EVENTS:
+        console.print(f"and {len(events) - MOST_EVENTS} more events: see summary.json")
+
+
+MOST_EVENTS = 10
+"""Events that are printed."""
 
 
 def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:

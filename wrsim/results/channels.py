@@ -8,6 +8,10 @@ Dimensions are written with two words that stand for another:
 
 - ``sample``: ``time`` in runs, ``pose`` in static analyses;
 - ``moment``: ``snapshot`` in runs (chosen instants), ``pose`` in static analyses (every pose).
+
+In the dataset of a whole vehicle everything that belongs to one wheelset or its wheels (``Channel.of_wheelset``) has
+one more dimension behind the first, ``wheelset``: Y is (time, wheelset, wheel) there. ``wrsim.results.wheelsets``
+takes one wheelset out, as the dataset of a lone one.
 """
 
 from __future__ import annotations
@@ -50,6 +54,7 @@ SHOWN = {
     "N": Shown("N", "N", 1.0),
     "kN": Shown("kN", "kN", 1e-3),
     "N m": Shown("N m", "Nm", 1.0),
+    "m/s2": Shown("m/s²", "m_s2", 1.0),
     "MPa": Shown("MPa", "MPa", 1e-6),
     "permille": Shown("‰", "permille", 1e3),
     "1": PLAIN,
@@ -86,10 +91,16 @@ class Channel:
             words += f" ${self.symbol}$"
         return words if self.shown is PLAIN else f"{words} [{self.shown.symbol}]"
 
-    def dims_in(self, sample: str) -> tuple[str, ...]:
-        """Dimensions in a dataset whose sample dimension is ``"time"`` or ``"pose"``."""
+    @property
+    def of_wheelset(self) -> bool:
+        """True if it has the dimension ``wheelset`` in the dataset of a whole vehicle."""
+        return self.name in _OF_WHEELSET or ("wheel" in self.dims and self.dims[0] in ("sample", "moment"))
+
+    def dims_in(self, sample: str, wheelsets: bool = False) -> tuple[str, ...]:
+        """Dimensions in a dataset whose sample dimension is ``"time"`` or ``"pose"``; wheelsets: of a whole vehicle."""
         moment = "snapshot" if sample == "time" else "pose"
-        return tuple({"sample": sample, "moment": moment}.get(d, d) for d in self.dims)
+        dims = tuple({"sample": sample, "moment": moment}.get(d, d) for d in self.dims)
+        return (dims[0], "wheelset", *dims[1:]) if wheelsets and self.of_wheelset else dims
 
 
 def _of(
@@ -105,6 +116,8 @@ def _of(
     return Channel(name, tuple(dims.split()), unit, long_name, SHOWN[shown], symbol, kind, coordinate)
 
 
+_OF_WHEELSET = ("curvature", "cant", "gauge", "lateral_shift", "vertical_shift", "yaw", "roll", "spin_rate")
+
 _WHEEL = "sample wheel"
 _PATCH = "sample wheel patch"
 _STRIP = "moment wheel patch strip"
@@ -118,12 +131,36 @@ _ALL = (
     _of("patch", "patch", "1", "1", "contact patch, largest force first", kind="count", coordinate=True),
     _of("amplitude", "amplitude", "m", "mm", "amplitude of the swing", r"\hat y", coordinate=True),
     _of("snapshot", "snapshot", "1", "1", "number of the snapshot", kind="count", coordinate=True),
+    _of("wheelset", "wheelset", "1", "1", "name of the wheelset", kind="text", coordinate=True),
+    _of("body", "body", "1", "1", "name of the body", kind="text", coordinate=True),
+    _of("point", "point", "1", "1", "name of the point", kind="text", coordinate=True),
+    _of("suspension", "suspension", "1", "1", "name of the suspension element", kind="text", coordinate=True),
     # the track under the wheelset
     _of("distance", "time", "m", "m", "distance along the track", coordinate=True),
     _of("speed", "time", "m/s", "km/h", "speed", "V"),
     _of("curvature", "time", "1/m", "1/km", "curvature", r"\kappa"),
     _of("cant", "time", "m", "mm", "cant"),
     _of("gauge", "time", "m", "mm", "track gauge"),
+    _of("wheelset_distance", "time wheelset", "m", "m", "distance of the wheelset along the track"),
+    # a whole vehicle
+    _of("drive_force", "time", "N", "kN", "force that holds the speed"),
+    _of("body_lateral", "time body", "m", "mm", "lateral displacement of the body"),
+    _of("body_vertical", "time body", "m", "mm", "vertical displacement of the body"),
+    _of("body_yaw", "time body", "rad", "mrad", "yaw of the body"),
+    _of("body_pitch", "time body", "rad", "mrad", "pitch of the body"),
+    _of("body_roll", "time body", "rad", "mrad", "roll of the body"),
+    _of("point_ax", "time point", "m/s2", "m/s2", "longitudinal acceleration"),
+    _of("point_ay", "time point", "m/s2", "m/s2", "lateral acceleration"),
+    _of("point_az", "time point", "m/s2", "m/s2", "vertical acceleration"),
+    _of("suspension_fx", "time suspension", "N", "kN", "force of the element, forward or along its line"),
+    _of("suspension_fy", "time suspension", "N", "kN", "force of the element, to the left"),
+    _of("suspension_fz", "time suspension", "N", "kN", "force of the element, up"),
+    _of("suspension_dx", "time suspension", "m", "mm", "travel of the element, forward or along its line"),
+    _of("suspension_dy", "time suspension", "m", "mm", "travel of the element, to the left"),
+    _of("suspension_dz", "time suspension", "m", "mm", "travel of the element, up"),
+    _of("event_time", "event", "s", "s", "time of the event"),
+    _of("event_distance", "event", "m", "m", "place of the event"),
+    _of("event_label", "event", "1", "1", "what happened", kind="text"),
     # the prescribed pose
     _of("load", "pose", "N", "kN", "prescribed vertical load"),
     _of("pose_message", "pose", "1", "1", "why the pose has no solution; empty when it has one", kind="text"),

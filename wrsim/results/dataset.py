@@ -19,6 +19,8 @@ from wrsim.results.channels import CHANNELS, WHEELS, Channel
 FORMAT = "wrsim result"
 FORMAT_VERSION = 1
 REQUIRED_ATTRIBUTES = ("title", "analysis", "status", "scenario_text")
+OF_VEHICLES = ("wheelset", "body", "point", "suspension")
+"""Dimensions of whole vehicles, labelled by names."""
 STATUSES = ("completed", "stopped")
 
 
@@ -49,7 +51,8 @@ def assemble(
     ----------
     coords
         Either ``time`` (n,) in seconds for a run or ``pose`` (n,) names for a static analysis; ``wheel``
-        (default ``("left", "right")``) names the wheels present; ``amplitude`` (m,) in metres goes with poses.
+        (default ``("left", "right")``) names the wheels present; ``amplitude`` (m,) in metres goes with poses;
+        ``wheelset``, ``body``, ``point``, ``suspension`` (names) make it the dataset of a whole vehicle.
     channels
         Arrays by channel name, in SI units, shaped as the register says (sample first, then wheel, patch,
         strip). The sizes of ``patch``, ``snapshot``, ``strip``, ``rail_point`` and ``wheel_point`` follow
@@ -79,7 +82,7 @@ def assemble(
             continue
         variables[name] = _variable(channel, sample, array, sizes)
     for channel, array in scalars:
-        dims = channel.dims_in(sample)
+        dims = channel.dims_in(sample, "wheelset" in sizes)
         unknown = [d for d in dims if d not in sizes]
         if unknown:
             raise ValueError(f"channel '{channel.name}': the size of '{unknown[0]}' is unknown")
@@ -98,7 +101,7 @@ def assemble(
 def _labels(sample: str, coords: Mapping[str, ArrayLike]) -> tuple[dict[str, int], dict[str, NDArray[Any]]]:
     """Sizes and labels of the dimensions that the caller names: sample and wheel."""
     for name in coords:
-        if name not in (sample, "wheel", "amplitude"):
+        if name not in (sample, "wheel", "amplitude", *OF_VEHICLES):
             raise ValueError(f"coords: '{name}' is not a dimension that the caller labels")
     wheels = tuple(str(w) for w in np.atleast_1d(np.asarray(coords.get("wheel", WHEELS))))
     if len(set(wheels)) != len(wheels) or not wheels or not set(wheels) <= set(WHEELS):
@@ -106,6 +109,10 @@ def _labels(sample: str, coords: Mapping[str, ArrayLike]) -> tuple[dict[str, int
     labels = {sample: _typed(CHANNELS[sample], coords[sample]), "wheel": np.array(wheels)}
     if "amplitude" in coords:
         labels["amplitude"] = _typed(CHANNELS["amplitude"], coords["amplitude"])
+    for name in [n for n in OF_VEHICLES if n in coords]:
+        labels[name] = _typed(CHANNELS[name], coords[name])
+        if labels[name].ndim != 1 or np.unique(labels[name]).size != labels[name].size:
+            raise ValueError(f"coords: '{name}' must be a row of names, each once")
     if labels[sample].ndim != 1:
         raise ValueError(f"coords: '{sample}' must be one-dimensional, not {labels[sample].shape}")
     if sample == "pose" and np.unique(labels["pose"]).size != labels["pose"].size:
@@ -135,7 +142,7 @@ def _typed(channel: Channel, values: ArrayLike) -> NDArray[Any]:
 
 def _variable(channel: Channel, sample: str, array: NDArray[Any], sizes: dict[str, int]) -> xr.Variable:
     """Variable with its dimensions and attributes; ``sizes`` learns the dimensions met for the first time."""
-    dims = channel.dims_in(sample)
+    dims = channel.dims_in(sample, "wheelset" in sizes)
     if sample not in dims and sample == "pose" and {"time", "snapshot"} & set(dims):
         raise ValueError(f"channel '{channel.name}' belongs to runs over time, not to poses")
     if sample == "time" and "pose" in dims:

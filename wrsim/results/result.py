@@ -46,6 +46,12 @@ class Result:
         """Why the analysis stopped early; empty when it did not."""
         return str(self.dataset.attrs.get("stop_reason", ""))
 
+    def of_wheelset(self, name: str) -> Result:
+        """Of a whole vehicle one wheelset, as the result of a lone one. Raises ``InputError`` for a wrong name."""
+        from wrsim.results.wheelsets import of_wheelset
+
+        return Result(of_wheelset(self.dataset, name))
+
     def summary(self) -> dict[str, Any]:
         """Peak and quasi-static values as plain numbers in units for readers; what ``summary.json`` holds."""
         from wrsim.results.summary import summarise

@@ -12,6 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.results.channels import CHANNELS, Channel
+from wrsim.results.wheelsets import is_vehicle, of_wheelset, wheelsets
 
 CURVE_CHANNELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
 """Channels whose median in each full curve is reported."""
@@ -27,6 +28,8 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     ``None`` where there is no finite value. Peaks of patch channels run over all patches of the wheel.
     """
     attributes = dataset.attrs
+    if is_vehicle(dataset):
+        return _of_vehicle(dataset)
     summary: dict[str, Any] = {
         "title": attributes["title"],
         "analysis": attributes["analysis"],
@@ -47,6 +50,39 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
         if name.endswith("_version") and name != "format_version"
     }
     return summary
+
+
+def _of_vehicle(dataset: xr.Dataset) -> dict[str, Any]:
+    """The summary of a whole vehicle: that of each wheelset under its name, peaks of the points, events."""
+    each = {name: summarise(of_wheelset(dataset, name)) for name in wheelsets(dataset)}
+    first = next(iter(each.values()))
+    own = ("lateral_shift_max_mm", "angle_of_attack_max_mrad", "wheels", "full_curves")
+    summary = {key: value for key, value in first.items() if key not in own}
+    summary["title"] = dataset.attrs["title"]
+    summary["extent"] = _extent(dataset)
+    versions = summary.pop("versions")
+    summary["wheelsets"] = {name: {key: s[key] for key in own if key in s} for name, s in each.items()}
+    if "point" in dataset.dims:
+        summary["points"] = {
+            str(point): {
+                f"{CHANNELS[name].column.replace('_m_s2', '')}_max_m_s2": peak(
+                    dataset.sel(point=point), name, largest_magnitude=True
+                )
+                for name in ("point_ay", "point_az")
+            }
+            for point in dataset["point"].values
+        }
+    if "event" in dataset.dims:
+        summary["events"] = [
+            {"time_s": float(t), "distance_m": float(s), "event": str(words)}
+            for t, s, words in zip(
+                dataset["event_time"].values,
+                dataset["event_distance"].values,
+                dataset["event_label"].values,
+                strict=True,
+            )
+        ]
+    return summary | {"versions": versions}
 
 
 def conicity_summary(dataset: xr.Dataset) -> dict[str, Any]:

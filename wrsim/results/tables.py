@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.files import write_atomically
 from wrsim.results.result import Result
+from wrsim.results.wheelsets import is_vehicle, of_wheelset, wheelsets
 
 Row = list[str]
 
@@ -26,7 +27,8 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     Runs get ``history.csv`` (one row per instant), ``patches.csv`` (one row per instant, wheel and patch
     in contact) and ``strips.csv`` (the strips of the snapshots). Static analyses get ``patches.csv`` (one
     row per pose, wheel and patch; a wheel without contact keeps one row) and ``strips.csv``;
-    conicity analyses add ``conicity.csv`` (one row per amplitude). The dataset
+    conicity analyses add ``conicity.csv`` (one row per amplitude). Whole vehicles get ``vehicle.csv`` and the tables
+    of every wheelset under its name, ``history_front.outer.csv``. The dataset
     goes first, so that a full disk costs the tables before the numbers. A stopped analysis is written like
     any other.
     Raises ``WrsimError`` when something cannot be written.
@@ -48,6 +50,10 @@ def write_table(dataset: xr.Dataset, name: str, path: str | Path) -> Path:
 def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:
     """All tables of a result by name; the first row of each is the header."""
     found: dict[str, list[Row]] = {}
+    if is_vehicle(dataset):
+        for name in wheelsets(dataset):
+            found |= {f"{table}_{name}": rows for table, rows in tables(of_wheelset(dataset, name)).items()}
+        return {"vehicle": vehicle_table(dataset), **found}
     if "time" in dataset.dims:
         found["history"] = history_table(dataset)
     if any("patch" in variable.dims and "strip" not in variable.dims for variable in dataset.values()):
@@ -57,6 +63,20 @@ def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:
     if "amplitude" in dataset.dims:
         found["conicity"] = conicity_table(dataset)
     return found
+
+
+def vehicle_table(dataset: xr.Dataset) -> list[Row]:
+    """One row per instant: the vehicle's channels, those of its bodies as ``body_yaw_carbody_mrad`` and so on."""
+    headers, columns = ["time_s"], [_text(CHANNELS["time"], dataset["time"].values)]
+    for channel in _present(dataset, ("time",)):
+        headers.append(channel.column)
+        columns.append(_text(channel, dataset[channel.name].values))
+    for dim in ("body", "point", "suspension"):
+        for channel in _present(dataset, ("time", dim)):
+            for label in dataset[dim].values:
+                headers.append(f"{channel.name}_{label}_{channel.shown.suffix}".replace(" ", "_"))
+                columns.append(_text(channel, dataset[channel.name].sel({dim: label}).values))
+    return [headers, *(list(row) for row in zip(*columns, strict=True))]
 
 
 def conicity_table(dataset: xr.Dataset) -> list[Row]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -17,11 +17,9 @@ from wrsim.scenario.cases import StaticPose, static_poses
 from wrsim.scenario.conicity_section import ConicityPlan
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
-from wrsim.vehicle.files import load_vehicle, with_wheel
-from wrsim.vehicle.wheelset import SprungMass, Wheelset
-
-Side = Literal["left", "right"]
-SIDES: tuple[Side, Side] = ("left", "right")
+from wrsim.scenario.vehicle_build import SIDES, Side, vehicle_of
+from wrsim.vehicle.vehicle import Drive, Vehicle
+from wrsim.vehicle.wheelset import Wheelset
 
 LEVEL_TRACK = 100.0
 """Length of the straight that static and equilibrium analyses stand on without segments in the file [m]."""
@@ -41,13 +39,15 @@ class StaticPlan:
 class RunPlan:
     """A run along the track: from ``start`` to ``end`` [m] of the centre line at ``speed`` [m/s], 0 at rest.
 
-    step: of the integration [s], None: chosen by speed; output_interval: between two samples [s]; patches_at:
-    distances [m], rising, at which the strips of the patches are kept.
+    drive: what holds the speed of a whole vehicle (``simulation.vehicle_law``); step: of the integration [s], None:
+    chosen by speed; output_interval: between two samples [s]; patches_at: distances [m], rising, at which the strips
+    of the patches are kept.
     """
 
     start: float
     end: float
     speed: float
+    drive: Drive
     step: float | None
     output_interval: float
     patches_at: tuple[float, ...]
@@ -62,6 +62,7 @@ class RunPlan:
 class Setup:
     """Everything an analysis needs, in SI units, and the text it came from.
 
+    wheelset: the lone one, or the first of a whole vehicle; vehicle: None for a lone wheelset.
     rails: inclined profiles of the left and right rail; static: of a static analysis only; run: also of a
     static one, then without meaning; conicity: of a conicity analysis only; files: the model files that were read.
     """
@@ -69,6 +70,7 @@ class Setup:
     title: str
     analysis: Literal["static", "equilibrium", "curving", "conicity"]
     wheelset: Wheelset
+    vehicle: Vehicle | None
     rails: tuple[Profile, Profile]
     track: Track
     contact: ContactSettings
@@ -87,11 +89,14 @@ def build(scenario: Scenario) -> Setup:
     """
     spec = scenario.spec
     files: list[Path] = []
-    wheelset = _wheelset(scenario, files)
+    wheelset, vehicle = vehicle_of(scenario, files)
+    if vehicle is not None and spec.contact.normal == "half-space" and spec.analysis in ("curving", "equilibrium"):
+        raise scenario.fault(("contact", "normal"), "is for lone wheelsets and static poses, not for whole vehicles")
     rails = _rails(scenario, files)
     track = _track(scenario, rails)
     if spec.track.gauge_between == "gauge points":
-        _check_placement(scenario, wheelset, rails, track)
+        for each in dict.fromkeys(m.wheelset for m in vehicle.wheelsets) if vehicle else (wheelset,):
+            _check_placement(scenario, each, rails, track)
     plan = None
     if spec.static is not None:
         poses = static_poses(scenario)
@@ -102,35 +107,16 @@ def build(scenario: Scenario) -> Setup:
         title=spec.title,
         analysis=spec.analysis,
         wheelset=wheelset,
+        vehicle=vehicle,
         rails=rails,
         track=track,
         contact=spec.contact.settings(),
-        run=_run(scenario, track),
+        run=_run(scenario, track, vehicle),
         static=plan,
         text=scenario.text,
         files=tuple(dict.fromkeys(files)),
         conicity=spec.conicity.plan() if spec.analysis == "conicity" else None,
     )
-
-
-def _wheelset(scenario: Scenario, files: list[Path]) -> Wheelset:
-    section = scenario.spec.vehicle
-    file = scenario.find(("vehicle", "model"), section.model)
-    files.append(file)
-    wheelset = load_vehicle(file, scenario.finder)
-    for side in SIDES:
-        own = section.wheel_left if side == "left" else section.wheel_right
-        key, name = _own(own, section.wheel, "wheel", side)
-        profile = None
-        if name is not None:
-            files.append(scenario.find(("vehicle", key), name))
-            profile = load_profile(files[-1], "wheel")
-        radius = section.radius_left_mm if side == "left" else section.radius_right_mm
-        radius = section.radius_mm if radius is None else radius
-        wheelset = with_wheel(wheelset, side, profile, None if radius is None else radius / 1000.0)
-    if section.sprung_mass_kg is not None:
-        wheelset = replace(wheelset, sprung=SprungMass(section.sprung_mass_kg, wheelset.sprung.height))
-    return wheelset
 
 
 def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
@@ -177,13 +163,17 @@ def _track(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
         raise scenario.fault(("track",), str(error)) from None
 
 
-def _run(scenario: Scenario, track: Track) -> RunPlan:
+def _run(scenario: Scenario, track: Track, vehicle: Vehicle | None) -> RunPlan:
     spec = scenario.spec
     section = spec.run
     speed = (spec.vehicle.speed_kmh or 0.0) / 3.6
-    start, end = section.start_distance_m, track.length
+    ahead = max((mounted.x for mounted in vehicle.wheelsets), default=0.0) if vehicle else 0.0
+    last = track.length - ahead
+    start, end = section.start_distance_m, last
     room = f"must lie on the track, which is {track.length:.6g} m long"
-    if start >= track.length and spec.analysis not in ("static", "conicity"):
+    if ahead:
+        room += f", and the first wheelset is {ahead:.6g} m ahead of the vehicle's origin"
+    if start >= last and spec.analysis not in ("static", "conicity"):
         raise scenario.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
     patches = spec.output.patches_at_m
     if spec.analysis == "curving":
@@ -192,9 +182,9 @@ def _run(scenario: Scenario, track: Track) -> RunPlan:
             end = start + section.distance_m
         elif section.time_s is not None:
             end = start + section.time_s * speed
-        if end > track.length * (1.0 + 1e-12):
+        if end > last * (1.0 + 1e-12):
             raise scenario.fault(("run", key), f"ends at {end:.6g} m: {room}")
-        end = min(end, track.length)
+        end = min(end, last)
         for place in patches or ():
             if not start <= place <= end:
                 message = f"{place:g} m is not passed by the run: must lie from {start:.6g} to {end:.6g} m"
@@ -203,6 +193,7 @@ def _run(scenario: Scenario, track: Track) -> RunPlan:
         start=start,
         end=end,
         speed=speed,
+        drive=spec.vehicle.drive or "train",
         step=None if section.step_us is None else section.step_us * 1e-6,
         output_interval=section.output_interval_ms * 1e-3,
         patches_at=tuple(sorted(set(patches))) if patches is not None else _middle_of_arcs(track, start, end),

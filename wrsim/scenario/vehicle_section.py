@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.values import Quantity, Text
+from wrsim.inputs.values import Choice, Quantity, Text
 from wrsim.vehicle.files import Radius, WheelName
 
 
 class VehicleSection(Section):
-    """model: vehicle file; speed_kmh: needed to run along a track; the rest overrides values of the file."""
+    """model: vehicle file; speed_kmh: needed to run along a track; the rest overrides values of the file.
+
+    drive: what holds the speed of a whole vehicle: a pull along the track ("train", the default), moments on the axles
+    ("wheels"), nothing ("free").
+    """
 
     header: ClassVar[str] = "[vehicle]"
     aliases: ClassVar[dict[str, str]] = {
@@ -37,6 +41,7 @@ class VehicleSection(Section):
     radius_mm: Annotated[float, Radius] | None = None
     radius_left_mm: Annotated[float, Radius] | None = None
     radius_right_mm: Annotated[float, Radius] | None = None
+    drive: Annotated[Literal["train", "wheels", "free"], Choice(("train", "wheels", "free"))] | None = None
     sprung_mass_kg: Annotated[float, Quantity(0, 50_000, example="mass carried by this wheelset")] | None = None
 
     @classmethod

@@ -53,11 +53,14 @@ class Motion:
         return float(self.times[-1])
 
 
-def _name(index: int, size: int) -> str:
+def _name(index: int, system: System) -> str:
     """Words for an index of ``first_not_finite``."""
-    body, coordinate = divmod(index % size, 6)
-    what = COORDINATES[coordinate] if index < size else f"the rate of {COORDINATES[coordinate]}"
-    return what if size == 6 else f"{what} of body {body}"
+    place = index % system.size
+    if place >= 6 * len(system.bodies):
+        return f"the extension of damper {place - 6 * len(system.bodies)}"
+    body, coordinate = divmod(place, 6)
+    what = COORDINATES[coordinate] if index < system.size else f"the rate of {COORDINATES[coordinate]}"
+    return what if len(system.bodies) == 1 else f"{what} of body {body}"
 
 
 class _Interrupt:
@@ -146,7 +149,7 @@ class _Recorder:
         if bad >= 0:
             return self.stop(
                 "not-finite",
-                f"{_name(bad, self.system.size)} is not a number at t = {self.time_of(k):.6g} s",
+                f"{_name(bad, self.system)} is not a number at t = {self.time_of(k):.6g} s",
             )
         self.last_step = k
         self.last_q[:] = q
@@ -225,7 +228,7 @@ def _blame(system: System, recorder: _Recorder) -> str:
         law(t, q, q_t, out)
         bad = first_not_finite(out, out)
         if bad >= 0 and not found:
-            found.append(f"the force along {_name(bad, system.size)} is not a number at t = {t:.6g} s")
+            found.append(f"the force along {_name(bad, system)} is not a number at t = {t:.6g} s")
 
     system.forces = watch
     try:
@@ -271,7 +274,7 @@ def integrate(
         raise ValueError(f"q and q_t need shape ({system.size},), got {q.shape} and {q_t.shape}")
     bad = first_not_finite(q, q_t)
     if bad >= 0:
-        raise SimulationError(f"the start state is not finite: {_name(bad, system.size)}")
+        raise SimulationError(f"the start state is not finite: {_name(bad, system)}")
     if not (step > 0.0 and duration > 0.0 and np.isfinite(duration)):
         raise ValueError(f"step and duration must be positive, got {step!r} and {duration!r}")
     steps = max(1, int(np.ceil(duration / step - 1e-9)))

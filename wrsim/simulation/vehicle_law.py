@@ -17,6 +17,7 @@ from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.suspension_table import suspension_table
 from wrsim.simulation.system import Array
 from wrsim.simulation.wheelset_law import Contacts, wheels_on_track, wheelset_arrays
+from wrsim.vehicle.vehicle import Drive
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -24,9 +25,11 @@ if TYPE_CHECKING:
     from wrsim.geometry.track import Track
     from wrsim.vehicle.vehicle import Vehicle
 
-Drive = Literal["free", "train", "wheels"]
 DRIVES: tuple[Drive, ...] = ("free", "train", "wheels")
-"""What holds the speed: nothing; a pull along the track; moments on the axles. See ``core.vehicle_forces``."""
+"""In the order of their numbers in ``core.vehicle_forces``."""
+
+PLACES = [wheelset_kernel.S_CENTRE, wheelset_kernel.S_LEFT, wheelset_kernel.S_RIGHT]
+"""Distances among a wheelset's scalars."""
 
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
@@ -52,7 +55,7 @@ class VehicleOnTrack:
         gravity: float = STANDARD_GRAVITY,
     ) -> None:
         """contacts: of every wheelset; speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0."""
-        self.vehicle, self.track, self.speed, self.start = vehicle, track, speed, start
+        self.vehicle, self.track, self.speed, self.start, self.drive = vehicle, track, speed, start, drive
         self.bodies: tuple[Solid, ...] = (
             *(RigidBody.of(mounted.wheelset) for mounted in vehicle.wheelsets),
             *(SolidBody(body.mass, body.inertia) for body in vehicle.bodies),
@@ -117,6 +120,21 @@ class VehicleOnTrack:
         self.scalars[vehicle_forces.S_REFERENCE] = origin + vehicle.parts[vehicle.reference].centre[0]
         for row in self._loads:
             row[vehicle_forces.S_LOAD] = origin + vehicle.parts[int(row[0])].centre[0]
+
+    def memory(self) -> Array:
+        """Where the next call looks first: it decides the last bits of the places found. See ``tape.Remembers``."""
+        return np.concatenate(
+            [self.scalars[[vehicle_forces.S_REFERENCE]], self._loads[:, vehicle_forces.S_LOAD]]
+            + [view[wheelset_kernel.SCALARS][PLACES] for view in self._views]
+        )
+
+    def recall(self, memory: Array) -> None:
+        """Put back what ``memory`` gave."""
+        loads = len(self._loads)
+        self.scalars[vehicle_forces.S_REFERENCE] = memory[0]
+        self._loads[:, vehicle_forces.S_LOAD] = memory[1 : 1 + loads]
+        for view, places in zip(self._views, memory[1 + loads :].reshape(-1, len(PLACES)), strict=True):
+            view[wheelset_kernel.SCALARS][PLACES] = places
 
     @contextmanager
     def dampers_at_rest(self) -> Iterator[None]:

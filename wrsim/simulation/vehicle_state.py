@@ -29,6 +29,9 @@ SMALL_BODY = {"z": 1e-4, "x": 1e-3, "y": 1e-3, "heading": 1e-3, "roll": 1e-3, "s
 TOLERANCE = 1e-10
 """Largest force left over, as a part of the weight; moments are divided by 1 m."""
 
+HUNG = 1e-6
+"""Forces left over on the bodies, as a part of the weight, with which the search goes on to the wheelsets."""
+
 LARGEST_APPROACH = 2e-3
 """How far a wheelset is lowered or raised to be carried by the rails [m]."""
 
@@ -41,6 +44,7 @@ def design_state(law: VehicleOnTrack, distance: float, *, lateral: float = 0.0) 
     """
     q, q_t = np.zeros(law.size), np.zeros(law.size)
     vehicle = law.vehicle
+    lower = np.mean([mounted.height - mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
     for i, part in enumerate(vehicle.parts):
         wheelset = i < len(vehicle.wheelsets)
         radius = vehicle.wheelsets[i].wheelset.mean_radius if wheelset else np.inf
@@ -49,7 +53,7 @@ def design_state(law: VehicleOnTrack, distance: float, *, lateral: float = 0.0) 
             law.track.centre,
             distance + part.centre[0],
             speed=law.speed,
-            height=part.centre[2],
+            height=part.centre[2] - float(lower),
             spin_rate=law.speed / radius,
             lateral=part.centre[1] + (lateral if wheelset else 0.5 * lateral),
         )
@@ -141,7 +145,7 @@ def steady_state(
     steady = SteadyVehicle(law, distance)
     if guess is None:
         q, q_t = design_state(law, distance)
-        _lower(law, q, q_t)
+        lower_on_rails(law, q, q_t)
     else:
         q, q_t = guess
     x = steady.unknowns(q, q_t)
@@ -149,12 +153,31 @@ def steady_state(
         left = steady.residual(x)
         if not np.all(np.isfinite(left)):
             raise SimulationError("steady motion: the forces at its start are not finite")
+        first = _hang(steady, x, max_iterations)
         x, left, iterations = newton(steady.residual, x, steady.small, tolerance, max_iterations)
     largest = float(np.max(np.abs(left)))
     if not largest <= tolerance:
         raise SimulationError(f"no steady motion found; {_words(law, left)}")
     q, q_t = steady.state(x)
-    return Equilibrium(q, law.yielded(q, q_t), largest, iterations)
+    return Equilibrium(q, law.yielded(q, q_t), largest, first + iterations)
+
+
+def _hang(steady: SteadyVehicle, x: Array, max_iterations: int) -> int:
+    """Let the bodies find their places in their springs while the wheelsets stay where they are; changes x.
+
+    In a curve a long body lies along the chord, far inside of the centre line. Returns the iterations.
+    """
+    free = 6 * len(steady.spins)
+    if free == x.size:
+        return 0
+    whole = x.copy()
+
+    def residual(bodies: Array) -> Array:
+        whole[free:] = bodies
+        return steady.residual(whole)[free:]
+
+    x[free:], _, iterations = newton(residual, x[free:].copy(), steady.small[free:], HUNG, max_iterations)
+    return iterations
 
 
 def _words(law: VehicleOnTrack, left: Array) -> str:
@@ -165,7 +188,7 @@ def _words(law: VehicleOnTrack, left: Array) -> str:
     return "remaining forces over the weight: " + ", ".join(words)
 
 
-def _lower(law: VehicleOnTrack, q: Array, q_t: Array) -> None:
+def lower_on_rails(law: VehicleOnTrack, q: Array, q_t: Array) -> None:
     """Lower or raise each wheelset along the track's normal until the rails carry what the vehicle rests on it."""
     out = np.zeros(law.size)
     share = law.vehicle.mass * STANDARD_GRAVITY / len(law.vehicle.wheelsets)

@@ -71,7 +71,9 @@ class Assembly:
                     raise self._fault(key, "is missing: there is no [wheelset] that all wheelsets share")
                 raise self._fault(key, words + suggest(mount.type, known), mount.type)
             x = place((mount.x_mm, 0.0, 0.0))[0]
-            self.wheelsets[place.prefix + name] = MountedWheelset(place.prefix + name, wheelset, x)
+            self.wheelsets[place.prefix + name] = MountedWheelset(
+                place.prefix + name, wheelset, x, wheelset.mean_radius
+            )
         names = [p.name for p in part.places]
         for i, inner in enumerate(part.places):
             if names.count(inner.name) > 1:

@@ -7,7 +7,7 @@ the design position: the vehicle at rest on level track.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 Array = NDArray[np.float64]
+
+Drive = Literal["free", "train", "wheels"]
+"""What holds the speed: nothing; a pull along the track; moments on the axles. See ``core.vehicle_forces``."""
 
 
 @dataclass(frozen=True)
@@ -33,16 +36,20 @@ class Body:
 
 @dataclass(frozen=True)
 class MountedWheelset:
-    """A wheelset at its place x [m] along the vehicle, its axle at the mean radius above the rails."""
+    """A wheelset at its place x [m] along the vehicle, its axle ``height`` [m] above the rails.
+
+    With smaller wheels than those of the file the whole vehicle stands lower; the design position stays.
+    """
 
     name: str
     wheelset: Wheelset
     x: float
+    height: float
 
     @property
     def centre(self) -> Triple:
         """Centre of mass [m]."""
-        return (self.x, 0.0, self.wheelset.mean_radius)
+        return (self.x, 0.0, self.height)
 
     @property
     def mass(self) -> float:

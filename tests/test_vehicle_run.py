@@ -1,0 +1,75 @@
+"""A run of a whole vehicle: its result has every wheelset, and each reads like a lone one."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from tests.support.vehicles import ROOT, manchester
+from wrsim.analysis import run
+from wrsim.errors import InputError
+from wrsim.results import CHANNELS, Result
+from wrsim.results.tables import tables
+from wrsim.scenario.loading import load
+
+SHORT = {
+    "track.segments": [
+        {"kind": "straight", "length_m": 22.0},
+        {"kind": "transition", "length_m": 12.0},
+        {"kind": "arc", "radius_m": 300.0, "length_m": 14.0, "cant_mm": 60.0},
+    ],
+    "contact.strips": 12,
+    "contact.cells": 6,
+    "run.start_distance_m": 12.0,
+    "run.output_interval_ms": 20.0,
+}
+
+
+@cache
+def into_the_curve() -> Result:
+    """The shipped vehicle from straight track into a curve."""
+    return run(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT))
+
+
+def test_every_wheelset_of_the_result_reads_like_a_lone_one() -> None:
+    result = into_the_curve()
+    assert result.status == "completed"
+    dataset = result.dataset
+    names = [m.name for m in manchester().wheelsets]
+    assert list(dataset["wheelset"].values) == names
+    assert dataset["Y"].dims == ("time", "wheelset", "wheel")
+    one = result.of_wheelset(names[1])
+    for name, variable in one.dataset.data_vars.items():
+        assert variable.dims == CHANNELS[str(name)].dims_in("time"), name
+    assert np.array_equal(one.dataset["Q"].values, dataset["Q"].values[:, 1])
+    assert np.array_equal(one.dataset["distance"].values, dataset["wheelset_distance"].values[:, 1])
+    lone = {name.removesuffix(f"_{names[1]}") for name in tables(dataset) if name.endswith(names[1])}
+    assert lone == set(tables(one.dataset))
+    assert set(result.summary()["wheelsets"]) == set(names)
+    with pytest.raises(InputError, match="did you mean 'front"):
+        result.of_wheelset("front.oter")
+
+
+def test_the_wheelsets_follow_each_other_at_the_distance_of_the_vehicle() -> None:
+    dataset = into_the_curve().dataset
+    apart = dataset["wheelset_distance"].values - dataset["distance"].values[:, None]
+    places = np.array([m.x for m in manchester().wheelsets])
+    assert np.allclose(apart, places, atol=0.05)
+    assert np.allclose(dataset["speed"].values, 60.0 / 3.6, rtol=2e-3)  # held by the pull
+
+
+def test_the_leading_wheelset_is_pushed_outward_first_and_the_body_leans() -> None:
+    end = into_the_curve().dataset.isel(time=-1)
+    shift = end["lateral_shift"].values
+    assert shift[0] < -3e-3  # the curve is to the left
+    assert shift[0] == shift.min()
+    assert end["Y"].values[0, 1] > end["Y"].values[3, 1]
+    assert end["suspension_fz"].sel(suspension="front.secondary left").item() > 60e3  # carries a quarter of the body
+
+
+def test_a_result_is_the_same_after_a_trip_to_the_disk(tmp_path) -> None:
+    result = into_the_curve()
+    result.save(tmp_path / "result.nc")
+    assert Result.load(tmp_path / "result.nc").dataset.identical(result.dataset)
