@@ -3,7 +3,8 @@
 Prints microseconds (minimum of repeats) for some poses, and where they go: the call from Python, the search, the
 curved patch with its pressure, the creep forces. The bare arithmetic is measured in the same run: as many K - E
 evaluations and FASTSIM cells in a plain loop as one patch needs, once with the cells one after the other along each
-strip ("scalar") and once as the kernel does it, all strips side by side ("side by side").
+strip ("scalar") and once as the kernel does it, all strips side by side ("side by side"). A second table holds the
+tangential models: the time of each, what a strip more costs and what a cell more costs.
 """
 
 from __future__ import annotations
@@ -17,13 +18,14 @@ import numpy as np
 from wrsim.analysis.poses import StaticBench
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
-from wrsim.contact.settings import ContactSettings
+from wrsim.contact.settings import ContactSettings, Friction
 from wrsim.core import layout as k
 from wrsim.core.compiling import kernel
 from wrsim.core.elliptic import strip_potential
 from wrsim.core.fastsim import fastsim
 from wrsim.core.search import find_contacts
 from wrsim.core.wheel_rail import wheel_rail
+from wrsim.geometry.profile import Profile
 from wrsim.geometry.profile_models import load_profile
 from wrsim.scenario.cases import StaticPose
 
@@ -52,7 +54,7 @@ def bare(strips, n, reps, shape, work, side_by_side, cells):  # type: ignore[no-
         for i in range(n):
             total += strip_potential(strips[i, k.A], strips[i, k.S])
         if side_by_side:
-            fastsim(strips, n, 0.3, 0.0, 1e-4, 1e-4, 1e-12, 1e-12, 1e-12, 1.0, shape, work)
+            fastsim(strips, n, 1.0, 1e-4, 1e-4, 1e-12, 1e-12, 1e-12, 1.0, shape, work)
             continue
         for i in range(n):
             qx = 0.0
@@ -74,6 +76,37 @@ def bare(strips, n, reps, shape, work, side_by_side, cells):  # type: ignore[no-
 def nothing(a, b, c, d, e, f, g, h, i, j, l, m):  # type: ignore[no-untyped-def]  # noqa: E741
     """Takes what the kernel takes."""
     return 0
+
+
+LADDER = ("fastsim", "fastsim, blended", "fastrip", "polach", "linear", "shen-hedrick-elkins")
+
+
+def creep_time(
+    wheel: Profile, rail: Profile, tangential: str, friction: float | Friction, strips: int, cells: int
+) -> float:
+    """Time of a tangential model alone: the whole evaluation on the tread less that without creep forces [us]."""
+    origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
+    name, _, option = tangential.partition(", ")
+    settings = ContactSettings(strips=strips, cells=cells, tangential=name, flexibility=option or "three")  # type: ignore[arg-type]
+    model = ContactModel.build(wheel, rail, 0.46, settings, friction)
+    StaticBench([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(StaticPose("tread", 3e-3, 0.002, 55e3))
+    a = model.arrays
+    arguments = a.arguments()
+    whole = microseconds(lambda: wheel_rail(*arguments))
+    a.settings[k.TANGENTIAL] = k.NO_CREEP_FORCES
+    return whole - microseconds(lambda: wheel_rail(*arguments))
+
+
+def ladder(wheel: Profile, rail: Profile) -> None:
+    """Print the time of every tangential model, and how it grows with strips and cells."""
+    print(f"\n{'creep forces alone, us':24s}{'40 x 20':>8s}{'a strip':>10s}{'a cell':>10s}{'falling, zones':>16s}")
+    law = Friction(0.35, gauge_corner=0.2, falling_ratio=0.4)
+    for name in LADDER:
+        first, longer, wider = (creep_time(wheel, rail, name, 0.35, n, m) for n, m in ((40, 20), (40, 60), (80, 20)))
+        cell = (longer - first) / (40 * 40)
+        strip = (wider - first) / 40 - 20 * cell
+        with_law = creep_time(wheel, rail, name, law, 40, 20)
+        print(f"  {name:22s}{first:8.2f}{strip:10.4f}{cell:10.4f}{with_law - first:+16.2f}")
 
 
 def main() -> None:
@@ -111,7 +144,7 @@ def main() -> None:
             lobes = int(a.total[k.COUNT])
             s[k.TANGENTIAL] = 0.0
             normal = microseconds(lambda arguments=arguments: wheel_rail(*arguments))
-            s[k.TANGENTIAL] = 1.0
+            s[k.TANGENTIAL] = k.FASTSIM
             search = microseconds(
                 lambda a=a, s=s, p=p: find_contacts(
                     a.wheel, s[k.WHEEL_STEP], s[k.RADIUS], a.rail, s[k.RAIL_STEP], a.field, s[k.FIELD_O],
@@ -123,6 +156,7 @@ def main() -> None:
                 f"  {name:22s}{total:8.2f}{call:8.2f}{search:8.2f}{normal - call - search:8.2f}"
                 f"{total - normal:8.2f}{lobes:7d}{total / floors['scalar']:8.2f}"
             )
+    ladder(wheel, rail)
 
 
 if __name__ == "__main__":

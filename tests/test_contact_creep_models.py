@@ -13,7 +13,7 @@ from wrsim.core import layout as k
 from wrsim.core.fastsim import kalker_coefficients
 
 FRICTION = 0.3
-MODELS = ["fastsim", "fastsim, parabolic", "fastrip", "polach", "linear", "shen-hedrick-elkins"]
+MODELS = ["fastsim", "fastsim, parabolic", "fastsim, blended", "fastrip", "polach", "linear", "shen-hedrick-elkins"]
 BOUNDED = [m for m in MODELS if m != "linear"]
 EVERY = pytest.mark.parametrize("model", MODELS)
 
@@ -46,7 +46,7 @@ def test_full_sliding_gives_mu_n_against_the_slip(model, aspect):
         np.testing.assert_allclose(force, -FRICTION * ellipse(aspect)[:, k.FORCE].sum() * np.sign([xi, eta]), rtol=1e-4)
 
 
-@pytest.mark.parametrize(("model", "degrees"), [("fastrip", 0.5), ("polach", 1e-6)])
+@pytest.mark.parametrize(("model", "degrees"), [("fastrip", 0.5), ("polach", 1e-6), ("fastsim, blended", 1e-6)])
 def test_oblique_sliding_is_opposite_to_the_slip(model, degrees):
     # FaStrip's first cells still turn
     for aspect in (0.1, 0.5, 2.0, 10.0):
@@ -135,6 +135,9 @@ ACCURACY = [
     ("fastrip", "fastrip", PURE, 0.002, 0.001, 0.001),  # the same formulae
     ("fastrip", "fastrip", SPIN, 0.06, 0.045, 0.045),
     ("fastrip", "fastrip", COMBINED, 0.08, 0.035, 0.06),
+    ("fastsim, blended", "contact", PURE, 0.06, 0.025, 0.025),
+    ("fastsim, blended", "contact", SPIN, 0.06, 0.025, 0.035),
+    ("fastsim, blended", "contact", COMBINED, 0.1, 0.04, 0.05),
     ("polach", "contact", PURE, 0.06, 0.025, 0.16),
     ("polach", "contact", SPIN, 0.18, 0.08, 0.62),
     ("polach", "contact", COMBINED, 0.31, 0.13, 0.62),

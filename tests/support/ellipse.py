@@ -45,7 +45,7 @@ def roll(
 ) -> Array:
     """A tangential model on the ellipse; xi, eta at its centre, spin phi [1/m]. Returns the strips.
 
-    model: a choice of ContactSettings.tangential, or "fastsim, parabolic".
+    model: a choice of ContactSettings.tangential, or "fastsim, parabolic", or "fastsim, blended".
     """
     rows = ellipse(aspect, strips)
     rows[:, k.XI], rows[:, k.ETA], rows[:, k.PHI] = xi - phi * rows[:, k.S], eta, phi
@@ -54,16 +54,17 @@ def roll(
     lobe[0, [k.N, k.N_STRIPS, k.AMPLITUDE, k.PARTNER]] = force, strips, 1.0, -1.0
     lobe[0, k.AREA] = np.pi * MEAN_RADIUS**2
     lobe[0, k.LENGTH], lobe[0, k.WIDTH] = 2.0 * MEAN_RADIUS * np.sqrt(aspect), 2.0 * MEAN_RADIUS / np.sqrt(aspect)
-    name, _, bound = model.partition(", ")
+    name, _, option = model.partition(", ")
     numbers = np.zeros(k.SETTINGS)
     numbers[k.TANGENTIAL] = TANGENTIAL[name]
-    numbers[k.PARABOLIC] = bound == "parabolic"
+    numbers[k.PARABOLIC] = option == "parabolic"
+    numbers[k.BLENDED] = option == "blended"
     numbers[[k.FRICTION, k.FRICTION_GAUGE]] = friction
     numbers[k.SHEAR_MODULUS] = SHEAR_MODULUS
     numbers[[k.FALL_RATIO, k.ADHESION_FACTOR, k.SLIP_FACTOR]] = 1.0
     pose = np.zeros(k.POSE)
     pose[6] = direction
-    shape = bound_over_cells(cells, bound == "parabolic")
+    shape = bound_over_cells(cells, option == "parabolic")
     creep_forces(COEFFICIENTS, shape, numbers, pose, lobe, rows[None], 1, 0, np.zeros((12, max(strips, 8))))
     return rows
 

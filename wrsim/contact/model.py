@@ -202,6 +202,7 @@ def _arrays(
     numbers[k.ZONE_START], numbers[k.ZONE_END] = (tan(0.5 * angle) for angle in friction.ramp)
     numbers[k.FALL_RATIO] = friction.falling_ratio
     numbers[k.FALL_DECAY] = friction.falling_decay
+    numbers[k.BLENDED] = settings.flexibility == "blended"
     numbers[k.ADHESION_FACTOR] = settings.polach_adhesion
     numbers[k.SLIP_FACTOR] = settings.polach_slip
     numbers[k.PARABOLIC] = parabolic

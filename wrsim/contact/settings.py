@@ -16,6 +16,7 @@ Approach = Literal["projected", "constant"]
 Tangential = Literal["fastsim", "fastrip", "polach", "linear", "shen-hedrick-elkins", "half-space", "none"]
 Influence = Literal["half-space", "angle-corrected"]
 Pairing = Literal["opposite", "level"]
+Flexibility = Literal["three", "blended"]
 TractionBound = Literal["elliptic", "parabolic"]
 
 DRY = 0.35  # coefficient of friction unless told otherwise
@@ -106,6 +107,7 @@ class ContactSettings:
     tangential: model of the creep forces; ``"half-space"`` is the exact one and needs that normal model; ``"none"``
         is frictionless.
     traction_bound: shape of the bound ``mu p`` along a strip that FASTSIM holds the tractions under.
+    flexibility: FASTSIM's, always one for each kind of creepage, or blended into one where the patch slides.
     polach_adhesion, polach_slip: Polach's factors kA and kS, ``0 < kS <= kA <= 1``.
     friction: on the left and right rail: a coefficient [1] or a Friction.
     strips: number of strips over the width of a patch, or None when ``strip_width`` rules.
@@ -121,6 +123,7 @@ class ContactSettings:
     approach: Approach = "projected"
     tangential: Tangential = "fastsim"
     traction_bound: TractionBound = "elliptic"
+    flexibility: Flexibility = "three"
     polach_adhesion: float = 1.0
     polach_slip: float = 1.0
     friction: tuple[float | Friction, float | Friction] = (DRY, DRY)

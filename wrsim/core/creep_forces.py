@@ -4,12 +4,13 @@ from math import pi, sqrt
 
 from wrsim.core.compiling import kernel
 from wrsim.core.fastrip import fastrip
-from wrsim.core.fastsim import PARABOLA_PEAK, fastsim, flexibilities, kalker_coefficients
+from wrsim.core.fastsim import PARABOLA_PEAK, blended, fastsim, flexibilities, kalker_coefficients
 from wrsim.core.friction import set_friction
 from wrsim.core.layout import (
     ADHESION_FACTOR,
     AMPLITUDE,
     AREA,
+    BLENDED,
     COUPLING,
     ETA,
     FASTRIP,
@@ -84,11 +85,18 @@ def creep_forces(creep, shape, settings, pose, patches, strips, count, i, work):
         _spread_polach(creep, settings, strips[i], n, normal, xi0, eta0, phi0, aspect, area, direction)
         return
     l1, l2, l3 = flexibilities(creep, aspect, area, settings[SHEAR_MODULUS])
+    a = sqrt(area * aspect / pi)
     if model == FASTSIM:
+        if settings[BLENDED] > 0.5:
+            limit = 0.0
+            for j in range(n):
+                limit += strips[i, j, MU] * strips[i, j, FORCE]
+            limit *= normal / patches[i, N]
+            l1, l2, l3 = blended(l1, l2, l3, a, aspect, xi0, eta0, phi0, limit)
         peak = PARABOLA_PEAK if settings[PARABOLIC] > 0.5 else 1.0
         fastsim(strips[i], n, peak, xi0, eta0, l1, l2, l3, direction, shape, work)
     elif model == FASTRIP:
-        fastrip(strips[i], n, sqrt(area * aspect / pi), l1, l2, l3, direction, shape, work)
+        fastrip(strips[i], n, a, l1, l2, l3, direction, shape, work)
     else:
         linear_creep(strips[i], n, xi0, eta0, l1, l2, l3, direction, model == SHEN_HEDRICK_ELKINS)
 

@@ -62,6 +62,32 @@ def flexibilities(creep, aspect, area, shear_modulus):
     )
 
 
+@kernel
+def blended(l1, l2, l3, a, aspect, xi, eta, phi, limit):
+    """L1, L2, L3 at small creepages, Kalker's one flexibility for all at large ones.
+
+    With three of them full sliding is not opposite to the slip: tractions follow (xi / L1, eta / L2). With one,
+
+        L = sqrt((xi L1)^2 + (eta L2)^2 + (phi c L3)^2) / sqrt(xi^2 + eta^2 + (phi c)^2),   c = sqrt(ab),
+
+    they are, but small creepages together do not meet the linear theory. In between by u, the size of the linear
+    force over mu N: smoothly from the three at u = 1 to the one at u = 6.
+    a, aspect: of the equivalent ellipse; xi, eta, phi: mean creepages; limit: mu N [N].
+    """
+    turn = phi * a / sqrt(aspect)
+    along = xi / l1
+    across = eta / l2
+    spin = 0.09375 * pi * sqrt(aspect) * turn / l3  # C23 G phi c over 8 a / 3
+    linear = 8.0 / 3.0 * a * a * a / aspect * sqrt(along * along + across * across + spin * spin)
+    part = min(max((linear - limit) / (5.0 * max(limit, 1e-300)), 0.0), 1.0)
+    if part == 0.0:
+        return l1, l2, l3
+    part *= part * (3.0 - 2.0 * part)
+    sizes = (xi * l1) ** 2 + (eta * l2) ** 2 + (turn * l3) ** 2
+    one = sqrt(sizes / (xi * xi + eta * eta + turn * turn))
+    return l1 + part * (one - l1), l2 + part * (one - l2), l3 + part * (one - l3)
+
+
 @inlined
 def largest_traction(row):
     """Peak of the semi-ellipse along a strip that holds its mu N [Pa]: mu p where the pressure is one itself."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
-from wrsim.contact.settings import DRY, ContactSettings, HalfSpaceSettings, Material, Tangential
+from wrsim.contact.settings import DRY, ContactSettings, Flexibility, HalfSpaceSettings, Material, Tangential
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import Choice, OrTable, Quantity, Whole
 from wrsim.scenario.friction_section import Coefficient, FrictionSection
@@ -130,6 +130,7 @@ class ContactSection(Section):
     traction_bound: Annotated[Literal["elliptic", "parabolic"], Choice(("elliptic", "parabolic"))] = (
         DEFAULTS.traction_bound
     )
+    flexibility: Annotated[Flexibility, Choice(get_args(Flexibility))] = DEFAULTS.flexibility
     polach_kA: Annotated[float, Quantity(above=0, high=1)] = DEFAULTS.polach_adhesion
     polach_kS: Annotated[float, Quantity(above=0, high=1)] = DEFAULTS.polach_slip
     friction: Annotated[float | FrictionSection, FRICTION] = DRY
@@ -174,6 +175,7 @@ class ContactSection(Section):
             approach=self.approach,
             tangential=self.tangential or exact,
             traction_bound=self.traction_bound,
+            flexibility=self.flexibility,
             polach_adhesion=self.polach_kA,
             polach_slip=self.polach_kS,
             friction=(left, right),
