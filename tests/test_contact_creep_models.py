@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.ellipse import COEFFICIENTS, FORCE, MEAN_RADIUS, SHEAR_MODULUS, ellipse, roll, total
+from support.contact_bench import bench, pair_model, settle
+from support.ellipse import COEFFICIENTS, FORCE, MEAN_RADIUS, PEAK, SHEAR_MODULUS, ellipse, roll, total
 
 from wrsim.core import layout as k
 from wrsim.core.fastsim import kalker_coefficients
@@ -90,6 +91,47 @@ def test_no_creepage_no_force_and_pure_spin_only_pushes_across(model):
         assert abs(force[0]) < 1e-9 * abs(force[1])
 
 
+@EVERY
+@given(aspect=aspects, xi=signed, eta=signed, phi=spins, scale=st.floats(0.1, 10.0), load=st.floats(0.1, 10.0))
+def test_scaling_laws(model, aspect, xi, eta, phi, scale, load):
+    # lengths times k: forces k^2, moment k^3, spin 1/k; pressures and creepages times s: forces times s
+    plain = total(roll(aspect, xi, eta, phi, model=model, **few))
+    scaled = total(roll(aspect, load * xi, load * eta, load * phi / scale, model=model, radius=scale * MEAN_RADIUS,
+                        peak=load * PEAK, **few))  # fmt: skip
+    expected = plain * load * np.array([scale**2, scale**2, scale**3])
+    np.testing.assert_allclose(scaled, expected, rtol=1e-6, atol=1e-7 * load * scale**2 * np.abs(plain).max())
+
+
+@EVERY
+def test_forces_follow_the_pose_without_jumps(model):
+    # at fixed height by 2 um a step through the shifts where tread and flange root share a patch more and more
+    name, _, option = model.partition(", ")
+    choices = {"traction_bound": option} if option == "parabolic" else {"flexibility": option} if option else {}
+    stand = bench(pair_model("S1002/60E1 1:40", tangential=name, **choices))
+    settle(stand, 5.0e-3, 2e-3, 60e3)
+    pair = stand.wheels[0].model
+    pose = pair.arrays.pose.copy()
+    pose[6:] = 20.0, 0.0, 0.0, 0.0, 1.001 * 20.0 / 0.46, 0.0
+
+    def forces(shifts):
+        found = []
+        for shift in shifts:
+            contact = pair.evaluate((pose[0], pose[1] + shift, pose[2]), pose[3:6], pose[6:9], pose[9:])
+            assert len(contact.patches) > 1
+            found.append(contact.force)
+        return np.array(found)
+
+    assert_no_jump(forces, np.linspace(-1e-4, 3e-4, 201), 1e-3 * 60e3)
+
+
+def assert_no_jump(forces, at, small):
+    """The steepest of the steps, taken in twenty: a jump would keep its height."""
+    steps = np.linalg.norm(np.diff(forces(at), axis=0), axis=1)
+    steepest = int(steps.argmax())
+    within = np.linalg.norm(np.diff(forces(np.linspace(*at[steepest : steepest + 2], 21)), axis=0), axis=1)
+    assert within.max() < max(0.3 * steps.max(), small)
+
+
 @pytest.mark.parametrize("model", BOUNDED)
 @settings(max_examples=15)
 @given(aspect=st.floats(-1.0, 1.0).map(lambda x: 10.0**x), turn=st.floats(-np.pi, np.pi), spin=st.floats(-1.5, 1.5))
@@ -98,12 +140,7 @@ def test_forces_have_no_jumps_along_a_rise_of_creepage(model, aspect, turn, spin
         creepages = 0.02 * np.array([np.cos(turn), np.sin(turn), spin / MEAN_RADIUS])
         return np.array([total(roll(aspect, *(f * creepages), model=model, **few))[:2] for f in scales])
 
-    # the steepest of 200 steps from none to full sliding, taken in twenty: a jump would keep its height
-    scales = np.linspace(0.0, 1.0, 201)
-    steps = np.hypot(*np.diff(forces(scales), axis=0).T)
-    steepest = int(steps.argmax())
-    within = np.hypot(*np.diff(forces(np.linspace(*scales[steepest : steepest + 2], 21)), axis=0).T)
-    assert within.max() < max(0.3 * steps.max(), 1e-3 * FRICTION * FORCE)
+    assert_no_jump(forces, np.linspace(0.0, 1.0, 201), 1e-3 * FRICTION * FORCE)
 
 
 def reference():
@@ -157,3 +194,32 @@ def test_forces_beside_contact(model, method, kinds, force, mean, moment):
     assert largest < force
     assert middle < mean
     assert turning < moment
+
+
+# Cases that CONTACT's user guide publishes. Ellipse 8 x 4 mm, 82 kN, mu 0.3, eta -6.25e-4, spin 0.625 1/m; exact
+# Fy -14940 N, Mz -48.21 N m: relative errors measured, of Fy over itself.
+@pytest.mark.parametrize(
+    ("model", "force", "moment"),
+    [("fastsim", 0.016, 0.08), ("fastsim, parabolic", 0.11, 0.17), ("fastrip", 0.11, 0.14)],
+)
+def test_published_case_of_opposing_spin(model, force, moment):
+    radius = np.sqrt(8e-3 * 4e-3)
+    peak = 1.5 * 82e3 / (np.pi * radius**2)
+    fx, fy, mz = total(roll(2.0, 0.0, -6.25e-4, 0.625, model=model, radius=radius, peak=peak, strips=66, cells=66))
+    assert abs(fx) < 1e-9 * abs(fy)
+    assert fy == pytest.approx(-14940.0, rel=force)
+    assert mz == pytest.approx(-48.21, rel=moment)
+
+
+# Creep curve: a/b 0.5, 106.7 kN, mu 0.33, p0 640.7 MPa; exact forces at five creepages. Errors over mu N.
+@pytest.mark.parametrize(
+    ("model", "error"), [("fastsim", 0.06), ("fastsim, parabolic", 0.04), ("fastrip", 0.003), ("polach", 0.06)]
+)
+def test_published_creep_curve(model, error):
+    peak, load = 640.7e6, 106.7e3
+    radius = np.sqrt(1.5 * load / (np.pi * peak))
+    for xi, exact in ((1e-5, 247.0), (1.2e-3, 22820.0), (2.4e-3, 33330.0), (3.6e-3, 35180.0), (6e-3, 35200.0)):
+        rows = roll(0.5, xi, model=model, friction=0.33, radius=radius, peak=peak, strips=66, cells=66)
+        assert abs(-total(rows)[0] - exact) < error * 0.33 * load
+        if xi == 1e-5:  # the slope: 1.5 % of it by the elements of the exact one
+            assert -total(rows)[0] == pytest.approx(exact, rel=0.02)

@@ -19,14 +19,14 @@ PEAK = 1e9  # [Pa]
 FORCE = 2.0 / 3.0 * np.pi * MEAN_RADIUS**2 * PEAK  # [N]
 
 
-def ellipse(aspect: float, strips: int = 40) -> Array:
-    """Rows of strips over the ellipse of half axes a along x and b = a / aspect."""
-    a, b = MEAN_RADIUS * np.sqrt(aspect), MEAN_RADIUS / np.sqrt(aspect)
+def ellipse(aspect: float, strips: int = 40, radius: float = MEAN_RADIUS, peak: float = PEAK) -> Array:
+    """Rows of strips over the ellipse of half axes a along x and b = a / aspect; radius: sqrt(a b)."""
+    a, b = radius * np.sqrt(aspect), radius / np.sqrt(aspect)
     rows = np.zeros((strips, k.STRIP_COLUMNS))
     rows[:, k.DS] = 2.0 * b / strips
     rows[:, k.S] = -b + (np.arange(strips) + 0.5) * 2.0 * b / strips
     shape = np.sqrt(1.0 - (rows[:, k.S] / b) ** 2)
-    rows[:, k.A], rows[:, k.P], rows[:, k.NB] = a * shape, PEAK * shape, 1.0
+    rows[:, k.A], rows[:, k.P], rows[:, k.NB] = a * shape, peak * shape, 1.0
     rows[:, k.FORCE] = 0.5 * np.pi * rows[:, k.A] * rows[:, k.P] * rows[:, k.DS]
     return rows
 
@@ -42,18 +42,20 @@ def roll(
     strips: int = 40,
     cells: int = 20,
     direction: float = 1.0,
+    radius: float = MEAN_RADIUS,
+    peak: float = PEAK,
 ) -> Array:
     """A tangential model on the ellipse; xi, eta at its centre, spin phi [1/m]. Returns the strips.
 
     model: a choice of ContactSettings.tangential, or "fastsim, parabolic", or "fastsim, blended".
     """
-    rows = ellipse(aspect, strips)
+    rows = ellipse(aspect, strips, radius, peak)
     rows[:, k.XI], rows[:, k.ETA], rows[:, k.PHI] = xi - phi * rows[:, k.S], eta, phi
     force = rows[:, k.FORCE].sum()
     lobe = np.zeros((1, k.PATCH_COLUMNS))
     lobe[0, [k.N, k.N_STRIPS, k.AMPLITUDE, k.PARTNER]] = force, strips, 1.0, -1.0
-    lobe[0, k.AREA] = np.pi * MEAN_RADIUS**2
-    lobe[0, k.LENGTH], lobe[0, k.WIDTH] = 2.0 * MEAN_RADIUS * np.sqrt(aspect), 2.0 * MEAN_RADIUS / np.sqrt(aspect)
+    lobe[0, k.AREA] = np.pi * radius**2
+    lobe[0, k.LENGTH], lobe[0, k.WIDTH] = 2.0 * radius * np.sqrt(aspect), 2.0 * radius / np.sqrt(aspect)
     name, _, option = model.partition(", ")
     numbers = np.zeros(k.SETTINGS)
     numbers[k.TANGENTIAL] = TANGENTIAL[name]

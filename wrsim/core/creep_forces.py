@@ -37,6 +37,8 @@ from wrsim.core.layout import (
 from wrsim.core.linear_creep import linear_creep
 from wrsim.core.polach import polach
 
+FIRM = 4.0  # from a quarter of the wheel's largest pressure amplitude on a lobe counts in full
+
 
 @kernel
 def creep_forces(creep, shape, settings, pose, patches, strips, count, i, work):
@@ -98,7 +100,12 @@ def creep_forces(creep, shape, settings, pose, patches, strips, count, i, work):
     elif model == FASTRIP:
         fastrip(strips[i], n, a, l1, l2, l3, direction, shape, work)
     else:
-        linear_creep(strips[i], n, xi0, eta0, l1, l2, l3, direction, model == SHEN_HEDRICK_ELKINS)
+        # Kalker's linear forces know the area, not the load: a lobe about to lift off has to lose its grip
+        grip = 1.0
+        if model != SHEN_HEDRICK_ELKINS:
+            for j in range(count):
+                grip = min(grip, FIRM * patches[i, AMPLITUDE] / max(patches[j, AMPLITUDE], 1e-300))
+        linear_creep(strips[i], n, xi0, eta0, l1 / grip, l2 / grip, l3 / grip, direction, model == SHEN_HEDRICK_ELKINS)
 
 
 @kernel
