@@ -25,8 +25,8 @@ In the slip zone the direction of the tractions is followed as in FASTSIM, from 
 one flexibility (L1 + L2) / 2, so that full sliding is opposite to the slip. Tractions at the bound stay there while
 the bound rises.
 
-With much spin (|psi| -> 1) strip theory has no answer. The adhesion zone is faded out from |psi| = 0.75 on, where
-FASTSIM's tractions in pure spin touch the bound; for |psi| >= 1 the march starts at the leading edge from zero.
+With much spin (|psi| -> 1) strip theory has no answer. The adhesion zone is faded out from |psi| = 0.85 on; for
+|psi| >= 1 the march starts at the leading edge from zero.
 Not in the paper: the one flexibility, the fading, and that the longitudinal creepage by spin works through L1 like the
 rest of it.
 """
@@ -38,7 +38,7 @@ from wrsim.core.fastsim import largest_traction
 from wrsim.core.layout import DS, ETA, FX, FY, MZ, PHI, XI, A
 
 NOTHING = 1e-30  # bound below which a strip only slides [Pa]
-FADING = 0.75  # |psi| from which on the adhesion zone of strip theory is taken back
+FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken back
 
 
 @kernel
