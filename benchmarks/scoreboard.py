@@ -1,16 +1,17 @@
 """Every contact model on every reference case: how near to CONTACT, beside CONTACT's own fast models.
 
     python benchmarks/scoreboard.py REFERENCE [--models kik-piotrowski,kik-piotrowski/constant,half-space]
-        [--tangential fastsim,fastsim/parabolic] [--tables static,benchmark,regions,angles,arcs,grooves,tangential]
-        [--every N] [-o DIR] [--standing docs/data/standing.csv]
+        [--tangential fastsim,fastsim/parabolic,fastrip]
+        [--tables static,benchmark,regions,angles,arcs,grooves,tangential]
+        [--every N] [-o DIR] [--standing docs/data/standing]
 
 REFERENCE: folder with own_static.csv, mbench_a22.csv, conformal.csv, tangential.csv and their kin, computed with
 CONTACT 25.2; not part of this repository. A model is the value of ``normal`` in a scenario; options follow after
 slashes: kik-piotrowski/constant (the paper's), strips=20 (any strip model), half-space/table (elements of the table's
 size, area by counting them), half-space/level (points paired as CONTACT does), half-space/angle-corrected.
 
--o DIR: predictions as PREDICTIONS of MODEL.csv, one row a case: case_id, p0_MPa, area_mm2, approach_mm, N_N, Fx_N,
-n_patches. --standing FILE: the errors of all cases, small, as the figures of docs/standing.md read them.
+-o DIR: predictions as "TABLE MODEL.csv", one row a case: case_id, p0_MPa, area_mm2, approach_mm, N_N, Fx_N, n_patches.
+--standing DIR: the errors of all cases and the times, as the figures of docs/standing.md read them.
 
 Scoring. The truth is contact_conf_hs, or contact_planar where that is missing, on cases where it is one patch of one
 connected region and met its load. Errors are |prediction / truth - 1|: median, 95 % (linear between order statistics),
@@ -24,9 +25,9 @@ import csv
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
-from contact_standing import write_standing
 from reference_contact import (
     Answer,
     Chosen,
@@ -40,10 +41,13 @@ from reference_contact import (
 )
 from tangential_cases import score_tangential
 
+from wrsim.contact.settings import Normal
 from wrsim.scenario.cases import StaticPose
 
 QUANTITIES = {"p0_MPa": "pmax_MPa", "area_mm2": "area_mm2", "approach_mm": "pen_mm", "N_N": "Fn_N"}
 PEERS = ("contact_planar", "kpec", "analyn")
+DEFAULT_MODELS = ("kik-piotrowski/constant", *(n for n in get_args(Normal) if n != "half-space"), "half-space")
+DEFAULT_TANGENTIAL = ("fastsim", "fastsim/parabolic", "fastrip", "polach", "shen-hedrick-elkins", "linear")
 TABLES = ("static", "benchmark", "regions", "angles", "arcs", "grooves", "tangential")
 
 Values = dict[str, float]
@@ -125,6 +129,11 @@ class Board:
     models: list[Chosen]
     every: int
     answers: dict[tuple[str, str], dict[str, Answer]] = field(default_factory=dict)
+    records: dict[str, list[dict[str, object]]] = field(default_factory=dict)
+
+    def keep(self, table: str, /, **values: object) -> None:
+        """Note a row of a table for the figures."""
+        self.records.setdefault(table, []).append(values)
 
     def cases(self, file: str) -> dict[str, dict[str, list[Row]]]:
         """Cases of a reference table, every N-th of them."""
@@ -151,11 +160,29 @@ def score_static(board: Board, file: str, title: str) -> None:
         models[chosen.name] = {name: values_of(answer) for name, answer in answers.items()}
     print(f"\n== {title}: {len(truth)} cases of one region")
     print_errors(truth, models)
+    keep_errors(board, file, truth, models)
     for chosen in board.models:
         seconds = [a.seconds for a in board.answers_to(file, chosen).values()]
         unit = "with creep forces" if chosen.solver is None else "normal problem"
+        board.keep("times", table=file, model=chosen.name, what=unit, median_us=f"{1e6 * np.median(seconds):.3g}",
+                   most_us=f"{1e6 * np.percentile(seconds, 95.0):.3g}")  # fmt: skip
         print(f"{chosen.name:28s}one evaluation, {unit}: median {1e6 * np.median(seconds):.1f} us, "
               f"95 % {1e6 * np.percentile(seconds, 95.0):.1f} us")  # fmt: skip
+
+
+def keep_errors(board: Board, file: str, truth: dict[str, Row], models: dict[str, dict[str, Values]]) -> None:
+    """Note the errors [%] of every case: one row a case, a column for every model and quantity."""
+    for case, row in truth.items():
+        place = {"pair": row.get("pair", "S1002/UIC60"), "cant": row["cant_label"], "y_mm": row["y_ws_mm"]}
+        errors = {
+            f"{name} {q.rpartition('_')[0]}": f"{100.0 * (said[case][q] / float(row[c]) - 1.0):.3g}"
+            if case in said
+            else ""
+            for name, said in models.items()
+            if said
+            for q, c in QUANTITIES.items()
+        }
+        board.keep(file, case=case, **place, **errors)
 
 
 def score_regions(board: Board) -> None:
@@ -182,6 +209,17 @@ def score_regions(board: Board) -> None:
                     worst = max(worst, (error, name))
             e = np.array(errors)
             if len(e):
+                board.keep(
+                    "regions",
+                    table=file,
+                    model=chosen.name,
+                    cases=len(several),
+                    same_number=same,
+                    regions=len(e),
+                    within_5_percent=int((e < 0.05).sum()),
+                    median=f"{np.median(e):.4f}",
+                    most=f"{np.percentile(e, 95.0):.4f}",
+                )
                 print(f"{chosen.name:28s}same number of regions in {same} of {len(several)}; N of a region: median "
                       f"{np.median(e):.4f}, 95 % {np.percentile(e, 95.0):.4f}, within 5 %: {(e < 0.05).sum()} of "
                       f"{len(e)}; worst {worst[0]:.3f} ({worst[1]})")  # fmt: skip
@@ -207,6 +245,15 @@ def score_angles(board: Board) -> None:
             spread.append(error)
             ends.append(max(abs(ours[0] - low), abs(ours[1] - high)))
             good += error <= max(0.5, 0.05 * (high - low))
+        board.keep(
+            "angles",
+            model=chosen.name,
+            cases=len(spread),
+            within=int(good),
+            median_deg=f"{np.median(spread):.3f}",
+            most_deg=f"{np.percentile(spread, 95.0):.3f}",
+            worst_deg=f"{max(spread):.2f}",
+        )
         print(f"{chosen.name:28s}range: median {np.median(spread):.3f}, 95 % {np.percentile(spread, 95.0):.3f}, "
               f"max {max(spread):.2f}; within 5 % or 0.5 deg: {good} of {len(spread)}; ends: median "
               f"{np.median(ends):.3f}, 95 % {np.percentile(ends, 95.0):.3f}")  # fmt: skip
@@ -261,6 +308,8 @@ def arc_errors(board: Board) -> dict[str, dict[str, list[Values]]]:
             row = {q: values[q] / exact[q] - 1.0 for q in ("width", "p0", "angles")}
             row["direction"] = values["direction"] - exact["direction"]
             errors.setdefault(name, {}).setdefault(pose[0], []).append(row)
+            case = dict(zip(ARC_KEYS, pose, strict=True))
+            board.keep("arcs", model=name, **case, **{q: f"{e:.4f}" for q, e in row.items()})
     return errors
 
 
@@ -300,6 +349,8 @@ def score_grooves(board: Board) -> None:
             region = answer.regions[0]
             ours = 1e3 * answer.approach, 1e-6 * answer.p0, 1e3 * region.width, 1e3 * region.length
             cells = "".join(f"{a / b:8.4f}" for a, b in zip(ours, published, strict=True))
+            quantities = dict(zip(("approach", "p0", "width", "length"), cells.split(), strict=True))
+            board.keep("grooves", case=case, model=chosen.name, **quantities)
             print(f"{chosen.name:28s}{case:32s} {cells}")
 
 
@@ -319,12 +370,22 @@ def write_predictions(board: Board, directory: Path) -> None:
                 writer.writerow([name, *(f"{v:.9g}" for v in row.values())])
 
 
+def write_standing(board: Board, directory: Path) -> None:
+    """The rows that were noted, a file for every table."""
+    directory.mkdir(parents=True, exist_ok=True)
+    for table, rows in board.records.items():
+        with (directory / f"{table}.csv").open("w", newline="") as out:
+            writer = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+
+
 def main() -> None:
     """Print the tables that are asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("reference", type=Path)
-    parser.add_argument("--models", default="kik-piotrowski/constant,kik-piotrowski,half-space")
-    parser.add_argument("--tangential", default="fastsim,fastsim/parabolic")
+    parser.add_argument("--models", default=",".join(DEFAULT_MODELS))
+    parser.add_argument("--tangential", default=",".join(DEFAULT_TANGENTIAL))
     parser.add_argument("--tables", default=",".join(TABLES))
     parser.add_argument("--every", type=int, default=1, help="take every N-th case")
     parser.add_argument("-o", "--output", type=Path, help="folder for the predictions")
@@ -348,7 +409,10 @@ def main() -> None:
     if "grooves" in tables:
         score_grooves(board)
     if "tangential" in tables:
-        score_tangential(read(board.folder / "tangential.csv"), board.models, choices.tangential.split(","))
+        rows = read(board.folder / "tangential.csv")
+        flat = [m for m in board.models if "/constant" not in m.name]  # no difference on an ellipse
+        for record in score_tangential(rows, flat, choices.tangential.split(","), board.every):
+            board.keep("creep_forces", **record)
     if choices.output:
         write_predictions(board, choices.output)
     if choices.standing:

@@ -80,8 +80,11 @@ def forces(chosen: Chosen, settings: ContactSettings, row: Row) -> Array:
     return np.array([force[0] / bound, force[1] / bound, moment[2] / (bound * MEAN_RADIUS)])
 
 
-def score_tangential(rows: list[Row], models: list[Chosen], tangential: list[str], every: int = 1) -> None:
-    """Errors of the creep forces against CONTACT, over mu N."""
+def score_tangential(
+    rows: list[Row], models: list[Chosen], tangential: list[str], every: int = 1
+) -> list[dict[str, object]]:
+    """Print the errors of the creep forces against CONTACT, over mu N; returns a row for every case and model."""
+    records: list[dict[str, object]] = []
     truth = {row["case_id"]: row for row in rows if row["method"] == "contact"}
     truth = dict(list(truth.items())[::every])
 
@@ -103,7 +106,18 @@ def score_tangential(rows: list[Row], models: list[Chosen], tangential: list[str
     for model, values in said.items():
         e = np.abs([values[c] - figures(row) for c, row in truth.items() if c in values])
         force, moment = e[:, :2].max(axis=1), e[:, 2]
+        records += [
+            {
+                "model": model,
+                "kind": row["kind"],
+                "a_over_b": row["a_over_b"],
+                "force": f"{f:.4f}",
+                "moment": f"{m:.4f}",
+            }
+            for (c, row), f, m in zip([i for i in truth.items() if i[0] in values], force, moment, strict=True)
+        ]
         most = max(np.hypot(*v[:2]) for v in values.values())
         f, m = np.percentile(force, [50.0, 95.0]), np.percentile(moment, [50.0, 95.0])
         print(f"{model:40s}{f[0]:14.4f}{f[1]:8.4f}{force.max():8.4f}{m[0]:16.4f}{m[1]:8.4f}{moment.max():8.4f}"
               f"{most:14.4f}")  # fmt: skip
+    return records

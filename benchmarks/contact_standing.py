@@ -1,2 +1,0 @@
-def write_standing(board, path):
-    pass

@@ -1,0 +1,360 @@
+"""Figures and tables of docs/standing.md from docs/data/standing. Run: python docs/figures/make_standing.py
+
+The data are written by: python benchmarks/scoreboard.py REFERENCE --standing docs/data/standing
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+from numpy.typing import NDArray
+
+from wrsim.plots import new_figure, save, style
+
+Array = NDArray[np.float64]
+Rows = list[dict[str, str]]
+
+HERE = Path(__file__).parent
+DATA = HERE.parent / "data" / "standing"
+PAGE = HERE.parent / "standing.md"
+
+NAMES = {
+    "contact_planar": "CONTACT, tangent plane",
+    "kpec": "CONTACT's KPEC",
+    "analyn": "CONTACT's ANALYN",
+    "kpec_conf": "KPEC, curved",
+    "analyn_conf": "ANALYN, curved",
+    "contact_conf_ac": "CONTACT, angle-corrected",
+    "kik-piotrowski/constant": "Kik-Piotrowski, constant (the paper)",
+    "kik-piotrowski": "Kik-Piotrowski, projected",
+    "strips": "strips",
+    "half-space": "half-space",
+    "half-space/table": "half-space, elements of the table",
+}
+COLOURS = {
+    "kpec": "#8c8c8c",
+    "analyn": "#3d3d3d",
+    "kpec_conf": "#8c8c8c",
+    "analyn_conf": "#3d3d3d",
+    "kik-piotrowski/constant": "#E69F00",
+    "kik-piotrowski": "#D55E00",
+    "strips": "#0072B2",
+    "half-space": "#009E73",
+}
+ALIKE = ("kik-piotrowski/constant",)
+"""Not drawn where patches are nearly flat: the approach makes no difference there."""
+THEIR_TIMES = {"kpec": 692.0}
+"""CONTACT's own, with its FASTSIM at 117 elements, on this class of machine [us]."""
+DASHED = ("kpec", "analyn", "kpec_conf", "analyn_conf")
+QUANTITIES = {"p0": "largest pressure $p_0$", "area": "contact area", "approach": "approach", "N": "normal force $N$"}
+TABLES = {
+    "own_static": "six pairs, rolling",
+    "own_static_frictionless": "the same, frictionless",
+    "mbench_a22": "Manchester A-2.2",
+}
+
+
+def read(name: str) -> Rows:
+    """Rows of a data file; none where it is not there."""
+    path = DATA / f"{name}.csv"
+    if not path.is_file():
+        return []
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def models(rows: Rows) -> list[str]:
+    """Models of a table of cases, peers first."""
+    found = [c.removesuffix(" p0") for c in rows[0] if c.endswith(" p0")] if rows else []
+    return [m for m in NAMES if m in found] + [m for m in found if m not in NAMES]
+
+
+def name_of(model: str) -> str:
+    """How a model is called here."""
+    return NAMES.get(model, model)
+
+
+def errors(rows: Rows, model: str, quantity: str) -> Array:
+    """Relative errors of the cases that a model has."""
+    return np.array([0.01 * float(r[f"{model} {quantity}"]) for r in rows if r.get(f"{model} {quantity}")])
+
+
+# --- figures ------------------------------------------------------------------------------------------
+
+
+def drawn(rows: Rows) -> list[str]:
+    """Models that have a colour, in order."""
+    return [m for m in models(rows) if m in COLOURS and m not in ALIKE]
+
+
+def cumulative() -> Figure:
+    """Share of the cases with an error below x, for four quantities."""
+    rows = read("own_static")
+    figure = new_figure(190, 150)
+    axes = figure.subplots(2, 2, sharey=True)
+    for panel, (quantity, words) in zip(axes.flat, QUANTITIES.items(), strict=True):
+        for model in drawn(rows):
+            e = np.sort(np.abs(errors(rows, model, quantity)))
+            share = (np.arange(len(e)) + 1.0) / len(rows)  # what a model did not solve counts as missed
+            panel.plot(np.maximum(e, 1e-4), 100.0 * share, color=COLOURS[model], linewidth=1.4,
+                       linestyle="--" if model in DASHED else "-", label=name_of(model))  # fmt: skip
+        panel.set_xscale("log")
+        panel.set_xlim(1e-4, 1.0)
+        panel.set_xticks([1e-4, 1e-3, 1e-2, 1e-1, 1.0], ["0.01 %", "0.1 %", "1 %", "10 %", "100 %"])
+        panel.set_ylim(0.0, 100.0)
+        panel.set_title(f"Error of the {words}", loc="left", fontsize="medium")
+        panel.grid(True, which="major")
+    for panel in axes[:, 0]:
+        panel.set_ylabel("cases below [%]")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    return figure
+
+
+def by_pair() -> Figure:
+    """Signed error of p0 and of the area for every pair of profiles: boxes from 25 to 75 %, whiskers 5 to 95 %."""
+    rows = read("own_static")
+    pairs = list(dict.fromkeys(f"{r['pair']} {r['cant']}" for r in rows))
+    chosen = drawn(rows)
+    figure = new_figure(190, 150)
+    axes = figure.subplots(2, 1, sharex=True)
+    width = 0.8 / len(chosen)
+    for panel, quantity in zip(axes, ("p0", "area"), strict=True):
+        for i, model in enumerate(chosen):
+            boxes = [
+                100.0 * errors([r for r in rows if f"{r['pair']} {r['cant']}" == pair], model, quantity)
+                for pair in pairs
+            ]
+            places = np.arange(len(pairs)) + (i - 0.5 * (len(chosen) - 1)) * width
+            panel.boxplot(
+                boxes, positions=places, widths=0.85 * width, whis=(5, 95), showfliers=False, patch_artist=True,
+                boxprops={"facecolor": COLOURS[model], "edgecolor": "none", "alpha": 0.85},
+                medianprops={"color": "black", "linewidth": 1.0},
+                whiskerprops={"color": COLOURS[model]}, capprops={"visible": False},
+            )  # fmt: skip
+            panel.plot([], [], "s", color=COLOURS[model], label=name_of(model))
+        panel.axhline(0.0, color="black", linewidth=0.6)
+        panel.set_ylabel(f"error of {'$p_0$' if quantity == 'p0' else 'the area'} [%]")
+        panel.set_xticks(range(len(pairs)), [p.replace(" ", "\n") for p in pairs])
+        panel.set_xlim(-0.5, len(pairs) - 0.5)
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    return figure
+
+
+def arcs() -> Figure:
+    """Worst and best errors over loads, angles and rolling radii against the wheel's radius."""
+    rows = read("arcs")
+    figure = new_figure(190, 115)
+    axes = figure.subplots(1, 2, sharex=True)
+    radii = sorted({float(r["R_wheel_mm"]) for r in rows})
+    chosen = [m for m in NAMES if m in COLOURS and any(r["model"] == m for r in rows)]
+    for panel, quantity in zip(axes, ("p0", "width"), strict=True):
+        for i, model in enumerate(chosen):
+            own = [r for r in rows if r["model"] == model]
+            for j, radius in enumerate(radii):
+                e = [100.0 * float(r[quantity]) for r in own if float(r["R_wheel_mm"]) == radius]
+                x = j + (i - 0.5 * (len(chosen) - 1)) * 0.8 / len(chosen)
+                marks = "s" if model in DASHED else "o"
+                inside = "white" if model.endswith("_conf") else COLOURS[model]
+                panel.plot([x, x], [min(e), max(e)], color=COLOURS[model], linewidth=2.5, solid_capstyle="butt")
+                panel.plot(x, np.median(e), marks, color=COLOURS[model], markersize=3.8, markerfacecolor=inside,
+                           label=name_of(model) if j == 0 else None)  # fmt: skip
+        panel.axhline(0.0, color="black", linewidth=0.6)
+        panel.set_xticks(range(len(radii)), [f"R{r:g}" for r in radii])
+        panel.set_xlabel("hollow of the wheel on a rail corner R13 [mm]")
+        panel.set_ylabel(f"error of {'$p_0$' if quantity == 'p0' else 'the width'} [%]")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    return figure
+
+
+def creep_forces() -> Figure:
+    """Share of the cases with an error of force and moment below x."""
+    rows = read("creep_forces")
+    figure = new_figure(190, 95)
+    axes = figure.subplots(1, 2, sharey=True)
+    found = list(dict.fromkeys(r["model"] for r in rows))
+    # of the normal models the one that is nearest to the ellipse
+    best = [m for m in ("strips", "kik-piotrowski") if any(f.startswith(f"{m}, ") for f in found)][:1]
+    chosen = [m for m in found if m.startswith("CONTACT") or m.startswith(("half-space, ", *(f"{b}, " for b in best)))]
+    colours = iter(["#0072B2", "#56B4E9", "#D55E00", "#CC79A7", "#E69F00", "#F0E442", "#009E73", "#000000"])
+    for model in chosen:
+        if model == "CONTACT's contact_ellbound":
+            continue
+        own = [r for r in rows if r["model"] == model]
+        theirs = model.startswith("CONTACT")
+        grey = {"fastsim_ell": "#8c8c8c", "fastsim_par": "#b5b5b5", "fastrip": "#3d3d3d"}
+        colour = grey[model.split()[-1]] if theirs else next(colours)
+        for panel, quantity in zip(axes, ("force", "moment"), strict=True):
+            e = np.sort([float(r[quantity]) for r in own])
+            panel.plot(np.maximum(e, 1e-4), 100.0 * (np.arange(len(e)) + 1.0) / len(e), color=colour, linewidth=1.4,
+                       linestyle="--" if theirs else "-", label=model.removeprefix("kik-piotrowski, "))  # fmt: skip
+            panel.set_xscale("log")
+            panel.set_xlim(1e-4, 2.0)
+            panel.set_xticks([1e-4, 1e-3, 1e-2, 1e-1, 1.0], ["0.01 %", "0.1 %", "1 %", "10 %", "100 %"])
+            panel.set_xlabel(f"error of the {quantity} over "
+                             + (r"$\mu N$" if quantity == "force" else r"$\mu N \sqrt{ab}$"))  # fmt: skip
+            panel.grid(True, which="major")
+    axes[0].set_ylabel("cases below [%]")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
+    return figure
+
+
+def cost() -> Figure:
+    """Median and 95 % of the error of p0 against the time of one evaluation."""
+    rows, times = read("own_static"), [r for r in read("times") if r["table"] == "own_static"]
+    figure = new_figure(130, 95)
+    panel: Axes = figure.subplots()
+    places = {r["model"]: float(r["median_us"]) for r in times if r["model"] not in ALIKE} | THEIR_TIMES
+    for model, x in places.items():
+        if model not in COLOURS:
+            continue
+        middle, most = np.percentile(100.0 * np.abs(errors(rows, model, "p0")), [50.0, 95.0])
+        panel.plot([x, x], [middle, most], color=COLOURS[model], linewidth=2.0)
+        panel.plot([x], [middle], "s" if model in DASHED else "o", color=COLOURS[model])
+        panel.plot([x], [most], "_", color=COLOURS[model], markersize=9)
+        words = name_of(model).removesuffix(", projected")
+        panel.annotate(words, (x, middle), xytext=(6, -3), textcoords="offset points", fontsize=7)
+    panel.set_xscale("log")
+    panel.set_yscale("log")
+    panel.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+    panel.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
+    panel.set_xlabel("one evaluation [µs]")
+    panel.set_ylabel("error of $p_0$ [%]: median, 95 %")
+    low, high = panel.get_xlim()
+    panel.set_xlim(0.7 * low, 4.0 * high)
+    panel.grid(True, which="major")
+    return figure
+
+
+# --- tables -------------------------------------------------------------------------------------------
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A Markdown table."""
+    head = list(head)
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
+
+
+def static_tables() -> str:
+    """Median / 95 % of every quantity, a table for every reference table."""
+    parts = []
+    for file, words in TABLES.items():
+        rows = read(file)
+        body = []
+        for model in models(rows):
+            cells = []
+            for quantity in QUANTITIES:
+                e = np.abs(errors(rows, model, quantity))
+                cells.append("{:.4f} / {:.4f}".format(*np.percentile(e, [50.0, 95.0])) if len(e) else "")
+            body.append([name_of(model), str(len(errors(rows, model, "p0"))), *cells])
+        parts.append(table([f"{words}: {len(rows)} cases", "solved", "p0", "area", "approach", "N"], body))
+    return "\n\n".join(parts)
+
+
+def arc_table() -> str:
+    """Worst errors of p0 and width by the wheel's radius."""
+    rows = read("arcs")
+    radii = sorted({r["R_wheel_mm"] for r in rows}, key=float)
+    found = [m for m in NAMES if any(r["model"] == m for r in rows)]
+    parts = []
+    for quantity, words in (("p0", "p0"), ("width", "width"), ("angles", "variation of the contact angle")):
+        body = []
+        for model in found:
+            cells = []
+            for radius in radii:
+                e = [float(r[quantity]) for r in rows if r["model"] == model and r["R_wheel_mm"] == radius]
+                worst = max(e, key=abs) if e else np.nan
+                cells.append(f"{100.0 * worst:+.1f} %" if np.isfinite(worst) else "")
+            body.append([name_of(model), *cells])
+        parts.append(table([words, *(f"R13/R{float(r):g}" for r in radii)], body))
+    return "\n\n".join(parts)
+
+
+def other_tables() -> str:
+    """Regions, angles, grooves, times."""
+    regions = table(
+        ["several regions", "cases", "same number found", "N within 5 %", "N: median / 95 %"],
+        [
+            [f"{name_of(r['model'])}, {TABLES[r['table']]}", r["cases"], r["same_number"],
+             f"{r['within_5_percent']} of {r['regions']}", f"{r['median']} / {r['most']}"]
+            for r in read("regions")
+        ],
+    )  # fmt: skip
+    angles = table(
+        ["range of the contact angle over the patch", "within 5 % or 0.5 deg", "median / 95 % / worst [deg]"],
+        [
+            [name_of(r["model"]), f"{r['within']} of {r['cases']}",
+             f"{r['median_deg']} / {r['most_deg']} / {r['worst_deg']}"]
+            for r in read("angles")
+        ],
+    )  # fmt: skip
+    grooves = table(
+        ["deep grooves, ratio to the published figures", "", "approach", "p0", "width", "length"],
+        [[r["case"], name_of(r["model"]), r["approach"], r["p0"], r["width"], r["length"]] for r in read("grooves")],
+    )
+    return "\n\n".join([regions, angles, grooves])
+
+
+def creep_table() -> str:
+    """Errors of the creep forces."""
+    rows = read("creep_forces")
+    body = []
+    for model in dict.fromkeys(r["model"] for r in rows):
+        own = [r for r in rows if r["model"] == model]
+        cells = []
+        for quantity in ("force", "moment"):
+            e = np.array([float(r[quantity]) for r in own])
+            cells.append("{:.4f} / {:.4f} / {:.4f}".format(*np.percentile(e, [50.0, 95.0]), e.max()))
+        body.append([model, *cells])
+    return table(["creep forces on ellipses, 177 cases: median / 95 % / worst", "force", "moment"], body)
+
+
+def time_table() -> str:
+    """Time of one evaluation at a pose."""
+    rows = [r for r in read("times") if r["table"] == "own_static"]
+    body = [[name_of(r["model"]), r["what"], f"{float(r['median_us']):g}", f"{float(r['most_us']):g}"] for r in rows]
+    return table(["one evaluation", "what", "median [us]", "95 % [us]"], body)
+
+
+FIGURES: dict[str, Callable[[], Figure]] = {
+    "standing_cumulative": cumulative,
+    "standing_pairs": by_pair,
+    "standing_arcs": arcs,
+    "standing_creep": creep_forces,
+    "standing_cost": cost,
+}
+PARTS: dict[str, Callable[[], str]] = {
+    "static": static_tables,
+    "arcs": arc_table,
+    "others": other_tables,
+    "creep": creep_table,
+    "times": time_table,
+}
+
+
+def main() -> None:
+    """Draw all figures and renew the tables of the page."""
+    with style():
+        for name, draw in FIGURES.items():
+            print(save(draw(), HERE / f"{name}.png"))
+    text = PAGE.read_text(encoding="utf-8")
+    for name, make in PARTS.items():
+        start, end = f"<!-- {name}: made by make_standing.py -->", f"<!-- end of {name} -->"
+        before, rest = text.split(start)
+        text = f"{before}{start}\n{make()}\n{end}{rest.split(end)[1]}"
+    PAGE.write_text(text, encoding="utf-8")
+    print(PAGE)
+
+
+if __name__ == "__main__":
+    main()
