@@ -110,6 +110,17 @@ def test_the_sharp_curve_is_conformal_contact_on_the_flange_root():
     assert outer["T_gamma"].item() == pytest.approx(242.0, rel=0.05)
 
 
+def test_grease_on_the_gauge_corner_saves_wear_and_costs_steering():
+    dry, greased = in_the_curve("curve_r150_sharp"), in_the_curve("curve_r150_lubricated")
+    # the outer wheel slides on grease; with it goes its share of the longitudinal forces that steer the wheelset
+    assert of_wheels(greased, "T_gamma")[1] == pytest.approx(94.5, rel=0.05)
+    assert of_wheels(greased, "T_gamma")[1] < 0.5 * of_wheels(dry, "T_gamma")[1]
+    assert of_wheels(greased, "X", 1e-3) == pytest.approx([0.90, -0.70], abs=0.1)
+    assert of_wheels(greased, "X")[0] < 0.4 * of_wheels(dry, "X")[0]
+    # the inner rail's top is dry (0.4 and not 0.35): it pushes the wheelset outward a little harder
+    assert of_wheels(greased, "Y", 1e-3) == pytest.approx([19.8, 22.2], rel=0.03)
+
+
 def test_both_curves_of_the_s_show_the_same_on_opposite_wheels():
     first, second = in_the_curve("s_curve", 0), in_the_curve("s_curve", 1)
     assert 1e3 * first["lateral_shift"].item() == pytest.approx(-5.13, rel=NUMBERS)
