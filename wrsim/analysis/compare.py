@@ -20,6 +20,7 @@ from wrsim.analysis import run
 from wrsim.analysis.contacts import contact_models
 from wrsim.contact.channels import POSE_CHANNELS
 from wrsim.errors import InputError, SimulationError, suggest
+from wrsim.results.wheelsets import is_vehicle, of_wheelset, wheelsets
 from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import with_contact_model
 
@@ -118,8 +119,18 @@ def compare(
     return Comparison(tuple(models), reference, _values(models, main))
 
 
+def wheel_names(dataset: xr.Dataset) -> list[str]:
+    """Of all wheels that are compared: "left", or "front.outer left" in a whole vehicle."""
+    sides = [str(side) for side in dataset["wheel"].values]
+    return [f"{name} {side}" for name in wheelsets(dataset) for side in sides] or sides
+
+
 def of_wheels(dataset: xr.Dataset) -> dict[str, Array]:
-    """The quantities of ``DIFFERENCES`` (sample, wheel) in SI units; not-a-number without contact."""
+    """The quantities of ``DIFFERENCES`` (sample, wheel) in SI units, wheels as in ``wheel_names``; not-a-number
+    without contact."""
+    if is_vehicle(dataset):
+        each = [of_wheels(of_wheelset(dataset, name)) for name in wheelsets(dataset)]
+        return {quantity: np.concatenate([own[quantity] for own in each], axis=1) for quantity in DIFFERENCES}
     touching = np.isfinite(dataset["N"].values).any(axis=-1)
 
     def over(name: str, fold: Callable[..., Array], empty: float) -> Array:
@@ -151,7 +162,12 @@ def summary(comparison: Comparison, name: str) -> dict[str, dict[str, float]]:
 
 
 def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
-    """Time of one contact of one wheel [s]: median over some of the moments that the result keeps; nan without any."""
+    """Time of one contact of one wheel [s]: median over some of the moments that the result keeps; nan without any.
+
+    Of a whole vehicle the first wheelset is looked at.
+    """
+    if is_vehicle(dataset):
+        dataset = of_wheelset(dataset, wheelsets(dataset)[0])
     standing = setup.static is not None and not setup.static.rolling
     models = dict(zip(("left", "right"), contact_models(setup, frictionless=standing), strict=True))
     poses = np.concatenate([dataset[name].values for name in POSE_CHANNELS], axis=-1) if _posed(dataset) else None
@@ -190,7 +206,7 @@ def _values(models: Sequence[Compared], main: Compared) -> xr.Dataset:
         np.divide(values - own[quantity], scale, out=difference, where=np.abs(scale) > 0.0)
         variables[quantity] = (("model", sample, "wheel"), values)
         variables[f"{quantity}_difference"] = (("model", sample, "wheel"), difference)
-    labels = {"model": list(tables), sample: base[sample].values, "wheel": base["wheel"].values}
+    labels = {"model": list(tables), sample: base[sample].values, "wheel": wheel_names(base)}
     kept = [
         n for n in ("distance", "lateral_shift", "yaw", "load") if n in base.variables and base[n].dims == (sample,)
     ]

@@ -7,6 +7,7 @@ need different approaches for one force. With ``keep = "pose"`` the height stays
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -26,12 +27,14 @@ from wrsim.contact.half_space_rows import element_fields, solve_into
 from wrsim.core import layout as k
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result, assemble
+from wrsim.results.wheelsets import wheelsets
 from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import with_contact_model
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from wrsim.scenario.build import Setup
     from wrsim.scenario.loading import Scenario
 
 Array = NDArray[np.float64]
@@ -50,20 +53,24 @@ def resolve(
     *,
     keep: Keep = "load",
     moments: Sequence[int] | None = None,
+    wheelset: str | None = None,
     progress: Callable[[float, float], None] | None = None,
 ) -> Result:
     """Solve the contacts that a result keeps (poses, snapshots) with the contact model of that name.
 
     scenario: of the result, for profiles and friction (`scenario.loading.load_text` of its ``scenario_text``); name:
-    see `scenario.contact_choice`; moments: indices of those wanted, default all. Channels of track and wheelset are
-    those of the result; those of wheels, patches and strips are new.
-    Raises InputError for a result that keeps no poses of its wheels.
+    see `scenario.contact_choice`; moments: indices of those wanted, default all; wheelset: of a whole vehicle, the one
+    wanted. Channels of track and wheelset are those of the result; those of wheels, patches and strips are new.
+    Raises InputError for a result that keeps no poses of its wheels, and when a vehicle's wheelset has to be named.
     """
+    own = with_contact_model(scenario, name)
+    # a vehicle cannot run with the exact solver, but its wheels can be looked at
+    setup = replace(build(scenario), contact=own.spec.contact.settings())
+    if wheelset is not None or wheelsets(result.dataset):
+        setup, result = _one_wheelset(setup, result, wheelset)
     dataset = result.dataset
     if not all(channel in dataset for channel in POSE_CHANNELS):
         raise InputError("the result keeps no moments whose contacts could be solved again; run its scenario anew")
-    own = with_contact_model(scenario, name)
-    setup = build(own)
     frictionless = setup.static is not None and not setup.static.rolling
     both = wheels_on_rails(setup, contact_models(setup, frictionless))
     wheels = [next(w for w in both if w.name == str(label)) for label in dataset["wheel"].values]
@@ -91,6 +98,17 @@ def resolve(
     widening = dataset["gauge"].values[samples] - setup.track.nominal_gauge if "gauge" in dataset else 0.0
     new = {**wheel_channels(raw), **patch_channels(raw, wheels, widening), **strips.channels()}
     return Result(assemble(*_kept(dataset, samples, chosen, new), _attributes(dataset, own.text, name, keep)))
+
+
+def _one_wheelset(setup: Setup, result: Result, name: str | None) -> tuple[Setup, Result]:
+    """Set-up and result of one wheelset of a whole vehicle."""
+    names = wheelsets(result.dataset)
+    if name is None:
+        raise InputError(f"the result is of a whole vehicle: choose one of its wheelsets, {', '.join(names)}")
+    one = result.of_wheelset(name)
+    assert setup.vehicle is not None
+    mounted = next(m for m in setup.vehicle.wheelsets if m.name == name)
+    return replace(setup, wheelset=mounted.wheelset), one
 
 
 def _settle(wheel: WheelOnRail, load: float) -> list[ElementField]:

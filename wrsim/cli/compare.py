@@ -142,12 +142,16 @@ def _write(found: Comparison, report: dict[str, Any], directory: Path, pictures:
         from wrsim.plots import save
         from wrsim.plots.compare import patches_figure, values_figure
         from wrsim.plots.moments import has_patches
+        from wrsim.results.wheelsets import of_wheelset, wheelsets
 
         main = found.main
         results = {m.name: m.result.dataset for m in (main, *(m for m in found.models if m is not main))}
         files.append(save(values_figure(found.values, found.reference, title), directory / "compare_values.png"))
-        if all(has_patches(d) for d in results.values()):
-            files.append(save(patches_figure(results, title), directory / "compare_patches.png"))
+        for name in wheelsets(main.result.dataset) or ("",):
+            one = {n: of_wheelset(d, name) if name else d for n, d in results.items()}
+            if all(has_patches(d) for d in one.values()):
+                picture = f"compare_patches_{name}.png" if name else "compare_patches.png"
+                files.append(save(patches_figure(one, f"{title}: {name}" if name else title), directory / picture))
     return files
 
 

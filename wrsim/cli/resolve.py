@@ -26,6 +26,9 @@ def resolve(
         list[str] | None,
         typer.Option("--at", metavar="PLACE", help="At this distance in m, or this pose, only; may be given again."),
     ] = None,
+    wheelset: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Of a whole vehicle: the wheelset that is looked at.")
+    ] = None,
     same: Annotated[
         str, typer.Option(metavar="load|pose", help="What every wheel keeps: its vertical force or its height.")
     ] = "load",
@@ -53,14 +56,14 @@ def resolve(
         scenario = load_text(before.dataset.attrs["scenario_text"], folder, model_files or ())
         moments = moments_at(before, at) if at else None
         with progress_bar(not (quiet or as_json)) as progress:
-            after = solve(before, scenario, model, keep=same, moments=moments, progress=progress)  # type: ignore[arg-type]
+            after = solve(before, scenario, model, keep=same, moments=moments, wheelset=wheelset, progress=progress)  # type: ignore[call-arg, arg-type]
         directory = output or folder / "".join(c if c.isalnum() or c in "-+._" else "_" for c in model)
         write_atomically(directory / "scenario.toml", after.dataset.attrs["scenario_text"].encode())
         files = write(after, directory, pictures)
         if as_json:
             print_json({"directory": str(directory), "files": [str(f) for f in files], "summary": after.summary()})
         elif not quiet:
-            _print(before, after)
+            _print(before if wheelset is None else before.of_wheelset(wheelset), after)
             print(f"{len(files)} files in {directory}")
 
 

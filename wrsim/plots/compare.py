@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -29,6 +30,8 @@ STATIC = ("p0", "area", "approach", "contact_angle", "Y", "X")
 MOST_MOMENTS = 6
 NEAR = 1.0
 """Distance within which snapshots of two runs are the same place [m]."""
+LEAST_DIFFERENCE = 0.2
+"""Least span of an axis of differences [%, degrees]."""
 LEFT, GAP, TITLES, BENEATH, FOOT = 24.0, 5.0, 8.0, 11.0, 17.0
 
 
@@ -124,6 +127,8 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
             row[0].set_ylabel(f"${channel.symbol}$ [{channel.shown.symbol}]")
             row[1].set_ylabel(f"$\\Delta$ {unit}")
             row[1].axhline(0.0, color=INK, lw=0.6)
+            _widen(row[0], 0.02 * max(abs(y) for y in row[0].get_ylim()))
+            _widen(row[1], LEAST_DIFFERENCE)
         panels[0, 1].set_title(f'difference from "{reference}"', fontsize=7.0)
         for axes in panels[-1]:
             axes.set_xlabel(CHANNELS[across].label)
@@ -131,11 +136,18 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
         if len(lines) > 1:
             for n, (g, w) in enumerate(lines):
                 words = [groups[g][0]] if groups[g][0] else []
-                words += [f"{wheels[w]} wheel"] if len(wheels) > 1 else []
+                words += [f"{wheels[w]} wheel".strip()] if len(wheels) > 1 else []
                 line = GROUP_LINE[n % len(GROUP_LINE)]
                 legend.append(Line2D([], [], color=QUIET, linestyle=line, label=", ".join(words)))
         figure.legend(handles=legend, loc="outside lower center", ncols=min(len(legend), 4))
     return figure
+
+
+def _widen(axes: Axes, span: float) -> None:
+    """Let an axis show at least this span: differences too small to matter look small."""
+    low, high = axes.get_ylim()
+    if high - low < span:
+        axes.set_ylim(0.5 * (low + high - span), 0.5 * (low + high + span))
 
 
 def _difference_unit(quantity: str) -> tuple[float, str]:
