@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+from support.vehicles import ROOT, manchester
 
-from tests.support.vehicles import ROOT, manchester
 from wrsim.analysis import run
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result

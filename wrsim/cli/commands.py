@@ -1,4 +1,4 @@
-"""The commands: check, run, show, plot, profile; assess, compare, resolve and conicity are in files
+"""The commands: check, run, show, plot, profile; assess, compare, resolve, conicity and vehicle are in files
 of their own.
 
 They import what they need when they run, so that ``wrsim --help`` answers at once.
@@ -31,6 +31,7 @@ from wrsim.cli.showing import (
     tell_slow,
 )
 from wrsim.cli.storing import PART, can_go_on, claim, is_complete, patch_pictures, read, write
+from wrsim.cli.vehicle import vehicle
 from wrsim.errors import InputError
 
 app = typer.Typer(
@@ -248,3 +249,4 @@ app.command()(assess)
 app.command()(compare)
 app.command()(resolve)
 app.command()(conicity)
+app.command()(vehicle)

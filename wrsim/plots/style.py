@@ -127,10 +127,12 @@ def headline(figure: Figure, title: str, note: str = "") -> None:
 
 
 def save(figure: Figure, path: str | Path) -> Path:
-    """Write the figure as PNG, whole or not at all; the same figure gives the same bytes."""
+    """Write the figure as PNG, or SVG by its name, whole or not at all; the same figure gives the same bytes."""
     stream = io.BytesIO()
-    with style():
-        figure.savefig(stream, format="png", metadata={"Software": None})
+    vector = Path(path).suffix.lower() == ".svg"
+    with style(), mpl.rc_context({"svg.hashsalt": "wrsim", "svg.fonttype": "path"}):
+        metadata = {"Date": None} if vector else {"Software": None}
+        figure.savefig(stream, format="svg" if vector else "png", metadata=metadata)
     return write_atomically(path, stream.getvalue())
 
 

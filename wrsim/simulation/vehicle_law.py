@@ -54,7 +54,10 @@ class VehicleOnTrack:
         drive: Drive = "train",
         gravity: float = STANDARD_GRAVITY,
     ) -> None:
-        """contacts: of every wheelset; speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0."""
+        """contacts: of every wheelset, or none at all: no rails carry the vehicle then.
+
+        speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0.
+        """
         self.vehicle, self.track, self.speed, self.start, self.drive = vehicle, track, speed, start, drive
         self.bodies: tuple[Solid, ...] = (
             *(RigidBody.of(mounted.wheelset) for mounted in vehicle.wheelsets),
@@ -65,7 +68,7 @@ class VehicleOnTrack:
         self.size = 6 * len(self.bodies) + self.dampers
         own = self._arrays(table.elements, table.tables, speed, start, drive, gravity)
         whole = list(own)
-        for mounted, models in zip(vehicle.wheelsets, contacts, strict=True):
+        for mounted, models in zip(vehicle.wheelsets, contacts, strict=bool(contacts)):
             whole += wheelset_arrays(mounted.wheelset, track, models, speed=speed, start=start)
         self.arena = pack(whole)
         views = self.arena.views
@@ -79,7 +82,7 @@ class VehicleOnTrack:
         ]
         self.wheels: tuple[tuple[WheelOnRail, ...], ...] = tuple(
             wheels_on_track(view, mounted.wheelset, track, models)
-            for view, mounted, models in zip(self._views, vehicle.wheelsets, contacts, strict=True)
+            for view, mounted, models in zip(self._views, vehicle.wheelsets, contacts, strict=bool(contacts))
         )
         self.look_near(start)
 
@@ -112,7 +115,7 @@ class VehicleOnTrack:
         else:
             distances = [float(s) for s in np.asarray(origin)]
             origin = distances[0] - vehicle.wheelsets[0].x
-        for view, distance in zip(self._views, distances, strict=True):
+        for view, distance in zip(self._views, distances, strict=bool(self._views)):
             s = view[wheelset_kernel.SCALARS]
             s[wheelset_kernel.S_CENTRE] = distance
             for k, side in zip((wheelset_kernel.S_LEFT, wheelset_kernel.S_RIGHT), SIDES, strict=True):

@@ -133,3 +133,14 @@ class Vehicle:
     def with_wheelsets(self, change: Callable[[Wheelset], Wheelset]) -> Vehicle:
         """The vehicle with every wheelset changed."""
         return replace(self, wheelsets=tuple(replace(m, wheelset=change(m.wheelset)) for m in self.wheelsets))
+
+
+def as_vehicle(wheelset: Wheelset) -> Vehicle:
+    """A lone wheelset as a vehicle on its own: without its suspension and what it carries."""
+    return Vehicle(
+        wheelset.name,
+        (MountedWheelset("wheelset", wheelset, 0.0, wheelset.mean_radius),),
+        (),
+        (),
+        source=wheelset.source,
+    )

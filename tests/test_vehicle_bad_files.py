@@ -1,0 +1,175 @@
+"""Files of whole vehicles that cannot be used: one clear message each, with file, line, key and what was meant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from support.vehicles import ROOT
+from typer.testing import CliRunner
+
+from wrsim.cli import app
+from wrsim.errors import InputError
+from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load
+from wrsim.vehicle.vehicle_files import load_whole_vehicle
+
+GOOD = """\
+name = "a car"
+source = "made up"
+date = 2026-01-31
+[wheelset]
+mass_kg = 1000
+roll_inertia_kg_m2 = 600
+spin_inertia_kg_m2 = 100
+yaw_inertia_kg_m2 = 600
+flange_back_mm = 1360
+radius_mm = 450
+wheel = "wheels/S1002.toml"
+[wheelsets]
+front.x_mm = 2000
+rear.x_mm = -2000
+[bodies.body]
+mass_kg = 8000
+inertia_kg_m2 = [4000, 9000, 9500]
+centre_mm = [0, 0, 1200]
+[[elements]]
+kind = "spring"
+name = "primary"
+body = "body"
+to = ["front", "rear"]
+origin = "to"
+at_mm = [0, 900, 0]
+both_sides = true
+stiffness_kN_per_m = [5000, 3000, 800]
+[[elements]]
+kind = "damper"
+name = "damper"
+body = "body"
+to = ["front", "rear"]
+origin = "to"
+at_mm = [0, 900, 0]
+both_sides = true
+direction = "z"
+damping_kNs_per_m = 8
+"""
+
+
+def fault(folder: Path, *changes: tuple[str, str]) -> str:
+    """The message about the good file with the changes; no message if it loads."""
+    text = GOOD
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, 1)
+    file = folder / "car.toml"
+    file.write_text(text)
+    try:
+        load_whole_vehicle(file, Finder((shipped_models(),)))
+    except InputError as error:
+        return str(error).replace(f"{folder}/", "")
+    return ""
+
+
+def test_the_good_file_loads(tmp_path: Path) -> None:
+    assert fault(tmp_path) == ""
+
+
+LOOSE = "[bodies.box]\nmass_kg = 1\ninertia_kg_m2 = [1, 1, 1]\ncentre_mm = [0, 0, 0]\n"
+
+BAD = {
+    "missing mass": (
+        (("mass_kg = 8000\n", ""),),
+        "car.toml:15: bodies.body.mass_kg is missing: must be a number above 0",
+    ),
+    "negative mass": ((("8000", "-8000"),), "car.toml:16: bodies.body.mass_kg = -8000: must be a number above 0"),
+    "impossible inertia": (
+        (("4000, 9000", "400, 900"),),
+        "inertia_kg_m2 = [400, 900, 9500]: the one about z is larger",
+    ),
+    "misspelt key": ((("stiffness_kN", "stifness_kN"),), "did you mean 'stiffness_kN_per_m'?"),
+    "misspelt kind": ((('"damper"\nname', '"dampr"\nname'),), 'did you mean "damper"?'),
+    "another unit": ((("x_mm = 2000", "x_m = 2"),), "did you mean 'x_mm' (in mm)?"),
+    "misspelt body": (
+        (('body = "body"', 'body = "bdy"'),),
+        'elements[0].body = "bdy": is no body; there is body, front',
+    ),
+    "suggestion of a body": ((('body = "body"', 'body = "boddy"'),), "(did you mean 'body'?)"),
+    "attached to itself": ((('to = ["front", "rear"]', 'to = "body"'),), "is the body that the element comes from"),
+    "beside the axle": ((("at_mm = [0, 900, 0]", "at_mm = [300, 900, 0]"),), "beside its axle, which lies at x = 2000"),
+    "wheelset first": (
+        (('body = "body"\nto = ["front", "rear"]', 'body = "front"\nto = "body"'),),
+        "is a wheelset: the axes of an element cannot turn with it; exchange body and to",
+    ),
+    "loose body": (
+        (
+            (
+                "[bodies.body]",
+                LOOSE + "[bodies.body]",
+            ),
+        ),
+        "body box hang on nothing: no element joins them to a wheelset",
+    ),
+    "no preload": (
+        (("3000, 800]", "3000, 0]"),),
+        "the preload cannot be found: nothing holds body 'body' vertically",
+    ),
+    "names twice": ((('name = "damper"', 'name = "primary"'),), "these stand for more than one: primary front left"),
+    "no wheelset": (
+        (("[wheelsets]\nfront.x_mm = 2000\nrear.x_mm = -2000\n", ""), ('to = ["front", "rear"]', 'to = "track"')),
+        "is no body",
+    ),
+    "unknown part": (
+        (("[bodies.body]", '[[places]]\npart = "bogie"\nname = "a"\nat_mm = [0, 0, 0]\n[bodies.body]'),),
+        'places[0].part = "bogie": is no part; there is none',
+    ),
+    "unknown type": (
+        (("front.x_mm = 2000", 'front = {x_mm = 2000, type = "motor"}'),),
+        "is no type of wheelset",
+    ),
+    "falling table": (
+        (("damping_kNs_per_m = 8", "velocity_m_per_s_force_kN = [[0, 0], [1, 5], [0.5, 6]]"),),
+        "row [2] must not lie below the row before it",
+    ),
+    "missing wheel": ((("wheels/S1002", "wheels/S1003"),), 'did you mean "wheels/S1002.toml"?'),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_a_bad_file_is_refused_with_a_clear_message(name: str, tmp_path: Path) -> None:
+    changes, words = BAD[name]
+    message = fault(tmp_path, *changes)
+    assert words in message
+    assert message.startswith("car.toml")
+
+
+def test_wheels_that_do_not_fit_the_gauge_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "car.toml").write_text(GOOD.replace("1360", "1260"))
+    scenario = load(ROOT / "scenarios/manchester_r300.toml").with_values({"vehicle.model": str(tmp_path / "car.toml")})
+    with pytest.raises(InputError, match="the wheelset is placed off the rails: at a gauge of 1435 mm"):
+        build(scenario)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"vehicle.sprung_mass_kg": 1000.0}, "is for a lone wheelset"),
+        ({"vehicle.drive": "wheel"}, 'did you mean "wheels"?'),
+        ({"run.distance_m": 285.0}, "the first wheelset is 10.78 m ahead of the vehicle's origin"),
+        ({"vehicle.model": "vehicles/wheelset_s1002.toml"}, "is for whole vehicles"),
+    ],
+)
+def test_a_scenario_that_does_not_suit_its_vehicle_is_refused(values: dict[str, object], words: str) -> None:
+    with pytest.raises(InputError, match=words.replace("?", r"\?").replace(".", r"\.")):
+        build(load(ROOT / "scenarios/manchester_r300.toml").with_values(values))
+
+
+def test_the_command_prints_loads_and_modes_and_draws(tmp_path: Path) -> None:
+    runner = CliRunner()
+    done = runner.invoke(app, ["vehicle", "vehicles/manchester_1.toml", "-p", str(tmp_path / "m.svg")])
+    assert done.exit_code == 0
+    assert "mass 44482 kg, centre at x 0, y 0, z 1440.45 mm" in done.output
+    assert "carbody vertical" in done.output
+    assert (tmp_path / "m.svg").read_text().startswith("<?xml")
+    again = runner.invoke(app, ["vehicle", "vehicles/manchester_1.toml", "-p", str(tmp_path / "m.jpg")])
+    assert again.exit_code == 2

@@ -1,0 +1,136 @@
+"""``wrsim vehicle``: mass, wheel loads and modes of a vehicle, and what it looks like."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wrsim.cli.ending import told
+from wrsim.cli.showing import print_json
+from wrsim.errors import InputError
+
+if TYPE_CHECKING:
+    from wrsim.plots.vehicle import VehicleSketch
+    from wrsim.vehicle.vehicle import Body, Vehicle
+    from wrsim.vehicle.wheelset import Wheelset
+
+
+def vehicle(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="Vehicle file, such as vehicles/manchester_1.toml.")],
+    picture: Annotated[
+        Path | None, typer.Option("--picture", "-p", metavar="PNG|SVG", help="Draw it there, from three sides.")
+    ] = None,
+    models: Annotated[
+        list[Path] | None, typer.Option("--models", metavar="DIR", help="Folder with model files of your own.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+) -> None:
+    """Print mass, centre, static wheel loads and natural modes of a vehicle; draw it."""
+    with told(as_json):
+        from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+        from wrsim.vehicle.vehicle import Vehicle, as_vehicle
+        from wrsim.vehicle.vehicle_files import load_any
+
+        if picture is not None and picture.suffix.lower() not in (".png", ".svg"):
+            raise InputError(f"--picture {picture}: must end in .png or .svg")
+        finder = Finder((Path(), *user_folders(tuple(models or ())), shipped_models()))
+        try:
+            path = finder.find(file)
+        except InputError as error:
+            raise InputError(f"{file}: {error}") from None
+        loaded = load_any(path, finder)
+        whole = loaded if isinstance(loaded, Vehicle) else as_vehicle(loaded)
+        found = facts_of(whole, loaded)
+        if picture is not None:
+            from wrsim.plots.vehicle import vehicle_picture
+
+            found["picture"] = str(vehicle_picture(sketch_of(whole), picture))
+        if as_json:
+            print_json(found)
+        else:
+            _print(found)
+
+
+def facts_of(vehicle: Vehicle, loaded: Vehicle | Wheelset) -> dict[str, Any]:
+    """What the command prints. Of a lone wheelset the sprung mass counts for its wheel loads."""
+    from wrsim.simulation.vehicle_modes import vehicle_modes
+    from wrsim.vehicle.wheel_loads import static_wheel_loads
+    from wrsim.vehicle.wheelset import Wheelset
+
+    loads = static_wheel_loads(vehicle)
+    if isinstance(loaded, Wheelset):
+        loads = loads + 0.5 * (loaded.static_axle_load - loads.sum())
+    return {
+        "name": vehicle.name,
+        "source": vehicle.source,
+        "mass_kg": vehicle.mass,
+        "centre_mm": [1e3 * float(c) for c in vehicle.centre],
+        "bodies": [b.name for b in vehicle.bodies],
+        "elements": len(vehicle.elements),
+        "wheel_loads_kN": {
+            m.name: {"left": float(q[0]) / 1e3, "right": float(q[1]) / 1e3}
+            for m, q in zip(vehicle.wheelsets, loads, strict=True)
+        },
+        "weight_kN": float(loads.sum()) / 1e3,
+        "modes": [
+            {"frequency_Hz": mode.frequency, "damping": mode.damping, "motion": mode.name}
+            for mode in vehicle_modes(vehicle)
+        ],
+    }
+
+
+def _print(found: dict[str, Any]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    console.print(f"[bold]{found['name']}[/bold]")
+    console.print(found["source"], style="dim")
+    x, y, z = (round(c, 3) + 0.0 for c in found["centre_mm"])
+    console.print(f"mass {found['mass_kg']:.6g} kg, centre at x {x:g}, y {y:g}, z {z:g} mm")
+    wheels = Table(box=None, pad_edge=False, title="static wheel loads", title_justify="left")
+    for column in ("wheelset", "left kN", "right kN"):
+        wheels.add_column(column, justify="left" if column == "wheelset" else "right")
+    for name, load in found["wheel_loads_kN"].items():
+        wheels.add_row(name, f"{load['left']:.3f}", f"{load['right']:.3f}")
+    wheels.add_row("together", f"{found['weight_kN']:.3f}", "")
+    console.print(wheels)
+    if found["modes"]:
+        modes = Table(box=None, pad_edge=False, title="modes on its springs, wheelsets held", title_justify="left")
+        for column in ("Hz", "damping", "motion"):
+            modes.add_column(column, justify="left" if column == "motion" else "right")
+        for mode in found["modes"]:
+            modes.add_row(f"{mode['frequency_Hz']:.3f}", f"{mode['damping']:z.3f}", mode["motion"])
+        console.print(modes)
+    if "picture" in found:
+        print(found["picture"])
+
+
+def sketch_of(vehicle: Vehicle) -> VehicleSketch:
+    """The vehicle as a drawing takes it; bodies become the boxes of equal mass and inertia."""
+    from wrsim.plots.vehicle import ElementSketch, VehicleSketch, WheelSketch
+    from wrsim.vehicle.elements import Spring
+
+    wheels = [
+        WheelSketch((mounted.x, side * 0.5 * mounted.wheelset.profile_spacing, mounted.height), wheel.radius)
+        for mounted in vehicle.wheelsets
+        for side, wheel in ((1.0, mounted.wheelset.left), (-1.0, mounted.wheelset.right))
+    ]
+    elements = [
+        ElementSketch(e.kind, (e.at, e.at) if isinstance(e, Spring) else e.ends)
+        for e in vehicle.elements
+        if e.kind != "anti-roll-bar"
+    ]
+    points = [point.at for point in vehicle.points]
+    return VehicleSketch(vehicle.name, [_box(b) for b in vehicle.bodies], wheels, elements, points)
+
+
+def _box(body: Body) -> Any:
+    """The box whose inertia the body has; never thinner than 0.1 m."""
+    from wrsim.plots.vehicle import BoxSketch
+
+    total = sum(body.inertia)
+    x, y, z = (max(6.0 * (total - 2.0 * i) / body.mass, 0.01) ** 0.5 for i in body.inertia)
+    return BoxSketch(body.name, body.centre, (x, y, z))

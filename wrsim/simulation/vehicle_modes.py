@@ -1,0 +1,89 @@
+"""Natural modes of a vehicle's bodies on their springs, the wheelsets held where they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.geometry.segments import Straight
+from wrsim.geometry.track import Track
+from wrsim.simulation.linear import linearise
+from wrsim.simulation.vehicle_law import VehicleOnTrack
+from wrsim.simulation.vehicle_state import design_state
+
+if TYPE_CHECKING:
+    from wrsim.vehicle.vehicle import Vehicle
+
+DIRECTIONS = ("vertical", "longitudinal", "lateral", "yaw", "roll", "pitch")
+"""In the order of the coordinates."""
+
+SHARE = 0.3
+"""Part of the largest share of the kinetic energy above which another direction is named as well."""
+
+SLOWEST = 1e-3
+"""Frequency below which nothing oscillates [Hz]."""
+
+
+@dataclass(frozen=True)
+class Mode:
+    """frequency: undamped natural one [Hz]; damping: ratio to critical [1]; shape: complex amplitudes of the bodies'
+    coordinates (bodies, 6) in the order of ``DIRECTIONS``; name: who moves how.
+    """
+
+    frequency: float
+    damping: float
+    shape: NDArray[np.complex128]
+    name: str
+
+
+def vehicle_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
+    """Oscillating modes in the design position, slowest first; the wheelsets are held, as by rails without compliance.
+
+    Dampers and their springs in series take part.
+    """
+    if not vehicle.bodies:
+        return ()
+    law = VehicleOnTrack(vehicle, Track.build([Straight(200.0)], 1.5), (), speed=0.0, start=100.0, drive="free")
+    q, q_t = design_state(law, 100.0)
+    linear = linearise(law, law.bodies, q, law.yielded(q, q_t))
+    n, w = 6 * len(law.bodies), 6 * len(vehicle.wheelsets)
+    matrix = linear.state_matrix
+    kept = np.r_[w:n, n + w : len(matrix)]
+    values, vectors = np.linalg.eig(matrix[np.ix_(kept, kept)])
+    free = n - w
+    modes = []
+    for value, vector in zip(values, vectors.T, strict=True):
+        if value.imag <= 2.0 * np.pi * SLOWEST:
+            continue
+        shape = vector[:free].reshape(-1, 6)
+        modes.append(Mode(abs(value) / (2.0 * np.pi), -value.real / abs(value), shape, mode_name(vehicle, shape)))
+    return tuple(sorted(modes, key=lambda mode: mode.frequency))
+
+
+def mode_name(vehicle: Vehicle, shape: NDArray[np.complex128]) -> str:
+    """Words for a mode: the bodies with the most kinetic energy, their directions, and how they move together.
+
+    Bodies of one name in different parts (``front.frame``, ``rear.frame``) count together.
+    """
+    inertia = np.array([(b.mass, b.mass, b.mass, b.inertia[2], b.inertia[0], b.inertia[1]) for b in vehicle.bodies])
+    energy = inertia * np.abs(shape) ** 2
+    groups: dict[str, list[int]] = {}
+    for i, body in enumerate(vehicle.bodies):
+        groups.setdefault(body.name.rpartition(".")[2], []).append(i)
+    name, members = max(groups.items(), key=lambda group: float(energy[group[1]].sum()))
+    shares = energy[members].sum(axis=0)
+    order = np.argsort(-shares)
+    named = [int(k) for k in order if shares[k] >= SHARE * shares[order[0]]]
+    return f"{name} {' and '.join(DIRECTIONS[k] for k in named)}{_phase(shape[members, named[0]])}"
+
+
+def _phase(amplitudes: Sequence[complex] | NDArray[np.complex128]) -> str:
+    """How bodies of one name move: together or against each other."""
+    a = np.asarray(amplitudes)
+    if len(a) != 2 or min(abs(a)) < 0.2 * max(abs(a)):
+        return ""
+    return ", together" if (a[0] * np.conj(a[1])).real > 0.0 else ", against each other"
