@@ -10,16 +10,24 @@ from numba import njit
 from numba.core.runtime import _nrt_python, rtsys
 from support.contact_bench import bench, contact_of, pair_model, settle
 
+from wrsim.contact.settings import Friction
 from wrsim.core.wheel_rail import wheel_rail
 
-POSES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012))
+POSES = (
+    ("fastsim", 2e-3, 0.0),
+    ("fastrip", 5.5e-3, 0.0),
+    ("shen-hedrick-elkins", 7.5e-3, 0.012),
+    ("polach", 7.5e-3, 0.012),
+)
+FRICTION = Friction(0.4, gauge_corner=0.1, falling_ratio=0.5)
 
 EVALUATE = """
 import numba, numpy as np
 assert numba.config.DISABLE_JIT
 from support.contact_bench import bench, contact_of, pair_model
-stand = bench(pair_model("S1002/60E1 1:40", strips=6, cells=4))
-for lateral, height, yaw in {poses}:
+from wrsim.contact.settings import Friction
+for tangential, lateral, height, yaw in {poses}:
+    stand = bench(pair_model("S1002/60E1 1:40", strips=6, cells=4, tangential=tangential, friction={friction}))
     stand.evaluate(lateral, height, yaw, 0.0)
     contact = contact_of(stand)
     print(*contact.force, *contact.moment, contact.wear_number, contact.closest, *contact.patches.ravel())
@@ -27,15 +35,15 @@ for lateral, height, yaw in {poses}:
 
 
 def test_kernels_give_the_same_numbers_without_the_compiler():
-    stand = bench(pair_model("S1002/60E1 1:40", strips=6, cells=4))
     poses, compiled = [], []
-    for lateral, yaw in POSES:
+    for tangential, lateral, yaw in POSES:
+        stand = bench(pair_model("S1002/60E1 1:40", strips=6, cells=4, tangential=tangential, friction=FRICTION))
         solved, _ = settle(stand, lateral, yaw, 60e3)
-        poses.append((lateral, solved.height, yaw))
+        poses.append((tangential, lateral, solved.height, yaw))
         contact = contact_of(stand)
         compiled.append([*contact.force, *contact.moment, contact.wear_number, contact.closest, *contact.patches.flat])
     run = subprocess.run(
-        [sys.executable, "-c", EVALUATE.format(poses=poses)],
+        [sys.executable, "-c", EVALUATE.format(poses=poses, friction=FRICTION)],
         env=os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(Path(__file__).parent)},
         capture_output=True,
         text=True,
@@ -78,8 +86,8 @@ def allocations(function, n, *arguments):
 
 
 def test_an_evaluation_allocates_nothing():
-    stand = bench(pair_model("S1002/60E1 1:40"))
-    for lateral, yaw in POSES:
+    for tangential, lateral, yaw in POSES:
+        stand = bench(pair_model("S1002/60E1 1:40", tangential=tangential, friction=FRICTION))
         settle(stand, lateral, yaw, 60e3)
         arguments = stand.wheels[0].model.arrays.arguments()
         # what is left is one record for each Python array at the door, however many evaluations follow
