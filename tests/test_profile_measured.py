@@ -20,6 +20,7 @@ from wrsim.geometry.smoothing_report import report_smoothing
 
 NOISE = 10e-6  # of every coordinate, standard deviation [m]
 MODELS = Path(__file__).parents[1] / "models"
+SCANS = Path(__file__).parents[1] / "scenarios/measured"
 
 
 def measured(profile: Profile, step: float, seed: int) -> np.ndarray:
@@ -35,13 +36,9 @@ def written(points: np.ndarray, path: Path, head: str = "") -> Path:
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    """A MiniProf scan of the worn wheel and two columns of the worn rail, points 0.11 mm apart, with noise."""
-    folder = tmp_path_factory.mktemp("scans")
-    wheel = measured(load_profile(MODELS / "wheels/S1002_worn.toml"), 1.1e-4, 1)
-    rail = measured(load_profile(MODELS / "rails/60E1_worn.toml"), 1.1e-4, 2)
-    head = f"ProgramName=MiniProf\nXYPoints={len(wheel)}\nColumnDef=X,Y\n\n"
-    return written(wheel, folder / "wheel.whl", head), written(rail, folder / "rail.csv")
+def files():
+    """The shipped scans: the worn wheel as a MiniProf file, the worn rail in two columns, points 0.11 mm apart."""
+    return SCANS / "wheel.whl", SCANS / "rail.csv"
 
 
 # y [mm] of: field side of the hollow, its gauge side, worn root in the worn corner, flank, and beyond
