@@ -83,7 +83,7 @@ class Limit:
 
 @dataclass(frozen=True)
 class Value:
-    """One quantity in one section, on one wheelset and, where it belongs to a wheel, on that wheel."""
+    """One quantity in one section, on one wheelset and, where it belongs to a wheel, on that wheel; or at a point."""
 
     quantity: Quantity
     section: Section
@@ -91,6 +91,7 @@ class Value:
     wheel: str
     value: float
     limit: Limit | None = None
+    point: str = ""
 
     @property
     def passed(self) -> bool | None:
@@ -104,8 +105,8 @@ class Value:
 
     @property
     def place(self) -> str:
-        """Wheelset and wheel in words; empty where there is only one of both."""
-        return " ".join(part for part in (self.wheelset, self.wheel) if part)
+        """Wheelset and wheel, or the point, in words; empty where there is only one."""
+        return " ".join(part for part in (self.wheelset, self.wheel, self.point) if part)
 
 
 @dataclass(frozen=True)
@@ -233,6 +234,7 @@ def _value(v: Value) -> dict[str, Any]:
         "section": v.section.number,
         "wheelset": v.wheelset,
         "wheel": v.wheel,
+        "point": v.point,
         "value": _number(v.value, factor),
         "limit": None if v.limit is None else _number(v.limit.value, factor),
         "limit_source": "" if v.limit is None else f"{v.limit.source} [{v.limit.mark}]",
@@ -255,7 +257,7 @@ def _zone_row(z: ZoneValue) -> dict[str, Any]:
 
 
 _COLUMNS = (
-    "quantity", "unit", "section", "zone", "start_m", "end_m", "radius_m", "wheelset", "wheel", "value", "limit",
+    "quantity", "unit", "section", "zone", "start_m", "end_m", "radius_m", "wheelset", "wheel", "point", "value", "limit",
     "margin", "passed", "limit_source",
 )  # fmt: skip
 

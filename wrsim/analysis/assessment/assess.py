@@ -8,19 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.signal import welch
 
 from wrsim.analysis.assessment import limits
 from wrsim.analysis.assessment import quantities as q
 from wrsim.analysis.assessment.filters import (
-    band_pass,
     low_pass,
     sampling_rate,
     sliding_mean,
-    sliding_rms,
     windows,
 )
+from wrsim.analysis.assessment.hunting import hunting_frequency, hunting_rms
 from wrsim.analysis.assessment.nadal import longest_stretch, nadal_limit
+from wrsim.analysis.assessment.points import points_of
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, sections_of
 from wrsim.analysis.assessment.settings import flange_angle_of, friction_of, settings_of
 from wrsim.errors import InputError
@@ -31,9 +30,6 @@ from wrsim.scenario.assessment_section import AssessmentSettings
 Array = NDArray[np.float64]
 
 NEEDED = ("distance", "Y", "Q")
-HUNTING = (1.5, 10.0)
-"""Band in which the frequency of an instability is looked for [Hz]."""
-
 
 def assess(result: Result, settings: AssessmentSettings | None = None) -> Assessment:
     """Assess a run by EN 14363 and what else is known of its wheels.
@@ -58,12 +54,16 @@ def assess(result: Result, settings: AssessmentSettings | None = None) -> Assess
     if settings.axle_load is None:
         notes.append("static loads: the mean of Q over the run; [assessment] axle_load_kN sets them")
     values = [v for axle in axles for section in sections for v in axle.values(section, settings, nadal)]
+    points = points_of(dataset, settings)
+    values += [v for point in points for section in sections for v in point.values(section, settings)]
+    notes += _events(dataset)
     order = {quantity: i for i, quantity in enumerate(vars(q).values()) if isinstance(quantity, Quantity)}
     values.sort(key=lambda v: order[v.quantity])
     known: dict[str, float | str] = {"vehicle_kind": settings.kind}
     for axle in axles:
         known[f"axle_load{'_' if axle.name else ''}{axle.name}_kN"] = axle.load / 1e3
         known[f"instability_frequency{'_' if axle.name else ''}{axle.name}_Hz"] = axle.frequency
+    known |= {f"instability_frequency_{p.name}_Hz": p.frequency for p in points if p.is_frame}
     if nadal is not None:
         known["nadal_limit"] = nadal.value
     return Assessment(result.title, sections, tuple(values), tuple(notes), known, _signals(axles))
@@ -86,7 +86,10 @@ def _wheelsets(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
         return
     for i in range(dataset.sizes["wheelset"]):
         name = str(dataset["wheelset"].values[i]) if "wheelset" in dataset.coords else str(i + 1)
-        yield name, dataset.isel(wheelset=i)
+        one = dataset.isel(wheelset=i)
+        if "wheelset_distance" in one:
+            one = one.assign_coords(distance=("time", one["wheelset_distance"].values))
+        yield name, one
 
 
 def _nadal(dataset: xr.Dataset, settings: AssessmentSettings, notes: list[str]) -> Limit | None:
@@ -140,10 +143,8 @@ class _Axle:
         quotient = _quotient(y, load)
         middles = windows(distance, q.WINDOW, q.STEP)
         raw_sum = raw_y[:, 0] - raw_y[:, 1]
-        frequency = settings.instability_frequency or _frequency(raw_sum, rate)
-        low = max(frequency - q.STABILITY_HALF_BAND, 0.4)
-        hunting = band_pass(raw_sum, rate, low, frequency + q.STABILITY_HALF_BAND)
-        stability = windows(distance, q.STABILITY_WINDOW, q.STABILITY_STEP)
+        frequency = settings.instability_frequency or hunting_frequency(raw_sum, rate)
+        stability, rms = hunting_rms(distance, raw_sum, rate, frequency)
         wear = (
             dataset["T_gamma"].transpose("time", "wheel").sel(wheel=["left", "right"]).values
             if "T_gamma" in dataset
@@ -161,7 +162,7 @@ class _Axle:
             sum_y_mean=sliding_mean(distance, y[:, 0] - y[:, 1], middles, q.WINDOW),
             quotient_mean=_mean_of_quotient(distance, quotient, middles),
             stability_middles=stability,
-            rms=sliding_rms(distance, hunting, stability, q.STABILITY_WINDOW),
+            rms=rms,
             wear=wear,
             wear_mean=None if wear is None else sliding_mean(distance, wear, middles, q.WINDOW),
             attack=dataset["yaw"].values if "yaw" in dataset else None,
@@ -249,33 +250,31 @@ def _mean_of_quotient(distance: Array, quotient: Array, middles: Array) -> Array
     return np.where(touched > 1e-12, np.inf, mean)
 
 
-def _frequency(signal: Array, rate: float) -> float:
-    """Frequency of the highest peak of the power spectrum in the band of hunting [Hz]."""
-    frequencies, power = welch(signal, rate, nperseg=min(signal.size, max(256, int(4.0 * rate))), detrend="linear")
-    inside = (frequencies >= HUNTING[0]) & (frequencies <= HUNTING[1])
-    if not inside.any():
-        return 0.5 * sum(HUNTING)
-    return float(frequencies[inside][np.argmax(power[inside])])
+def _events(dataset: xr.Dataset) -> list[str]:
+    """What happened on the way, in words."""
+    if "event_label" not in dataset:
+        return []
+    places = zip(dataset["event_distance"].values, dataset["event_label"].values, strict=True)
+    return [f"event at {place:.1f} m: {label}" for place, label in places]
 
 
 def _signals(axles: list[_Axle]) -> xr.Dataset:
-    """What was evaluated, against distance: dimensions place [m], wheelset, wheel."""
-    place = axles[0].middles
+    """What was evaluated, against distance: dimensions wheelset, place [m], wheel; not-a-number where none was."""
+    first, last = min(a.middles[0] for a in axles), max(a.middles[-1] for a in axles)
+    place = np.arange(first, last + 0.5 * q.STEP, q.STEP)
+
+    def at(a: _Axle, of: Array, values: Array) -> Array:
+        columns = values.reshape(values.shape[0], -1).T
+        found = [np.interp(place, of, column, left=np.nan, right=np.nan) for column in columns]
+        return np.stack(found, axis=-1).reshape(place.size, *values.shape[1:])
+
     dims = ("wheelset", "place", "wheel")
-    forces = {
-        name: (
-            dims,
-            np.stack(
-                [[np.interp(place, a.distance, getattr(a, name.lower())[:, i]) for i in (0, 1)] for a in axles]
-            ).transpose(0, 2, 1),
-        )
-        for name in ("Y", "Q")
-    }
     return xr.Dataset(
         {
-            "sum_Y": (dims[:2], np.stack([a.sum_y_mean for a in axles])),
-            "Y_over_Q": (dims, np.stack([a.quotient_mean for a in axles])),
-            **forces,
+            "sum_Y": (dims[:2], np.stack([at(a, a.middles, a.sum_y_mean) for a in axles])),
+            "Y_over_Q": (dims, np.stack([at(a, a.middles, a.quotient_mean) for a in axles])),
+            "Y": (dims, np.stack([at(a, a.distance, a.y) for a in axles])),
+            "Q": (dims, np.stack([at(a, a.distance, a.q) for a in axles])),
         },
         coords={"place": place, "wheelset": [a.name for a in axles], "wheel": ["left", "right"]},
     )

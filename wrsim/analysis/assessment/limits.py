@@ -56,19 +56,32 @@ def quasi_static_vertical() -> Limit:
 CLIMB_DISTANCE = Limit(1.524, "49 CFR 213.333: Nadal's limit exceeded for no more than 5 ft", "mem")
 
 
+def frame_instability(bogie_mass: float) -> Limit:
+    """Sliding rms of a bogie frame's lateral acceleration: half of 12 m/s2 less 1 m/s2 per 5 t of bogie.
+
+    bogie_mass [kg]: frame and wheelsets.
+    """
+    return Limit(0.5 * (12.0 - bogie_mass / 5e3), f"{EN}: (12 - m/5)/2, bogie of {bogie_mass / 1e3:.3g} t", "mem")
+
+
 @dataclass(frozen=True)
 class BodyLimits:
-    """Accelerations of the car body [m/s2]: largest in the ride band and rms, lateral and vertical."""
+    """Accelerations of the car body [m/s2]: largest in the ride band, rms, quasi-static; lateral and vertical."""
 
     lateral: float
     vertical: float
     lateral_rms: float
     vertical_rms: float
+    lateral_quasi_static: float
 
 
-BODY: dict[Kind, BodyLimits] = {
-    "passenger": BodyLimits(2.5, 2.5, 0.5, 0.75),
-    "locomotive": BodyLimits(2.5, 2.5, 0.5, 1.0),
-    "freight": BodyLimits(3.0, 5.0, 1.3, 2.0),
+_BODY: dict[Kind, BodyLimits] = {
+    "passenger": BodyLimits(2.5, 2.5, 0.5, 0.75, 1.5),
+    "locomotive": BodyLimits(2.5, 2.5, 0.5, 1.0, 1.5),
+    "freight": BodyLimits(3.0, 5.0, 1.3, 2.0, 1.3),
 }
-"""Ride characteristics of EN 14363 [mem]."""
+
+
+def body(kind: Kind, what: str) -> Limit:
+    """Ride characteristics of a car body; what: a field of ``BodyLimits``."""
+    return Limit(getattr(_BODY[kind], what), f"{EN}: ride characteristics, {kind}", "mem")

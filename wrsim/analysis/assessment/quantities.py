@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wrsim.results.assessment import INFORMATION, LOADING, SAFETY, Quantity
+from wrsim.results.assessment import INFORMATION, LOADING, RIDE, SAFETY, Quantity
 from wrsim.results.channels import PLAIN, SHOWN
 
 CUT_OFF = 20.0
@@ -15,6 +15,9 @@ STABILITY_WINDOW, STABILITY_STEP = 100.0, 10.0
 """Sliding rms of the instability criterion [m]."""
 STABILITY_HALF_BAND = 2.0
 """f0 - 2 Hz to f0 + 2 Hz."""
+
+RIDE_BAND = (0.4, 10.0)
+"""Band of the accelerations of a car body [Hz]."""
 
 _EN = "EN 14363, UIC 518 [pub]"
 _MEAN = "low-pass 20 Hz, mean over 2 m every 0.5 m"
@@ -68,3 +71,30 @@ SHIFT = Quantity(
     "lateral_shift", "|Δy|", "lateral shift of a wheelset, largest", INFORMATION, SHOWN["mm"],
     "unfiltered, percentiles 0.15 and 99.85 %, the larger magnitude", "",
 )  # fmt: skip
+
+_A = SHOWN["m/s2"]
+_BAND = "band-pass 0.4 to 10 Hz"
+_EXTREMES = "percentiles 0.15 and 99.85 %, the larger magnitude"
+FRAME = Quantity(
+    "frame_instability",
+    "sÿ+",
+    "instability criterion of a bogie frame",
+    SAFETY,
+    _A,
+    "lateral acceleration band-pass f0 - 2 Hz to f0 + 2 Hz, rms over 100 m every 10 m, largest",
+    "EN 14363, UIC 518 [mem]",
+)
+BODY_Y = Quantity("body_ay", "ÿ*", "lateral acceleration of a car body", RIDE, _A, f"{_BAND}, {_EXTREMES}", _EN)
+BODY_Z = Quantity("body_az", "z̈*", "vertical acceleration of a car body", RIDE, _A, f"{_BAND}, {_EXTREMES}", _EN)
+BODY_Y_RMS = Quantity("body_ay_rms", "sÿ*", "lateral acceleration of a car body, rms", RIDE, _A, f"{_BAND}, rms", _EN)
+BODY_Z_RMS = Quantity("body_az_rms", "sz̈*", "vertical acceleration of a car body, rms", RIDE, _A, f"{_BAND}, rms", _EN)
+BODY_QST = Quantity(
+    "body_ay_qst",
+    "ÿ*_qst",
+    "quasi-static lateral acceleration of a car body",
+    RIDE,
+    _A,
+    "full curves, low-pass 20 Hz, median, magnitude",
+    _EN,
+    quasi_static=True,
+)

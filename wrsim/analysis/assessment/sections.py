@@ -48,6 +48,9 @@ CHANGING = 1e-6
 LEAST = 5.0
 """Stretches shorter than this [m] are joined to the one before."""
 
+CLOSE = 1e-3
+"""Places nearer than this [m] are one."""
+
 CANT_BASE = 1.5
 GRAVITY = 9.80665
 
@@ -72,10 +75,7 @@ def section_length(zone: str, speed: float) -> float:
 
 def sections_of(dataset: xr.Dataset, length: float | None = None) -> tuple[Section, ...]:
     """Sections of the track that a run has passed; length [m]: of sections of every class, instead of the above."""
-    distance = dataset["distance"].values
-    curvature = dataset["curvature"].values if "curvature" in dataset else np.zeros(distance.size)
-    speed = dataset["speed"].values if "speed" in dataset else np.gradient(distance, dataset["time"].values)
-    cant = dataset["cant"].values if "cant" in dataset else np.zeros(distance.size)
+    distance, curvature, cant, speed = _track_passed(dataset)
     # positive to the outside of the curve, as a cant: lateral acceleration over gravity times the base
     missing = CANT_BASE * speed**2 * curvature / GRAVITY - cant
     found: list[Section] = []
@@ -103,6 +103,22 @@ def sections_of(dataset: xr.Dataset, length: float | None = None) -> tuple[Secti
                 )
             )
     return tuple(found)
+
+
+def _track_passed(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array]:
+    """Distance, curvature, cant and speed against distance, of all the track that any wheelset has passed."""
+    distance = dataset["wheelset_distance" if "wheelset_distance" in dataset else "distance"].values
+    shape = distance.shape
+    time = dataset["time"].values
+    speed = dataset["speed"].values if "speed" in dataset else np.gradient(dataset["distance"].values, time)
+    speed = np.broadcast_to(speed.reshape(-1, *(1,) * (len(shape) - 1)), shape)
+    curvature, cant = (
+        dataset[name].values if name in dataset else np.zeros(shape) for name in ("curvature", "cant")
+    )
+    flat = distance.ravel()
+    order = np.argsort(flat, kind="stable")
+    order = order[np.concatenate(([True], np.diff(flat[order]) > CLOSE))]
+    return flat[order], curvature.ravel()[order], cant.ravel()[order], speed.ravel()[order]
 
 
 def _bend(curvature: Array, zone: str) -> float:
