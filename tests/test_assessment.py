@@ -9,7 +9,7 @@ from math import pi, sqrt, tan
 
 import numpy as np
 import pytest
-from support.synthetic_run import Q0, curve, run, with_wheelsets
+from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 from typer.testing import CliRunner
 
 from wrsim.analysis.assessment import assess, limits
@@ -18,9 +18,12 @@ from wrsim.analysis.assessment.nadal import longest_stretch, nadal_limit
 from wrsim.analysis.assessment.sections import sections_of, zone_of
 from wrsim.cli import app
 from wrsim.errors import InputError
+from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment
 from wrsim.scenario.assessment_section import AssessmentSettings
+from wrsim.vehicle.levels import bogie_mass, level_of
+from wrsim.vehicle.vehicle_files import load_whole_vehicle
 
 RATE = 500.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)
@@ -192,6 +195,63 @@ def test_every_wheelset_is_assessed_for_itself():
     assert [(v.wheelset, round(v.value)) for v in found.of("sum_Y")] == [("1", 4000), ("2", 9000)]
     (zone,) = [z for z in found.zones() if z.worst.quantity.key == "sum_Y"]
     assert (zone.worst.wheelset, zone.sections) == ("2", 1)
+
+
+def test_wheelsets_are_assessed_where_they_are_themselves():
+    # a force that belongs to one place of the track, under two wheelsets 10 m apart
+    def y(s):
+        return np.where(np.abs(s - 300.0) < 5.0, 40e3, 0.0), 0.0 * s
+
+    shape = curve(500.0, 200.0, 50.0, 200.0)
+    first = run(700.0, curvature=shape, y=y)
+    second = run(700.0, curvature=lambda s: shape(s - 10.0), y=lambda s: y(s - 10.0))
+    found = assess(with_wheelsets([first, second], apart=10.0), NADAL)
+    assert found.sections[0].start == pytest.approx(-10.0)
+    assert [s.start for s in found.sections[1:3]] == pytest.approx([200.0, 250.0], abs=0.2)
+    hit = {(v.wheelset, v.section.number) for v in found.of("sum_Y") if v.value > 30e3}
+    assert hit == {("1", 3), ("2", 3)}
+    signals = found.signals["sum_Y"].values
+    inside = np.isfinite(signals).all(axis=0)
+    assert signals[0, inside] == pytest.approx(signals[1, inside], abs=50.0)
+
+
+def test_accelerations_of_a_car_body_and_of_a_bogie_frame():
+    base = run(900.0, speed=30.0, curvature=curve(500.0, 300.0, 50.0, 300.0))
+    t = base.dataset["time"].values
+    sway = 0.8 * np.sin(2.0 * pi * 1.5 * t) + 1.1  # a constant is not in the band
+    heave = 0.6 * np.sin(2.0 * pi * 3.0 * t) + 5.0 * np.sin(2.0 * pi * 60.0 * t)  # 60 Hz: not in the band
+    hunting = 6.0 * np.sin(2.0 * pi * 5.0 * t)
+    found = assess(with_points(base, {
+        "floor": ("car body", np.nan, sway, heave),
+        "frame": ("bogie frame", 6e3, hunting, hunting),
+        "axle box": ("wheelset", np.nan, 100.0 * hunting, 100.0 * hunting),
+    }), NADAL)  # fmt: skip
+    assert {v.point for v in found.values} == {"", "floor", "frame"}
+    inner = [s.number for s in found.sections if s.zone == "small radius"]
+
+    def of(key: str) -> list[float]:
+        return [v.value for v in found.of(key) if v.section.number in inner]
+
+    assert of("body_ay") == pytest.approx([0.8] * 3, rel=0.02)
+    assert of("body_ay_rms") == pytest.approx([0.8 / sqrt(2.0)] * 3, rel=0.02)
+    assert of("body_az") == pytest.approx([0.6] * 3, rel=0.02)
+    assert of("body_az_rms") == pytest.approx([0.6 / sqrt(2.0)] * 3, rel=0.02)
+    assert of("body_ay_qst") == pytest.approx([1.1] * 3, rel=0.02)
+    assert [z.passed for z in found.zones() if z.worst.quantity.key == "body_ay_rms"] == [False] * 3  # 0.57 > 0.5
+    (limit,) = {v.limit for v in found.of("frame_instability")}
+    assert limit is not None and limit.value == pytest.approx(0.5 * (12.0 - 6.0 / 5.0))
+    band = (1.0 + (sqrt(2.0) - 1.0) * (5.0 / 7.0) ** 8) * (1.0 + (sqrt(2.0) - 1.0) * (3.0 / 5.0) ** 8)  # 3 to 7 Hz at 5
+    assert of("frame_instability") == pytest.approx([6.0 / sqrt(2.0) / band] * 3, rel=5e-3)
+    assert found.settings["instability_frequency_frame_Hz"] == pytest.approx(5.0, abs=0.2)
+
+
+def test_bodies_of_the_manchester_vehicle_are_told_apart():
+    vehicle = load_whole_vehicle(shipped_models() / "vehicles/manchester_1.toml", Finder((shipped_models(),)))
+    assert level_of(vehicle, "carbody") == "car body"
+    assert level_of(vehicle, "front.frame") == level_of(vehicle, "rear.frame") == "bogie frame"
+    assert level_of(vehicle, vehicle.wheelsets[0].name) == "wheelset"
+    assert bogie_mass(vehicle, "front.frame") == pytest.approx(2615.0 + 2 * 1813.0)
+    assert np.isnan(bogie_mass(vehicle, "carbody"))
 
 
 def test_an_estimated_maximum_is_mean_plus_three_deviations_over_the_sections():

@@ -48,9 +48,24 @@ def curve(radius: float, lead: float = 200.0, ramp: float = 50.0, length: float 
     return lambda s: np.interp(s, places, np.array([0.0, 0.0, 1.0, 1.0, 0.0]) / radius)
 
 
-def with_wheelsets(results: list[Result]) -> Result:
-    """One run of several wheelsets from runs of one each."""
-    parts = [r.dataset[["Y", "Q"]] for r in results]
+def with_wheelsets(results: list[Result], apart: float = 0.0) -> Result:
+    """One run of several wheelsets, each ``apart`` [m] behind the one before, from runs of one each."""
+    names = ["Y", "Q", "curvature", "cant"]
+    parts = [r.dataset[names].drop_vars("distance") for r in results]
     dataset = xr.concat(parts, dim="wheelset").assign_coords(wheelset=[str(i + 1) for i in range(len(parts))])
-    rest = results[0].dataset.drop_vars(["Y", "Q", "Y_over_Q"])
+    own = np.stack([r.dataset["distance"].values - i * apart for i, r in enumerate(results)], axis=1)
+    dataset["wheelset_distance"] = (("time", "wheelset"), own)
+    rest = results[0].dataset.drop_vars([*names, "Y_over_Q"])
     return Result(xr.merge([rest, dataset]).assign_attrs(results[0].dataset.attrs))
+
+
+def with_points(result: Result, points: Mapping[str, tuple[str, float, Array, Array]]) -> Result:
+    """The run with accelerations: by point its level, mass of the bogie [kg], lateral and vertical ones [m/s2]."""
+    ay, az = (np.column_stack([p[k] for p in points.values()]) for k in (2, 3))
+    added = {
+        "point_ay": (("time", "point"), ay),
+        "point_az": (("time", "point"), az),
+        "point_level": ("point", [p[0] for p in points.values()]),
+        "point_bogie_mass": ("point", [p[1] for p in points.values()]),
+    }
+    return Result(result.dataset.assign(added).assign_coords(point=list(points)))

@@ -13,6 +13,7 @@ from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, w
 from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
 from wrsim.simulation.placement import TrackPoses, poses_on_track
+from wrsim.vehicle.levels import bogie_mass, level_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,7 +38,7 @@ def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: li
     motion, poses = _placed(motion, law)
     n, count = len(motion.times), len(vehicle.wheelsets)
     raw = [RawContacts.empty(n, 2, setup.contact.max_patches) for _ in range(count)]
-    places = np.column_stack([p.distance for p in poses])
+    places = law.places(np.column_stack([p.distance for p in poses]))
     out = np.zeros(law.size)
     points = PointMotion(law)
     accelerations = np.zeros((n, len(vehicle.points), 3))
@@ -98,6 +99,8 @@ def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: li
     if vehicle.points:
         coords["point"] = [point.name for point in vehicle.points]
         channels |= {f"point_a{axis}": accelerations[:, :, k] for k, axis in enumerate("xyz")}
+        channels["point_level"] = np.array([level_of(vehicle, point.body) for point in vehicle.points])
+        channels["point_bogie_mass"] = [bogie_mass(vehicle, point.body) for point in vehicle.points]
     if vehicle.elements:
         coords["suspension"] = [element.name for element in vehicle.elements]
         channels |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
@@ -141,7 +144,7 @@ def _placed(motion: Motion, law: VehicleOnTrack) -> tuple[Motion, list[TrackPose
                 )
                 for w, m in enumerate(law.vehicle.wheelsets)
             ]
-            law.look_near(np.array([p.distance[-1] for p in poses]))
+            law.look_near(law.places(np.array([[p.distance[-1] for p in poses]]))[0])
             law(motion.times[-1], motion.q[-1], motion.q_t[-1], out)
         except SimulationError:
             if motion.status == "completed" or len(motion.times) == 1:

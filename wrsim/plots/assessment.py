@@ -71,6 +71,7 @@ def used_of(axes: Axes, rows: Sequence[tuple[str, Sequence[Value]]]) -> Axes:
         axes.annotate(
             label, (min(worst, MOST), i), xytext=(4.0, 0.0), textcoords="offset points", va="center", fontsize=6.3,
             color=STOP_COLOUR if worst > 1.0 else QUIET,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
         )  # fmt: skip
     names = [f"{values[0].quantity.symbol}   {values[0].section.zone}" for _, values in rows]
     axes.set_yticks(range(len(rows)), names)
@@ -121,7 +122,7 @@ def history_figure(found: Assessment) -> Figure:
         rows[-1].set_xlim(place[0], place[-1])
         figure.align_ylabels(list(rows))
         figure.suptitle(found.title, x=0.01, ha="left", fontsize=8.5)
-        figure.legend(handles=_legend(found), loc="outside lower center", ncols=6)
+        figure.legend(handles=_legend(found), loc="outside lower center", ncols=4)
     return figure
 
 

@@ -257,8 +257,8 @@ def _zone_row(z: ZoneValue) -> dict[str, Any]:
 
 
 _COLUMNS = (
-    "quantity", "unit", "section", "zone", "start_m", "end_m", "radius_m", "wheelset", "wheel", "point", "value", "limit",
-    "margin", "passed", "limit_source",
+    "quantity", "unit", "section", "zone", "start_m", "end_m", "radius_m", "wheelset", "wheel", "point", "value",
+    "limit", "margin", "passed", "limit_source",
 )  # fmt: skip
 
 

@@ -54,6 +54,7 @@ SHOWN = {
     "N": Shown("N", "N", 1.0),
     "kN": Shown("kN", "kN", 1e-3),
     "N m": Shown("N m", "Nm", 1.0),
+    "t": Shown("t", "t", 1e-3),
     "m/s2": Shown("m/s²", "m_s2", 1.0),
     "MPa": Shown("MPa", "MPa", 1e-6),
     "permille": Shown("‰", "permille", 1e3),
@@ -152,6 +153,8 @@ _ALL = (
     _of("point_ax", "time point", "m/s2", "m/s2", "longitudinal acceleration"),
     _of("point_ay", "time point", "m/s2", "m/s2", "lateral acceleration"),
     _of("point_az", "time point", "m/s2", "m/s2", "vertical acceleration"),
+    _of("point_level", "point", "1", "1", "what the point is on", kind="text"),
+    _of("point_bogie_mass", "point", "kg", "t", "mass of the bogie that the point is on"),
     _of("suspension_fx", "time suspension", "N", "kN", "force of the element, forward or along its line"),
     _of("suspension_fy", "time suspension", "N", "kN", "force of the element, to the left"),
     _of("suspension_fz", "time suspension", "N", "kN", "force of the element, up"),
@@ -242,6 +245,9 @@ _ALL = (
     _of("wheel_profile_y", "moment wheel wheel_point", "m", "mm", "outline of the wheel, outward", "o"),
     _of("wheel_profile_z", "moment wheel wheel_point", "m", "mm", "outline of the wheel, up", "b"),
 )
+
+WHEELSET, BOGIE_FRAME, CAR_BODY = "wheelset", "bogie frame", "car body"
+"""Values of the channel ``point_level``."""
 
 CHANNELS: dict[str, Channel] = {channel.name: channel for channel in _ALL}
 """Every channel by its name, in the order in which tables print them."""

@@ -104,25 +104,26 @@ class VehicleOnTrack:
         return float(self.scalars[vehicle_forces.DRIVE_FORCE])
 
     def look_near(self, origin: float | Array) -> None:
-        """Tell where to look for the vehicle first: the distance of its origin, or of every wheelset [m].
+        """Tell where to look for the vehicle first: distance of its origin [m], or rows (wheelsets, 3) of ``places``.
 
         Needed before a state far from the last one.
         """
         vehicle = self.vehicle
         if np.ndim(origin) == 0:
-            origin = float(origin)  # type: ignore[arg-type]
-            distances = [origin + mounted.x for mounted in vehicle.wheelsets]
+            rows = self.places(np.array([[float(origin) + mounted.x for mounted in vehicle.wheelsets]]))[0]  # type: ignore[arg-type]
         else:
-            distances = [float(s) for s in np.asarray(origin)]
-            origin = distances[0] - vehicle.wheelsets[0].x
-        for view, distance in zip(self._views, distances, strict=bool(self._views)):
-            s = view[wheelset_kernel.SCALARS]
-            s[wheelset_kernel.S_CENTRE] = distance
-            for k, side in zip((wheelset_kernel.S_LEFT, wheelset_kernel.S_RIGHT), SIDES, strict=True):
-                s[k] = float(self.track.rail_distance(side, distance))
+            rows = np.asarray(origin)
+            origin = rows[0, 0] - vehicle.wheelsets[0].x
+        for view, row in zip(self._views, rows, strict=True):
+            view[wheelset_kernel.SCALARS][PLACES] = row
         self.scalars[vehicle_forces.S_REFERENCE] = origin + vehicle.parts[vehicle.reference].centre[0]
-        for row in self._loads:
-            row[vehicle_forces.S_LOAD] = origin + vehicle.parts[int(row[0])].centre[0]
+        for load in self._loads:
+            load[vehicle_forces.S_LOAD] = origin + vehicle.parts[int(load[0])].centre[0]
+
+    def places(self, distances: Array) -> Array:
+        """Rows (n, wheelsets, 3) for ``look_near``: along the centre line, given (n, wheelsets), and both rails [m]."""
+        rails = [self.track.rail_distance(side, distances.ravel()).reshape(distances.shape) for side in SIDES]
+        return np.stack([distances, *rails], axis=-1)
 
     def memory(self) -> Array:
         """Where the next call looks first: it decides the last bits of the places found. See ``tape.Remembers``."""

@@ -31,6 +31,7 @@ Array = NDArray[np.float64]
 
 NEEDED = ("distance", "Y", "Q")
 
+
 def assess(result: Result, settings: AssessmentSettings | None = None) -> Assessment:
     """Assess a run by EN 14363 and what else is known of its wheels.
 

@@ -48,6 +48,9 @@ CHANGING = 1e-6
 LEAST = 5.0
 """Stretches shorter than this [m] are joined to the one before."""
 
+NEARLY = 0.01
+"""Part of its length that may be missing from a section, for samples seldom stand at its ends."""
+
 CLOSE = 1e-3
 """Places nearer than this [m] are one."""
 
@@ -84,7 +87,7 @@ def sections_of(dataset: xr.Dataset, length: float | None = None) -> tuple[Secti
         start, end = float(distance[first]), float(distance[last])
         mean_speed = float(speed[inside].mean())
         wanted = length if length is not None and zone != TRANSITION else section_length(zone, mean_speed)
-        pieces = max(1, int((end - start) / wanted + 1e-6))
+        pieces = max(1, int((end - start) / wanted + NEARLY))
         edges = np.linspace(start, end, pieces + 1)
         for a, b in pairwise(edges):
             part = slice(*np.searchsorted(distance, [a, b]))
@@ -99,7 +102,7 @@ def sections_of(dataset: xr.Dataset, length: float | None = None) -> tuple[Secti
                     radius=np.inf if zone == STRAIGHT and abs(bend) < 1e-6 else 1.0 / bend,
                     speed=float(speed[part].mean()) if part.stop > part.start else mean_speed,
                     cant_deficiency=float(hand * missing[part].mean()) if part.stop > part.start else 0.0,
-                    short=zone != TRANSITION and bool(b - a < wanted * (1.0 - 1e-6)),
+                    short=zone != TRANSITION and bool(b - a < wanted * (1.0 - NEARLY)),
                 )
             )
     return tuple(found)
@@ -107,13 +110,15 @@ def sections_of(dataset: xr.Dataset, length: float | None = None) -> tuple[Secti
 
 def _track_passed(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array]:
     """Distance, curvature, cant and speed against distance, of all the track that any wheelset has passed."""
-    distance = dataset["wheelset_distance" if "wheelset_distance" in dataset else "distance"].values
-    shape = distance.shape
-    time = dataset["time"].values
-    speed = dataset["speed"].values if "speed" in dataset else np.gradient(dataset["distance"].values, time)
-    speed = np.broadcast_to(speed.reshape(-1, *(1,) * (len(shape) - 1)), shape)
+    passed = dataset["wheelset_distance" if "wheelset_distance" in dataset else "distance"]
+    distance = passed.values
+    speed = np.gradient(dataset["distance"].values, dataset["time"].values)
+    if "speed" in dataset:
+        speed = dataset["speed"].values
+    speed = np.broadcast_to(speed.reshape(-1, *(1,) * (distance.ndim - 1)), distance.shape)
     curvature, cant = (
-        dataset[name].values if name in dataset else np.zeros(shape) for name in ("curvature", "cant")
+        dataset[name].transpose(*passed.dims).values if name in dataset else np.zeros(distance.shape)
+        for name in ("curvature", "cant")
     )
     flat = distance.ravel()
     order = np.argsort(flat, kind="stable")
