@@ -25,8 +25,8 @@ Progress = Callable[[float, float], None]
 """progress(fraction done, seconds left)"""
 
 _AT_ONCE = {"static": run_static, "equilibrium": run_equilibrium, "conicity": run_conicity}
-_IN_TIME = {"curving": run_curving}
-_RECORDED = {"curving": recorded_curving}
+_IN_TIME = {"curving": run_curving, "ride": run_curving}
+_RECORDED = {"curving": recorded_curving, "ride": recorded_curving}
 
 
 def run(

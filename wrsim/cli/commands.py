@@ -18,6 +18,7 @@ from wrsim.cli.compare import compare
 from wrsim.cli.conicity import conicity
 from wrsim.cli.ending import INTERRUPTED, exit_code, told
 from wrsim.cli.resolve import resolve
+from wrsim.cli.riding import ride
 from wrsim.cli.showing import (
     complain,
     facts,
@@ -249,4 +250,5 @@ app.command()(assess)
 app.command()(compare)
 app.command()(resolve)
 app.command()(conicity)
+app.command()(ride)
 app.command()(vehicle)

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, float], None]
 
+RUNS = ("curving", "ride")
+"""Analyses that run along the track."""
+
 
 def facts(setup: Setup) -> dict[str, Any]:
     """What a scenario comes to, for people to see that it is what they meant."""
@@ -29,7 +32,7 @@ def facts(setup: Setup) -> dict[str, Any]:
     }
     if setup.static is not None:
         facts["poses"] = len(setup.static.poses)
-    elif setup.analysis == "curving":
+    elif setup.analysis in RUNS:
         facts["segments"] = [f.label if f.label == f.kind else f"{f.kind} {f.label}" for f in setup.track.features()]
         facts["from_m"], facts["to_m"] = setup.run.start, setup.run.end
         facts["speed_kmh"] = 3.6 * setup.run.speed
@@ -52,7 +55,7 @@ def _of_vehicle(setup: Setup) -> dict[str, Any]:
 
 def tell_slow(setup: Setup) -> None:
     """Warn of a run whose forces all come from the exact contact solver."""
-    if setup.contact.normal != "half-space" or setup.analysis != "curving":
+    if setup.contact.normal != "half-space" or setup.analysis not in RUNS:
         return
     from wrsim.simulation.step import step_for_speed
 

@@ -17,6 +17,7 @@ from wrsim.scenario.cases import StaticPose, static_poses
 from wrsim.scenario.conicity_section import ConicityPlan
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
+from wrsim.scenario.schema import IN_TIME
 from wrsim.scenario.vehicle_build import SIDES, Side, vehicle_of
 from wrsim.vehicle.vehicle import Drive, Vehicle
 from wrsim.vehicle.wheelset import Wheelset
@@ -68,7 +69,7 @@ class Setup:
     """
 
     title: str
-    analysis: Literal["static", "equilibrium", "curving", "conicity"]
+    analysis: Literal["static", "equilibrium", "curving", "ride", "conicity"]
     wheelset: Wheelset
     vehicle: Vehicle | None
     rails: tuple[Profile, Profile]
@@ -90,8 +91,11 @@ def build(scenario: Scenario) -> Setup:
     spec = scenario.spec
     files: list[Path] = []
     wheelset, vehicle = vehicle_of(scenario, files)
-    if vehicle is not None and spec.contact.normal == "half-space" and spec.analysis in ("curving", "equilibrium"):
+    if vehicle is not None and spec.contact.normal == "half-space" and spec.analysis in (*IN_TIME, "equilibrium"):
         raise scenario.fault(("contact", "normal"), "is for lone wheelsets and static poses, not for whole vehicles")
+    if spec.analysis == "ride" and (vehicle is None or not vehicle.points):
+        needed = 'analysis = "ride" needs a vehicle with [[points]], at which accelerations are kept'
+        raise scenario.fault(("vehicle", "model"), needed)
     rails = _rails(scenario, files)
     track = _track(scenario, rails)
     if spec.track.gauge_between == "gauge points":
@@ -176,7 +180,7 @@ def _run(scenario: Scenario, track: Track, vehicle: Vehicle | None) -> RunPlan:
     if start >= last and spec.analysis not in ("static", "conicity"):
         raise scenario.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
     patches = spec.output.patches_at_m
-    if spec.analysis == "curving":
+    if spec.analysis in IN_TIME:
         key = "distance_m" if section.distance_m is not None else "time_s"
         if section.distance_m is not None:
             end = start + section.distance_m

@@ -11,16 +11,20 @@ from wrsim.scenario.analysis_sections import OutputSection, RunSection, StaticSe
 from wrsim.scenario.assessment_section import AssessmentSection
 from wrsim.scenario.conicity_section import ConicitySection
 from wrsim.scenario.contact_section import ContactSection, HalfSpaceSection, MaterialSection
+from wrsim.scenario.ride_section import RideSection
 from wrsim.scenario.track_section import Arc, Straight, TrackSection, Transition
 from wrsim.scenario.vehicle_section import VehicleSection
 
-Analysis = Literal["static", "equilibrium", "curving", "conicity"]
+Analysis = Literal["static", "equilibrium", "curving", "ride", "conicity"]
+IN_TIME = ("curving", "ride")
+"""Analyses that run along the track."""
 
 UNUSED = {
-    "static": ("run", "output", "conicity", "assessment"),
-    "equilibrium": ("static", "conicity", "assessment"),
+    "static": ("run", "output", "conicity", "assessment", "ride"),
+    "equilibrium": ("static", "conicity", "assessment", "ride"),
     "curving": ("static", "conicity"),
-    "conicity": ("static", "run", "output", "assessment"),
+    "ride": ("static", "conicity"),
+    "conicity": ("static", "run", "output", "assessment", "ride"),
 }
 """Sections that an analysis does not look at: refused in a file, dropped when they come from its base."""
 
@@ -38,7 +42,7 @@ class ScenarioSpec(Section):
     }
 
     title: Annotated[str, Text("a title")] = "untitled"
-    analysis: Annotated[Analysis, Choice(("static", "equilibrium", "curving", "conicity"))]
+    analysis: Annotated[Analysis, Choice(("static", "equilibrium", "curving", "ride", "conicity"))]
     vehicle: VehicleSection
     track: TrackSection
     contact: ContactSection = ContactSection()
@@ -47,6 +51,7 @@ class ScenarioSpec(Section):
     output: OutputSection = OutputSection()
     conicity: ConicitySection = ConicitySection()
     assessment: AssessmentSection = AssessmentSection()
+    ride: RideSection = RideSection()
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -60,14 +65,14 @@ class ScenarioSpec(Section):
         track = raw.get("track")
         if analysis != "static" and isinstance(track, dict) and track.get("gauge_between") == "origins":
             yield Fault(("track", "gauge_between"), 'may be "origins" with analysis = "static" only')
-        if analysis == "curving":
+        if analysis in IN_TIME:
             vehicle, track = raw.get("vehicle"), raw.get("track")
             if isinstance(vehicle, dict) and "speed_kmh" not in VehicleSection.keys_meant(vehicle):
-                yield Fault(("vehicle", "speed_kmh"), 'analysis = "curving" needs a speed', missing=True)
+                yield Fault(("vehicle", "speed_kmh"), f'analysis = "{analysis}" needs a speed', missing=True)
             if isinstance(track, dict) and not (
                 "segments" in TrackSection.keys_meant(track) and track.get("segments") != []
             ):
-                needed = 'analysis = "curving" needs a track of [[track.segments]]'
+                needed = f'analysis = "{analysis}" needs a track of [[track.segments]]'
                 yield Fault(("track", "segments"), needed, missing=True)
 
 
@@ -76,7 +81,7 @@ def _tell_sections_of_each_other() -> None:
     sections: tuple[type[Section], ...] = (
         ScenarioSpec, VehicleSection, TrackSection, Straight, Transition, Arc,
         ContactSection, MaterialSection, HalfSpaceSection, StaticSection, RunSection, OutputSection, ConicitySection,
-        AssessmentSection,
+        AssessmentSection, RideSection,
     )  # fmt: skip
     for section in sections:
         section.elsewhere = {

@@ -1,0 +1,80 @@
+"""From a result with accelerations at points to its ride."""
+
+from __future__ import annotations
+
+import tomllib
+
+import numpy as np
+import xarray as xr
+
+from wrsim.analysis.assessment.filters import sampling_rate
+from wrsim.analysis.ride.comfort import AXES as WEIGHTINGS
+from wrsim.analysis.ride.comfort import PERCENTILE, comfort
+from wrsim.analysis.ride.spectra import spectrum, third_octaves
+from wrsim.errors import InputError
+from wrsim.inputs.checking import check
+from wrsim.results import Result
+from wrsim.results.ride import AXES, Ride
+from wrsim.scenario.ride_section import RideSection
+
+
+def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
+    """Spectra, third-octaves and comfort at all points of a vehicle.
+
+    section: stretch and resolution, by default [ride] of the scenario that the result carries. Raises InputError for
+    a result without points, with too few or unevenly spaced samples, or none on the stretch.
+    """
+    dataset, section = result.dataset, section or ride_section_of(result)
+    if "point_ay" not in dataset:
+        what = "is that of a lone wheelset" if "wheelset" not in dataset.dims else "has no points"
+        raise InputError(f"the result {what}: accelerations are kept at the [[points]] of a vehicle file")
+    time = dataset["time"].values
+    if time.size > 2 and abs((time[-1] - time[-2]) - (time[1] - time[0])) > 1e-6 * (time[1] - time[0]):
+        dataset = dataset.isel(time=slice(0, -1))  # the last one of a stopped run stands off the raster
+    distance = dataset["distance"].values
+    first = distance[0] if section.from_m is None else section.from_m
+    last = distance[-1] if section.to_m is None else section.to_m
+    inside = (distance >= first - 1e-6) & (distance <= last + 1e-6)
+    if not inside.any():
+        there = f"it goes from {distance[0]:.6g} to {distance[-1]:.6g} m"
+        raise InputError(f"[ride] from_m = {first:g}, to_m = {last:g}: the run has no samples there; {there}")
+    part = dataset.isel(time=np.flatnonzero(inside))
+    rate = sampling_rate(part["time"].values)
+    acceleration = np.stack([part[f"point_a{a}"].transpose("time", "point").values for a in AXES], axis=-1)
+    found = spectrum(acceleration, rate, section.resolution_Hz)
+    bands = third_octaves(found)
+    each = [comfort(acceleration[:, i], rate) for i in range(acceleration.shape[1])]
+    blocks = each[0].blocks
+    high = [np.percentile(c.continuous, PERCENTILE, axis=0) if blocks else np.full(3, np.nan) for c in each]
+    dims = ("point", "axis")
+    data = xr.Dataset(
+        {
+            "density": (("frequency", *dims), found.density),
+            "band_rms": (("band", *dims), bands.rms.reshape(-1, *acceleration.shape[1:])),
+            "band_low": ("band", bands.low),
+            "band_high": ("band", bands.high),
+            "rms": (dims, acceleration.std(axis=0)),
+            "peak": (dims, np.abs(acceleration).max(axis=0)),
+            "weighted_rms": (dims, np.stack([c.weighted_rms for c in each])),
+            "comfort_95": (dims, np.stack(high)),
+            "N_MV": ("point", [c.mean for c in each]),
+        },
+        coords={
+            "frequency": found.frequency,
+            "band": np.array(bands.nominal),
+            "point": [str(p) for p in part["point"].values],
+            "axis": list(AXES),
+        },
+        attrs={"blocks": blocks, "weightings": " ".join(WEIGHTINGS[a] for a in AXES)},
+    )
+    times, places = part["time"].values, part["distance"].values
+    return Ride(result.title, float(places[0]), float(places[-1]), float(times[-1] - times[0]), found.segments, data)
+
+
+def ride_section_of(result: Result) -> RideSection:
+    """[ride] of the scenario that the result carries; the defaults where that says nothing."""
+    try:
+        scenario = tomllib.loads(str(result.dataset.attrs.get("scenario_text", "")))
+    except tomllib.TOMLDecodeError:
+        return RideSection()
+    return check(RideSection, scenario.get("ride", {}), lambda path: "[ride]")

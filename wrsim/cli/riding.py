@@ -1,0 +1,83 @@
+"""``wrsim ride``: spectra, third-octaves and comfort at the points of a vehicle."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wrsim.cli.ending import told
+from wrsim.cli.showing import print_json
+from wrsim.cli.storing import read
+
+if TYPE_CHECKING:
+    from wrsim.results.ride import Ride
+
+
+def ride(
+    result: Annotated[
+        Path, typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off.")
+    ],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: beside the result.")
+    ] = None,
+    scenario: Annotated[
+        Path | None, typer.Option("--scenario", metavar="FILE", help="Take [ride] from this scenario instead.")
+    ] = None,
+    pictures: Annotated[bool, typer.Option(help="Draw the pictures.")] = True,
+    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+) -> None:
+    """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
+    with told(as_json):
+        from wrsim.analysis.ride import evaluate_ride
+        from wrsim.scenario.loading import load
+
+        loaded = read(result)
+        found = evaluate_ride(loaded, None if scenario is None else load(scenario).spec.ride)
+        directory = output or (result if result.is_dir() else result.parent)
+        files = write_ride(found, directory, pictures)
+        if as_json:
+            print_json(found.as_dict() | {"files": [str(f) for f in files]})
+            return
+        print_ride(found)
+        print(f"{len(files)} files in {directory}")
+
+
+def write_ride(found: Ride, directory: Path, pictures: bool) -> list[Path]:
+    """Tables first, pictures last."""
+    from wrsim.results import write_atomically
+
+    files = [
+        write_atomically(directory / "ride.json", found.json()),
+        write_atomically(directory / "third_octaves.csv", found.bands_csv()),
+        write_atomically(directory / "spectra.csv", found.spectra_csv()),
+    ]
+    if pictures:
+        from wrsim.plots.ride import ride_pictures
+
+        files += ride_pictures(found, directory)
+    return files
+
+
+def print_ride(found: Ride) -> None:
+    """One row a point and axis."""
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False, markup=False)
+    stretch = f"{found.start:z.0f} to {found.end:.0f} m, {found.duration:.0f} s"
+    table = Table(title=f"{found.title}: {stretch}", title_justify="left", title_style="bold", box=None, pad_edge=False)
+    for heading in ("point", "axis", "rms m/s²", "peak m/s²", "weighted rms", "95 % of 5 s", "N_MV"):
+        table.add_column(heading, justify="left" if heading in ("point", "axis") else "right", no_wrap=True)
+    values = found.as_dict()["points"]
+    for point, of in values.items():
+        for i, axis in enumerate(("x", "y", "z")):
+            row = [of[key][axis] for key in ("rms_m_s2", "peak_m_s2", "weighted_rms_m_s2", "comfort_95_m_s2")]
+            mean = "" if i or of["N_MV"] is None else f"{of['N_MV']:.3g}"
+            table.add_row("" if i else point, axis, *("" if v is None else f"{v:.3g}" for v in row), mean)
+    console.print(table)
+    blocks = int(found.data.attrs["blocks"])
+    console.print(
+        f"weighted: Wd along x and y, Wb along z; {blocks} blocks of 5 s (EN 12299 asks for 60)", soft_wrap=True
+    )

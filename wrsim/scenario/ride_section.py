@@ -1,0 +1,27 @@
+"""[ride]: which stretch of a run is evaluated, and how finely."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, ClassVar
+
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import Quantity
+
+Place = Quantity(-1e6, 1e6, example="m along the centre line")
+
+
+class RideSection(Section):
+    """from_m and to_m leave out where a run starts and ends; resolution_Hz is that of the spectra."""
+
+    header: ClassVar[str] = "[ride]"
+    aliases: ClassVar[dict[str, str]] = {"start_m": "from_m", "end_m": "to_m", "df_Hz": "resolution_Hz"}
+
+    from_m: Annotated[float, Place] | None = None
+    to_m: Annotated[float, Place] | None = None
+    resolution_Hz: Annotated[float, Quantity(0.001, 10, example="Hz")] = 0.1
+
+    def consistency(self) -> Iterator[Fault]:
+        """A stretch has a length."""
+        if self.from_m is not None and self.to_m is not None and self.to_m <= self.from_m:
+            yield Fault("to_m", f"must lie beyond from_m ({self.from_m:g} m)")
