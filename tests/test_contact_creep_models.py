@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from support.contact_bench import bench, pair_model, settle
 from support.ellipse import COEFFICIENTS, FORCE, MEAN_RADIUS, PEAK, SHEAR_MODULUS, ellipse, roll, total
@@ -58,6 +58,7 @@ def test_oblique_sliding_is_opposite_to_the_slip(model, degrees):
 
 @pytest.mark.parametrize("model", BOUNDED)
 @given(aspect=aspects, xi=signed, eta=signed, phi=spins, friction=st.floats(0.0, 2.0))
+@example(aspect=1.0, xi=0.1, eta=0.0, phi=0.0, friction=1e-308)
 def test_no_strip_pulls_more_than_friction_allows(model, aspect, xi, eta, phi, friction):
     rows = roll(aspect, xi, eta, phi, friction=friction, model=model, **few)
     assert np.isfinite(rows).all()
@@ -66,6 +67,7 @@ def test_no_strip_pulls_more_than_friction_allows(model, aspect, xi, eta, phi, f
 
 @EVERY
 @given(aspect=aspects, xi=signed, eta=signed, phi=spins, direction=st.sampled_from([1.0, -1.0]))
+@example(aspect=30.0, xi=0.0, eta=1e-6, phi=1e-3, direction=1.0)  # spin and lateral creepage alone in slender patches
 def test_creep_forces_only_take_power(model, aspect, xi, eta, phi, direction):
     rows = roll(aspect, xi, eta, phi, model=model, direction=direction, **few)
     powers = rows[:, [k.FX, k.FY, k.MZ]] * rows[:, [k.XI, k.ETA, k.PHI]]

@@ -34,7 +34,7 @@ rest of it.
 from math import pi, sqrt
 
 from wrsim.core.compiling import kernel
-from wrsim.core.fastsim import largest_traction
+from wrsim.core.fastsim import hold_power, largest_traction
 from wrsim.core.layout import DS, ETA, FX, FY, MZ, PHI, XI, A
 
 NOTHING = 1e-30  # bound below which a strip only slides [Pa]
@@ -107,6 +107,7 @@ def fastrip(strips, n, half_length, l1, l2, l3, direction, shape, work):
         strips[i, FX] = scale * fx[i] * cell
         strips[i, FY] = scale * fy[i] * cell
         strips[i, MZ] = direction * scale * mz[i] * cell * a
+    hold_power(strips, n)
 
 
 @kernel

@@ -156,3 +156,22 @@ def fastsim(strips, n, peak, xi0, eta0, l1, l2, l3, direction, shape, work):
         strips[i, FX] = fx[i] * cell
         strips[i, FY] = fy[i] * cell
         strips[i, MZ] = direction * mz[i] * cell * a
+    hold_power(strips, n)
+
+
+@kernel
+def hold_power(strips, n):
+    """Moments as near to the ones given as keeps the creep's power over all strips from being positive.
+
+    C22 makes the moment of eta, C23 the lateral force of phi. In slender patches (a/b above some 10) with next to no
+    slip the two differ so much that, with hardly anything else to dissipate, their powers would not cancel.
+    """
+    power = 0.0
+    spins = 0.0
+    for i in range(n):
+        phi = strips[i, PHI]
+        power += strips[i, FX] * strips[i, XI] + strips[i, FY] * strips[i, ETA] + strips[i, MZ] * phi
+        spins += phi * phi
+    if power > 0.0 and spins > 0.0:
+        for i in range(n):
+            strips[i, MZ] -= power * strips[i, PHI] / spins

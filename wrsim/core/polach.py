@@ -31,6 +31,7 @@ def polach(xi, eta, phi, a, b, c11, c22, c23, stiffness, adhesion, slip):
     if abs(turned) <= abs(eta):
         turned = eta
     whole = sqrt(xi * xi + turned * turned)
+    stiffness = min(stiffness, LARGE)
     if whole == 0.0:
         return 0.0, 0.0, 0.0
     plain = sqrt(xi * xi + eta * eta)
