@@ -83,12 +83,14 @@ class CurvatureJump:
 
 @dataclass(frozen=True, eq=False)
 class Laws:
-    """Curvature [1/m], signed cant [m] and gauge widening [m] over the distance along the centre line."""
+    """Curvature [1/m], signed cant [m] and gauge widening [m] over the distance along the centre line; angle of slope
+    [rad] where it is not given by grades."""
 
     curvature: PiecewiseCubic
     cant: PiecewiseCubic
     widening: PiecewiseCubic
     jumps: tuple[CurvatureJump, ...]
+    pitch: PiecewiseCubic | None = None
 
 
 def mirrored(segments: Sequence[Segment]) -> tuple[Segment, ...]:

@@ -1,10 +1,11 @@
 """A track: segments -> centre line -> two swept rails.
 
 Cross-section. The centre line lies at the height of the rail tops, half way between the gauge points. Cant
-turns the cross-section about the centre line, which itself stays level: of the two rails one rises and the
-other falls by half the cant. Gauge widening moves each rail outward by half of it. The origin of each rail
+turns the cross-section about the centre line, which itself stays in its place: of the two rails one rises and the
+other falls by half the cant. Distance is counted along the centre line, also where it climbs. Gauge widening moves each rail outward by half of it. The origin of each rail
 profile sits at the outward distance gauge(s)/2 + o and the height b in the canted cross-section; (o, b) come
-from the inclined rail profile (o = -u of its gauge point, b = -w of its highest point).
+from the inclined rail profile (o = -u of its gauge point, b = -w of its highest point). Irregularities move
+the rails along the axes of the cross-section; the centre line knows nothing of them.
 
 Signs. ``cant(s)`` is signed like the curvature: positive when the right rail is the higher one, which leans a
 vehicle to the inside of a left curve. ``roll(s)`` = -asin(cant / cant_base) is the rotation about t, positive
@@ -16,16 +17,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.errors import InputError
 from wrsim.geometry.centre_line import CentreLine
+from wrsim.geometry.gradient import Grade, pitch_law
+from wrsim.geometry.irregularities import SMOOTH, Disturbance, Irregularities
 from wrsim.geometry.path import Path
 from wrsim.geometry.rail import SweptCurve
-from wrsim.geometry.segments import Arc, CurvatureJump, Segment, Transition, kind_of, laws
+from wrsim.geometry.segments import Arc, CurvatureJump, Laws, Segment, Transition, kind_of, laws
 
 Array = NDArray[np.float64]
 
@@ -38,6 +41,8 @@ ROUNDING = 1.0
 
 About the elastic length (4 E I / k)^(1/4) of a rail: 0.75 to 0.85 m for 60E1 (E I = 6.4 MN m2) on a support
 of 50 to 80 MN/m2."""
+ROWS = 0.25
+"""Distance of the rows of a path unless irregularities need less [m]."""
 MAX_ROWS = 4_000_000
 """Largest table of a path."""
 
@@ -79,29 +84,50 @@ class Track:
         segments: Sequence[Segment],
         gauge: float = STANDARD_GAUGE,
         *,
-        left_offset: tuple[float, float] = (0.0, 0.0),
-        right_offset: tuple[float, float] = (0.0, 0.0),
-        cant_base: float | None = None,
-        step: float = 0.25,
         rounding: float = ROUNDING,
-        start: tuple[float, float, float] = (0.0, 0.0, 0.0),
-        heading: float = 0.0,
+        **options: Any,
     ) -> Track:
         """Lay the segments one behind the other.
 
-        gauge: nominal gauge [m]. left_offset, right_offset: (o, b) of the rail profile's origin [m], outward
-        of the gauge point and above the rail tops. cant_base: distance over which cant is measured [m],
-        default gauge + 0.065 m. step: largest distance of the tables' rows [m]. rounding: half length over
-        which the kinks of cant and gauge at joints are rounded [m]. start, heading: point [m] and direction
-        [rad] at s = 0.
+        gauge: nominal gauge [m]. rounding: half length over which the kinks of cant and gauge at joints are rounded
+        [m]. options: as `lay` takes them.
 
         Raises InputError naming segment, key, value and what is allowed.
         """
         _within("gauge_mm", gauge, 0.3, 3.0, 1e3)
+        _within("rounding_m", rounding, 1e-3, 20.0)
+        segments = tuple(segments)
+        return cls.lay(laws(segments, gauge, rounding), gauge, segments=segments, **options)
+
+    @classmethod
+    def lay(
+        cls,
+        law: Laws,
+        gauge: float = STANDARD_GAUGE,
+        *,
+        segments: tuple[Segment, ...] = (),
+        grades: Sequence[Grade] = (),
+        irregularities: Sequence[Disturbance] = (),
+        left_offset: tuple[float, float] = (0.0, 0.0),
+        right_offset: tuple[float, float] = (0.0, 0.0),
+        cant_base: float | None = None,
+        step: float | None = None,
+        start: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        heading: float = 0.0,
+    ) -> Track:
+        """A track of given laws of curvature, cant and gauge.
+
+        segments: those that the laws come from, if any; without them the track is one measured piece. grades: vertical
+        alignment, in place of that of the laws. irregularities: of the rails. left_offset, right_offset: (o, b) of the
+        rail profile's origin [m], outward of the gauge point and above the rail tops. cant_base: distance over which
+        cant is measured [m], default gauge + 0.065 m. step: largest distance of the tables' rows [m]; None: 0.25 m, and
+        on the rails what their irregularities need. start, heading: point [m] and direction [rad] at s = 0.
+        """
+        _within("gauge_mm", gauge, 0.3, 3.0, 1e3)
         base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
         _within("cant_base_mm", base, gauge, gauge + 0.5, 1e3)
-        _within("step_m", step, 1e-3, 10.0)
-        _within("rounding_m", rounding, 1e-3, 20.0)
+        if step is not None:
+            _within("step_m", step, 1e-3, 10.0)
         for key, offset in (("left_offset", left_offset), ("right_offset", right_offset)):
             for value in offset:
                 _within(f"{key} (o, b)", value, -0.5, 0.5)
@@ -109,30 +135,37 @@ class Track:
             if not math.isfinite(value):
                 raise InputError(f"start or heading of the track = {value}; allowed: finite numbers")
 
-        segments = tuple(segments)
-        law = laws(segments, gauge, rounding)
-        if law.curvature.end / step > MAX_ROWS:
+        uneven = Irregularities(tuple(irregularities))
+        finest = min(uneven.rail(1).resolution, uneven.rail(-1).resolution)
+        if step is not None and step > finest * (1.0 + 1e-9):
             raise InputError(
-                f"track of {law.curvature.end:g} m with rows every {step:g} m; allowed: {MAX_ROWS} rows "
-                "(is length_m in metres?)"
+                f"row_distance_m = {step:g} is too coarse for the irregularities, which need {finest:g} (a quarter of "
+                "the shortest wavelength); allowed: a smaller one, or longer waves"
             )
-        line = CentreLine.build(law.curvature, start, heading)
+        rows = min(ROWS, finest) if step is None else step
+        length = law.curvature.end
+        if length / rows > MAX_ROWS:
+            raise InputError(
+                f"track of {length:g} m with rows every {rows:g} m; allowed: {MAX_ROWS} rows (is length_m in metres?)"
+            )
+        pitch = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
+        line = CentreLine.build(law.curvature, pitch, start, heading)
 
         def curve(side: int, offset: tuple[float, float]) -> SweptCurve:
-            return SweptCurve.build(line, law.cant, law.widening, gauge, base, side, offset)
+            return SweptCurve.build(line, law.cant, law.widening, gauge, base, side, offset, uneven.rail(side))
 
         left, right = curve(1, left_offset), curve(-1, right_offset)
         return cls(
-            segments,
-            gauge,
-            base,
-            law.jumps,
-            curve(0, (0.0, 0.0)).path(step),
-            left.path(step),
-            right.path(step),
-            line,
-            left,
-            right,
+            segments=segments,
+            nominal_gauge=gauge,
+            cant_base=base,
+            jumps=law.jumps,
+            centre=curve(0, (0.0, 0.0)).path(ROWS if step is None else step),
+            left=left.path(rows),
+            right=right.path(rows),
+            centre_line=line,
+            left_curve=left,
+            right_curve=right,
         )
 
     @property
@@ -156,9 +189,28 @@ class Track:
         """Roll of the cross-section about t [rad], positive when the left rail is higher."""
         return self.left_curve.roll(s)[0]
 
+    def grade(self, s: ArrayLike) -> Array:
+        """Grade: rise over level length, positive uphill."""
+        return np.asarray(np.tan(self.centre_line.pitch(s)[0]))
+
     def gauge(self, s: ArrayLike) -> Array:
-        """Gauge with widening [m]."""
-        return self.nominal_gauge + self.left_curve.widening(s)
+        """Gauge with widening and irregularities [m]."""
+        left, right = (curve.irregularity.lateral(s)[0] for curve in (self.left_curve, self.right_curve))
+        return np.asarray(self.nominal_gauge + self.left_curve.widening(s) + left - right)
+
+    def irregularity(self, side: Literal["left", "right"], s: ArrayLike) -> tuple[Array, Array]:
+        """How far a rail lies to the left of and above its designed place [m]."""
+        uneven = self._curve(side).irregularity
+        return uneven.lateral(s)[0], uneven.vertical(s)[0]
+
+    def cross_level(self, s: ArrayLike) -> Array:
+        """Height of the right rail above the left one, of the irregularities alone: cant not counted [m]."""
+        return np.asarray(self.irregularity("right", s)[1] - self.irregularity("left", s)[1])
+
+    @property
+    def is_uneven(self) -> bool:
+        """True when a rail has irregularities."""
+        return any(curve.irregularity != SMOOTH for curve in (self.left_curve, self.right_curve))
 
     def rail_distance(self, side: Literal["left", "right"], s: ArrayLike) -> Array:
         """Own arclength of a rail [m] in the cross-section at centre-line distance s."""
@@ -181,6 +233,8 @@ class Track:
 
     def features(self) -> tuple[Feature, ...]:
         """The segments in order, with labels and distances, for plots and reports."""
+        if not self.segments:
+            return (Feature("table", "measured", 0.0, self.length),)
         starts = self.centre_line.curvature_law.starts
         ends = np.append(starts[1:], self.length)
         return tuple(

@@ -1,0 +1,218 @@
+"""Irregularities of a track: how far each rail lies beside its designed place, over the distance along the centre line.
+
+Four channels, as track recording cars give them, and what they do to the rails (left | right):
+
+=========== ============================================= ==================== ====================
+alignment   both rails to the left                        lateral +1           lateral +1
+level       both rails up                                 vertical +1          vertical +1
+cross-level right rail above left                         vertical -1/2        vertical +1/2
+gauge       rails apart                                   lateral +1/2         lateral -1/2
+=========== ============================================= ==================== ====================
+
+A disturbance is one shape over the distance, times a weight on each rail's lateral (n) and vertical (b) offset. Shapes
+give value, slope and second derivative, so that the rail's tangent and curvature follow exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
+
+from wrsim.geometry.piecewise import Jet, PiecewiseCubic
+
+Array = NDArray[np.float64]
+Channel = Literal["alignment", "level", "cross-level", "gauge"]
+Rail = Literal["both", "left", "right"]
+
+CHANNELS: tuple[Channel, ...] = ("alignment", "level", "cross-level", "gauge")
+WEIGHTS: dict[str, tuple[float, float, float, float]] = {
+    "alignment": (1.0, 0.0, 1.0, 0.0),
+    "level": (0.0, 1.0, 0.0, 1.0),
+    "cross-level": (0.0, -0.5, 0.0, 0.5),
+    "gauge": (0.5, 0.0, -0.5, 0.0),
+}
+"""Lateral and vertical weight on the left, then on the right rail."""
+ROWS_A_WAVE = 4.0
+"""Rows of a path within the shortest wave: the quintic between them then follows it within 0.1 %."""
+
+
+class Shape(Protocol):
+    """A function of distance. resolution: largest distance of a path's rows that follows it [m]."""
+
+    @property
+    def resolution(self) -> float: ...
+
+    def jet(self, s: Array) -> Jet:
+        """Value [m], slope and second derivative at s."""
+
+    def breaks(self) -> Array:
+        """Distances at which its slope or curvature may jump [m]."""
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """A shape and its weights: lateral and vertical on the left rail, then on the right one."""
+
+    shape: Shape
+    weights: tuple[float, float, float, float]
+
+    @classmethod
+    def of(cls, shape: Shape, channel: Channel, rail: Rail = "both") -> Disturbance:
+        """The shape in a channel; of alignment and level one rail alone may be meant."""
+        weights = WEIGHTS[channel]
+        if rail == "left":
+            weights = (*weights[:2], 0.0, 0.0)
+        elif rail == "right":
+            weights = (0.0, 0.0, *weights[2:])
+        return cls(shape, weights)
+
+
+@dataclass(frozen=True)
+class RailIrregularity:
+    """What disturbs one rail: pairs of weight and shape."""
+
+    lateral_parts: tuple[tuple[float, Shape], ...] = ()
+    vertical_parts: tuple[tuple[float, Shape], ...] = ()
+
+    def lateral(self, s: ArrayLike) -> Jet:
+        """Offset to the left [m] at s and its first two derivatives."""
+        return _sum(self.lateral_parts, s)
+
+    def vertical(self, s: ArrayLike) -> Jet:
+        """Offset upward [m] at s and its first two derivatives."""
+        return _sum(self.vertical_parts, s)
+
+    @property
+    def resolution(self) -> float:
+        """Largest distance of a path's rows that follows it [m]."""
+        return min((shape.resolution for _, shape in (*self.lateral_parts, *self.vertical_parts)), default=np.inf)
+
+    def breaks(self, length: float) -> Array:
+        """Distances between 0 and length at which slope or curvature may jump [m]."""
+        parts = [shape.breaks() for _, shape in (*self.lateral_parts, *self.vertical_parts)]
+        return np.unique(np.clip(np.concatenate([np.zeros(1), *parts]), 0.0, length))
+
+
+SMOOTH = RailIrregularity()
+"""A rail exactly in its place."""
+
+
+@dataclass(frozen=True)
+class Irregularities:
+    """All disturbances of a track."""
+
+    disturbances: tuple[Disturbance, ...] = ()
+
+    def rail(self, side: int) -> RailIrregularity:
+        """Those of the left (+1) or right (-1) rail."""
+        first = 0 if side > 0 else 2
+        lateral, vertical = (
+            tuple((d.weights[k], d.shape) for d in self.disturbances if d.weights[k]) for k in (first, first + 1)
+        )
+        return RailIrregularity(lateral, vertical)
+
+
+def _sum(parts: Sequence[tuple[float, Shape]], s: ArrayLike) -> Jet:
+    s = np.asarray(s, dtype=np.float64)
+    value, slope, bend = np.zeros(s.shape), np.zeros(s.shape), np.zeros(s.shape)
+    for weight, shape in parts:
+        v, d, dd = shape.jet(s)
+        value, slope, bend = value + weight * v, slope + weight * d, bend + weight * dd
+    return value, slope, bend
+
+
+# --- shapes -------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """A cubic spline through samples, zero beyond them. resolution: see `Shape`."""
+
+    spline: CubicSpline
+    resolution: float
+
+    @classmethod
+    def through(cls, distance: Array, values: Array, fade: float, shortest: float) -> Sampled:
+        """Spline through values (n,) [m] at rising distances [m], faded in and out over ``fade`` [m] at both ends.
+
+        shortest: wavelength that has to be followed [m].
+        """
+        window = smooth_step((distance - distance[0]) / fade) * smooth_step((distance[-1] - distance) / fade)
+        # value, slope and curvature vanish at the ends, where the zero beyond begins
+        spline = CubicSpline(distance, values * window, bc_type="clamped")
+        return cls(spline, shortest / ROWS_A_WAVE)
+
+    def jet(self, s: Array) -> Jet:
+        """See `Shape`."""
+        inside = (s >= self.spline.x[0]) & (s <= self.spline.x[-1])
+        if not inside.any():
+            zero = np.zeros(s.shape)
+            return zero, zero, zero
+        value, slope, bend = (np.where(inside, self.spline(s, nu), 0.0) for nu in range(3))
+        return value, slope, bend
+
+    def breaks(self) -> Array:
+        """See `Shape`."""
+        return np.array([self.spline.x[0], self.spline.x[-1]])
+
+
+@dataclass(frozen=True)
+class Bump:
+    """1-cosine: amplitude/2 (1 - cos(2 pi (s - start) / length)) from start to start + length."""
+
+    start: float
+    length: float
+    amplitude: float
+
+    @property
+    def resolution(self) -> float:
+        """See `Shape`: its curvature begins with a jump."""
+        return self.length / 16.0
+
+    def jet(self, s: Array) -> Jet:
+        """See `Shape`."""
+        k = 2.0 * np.pi / self.length
+        x = s - self.start
+        inside = (x >= 0.0) & (x <= self.length)
+        half = np.where(inside, 0.5 * self.amplitude, 0.0)
+        return half * (1.0 - np.cos(k * x)), half * k * np.sin(k * x), half * k * k * np.cos(k * x)
+
+    def breaks(self) -> Array:
+        """See `Shape`."""
+        return np.array([self.start, self.start + self.length])
+
+
+@dataclass(frozen=True, eq=False)
+class Polygon:
+    """Straight lines with rounded corners."""
+
+    law: PiecewiseCubic
+    resolution: float
+
+    @classmethod
+    def through(cls, distance: Sequence[float], values: Sequence[float], rounding: float) -> Polygon:
+        """Through points at rising distances from 0 on; the last value is held. Corners are rounded over +-rounding,
+        or what the shortest line allows [m]."""
+        s, y = np.asarray(distance, dtype=float), np.asarray(values, dtype=float)
+        rounding = min(rounding, 0.5 * float(np.diff(s)[1:-1].min(initial=np.inf)))
+        rows = np.column_stack((y[:-1], np.diff(y), np.zeros((len(y) - 1, 2))))
+        return cls(PiecewiseCubic(s[:-1], np.diff(s), rows).rounded(rounding), rounding / 4.0)
+
+    def jet(self, s: Array) -> Jet:
+        """See `Shape`."""
+        return self.law.jet(s)
+
+    def breaks(self) -> Array:
+        """See `Shape`."""
+        return self.law.breaks()
+
+
+def smooth_step(x: Array) -> Array:
+    """0 below 0, 1 above 1, between them x^3 (10 - 15 x + 6 x^2): slope and curvature vanish at both ends."""
+    x = np.clip(x, 0.0, 1.0)
+    return np.asarray(x**3 * (10.0 + x * (-15.0 + 6.0 * x)))
