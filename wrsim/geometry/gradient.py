@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -66,7 +67,7 @@ def pitch_law(grades: Sequence[Grade], length: float) -> PiecewiseCubic:
         starts.append(length)
         rows.append(angle)
     knots, values = np.array(starts), np.array(rows)
-    coefficients = np.array([linear(a, b) for a, b in zip(values[:-1], values[1:], strict=True)])
+    coefficients = np.array([linear(a, b) for a, b in pairwise(values)])
     return PiecewiseCubic(knots[:-1], np.diff(knots), coefficients)
 
 

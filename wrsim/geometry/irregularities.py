@@ -38,7 +38,7 @@ WEIGHTS: dict[str, tuple[float, float, float, float]] = {
 }
 """Lateral and vertical weight on the left, then on the right rail."""
 ROWS_A_WAVE = 4.0
-"""Rows of a path within the shortest wave: the quintic between them then follows it within 0.1 %."""
+"""Rows of a path within the shortest wave: the quintic between them then follows it within half a percent."""
 
 
 class Shape(Protocol):

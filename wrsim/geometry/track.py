@@ -2,10 +2,11 @@
 
 Cross-section. The centre line lies at the height of the rail tops, half way between the gauge points. Cant
 turns the cross-section about the centre line, which itself stays in its place: of the two rails one rises and the
-other falls by half the cant. Distance is counted along the centre line, also where it climbs. Gauge widening moves each rail outward by half of it. The origin of each rail
-profile sits at the outward distance gauge(s)/2 + o and the height b in the canted cross-section; (o, b) come
-from the inclined rail profile (o = -u of its gauge point, b = -w of its highest point). Irregularities move
-the rails along the axes of the cross-section; the centre line knows nothing of them.
+other falls by half the cant. Distance is counted along the centre line, also where it climbs. Gauge widening
+moves each rail outward by half of it. The origin of each rail profile sits at the outward distance gauge(s)/2 + o
+and the height b in the canted cross-section; (o, b) come from the inclined rail profile (o = -u of its gauge point,
+b = -w of its highest point). Irregularities move the rails along the axes of the cross-section; the centre line
+knows nothing of them.
 
 Signs. ``cant(s)`` is signed like the curvature: positive when the right rail is the higher one, which leans a
 vehicle to the inside of a left curve. ``roll(s)`` = -asin(cant / cant_base) is the rotation about t, positive

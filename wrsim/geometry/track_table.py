@@ -87,7 +87,8 @@ class TrackTable:
         if back.size:
             i = int(back[0])
             raise InputError(
-                f"{path}:{lines[i + 1]}: distance_m = {distance[i + 1]:g} after {distance[i]:g}: must rise from row to row"
+                f"{path}:{lines[i + 1]}: distance_m = {distance[i + 1]:g} after {distance[i]:g}: must rise from row "
+                "to row"
             )
         return cls(path, distance - distance[0], columns)
 
