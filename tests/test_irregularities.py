@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from wrsim.analysis import run
 from wrsim.errors import InputError
 from wrsim.geometry.gradient import Grade, pitch_law
 from wrsim.geometry.irregularities import Bump, Disturbance, Polygon, Sampled
@@ -16,6 +17,8 @@ from wrsim.geometry.segments import Arc, Segment, Straight, Transition
 from wrsim.geometry.spectra import SPECTRA, Realisation
 from wrsim.geometry.track import Track
 from wrsim.geometry.track_table import TrackTable
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load, load_text
 
 OUT, UP = 0.043, 0.01
 CURVE: tuple[Segment, ...] = (
@@ -327,3 +330,170 @@ def test_a_band_finer_than_the_table_is_refused(tmp_path: Path) -> None:
         TrackTable.read(file).disturbances(0.0, 10.0, band=(1.0, 50.0))
     with pytest.raises(InputError, match="has no geometry"):
         TrackTable.read(file).laws(1.435)
+
+
+# --- in files -------------------------------------------------------------------------------------------------------
+
+SCENARIO = """
+title = "t"
+analysis = "curving"
+[vehicle]
+model = "vehicles/wheelset_s1002.toml"
+speed_kmh = 72
+[track]
+gauge_mm = 1435
+rail = "rails/60E1.toml"
+inclination = "1:40"
+[[track.segments]]
+kind = "straight"
+length_m = 200
+"""
+
+
+def told(tmp_path: Path, text: str) -> str:
+    """What a scenario with this text is refused with."""
+    file = tmp_path / "s.toml"
+    file.write_text(SCENARIO + text)
+    with pytest.raises(InputError) as error:
+        build(load(file))
+    return str(error.value)
+
+
+def test_defects_grades_and_spectra_of_a_file_lie_on_its_track(tmp_path: Path) -> None:
+    file = tmp_path / "s.toml"
+    file.write_text(
+        SCENARIO
+        + """
+[[track.grades]]
+from_m = 0
+grade_permille = 10
+[[track.irregularities]]
+kind = "dip"
+rail = "left"
+at_m = 50
+length_m = 4
+amplitude_mm = 5
+[[track.irregularities]]
+kind = "alignment"
+at_m = 80
+length_m = 10
+amplitude_mm = 3
+shape = "kink"
+[[track.irregularities]]
+kind = "twist"
+at_m = 120
+length_m = 6
+amplitude_mm = 4
+shape = "ramp"
+[[track.irregularities]]
+kind = "gauge"
+at_m = 100
+length_m = 10
+amplitude_mm = 6
+"""
+    )
+    track = build(load(file)).track
+    assert track.grade(70.0) == pytest.approx(0.01)
+    assert track.irregularity("left", 50.0)[1] == pytest.approx(-5e-3)
+    assert track.irregularity("right", 50.0)[1] == 0.0
+    # a kink is rounded by 3/16 of its change of slope, 2 * 3 mm / 5 m, over 1 m
+    assert track.irregularity("right", 80.0)[0] == pytest.approx(3e-3 - 3.0 / 16.0 * 2.0 * 3e-3 / 5.0, rel=1e-9)
+    assert track.cross_level(np.array([110.0, 130.0, 199.0])) == pytest.approx([0.0, 4e-3, 4e-3])
+    assert track.gauge(100.0) == pytest.approx(1.441)
+
+
+def test_a_track_file_lies_beneath_the_keys_of_the_scenario(tmp_path: Path) -> None:
+    lines = SCENARIO.split("[track]")
+    (tmp_path / "line.toml").write_text('name = "l"\nsource = "s"\ndate = 2026-01-01\n[track]' + lines[1])
+    file = tmp_path / "s.toml"
+    file.write_text(lines[0] + '[track]\nfile = "line.toml"\ninclination = "1:20"\n')
+    scenario = load(file)
+    assert scenario.spec.track.gauge_mm == 1435.0 and scenario.spec.track.inclination == 0.05
+    # the text that a result carries is whole
+    assert build(load_text(scenario.text)).track.length == 200.0
+    (tmp_path / "line.toml").write_text('name = "l"\nsource = "s"\ndate = 2026-01-01\n[track]\ngauge_mn = 1435\n')
+    with pytest.raises(InputError, match=r"line\.toml:5: track\.gauge_mn = 1435: unknown key; did you mean 'gauge_mm'"):
+        load(file)
+    file.write_text(lines[0] + '[track]\nfile = "lime.toml"\n')
+    with pytest.raises(
+        InputError, match=r's\.toml:8: track\.file = "lime\.toml": not found .* did you mean "line\.toml"'
+    ):
+        load(file)
+
+
+def test_the_shipped_line_is_five_kilometres_and_as_uneven_as_it_says() -> None:
+    text = SCENARIO.split("[track]")[0] + '[track]\nfile = "tracks/mixed_line.toml"\n'
+    track = build(load_text(text)).track
+    assert track.length == pytest.approx(5000.0)
+    assert {f.kind for f in track.features()} == {"straight", "transition", "arc"}
+    assert not track.jumps
+    s = np.arange(50.0, 4950.0, 0.25)
+    left, right = (track.irregularity(side, s) for side in ("left", "right"))
+    # ERRI low: standard deviation of level and alignment between 3 and 100 m from the integral of the density
+    w = np.linspace(2.0 * math.pi / 100.0, 2.0 * math.pi / 3.0, 20001)
+    for way, channel in enumerate(("alignment", "level")):
+        expected = math.sqrt(np.trapezoid(SPECTRA["ERRI-low"][channel](w), w))
+        assert np.std(0.5 * (left[way] + right[way])) == pytest.approx(expected, rel=0.1)  # and four defects
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ('[[track.irregularities]]\nkind = "spectrum"\nspectrum = "ERRI-lo"\nseed = 1\n', 'did you mean "ERRI-low"'),
+        (
+            '[[track.irregularities]]\nkind = "spectrum"\nspectrum = "FRA-4"\nseed = 1\nwavelength_m = [3, 300]\n',
+            "s.toml:14: track.irregularities[0]: from 0 to 200 m there is no room for the longest wavelength, 300 m",
+        ),
+        (
+            '[[track.irregularities]]\nkind = "spectrum"\nspectrum = "FRA-4"\nseed = 1\nwavelength_m = [70, 3]\n',
+            "must be two rising wavelengths",
+        ),
+        (
+            '[[track.irregularities]]\nkind = "dip"\nat_m = 199\nlength_m = 4\namplitude_mm = 5\n',
+            "s.toml:14: track.irregularities[0]: at_m = 199: goes from 197 to 201 m; must lie on the track",
+        ),
+        (
+            '[[track.irregularities]]\nkind = "table"\nfile = "none.csv"\n',
+            "s.toml:16: track.irregularities[0].file = \"none.csv\": not found",
+        ),
+        ('[[track.irregularities]]\nkind = "dipp"\n', 'did you mean "dip"'),
+        ("[[track.grades]]\nfrom_m = 0\ngrade_permille = 300\n", "track.grades[0].grade_permille = 300: must be"),
+        (
+            "[[track.grades]]\nfrom_m = 9\ngrade_permille = 3\n[[track.grades]]\nfrom_m = 9\ngrade_permille = 4\n",
+            "track.grades[1].from_m: must be above that of the grade before (9)",
+        ),
+        (
+            '[[track.irregularities]]\nkind = "gauge"\nat_m = 90\nlength_m = 9\namplitude_mm = -30\n',
+            "s.toml:14: track.irregularities: the wheelset is placed off the rails: at a gauge of 1405 mm",
+        ),
+    ],
+)  # fmt: skip
+def test_a_fault_in_a_track_is_told_where_it_stands(tmp_path: Path, text: str, message: str) -> None:
+    assert message in told(tmp_path, text)
+
+
+def test_rows_asked_for_too_far_apart_are_refused(tmp_path: Path) -> None:
+    text = (SCENARIO + '[[track.irregularities]]\nkind = "dip"\nat_m = 90\nlength_m = 2\namplitude_mm = 4\n').replace(
+        "gauge_mm = 1435", "gauge_mm = 1435\nrow_distance_m = 0.5"
+    )
+    with pytest.raises(InputError, match=r"row_distance_m = 0\.5 is too coarse for the irregularities"):
+        build(load_text(text))
+
+
+def test_a_wheelset_follows_a_dip_and_tells_where_its_rails_were() -> None:
+    defect = '[[track.irregularities]]\nkind = "dip"\nat_m = 40\nlength_m = 20\namplitude_mm = 6\n'
+    text = SCENARIO + defect + "[run]\nstart_distance_m = 25\ndistance_m = 25\n"
+    dataset = run(load_text(text)).dataset
+    distance = dataset["distance"].values
+    fallen = dataset["rail_vertical"].values
+    dip = np.where(np.abs(distance - 40.0) < 10.0, -3e-3 * (1.0 + np.cos(0.1 * math.pi * (distance - 40.0))), 0.0)
+    assert fallen == pytest.approx(np.column_stack([dip, dip]), abs=1e-12)
+    # the wheels stay on the rails: contact springs give some 10 um, the slope of the rails less
+    sunk = dataset["vertical_shift"].values - dataset["vertical_shift"].values[0]
+    assert np.abs(sunk - dip).max() < 30e-6
+    contact = dataset["z_contact"].values[:, :, 0]
+    assert contact - contact[0] == pytest.approx(fallen, abs=30e-6)
+    # in the trough the wheelset's own mass is thrown up by V^2 z'': 1813 kg 400 m2/s2 3e-3 (pi/10)^2 / m
+    load = dataset["Q"].values.sum(axis=1)
+    expected = 1813.0 * 400.0 * 3e-3 * (0.1 * math.pi) ** 2
+    assert load[np.argmin(np.abs(distance - 40.0))] - load[0] == pytest.approx(expected, rel=0.05)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.analysis.track_channels import track_channels, uneven
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
 from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
@@ -67,20 +68,17 @@ def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
         evaluate(snapshot.sample)
         strips.store(law.elements())
     kept = np.array([s.sample for s in snapshots], dtype=int)
-    gauge = track.gauge(poses.distance)
     channels = {
         "distance": poses.distance,
         "speed": np.full(n, speed),
-        "curvature": track.curvature(poses.distance),
-        "cant": track.cant(poses.distance),
-        "gauge": gauge,
+        **track_channels(track, poses.distance),
         "lateral_shift": poses.lateral,
         "vertical_shift": poses.height - setup.wheelset.mean_radius,
         "yaw": poses.yaw,
         "roll": poses.roll,
         "spin_rate": poses.spin_rate,
         **forces,
-        **patch_channels(raw, law.wheels, gauge - track.nominal_gauge),
+        **patch_channels(raw, law.wheels, track.widening(poses.distance), uneven(track, poses.distance)),
         "snapshot_time": motion.times[kept],
         "snapshot_distance": poses.distance[kept],
         "snapshot_label": np.array([s.label for s in snapshots]),

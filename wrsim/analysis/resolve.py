@@ -96,7 +96,11 @@ def resolve(
         if progress is not None:
             progress((row + 1) / len(chosen), 0.0)
     widening = dataset["gauge"].values[samples] - setup.track.nominal_gauge if "gauge" in dataset else 0.0
-    new = {**wheel_channels(raw), **patch_channels(raw, wheels, widening), **strips.channels()}
+    rails: NDArray[np.float64] | float = 0.0
+    if "rail_lateral" in dataset:
+        rails = np.stack([dataset[f"rail_{way}"].values[samples] for way in ("lateral", "vertical")], axis=-1)
+        widening = widening - (rails[:, 0, 0] - rails[:, 1, 0])
+    new = {**wheel_channels(raw), **patch_channels(raw, wheels, widening, rails), **strips.channels()}
     return Result(assemble(*_kept(dataset, samples, chosen, new), _attributes(dataset, own.text, name, keep)))
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wrsim.analysis.motion_result import choose_snapshots
+from wrsim.analysis.track_channels import track_channels, uneven
 from wrsim.analysis.vehicle_motions import PointMotion, body_channels
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
 from wrsim.errors import SimulationError
@@ -65,22 +66,19 @@ def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: li
         for recorder in strips:
             recorder.store()
     kept = np.array([s.sample for s in snapshots], dtype=int)
-    gauges = [track.gauge(p.distance) for p in poses]
     of_wheelsets = [
         {
             "wheelset_distance": p.distance,
-            "curvature": track.curvature(p.distance),
-            "cant": track.cant(p.distance),
-            "gauge": gauge,
+            **track_channels(track, p.distance),
             "lateral_shift": p.lateral,
             "vertical_shift": p.height - mounted.wheelset.mean_radius,
             "yaw": p.yaw,
             "roll": p.roll,
             "spin_rate": p.spin_rate,
             **f,
-            **patch_channels(r, pair, gauge - track.nominal_gauge),
+            **patch_channels(r, pair, track.widening(p.distance), uneven(track, p.distance)),
         }
-        for mounted, p, gauge, f, r, pair in zip(vehicle.wheelsets, poses, gauges, forces, raw, law.wheels, strict=True)
+        for mounted, p, f, r, pair in zip(vehicle.wheelsets, poses, forces, raw, law.wheels, strict=True)
     ]
     channels: dict[str, Any] = {name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]}
     channels |= {

@@ -1,4 +1,4 @@
-"""The commands: check, run, show, plot, profile; assess, compare, resolve, conicity and vehicle are in files
+"""The commands: check, run, show, plot, profile; assess, compare, resolve, track, conicity and vehicle are in files
 of their own.
 
 They import what they need when they run, so that ``wrsim --help`` answers at once.
@@ -32,6 +32,7 @@ from wrsim.cli.showing import (
     tell_slow,
 )
 from wrsim.cli.storing import PART, can_go_on, claim, is_complete, patch_pictures, read, write
+from wrsim.cli.track import track
 from wrsim.cli.vehicle import vehicle
 from wrsim.errors import InputError
 
@@ -251,4 +252,5 @@ app.command()(compare)
 app.command()(resolve)
 app.command()(conicity)
 app.command()(ride)
+app.command()(track)
 app.command()(vehicle)

@@ -132,8 +132,14 @@ def wheel_channels(raw: RawContacts) -> dict[str, Array]:
     }
 
 
-def patch_channels(raw: RawContacts, wheels: Sequence[WheelOnRail], widening: Array | float = 0.0) -> dict[str, Array]:
-    """Channels with dimensions (sample, wheel, patch). widening: gauge beyond the nominal one, (S,) or one [m]."""
+def patch_channels(
+    raw: RawContacts, wheels: Sequence[WheelOnRail], widening: Array | float = 0.0, uneven: Array | float = 0.0
+) -> dict[str, Array]:
+    """Channels with dimensions (sample, wheel, patch).
+
+    widening: designed gauge beyond the nominal one, (S,) or one [m]; uneven: irregularities under the wheels, to the
+    left and up, (S, W, 2) or none [m].
+    """
     p = _patches(raw)
 
     def over(column: int) -> Array:
@@ -161,14 +167,19 @@ def patch_channels(raw: RawContacts, wheels: Sequence[WheelOnRail], widening: Ar
     lever_x = over(k.X_MAIN) - of_main(k.X_MAIN)[..., None]
     moments = over(k.SPIN_MOMENT) + lever_x * over(k.FY_SUM) - lever_s * over(k.FX_SUM)
     channels["spin_moment"] = np.where(p.member, moments, 0.0).sum(axis=-1)
-    channels |= _positions(raw, wheels, of_main, widening)
+    channels |= _positions(raw, wheels, of_main, widening, uneven)
     return {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
 
 
 def _positions(
-    raw: RawContacts, wheels: Sequence[WheelOnRail], of_main: Callable[[int], Array], widening: Array | float
+    raw: RawContacts,
+    wheels: Sequence[WheelOnRail],
+    of_main: Callable[[int], Array],
+    widening: Array | float,
+    uneven: Array | float,
 ) -> dict[str, Array]:
     """Main points on the profiles and in the track frame, for one wheel after the other."""
+    left, up = np.moveaxis(np.broadcast_to(uneven, (*raw.patches.shape[:2], 2)), -1, 0)
     half_widening = 0.5 * np.broadcast_to(widening, raw.patches.shape[:1])
     arcs = {"u_wheel": of_main(k.ARC_WHEEL), "u_rail": of_main(k.ARC_RAIL)}
     out = {name: np.zeros_like(arc) for name, arc in arcs.items()}
@@ -178,7 +189,8 @@ def _positions(
             out[name][:, i] = profile.at(np.clip(arcs[name][:, i], 0.0, profile.length))[0]
         o, b = wheel.rail_origin
         out["y_contact"][:, i] = wheel.side * (o + half_widening[:, None] + out["y_contact"][:, i])
-        out["z_contact"][:, i] += b
+        out["y_contact"][:, i] += left[:, i, None]
+        out["z_contact"][:, i] += b + up[:, i, None]
     return out
 
 

@@ -204,6 +204,10 @@ class Track:
         uneven = self._curve(side).irregularity
         return uneven.lateral(s)[0], uneven.vertical(s)[0]
 
+    def widening(self, s: ArrayLike) -> Array:
+        """Designed gauge beyond the nominal one [m]."""
+        return self.left_curve.widening(s)
+
     def cross_level(self, s: ArrayLike) -> Array:
         """Height of the right rail above the left one, of the irregularities alone: cant not counted [m]."""
         return np.asarray(self.irregularity("right", s)[1] - self.irregularity("left", s)[1])

@@ -247,16 +247,7 @@ class TableList(Annotation):
     def check(self, value: Any) -> tuple[Any, ...]:
         if not isinstance(value, (list, tuple)):
             raise self.refusal()
-        kept: list[Any] = []
-        faults: list[InitErrorDetails] = []
-        for position, entry in enumerate(value):
-            try:
-                kept.append(self._entry(entry))
-            except ValidationError as error:
-                faults += faults_at((position,), error)
-        if faults:
-            raise ValidationError.from_exception_data("tables", faults)
-        return tuple(kept)
+        return collected(value, self._entry)
 
     def _entry(self, entry: Any) -> Any:
         sections = self.sections()
@@ -302,6 +293,48 @@ class OrTable(Annotation):
         if number is None or not self.number.holds(number):
             raise self.refusal() if isinstance(value, str | list | bool) else self.number.refusal()
         return number
+
+
+@dataclass(frozen=True)
+class Tables(Annotation):
+    """A list of tables of one kind; the check returns a tuple of sections."""
+
+    section: Any
+    header: str
+
+    def words(self) -> str:
+        return f"a list of tables ({self.header})"
+
+    def check(self, value: Any) -> tuple[Any, ...]:
+        if not isinstance(value, (list, tuple)):
+            raise self.refusal()
+        return collected(value, self._entry)
+
+    def _entry(self, entry: Any) -> Any:
+        if not isinstance(entry, dict):
+            raise one_fault((), f"must be a table ({self.header})", entry)
+        return self.section.model_validate(entry)
+
+
+def collected(values: Any, check: Callable[[Any], Any]) -> tuple[Any, ...]:
+    """Every entry of a list checked; one validation error with the faults of all, each with its place."""
+    kept: list[Any] = []
+    faults: list[InitErrorDetails] = []
+    for position, entry in enumerate(values):
+        try:
+            kept.append(check(entry))
+        except ValidationError as error:
+            faults += [
+                InitErrorDetails(
+                    type=PydanticCustomError(e["type"], e["msg"]),  # type: ignore[arg-type]
+                    loc=(position, *e["loc"]),
+                    input=e["input"],
+                )
+                for e in error.errors(include_url=False)
+            ]
+    if faults:
+        raise ValidationError.from_exception_data("tables", faults)
+    return tuple(kept)
 
 
 def one_fault(loc: tuple[str | int, ...], message: str, value: Any, kind: str = "value") -> ValidationError:

@@ -1,8 +1,9 @@
-"""Pictures of a track: plan view, and curvature, cant and gauge against distance along the centre line."""
+"""Pictures of a track: plan view; curvature, cant, gauge, height and irregularities against distance."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,25 +15,37 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from wrsim.geometry.track import Feature, Track
-from wrsim.plots.style import CANT_COLOUR, FULL_WIDTH, INK, QUIET, new_figure, style
+from wrsim.plots.style import CANT_COLOUR, FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, new_figure, style
 
-KIND_COLOUR = {"straight": INK, "transition": "#E69F00", "arc": "#009E73"}
+KIND_COLOUR = {"straight": INK, "transition": "#E69F00", "arc": "#009E73", "table": INK}
 """Line of a segment in the plan view; Okabe and Ito's set, as all pictures."""
-KIND_SHADE = {"straight": "none", "transition": "#fbf1da", "arc": "#e3f1ec"}
+KIND_SHADE = {"straight": "none", "transition": "#fbf1da", "arc": "#e3f1ec", "table": "none"}
 """Background of a segment against distance."""
 SAMPLES = 400
 """Points a segment."""
+TABLE_STEP = 0.5
+"""Distance of the points of measured track [m]."""
+IRREGULARITY_STEP = 0.25
+"""Distance of the points of irregularities [m]."""
 
 
 def track_figure(track: Track) -> Figure:
-    """Plan view above curvature, cant and gauge against distance."""
+    """Plan view above curvature, cant, gauge, height and grade, and irregularities against distance.
+
+    A level track has no panel of height, an even one none of irregularities.
+    """
+    draws: list[Callable[[Axes, Track], Axes]] = [curvature, cant, gauge]
+    if not track.centre_line.pitch_law.is_zero:
+        draws.append(height)
+    if track.is_uneven:
+        draws += [vertical_irregularity, lateral_irregularity]
     with style():
-        figure = new_figure(FULL_WIDTH, 165.0)
-        grid = figure.add_gridspec(4, 1, height_ratios=(2.6, 1.0, 1.0, 1.0))
+        figure = new_figure(FULL_WIDTH, 84.0 + 27.0 * len(draws))
+        grid = figure.add_gridspec(1 + len(draws), 1, height_ratios=(2.6, *(1.0 for _ in draws)))
         plan_view(figure.add_subplot(grid[0]), track)
         first = figure.add_subplot(grid[1])
-        panels = [first, *(figure.add_subplot(grid[k], sharex=first) for k in (2, 3))]
-        for axes, draw in zip(panels, (curvature, cant, gauge), strict=True):
+        panels = [first, *(figure.add_subplot(grid[k], sharex=first) for k in range(2, 1 + len(draws)))]
+        for axes, draw in zip(panels, draws, strict=True):
             draw(axes, track)
             if axes is not panels[-1]:
                 axes.tick_params(axis="x", labelbottom=False)
@@ -118,6 +131,49 @@ def gauge(axes: Axes, track: Track) -> Axes:
     return axes
 
 
+def height(axes: Axes, track: Track) -> Axes:
+    """Height of the centre line; grades per thousand are written along it."""
+    _against_distance(axes, track, lambda s: track.centre_line.position(s)[:, 2], INK)
+    _limits(axes, 1.0)
+    law = track.centre_line.pitch_law
+    for start, length, row in zip(law.starts, law.lengths, law.coefficients, strict=True):
+        if abs(row[1]) < 1e-12 and length > 0.06 * track.length:
+            middle = start + 0.5 * length
+            axes.annotate(
+                f"{1e3 * float(np.tan(row[0])):+.3g} ‰".replace("-", "\N{MINUS SIGN}"),
+                xy=(middle, float(track.centre_line.position(middle)[2])),
+                xytext=(0.0, 7.0),
+                textcoords="offset points",
+                ha="center",
+                color=QUIET,
+                fontsize=6.5,
+            )
+    axes.set_ylabel("Height\n[m]")
+    return axes
+
+
+def vertical_irregularity(axes: Axes, track: Track) -> Axes:
+    """How far both rails lie above their designed place."""
+    return _irregularity(axes, track, 1, "Vertical\n[mm]")
+
+
+def lateral_irregularity(axes: Axes, track: Track) -> Axes:
+    """How far both rails lie to the left of their designed place."""
+    return _irregularity(axes, track, 0, "Lateral\n[mm] (+ left)")
+
+
+def _irregularity(axes: Axes, track: Track, way: int, label: str) -> Axes:
+    s = np.arange(0.0, track.length, IRREGULARITY_STEP)
+    sides: tuple[Literal["left", "right"], ...] = ("left", "right")
+    for side in sides:
+        values = 1e3 * track.irregularity(side, s)[way]
+        axes.plot(s, values, color=WHEEL_COLOUR[side], linewidth=0.6, label=f"{side} rail")
+    _limits(axes, 1.0)
+    axes.legend(loc="upper right", ncols=2, fontsize=6.5)
+    axes.set_ylabel(label)
+    return axes
+
+
 def segment_labels(axes: Axes, track: Track) -> Axes:
     """Names of the segments above a panel against distance, where they have room."""
     for feature in track.features():
@@ -145,7 +201,8 @@ _TICK = {"arrowstyle": "-", "color": QUIET, "linewidth": 0.5, "shrinkA": 0.0, "s
 def _samples(feature: Feature) -> NDArray[np.float64]:
     """Distances along one segment, its end a hair before the joint."""
     span = feature.end - feature.start
-    return feature.start + span * np.append(np.arange(SAMPLES) / SAMPLES, 1.0 - 1e-9)
+    count = SAMPLES if feature.kind != "table" else max(SAMPLES, int(span / TABLE_STEP))
+    return feature.start + span * np.append(np.arange(count) / count, 1.0 - 1e-9)
 
 
 def _round_distances(length: float) -> NDArray[np.float64]:

@@ -117,7 +117,7 @@ def _of(
     return Channel(name, tuple(dims.split()), unit, long_name, SHOWN[shown], symbol, kind, coordinate)
 
 
-_OF_WHEELSET = ("curvature", "cant", "gauge", "lateral_shift", "vertical_shift", "yaw", "roll", "spin_rate")
+_OF_WHEELSET = ("curvature", "cant", "gauge", "grade", "lateral_shift", "vertical_shift", "yaw", "roll", "spin_rate")
 
 _WHEEL = "sample wheel"
 _PATCH = "sample wheel patch"
@@ -142,6 +142,9 @@ _ALL = (
     _of("curvature", "time", "1/m", "1/km", "curvature", r"\kappa"),
     _of("cant", "time", "m", "mm", "cant"),
     _of("gauge", "time", "m", "mm", "track gauge"),
+    _of("grade", "time", "1", "permille", "grade"),
+    _of("rail_lateral", "time wheel", "m", "mm", "lateral irregularity of the rail"),
+    _of("rail_vertical", "time wheel", "m", "mm", "vertical irregularity of the rail"),
     _of("wheelset_distance", "time wheelset", "m", "m", "distance of the wheelset along the track"),
     # a whole vehicle
     _of("drive_force", "time", "N", "kN", "force that holds the speed"),

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
 from wrsim.contact.settings import ContactSettings
 from wrsim.errors import InputError
-from wrsim.geometry import segments
 from wrsim.geometry.profile import Profile
 from wrsim.geometry.profile_models import load_profile
 from wrsim.geometry.track import Track
@@ -18,12 +19,10 @@ from wrsim.scenario.conicity_section import ConicityPlan
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
 from wrsim.scenario.schema import IN_TIME
+from wrsim.scenario.track_build import gauge_extremes, track_of
 from wrsim.scenario.vehicle_build import SIDES, Side, vehicle_of
 from wrsim.vehicle.vehicle import Drive, Vehicle
 from wrsim.vehicle.wheelset import Wheelset
-
-LEVEL_TRACK = 100.0
-"""Length of the straight that static and equilibrium analyses stand on without segments in the file [m]."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,7 @@ def build(scenario: Scenario) -> Setup:
         needed = 'analysis = "ride" needs a vehicle with [[points]], at which accelerations are kept'
         raise scenario.fault(("vehicle", "model"), needed)
     rails = _rails(scenario, files)
-    track = _track(scenario, rails)
+    track = track_of(scenario, rails, files)
     if spec.track.gauge_between == "gauge points":
         for each in dict.fromkeys(m.wheelset for m in vehicle.wheelsets) if vehicle else (wheelset,):
             _check_placement(scenario, each, rails, track)
@@ -147,26 +146,6 @@ def _own(own: str | None, both: str | None, key: str, side: str) -> tuple[str, s
     return (f"{key}_{side}", own) if own is not None else (key, both)
 
 
-def _track(scenario: Scenario, rails: tuple[Profile, Profile]) -> Track:
-    section = scenario.spec.track
-    row: tuple[segments.Segment, ...] = tuple(s.to_geometry() for s in section.segments)
-    if not row:
-        row = (segments.Straight(LEVEL_TRACK),)
-    offsets = [(0.0, 0.0)] * 2  # of the profiles' origins, from half the gauge and from the track's plane
-    if section.gauge_between == "gauge points":
-        offsets = [(-rail.gauge_point()[0], -rail.top[1]) for rail in rails]
-    try:
-        return Track.build(
-            row,
-            section.gauge_mm / 1000.0,
-            left_offset=offsets[0],
-            right_offset=offsets[1],
-            cant_base=section.cant_base,
-        )
-    except InputError as error:
-        raise scenario.fault(("track",), str(error)) from None
-
-
 def _run(scenario: Scenario, track: Track, vehicle: Vehicle | None) -> RunPlan:
     spec = scenario.spec
     section = spec.run
@@ -212,14 +191,8 @@ def _middle_of_arcs(track: Track, start: float, end: float) -> tuple[float, ...]
 
 def _check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track) -> None:
     """Refuse a wheelset that does not stand with both treads on the rails when it is centred."""
-    widenings = [0.0]
-    for s in track.segments:
-        if isinstance(s, segments.Arc):
-            widenings.append(s.gauge_widening)
-        elif isinstance(s, segments.Straight):
-            widenings += [s.gauge_widening_start, s.gauge_widening_end]
     nominal = track.nominal_gauge
-    for gauge in sorted({nominal + w for w in widenings}, key=lambda g: abs(g - nominal)):
+    for gauge in sorted({nominal, *gauge_extremes(track)}, key=lambda g: abs(g - nominal)):
         for side, wheel, rail in zip(SIDES, (wheelset.left, wheelset.right), rails, strict=True):
             reason = _misplaced(stand(wheel.profile, rail, wheelset.profile_spacing, gauge))
             if not reason:
@@ -230,7 +203,17 @@ def _check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profil
             )
             if gauge == nominal:
                 raise scenario.fault(("track", "gauge_mm"), message)
-            raise scenario.fault(("track", "segments"), message)
+            raise scenario.fault(("track", _culprit(scenario, track, gauge)), message)
+
+
+def _culprit(scenario: Scenario, track: Track, gauge: float) -> str:
+    """Key of [track] that makes the gauge what it is."""
+    widening = gauge - track.nominal_gauge
+    designed = track.widening(np.array([f.start for f in track.features()] + [track.length]))
+    beyond = not designed.min() - 1e-9 <= widening <= designed.max() + 1e-9
+    if scenario.spec.track.irregularities and beyond:
+        return "irregularities"
+    return "segments" if track.segments else "table"
 
 
 def _misplaced(s: Stand) -> str:

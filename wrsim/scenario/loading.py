@@ -14,6 +14,7 @@ from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.toml_files import write_toml
 from wrsim.scenario.merging import Merged, from_text, read_merged
 from wrsim.scenario.schema import UNUSED, ScenarioSpec
+from wrsim.scenario.track_file import with_track_file
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,10 @@ def _scenario(merged: Merged, path: Path | None, models: Sequence[str | Path], f
     beside = [file.parent for file in merged.files] or [folder]
     folders = (*beside, *user_folders(tuple(models)), shipped_models())
     finder = Finder(tuple(dict.fromkeys(folders)))
+    count = len(merged.files)
+    merged = with_track_file(merged, finder)
+    if len(merged.files) > count:  # what a track file names may lie beside it
+        finder = Finder(tuple(dict.fromkeys((*folders, merged.files[-1].parent))))
     return Scenario(check(ScenarioSpec, merged.data, merged.locate), merged.text, path, finder, merged)
 
 

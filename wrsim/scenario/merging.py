@@ -54,7 +54,7 @@ def from_text(text: str, name: str) -> Merged:
     lines = {name: key_lines(text)}
     if BASE in data:
         raise InputError(f"{name}: base: needs a file; this text has to be whole")
-    return Merged(data, text, (), _owned(data, name), lines)
+    return Merged(data, text, (), owned(data, name), lines)
 
 
 def overlay(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
@@ -74,9 +74,9 @@ def _read(path: Path, children: tuple[Path, ...]) -> Merged:
     data = parse_toml(text, name)
     lines = {name: key_lines(text)}
     if BASE not in data:
-        return Merged(data, text, (path,), _owned(data, name), lines)
+        return Merged(data, text, (path,), owned(data, name), lines)
     base = data.pop(BASE)
-    top = Merged(data, text, (path,), _owned(data, name), lines)
+    top = Merged(data, text, (path,), owned(data, name), lines)
     if not isinstance(base, str) or not base.strip() or "\0" in base:
         message = 'must be the name of a scenario file in quotes, such as "curve.toml"'
         raise InputError(fault_line((BASE,), message, top.locate, base))
@@ -93,15 +93,21 @@ def _read(path: Path, children: tuple[Path, ...]) -> Merged:
         if os.path.isfile(below_path):
             raise
         raise InputError(fault_line((BASE,), str(error), top.locate, base)) from None
-    replaced = {own for own in top.owners if not isinstance(_at(data, own), dict)}
+    return laid_over(below, top)
+
+
+def laid_over(below: Merged, top: Merged) -> Merged:
+    """Two trees of tables, ``top`` over ``below``, with the owner of every key; the files of ``top`` come first."""
+    replaced = {own for own in top.owners if own and not isinstance(_at(top.data, own), dict)}
     kept = {
         path: owner
         for path, owner in below.owners.items()
         if not any(path[:end] in replaced for end in range(1, len(path)))
     }
-    owners = {**kept, **top.owners}
-    merged = overlay(below.data, data)
-    return Merged(merged, write_toml(merged), (path, *below.files), owners, {**below.lines, **lines})
+    merged = overlay(below.data, top.data)
+    return Merged(
+        merged, write_toml(merged), (*top.files, *below.files), {**kept, **top.owners}, {**below.lines, **top.lines}
+    )
 
 
 def _same(a: Path, b: Path) -> bool:
@@ -111,7 +117,7 @@ def _same(a: Path, b: Path) -> bool:
         return False
 
 
-def _owned(data: Any, name: str, path: KeyPath = ()) -> dict[KeyPath, str]:
+def owned(data: Any, name: str, path: KeyPath = ()) -> dict[KeyPath, str]:
     """Every key of a tree, all with the same owner; plain lists count as one."""
     owners: dict[KeyPath, str] = {}
     if isinstance(data, dict):
@@ -122,7 +128,7 @@ def _owned(data: Any, name: str, path: KeyPath = ()) -> dict[KeyPath, str]:
         items = []
     for key, value in items:
         owners[(*path, key)] = name
-        owners.update(_owned(value, name, (*path, key)))
+        owners.update(owned(value, name, (*path, key)))
     return owners
 
 

@@ -11,6 +11,7 @@ from wrsim.scenario.analysis_sections import OutputSection, RunSection, StaticSe
 from wrsim.scenario.assessment_section import AssessmentSection
 from wrsim.scenario.conicity_section import ConicitySection
 from wrsim.scenario.contact_section import ContactSection, HalfSpaceSection, MaterialSection
+from wrsim.scenario.irregularity_sections import IRREGULARITIES, GradeSection
 from wrsim.scenario.ride_section import RideSection
 from wrsim.scenario.track_section import Arc, Straight, TrackSection, Transition
 from wrsim.scenario.vehicle_section import VehicleSection
@@ -69,10 +70,9 @@ class ScenarioSpec(Section):
             vehicle, track = raw.get("vehicle"), raw.get("track")
             if isinstance(vehicle, dict) and "speed_kmh" not in VehicleSection.keys_meant(vehicle):
                 yield Fault(("vehicle", "speed_kmh"), f'analysis = "{analysis}" needs a speed', missing=True)
-            if isinstance(track, dict) and not (
-                "segments" in TrackSection.keys_meant(track) and track.get("segments") != []
-            ):
-                needed = f'analysis = "{analysis}" needs a track of [[track.segments]]'
+            laid = TrackSection.keys_meant(track) & {"segments", "table", "file"}
+            if isinstance(track, dict) and (not laid or (laid == {"segments"} and track.get("segments") == [])):
+                needed = f'analysis = "{analysis}" needs a track of [[track.segments]], a table or a file'
                 yield Fault(("track", "segments"), needed, missing=True)
 
 
@@ -80,6 +80,7 @@ def _tell_sections_of_each_other() -> None:
     """Let every section say where a key belongs that it does not know."""
     sections: tuple[type[Section], ...] = (
         ScenarioSpec, VehicleSection, TrackSection, Straight, Transition, Arc,
+        GradeSection, *IRREGULARITIES.values(),
         ContactSection, MaterialSection, HalfSpaceSection, StaticSection, RunSection, OutputSection, ConicitySection,
         AssessmentSection, RideSection,
     )  # fmt: skip

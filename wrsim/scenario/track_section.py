@@ -15,11 +15,13 @@ from wrsim.inputs.values import (
     Choice,
     Quantity,
     TableList,
+    Tables,
     Text,
     as_float,
     plain,
     refuse,
 )
+from wrsim.scenario.irregularity_sections import IRREGULARITIES, GradeSection, IrregularitySection, grades_in_order
 
 Length = Quantity(0.01, 1e5, example="m")
 Cant = Quantity(-250, 250, example="mm, positive leans to the inside of the curve")
@@ -147,7 +149,8 @@ SEGMENTS: dict[str, type[Straight] | type[Transition] | type[Arc]] = {
 
 
 class TrackSection(Section):
-    """gauge_mm, rail (or rail_left, rail_right), inclination, cant_base_mm, segments.
+    """file, gauge_mm, rail (or rail_left, rail_right), inclination, cant_base_mm, segments or table, grades,
+    irregularities, row_distance_m.
 
     gauge_between = "origins" (static poses only): gauge_mm is the distance of the two rail profiles' origins, which lie
     in the plane of the track. For bare pairs of curves that have no gauge point.
@@ -160,7 +163,15 @@ class TrackSection(Section):
         "profile": "rail",
         "rail_profile": "rail",
         "segment": "segments",
+        "grade": "grades",
+        "gradients": "grades",
+        "irregularity": "irregularities",
+        "defects": "irregularities",
+        "csv": "table",
+        "model": "file",
     }
+
+    file: Annotated[str, Text('a track file such as "tracks/mixed_line.toml"')] | None = None
 
     gauge_mm: Annotated[
         float, Quantity(400, 2000, example="mm, 14 mm below the top of the inclined rails, such as 1435")
@@ -178,11 +189,20 @@ class TrackSection(Section):
         | None
     ) = None
     segments: Annotated[tuple[Segment, ...], TableList("kind", lambda: SEGMENTS, "[[track.segments]]")] = ()
+    table: Annotated[str, Text('a CSV file of measured track such as "line.csv"')] | None = None
+    grades: Annotated[tuple[GradeSection, ...], Tables(GradeSection, "[[track.grades]]")] = ()
+    irregularities: Annotated[
+        tuple[IrregularitySection, ...], TableList("kind", lambda: IRREGULARITIES, "[[track.irregularities]]")
+    ] = ()
+    row_distance_m: Annotated[float, Quantity(0.01, 1, example="m between the rows of the rails' tables")] | None = None
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """A rail for both sides or one for each; a transition lies between two arcs or straights."""
         yield from both_or_sides(raw, "rail", "rail_left", "rail_right", needed=RailName.words())
+        if "table" in raw and "segments" in raw:
+            yield Fault("table", "cannot stand next to segments: the geometry comes from one place")
+        yield from grades_in_order(raw.get("grades"))
         row = raw.get("segments")
         kinds = [s.get("kind") if isinstance(s, dict) else None for s in row] if isinstance(row, list) else []
         for i in range(1, len(kinds)):

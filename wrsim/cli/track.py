@@ -1,0 +1,36 @@
+"""``wrsim track``: a picture of the track of a scenario."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wrsim.cli.ending import told
+from wrsim.cli.showing import print_files
+from wrsim.errors import InputError
+
+
+def track(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Scenario file (TOML).")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="PNG", help="Default: <name of FILE>_track.png here.")
+    ] = None,
+    models: Annotated[
+        list[Path] | None, typer.Option("--models", metavar="DIR", help="Folder with model files of your own.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+) -> None:
+    """Draw the track of a scenario: plan, curvature, cant, gauge, height, irregularities."""
+    with told(as_json):
+        picture = output or Path(f"{file.stem}_track.png")
+        if picture.suffix.lower() != ".png":
+            raise InputError(f"-o {picture}: must end in .png")
+        from wrsim.plots.style import save
+        from wrsim.plots.track import track_figure
+        from wrsim.scenario.build import build
+        from wrsim.scenario.loading import load
+
+        setup = build(load(file, models or ()))
+        print_files([save(track_figure(setup.track), picture)], as_json)

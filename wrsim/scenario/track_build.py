@@ -1,0 +1,94 @@
+"""From the [track] of a scenario to the track that it describes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from wrsim.errors import InputError
+from wrsim.geometry.irregularities import Disturbance
+from wrsim.geometry.profile import Profile
+from wrsim.geometry.segments import Laws, Segment, Straight, laws
+from wrsim.geometry.track import ROUNDING, Track
+from wrsim.geometry.track_table import IRREGULARITIES, TrackTable
+from wrsim.scenario.loading import Scenario
+
+LEVEL_TRACK = 100.0
+"""Length of the straight that static and equilibrium analyses stand on without segments in the file [m]."""
+TABLE_FADE = 20.0
+"""Length over which the irregularities of a measured track begin and end [m]."""
+
+
+def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Path]) -> Track:
+    """Lay the track of a scenario; adds the tables that were read to ``files``.
+
+    Raises InputError at the key that does not fit.
+    """
+    section = scenario.spec.track
+    gauge = section.gauge_mm / 1e3
+    row: tuple[Segment, ...] = tuple(s.to_geometry() for s in section.segments)
+    uneven: list[Disturbance] = []
+    try:
+        if section.table is not None:
+            files.append(scenario.find(("track", "table"), section.table))
+            table = TrackTable.read(files[-1])
+            law: Laws = table.laws(gauge)
+            if any(name in table.columns for name in IRREGULARITIES):
+                uneven += table.disturbances(0.0, TABLE_FADE)
+        else:
+            row = row or (Straight(LEVEL_TRACK),)
+            law = laws(row, gauge, ROUNDING)
+        length = law.curvature.end
+        for i, entry in enumerate(section.irregularities):
+            uneven += _disturbances(scenario, i, entry, length, files)
+        offsets = [(0.0, 0.0)] * 2  # of the profiles' origins, from half the gauge and from the track's plane
+        if section.gauge_between == "gauge points":
+            offsets = [(-rail.gauge_point()[0], -rail.top[1]) for rail in rails]
+        return Track.lay(
+            law,
+            gauge,
+            segments=row,
+            grades=[g.to_geometry() for g in section.grades],
+            irregularities=uneven,
+            left_offset=offsets[0],
+            right_offset=offsets[1],
+            cant_base=section.cant_base,
+            step=section.row_distance_m,
+        )
+    except _Told as told:
+        raise told.error from None
+    except InputError as error:
+        raise scenario.fault(("track",), str(error)) from None
+
+
+class _Told(Exception):
+    """An error that names its place already."""
+
+    def __init__(self, error: InputError) -> None:
+        super().__init__(str(error))
+        self.error = error
+
+
+def _disturbances(
+    scenario: Scenario, i: int, entry: object, length: float, files: list[Path]
+) -> tuple[Disturbance, ...]:
+    def find(name: str) -> Path:
+        try:
+            files.append(scenario.find(("track", "irregularities", i, "file"), name))
+        except InputError as error:
+            raise _Told(error) from None
+        return files[-1]
+
+    try:
+        return entry.disturbances(length, find)  # type: ignore[attr-defined, no-any-return]
+    except InputError as error:
+        raise _Told(scenario.fault(("track", "irregularities", i), str(error))) from None
+
+
+def gauge_extremes(track: Track) -> tuple[float, float]:
+    """Least and largest gauge along a track [m], to what lies between samples half a metre apart."""
+    ends = [place for feature in track.features() for place in (feature.start, feature.end)]
+    places = np.concatenate([ends, np.arange(0.0, track.length, 0.5)])
+    gauge = track.gauge(places)
+    return float(gauge.min()), float(gauge.max())
