@@ -21,6 +21,8 @@ from wrsim.plots.moments import has_patches
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.static import PANELS, static_figure
 from wrsim.plots.style import save
+from wrsim.plots.vehicle_run import vehicle_figures
+from wrsim.results.wheelsets import is_vehicle, of_wheelset, worst_wheelset
 
 HISTORIES: dict[str, tuple[str, ...]] = {
     "forces": ("Q", "Y"),
@@ -35,10 +37,16 @@ def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures that suit the dataset, by file name without ending.
 
     Runs of several instants: overview, contact_angle, forces, derailment, motion, pressure. Static analyses of
-    several poses: contact. Both: patches and sections of the snapshots or poses. Conicity analyses: conicity. What
-    the dataset has no data for is left out.
+    several poses: contact. Whole vehicles: their own histories, and all of these for the wheelset with the largest
+    Y/Q. Both: patches and sections of the snapshots or poses. Conicity analyses: conicity. What the dataset has no
+    data for is left out.
     """
     figures: dict[str, Callable[[], Figure]] = {}
+    if is_vehicle(dataset):
+        worst = worst_wheelset(dataset)
+        if dataset.sizes.get("time", 0) > 1:
+            figures |= vehicle_figures(dataset)
+        return figures | {f"{worst}_{k}": make for k, make in standard_figures(of_wheelset(dataset, worst)).items()}
     if "equivalent_conicity" in dataset:
         return {"conicity": lambda: conicity_figure(dataset)}
     if dataset.sizes.get("time", 0) > 1 and "resolved_with" not in dataset.attrs:  # these are moments, no history

@@ -42,6 +42,12 @@ def of_wheelset(dataset: xr.Dataset, name: str) -> xr.Dataset:
     return one
 
 
+def worst_wheelset(dataset: xr.Dataset) -> str:
+    """The wheelset of a whole vehicle with the largest derailment quotient; the first one where there is none."""
+    quotient = np.nan_to_num(dataset["Y_over_Q"].values, nan=-np.inf).max(axis=(0, 2))
+    return wheelsets(dataset)[int(np.argmax(quotient))]
+
+
 def _common(variable: xr.DataArray) -> bool:
     """True for what belongs neither to a wheelset nor to other parts of the vehicle."""
     return not {"wheelset", "body", "point", "suspension", "event"} & set(variable.dims)

@@ -1,0 +1,119 @@
+"""How fast a whole vehicle runs, where the time goes, which step is accurate. Run: python benchmarks/bench_vehicle.py
+
+Manchester vehicle 1, eight wheels with Kik-Piotrowski strips and FASTSIM online, into a curve of 300 m radius. For each
+step: simulated over computing time on one core (processor time, minimum of the repetitions) and the largest difference
+from a run at an eighth of a millisecond, as a part of the largest value: Y and Q of every wheel, lateral shift and
+angle of attack of every wheelset. Then the split of a stage: the law without rails gives the
+suspension, an empty law gives Exudyn with the callback.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from wrsim.analysis.vehicle_curving import run_vehicle_curving
+from wrsim.analysis.vehicle_start import vehicle_law, vehicle_start
+from wrsim.scenario.build import Setup, build
+from wrsim.scenario.loading import load
+from wrsim.simulation.integrate import integrate
+from wrsim.simulation.system import Array, ForceLaw, System
+from wrsim.simulation.vehicle_law import VehicleOnTrack
+
+SCENARIO = Path(__file__).parents[1] / "scenarios" / "manchester_r300.toml"
+STEPS_US = (625, 500, 250)  # 700 us is the limit of stability at this speed
+REFERENCE_US = 125
+STAGES = 4  # of RK44
+COMPARED = ("Y", "Q", "lateral_shift", "yaw")
+REPETITIONS = 3
+
+
+def setup_of(strips: int, cells: int, length: float, **values: object) -> Setup:
+    """The start of the scenario, over the transition into the full curve."""
+    keys = {"contact.strips": strips, "contact.cells": cells, "run.distance_m": length, "run.output_interval_ms": 10.0}
+    return build(load(SCENARIO).with_values(keys | {f"run.{key}": value for key, value in values.items()}))
+
+
+def nothing(t: float, q: Array, q_t: Array, out: Array) -> None:
+    """An empty force law."""
+    out[:] = 0.0
+
+
+def stage_time(setup: Setup, law: ForceLaw, vehicle: VehicleOnTrack, step: float, duration: float) -> float:
+    """Processor time of a stage of the integration [s]."""
+    best = np.inf
+    system = System(vehicle.bodies, law, vehicle.dampers)
+    for _ in range(REPETITIONS):
+        vehicle.look_near(setup.run.start)
+        q, q_t = vehicle_start(setup, vehicle)
+        began = time.process_time()
+        integrate(system, q, q_t, duration=duration, step=step, sample_interval=5e-3)
+        best = min(best, (time.process_time() - began) / (duration / step * STAGES))
+    return best
+
+
+def call_time(call: Callable[[], object], repetitions: int = 2000) -> float:
+    """Processor time of a call [s]."""
+    best = np.inf
+    for _ in range(REPETITIONS):
+        began = time.process_time()
+        for _ in range(repetitions):
+            call()
+        best = min(best, (time.process_time() - began) / repetitions)
+    return best
+
+
+def split(strips: int, cells: int, step: float = 5e-4) -> None:
+    """Print how fast a run is and the parts of a stage."""
+    setup = setup_of(strips, cells, 100.0)
+    law = vehicle_law(setup)
+    whole = stage_time(setup, law, law, step, setup.run.duration)
+    empty = stage_time(setup, nothing, law, step, 0.5)
+    law.look_near(setup.run.start)
+    q, q_t = vehicle_start(setup, law)
+    out = np.zeros(law.size)
+    bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start)
+    suspension = call_time(lambda: bare(0.0, q, q_t, out))
+    print(
+        f"  {strips} x {cells}: {step / (whole * STAGES):.2f} times real time at {1e3 * step:g} ms; "
+        f"a stage {1e6 * whole:.1f} us = Exudyn and callback {1e6 * empty:.1f} + suspension, bodies "
+        f"and call {1e6 * suspension:.1f} + eight contacts {1e6 * (whole - empty - suspension):.1f}"
+    )
+
+
+def accuracy(strips: int, cells: int, length: float) -> None:
+    """Print the differences that the step makes."""
+    runs = {}
+    for step in (*STEPS_US, REFERENCE_US):
+        setup = setup_of(strips, cells, length)
+        setup = replace(setup, run=replace(setup.run, step=1e-6 * step))
+        runs[step] = run_vehicle_curving(setup).dataset
+    truth = runs[REFERENCE_US]
+    for step in STEPS_US:
+        count = min(runs[step].sizes["time"], truth.sizes["time"])
+        parts = []
+        for name in COMPARED:
+            a, b = (d[name].values[:count] for d in (runs[step], truth))
+            difference = np.nan_to_num(np.abs(a - b))
+            parts.append(f"{name} {difference.max() / np.nanmax(np.abs(b)):.2g} (rms "
+                         f"{np.sqrt(np.mean(difference**2)) / np.nanmax(np.abs(b)):.2g})")  # fmt: skip
+        print(f"  {1e-3 * step:g} ms: " + ", ".join(parts))
+
+
+def main() -> None:
+    """Print the tables."""
+    print("Manchester vehicle 1 at 60 km/h, straight, transition and curve of 300 m; strips x cells:")
+    for strips, cells in ((40, 20), (25, 12)):
+        split(strips, cells)
+    length = float(sys.argv[1]) if len(sys.argv) > 1 else 100.0
+    print(f"difference from a step of {1e-3 * REFERENCE_US:g} ms over {length:g} m, largest (rms):")
+    accuracy(25, 12, length)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,90 @@
+"""Histories of a whole vehicle: guiding forces, steering and loads of its wheelsets, motion of its bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from wrsim.plots.histories import Panel, history, stacked
+from wrsim.plots.style import GROUP_LINE, INK, WHEEL_COLOUR, abscissa, draw_line, shown
+from wrsim.results import CHANNELS
+from wrsim.results.wheelsets import of_wheelset, wheelsets
+
+COLOURS = (INK, "#0072B2", "#D55E00", "#009E73", "#9467A9", "#B8860B")
+"""Colours of wheelsets, bodies and points, in their order."""
+
+
+def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Makers of the pictures of a vehicle's run, by file name without ending: guiding, loads, steering, bodies."""
+    figures: dict[str, Callable[[], Figure]] = {
+        "vehicle_guiding": lambda: wheelsets_figure(dataset, "Y"),
+        "vehicle_loads": lambda: wheelsets_figure(dataset, "Q"),
+        "vehicle_derailment": lambda: wheelsets_figure(dataset, "Y_over_Q"),
+        "vehicle_steering": lambda: together_figure(dataset, "wheelset", ("lateral_shift", "yaw")),
+    }
+    if "body" in dataset.dims:
+        figures["vehicle_bodies"] = lambda: together_figure(dataset, "body", ("body_roll", "body_yaw", "body_vertical"))
+    if "point" in dataset.dims:
+        figures["vehicle_accelerations"] = lambda: together_figure(dataset, "point", ("point_ay", "point_az"))
+    return figures
+
+
+def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
+    """A channel of the wheels, a panel for each wheelset against its own distance, on one scale."""
+    names = wheelsets(dataset)
+    values = shown(dataset, name)
+    low, high = (float(f(values, initial=0.0)) for f in (np.nanmin, np.nanmax))
+    space = 0.05 * max(high - low, 1e-9)
+
+    def panel_of(wheelset: str) -> Panel:
+        one = of_wheelset(dataset, wheelset)
+
+        def panel(axes: Axes, _: xr.Dataset) -> Axes:
+            history(axes, one, name)
+            axes.set_ylim(low - space, high + space)
+            axes.set_title(wheelset)
+            return axes
+
+        return panel
+
+    legend: list[Artist] = [Line2D([], [], color=c, label=f"{w} wheel") for w, c in WHEEL_COLOUR.items()]
+    base = of_wheelset(dataset, names[0])
+    return stacked(_untitled(base, dataset), [panel_of(w) for w in names], panel_height_mm=28.0, legend=legend)
+
+
+def together_figure(dataset: xr.Dataset, dim: str, channels: tuple[str, ...]) -> Figure:
+    """Channels of wheelsets, bodies or points, a panel for each channel and a line for each of them."""
+    labels = [str(label) for label in dataset[dim].values]
+
+    def panel_of(name: str) -> Panel:
+        def panel(axes: Axes, _: xr.Dataset) -> Axes:
+            x, _name = abscissa(dataset)
+            for i in range(len(labels)):
+                at = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
+                values = shown(dataset, name)[:, i]
+                draw_line(axes, at, values, color=COLOURS[i % len(COLOURS)], linestyle=GROUP_LINE[i % len(GROUP_LINE)])
+            axes.set_ylabel(CHANNELS[name].label.replace(" of the body", "").replace(" [", "\n["))
+            return axes
+
+        return panel
+
+    legend: list[Artist] = [
+        Line2D([], [], color=COLOURS[i % len(COLOURS)], linestyle=GROUP_LINE[i % len(GROUP_LINE)], label=label)
+        for i, label in enumerate(labels)
+    ]
+    base = of_wheelset(dataset, wheelsets(dataset)[0])
+    present = [name for name in channels if name in dataset]
+    return stacked(_untitled(base, dataset), [panel_of(name) for name in present], legend=legend)
+
+
+def _untitled(base: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset:
+    """One wheelset's dataset for the track beneath the panels, without moments, under the vehicle's title."""
+    base = base.drop_dims("snapshot") if "snapshot" in base.dims else base
+    base.attrs["title"] = dataset.attrs["title"]
+    return base
