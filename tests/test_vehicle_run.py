@@ -73,3 +73,30 @@ def test_a_result_is_the_same_after_a_trip_to_the_disk(tmp_path) -> None:
     result = into_the_curve()
     result.save(tmp_path / "result.nc")
     assert Result.load(tmp_path / "result.nc").dataset.identical(result.dataset)
+
+
+def test_a_coach_at_rest_on_canted_track_leans_and_its_loads_sum_to_the_weight() -> None:
+    cant = 60.0
+    values = {
+        "analysis": "equilibrium",
+        "track.segments": [{"kind": "straight", "length_m": 60.0, "cant_start_mm": cant, "cant_end_mm": cant}],
+        "run.start_distance_m": 30.0,
+    }
+    dataset = run(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | values)).dataset
+    loads = dataset["Q"].values[0]
+    angle = np.arcsin(cant / 1500.0)
+    assert loads.sum() == pytest.approx(manchester().weight * np.cos(angle), rel=1e-4)
+    assert (loads[:, 0] > loads[:, 1]).all()  # the right rail is the higher one
+    assert dataset["body_roll"].sel(body="carbody").item() < -5e-3  # leans further to the left than the track
+    assert dataset["point_ay"].values[0] == pytest.approx(-9.80665 * np.sin(angle), rel=0.25)
+
+
+def test_driven_axles_hold_the_speed_as_a_pull_does() -> None:
+    """Moments on the axles show as longitudinal creep forces; together they are the pull that the coach needs."""
+    keys = SHORT | {"vehicle.drive": "wheels", "run.distance_m": 24.0}
+    dataset = run(load(ROOT / "scenarios/manchester_r300.toml").with_values(keys)).dataset
+    assert np.allclose(dataset["speed"].values, 60.0 / 3.6, rtol=2e-3)
+    end = dataset.isel(time=-1)
+    assert end["drive_force"].item() > 100.0  # the curve takes power
+    # what the wheels push back with is what accelerates the coach: less than a hundredth of g
+    assert abs(end["X"].values.sum()) < 0.01 * manchester().weight

@@ -103,27 +103,28 @@ class VehicleOnTrack:
         """Force that holds the speed at the state asked for last, positive forward [N]."""
         return float(self.scalars[vehicle_forces.DRIVE_FORCE])
 
+    def places(self, distances: Array) -> Array:
+        """Rows for ``look_near`` (n, wheelsets, 3): distances of the wheelsets (n, wheelsets), and along both rails."""
+        flat = np.asarray(distances, dtype=float).ravel()
+        columns = [flat, *(self.track.rail_distance(side, flat) for side in SIDES)]
+        return np.stack(columns, axis=-1).reshape(*np.shape(distances), 3)
+
     def look_near(self, origin: float | Array) -> None:
-        """Tell where to look for the vehicle first: distance of its origin [m], or rows (wheelsets, 3) of ``places``.
+        """Tell where to look for the vehicle first: the distance of its origin [m], or a row of ``places``.
 
         Needed before a state far from the last one.
         """
         vehicle = self.vehicle
         if np.ndim(origin) == 0:
-            rows = self.places(np.array([[float(origin) + mounted.x for mounted in vehicle.wheelsets]]))[0]  # type: ignore[arg-type]
+            rows = self.places(float(origin) + np.array([mounted.x for mounted in vehicle.wheelsets]))
         else:
             rows = np.asarray(origin)
-            origin = rows[0, 0] - vehicle.wheelsets[0].x
-        for view, row in zip(self._views, rows, strict=True):
+        at = float(rows[0, 0]) - vehicle.wheelsets[0].x
+        for view, row in zip(self._views, rows, strict=bool(self._views)):
             view[wheelset_kernel.SCALARS][PLACES] = row
-        self.scalars[vehicle_forces.S_REFERENCE] = origin + vehicle.parts[vehicle.reference].centre[0]
+        self.scalars[vehicle_forces.S_REFERENCE] = at + vehicle.parts[vehicle.reference].centre[0]
         for load in self._loads:
-            load[vehicle_forces.S_LOAD] = origin + vehicle.parts[int(load[0])].centre[0]
-
-    def places(self, distances: Array) -> Array:
-        """Rows (n, wheelsets, 3) for ``look_near``: along the centre line, given (n, wheelsets), and both rails [m]."""
-        rails = [self.track.rail_distance(side, distances.ravel()).reshape(distances.shape) for side in SIDES]
-        return np.stack([distances, *rails], axis=-1)
+            load[vehicle_forces.S_LOAD] = at + vehicle.parts[int(load[0])].centre[0]
 
     def memory(self) -> Array:
         """Where the next call looks first: it decides the last bits of the places found. See ``tape.Remembers``."""
