@@ -239,7 +239,12 @@ def test_what_the_monitor_has_noted_survives_a_death_in_the_run_and_behind_it(tm
 
 # --- the command ------------------------------------------------------------------------------------------------
 
-KEYS: dict[str, Any] = {"track.segments": [straight(5.0)], "output.patches_at_m": [1.0], "run.step_us": 100}
+KEYS: dict[str, Any] = {
+    "track.segments": [straight(2.0)],
+    "output.patches_at_m": [1.0],
+    "run.step_us": 100,
+    "run.output_interval_ms": 0.5,
+}
 
 CHILD = """
 import sys
@@ -272,7 +277,7 @@ def test_kill_9_then_show_then_resume_gives_the_same_result(whole, tmp_path):
     record = out / "result.nc.part"
     arguments = ["run", str(whole / "short.toml"), "-o", str(out), "-q", "--no-pictures"]
     child = subprocess.Popen([sys.executable, "-c", CHILD, *arguments])
-    while not (record.exists() and record.stat().st_size > 9_000):
+    while not (record.exists() and record.stat().st_size > 10_000):
         assert child.poll() is None
         time.sleep(0.002)
     child.kill()

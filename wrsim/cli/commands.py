@@ -121,7 +121,10 @@ def run(
         record = directory / PART
         if resume and not record.exists():
             if is_complete(directory, scenario):
-                complain(f"{directory} holds the whole result of this scenario already")
+                if as_json:
+                    print_json({"status": "completed", "exit_code": 0, "directory": str(directory), "files": []})
+                else:
+                    complain(f"{directory} holds the whole result of this scenario already")
                 return
             complain(f"there is no run in {directory} to go on with; it starts from the beginning")
             resume = False
