@@ -80,7 +80,10 @@ def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: li
         }
         for mounted, p, f, r, pair in zip(vehicle.wheelsets, poses, forces, raw, law.wheels, strict=True)
     ]
-    channels: dict[str, Any] = {name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]}
+    raw.clear()  # a long run fills memory: nothing is kept twice for long
+    channels: dict[str, Any] = {
+        name: np.stack([own.pop(name) for own in of_wheelsets], axis=1) for name in list(of_wheelsets[0])
+    }
     channels |= {
         "distance": reference,
         "speed": _speeds(law, motion),
