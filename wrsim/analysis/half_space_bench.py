@@ -12,6 +12,7 @@ from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.half_space import STATUS_TOO_MANY, HalfSpace, status_words
 from wrsim.contact.half_space_patch import HalfSpaceContact
 from wrsim.contact.half_space_rows import element_fields, solve_into
+from wrsim.core import layout as k
 from wrsim.core.wheelset import kinematics
 from wrsim.core.wheelset_contact import add_forces, set_pose
 from wrsim.scenario.cases import StaticPose
@@ -19,6 +20,7 @@ from wrsim.scenario.cases import StaticPose
 LOAD_TOLERANCE = 2e-5  # of the vertical force
 LARGEST_MOVE = 0.3  # of the approach in one step of the height
 EVALUATIONS = 40
+PATIENCE = 4  # evaluations with an overlap that is no contact any more
 
 
 class HalfSpaceBench(StaticBench):
@@ -110,6 +112,7 @@ class HalfSpaceBench(StaticBench):
             return max((p.approach for c in self.contacts if c is not None for p in c.patches), default=0.0)
 
         high, low = np.inf, -np.inf  # heights with too little and too much force
+        too_deep = 0
         first = height
         value = excess(height)
         # force^(2/3) is about proportional to the approach
@@ -121,6 +124,9 @@ class HalfSpaceBench(StaticBench):
                 high = min(high, height)
             else:
                 low = max(low, height)
+            too_deep += bool(self._status() & k.STATUS_TOO_DEEP)
+            if too_deep == PATIENCE:
+                raise LoadNotReached(f"{pose.load:g} N are not met: {status_words(k.STATUS_TOO_DEEP)}")
             largest = LARGEST_MOVE * max(approach(), 1e-6)
             new = height + float(np.clip(-value / rate, -largest, largest))
             if not low < new < high:

@@ -115,7 +115,9 @@ class HalfSpace(HalfSpaceSettings):
         """The normal problem on a grid that holds the contact and tells its peaks; None with too many elements."""
         dx, ds = self.elements_for(seed)
         pressed = None
-        for _ in range(1 if self.element is not None else 1 + MOST_HALVINGS):
+        # an overlap too deep to be a contact gets a first answer only
+        once = self.element is not None or seed.depth > DEEPEST
+        for _ in range(1 if once else 1 + MOST_HALVINGS):
             finer = self._press_on(model, seed, dx, ds, start)
             if finer is None:
                 break
@@ -157,7 +159,12 @@ class HalfSpace(HalfSpaceSettings):
         rigid, forward = _rigid_slip(model, grid)
         damping = _damping(model, grid)
         traction, settled = None, True
-        if model.settings.tangential == "half-space" and max(model.friction.static, model.friction.at_corner) > 0.0:
+        contact = seed.depth <= DEEPEST
+        if (
+            contact
+            and model.settings.tangential == "half-space"
+            and max(model.friction.static, model.friction.at_corner) > 0.0
+        ):
             first = start.q if start is not None else None
             pressure, traction, settled = self._roll(model, pressed, rigid, forward, damping, first)
         status = STATUS_GRID_EDGE if pressed.reaches_edge else 0

@@ -21,6 +21,7 @@ FIRST_LEVEL = 0.45  # of the approach: where the first guess of the pressure beg
 NORMAL_STEPS = 200
 NEWTON_STEPS = 80
 KRYLOV_STEPS = 40
+MOST_WORK = 1e8  # elements times products after which rolling is given up as not converged: some 10 to 20 s
 KRYLOV_TOLERANCE = 0.05
 STEP_OF_MAP = 0.4  # rho of the natural map over the inverse of an element's own slip
 
@@ -144,6 +145,8 @@ def solve_rolling(
         errors.append(worst / largest)
         if errors[-1] < tolerance:
             return Traction(q, slip, state, step, products, errors[-1], True)
+        if products * bound.size > MOST_WORK:
+            return Traction(q, slip, state, step, products, errors[-1], False)
         _gmres(product, rhs.ravel(), basis, KRYLOV_TOLERANCE, work.ravel())
         work[:] = correction(work)
         # where a few elements swing between two states a shorter step breaks the circle
