@@ -367,3 +367,25 @@ def test_a_run_that_was_stopped_is_assessed_without_its_last_odd_sample():
     n = whole.sizes["time"]
     odd = whole.isel(time=[*range(0, n - 100, 5), n - 98])
     assert assess(Result(odd), NADAL).sections[-1].end == pytest.approx(float(odd["distance"].values[-2]))
+
+
+def test_the_travel_of_bump_stops_is_compared_with_the_ends_of_their_tables():
+    base = run(250.0, speed=20.0)
+    t = base.dataset["time"].values
+    travel = np.column_stack((0.02 * np.sin(t), 0.01 + 0.03 * np.sin(t), 0.5 * np.sin(t)))
+    zero = np.zeros_like(travel)
+    dims = ("time", "suspension")
+    moved = base.dataset.assign(
+        suspension_dx=(dims, zero),
+        suspension_dy=(dims, travel),
+        suspension_dz=(dims, zero),
+        suspension_stop_min=("suspension", [-0.065, -0.065, np.nan]),
+        suspension_stop_max=("suspension", [0.010, 0.065, np.nan]),
+    ).assign_coords(suspension=["one-sided", "even", "spring"])
+    found = {v.point: v for v in assess(Result(moved), NADAL).of("bump_stop")}
+    assert set(found) == {"one-sided", "even"}
+    assert found["one-sided"].value == pytest.approx(0.02, rel=1e-3)  # towards the end at 10 mm, though -20 is as far
+    assert found["one-sided"].limit.value == pytest.approx(0.010)
+    assert found["one-sided"].passed is False
+    assert found["even"].value == pytest.approx(0.04, rel=1e-3)
+    assert found["even"].margin == pytest.approx(1.0 - 40.0 / 65.0, rel=1e-3)

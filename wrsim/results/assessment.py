@@ -74,7 +74,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Limit:
-    """The largest value allowed, and who says so; ``mark`` is [pub] or [mem], as in the reference data."""
+    """The largest value allowed, and who says so; ``mark``: "pub", "mem" as in the reference data, or "file"."""
 
     value: float
     source: str

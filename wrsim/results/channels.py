@@ -164,6 +164,8 @@ _ALL = (
     _of("suspension_dx", "time suspension", "m", "mm", "travel of the element, forward or along its line"),
     _of("suspension_dy", "time suspension", "m", "mm", "travel of the element, to the left"),
     _of("suspension_dz", "time suspension", "m", "mm", "travel of the element, up"),
+    _of("suspension_stop_min", "suspension", "m", "mm", "travel at the lower end of a bump stop's table"),
+    _of("suspension_stop_max", "suspension", "m", "mm", "travel at the upper end of a bump stop's table"),
     _of("event_time", "event", "s", "s", "time of the event"),
     _of("event_distance", "event", "m", "m", "place of the event"),
     _of("event_label", "event", "1", "1", "what happened", kind="text"),

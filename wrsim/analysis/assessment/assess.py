@@ -22,6 +22,7 @@ from wrsim.analysis.assessment.nadal import longest_stretch, nadal_limit
 from wrsim.analysis.assessment.points import points_of
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, sections_of
 from wrsim.analysis.assessment.settings import flange_angle_of, friction_of, settings_of
+from wrsim.analysis.assessment.stops import stop_values
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment, Limit, Quantity, Section, Value
@@ -57,6 +58,7 @@ def assess(result: Result, settings: AssessmentSettings | None = None) -> Assess
     values = [v for axle in axles for section in sections for v in axle.values(section, settings, nadal)]
     points = points_of(dataset, settings)
     values += [v for point in points for section in sections for v in point.values(section, settings)]
+    values += list(stop_values(dataset, sections))
     notes += _events(dataset)
     order = {quantity: i for i, quantity in enumerate(vars(q).values()) if isinstance(quantity, Quantity)}
     values.sort(key=lambda v: order[v.quantity])

@@ -72,6 +72,15 @@ SHIFT = Quantity(
     "unfiltered, percentiles 0.15 and 99.85 %, the larger magnitude", "",
 )  # fmt: skip
 
+STOP = Quantity(
+    "bump_stop",
+    "d_s",
+    "travel of a bump stop, towards the nearer end of its table",
+    INFORMATION,
+    SHOWN["mm"],
+    "unfiltered, largest",
+    "",
+)
 _A = SHOWN["m/s2"]
 _BAND = "band-pass 0.4 to 10 Hz"
 _EXTREMES = "percentiles 0.15 and 99.85 %, the larger magnitude"
