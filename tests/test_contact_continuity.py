@@ -18,9 +18,9 @@ HALVINGS = 12  # to 2.4 nm
 EQUAL_RADII = (6.3e-3, 6.8e-3)
 
 
-def jumps(pair, yaw, load, span, most=15):
+def jumps(pair, yaw, load, span, most=15, **choices):
     """(lateral shift, largest jump of a force component over the load) at the steepest places of a sweep."""
-    stand = bench(pair_model(pair))
+    stand = bench(pair_model(pair, **choices))
     knots = np.arange(span[0], span[1] + 1e-9, 2.5e-4)
     path = PchipInterpolator(knots, [settle(stand, y, yaw, load)[0].height for y in knots])
 
@@ -70,9 +70,9 @@ def test_forces_do_not_jump_between_equal_radii_at_yaw(pair, load):
     assert jumps(pair, -0.012, load, (6e-3, 7e-3))[:, 1].max() < 2e-3
 
 
-def normal_forces(pair, lateral, yaw, depths):
+def normal_forces(pair, lateral, yaw, depths, **choices):
     """Sum of N over the wheel's descent below its touching height."""
-    stand = bench(pair_model(pair, **PLAIN), rolling=False)
+    stand = bench(pair_model(pair, **PLAIN, **choices), rolling=False)
     touching = settle(stand, lateral, yaw, 10.0)[0].height
     forces = []
     for depth in depths:

@@ -30,7 +30,7 @@ from wrsim.scenario.cases import StaticPose
 NORMALS = get_args(Normal)
 FAST = tuple(n for n in NORMALS if n != "half-space")
 KNOWN = (
-    k.STATUS_NOT_REFINED | k.STATUS_PROFILE_END | k.STATUS_TOO_DEEP
+    k.STATUS_NOT_REFINED | k.STATUS_UNSETTLED | k.STATUS_PROFILE_END | k.STATUS_TOO_DEEP
     | STATUS_TOO_MANY | STATUS_GRID_EDGE | STATUS_NOT_CONVERGED
 )  # fmt: skip
 EXAMPLES = {"half-space": 6}
@@ -173,7 +173,9 @@ def test_the_normal_force_grows_with_the_approach(normal):
 # Relative to the force. Tables are sampled from the other end of a mirrored profile, the search starts elsewhere: the
 # main point is found to 1e-10 m, and where curvature jumps the other of its two values stands in the table. 4e-4 was
 # the worst of 300 random poses.
-ALIKE = {"half-space": 2e-3}
+# The strip model finds edges near jumps of curvature at two places, depending on the last bits of the geometry: 3 %
+# between its two answers at the worst of these poses, all deep on the flange.
+ALIKE = {"half-space": 2e-3, "strips": 0.05}
 
 
 def assert_alike(found, expected, normal, size):

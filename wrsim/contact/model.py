@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.contact.creep_coefficients import creep_coefficients
-from wrsim.contact.settings import ContactSettings, Friction, Tangential
+from wrsim.contact.settings import FEWEST_FREE_STRIPS, MOST_FREE_STRIPS, ContactSettings, Friction, Tangential
 from wrsim.core import layout as k
 from wrsim.core.search import FOUND_COLUMNS
+from wrsim.core.strip_layout import FACTOR, FACTORS, LOBE_ROWS, MATRICES, VECTORS
 from wrsim.core.wheel_rail import wheel_rail
 from wrsim.geometry.distance_field import DistanceField, distance_field
 from wrsim.geometry.profile import Profile
@@ -102,14 +103,43 @@ class KernelArrays:
     patches: Array
     strips: Array
     work: Array
+    vectors: Array
+    matrices: Array
     total: Array
 
     def arguments(self) -> tuple[Array, ...]:
         """All arrays, in the kernel's order."""
         return (
             self.wheel, self.rail, self.field, self.creep, self.shape, self.settings, self.pose, self.found,
-            self.patches, self.strips, self.work, self.total,
+            self.patches, self.strips, self.work, self.vectors, self.matrices, self.total,
         )  # fmt: skip
+
+    def follow(self, on: bool) -> None:
+        """From now on the strip model starts from the contact asked for last (in runs), or afresh each time."""
+        self.settings[k.WARM] = float(on)
+
+    def memory(self) -> Array:
+        """Everything that one call leaves for the next, one row: the strip model's last contact, if it follows it."""
+        if not (self.settings[k.STRIP_MODEL] and self.settings[k.WARM]):
+            return np.zeros(0)
+        return np.concatenate([part.ravel() for part in self._kept()])
+
+    def recall(self, memory: Array) -> int:
+        """Put back what ``memory`` gave at the front of a longer row; returns how much of it that was."""
+        place = 0
+        if self.settings[k.STRIP_MODEL] and self.settings[k.WARM]:
+            for part in self._kept():
+                part[...] = memory[place : place + part.size].reshape(part.shape)
+                place += part.size
+        return place
+
+    def _kept(self) -> tuple[Array, ...]:
+        """Views on the strip model's last contact."""
+        return (
+            self.patches[:, k.WARM_STRIPS : k.WARM_END + 1],
+            self.strips[:, :, k.WARM_A],
+            self.vectors[FACTOR, : FACTORS * len(self.patches)],
+        )
 
     def call(self) -> int:
         """Run the kernel on the pose that is set; returns its status."""
@@ -220,6 +250,10 @@ def _arrays(
     hollows = max(float(-wheel_table[:, 4].min()), 0.0) + max(float(rail_table[:, 4].max()), 0.0)
     numbers[k.HOLLOW] = max(1.5 * hollows, 1.0)
     most = settings.strips if settings.strips is not None and settings.normal != "half-space" else MOST_STRIPS
+    if settings.normal == "strips":
+        most = min(max(most, FEWEST_FREE_STRIPS), MOST_FREE_STRIPS)
+    together = settings.max_patches * (most + FACTORS) if settings.normal == "strips" else 1
+    numbers[k.STRIP_MODEL] = settings.normal == "strips"
     return KernelArrays(
         wheel_table,
         rail_table,
@@ -232,5 +266,7 @@ def _arrays(
         np.zeros((settings.max_patches, k.PATCH_COLUMNS)),
         np.zeros((settings.max_patches, most, k.STRIP_COLUMNS)),
         np.zeros((12, max(most, 8))),
+        np.zeros((VECTORS + 1 + LOBE_ROWS, max(together, settings.max_patches))),
+        np.zeros((MATRICES, together, together)),
         np.zeros(k.TOTAL),
     )

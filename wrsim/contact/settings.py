@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-Normal = Literal["kik-piotrowski", "half-space"]
+Normal = Literal["kik-piotrowski", "strips", "half-space"]
 Approach = Literal["projected", "constant"]
 Tangential = Literal["fastsim", "fastrip", "polach", "linear", "shen-hedrick-elkins", "half-space", "none"]
 Influence = Literal["half-space", "angle-corrected"]
 Pairing = Literal["opposite", "level"]
 Flexibility = Literal["three", "blended"]
 TractionBound = Literal["elliptic", "parabolic"]
+
+FREE_STRIPS = 24  # of the strip model, unless told otherwise in a scenario: each of them is solved for
+FEWEST_FREE_STRIPS, MOST_FREE_STRIPS = 12, 200
 
 DRY = 0.35  # coefficient of friction unless told otherwise
 
@@ -101,7 +104,8 @@ class Friction:
 class ContactSettings:
     """What the user chose for the contact of both wheels.
 
-    normal: model of the normal pressure; ``"half-space"`` is the exact solver.
+    normal: model of the normal pressure: ``"kik-piotrowski"``, the paper's, or ``"strips"``, two contact
+        conditions per strip (docs/strip_model.md); ``"half-space"`` is the exact solver.
     approach: how a rigid approach closes the gap along the curved axis: ``"constant"`` everywhere alike, as
         in the paper; ``"projected"`` by its share along the normal of each strip.
     tangential: model of the creep forces; ``"half-space"`` is the exact one and needs that normal model; ``"none"``
@@ -110,7 +114,7 @@ class ContactSettings:
     flexibility: FASTSIM's, always one for each kind of creepage, or blended into one where the patch slides.
     polach_adhesion, polach_slip: Polach's factors kA and kS, ``0 < kS <= kA <= 1``.
     friction: on the left and right rail: a coefficient [1] or a Friction.
-    strips: number of strips over the width of a patch, or None when ``strip_width`` rules.
+    strips: number of strips over the width of a patch, or None when ``strip_width`` rules; 12 to 200 for ``"strips"``.
     strip_width: width of a strip along the curved axis [m], or None when ``strips`` rules.
     cells: cells of a strip along the rolling direction (FASTSIM, FaStrip).
     damping: c [s/m]; the elastic normal force N becomes ``N (1 + c d(approach)/dt)``, never negative.

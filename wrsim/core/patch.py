@@ -15,7 +15,7 @@ lobe beside a deeper one takes part of that one's recess (see core.lobes).
 from math import sqrt
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.layout import DS, NB, NO, RADIUS_T, A, B, O, S, X
+from wrsim.core.layout import DS, NB, NO, PENETRATION, RADIUS_T, A, B, O, S, X
 from wrsim.core.locus import locus_point
 from wrsim.core.profile import profile_point
 
@@ -167,6 +167,7 @@ def lay_strips(
             c = mo * n0o + mb * n0b if projected else 1.0
             h = (delta - recess) * c - gap
             row = strips[i]
+            row[PENETRATION] = delta * c - gap
             row[S] = s
             row[DS] = width
             row[X] = x

@@ -96,8 +96,9 @@ def add_lobe(pose, lobe, strips, n, total):
         wear -= fx * row[XI] + fy * row[ETA] + mz * row[PHI]
         # tan(angle / 2) rises with the angle and needs no arcus
         half_tangent = -no / (1.0 + nb)
-        least = min(least, half_tangent)
-        most = max(most, half_tangent)
+        if f > 0.0:
+            least = min(least, half_tangent)
+            most = max(most, half_tangent)
         sum_no += f * no
         sum_nb += f * nb
         # moment of the creep forces about the main point, along its normal

@@ -49,6 +49,7 @@ from wrsim.core.layout import (
     STATUS_PROFILE_END,
     STATUS_TOO_DEEP,
     STRIDE,
+    STRIP_MODEL,
     STRIP_WIDTH,
     STRIPS,
     TANGENTIAL,
@@ -75,21 +76,26 @@ from wrsim.core.search import (
     WHEEL_ARC,
     find_contacts,
 )
+from wrsim.core.strip_pressure import press_strips
 
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
 WIDEST = 0.08  # half width at which the search for an edge is given up [m]
 FEWEST_STRIPS = 3
+FEWEST_FREE_STRIPS = 12  # of a lobe in the strip model
+WITHIN = 0.2  # the strip model looks for contact where the penetration is more than this part of the lobe's
 
 
 @kernel
-def wheel_rail(wheel, rail, field, creep, shape, settings, pose, found, patches, strips, work, total):
+def wheel_rail(
+    wheel, rail, field, creep, shape, settings, pose, found, patches, strips, work, vectors, matrices, total
+):
     """Contact of one wheel and one rail.
 
     wheel, rail: profile tables (see core.profile), the rail's in (o, b) with its inclination; field: signed distances
     of the rail; creep: (20, 3) Kalker coefficients; shape: bound over the cells; settings: (SETTINGS,); pose: (POSE,);
-    see core.layout. found: (8, FOUND_COLUMNS) and work: (12, >= strips, >= 8) scratch. Writes patches
-    (lobes, PATCH_COLUMNS), strips (lobes, n, STRIP_COLUMNS) and total (TOTAL,). Forces act on the wheel; a lobe with
-    N = 0 is none.
+    see core.layout. found: (8, FOUND_COLUMNS), work: (12, >= strips, >= 8), vectors and matrices (core.strip_model):
+    scratch. Writes patches (lobes, PATCH_COLUMNS), strips (lobes, n, STRIP_COLUMNS) and total (TOTAL,). Forces act on
+    the wheel; a lobe with N = 0 is none.
     Returns a status: 0, or a sum of the STATUS bits.
     """
     for i in range(TOTAL):
@@ -107,11 +113,16 @@ def wheel_rail(wheel, rail, field, creep, shape, settings, pose, found, patches,
     for i in range(count):
         patches[i, COUPLING] = work[0, i]
         patches[i, PARTNER] = work[1, i]
-        status |= _bound_lobe(wheel, rail, settings, pose, found, i, count, patches[i])
+    for i in range(count):
+        left, right = _saddles(found, i, count)
+        status |= _bound_lobe(wheel, rail, settings, pose, found, i, left, right, patches[i])
     _group(found, settings[EPSILON], patches, count)
     for i in range(count):
         _lay_lobe(wheel, rail, settings, pose, patches, count, i, strips[i])
-    _press(settings, pose, patches, strips, count, work)
+    if settings[STRIP_MODEL] > 0.5:
+        status |= press_strips(settings, pose, patches, strips, count, vectors, matrices)
+    else:
+        _press(settings, pose, patches, strips, count, work)
     carry(creep, shape, settings, pose, patches, strips, count, work, total)
     return status
 
@@ -132,15 +143,30 @@ def carry(creep, shape, settings, pose, patches, strips, count, work, total):
 
 
 @kernel
-def _bound_lobe(wheel, rail, settings, pose, found, i, count, lobe):
-    """Main point, recess and edges of one lobe. Returns status bits; without contact the width is zero."""
+def _saddles(found, i, count):
+    """Distances from a lobe's main point to the saddles beside it, where its neighbours begin."""
+    left = right = WIDEST
+    if i > 0 and found[i - 1, SADDLE_DEPTH] >= 0.0:
+        left = max(found[i, RAIL_ARC] - found[i - 1, SADDLE_RAIL_ARC], 1e-7)
+    if i < count - 1 and found[i, SADDLE_DEPTH] >= 0.0:
+        right = max(found[i, SADDLE_RAIL_ARC] - found[i, RAIL_ARC], 1e-7)
+    return left, right
+
+
+@kernel
+def _bound_lobe(wheel, rail, settings, pose, found, i, left, right, lobe):
+    """Main point, recess and edges of one lobe, at most ``left`` and ``right`` of the main point.
+
+    Returns status bits; without contact the width is zero.
+    """
     delta, wheel_arc, rail_arc = found[i, DEPTH], found[i, WHEEL_ARC], found[i, RAIL_ARC]
     status = STATUS_TOO_DEEP if delta > DEEPEST else 0
     level = delta
     partner = int(lobe[PARTNER])
     if partner >= 0 and found[partner, DEPTH] > delta:
         level += lobe[COUPLING] * (found[partner, DEPTH] - delta)
-    recess = (1.0 - settings[EPSILON]) * level
+    # the strip model finds the contact within the whole penetration
+    recess = WITHIN * delta if settings[STRIP_MODEL] > 0.5 else (1.0 - settings[EPSILON]) * level
     _u, _w, tu, tw, _k = profile_point(rail, settings[RAIL_STEP], rail_arc)
     n0o, n0b = -tw, tu
     lobe[APPROACH] = delta
@@ -152,12 +178,6 @@ def _bound_lobe(wheel, rail, settings, pose, found, i, count, lobe):
     lobe[WIDTH] = 0.0
     if delta <= recess:
         return status
-    left = WIDEST
-    right = WIDEST
-    if i > 0 and found[i - 1, SADDLE_DEPTH] >= 0.0:
-        left = max(rail_arc - found[i - 1, SADDLE_RAIL_ARC], 1e-7)
-    if i < count - 1 and found[i, SADDLE_DEPTH] >= 0.0:
-        right = max(found[i, SADDLE_RAIL_ARC] - rail_arc, 1e-7)
     # first step: half of the half width that the relative curvature at the main point promises
     first = 0.55 * sqrt(2.0 * (delta - recess) / max(found[i, RELATIVE_CURVATURE], 0.5))
     first = min(max(first, 2e-5), 4e-3)
@@ -214,7 +234,8 @@ def _lay_lobe(wheel, rail, settings, pose, patches, count, i, rows):
             if patches[j, GROUP] == lobe[GROUP]:
                 width += patches[j, WIDTH]
         n = int(ceil(settings[STRIPS] * (end - start) / width - 1e-9))  # noqa: RUF046
-    n = min(max(n, FEWEST_STRIPS), rows.shape[0])
+    fewest = FEWEST_FREE_STRIPS if settings[STRIP_MODEL] > 0.5 else FEWEST_STRIPS
+    n = min(max(n, fewest), rows.shape[0])
     lobe[HALF_LENGTH] = lay_strips(
         wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], pose[0], pose[1], pose[2], pose[3],
         pose[4], pose[5], sqrt(1.0 - pose[3] * pose[3]), lobe[ARC_WHEEL], lobe[ARC_RAIL], lobe[APPROACH],

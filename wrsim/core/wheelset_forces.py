@@ -1,6 +1,6 @@
 """All forces on one wheelset on its track in one call: what the multibody solver asks for at every stage.
 
-Arrays come in an arena (core.arena) in the order named below: scalars and paths, then twelve arrays for each wheel as
+Arrays come in an arena (core.arena) in the order named below: scalars and paths, then fourteen arrays for each wheel as
 `core.wheel_rail.wheel_rail` takes them.
 """
 
@@ -13,8 +13,9 @@ from wrsim.core.wheelset import generalised_forces, kinematics
 from wrsim.core.wheelset_contact import add_forces, set_pose, wheel_origin
 
 # arrays of the arena
-SCALARS, CARRIER, CENTRE, LEFT_RAIL, RIGHT_RAIL, FORCE, MOMENT, LEFT, RIGHT = 0, 1, 2, 3, 4, 5, 6, 7, 19
-ARRAYS = 31
+SCALARS, CARRIER, CENTRE, LEFT_RAIL, RIGHT_RAIL, FORCE, MOMENT, LEFT, RIGHT = 0, 1, 2, 3, 4, 5, 6, 7, 21
+ARRAYS = 35
+ARRAYS_OF_A_WHEEL = 14
 
 # scalars: distances along the centre line and the rails (guesses, updated), steps of the paths, H/2
 S_CENTRE, S_LEFT, S_RIGHT, STEP_CENTRE, STEP_LEFT, STEP_RIGHT, HALF_SPACING = range(7)
@@ -76,7 +77,7 @@ def _one_side(body, side, half, path, place, scalars, buffer, index, first):
     rail_frame = frame(path, step, s)
     pose = vector(buffer, index, first + 6)
     set_pose(body, rail_frame, side, half, pose)
-    total = vector(buffer, index, first + 11)
+    total = vector(buffer, index, first + 13)
     status = wheel_rail(
         matrix(buffer, index, first),
         matrix(buffer, index, first + 1),
@@ -89,6 +90,8 @@ def _one_side(body, side, half, path, place, scalars, buffer, index, first):
         matrix(buffer, index, first + 8),
         block(buffer, index, first + 9),
         matrix(buffer, index, first + 10),
+        matrix(buffer, index, first + 11),
+        block(buffer, index, first + 12),
         total,
     )
     add_forces(body, rail_frame, side, half, total, vector(buffer, index, FORCE), vector(buffer, index, MOMENT))

@@ -5,7 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
-from wrsim.contact.settings import DRY, ContactSettings, Flexibility, HalfSpaceSettings, Material, Tangential
+from wrsim.contact.settings import (
+    DRY,
+    FEWEST_FREE_STRIPS,
+    FREE_STRIPS,
+    MOST_FREE_STRIPS,
+    ContactSettings,
+    Flexibility,
+    HalfSpaceSettings,
+    Material,
+    Normal,
+    Tangential,
+)
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import Choice, OrTable, Quantity, Whole
 from wrsim.scenario.friction_section import Coefficient, FrictionSection
@@ -122,9 +133,7 @@ class ContactSection(Section):
         "k_S": "polach_kS",
     }
 
-    normal: Annotated[Literal["kik-piotrowski", "half-space"], Choice(("kik-piotrowski", "half-space"))] = (
-        DEFAULTS.normal
-    )
+    normal: Annotated[Normal, Choice(get_args(Normal))] = DEFAULTS.normal
     approach: Annotated[Literal["projected", "constant"], Choice(("projected", "constant"))] = DEFAULTS.approach
     tangential: Annotated[Tangential, Choice(get_args(Tangential))] | None = None
     traction_bound: Annotated[Literal["elliptic", "parabolic"], Choice(("elliptic", "parabolic"))] = (
@@ -154,6 +163,12 @@ class ContactSection(Section):
                 "tangential", '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
             )
         yield from both_or_sides(raw, "friction", "friction_left", "friction_right", complete=True)
+        if raw.get("normal", DEFAULTS.normal) == "strips":
+            strips = raw.get("strips")
+            if isinstance(strips, int) and not FEWEST_FREE_STRIPS <= strips <= MOST_FREE_STRIPS:
+                yield Fault("strips", f'must be {FEWEST_FREE_STRIPS} to {MOST_FREE_STRIPS} with normal = "strips"')
+            if raw.get("approach") == "constant":
+                yield Fault("approach", '"constant" is Kik-Piotrowski\'s: normal = "strips" projects the approach')
         if "strips" in raw and "strip_width_mm" in raw:
             yield Fault("strip_width_mm", "cannot stand next to strips: give one of them")
 
@@ -170,6 +185,7 @@ class ContactSection(Section):
             for both in (own if own is not None else self.friction for own in (self.friction_left, self.friction_right))
         )
         by_width = self.strip_width_mm is not None
+        usual = FREE_STRIPS if self.normal == "strips" else DEFAULTS.strips
         return ContactSettings(
             normal=self.normal,
             approach=self.approach,
@@ -179,7 +195,7 @@ class ContactSection(Section):
             polach_adhesion=self.polach_kA,
             polach_slip=self.polach_kS,
             friction=(left, right),
-            strips=None if by_width else (self.strips or DEFAULTS.strips),
+            strips=None if by_width else (self.strips or usual),
             strip_width=None if self.strip_width_mm is None else self.strip_width_mm / 1000.0,
             cells=self.cells,
             damping=self.damping_s_per_m,

@@ -20,7 +20,7 @@ import numpy as np
 from wrsim.core.wheelset import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
-from wrsim.simulation.system import COORDINATES, Array, System
+from wrsim.simulation.system import COORDINATES, Array, Follows, System
 from wrsim.simulation.tape import Cause, Checkpoint, Ending, Recording, Tape, memory_of, recall
 
 Monitor = Callable[[float, Array, Array], str | None]
@@ -241,6 +241,19 @@ def _blame(system: System, recorder: _Recorder) -> str:
     return found[0] if found else ""
 
 
+@contextmanager
+def _following(forces: object) -> Iterator[None]:
+    """While this lasts, a law that can starts from its last answer."""
+    if not isinstance(forces, Follows):
+        yield
+        return
+    forces.follow(True)
+    try:
+        yield
+    finally:
+        forces.follow(False)
+
+
 def integrate(
     system: System,
     q: Array,
@@ -283,10 +296,11 @@ def integrate(
     tape = Tape(system.size) if tape is None else tape
     if tape.ending is not None:
         if tape.checkpoint is not None:
-            recall((system.forces, monitor), tape.checkpoint.memory)
+            with _following(system.forces):
+                recall((system.forces, monitor), tape.checkpoint.memory)
         return _motion(tape.rows(), step, tape.ending)
     begin = tape.checkpoint
-    with _interruptible() as interrupt:
+    with _interruptible() as interrupt, _following(system.forces):
         if begin is None:
             begin = Checkpoint(0, q, q_t, memory_of((system.forces, monitor)))
             tape.sample(start, q, q_t)

@@ -15,7 +15,7 @@ import os
 import sys
 import weakref
 from collections.abc import Callable, Iterator, Sequence
-from typing import Protocol, cast
+from typing import Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,14 @@ COORDINATES = ("z", "x", "y", "heading", "roll", "spin")
 
 SPAN = 1 << 20
 """Steps that Exudyn is asked for at once; it is stopped after half of them, or sooner."""
+
+
+@runtime_checkable
+class Follows(Protocol):
+    """A force law that may start from its last answer, which is quicker in a run and a little less sharp."""
+
+    def follow(self, on: bool) -> None:
+        """From now on start from the last answer, or afresh."""
 
 
 class ForceLaw(Protocol):

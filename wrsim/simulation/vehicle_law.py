@@ -126,11 +126,18 @@ class VehicleOnTrack:
         for load in self._loads:
             load[vehicle_forces.S_LOAD] = at + vehicle.parts[int(load[0])].centre[0]
 
+    def follow(self, on: bool) -> None:
+        """From now on contacts start from those of the last state (in a run), or afresh. See ``Follows``."""
+        for wheels in self.wheels:
+            for wheel in wheels:
+                wheel.model.arrays.follow(on)
+
     def memory(self) -> Array:
-        """Where the next call looks first: it decides the last bits of the places found. See ``tape.Remembers``."""
+        """What the next call starts from: it decides the last bits of the answer. See ``tape.Remembers``."""
         return np.concatenate(
             [self.scalars[[vehicle_forces.S_REFERENCE]], self._loads[:, vehicle_forces.S_LOAD]]
             + [view[wheelset_kernel.SCALARS][PLACES] for view in self._views]
+            + [wheel.model.arrays.memory() for wheels in self.wheels for wheel in wheels]
         )
 
     def recall(self, memory: Array) -> None:
@@ -138,8 +145,13 @@ class VehicleOnTrack:
         loads = len(self._loads)
         self.scalars[vehicle_forces.S_REFERENCE] = memory[0]
         self._loads[:, vehicle_forces.S_LOAD] = memory[1 : 1 + loads]
-        for view, places in zip(self._views, memory[1 + loads :].reshape(-1, len(PLACES)), strict=True):
-            view[wheelset_kernel.SCALARS][PLACES] = places
+        place = 1 + loads
+        for view in self._views:
+            view[wheelset_kernel.SCALARS][PLACES] = memory[place : place + len(PLACES)]
+            place += len(PLACES)
+        for wheels in self.wheels:
+            for wheel in wheels:
+                place += wheel.model.arrays.recall(memory[place:])
 
     @contextmanager
     def dampers_at_rest(self) -> Iterator[None]:

@@ -107,10 +107,19 @@ class WheelsetOnTrack:
         """Tell where to look for the wheelset first, a row of ``places``: before a state far from the last one."""
         self._scalars[[kernel.S_CENTRE, kernel.S_LEFT, kernel.S_RIGHT]] = place
 
+    def follow(self, on: bool) -> None:
+        """From now on contacts start from those of the last state (in a run), or afresh. See ``Follows``."""
+        for wheel in self.wheels:
+            wheel.model.arrays.follow(on)
+
     def memory(self) -> Array:
-        """Where the next call looks first: it decides the last bits of the places found. See ``tape.Remembers``."""
-        return self._scalars[[kernel.S_CENTRE, kernel.S_LEFT, kernel.S_RIGHT]].copy()
+        """What the next call starts from: it decides the last bits of the answer. See ``tape.Remembers``."""
+        places = self._scalars[[kernel.S_CENTRE, kernel.S_LEFT, kernel.S_RIGHT]]
+        return np.concatenate([places, *(wheel.model.arrays.memory() for wheel in self.wheels)])
 
     def recall(self, memory: Array) -> None:
         """Put back what ``memory`` gave."""
-        self.look_near(memory)
+        self.look_near(memory[:3])
+        place = 3
+        for wheel in self.wheels:
+            place += wheel.model.arrays.recall(memory[place:])

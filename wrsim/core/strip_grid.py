@@ -1,0 +1,385 @@
+"""The strips of the strip model: where they lie, what the profiles are there, where the contact ends."""
+
+from math import log, sqrt
+
+from wrsim.core.compiling import kernel
+from wrsim.core.layout import (
+    DS,
+    N_STRIPS,
+    NB,
+    NO,
+    PENETRATION,
+    RADIUS_T,
+    WARM_A,
+    WARM_END,
+    WARM_START,
+    WARM_STRIPS,
+    A,
+    B,
+    O,
+    P,
+    S,
+    X,
+)
+from wrsim.core.strip_layout import (
+    A_,
+    AT,
+    B_,
+    END_,
+    FACTOR,
+    FACTORS,
+    FIRST,
+    HERTZ,
+    LEAST,
+    LEFT,
+    LOBE,
+    MOST,
+    MOVED,
+    MOVES,
+    NB_,
+    NO_,
+    O_,
+    ON,
+    OTHER,
+    POS,
+    Q_,
+    RETURNED,
+    SHIFT,
+    SLOPE,
+    START_,
+    WIDTH_,
+    WISHED,
+    X_,
+    D,
+    R,
+)
+
+EDGE_RATIO = 0.28  # of a^2 in the two outer strips; Hertz's ellipses then keep their width
+EDGE_SLOPE = 0.8  # how fast it falls per strip width
+FARTHEST_SHIFT = 1.0  # of an edge at once, in strip widths
+FARTHEST_STRIDE = 6.0  # the same for an edge that goes on and on
+
+
+@kernel
+def _forget(i, lobes):
+    """Forget how the edges of lobe i moved."""
+    lobes[MOVED, i] = lobes[MOVED + 1, i] = 0.0
+    lobes[MOVES, i] = 0.0
+    _plain_slopes(i, lobes)
+
+
+@kernel
+def take_places(patches, strips, count, warm, v, lobes):
+    """Places for the strips of each lobe; edges and half lengths of the last call. Returns (places, all known)."""
+    m = 0
+    known = warm > 0.5
+    for i in range(count):
+        n = int(patches[i, N_STRIPS])
+        rows = strips[i]
+        half = 0.5 * rows[0, DS]
+        lobes[FIRST, i] = m
+        lobes[LEAST, i] = rows[0, S] - half
+        lobes[MOST, i] = rows[n - 1, S] + half
+        known = known and int(patches[i, WARM_STRIPS]) == n
+        lobes[ON, i] = 1.0
+        lobes[RETURNED, i] = 0.0
+        _forget(i, lobes)
+        lobes[START_, i] = max(patches[i, WARM_START], lobes[LEAST, i])
+        lobes[END_, i] = min(patches[i, WARM_END], lobes[MOST, i])
+        if n == 0 or lobes[END_, i] <= lobes[START_, i]:
+            lobes[ON, i] = 0.0
+        for j in range(n):
+            v[LOBE, m] = i
+            v[LEFT, m] = 0.0
+            v[A_, m] = rows[j, WARM_A] if lobes[ON, i] > 0.5 else 0.0
+            v[AT, m] = min(max((j + 0.5) / n * FACTORS - 0.5, 0.0), FACTORS - 1.0)
+            m += 1
+    return m, known
+
+
+@kernel
+def first_guess(patches, strips, count, v, lobes):
+    """Widest edges; within, half lengths and factors about like those of Hertz's ellipse."""
+    for i in range(count):
+        n = int(patches[i, N_STRIPS])
+        rows = strips[i]
+        if n == 0:
+            continue
+        lobes[ON, i] = 1.0
+        lobes[RETURNED, i] = 0.0
+        _forget(i, lobes)
+        lobes[START_, i] = lobes[LEAST, i]
+        lobes[END_, i] = lobes[MOST, i]
+        first = int(lobes[FIRST, i])
+        deepest = 1e-12
+        main = 0
+        for j in range(n):
+            if rows[j, PENETRATION] > deepest:
+                deepest = rows[j, PENETRATION]
+                main = j
+        # ratio of the curvatures across and along from the width at half of the depth; Hertz's factor and edges for it
+        wide = 0
+        for j in range(n):
+            wide += 1 if rows[j, PENETRATION] > 0.5 * deepest else 0
+        ratio = rows[main, RADIUS_T] * deepest / (0.5 * max(wide, 1) * rows[0, DS]) ** 2
+        level = min(max(0.5 + 0.07 * log(ratio), 0.2), 0.8)
+        for j in range(n):
+            share = (rows[j, PENETRATION] / deepest - level) / (1.0 - level)
+            v[A_, first + j] = 0.75 * sqrt(2.0 * rows[j, RADIUS_T] * deepest * share) if share > 0.0 else 0.0
+            v[LEFT, first + j] = 0.0
+        for k in range(i * FACTORS, (i + 1) * FACTORS):
+            v[FACTOR, k] = min(1.0 + 0.27 * ratio**0.63, 5.0)
+
+
+@kernel
+def sample(patches, strips, i, modulus, yaw, v, lobes):
+    """Geometry at the present strips of lobe i, by cubic interpolation in the rows laid over the penetration."""
+    n = int(patches[i, N_STRIPS])
+    rows = strips[i]
+    first = int(lobes[FIRST, i])
+    start = lobes[START_, i]
+    width = (lobes[END_, i] - start) / n
+    origin = rows[0, S]
+    spacing = rows[0, DS]
+    for j in range(n):
+        k = first + j
+        s = start + (j + 0.5) * width
+        x = (s - origin) / spacing
+        c = min(max(int(x), 1), n - 3)
+        r = x - c
+        w0 = -r * (r - 1.0) * (r - 2.0) / 6.0
+        w1 = (r + 1.0) * (r - 1.0) * (r - 2.0) / 2.0
+        w2 = -(r + 1.0) * r * (r - 2.0) / 2.0
+        w3 = (r + 1.0) * r * (r - 1.0) / 6.0
+        r0, r1, r2, r3 = rows[c - 1], rows[c], rows[c + 1], rows[c + 2]
+        v[POS, k] = s
+        v[WIDTH_, k] = width
+        v[D, k] = w0 * r0[PENETRATION] + w1 * r1[PENETRATION] + w2 * r2[PENETRATION] + w3 * r3[PENETRATION]
+        v[O_, k] = w0 * r0[O] + w1 * r1[O] + w2 * r2[O] + w3 * r3[O]
+        v[B_, k] = w0 * r0[B] + w1 * r1[B] + w2 * r2[B] + w3 * r3[B]
+        no = r1[NO] + r * (r2[NO] - r1[NO])
+        nb = r1[NB] + r * (r2[NB] - r1[NB])
+        inverse = 1.0 / sqrt(no * no + nb * nb)
+        v[NO_, k] = no * inverse
+        v[NB_, k] = nb * inverse
+        v[X_, k] = r1[X] + r * (r2[X] - r1[X])
+        v[R, k] = 1.0 / _mean_curvature(rows, n, x, yaw, nb, v[D, k])
+        v[HERTZ, k] = 0.5 * modulus / v[R, k]
+
+
+@kernel
+def _mean_curvature(rows, n, x, yaw, nb, d):
+    """Mean of 1/R_x over what a strip really runs over, at place x among the rows.
+
+    Along a strip of a yawed wheel the profile coordinate changes by x sin(alpha), sin(alpha) = yaw / cos(angle): a
+    curvature that jumps across the profile is felt as a mean over +-a sin(alpha).
+    """
+    spacing = rows[0, DS]
+    middle = min(max(int(x + 0.5), 0), n - 1)
+    half = 0.7 * sqrt(2.0 * rows[middle, RADIUS_T] * max(d, 0.0))
+    reach = max(half * abs(yaw) / max(nb, 0.05) / spacing, 1.0)
+    total = 0.0
+    weights = 0.0
+    for k in range(max(int(x - reach), 0), min(int(x + reach) + 2, n)):
+        weight = 1.0 - abs(k - x) / reach
+        if weight > 0.0:
+            total += weight / rows[k, RADIUS_T]
+            weights += weight
+    if weights == 0.0:
+        return 1.0 / rows[middle, RADIUS_T]
+    return total / weights
+
+
+@kernel
+def edge_shifts(patches, i, v, lobes):
+    """How far the edges of lobe i should move, in strip widths.
+
+    Near the edge of a contact p^2, and with it a^2, grows in proportion to the distance: a contact drawn too narrow
+    carries a punch's singular pressure in its outer strip, one drawn too wide would have to pull there. The ratio of
+    a^2 in the two outer strips tells which, and falls steadily as the edge moves out. Positive shifts go along +s.
+    Writes SHIFT; returns the larger amount.
+    """
+    n = int(patches[i, N_STRIPS])
+    first = int(lobes[FIRST, i])
+    left, right = _gone(v, first, n)
+    width = (lobes[END_, i] - lobes[START_, i]) / n
+    largest = 0.0
+    for side in range(2):
+        outer = first + left if side == 0 else first + n - 1 - right
+        inwards = 1 if side == 0 else -1
+        ratio = (v[A_, outer] / v[A_, outer + inwards]) ** 2 if v[A_, outer + inwards] > 0.0 else 1.0
+        out = (ratio - EDGE_RATIO) / EDGE_SLOPE
+        gone = left if side == 0 else right
+        # strips that left take the edge with them, whatever the next one carries
+        out = min(max(out, -FARTHEST_SHIFT), FARTHEST_SHIFT if gone == 0 else 0.5 * FARTHEST_SHIFT)
+        room = (lobes[START_, i] - lobes[LEAST, i] if side == 0 else lobes[MOST, i] - lobes[END_, i]) / width
+        out = min(out - gone, room)
+        lobes[SHIFT + side, i] = -out if side == 0 else out
+        largest = max(largest, abs(out))
+    return largest
+
+
+@kernel
+def _gone(v, first, n):
+    """How many strips at both ends of a lobe are out of contact."""
+    left = 0
+    while left < n and v[A_, first + left] <= 0.0:
+        left += 1
+    right = 0
+    while right < n - left and v[A_, first + n - 1 - right] <= 0.0:
+        right += 1
+    return left, right
+
+
+@kernel
+def in_contact(patches, i, v, lobes):
+    """Number of strips between the first and the last one of lobe i in contact."""
+    n = int(patches[i, N_STRIPS])
+    left, right = _gone(v, int(lobes[FIRST, i]), n)
+    return n - left - right
+
+
+@kernel
+def leave(patches, i, v, lobes):
+    """Take lobe i out of contact."""
+    lobes[ON, i] = 0.0
+    first = int(lobes[FIRST, i])
+    for k in range(first, first + int(patches[i, N_STRIPS])):
+        v[A_, k] = 0.0
+
+
+@kernel
+def regrid(patches, strips, i, v, lobes, start, end):
+    """Lay the strips of lobe i over ``start`` to ``end`` and what it held before; new ground gets short strips."""
+    n = int(patches[i, N_STRIPS])
+    first = int(lobes[FIRST, i])
+    on = lobes[ON, i] > 0.5
+    if on:
+        start, end = min(start, lobes[START_, i]), max(end, lobes[END_, i])
+    deepest = 0.0
+    longest = 0.0
+    for j in range(n):
+        deepest = max(deepest, strips[i, j, PENETRATION])
+        longest = max(longest, strips[i, j, RADIUS_T])
+        v[OTHER, first + j] = v[A_, first + j] if on else 0.0
+    short = 0.1 * sqrt(2.0 * longest * deepest)
+    width = (lobes[END_, i] - lobes[START_, i]) / n
+    for j in range(n):
+        s = start + (j + 0.5) / n * (end - start)
+        v[LEFT, first + j] = 0.0
+        v[A_, first + j] = short
+        if on and lobes[START_, i] < s < lobes[END_, i]:
+            x = (s - lobes[START_, i]) / width - 0.5
+            c = min(max(int(x), 0), n - 2)
+            r = min(max(x - c, 0.0), 1.0)
+            v[A_, first + j] = v[OTHER, first + c] * (1.0 - r) + v[OTHER, first + c + 1] * r
+    if not on:
+        for k in range(i * FACTORS, (i + 1) * FACTORS):
+            v[FACTOR, k] = 1.0
+    lobes[ON, i] = 1.0
+    lobes[START_, i] = start
+    lobes[END_, i] = end
+    _forget(i, lobes)
+
+
+@kernel
+def move_edges(patches, i, v, lobes):
+    """Move the edges of lobe i by SHIFT; half lengths keep their place relative to the strips in contact."""
+    n = int(patches[i, N_STRIPS])
+    first = int(lobes[FIRST, i])
+    left, right = _gone(v, first, n)
+    width = (lobes[END_, i] - lobes[START_, i]) / n
+    w0, w1 = lobes[SHIFT, i] * width, lobes[SHIFT + 1, i] * width
+    if left > 0 or right > 0:
+        # strips that left say nothing of the slope
+        lobes[MOVED, i] = lobes[MOVED + 1, i] = 0.0
+        _plain_slopes(i, lobes)
+        m0, m1 = w0, w1
+    else:
+        m0, m1 = _broyden(i, lobes, w0, w1)
+    # an edge that keeps wishing to go out is far from its place: longer steps each time
+    far0 = FARTHEST_SHIFT * width
+    far1 = far0
+    if w0 <= -0.9 * far0 and lobes[MOVED, i] < 0.0:
+        m0 = min(m0, 2.0 * lobes[MOVED, i])
+        far0 *= FARTHEST_STRIDE
+    if w1 >= 0.9 * far1 and lobes[MOVED + 1, i] > 0.0:
+        m1 = max(m1, 2.0 * lobes[MOVED + 1, i])
+        far1 *= FARTHEST_STRIDE
+    m0 = min(max(m0, -far0), far0) if left == 0 else m0
+    m1 = min(max(m1, -far1), far1) if right == 0 else m1
+    m0 = max(m0, lobes[LEAST, i] - lobes[START_, i])
+    m1 = min(m1, lobes[MOST, i] - lobes[END_, i])
+    lobes[WISHED, i], lobes[WISHED + 1, i] = w0, w1
+    if left == 0 and right == 0:
+        lobes[MOVED, i], lobes[MOVED + 1, i] = m0, m1
+    lobes[START_, i] += m0
+    lobes[END_, i] += m1
+    if left == 0 and right == 0:
+        return
+    stretch = (n - left - right) / n
+    for j in range(n):
+        v[OTHER, first + j] = v[A_, first + j]
+    for j in range(n):
+        x = left + (j + 0.5) * stretch - 0.5
+        c = min(max(int(x), left), n - right - 2)
+        r = min(max(x - c, 0.0), 1.0)
+        v[A_, first + j] = v[OTHER, first + c] * (1.0 - r) + v[OTHER, first + c + 1] * r
+        if x < left or x > n - right - 1:
+            v[A_, first + j] *= 0.7
+
+
+@kernel
+def _plain_slopes(i, lobes):
+    """A wish that is fulfilled vanishes: what is assumed until moves have shown more."""
+    lobes[SLOPE, i] = lobes[SLOPE + 3, i] = -1.0
+    lobes[SLOPE + 1, i] = lobes[SLOPE + 2, i] = 0.0
+
+
+@kernel
+def _broyden(i, lobes, w0, w1):
+    """Moves of both edges that should fulfil both wishes; the slopes are learnt from the last move (Broyden)."""
+    m0, m1 = lobes[MOVED, i], lobes[MOVED + 1, i]
+    square = m0 * m0 + m1 * m1
+    j00, j01, j10, j11 = lobes[SLOPE, i], lobes[SLOPE + 1, i], lobes[SLOPE + 2, i], lobes[SLOPE + 3, i]
+    if square > 0.0:
+        r0 = (w0 - lobes[WISHED, i] - j00 * m0 - j01 * m1) / square
+        r1 = (w1 - lobes[WISHED + 1, i] - j10 * m0 - j11 * m1) / square
+        j00 += r0 * m0
+        j01 += r0 * m1
+        j10 += r1 * m0
+        j11 += r1 * m1
+    determinant = j00 * j11 - j01 * j10
+    if determinant < 0.1 or j00 > -0.1 or j11 > -0.1:
+        _plain_slopes(i, lobes)
+        return w0, w1
+    lobes[SLOPE, i], lobes[SLOPE + 1, i], lobes[SLOPE + 2, i], lobes[SLOPE + 3, i] = j00, j01, j10, j11
+    return (-w0 * j11 + w1 * j01) / determinant, (-w1 * j00 + w0 * j10) / determinant
+
+
+@kernel
+def write_back(patches, strips, count, v, lobes):
+    """The solution to the rows, and what the next call may start from."""
+    for i in range(count):
+        n = int(patches[i, N_STRIPS])
+        first = int(lobes[FIRST, i])
+        patches[i, WARM_STRIPS] = n
+        patches[i, WARM_START] = lobes[START_, i]
+        patches[i, WARM_END] = lobes[END_, i] if lobes[ON, i] > 0.5 else lobes[START_, i] - 1.0
+        if lobes[ON, i] < 0.5:
+            patches[i, N_STRIPS] = 0.0
+            continue
+        for j in range(n):
+            k = first + j
+            row = strips[i, j]
+            row[S] = v[POS, k]
+            row[DS] = v[WIDTH_, k]
+            row[X] = v[X_, k]
+            row[A] = v[A_, k]
+            row[WARM_A] = v[A_, k]
+            row[P] = v[Q_, k] if v[A_, k] > 0.0 else 0.0
+            row[NO] = v[NO_, k]
+            row[NB] = v[NB_, k]
+            row[O] = v[O_, k]
+            row[B] = v[B_, k]
+            row[RADIUS_T] = v[R, k]
