@@ -19,6 +19,7 @@ from support.runs import SCENARIOS, straight
 from typer.testing import CliRunner
 
 import wrsim.analysis.curving as curving
+import wrsim.analysis.keeping as keeping
 from wrsim.analysis import recorded
 from wrsim.cli import app
 from wrsim.errors import InputError, WrsimError
@@ -372,6 +373,19 @@ def test_another_scenario_or_a_changed_model_does_not_go_on(whole, tmp_path, mon
     assert f"{rail} has changed since the run began; what is in the file can no longer be read" in refused.stderr
     rail.write_text(text)
     assert command("run", commented, *arguments).exit_code == 0
+
+
+def test_other_code_does_not_go_on_but_can_be_shown(whole, tmp_path, monkeypatch):
+    out = tmp_path / "out"
+    with monkeypatch.context() as patch:
+        patch.setattr(curving, "result_of", lambda *a: (_ for _ in ()).throw(KeyboardInterrupt))
+        assert command("run", whole / "short.toml", "-o", out, "-q").exit_code == 130
+    monkeypatch.setattr(keeping, "code_digest", lambda: "tomorrow's")
+    monkeypatch.setattr(keeping, "numbers_digest", lambda setup: "other numbers from the same files")
+    refused = command("run", whole / "short.toml", "-o", out, "-q", "--resume")
+    assert refused.exit_code == 2
+    assert "another state of wrsim's code: the numbers may differ; run it without --resume" in refused.stderr
+    assert command("show", out).exit_code == 0
 
 
 def test_a_static_analysis_has_nothing_to_resume(tmp_path):

@@ -10,12 +10,13 @@ from __future__ import annotations
 import hashlib
 import tomllib
 from dataclasses import dataclass, fields, is_dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wrsim.core import sources_digest
+import wrsim
 from wrsim.errors import InputError
 from wrsim.results import versions
 from wrsim.results.run_file import read_run_file
@@ -25,9 +26,6 @@ from wrsim.simulation.tape import FileTape
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
     from wrsim.scenario.loading import Scenario
-
-SUFFIX = ".part"
-"""Behind the name of the result: the file of a run that is not over."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ class Keeping:
             "folders": [str(folder.resolve()) for folder in scenario.directories],
             "files": {str(file): _file_digest(file) for file in setup.files},
             "numbers": numbers_digest(setup),
-            "kernels": sources_digest(),
+            "code": code_digest(),
             **versions(),
         }
         if resume:
@@ -73,13 +71,13 @@ def _same_run(path: Path, now: dict[str, Any]) -> None:
     changed = _first_change(tomllib.loads(then["scenario_text"]), tomllib.loads(now["scenario_text"]))
     if changed:
         raise InputError(f"{path}: is the run of another scenario: {changed}; {again}")
-    _same_models(path, then, now, again)
     for name in ("wrsim", "python", "numpy", "numba", "exudyn", "scipy"):
         a, b = then.get(f"{name}_version"), now[f"{name}_version"]
         if a != b:
             raise InputError(f"{path}: was computed with {name} {a}, this is {b}: the numbers would differ; {again}")
-    if then["kernels"] != now["kernels"]:
-        raise InputError(f"{path}: was computed by another state of wrsim's kernels: the numbers would differ; {again}")
+    if then["code"] != now["code"]:
+        raise InputError(f"{path}: was computed by another state of wrsim's code: the numbers may differ; {again}")
+    _same_models(path, then, now, again)
 
 
 def _first_change(then: Any, now: Any, key: str = "") -> str:
@@ -101,9 +99,13 @@ def _first_change(then: Any, now: Any, key: str = "") -> str:
 
 
 def _same_models(path: Path, then: dict[str, Any], now: dict[str, Any], again: str) -> None:
-    if then["numbers"] == now["numbers"]:
-        return
+    """Raise ``InputError`` when a file that shapes the run is not what it was.
+
+    Other code may read the same files into other numbers: then the files themselves have to do.
+    """
     changed = [file for file, digest in now["files"].items() if then["files"].get(file, digest) != digest]
+    if not changed and (then["numbers"] == now["numbers"] or then["code"] != now["code"]):
+        return
     what = f"{changed[0]} has" if len(changed) == 1 else "files that the scenario names have"
     raise InputError(f"{path}: {what} changed since the run began; {again}")
 
@@ -118,13 +120,25 @@ def recorded_setup(path: Path) -> Setup:
     header, _ = read_run_file(path)
     folders = [Path(folder) for folder in header["folders"]]
     setup = build(load_text(header["scenario_text"], folders[0], folders[1:]))
-    now = {"numbers": numbers_digest(setup), "files": {str(file): _file_digest(file) for file in setup.files}}
+    files = {str(file): _file_digest(file) for file in setup.files}
+    now = {"numbers": numbers_digest(setup), "files": files, "code": code_digest()}
     _same_models(path, header, now, "what is in the file can no longer be read: run the scenario again")
     return setup
 
 
 def _file_digest(file: Path) -> str:
     return hashlib.sha256(file.read_bytes()).hexdigest()[:16]
+
+
+@lru_cache(maxsize=1)
+def code_digest() -> str:
+    """Digest of all sources of wrsim."""
+    digest = hashlib.sha256()
+    root = Path(wrsim.__file__).parent
+    for source in sorted(root.rglob("*.py")):
+        digest.update(str(source.relative_to(root)).encode())
+        digest.update(source.read_bytes())
+    return digest.hexdigest()[:32]
 
 
 def numbers_digest(setup: Setup) -> str:
