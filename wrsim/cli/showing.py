@@ -115,12 +115,19 @@ def print_vehicle_peaks(title: str, summary: dict[str, Any]) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    names = ("Y_max_kN", "Q_min_kN", "Q_max_kN", "Y_over_Q_max", "T_gamma_max_N", "p0_max_MPa")
+    names = {
+        "Y_max_kN": "Y kN",
+        "Q_min_kN": "Q min kN",
+        "Q_max_kN": "Q max kN",
+        "Y_over_Q_max": "Y/Q",
+        "T_gamma_max_N": "T gamma N",
+        "p0_max_MPa": "p0 MPa",
+    }
     table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
     for name in ("wheelset", "wheel"):
-        table.add_column(name)
-    for name in names:
-        table.add_column(name, justify="right")
+        table.add_column(name, no_wrap=True)
+    for words in names.values():
+        table.add_column(words, justify="right")
     for wheelset, own in summary["wheelsets"].items():
         for wheel, peaks in own["wheels"].items():
             table.add_row(wheelset, wheel, *(_peak(peaks.get(name))[0] for name in names))
