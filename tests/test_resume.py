@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 
 import wrsim.analysis.curving as curving
 import wrsim.analysis.keeping as keeping
-from wrsim.analysis import recorded
+from wrsim.analysis import recorded, run
 from wrsim.cli import app
 from wrsim.errors import InputError, WrsimError
 from wrsim.results import Result
@@ -238,6 +238,24 @@ def test_what_the_monitor_has_noted_survives_a_death_in_the_run_and_behind_it(tm
         assert noted == times
 
 
+def test_a_whole_vehicle_goes_on_to_the_bit(tmp_path, often):
+    path = tmp_path / "x.part"
+    keys = {
+        "run.start_distance_m": 15.0,
+        "run.distance_m": 2.0,
+        "run.output_interval_ms": 2.0,
+        "output.patches_at_m": [],
+    }
+    keys |= {"contact.strips": 12, "contact.cells": 6}
+    scenario = load(SCENARIOS / "manchester_r300.toml").with_values(keys)
+    whole = run(scenario, record=path)
+    data = path.read_bytes()
+    for part in (0.6,):
+        path.write_bytes(data[: int(part * len(data))])
+        assert recorded(path).status == "stopped"
+        assert run(scenario, record=path, resume=True).dataset.identical(whole.dataset)
+
+
 # --- the command ------------------------------------------------------------------------------------------------
 
 KEYS: dict[str, Any] = {
@@ -324,7 +342,6 @@ def test_an_interrupted_run_goes_on_and_one_that_is_whole_does_not(whole, tmp_pa
             os.kill(os.getpid(), signal.SIGINT)
 
     scenario = load(whole / "short.toml")
-    from wrsim.analysis import run
     from wrsim.simulation import integrate as integrator
 
     patch = pytest.MonkeyPatch()
