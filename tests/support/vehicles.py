@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from wrsim.contact.model import ContactModel
+from wrsim.geometry.elasticity import RailElasticity
 from wrsim.geometry.segments import Segment, Straight
 from wrsim.geometry.track import Track
 from wrsim.inputs.lookup import Finder, shipped_models
@@ -56,8 +57,9 @@ def on_track(
     drive: Drive = "train",
     gravity: float = STANDARD_GRAVITY,
     heading: float = 0.0,
+    elasticity: RailElasticity | None = None,
 ) -> Train:
-    """The vehicle on track of these segments, its origin at ``start`` [m]; speed [m/s]."""
+    """The vehicle on track of these segments, its origin at ``start`` [m]; speed [m/s]; rigid or elastic rails."""
     setup = rails_and_contact()
     left, right = ((curve.outward, curve.height) for curve in (setup.track.left_curve, setup.track.right_curve))
     track = Track.build(
@@ -67,6 +69,7 @@ def on_track(
         right_offset=right,
         cant_base=setup.track.cant_base,
         heading=heading,
+        elasticity=elasticity,
     )
     contacts = []
     for mounted in vehicle.wheelsets:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+RAIL_CHANNELS = ("rail_displacement_y", "rail_displacement_z")
+
 Event = tuple[float, float, str]
 """Time [s], distance [m], what happened."""
 
@@ -66,19 +68,25 @@ def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: li
         for recorder in strips:
             recorder.store()
     kept = np.array([s.sample for s in snapshots], dtype=int)
+    moved = np.zeros((n, len(vehicle.wheelsets), 2, 2))  # rails under the wheels: left and right, lateral and up
+    if law.rails:
+        moved = motion.q[:, law.size - law.rails :].reshape(moved.shape)
     of_wheelsets = [
         {
             "wheelset_distance": p.distance,
             **track_channels(track, p.distance),
+            **(dict(zip(RAIL_CHANNELS, np.moveaxis(moved[:, w], -1, 0), strict=True)) if law.rails else {}),
             "lateral_shift": p.lateral,
             "vertical_shift": p.height - mounted.wheelset.mean_radius,
             "yaw": p.yaw,
             "roll": p.roll,
             "spin_rate": p.spin_rate,
             **f,
-            **patch_channels(r, pair, track.widening(p.distance), uneven(track, p.distance)),
+            **patch_channels(r, pair, track.widening(p.distance), uneven(track, p.distance) + moved[:, w]),
         }
-        for mounted, p, f, r, pair in zip(vehicle.wheelsets, poses, forces, raw, law.wheels, strict=True)
+        for w, (mounted, p, f, r, pair) in enumerate(
+            zip(vehicle.wheelsets, poses, forces, raw, law.wheels, strict=True)
+        )
     ]
     raw.clear()  # a long run fills memory: nothing is kept twice for long
     channels: dict[str, Any] = {

@@ -5,6 +5,14 @@ them. Coordinates are six a body as in ``core.wheelset`` (pitch in the place of 
 then one for every damper in series with a spring: its rate is the extension of the damping part, so that its "force"
 is the rate of that extension, on a mass of 1; the coordinate itself means nothing.
 
+Behind these, on elastic rails, stand the displacements of a piece of rail under every wheel, moving along with it: left
+rail along n and b, right rail along n and b, wheelset after wheelset. Each follows
+
+    m u_tt + c u_t + k u = force of the wheel on the rail along n or b,
+
+and is written with a mass of 1 (its "force" is the acceleration). The wheel meets the rail where it has moved to, with
+the velocity that is left between them. The pieces of two wheels know nothing of each other.
+
 The frame that follows the track (``core.carrier``) is the body behind the last one; springs may be fixed to it.
 
 Drive. What holds the vehicle's speed acts like a spring and damper to a point that runs along the track at constant
@@ -15,11 +23,24 @@ train does, or it comes as equal moments on the axles, with the reaction on the 
 
 from wrsim.core.arena import matrix, vector
 from wrsim.core.compiling import kernel
+from wrsim.core.layout import FORCE_B, FORCE_O
 from wrsim.core.path import frame, frame_rates, locate
 from wrsim.core.rigid_body import turned_axes
 from wrsim.core.suspension import suspension_forces
 from wrsim.core.wheelset import generalised_forces, kinematics
-from wrsim.core.wheelset_forces import ARRAYS, FORCE, MOMENT, OFF_TRACK, contact_forces
+from wrsim.core.wheelset_forces import (
+    ARRAYS,
+    FORCE,
+    LEFT,
+    MOMENT,
+    OFF_TRACK,
+    RAIL_MOTION,
+    RAIL_NUMBERS,
+    RIGHT,
+    SCALARS,
+    TOTAL,
+    contact_forces,
+)
 
 # arrays of the arena before those of the wheelsets
 V_SCALARS, BODIES, STATES, FORCES, MOMENTS, ELEMENTS, TABLES, RECORDS, LOADS, AXLES, PATH = range(11)
@@ -28,7 +49,9 @@ FIRST_WHEELSET = 11
 # scalars: acceleration of gravity; the track frame's start and speed; mass of the vehicle; drive: kind, reference body,
 # what lies between it and the track frame along the track, its distance (a guess, updated); step of the centre line
 GRAVITY, START, SPEED, VEHICLE_MASS, DRIVE, REFERENCE, AHEAD, S_REFERENCE, STEP, DRIVE_FORCE = range(10)
-VEHICLE_SCALARS = 10
+# rails under the wheels: first of their coordinates or -1 on rigid ones; mass, stiffness, damping, along n and b each
+RAILS, RAIL_MASS, RAIL_STIFFNESS, RAIL_DAMPING = 10, 11, 13, 15
+VEHICLE_SCALARS = 17
 
 FREE, TRAIN, WHEELS = 0, 1, 2  # kinds of drive
 DRIVE_RATE = 1.0  # [1/s]
@@ -37,6 +60,7 @@ DRIVE_RATE = 1.0  # [1/s]
 # an axle: body, body that takes the reaction or -1, radius
 MASS, WHEELSET = 0, 1
 BODY_COLUMNS, LOAD_COLUMNS, AXLE_COLUMNS = 2, 8, 3
+RAIL_COORDINATES = 4  # of a wheelset
 S_LOAD = 7  # column of a load: its distance, a guess
 
 
@@ -95,11 +119,40 @@ def vehicle_forces(t, q, q_t, out, buffer, index):
             for k in range(3):
                 total_force[k] = force[i, k]
                 total_moment[k] = moment[i, k]
-            status |= contact_forces(body, buffer, own)
+            rails = int(scalars[RAILS])
+            if rails >= 0:
+                place = rails + RAIL_COORDINATES * w
+                _tell_rails(q, q_t, place, vector(buffer, own, SCALARS))
+                status |= contact_forces(body, buffer, own)
+                _move_rail(q, q_t, place, 1.0, vector(buffer, own, LEFT + TOTAL), scalars, out)
+                _move_rail(q, q_t, place + 2, -1.0, vector(buffer, own, RIGHT + TOTAL), scalars, out)
+            else:
+                status |= contact_forces(body, buffer, own)
             generalised_forces(body, total_force, total_moment, out[6 * i : 6 * i + 6])
         else:
             generalised_forces(body, force[i], moment[i], out[6 * i : 6 * i + 6])
     return status
+
+
+@kernel
+def _tell_rails(q, q_t, place, scalars):
+    """Write the motion of both rails under a wheelset to its scalars."""
+    for side in range(2):
+        for k in range(2):
+            at = RAIL_MOTION + side * RAIL_NUMBERS + k
+            scalars[at] = q[place + 2 * side + k]
+            scalars[at + 2] = q_t[place + 2 * side + k]
+
+
+@kernel
+def _move_rail(q, q_t, place, side, total, scalars, out):
+    """Accelerations of one rail's piece, along n and b, under the force of its wheel."""
+    out[place] = -side * total[FORCE_O]
+    out[place + 1] = -total[FORCE_B]
+    for k in range(2):
+        i = place + k
+        springs = scalars[RAIL_STIFFNESS + k] * q[i] + scalars[RAIL_DAMPING + k] * q_t[i]
+        out[i] = (out[i] - springs) / scalars[RAIL_MASS + k]
 
 
 @kernel

@@ -16,10 +16,13 @@ from wrsim.core.wheelset_contact import add_forces, set_pose, wheel_origin
 SCALARS, CARRIER, CENTRE, LEFT_RAIL, RIGHT_RAIL, FORCE, MOMENT, LEFT, RIGHT = 0, 1, 2, 3, 4, 5, 6, 7, 21
 ARRAYS = 35
 ARRAYS_OF_A_WHEEL = 14
+TOTAL = 13  # place of the resultants among them
 
 # scalars: distances along the centre line and the rails (guesses, updated), steps of the paths, H/2
-S_CENTRE, S_LEFT, S_RIGHT, STEP_CENTRE, STEP_LEFT, STEP_RIGHT, HALF_SPACING = range(7)
-SCALAR_COUNT = 7
+# and the motion of the piece of rail under the left wheel, then the right one: displacement and velocity along n and b
+S_CENTRE, S_LEFT, S_RIGHT, STEP_CENTRE, STEP_LEFT, STEP_RIGHT, HALF_SPACING, RAIL_MOTION = range(8)
+RAIL_NUMBERS = 4  # of one rail
+SCALAR_COUNT = RAIL_MOTION + 2 * RAIL_NUMBERS
 
 OK, OFF_TRACK = 0, 1024
 
@@ -77,7 +80,13 @@ def _one_side(body, side, half, path, place, scalars, buffer, index, first):
     rail_frame = frame(path, step, s)
     pose = vector(buffer, index, first + 6)
     set_pose(body, rail_frame, side, half, pose)
-    total = vector(buffer, index, first + 13)
+    # the rail's piece has moved away by so much, and moves with the wheel along the track
+    rail = RAIL_MOTION + (place - S_LEFT) * RAIL_NUMBERS
+    pose[1] -= side * scalars[rail]
+    pose[2] -= scalars[rail + 1]
+    pose[7] -= side * scalars[rail + 2]
+    pose[8] -= scalars[rail + 3]
+    total = vector(buffer, index, first + TOTAL)
     status = wheel_rail(
         matrix(buffer, index, first),
         matrix(buffer, index, first + 1),

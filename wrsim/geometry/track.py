@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wrsim.errors import InputError
 from wrsim.geometry.centre_line import CentreLine
+from wrsim.geometry.elasticity import RailElasticity
 from wrsim.geometry.gradient import Grade, pitch_law
 from wrsim.geometry.irregularities import SMOOTH, Disturbance, Irregularities
 from wrsim.geometry.path import Path
@@ -78,6 +79,8 @@ class Track:
     centre_line: CentreLine
     left_curve: SweptCurve
     right_curve: SweptCurve
+    elasticity: RailElasticity | None = None
+    """None: rigid rails."""
 
     @classmethod
     def build(
@@ -115,6 +118,7 @@ class Track:
         step: float | None = None,
         start: tuple[float, float, float] = (0.0, 0.0, 0.0),
         heading: float = 0.0,
+        elasticity: RailElasticity | None = None,
     ) -> Track:
         """A track of given laws of curvature, cant and gauge.
 
@@ -123,6 +127,7 @@ class Track:
         rail profile's origin [m], outward of the gauge point and above the rail tops. cant_base: distance over which
         cant is measured [m], default gauge + 0.065 m. step: largest distance of the tables' rows [m]; None: 0.25 m, and
         on the rails what their irregularities need. start, heading: point [m] and direction [rad] at s = 0.
+        elasticity: of the rails, None for rigid ones.
         """
         _within("gauge_mm", gauge, 0.3, 3.0, 1e3)
         base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
@@ -167,6 +172,7 @@ class Track:
             centre_line=line,
             left_curve=left,
             right_curve=right,
+            elasticity=elasticity,
         )
 
     @property
@@ -234,7 +240,14 @@ class Track:
     def relaid(self, segments: Sequence[Segment]) -> Track:
         """Another track, of these segments, with the same rails, gauge and cant base."""
         left, right = ((curve.outward, curve.height) for curve in (self.left_curve, self.right_curve))
-        return Track.build(segments, self.nominal_gauge, left_offset=left, right_offset=right, cant_base=self.cant_base)
+        return Track.build(
+            segments,
+            self.nominal_gauge,
+            left_offset=left,
+            right_offset=right,
+            cant_base=self.cant_base,
+            elasticity=self.elasticity,
+        )
 
     def features(self) -> tuple[Feature, ...]:
         """The segments in order, with labels and distances, for plots and reports."""

@@ -143,8 +143,6 @@ _ALL = (
     _of("cant", "time", "m", "mm", "cant"),
     _of("gauge", "time", "m", "mm", "track gauge"),
     _of("grade", "time", "1", "permille", "grade"),
-    _of("rail_lateral", "time wheel", "m", "mm", "lateral irregularity of the rail"),
-    _of("rail_vertical", "time wheel", "m", "mm", "vertical irregularity of the rail"),
     _of("wheelset_distance", "time wheelset", "m", "m", "distance of the wheelset along the track"),
     # a whole vehicle
     _of("drive_force", "time", "N", "kN", "force that holds the speed"),
@@ -184,6 +182,10 @@ _ALL = (
     _of("equivalent_conicity", "amplitude", "1", "1", "equivalent conicity", r"\tan\gamma_e"),
     _of("conicity_wavelength", "amplitude", "m", "m", "wavelength of the swing", r"\lambda"),
     # a wheel
+    _of("rail_lateral", _WHEEL, "m", "mm", "lateral irregularity of the rail"),
+    _of("rail_vertical", _WHEEL, "m", "mm", "vertical irregularity of the rail"),
+    _of("rail_displacement_y", _WHEEL, "m", "mm", "lateral displacement of the elastic rail"),
+    _of("rail_displacement_z", _WHEEL, "m", "mm", "vertical displacement of the elastic rail"),
     _of("Y", _WHEEL, "N", "kN", "lateral force", "Y"),
     _of("Q", _WHEEL, "N", "kN", "vertical force", "Q"),
     _of("X", _WHEEL, "N", "kN", "longitudinal force", "X"),

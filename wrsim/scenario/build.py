@@ -95,6 +95,9 @@ def build(scenario: Scenario) -> Setup:
     if spec.analysis == "ride" and (vehicle is None or not vehicle.points):
         needed = 'analysis = "ride" needs a vehicle with [[points]], at which accelerations are kept'
         raise scenario.fault(("vehicle", "model"), needed)
+    if vehicle is None and spec.track.elasticity is not None and spec.analysis in (*IN_TIME, "equilibrium"):
+        message = "is for whole vehicles: a lone wheelset runs on rigid rails (a vehicle file may hold one wheelset)"
+        raise scenario.fault(("track", "elasticity"), message)
     rails = _rails(scenario, files)
     track = track_of(scenario, rails, files)
     if spec.track.gauge_between == "gauge points":

@@ -13,7 +13,7 @@ from wrsim.scenario.conicity_section import ConicitySection
 from wrsim.scenario.contact_section import ContactSection, HalfSpaceSection, MaterialSection
 from wrsim.scenario.irregularity_sections import IRREGULARITIES, GradeSection
 from wrsim.scenario.ride_section import RideSection
-from wrsim.scenario.track_section import Arc, Straight, TrackSection, Transition
+from wrsim.scenario.track_section import Arc, ElasticitySection, Straight, TrackSection, Transition
 from wrsim.scenario.vehicle_section import VehicleSection
 
 Analysis = Literal["static", "equilibrium", "curving", "ride", "conicity"]
@@ -80,7 +80,7 @@ def _tell_sections_of_each_other() -> None:
     """Let every section say where a key belongs that it does not know."""
     sections: tuple[type[Section], ...] = (
         ScenarioSpec, VehicleSection, TrackSection, Straight, Transition, Arc,
-        GradeSection, *IRREGULARITIES.values(),
+        GradeSection, *IRREGULARITIES.values(), ElasticitySection,
         ContactSection, MaterialSection, HalfSpaceSection, StaticSection, RunSection, OutputSection, ConicitySection,
         AssessmentSection, RideSection,
     )  # fmt: skip

@@ -55,6 +55,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Pat
             right_offset=offsets[1],
             cant_base=section.cant_base,
             step=section.row_distance_m,
+            elasticity=None if section.elasticity is None else section.elasticity.to_geometry(),
         )
     except _Told as told:
         raise told.error from None

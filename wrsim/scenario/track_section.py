@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.geometry import segments
+from wrsim.geometry.elasticity import RailElasticity
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import (
     Annotation,
@@ -148,9 +149,31 @@ SEGMENTS: dict[str, type[Straight] | type[Transition] | type[Arc]] = {
 }
 
 
+class ElasticitySection(Section):
+    """A mass on spring and damper under each wheel, moving along with it; laterally and vertically."""
+
+    header: ClassVar[str] = "[track.elasticity]"
+    aliases: ClassVar[dict[str, str]] = {"mass_kg": "vertical_mass_kg"}
+
+    lateral_stiffness_MN_per_m: Annotated[float, Quantity(0.1, 1e5, example="20 to 50 for one rail under one wheel")]
+    vertical_stiffness_MN_per_m: Annotated[float, Quantity(0.1, 1e5, example="30 to 100")]
+    lateral_damping_kNs_per_m: Annotated[float, Quantity(0, 1e5)]
+    vertical_damping_kNs_per_m: Annotated[float, Quantity(0, 1e5)]
+    lateral_mass_kg: Annotated[float, Quantity(1, 1e5, example="of the rail and what moves with it")]
+    vertical_mass_kg: Annotated[float, Quantity(1, 1e5, example="of the rail and what moves with it")]
+
+    def to_geometry(self) -> RailElasticity:
+        """The same in SI units."""
+        return RailElasticity(
+            stiffness=(1e6 * self.lateral_stiffness_MN_per_m, 1e6 * self.vertical_stiffness_MN_per_m),
+            damping=(1e3 * self.lateral_damping_kNs_per_m, 1e3 * self.vertical_damping_kNs_per_m),
+            mass=(self.lateral_mass_kg, self.vertical_mass_kg),
+        )
+
+
 class TrackSection(Section):
     """file, gauge_mm, rail (or rail_left, rail_right), inclination, cant_base_mm, segments or table, grades,
-    irregularities, row_distance_m.
+    irregularities, elasticity, row_distance_m.
 
     gauge_between = "origins" (static poses only): gauge_mm is the distance of the two rail profiles' origins, which lie
     in the plane of the track. For bare pairs of curves that have no gauge point.
@@ -194,6 +217,7 @@ class TrackSection(Section):
     irregularities: Annotated[
         tuple[IrregularitySection, ...], TableList("kind", lambda: IRREGULARITIES, "[[track.irregularities]]")
     ] = ()
+    elasticity: ElasticitySection | None = None
     row_distance_m: Annotated[float, Quantity(0.01, 1, example="m between the rows of the rails' tables")] | None = None
 
     @classmethod

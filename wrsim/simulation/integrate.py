@@ -20,6 +20,7 @@ import numpy as np
 from wrsim.core.wheelset import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
+from wrsim.simulation.linear import rails_of
 from wrsim.simulation.system import COORDINATES, Array, Follows, System
 from wrsim.simulation.tape import Cause, Checkpoint, Ending, Recording, Tape, memory_of, recall
 
@@ -56,6 +57,8 @@ class Motion:
 def _name(index: int, system: System) -> str:
     """Words for an index of ``first_not_finite``."""
     place = index % system.size
+    if place >= system.size - rails_of(system.forces):
+        return "the displacement of a rail under its wheel"
     if place >= 6 * len(system.bodies):
         return f"the extension of damper {place - 6 * len(system.bodies)}"
     body, coordinate = divmod(place, 6)

@@ -15,19 +15,28 @@ SMALL_EXTENSION = 1e-4
 """Change of the extension of a damper in series with a spring [m]; forces are linear in it or nearly so."""
 
 
-def steps_of(bodies: int, size: int) -> tuple[Array, Array]:
-    """Steps of the numerical derivatives in q and q_t: one row of ``SMALL`` per body, then the dampers'."""
+def steps_of(bodies: int, size: int, rails: int = 0) -> tuple[Array, Array]:
+    """Steps of the numerical derivatives in q and q_t: one row of ``SMALL`` per body, then the dampers', the rails'."""
     own = DIFFERENCE * np.array([SMALL[name] for name in COORDINATES] * bodies)
-    dampers = np.full(size - own.size, SMALL_EXTENSION)
-    return np.concatenate([own, dampers]), np.concatenate([own, dampers])
+    dampers = np.full(size - own.size - rails, SMALL_EXTENSION)
+    under = DIFFERENCE * np.array([SMALL["y"], SMALL["z"]] * (rails // 2))
+    steps = np.concatenate([own, dampers, under])
+    return steps, steps
 
 
-def force_derivatives(forces: ForceLaw, q: Array, q_t: Array, bodies: int, t: float = 0.0) -> tuple[Array, Array]:
+def rails_of(forces: ForceLaw) -> int:
+    """How many of a law's last coordinates are displacements of rails: they count, unlike those of dampers."""
+    return int(getattr(forces, "rails", 0))
+
+
+def force_derivatives(
+    forces: ForceLaw, q: Array, q_t: Array, bodies: int, t: float = 0.0, rails: int = 0
+) -> tuple[Array, Array]:
     """Derivatives of the generalised forces with respect to q and to q_t, each (n, n), by central differences."""
     n = len(q)
     out = np.zeros(n)
     found = []
-    for which, steps in enumerate(steps_of(bodies, n)):
+    for which, steps in enumerate(steps_of(bodies, n, rails)):
         columns = np.zeros((n, n))
         for i in range(n):
             both = []
@@ -46,23 +55,25 @@ class Linearised:
     """mass q_tt + damping q_t + stiffness q = 0 for small motions about a state, all (n, n); bodies: how many.
 
     Behind the coordinates of the bodies stand those of the dampers in series with springs, whose rates are the
-    extensions of the damping parts.
+    extensions of the damping parts; behind them the displacements of the rails under the wheels, ``rails`` of them.
     """
 
     mass: Array
     damping: Array
     stiffness: Array
     bodies: int
+    rails: int = 0
 
     @property
     def state_matrix(self) -> Array:
-        """A of y_t = A y with y = (q of the bodies, q_t of the bodies, extensions of the dampers)."""
+        """A of y_t = A y with y = (q of the bodies, displacements of the rails, q_t of the bodies, extensions of
+        the dampers, velocities of the rails)."""
         n, m = len(self.mass), 6 * self.bodies
         full = np.zeros((2 * n, 2 * n))
         full[:n, n:] = np.eye(n)
         full[n:, :n] = -np.linalg.solve(self.mass, self.stiffness)
         full[n:, n:] = -np.linalg.solve(self.mass, self.damping)
-        kept = np.r_[0:m, n : 2 * n]
+        kept = np.r_[0:m, n - self.rails : n, n : 2 * n]
         return full[np.ix_(kept, kept)]
 
 
@@ -76,8 +87,9 @@ def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t
         forces(t, q, q_t, out)
         out -= velocity_forces(bodies, q, q_t)
 
-    by_q, by_q_t = force_derivatives(left_over, q, q_t, len(bodies), t)
-    return Linearised(mass_matrix(bodies, q), -by_q_t, -by_q, len(bodies))
+    rails = rails_of(forces)
+    by_q, by_q_t = force_derivatives(left_over, q, q_t, len(bodies), t, rails)
+    return Linearised(mass_matrix(bodies, q), -by_q_t, -by_q, len(bodies), rails)
 
 
 def accelerations(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float = 0.0) -> Array:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wrsim.simulation.bodies import mass_matrix
-from wrsim.simulation.linear import force_derivatives
+from wrsim.simulation.linear import force_derivatives, rails_of
 from wrsim.simulation.system import Array, System
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def eigenvalues(system: System, q: Array, q_t: Array, t: float = 0.0) -> Array:
     fast modes that limit the step.
     """
     n = system.size
-    derivatives = force_derivatives(system.forces, q, q_t, len(system.bodies), t)
+    derivatives = force_derivatives(system.forces, q, q_t, len(system.bodies), t, rails_of(system.forces))
     matrix = np.zeros((2 * n, 2 * n))
     matrix[:n, n:] = np.eye(n)
     matrix[n:] = np.linalg.solve(mass_matrix(system.bodies, q), np.hstack(derivatives))

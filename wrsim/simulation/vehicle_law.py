@@ -31,13 +31,17 @@ DRIVES: tuple[Drive, ...] = ("free", "train", "wheels")
 PLACES = [wheelset_kernel.S_CENTRE, wheelset_kernel.S_LEFT, wheelset_kernel.S_RIGHT]
 """Distances among a wheelset's scalars."""
 
+RAIL_COORDINATES = vehicle_forces.RAIL_COORDINATES
+"""Displacements of the rails under one wheelset."""
+
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
 class VehicleOnTrack:
     """Generalised forces on a vehicle at any state; a ``ForceLaw``.
 
-    ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand behind their coordinates. After a
+    ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand behind their coordinates,
+    ``rails`` of them, the last ones, displacements of the rails under the wheels (``core.vehicle_forces``). After a
     call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body and travel
     of every element in the axes of its first body (of a strut along a line: tension and extension, in the places of x),
     ``distance`` the place of the reference body along the centre line.
@@ -64,7 +68,9 @@ class VehicleOnTrack:
             *(SolidBody(body.mass, body.inertia) for body in vehicle.bodies),
         )
         table = suspension_table(vehicle)
-        self.dampers = table.states
+        self.elastic = track.elasticity if contacts else None
+        self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if self.elastic else 0
+        self.dampers = table.states + self.rails
         self.size = 6 * len(self.bodies) + self.dampers
         own = self._arrays(table.elements, table.tables, speed, start, drive, gravity)
         whole = list(own)
@@ -194,6 +200,15 @@ class VehicleOnTrack:
         scalars[vehicle_forces.REFERENCE] = vehicle.reference
         scalars[vehicle_forces.AHEAD] = vehicle.parts[vehicle.reference].centre[0]
         scalars[vehicle_forces.STEP] = self.track.centre.step
+        scalars[vehicle_forces.RAILS] = -1.0
+        if self.elastic is not None:
+            scalars[vehicle_forces.RAILS] = self.size - self.rails
+            for place, pair in (
+                (vehicle_forces.RAIL_MASS, self.elastic.mass),
+                (vehicle_forces.RAIL_STIFFNESS, self.elastic.stiffness),
+                (vehicle_forces.RAIL_DAMPING, self.elastic.damping),
+            ):
+                scalars[place : place + 2] = pair
         bodies = np.array(
             [(body.mass, i if i < len(vehicle.wheelsets) else -1.0) for i, body in enumerate(self.bodies)]
         )

@@ -32,6 +32,9 @@ TOLERANCE = 1e-10
 HUNG = 1e-6
 """Forces left over on the bodies, as a part of the weight, with which the search goes on to the wheelsets."""
 
+SMALL_RAIL = (1e-5, 1e-5)
+"""Changes of a rail's displacement, lateral and vertical, that change the forces by a few per cent [m]."""
+
 LARGEST_APPROACH = 2e-3
 """How far a wheelset is lowered or raised to be carried by the rails [m]."""
 
@@ -64,7 +67,8 @@ class SteadyVehicle:
     """Forces less inertia forces of a vehicle in steady motion about the axis of the curve that it is in.
 
     Unknowns, six a body: its coordinates, of a wheelset the spin rate (over and above the turning of all) in the place
-    of the spin angle. ``residual(x)`` is what is left over, ``state(x)`` the state; ``unknowns(q, q_t)`` goes back.
+    of the spin angle; then the displacements of the rails under the wheels, if elastic. ``residual(x)`` is what is
+    left over, ``state(x)`` the state; ``unknowns(q, q_t)`` goes back.
     """
 
     def __init__(self, law: VehicleOnTrack, distance: float) -> None:
@@ -80,6 +84,11 @@ class SteadyVehicle:
         self.scale = np.full(6 * n, 1.0 / (law.vehicle.mass * STANDARD_GRAVITY))
         self._out, self._inertia = np.zeros(law.size), np.zeros(6 * n)
         self._states = np.zeros((n, 18))
+        self.rails = slice(law.size - law.rails, law.size)
+        if law.elastic is not None:
+            self.small = np.append(self.small, np.tile(SMALL_RAIL, law.rails // 2))
+            self.scale = np.append(self.scale, np.full(law.rails, self.scale[0]))
+            self.rail_masses = np.tile(law.elastic.mass, law.rails // 2)
 
     def state(self, x: Array) -> tuple[Array, Array]:
         """State (q, q_t) with these unknowns; dampers in series with springs extended by nothing."""
@@ -88,7 +97,7 @@ class SteadyVehicle:
     def unknowns(self, q: Array, q_t: Array) -> Array:
         """Unknowns of a steady state near (q, q_t)."""
         n = len(self.inertia)
-        x = np.array(q[: 6 * n], dtype=float)
+        x = np.concatenate([q[: 6 * n], q[self.rails]])
         x[self.spins] = 0.0
         _, rates, _ = self._state(x)
         x[self.spins] = q_t[self.spins] - rates[self.spins]
@@ -97,8 +106,9 @@ class SteadyVehicle:
     def _state(self, x: Array) -> tuple[Array, Array, tuple[float, float, float]]:
         law, n = self.law, len(self.inertia)
         q, q_t = np.zeros(law.size), np.zeros(law.size)
-        q[: 6 * n] = x
+        q[: 6 * n] = x[: 6 * n]
         q[self.spins] = 0.0
+        q[self.rails] = x[6 * n :]
         path = law.track.centre
         wx, wy, wz, _, status = kernels.follow_together(
             q,
@@ -116,12 +126,15 @@ class SteadyVehicle:
         return q, q_t, (wx, wy, wz)
 
     def residual(self, x: Array) -> Array:
-        """Forces less inertia forces over the weight (6 n,)."""
+        """Forces less inertia forces over the weight (6 n,), then those on the rails under the wheels."""
         n = len(self.inertia)
         q, q_t, turning = self._state(x)
         self.law(0.0, q, q_t, self._out)
         kernels.together_inertia(q, q_t, *turning, self.inertia, len(self.spins), self._states, self._inertia)
-        left = (self._out[: 6 * n] - self._inertia) * self.scale
+        left = self._out[: 6 * n] - self._inertia
+        if self.law.elastic is not None:
+            left = np.append(left, self.rail_masses * self._out[self.rails])
+        left *= self.scale
         if self.law.speed == 0.0:
             left[self.spins] = 0.0  # at rest an axle turns as it likes
         return left
@@ -169,16 +182,16 @@ def _hang(steady: SteadyVehicle, x: Array, max_iterations: int) -> int:
 
     In a curve a long body lies along the chord, far inside of the centre line. Returns the iterations.
     """
-    free = 6 * len(steady.spins)
-    if free == x.size:
+    hung = slice(6 * len(steady.spins), 6 * len(steady.inertia))
+    if hung.start == hung.stop:
         return 0
     whole = x.copy()
 
     def residual(bodies: Array) -> Array:
-        whole[free:] = bodies
-        return steady.residual(whole)[free:]
+        whole[hung] = bodies
+        return steady.residual(whole)[hung]
 
-    x[free:], _, iterations = newton(residual, x[free:].copy(), steady.small[free:], HUNG, max_iterations)
+    x[hung], _, iterations = newton(residual, x[hung].copy(), steady.small[hung], HUNG, max_iterations)
     return iterations
 
 
@@ -186,7 +199,8 @@ def _words(law: VehicleOnTrack, left: Array) -> str:
     """The largest forces that remain."""
     order = np.argsort(-np.abs(left))[:4]
     names = law.vehicle.names
-    words = [f"{names[i // 6]} {COORDINATES[i % 6]} {left[i]:.3g}" for i in order]
+    places = [f"{name} {coordinate}" for name in names for coordinate in COORDINATES] + ["rail"] * law.rails
+    words = [f"{places[i]} {left[i]:.3g}" for i in order]
     return "remaining forces over the weight: " + ", ".join(words)
 
 
@@ -206,3 +220,7 @@ def lower_on_rails(law: VehicleOnTrack, q: Array, q_t: Array) -> None:
                 f"the rails do not carry wheelset '{law.vehicle.names[i]}' anywhere within "
                 f"{1e3 * LARGEST_APPROACH:g} mm of its design height; do wheels, gauge and radius fit?"
             )
+    if law.elastic is not None:  # everything sinks with the rails
+        sunk = share / 2.0 / law.elastic.stiffness[1]
+        q[: 6 * len(law.bodies) : 6] -= sunk
+        q[law.size - law.rails + 1 :: 2] -= sunk
