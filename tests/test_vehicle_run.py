@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 import pytest
-from support.vehicles import ROOT, manchester
+from support.vehicles import ROOT, SHORT, into_the_curve, manchester
 
 from wrsim.analysis import run
 from wrsim.analysis.vehicle_run_in import run_in
@@ -19,24 +17,6 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.vehicle_state import steady_state
-
-SHORT = {
-    "track.segments": [
-        {"kind": "straight", "length_m": 22.0},
-        {"kind": "transition", "length_m": 12.0},
-        {"kind": "arc", "radius_m": 300.0, "length_m": 14.0, "cant_mm": 60.0},
-    ],
-    "contact.strips": 12,
-    "contact.cells": 6,
-    "run.start_distance_m": 12.0,
-    "run.output_interval_ms": 20.0,
-}
-
-
-@cache
-def into_the_curve() -> Result:
-    """The shipped vehicle from straight track into a curve."""
-    return run(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT))
 
 
 def test_every_wheelset_of_the_result_reads_like_a_lone_one() -> None:

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from wrsim.analysis import run
 from wrsim.contact.model import ContactModel
 from wrsim.geometry.elasticity import RailElasticity
 from wrsim.geometry.segments import Segment, Straight
 from wrsim.geometry.track import Track
 from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.results import Result
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.simulation.system import System
@@ -80,3 +82,22 @@ def on_track(
         ]
         contacts.append((models[0], models[1]))
     return Train(VehicleOnTrack(vehicle, track, contacts, speed=speed, start=start, drive=drive, gravity=gravity))
+
+
+SHORT = {
+    "track.segments": [
+        {"kind": "straight", "length_m": 22.0},
+        {"kind": "transition", "length_m": 12.0},
+        {"kind": "arc", "radius_m": 300.0, "length_m": 14.0, "cant_mm": 60.0},
+    ],
+    "contact.strips": 12,
+    "contact.cells": 6,
+    "run.start_distance_m": 12.0,
+    "run.output_interval_ms": 20.0,
+}
+
+
+@cache
+def into_the_curve() -> Result:
+    """The shipped vehicle from straight track into a curve."""
+    return run(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT))
