@@ -1,10 +1,10 @@
 """How fast a whole vehicle runs, where the time goes, which step is accurate. Run: python benchmarks/bench_vehicle.py
 
-Manchester vehicle 1, eight wheels with Kik-Piotrowski strips and FASTSIM online, into a curve of 300 m radius. For each
-step: simulated over computing time on one core (processor time, minimum of the repetitions) and the largest difference
-from a run at an eighth of a millisecond, as a part of the largest value: Y and Q of every wheel, lateral shift and
-angle of attack of every wheelset. Then the split of a stage: the law without rails gives the
-suspension, an empty law gives Exudyn with the callback.
+Manchester vehicle 1, eight wheels with Kik-Piotrowski strips and FASTSIM online: at 60 km/h into a curve of 300 m,
+and at 160 km/h on straight track with ERRI low irregularities. First the speed on one core (processor time, minimum of
+the repetitions) and the split of a stage: the law without rails gives the suspension, an empty law gives Exudyn and the
+callback. Then, for each step, the largest difference from a run at an eighth of a millisecond, as a part of the largest
+value: Y and Q of every wheel, lateral shift and angle of attack of every wheelset.
 """
 
 from __future__ import annotations
@@ -26,17 +26,24 @@ from wrsim.simulation.system import Array, ForceLaw, System
 from wrsim.simulation.vehicle_law import VehicleOnTrack
 
 SCENARIO = Path(__file__).parents[1] / "scenarios" / "manchester_r300.toml"
-STEPS_US = (625, 500, 250)  # 700 us is the limit of stability at this speed
+STEPS_US = {"curve": (625, 500, 250), "uneven": (1000, 500, 250)}  # stable up to 0.7 ms at 60 km/h
 REFERENCE_US = 125
 STAGES = 4  # of RK44
 COMPARED = ("Y", "Q", "lateral_shift", "yaw")
 REPETITIONS = 3
 
 
-def setup_of(strips: int, cells: int, length: float, **values: object) -> Setup:
-    """The start of the scenario, over the transition into the full curve."""
+UNEVEN: dict[str, object] = {
+    "vehicle.speed_kmh": 160.0,
+    "track.segments": [{"kind": "straight", "length_m": 400.0}],
+    "track.irregularities": [{"kind": "spectrum", "spectrum": "ERRI-low", "seed": 1, "wavelength_m": [3, 100]}],
+}
+
+
+def setup_of(case: str, strips: int, cells: int, length: float) -> Setup:
+    """The start of the scenario, over the transition into the full curve; or the uneven straight."""
     keys = {"contact.strips": strips, "contact.cells": cells, "run.distance_m": length, "run.output_interval_ms": 10.0}
-    return build(load(SCENARIO).with_values(keys | {f"run.{key}": value for key, value in values.items()}))
+    return build(load(SCENARIO).with_values(keys | (UNEVEN if case == "uneven" else {})))
 
 
 def nothing(t: float, q: Array, q_t: Array, out: Array) -> None:
@@ -68,9 +75,9 @@ def call_time(call: Callable[[], object], repetitions: int = 2000) -> float:
     return best
 
 
-def split(strips: int, cells: int, step: float = 5e-4) -> None:
+def split(case: str, strips: int, cells: int, step: float = 5e-4) -> None:
     """Print how fast a run is and the parts of a stage."""
-    setup = setup_of(strips, cells, 100.0)
+    setup = setup_of(case, strips, cells, 100.0)
     law = vehicle_law(setup)
     whole = stage_time(setup, law, law, step, setup.run.duration)
     empty = stage_time(setup, nothing, law, step, 0.5)
@@ -80,21 +87,21 @@ def split(strips: int, cells: int, step: float = 5e-4) -> None:
     bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start)
     suspension = call_time(lambda: bare(0.0, q, q_t, out))
     print(
-        f"  {strips} x {cells}: {step / (whole * STAGES):.2f} times real time at {1e3 * step:g} ms; "
+        f"  {case}, {strips} x {cells}: {step / (whole * STAGES):.2f} times real time at {1e3 * step:g} ms; "
         f"a stage {1e6 * whole:.1f} us = Exudyn and callback {1e6 * empty:.1f} + suspension, bodies "
         f"and call {1e6 * suspension:.1f} + eight contacts {1e6 * (whole - empty - suspension):.1f}"
     )
 
 
-def accuracy(strips: int, cells: int, length: float) -> None:
+def accuracy(case: str, strips: int, cells: int, length: float) -> None:
     """Print the differences that the step makes."""
     runs = {}
-    for step in (*STEPS_US, REFERENCE_US):
-        setup = setup_of(strips, cells, length)
+    for step in (*STEPS_US[case], REFERENCE_US):
+        setup = setup_of(case, strips, cells, length)
         setup = replace(setup, run=replace(setup.run, step=1e-6 * step))
         runs[step] = run_vehicle_curving(setup).dataset
     truth = runs[REFERENCE_US]
-    for step in STEPS_US:
+    for step in STEPS_US[case]:
         count = min(runs[step].sizes["time"], truth.sizes["time"])
         parts = []
         for name in COMPARED:
@@ -102,17 +109,19 @@ def accuracy(strips: int, cells: int, length: float) -> None:
             difference = np.nan_to_num(np.abs(a - b))
             parts.append(f"{name} {difference.max() / np.nanmax(np.abs(b)):.2g} (rms "
                          f"{np.sqrt(np.mean(difference**2)) / np.nanmax(np.abs(b)):.2g})")  # fmt: skip
-        print(f"  {1e-3 * step:g} ms: " + ", ".join(parts))
+        print(f"  {case}, {1e-3 * step:g} ms: " + ", ".join(parts))
 
 
 def main() -> None:
     """Print the tables."""
-    print("Manchester vehicle 1 at 60 km/h, straight, transition and curve of 300 m; strips x cells:")
-    for strips, cells in ((40, 20), (25, 12)):
-        split(strips, cells)
+    print("Manchester vehicle 1 in a 300 m curve at 60 km/h, and on uneven straight track at 160 km/h; strips x cells:")
+    for case in STEPS_US:
+        for strips, cells in ((40, 20), (25, 12)):
+            split(case, strips, cells)
     length = float(sys.argv[1]) if len(sys.argv) > 1 else 100.0
     print(f"difference from a step of {1e-3 * REFERENCE_US:g} ms over {length:g} m, largest (rms):")
-    accuracy(25, 12, length)
+    for case in STEPS_US:
+        accuracy(case, 25, 12, length)
 
 
 if __name__ == "__main__":

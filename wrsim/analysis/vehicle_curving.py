@@ -16,7 +16,7 @@ from wrsim.analysis.vehicle_start import vehicle_law, vehicle_start
 from wrsim.analysis.vehicle_watch import VehicleWatch
 from wrsim.geometry.segments import Straight
 from wrsim.simulation.integrate import integrate, recorded_motion
-from wrsim.simulation.step import LARGEST_VEHICLE_STEP, SAFETY, round_step, stable_step
+from wrsim.simulation.step import LARGEST_STEP, LARGEST_VEHICLE_STEP, SAFETY, round_step, stable_step
 from wrsim.simulation.system import System
 
 if TYPE_CHECKING:
@@ -84,4 +84,5 @@ def vehicle_step(setup: Setup, system: System, q: Array, q_t: Array) -> float:
         level = replace(setup, track=setup.track.relaid([Straight(100.0)]), run=replace(plan, start=30.0))
         law = vehicle_law(level)
         limit = min(limit, stable_step(System(law.bodies, law, law.dampers), *vehicle_start(level, law)))
-    return round_step(min(SAFETY * limit, plan.output_interval), LARGEST_VEHICLE_STEP)
+    largest = LARGEST_STEP if setup.track.is_uneven else LARGEST_VEHICLE_STEP
+    return round_step(min(SAFETY * limit, plan.output_interval), largest)

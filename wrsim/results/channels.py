@@ -95,7 +95,7 @@ class Channel:
     @property
     def of_wheelset(self) -> bool:
         """True if it has the dimension ``wheelset`` in the dataset of a whole vehicle."""
-        return self.name in _OF_WHEELSET or ("wheel" in self.dims and self.dims[0] in ("sample", "moment"))
+        return self.name in _OF_WHEELSET or ("wheel" in self.dims and self.dims[0] in ("sample", "time", "moment"))
 
     def dims_in(self, sample: str, wheelsets: bool = False) -> tuple[str, ...]:
         """Dimensions in a dataset whose sample dimension is ``"time"`` or ``"pose"``; wheelsets: of a whole vehicle."""
