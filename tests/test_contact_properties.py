@@ -97,7 +97,9 @@ def test_the_same_pose_gives_the_same_numbers_whatever_came_before(state):
     again = model.evaluate(pose[:3], pose[3:6], pose[6:9], pose[9:])
     np.testing.assert_array_equal(again.force, contact.force)
     np.testing.assert_array_equal(again.moment, contact.moment)
-    np.testing.assert_array_equal(strips_of(again), strips_of(contact))
+    # the one column that is meant to be carried over: the strip model's half lengths, for its next call in a run
+    columns = [c for c in range(k.STRIP_COLUMNS) if c != k.WARM_A]
+    np.testing.assert_array_equal(strips_of(again)[:, columns], strips_of(contact)[:, columns])
 
 
 @settings(max_examples=60)
