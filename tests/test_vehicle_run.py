@@ -111,3 +111,14 @@ def test_steady_motion_in_a_curve_is_where_a_long_run_into_it_ends() -> None:
     assert np.abs(forces - forces_reached)[..., 0].max() < 0.01 * np.abs(forces[..., 0]).max()  # Y
     apart = np.abs(places - places_reached).max(axis=0)  # lateral shift, angle of attack
     assert (apart < 0.01 * np.abs(places).max(axis=0)).all()
+
+
+def test_irregularities_are_kept_under_every_wheelset_at_its_own_place() -> None:
+    dip = {"kind": "dip", "at_m": 22.8, "length_m": 2.0, "amplitude_mm": 3.0, "rail": "left"}
+    keys = SHORT | {"track.irregularities": [dip], "run.distance_m": 1.0}
+    dataset = run(load(ROOT / "scenarios/manchester_r300.toml").with_values(keys)).dataset
+    vertical = dataset["rail_vertical"]
+    assert vertical.dims == ("time", "wheelset", "wheel")
+    assert vertical.values[0, 0, 0] == pytest.approx(-3e-3, rel=0.02)  # the first wheelset stands in the middle of it
+    assert np.abs(vertical.values[:, 1:]).max() < 1e-3  # the others are not there yet
+    assert np.abs(vertical.values[..., 1]).max() == 0.0
