@@ -70,9 +70,14 @@ def test_every_scenario_runs_in_short(file):
     values: dict[str, Any] = {}
     if scenario.analysis == "curving":
         values = {"run.distance_m": 2.0, "output.patches_at_m": [1.0]}
+    if scenario.analysis == "stability":
+        values = {"stability.speed_kmh": 100, "stability.nonlinear": False}
     result = run(scenario.with_values(values))
     assert result.status == "completed"
     assert result.summary()["status"] == "completed"
+    if scenario.analysis == "stability":
+        assert result.dataset["growth_max"].item() < 0.0
+        return
     if scenario.analysis == "conicity":  # no forces
         assert np.isfinite(result.dataset["equivalent_conicity"].values).all()
         return

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, float], None]
 
+STUDIES = ("stability",)
+"""Analyses whose numbers are printed by ``cli.studies``."""
+
 RUNS = ("curving", "ride")
 """Analyses that run along the track."""
 
@@ -32,6 +35,11 @@ def facts(setup: Setup) -> dict[str, Any]:
     }
     if setup.static is not None:
         facts["poses"] = len(setup.static.poses)
+    elif setup.stability is not None:
+        facts["speeds_kmh"] = [3.6 * v for v in setup.stability.speeds]
+        facts["limit_cycles"] = "yes" if setup.stability.cycles else "no"
+        if setup.conical is not None:
+            facts["contact"] = f"conical wheels, {setup.conical.conicity:g}, with a prescribed creep law"
     elif setup.analysis in RUNS:
         facts["segments"] = [f.label if f.label == f.kind else f"{f.kind} {f.label}" for f in setup.track.features()]
         facts["from_m"], facts["to_m"] = setup.run.start, setup.run.end
@@ -93,6 +101,11 @@ def print_peaks(result: Result) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    if result.analysis in STUDIES:
+        from wrsim.cli import studies
+
+        studies.print_stability(result)
+        return
     summary = result.summary()
     if "wheelsets" in summary:
         print_vehicle_peaks(result.title, summary)

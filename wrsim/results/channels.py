@@ -58,6 +58,8 @@ SHOWN = {
     "m/s2": Shown("m/s²", "m_s2", 1.0),
     "MPa": Shown("MPa", "MPa", 1e-6),
     "permille": Shown("‰", "permille", 1e3),
+    "Hz": Shown("Hz", "Hz", 1.0),
+    "1/s": Shown("1/s", "per_s", 1.0),
     "1": PLAIN,
 }
 
@@ -170,6 +172,24 @@ _ALL = (
     # the prescribed pose
     _of("load", "pose", "N", "kN", "prescribed vertical load"),
     _of("pose_message", "pose", "1", "1", "why the pose has no solution; empty when it has one", kind="text"),
+    # the speed, and the curve of a steady analysis
+    _of("pose_speed", "pose", "m/s", "km/h", "speed", "V"),
+    _of("pose_radius", "pose", "m", "m", "radius of the curve, positive to the left", "R"),
+    _of("pose_cant", "pose", "m", "mm", "cant of the curve"),
+    _of("cant_deficiency", "pose", "m", "mm", "cant deficiency"),
+    # stability: small motions about steady rolling, and limit cycles
+    _of("growth_max", "pose", "1/s", "1/s", "growth rate of what grows fastest"),
+    _of("mode_branch", "pose mode", "1", "1", "number by which a mode is followed from speed to speed", kind="count"),
+    _of("mode_frequency", "pose mode", "Hz", "Hz", "frequency of the mode", "f"),
+    _of("mode_damping", "pose mode", "1", "1", "damping ratio of the mode", r"\zeta"),
+    _of("mode_growth", "pose mode", "1/s", "1/s", "growth rate of the mode", r"\sigma"),
+    _of("mode_name", "pose mode", "1", "1", "what moves in the mode", kind="text"),
+    _of("cycle_speed", "cycle", "m/s", "km/h", "speed held", "V"),
+    _of("cycle_branch", "cycle", "1", "1", "from above or from below", kind="text"),
+    _of("cycle_ending", "cycle", "1", "1", "what the motion came to", kind="text"),
+    _of("cycle_time", "cycle", "s", "s", "time for which the speed was held"),
+    _of("cycle_frequency", "cycle", "Hz", "Hz", "frequency of the limit cycle", "f"),
+    _of("cycle_amplitude", "cycle wheelset", "m", "mm", "amplitude of the wheelset's lateral motion", r"\hat y"),
     # the wheelset
     _of("lateral_shift", "sample", "m", "mm", "lateral shift", r"\Delta y"),
     _of("vertical_shift", "sample", "m", "mm", "vertical shift", r"\Delta z"),

@@ -12,6 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.results.channels import CHANNELS, Channel
+from wrsim.results.stability import is_stability, stability_summary
 from wrsim.results.wheelsets import is_vehicle, of_wheelset, wheelsets
 
 CURVE_CHANNELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
@@ -27,14 +28,12 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     Every peak is ``{"value": .., "distance_m": .., "time_s": ..}``, or with ``"pose"`` in a static analysis;
     ``None`` where there is no finite value. Peaks of patch channels run over all patches of the wheel.
     """
-    attributes = dataset.attrs
+    if is_stability(dataset):
+        return _head(dataset) | stability_summary(dataset) | {"versions": _versions(dataset)}
     if is_vehicle(dataset):
         return _of_vehicle(dataset)
     summary: dict[str, Any] = {
-        "title": attributes["title"],
-        "analysis": attributes["analysis"],
-        "status": attributes["status"],
-        "stop": _stop(dataset),
+        **_head(dataset),
         "extent": _extent(dataset),
         "lateral_shift_max_mm": peak(dataset, "lateral_shift", largest_magnitude=True),
         "angle_of_attack_max_mrad": peak(dataset, "yaw", largest_magnitude=True),
@@ -44,12 +43,22 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
         summary["full_curves"] = full_curves(dataset)
     if "equivalent_conicity" in dataset:
         summary |= conicity_summary(dataset)
-    summary["versions"] = {
+    summary["versions"] = _versions(dataset)
+    return summary
+
+
+def _head(dataset: xr.Dataset) -> dict[str, Any]:
+    """What it is and how it ended."""
+    found: dict[str, Any] = {name: dataset.attrs[name] for name in ("title", "analysis", "status")}
+    return found | {"stop": _stop(dataset)}
+
+
+def _versions(dataset: xr.Dataset) -> dict[str, Any]:
+    return {
         name.removesuffix("_version"): value
-        for name, value in attributes.items()
+        for name, value in dataset.attrs.items()
         if name.endswith("_version") and name != "format_version"
     }
-    return summary
 
 
 def _of_vehicle(dataset: xr.Dataset) -> dict[str, Any]:

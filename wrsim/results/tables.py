@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.files import write_atomically
 from wrsim.results.result import Result
+from wrsim.results.stability import cycle_table, is_stability, mode_table
 from wrsim.results.wheelsets import is_vehicle, of_wheelset, wheelsets
 
 Row = list[str]
@@ -27,7 +28,8 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     Runs get ``history.csv`` (one row per instant), ``patches.csv`` (one row per instant, wheel and patch
     in contact) and ``strips.csv`` (the strips of the snapshots). Static analyses get ``patches.csv`` (one
     row per pose, wheel and patch; a wheel without contact keeps one row) and ``strips.csv``;
-    conicity analyses add ``conicity.csv`` (one row per amplitude). Whole vehicles get ``vehicle.csv`` and the tables
+    conicity analyses add ``conicity.csv`` (one row per amplitude). Stability analyses get ``modes.csv`` (one row per
+    speed and mode) and ``cycles.csv`` (one row per held speed). Whole vehicles get ``vehicle.csv`` and the tables
     of every wheelset under its name, ``history_front.outer.csv``. The dataset
     goes first, so that a full disk costs the tables before the numbers. A stopped analysis is written like
     any other.
@@ -50,6 +52,8 @@ def write_table(dataset: xr.Dataset, name: str, path: str | Path) -> Path:
 def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:
     """All tables of a result by name; the first row of each is the header."""
     found: dict[str, list[Row]] = {}
+    if is_stability(dataset):
+        return {"modes": mode_table(dataset)} | ({"cycles": cycle_table(dataset)} if "cycle" in dataset.dims else {})
     if is_vehicle(dataset):
         for name in wheelsets(dataset):
             found |= {f"{table}_{name}": rows for table, rows in tables(of_wheelset(dataset, name)).items()}

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from wrsim.contact.conical import ConicalWheels
 from wrsim.contact.settings import ContactSettings
 from wrsim.errors import InputError
 from wrsim.geometry.profile import Profile
@@ -18,7 +19,9 @@ from wrsim.scenario.cases import StaticPose, static_poses
 from wrsim.scenario.conicity_section import ConicityPlan
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
-from wrsim.scenario.schema import IN_TIME
+from wrsim.scenario.schema import IN_TIME, STUDIES, Analysis
+from wrsim.scenario.stability_section import StabilityPlan
+from wrsim.scenario.steady_section import SteadyPoint
 from wrsim.scenario.track_build import gauge_extremes, track_of
 from wrsim.scenario.vehicle_build import SIDES, Side, vehicle_of
 from wrsim.vehicle.vehicle import Drive, Vehicle
@@ -64,11 +67,12 @@ class Setup:
 
     wheelset: the lone one, or the first of a whole vehicle; vehicle: None for a lone wheelset.
     rails: inclined profiles of the left and right rail; static: of a static analysis only; run: also of a
-    static one, then without meaning; conicity: of a conicity analysis only; files: the model files that were read.
+    static one, then without meaning; conicity, stability, steady: of these analyses only; conical: wheels that take the
+    place of profiles and contact models; files: the model files that were read.
     """
 
     title: str
-    analysis: Literal["static", "equilibrium", "curving", "ride", "conicity"]
+    analysis: Analysis
     wheelset: Wheelset
     vehicle: Vehicle | None
     rails: tuple[Profile, Profile]
@@ -79,6 +83,9 @@ class Setup:
     text: str
     files: tuple[Path, ...]
     conicity: ConicityPlan | None = None
+    stability: StabilityPlan | None = None
+    steady: tuple[SteadyPoint, ...] = ()
+    conical: ConicalWheels | None = None
 
 
 def build(scenario: Scenario) -> Setup:
@@ -90,7 +97,11 @@ def build(scenario: Scenario) -> Setup:
     spec = scenario.spec
     files: list[Path] = []
     wheelset, vehicle = vehicle_of(scenario, files)
-    if vehicle is not None and spec.contact.normal == "half-space" and spec.analysis in (*IN_TIME, "equilibrium"):
+    if (
+        vehicle is not None
+        and spec.contact.normal == "half-space"
+        and spec.analysis in (*IN_TIME, *STUDIES, "equilibrium")
+    ):
         raise scenario.fault(("contact", "normal"), "is for lone wheelsets and static poses, not for whole vehicles")
     if spec.analysis == "ride" and (vehicle is None or not vehicle.points):
         needed = 'analysis = "ride" needs a vehicle with [[points]], at which accelerations are kept'
@@ -98,6 +109,11 @@ def build(scenario: Scenario) -> Setup:
     if vehicle is None and spec.track.elasticity is not None and spec.analysis in (*IN_TIME, "equilibrium"):
         message = "is for whole vehicles: a lone wheelset runs on rigid rails (a vehicle file may hold one wheelset)"
         raise scenario.fault(("track", "elasticity"), message)
+    if spec.analysis in STUDIES and vehicle is None:
+        needed = f'analysis = "{spec.analysis}" is for whole vehicles (docs/vehicles.md); this is a lone wheelset'
+        raise scenario.fault(("vehicle", "model"), needed)
+    if spec.analysis in STUDIES and spec.vehicle.drive == "free":
+        raise scenario.fault(("vehicle", "drive"), 'must be "train" or "wheels": something has to hold the speed')
     rails = _rails(scenario, files)
     track = track_of(scenario, rails, files)
     if spec.track.gauge_between == "gauge points":
@@ -122,6 +138,9 @@ def build(scenario: Scenario) -> Setup:
         text=scenario.text,
         files=tuple(dict.fromkeys(files)),
         conicity=spec.conicity.plan() if spec.analysis == "conicity" else None,
+        stability=spec.stability.plan() if spec.analysis == "stability" else None,
+        steady=spec.steady.points(spec.vehicle.speed_kmh) if spec.analysis == "steady" and spec.steady else (),
+        conical=None if spec.contact.conical is None else spec.contact.conical.wheels(),
     )
 
 
@@ -159,7 +178,7 @@ def _run(scenario: Scenario, track: Track, vehicle: Vehicle | None) -> RunPlan:
     room = f"must lie on the track, which is {track.length:.6g} m long"
     if ahead:
         room += f", and the first wheelset is {ahead:.6g} m ahead of the vehicle's origin"
-    if start >= last and spec.analysis not in ("static", "conicity"):
+    if start >= last and spec.analysis not in ("static", "conicity", *STUDIES):
         raise scenario.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
     patches = spec.output.patches_at_m
     if spec.analysis in IN_TIME:

@@ -19,6 +19,7 @@ from wrsim.contact.settings import (
 )
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import Choice, OrTable, Quantity, Whole
+from wrsim.scenario.conical_section import ConicalSection
 from wrsim.scenario.friction_section import Coefficient, FrictionSection
 
 Modulus = Quantity(1, 1000, example="GPa, steel 210")
@@ -154,6 +155,7 @@ class ContactSection(Section):
     max_patches: Annotated[int, Whole(1, 3)] = DEFAULTS.max_patches
     material: MaterialSection = MaterialSection()
     half_space: HalfSpaceSection = HalfSpaceSection()
+    conical: ConicalSection | None = None
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

@@ -3,29 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Choice, Text
+from wrsim.inputs.values import Choice, Series, Text
 from wrsim.scenario.analysis_sections import OutputSection, RunSection, StaticSection
 from wrsim.scenario.assessment_section import AssessmentSection
+from wrsim.scenario.conical_section import ConicalSection
 from wrsim.scenario.conicity_section import ConicitySection
 from wrsim.scenario.contact_section import ContactSection, HalfSpaceSection, MaterialSection
 from wrsim.scenario.irregularity_sections import IRREGULARITIES, GradeSection
 from wrsim.scenario.ride_section import RideSection
+from wrsim.scenario.stability_section import StabilitySection
+from wrsim.scenario.steady_section import Speed, SteadySection
 from wrsim.scenario.track_section import Arc, ElasticitySection, Straight, TrackSection, Transition
 from wrsim.scenario.vehicle_section import VehicleSection
 
-Analysis = Literal["static", "equilibrium", "curving", "ride", "conicity"]
+Analysis = Literal["static", "equilibrium", "curving", "ride", "conicity", "stability"]
 IN_TIME = ("curving", "ride")
 """Analyses that run along the track."""
 
+STUDIES = ("stability", "steady")
+"""Analyses of whole vehicles that lay their own track."""
+
 UNUSED = {
-    "static": ("run", "output", "conicity", "assessment", "ride"),
-    "equilibrium": ("static", "conicity", "assessment", "ride"),
-    "curving": ("static", "conicity"),
-    "ride": ("static", "conicity"),
-    "conicity": ("static", "run", "output", "assessment", "ride"),
+    "static": ("run", "output", "conicity", "assessment", "ride", *STUDIES),
+    "equilibrium": ("static", "conicity", "assessment", "ride", *STUDIES),
+    "curving": ("static", "conicity", *STUDIES),
+    "ride": ("static", "conicity", *STUDIES),
+    "conicity": ("static", "run", "output", "assessment", "ride", *STUDIES),
+    "stability": ("static", "run", "output", "conicity", "assessment", "ride", "steady"),
+    "steady": ("static", "run", "output", "conicity", "assessment", "ride", "stability"),
 }
 """Sections that an analysis does not look at: refused in a file, dropped when they come from its base."""
 
@@ -43,7 +51,7 @@ class ScenarioSpec(Section):
     }
 
     title: Annotated[str, Text("a title")] = "untitled"
-    analysis: Annotated[Analysis, Choice(("static", "equilibrium", "curving", "ride", "conicity"))]
+    analysis: Annotated[Analysis, Choice(get_args(Analysis))]
     vehicle: VehicleSection
     track: TrackSection
     contact: ContactSection = ContactSection()
@@ -53,6 +61,8 @@ class ScenarioSpec(Section):
     conicity: ConicitySection = ConicitySection()
     assessment: AssessmentSection = AssessmentSection()
     ride: RideSection = RideSection()
+    stability: StabilitySection = StabilitySection()
+    steady: SteadySection | None = None
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -74,6 +84,31 @@ class ScenarioSpec(Section):
             if isinstance(track, dict) and (not laid or (laid == {"segments"} and track.get("segments") == [])):
                 needed = f'analysis = "{analysis}" needs a track of [[track.segments]], a table or a file'
                 yield Fault(("track", "segments"), needed, missing=True)
+        yield from _of_studies(raw)
+
+
+def _of_studies(raw: dict[str, Any]) -> Iterator[Fault]:
+    """What stability and steady need, and what belongs to one of them only."""
+    analysis, vehicle, track, contact = (raw.get(key) for key in ("analysis", "vehicle", "track", "contact"))
+    if analysis in STUDIES and isinstance(track, dict):
+        for key in ("segments", "table", "grades", "irregularities"):
+            if track.get(key):
+                words = f'has no place in analysis = "{analysis}", which lays its own track: remove it'
+                yield Fault(("track", key), words + ("" if key == "table" else f" (or {key} = [])"))
+    if isinstance(contact, dict) and "conical" in contact and isinstance(track, dict) and "elasticity" in track:
+        yield Fault(("track", "elasticity"), "has no place beside [contact.conical], whose rails are rigid")
+    if analysis == "steady":
+        own = raw.get("steady")
+        if own is None:
+            message = 'analysis = "steady" needs the table [steady] with radius_m, cant_mm, speed_kmh'
+            yield Fault("steady", message, missing=True)
+        with_speed = (SteadySection, own), (VehicleSection, vehicle)
+        if isinstance(own, dict) and not any(
+            isinstance(table, dict) and "speed_kmh" in section.keys_meant(table) for section, table in with_speed
+        ):
+            yield Fault(("steady", "speed_kmh"), f"must be {Series(Speed).words()}", missing=True)
+    if analysis != "stability" and isinstance(contact, dict) and "conical" in contact:
+        yield Fault(("contact", "conical"), 'is for analysis = "stability" only')
 
 
 def _tell_sections_of_each_other() -> None:
@@ -82,7 +117,7 @@ def _tell_sections_of_each_other() -> None:
         ScenarioSpec, VehicleSection, TrackSection, Straight, Transition, Arc,
         GradeSection, *IRREGULARITIES.values(), ElasticitySection,
         ContactSection, MaterialSection, HalfSpaceSection, StaticSection, RunSection, OutputSection, ConicitySection,
-        AssessmentSection, RideSection,
+        AssessmentSection, RideSection, StabilitySection, SteadySection, ConicalSection,
     )  # fmt: skip
     for section in sections:
         section.elsewhere = {

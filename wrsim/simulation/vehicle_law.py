@@ -115,6 +115,11 @@ class VehicleOnTrack:
         columns = [flat, *(self.track.rail_distance(side, flat) for side in SIDES)]
         return np.stack(columns, axis=-1).reshape(*np.shape(distances), 3)
 
+    def set_speed(self, speed: float) -> None:
+        """Change the speed [m/s] that the drive holds and at which the frame of the track runs on from its start."""
+        self.speed = speed
+        self.scalars[vehicle_forces.SPEED] = speed
+
     def look_near(self, origin: float | Array) -> None:
         """Tell where to look for the vehicle first: the distance of its origin [m], or a row of ``places``.
 

@@ -16,6 +16,7 @@ from wrsim.simulation.vehicle_law import VehicleOnTrack
 from wrsim.simulation.vehicle_state import design_state
 
 if TYPE_CHECKING:
+    from wrsim.vehicle.elements import Triple
     from wrsim.vehicle.vehicle import Vehicle
 
 DIRECTIONS = ("vertical", "longitudinal", "lateral", "yaw", "roll", "pitch")
@@ -65,15 +66,25 @@ def vehicle_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
 
 
 def mode_name(vehicle: Vehicle, shape: NDArray[np.complex128]) -> str:
-    """Words for a mode: the bodies with the most kinetic energy, their directions, and how they move together.
+    """Words for a mode of the bodies: those with the most kinetic energy, their directions, how they move together.
 
-    Bodies of one name in different parts (``front.frame``, ``rear.frame``) count together.
+    Bodies of one name in different parts (``front.frame``, ``rear.frame``) count together. shape: (bodies, 6).
     """
-    inertia = np.array([(b.mass, b.mass, b.mass, b.inertia[2], b.inertia[0], b.inertia[1]) for b in vehicle.bodies])
+    return _name([(b.name, b.mass, b.inertia) for b in vehicle.bodies], shape)
+
+
+def part_mode_name(vehicle: Vehicle, shape: NDArray[np.complex128]) -> str:
+    """The same for a mode of wheelsets and bodies; shape: (parts, 6). All wheelsets count together."""
+    wheelsets = [(f"{m.name}.wheelsets", m.mass, m.wheelset.inertia) for m in vehicle.wheelsets]
+    return _name(wheelsets + [(b.name, b.mass, b.inertia) for b in vehicle.bodies], shape)
+
+
+def _name(parts: Sequence[tuple[str, float, Triple]], shape: NDArray[np.complex128]) -> str:
+    inertia = np.array([(m, m, m, i[2], i[0], i[1]) for _, m, i in parts])
     energy = inertia * np.abs(shape) ** 2
     groups: dict[str, list[int]] = {}
-    for i, body in enumerate(vehicle.bodies):
-        groups.setdefault(body.name.rpartition(".")[2], []).append(i)
+    for i, (name, _, _) in enumerate(parts):
+        groups.setdefault(name.rpartition(".")[2], []).append(i)
     name, members = max(groups.items(), key=lambda group: float(energy[group[1]].sum()))
     shares = energy[members].sum(axis=0)
     order = np.argsort(-shares)

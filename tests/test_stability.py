@@ -1,0 +1,165 @@
+"""Stability of vehicles: published critical speeds, growth rates two ways, limit cycles from above and from below."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset, straight
+from support.runs import SCENARIOS
+
+from wrsim.analysis import run
+from wrsim.analysis.stability.cycles import CycleSearch
+from wrsim.analysis.stability.rolling import RollingVehicle
+from wrsim.cli.showing import print_peaks
+from wrsim.errors import InputError
+from wrsim.plots import standard_pictures
+from wrsim.results import Result
+from wrsim.results.tables import tables
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import Scenario, load
+from wrsim.simulation.equilibrium import find_equilibrium
+from wrsim.simulation.integrate import integrate
+from wrsim.simulation.linear import linearise
+from wrsim.simulation.step import SAFETY, stable_step
+from wrsim.simulation.system import RigidBody, System
+
+
+def cooperrider(**values) -> Scenario:
+    """The shipped scenario with some keys of [stability] changed."""
+    scenario = load(SCENARIOS / "stability_cooperrider.toml")
+    return scenario.with_values({f"stability.{key}": value for key, value in values.items()})
+
+
+@cache
+def modes() -> Result:
+    return run(cooperrider(nonlinear=False, speed_kmh=[100, 180, 240, 260]))
+
+
+def test_cooperriders_bogie_begins_to_hunt_at_the_published_speed():
+    found = modes().dataset.attrs
+    # 68.64 m/s at 3.998 Hz: plane model of the reference (published 68.66); the issue asks for 0.1 m/s and 0.5 %
+    assert found["critical_speed_m_s"] == pytest.approx(68.64, abs=0.1)
+    assert found["critical_frequency_Hz"] == pytest.approx(3.998, rel=0.005)
+    assert "frame lateral" in found["critical_mode"]
+    growth = modes().dataset["growth_max"].values
+    assert (growth[:3] < 0.0).all() and growth[3] > 0.0
+
+
+def test_the_same_mode_is_followed_from_speed_to_speed():
+    dataset = modes().dataset
+    unstable = int(np.nanargmax(dataset["mode_growth"].values[-1]))
+    number = dataset["mode_branch"].values[-1, unstable]
+    frequency = [
+        dataset["mode_frequency"].values[i, j]
+        for i, j in zip(*np.nonzero(dataset["mode_branch"].values == number), strict=True)
+    ]
+    assert len(frequency) == 4
+    assert np.all(np.diff(frequency) > 0.0)  # hunting quickens with the speed
+
+
+@pytest.mark.parametrize(
+    ("speed", "growth", "frequency"),
+    [(29.9, -0.927, 11.268), (44.8, -0.555, 16.874), (54.7, 0.177, 20.433), (64.7, 1.302, 23.743)],
+)
+def test_eigenvalues_of_the_three_dimensional_example_are_its_growth_rates(speed, growth, frequency):
+    """Of the same wheelset test_wheelset_dynamics measures these rates in time, to 0.7 %."""
+    vehicle, law = example_wheelset(), KnifeEdge()
+    forces = KnifeEdgeForces(vehicle, speed, straight(), 1000.0, law, 0.0)
+    q = np.array([law.radius - law.approach(50e3), 0.0, 0.0, 0.0, 0.0, 0.0])
+    q_t = np.array([0.0, speed, 0.0, 0.0, 0.0, speed / law.radius])
+    rest = find_equilibrium(forces, q, q_t, ("z",), weight=100e3)
+    values = np.linalg.eigvals(linearise(forces, [RigidBody.of(vehicle)], rest.q, rest.q_t).state_matrix)
+    hunting = values[np.argmin(np.abs(values - 1j * frequency))]
+    # three digits of the reference; together with the test in time the two ways agree within 2 %
+    assert hunting.real == pytest.approx(growth, rel=0.01)
+    assert hunting.imag == pytest.approx(frequency, rel=1e-3)
+
+
+def test_growth_in_time_is_the_eigenvalue_s_for_a_whole_bogie():
+    speed = 270.0 / 3.6
+    rolling = RollingVehicle(build(cooperrider()), speed)
+    values, vectors = np.linalg.eig(rolling.linearised(speed).state_matrix)
+    most = int(np.argmax(values.real))
+    q, q_t = rolling.state(speed)
+    law = rolling.law
+    n = law.size
+    shape = vectors[:, most] / np.abs(vectors[: 6 * len(law.bodies), most]).max()
+    q += 2e-6 * shape[:n].real
+    q_t += 2e-6 * shape[n:].real
+    system = System(law.bodies, law, law.dampers)
+    step = min(SAFETY * stable_step(system, q, q_t), 5e-4)
+    rolling.law.look_near(200.0)
+    period = 2.0 * np.pi / values[most].imag
+    motion = integrate(system, q, q_t, duration=4.0 * period, step=step, sample_interval=1e-3)
+    lateral = motion.q[:, 2] * np.exp(-values[most].real * motion.times)
+    first, last = (lateral[(motion.times > a * period) & (motion.times <= (a + 1.0) * period)] for a in (0.0, 3.0))
+    growth = values[most].real + np.log(np.ptp(last) / np.ptp(first)) / (3.0 * period)
+    assert growth == pytest.approx(values[most].real, rel=0.02)  # the issue's 2 %
+
+
+def test_below_the_linear_critical_speed_a_small_kick_dies_and_a_limit_cycle_lives_on():
+    above, between, below = 262.0 / 3.6, 242.0 / 3.6, 215.0 / 3.6
+    setup = build(cooperrider())
+    search = CycleSearch(RollingVehicle(setup, above), setup.stability.cycles, lambda v: None)
+    first, state = search.hold(above, "from above", search.kicked(above, 9e-3))
+    large, later = search.hold(between, "from above", search.slowed(state, above - between))
+    small, _ = search.hold(between, "from below", search.kicked(between, 0.3e-3))
+    slower, _ = search.hold(below, "from above", search.slowed(later, between - below))
+    assert [c.ending for c in (first, large, small, slower)] == ["cycle", "cycle", "rest", "rest"]
+    # between the flanges, which touch at 9.1 mm, and a little into their springs
+    assert 9.1e-3 < large.amplitudes.max() < first.amplitudes.max() < 11.5e-3
+    assert 3.5 < large.frequency < first.frequency < 4.3
+    assert search.found == [first, large, small, slower]
+
+
+def test_a_study_reads_well_on_screen_on_disk_and_as_pictures(tmp_path, capsys):
+    result = run(
+        cooperrider(
+            speed_kmh=[200, 260], cycle_start_kmh=250, cycle_step_kmh=15, tolerance_kmh=15, window_s=0.6, longest_s=1.2
+        )
+    )
+    assert result.dataset["cycle_amplitude"].dims == ("cycle", "wheelset")
+    found = tables(result.dataset)
+    assert found["modes"][0][:2] == ["pose_speed_kmh", "mode_branch"]
+    assert len(found["cycles"]) == 1 + result.dataset.sizes["cycle"]
+    print_peaks(result)
+    printed = capsys.readouterr().out
+    assert "linear critical speed 247" in printed and "from above" in printed
+    pictures = standard_pictures(result.dataset, tmp_path)
+    assert [p.stem for p in pictures] == ["modes", "bifurcation"]
+    result.save(tmp_path / "result.nc")
+    assert Result.load(tmp_path / "result.nc").dataset.identical(result.dataset)
+
+
+def test_an_interrupted_study_keeps_the_speeds_it_has():
+    calls = []
+
+    def impatient(fraction: float, left: float) -> None:
+        calls.append(fraction)
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+
+    result = run(cooperrider(speed_kmh=[60, 80, 100, 120]), impatient)
+    assert result.status == "stopped" and "interrupted" in result.stop_reason
+    assert result.dataset.sizes["pose"] == 2
+    assert result.summary()["linear_critical_speed_kmh"] is None
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"vehicle.model": "vehicles/wheelset_s1002.toml"}, "is for whole vehicles"),
+        ({"vehicle.drive": "free"}, "something has to hold the speed"),
+        ({"track.segments": [{"kind": "straight", "length_m": 100}]}, "lays its own track"),
+        ({"stability.rest_mm": 0.5}, "small_kick_mm.*must be above rest_mm"),
+        ({"stability.windw_s": 1}, "did you mean 'window_s'"),
+        ({"stability.speed_kmh": -5}, "speed_kmh.*must be"),
+        ({"contact.conical.conicity": 2}, "contact.conical.conicity = 2.*must be"),
+        ({"analysis": "equilibrium", "stability": None}, "conical.*stability"),
+    ],
+)
+def test_bad_input_is_answered_with_one_clear_line(values, message):
+    with pytest.raises(InputError, match=message):
+        build(load(SCENARIOS / "stability_cooperrider.toml").with_values(values))

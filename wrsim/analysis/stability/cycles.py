@@ -1,0 +1,198 @@
+"""Limit cycles of a vehicle on straight track, and the nonlinear critical speed, by integration at held speeds.
+
+From above: wheelsets shifted sideways at a high speed set off a limit cycle; the speed then falls in steps, each from
+the last state of the one before, until the cycle dies; halved steps from the last cycle find that speed.
+From below: at the same speeds, a small shift of the wheelsets that run straight.
+
+When the speed falls by d all bodies lose d and the axles d over their radius: nothing but the speed changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from wrsim.analysis.stability.rolling import PLACE, RollingVehicle
+from wrsim.analysis.vehicle_watch import VehicleWatch
+from wrsim.simulation.integrate import integrate
+from wrsim.simulation.step import LARGEST_VEHICLE_STEP, SAFETY, round_step, stable_step
+from wrsim.simulation.system import System
+
+if TYPE_CHECKING:
+    from wrsim.scenario.stability_section import CyclePlan
+    from wrsim.simulation.system import Array
+
+Branch = Literal["from above", "from below"]
+Ending = Literal["cycle", "rest", "unsettled", "derailed"]
+
+SAME = 0.003
+"""Change of the amplitude from window to window, as a part of it, below which a cycle has settled ..."""
+
+CALM = 2
+"""... and how often in a row."""
+
+DYING = 0.5
+"""A motion that falls still when the longest time is over, to this part of what it was, is on its way to rest."""
+
+SAMPLES = 1e-3
+"""Time between two samples of the motion [s]."""
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """What became of a vehicle at one held speed [m/s].
+
+    amplitudes: of the wheelsets' lateral motion, half of peak to peak in the last window [m]; frequency of the
+    wheelset that moves most [Hz], not-a-number at rest; time: how long it was held [s]. ending: a cycle that has
+    settled; rest, or well on the way there; neither within the longest time; derailed.
+    """
+
+    speed: float
+    branch: Branch
+    amplitudes: Array
+    frequency: float
+    time: float
+    ending: Ending
+    message: str = ""
+
+    @property
+    def moves(self) -> bool:
+        """True unless the vehicle came to rest or left the track."""
+        return self.ending in ("cycle", "unsettled")
+
+
+class Interrupted(Exception):
+    """Ctrl-C during an integration."""
+
+
+class CycleSearch:
+    """Holds speeds; ``found`` keeps every cycle, in the order of the search. ``progress`` is told after each."""
+
+    def __init__(self, rolling: RollingVehicle, plan: CyclePlan, told: Callable[[float], None]) -> None:
+        """told: called with the speed [m/s] whenever one has been held."""
+        self.rolling, self.plan, self.told = rolling, plan, told
+        law = rolling.law
+        self.system = System(law.bodies, law, law.dampers)
+        self.wheelsets = len(law.vehicle.wheelsets)
+        self.radii = np.array([m.wheelset.mean_radius for m in law.vehicle.wheelsets])
+        self.found: list[Cycle] = []
+        self._step = 0.0
+        self._step_speed = np.nan
+
+    def from_above(self, start: float) -> float:
+        """Follow the cycle down from a speed [m/s]; returns the lowest speed at which it lives.
+
+        Not-a-number where there is none at the start; the lowest speed of the plan where it never dies.
+        """
+        plan = self.plan
+        cycle, state = self.hold(start, "from above", self.kicked(start, plan.kick))
+        if not cycle.moves:
+            return float("nan")
+        alive, dead = start, float("nan")
+        while alive > plan.lowest and not alive - dead <= plan.tolerance:
+            speed = max(alive - plan.step, plan.lowest) if np.isnan(dead) else 0.5 * (alive + dead)
+            cycle, after = self.hold(speed, "from above", self.slowed(state, alive - speed))
+            if cycle.moves:
+                alive, state = speed, after
+            else:
+                dead = speed
+        return alive if np.isnan(dead) else 0.5 * (alive + dead)
+
+    def from_below(self, speeds: list[float]) -> None:
+        """At each of the speeds [m/s], what becomes of a small kick."""
+        for speed in sorted(speeds):
+            self.hold(speed, "from below", self.kicked(speed, self.plan.small_kick))
+
+    def kicked(self, speed: float, shift: float) -> tuple[Array, Array]:
+        """Steady rolling with all wheelsets shifted to the left [m]."""
+        q, q_t = self.rolling.state(speed)
+        q[6 * np.arange(self.wheelsets) + 2] += shift
+        return q, q_t
+
+    def slowed(self, state: tuple[Array, Array], by: float) -> tuple[Array, Array]:
+        """The state at a speed lower by so much [m/s]."""
+        q, q_t = state[0].copy(), state[1].copy()
+        bodies = np.arange(len(self.system.bodies))
+        q_t[6 * bodies + 1] -= by
+        q_t[6 * np.arange(self.wheelsets) + 5] -= by / self.radii
+        return q, q_t
+
+    def hold(self, speed: float, branch: Branch, state: tuple[Array, Array]) -> tuple[Cycle, tuple[Array, Array]]:
+        """Integrate at a speed until the motion has settled; returns what it came to and the last state."""
+        plan, law = self.plan, self.rolling.law
+        step = self._step_at(speed)
+        law.set_speed(speed)
+        setup = replace(self.rolling.setup, run=replace(self.rolling.setup.run, speed=speed))
+        q, q_t = state
+        last = np.zeros(self.wheelsets)
+        first, calm = 0.0, 0
+        held = 0.0
+        ending: Ending = "unsettled"
+        message = ""
+        while held < plan.longest - 1e-9:
+            q = self._moved_back(q)
+            law.look_near(PLACE)
+            watch = VehicleWatch(setup, law)
+            motion = integrate(
+                self.system, q, q_t, duration=plan.window, step=step, sample_interval=SAMPLES,
+                monitor=watch, monitor_interval=watch.interval,
+            )  # fmt: skip
+            if motion.cause == "interrupt":
+                raise Interrupted
+            held += motion.end
+            lateral = motion.q[:, 6 * np.arange(self.wheelsets) + 2]
+            amplitudes = 0.5 * np.ptp(lateral, axis=0)
+            q, q_t = motion.q[-1].copy(), motion.q_t[-1].copy()
+            if motion.status == "stopped":
+                ending, message = "derailed", motion.reason
+                break
+            change = np.abs(amplitudes - last)
+            largest = float(amplitudes.max())
+            falling = largest < float(last.max()) or held <= plan.window * 1.5
+            last, first = amplitudes, first or largest
+            if largest < plan.rest and falling:
+                ending = "rest"
+                break
+            calm = calm + 1 if float(change.max()) < SAME * largest else 0
+            if calm >= CALM:
+                ending = "cycle"
+                break
+        else:
+            if largest < DYING * first and falling:
+                ending = "rest"
+        most = int(np.argmax(amplitudes))
+        frequency = _frequency(motion.times, lateral[:, most]) if ending in ("cycle", "unsettled") else float("nan")
+        cycle = Cycle(speed, branch, amplitudes, frequency, held, ending, message)
+        self.found.append(cycle)
+        self.told(speed)
+        return cycle, (q, q_t)
+
+    def _moved_back(self, q: Array) -> Array:
+        """The state with the vehicle where it started: on straight track its place means nothing."""
+        law = self.rolling.law
+        reference = law.vehicle.reference
+        ahead = law.vehicle.parts[reference].centre[0]
+        q = q.copy()
+        q[6 * np.arange(len(self.system.bodies)) + 1] -= q[6 * reference + 1] - PLACE - ahead
+        return q
+
+    def _step_at(self, speed: float) -> float:
+        """Time step [s] for a speed: of steady rolling; kept while the speed has changed by less than 10 %."""
+        if not abs(speed - self._step_speed) < 0.1 * speed:
+            q, q_t = self.rolling.state(speed)
+            limit = stable_step(self.system, q, q_t)
+            self._step, self._step_speed = round_step(min(SAFETY * limit, SAMPLES), LARGEST_VEHICLE_STEP), speed
+        return self._step
+
+
+def _frequency(times: Array, values: Array) -> float:
+    """Frequency of a periodic motion from its passages through the mean, upwards [Hz]."""
+    values = values - 0.5 * (values.max() + values.min())
+    up = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
+    if up.size < 2:
+        return float("nan")
+    at = times[up] - values[up] * (times[up + 1] - times[up]) / (values[up + 1] - values[up])
+    return float((at.size - 1) / (at[-1] - at[0]))

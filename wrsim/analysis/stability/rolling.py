@@ -1,0 +1,57 @@
+"""A vehicle that rolls straight at any speed: its force law, the steady state and the small motions about it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from wrsim.analysis.vehicle_start import vehicle_law
+from wrsim.errors import SimulationError
+from wrsim.geometry.segments import Straight
+from wrsim.simulation.conical_law import ConicalVehicleOnTrack
+from wrsim.simulation.linear import Linearised, linearise
+from wrsim.simulation.vehicle_state import steady_state
+
+if TYPE_CHECKING:
+    from wrsim.scenario.build import Setup
+    from wrsim.simulation.system import Array
+    from wrsim.simulation.vehicle_law import VehicleOnTrack
+
+LENGTH, PLACE = 400.0, 200.0
+"""Straight track, and where on it the vehicle starts [m]; behind its end it goes on straight."""
+
+
+class RollingVehicle:
+    """Steady rolling on straight level track. ``law`` is that of the speed asked for last."""
+
+    def __init__(self, setup: Setup, speed: float) -> None:
+        """speed [m/s]: any."""
+        straight = setup.track.relaid([Straight(LENGTH)])
+        self.setup = replace(setup, track=straight, run=replace(setup.run, start=PLACE, speed=speed))
+        assert setup.vehicle is not None  # the scenario asks for it
+        self.law: VehicleOnTrack
+        if setup.conical is not None:
+            self.law = ConicalVehicleOnTrack(
+                setup.vehicle, straight, setup.conical, speed=speed, start=PLACE, drive=setup.run.drive
+            )
+        else:
+            self.law = vehicle_law(self.setup)
+        self._last: tuple[Array, Array] | None = None
+
+    def state(self, speed: float) -> tuple[Array, Array]:
+        """The steady state (q, q_t) at a speed [m/s]. Raises SimulationError when there is none."""
+        law = self.law
+        law.set_speed(speed)
+        law.look_near(PLACE)
+        try:
+            found = steady_state(law, PLACE, self._last)
+        except SimulationError:
+            if self._last is None:
+                raise
+            found = steady_state(law, PLACE)
+        self._last = found.q, found.q_t
+        return found.q.copy(), found.q_t.copy()
+
+    def linearised(self, speed: float) -> Linearised:
+        """Matrices of the small motions about the steady state at a speed [m/s]."""
+        return linearise(self.law, self.law.bodies, *self.state(speed))

@@ -1,0 +1,180 @@
+"""The stability analysis of a scenario, from its set-up to its result."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wrsim.analysis.stability.cycles import Cycle, CycleSearch, Interrupted
+from wrsim.analysis.stability.modes import Modes, critical, follow, mode_words, modes_of
+from wrsim.analysis.stability.rolling import RollingVehicle
+from wrsim.results import Result, assemble
+
+if TYPE_CHECKING:
+    from wrsim.scenario.build import Setup
+    from wrsim.scenario.stability_section import CyclePlan, StabilityPlan
+    from wrsim.vehicle.vehicle import Vehicle
+
+ABOVE = 1.1
+"""The first limit cycle is looked for at so many times the linear critical speed, unless the plan says where."""
+
+SHARE_OF_MODES = 0.3
+"""What the modes count for in the progress when limit cycles follow."""
+
+
+class _Told:
+    """Progress of a study whose length is not known beforehand."""
+
+    def __init__(self, progress: Callable[[float, float], None] | None) -> None:
+        self.progress, self.began = progress, time.perf_counter()
+
+    def __call__(self, fraction: float) -> None:
+        if self.progress is not None and fraction > 0.0:
+            spent = time.perf_counter() - self.began
+            self.progress(fraction, spent * (1.0 - fraction) / fraction)
+
+
+def run_stability(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
+    """Modes at every speed, the linear critical speed and, where asked for, limit cycles.
+
+    Ctrl-C ends the study with what it has. Raises SimulationError when the vehicle does not even roll straight at the
+    first speed.
+    """
+    plan, vehicle = setup.stability, setup.vehicle
+    if plan is None or vehicle is None:
+        raise ValueError("the set-up has no stability plan or no vehicle")
+    told = _Told(progress)
+    found: list[Modes] = []
+    cycles: list[Cycle] = []
+    outcome: dict[str, Any] = {}
+    reason = ""
+    try:
+        rolling = RollingVehicle(setup, plan.speeds[0])
+
+        def at(speed: float) -> Modes:
+            return modes_of(rolling.linearised(speed), speed, len(rolling.law.vehicle.wheelsets), plan.highest)
+
+        share = SHARE_OF_MODES if plan.cycles else 1.0
+        for i, speed in enumerate(plan.speeds):
+            found.append(at(speed))
+            told(share * 0.8 * (i + 1) / len(plan.speeds))
+        worst = critical(at, found)
+        outcome |= _critical_words(worst, found, vehicle)
+        told(share)
+        if plan.cycles is not None:
+            outcome |= _cycles(rolling, plan, plan.cycles, worst, cycles, told)
+    except (KeyboardInterrupt, Interrupted):
+        if not found:
+            raise KeyboardInterrupt from None
+        reason = f"interrupted by the user after modes at {len(found)} speeds and {len(cycles)} held speeds"
+    else:
+        told(1.0)
+    return _result(setup, plan, found, cycles, outcome, reason)
+
+
+def _cycles(
+    rolling: RollingVehicle,
+    plan: StabilityPlan,
+    cycle_plan: CyclePlan,
+    worst: Modes | None,
+    kept: list[Cycle],
+    told: Callable[[float], None],
+) -> dict[str, Any]:
+    """Limit cycles from above and from below; ``kept`` gains them one by one. Returns what came out."""
+    start = cycle_plan.start
+    if start is None:
+        start = plan.speeds[-1] if worst is None else max(ABOVE * worst.speed, cycle_plan.lowest + cycle_plan.step)
+    expected = 2.0 * (start - cycle_plan.lowest) / cycle_plan.step
+
+    def one_more(speed: float) -> None:
+        told(min(SHARE_OF_MODES + (1.0 - SHARE_OF_MODES) * len(kept) / expected, 0.99))
+
+    search = CycleSearch(rolling, cycle_plan, one_more)
+    search.found = kept
+    lowest = search.from_above(start)
+    outcome: dict[str, Any] = {"cycle_start_m_s": start, "nonlinear_critical_speed_m_s": lowest}
+    first = kept[0]
+    if not first.moves:
+        words = first.message or "the vehicle comes to rest"
+        outcome["nonlinear_note"] = f"no limit cycle at {3.6 * start:.4g} km/h, where the search begins: {words}"
+    elif lowest <= cycle_plan.lowest:
+        outcome["nonlinear_note"] = f"the limit cycle is still there at {3.6 * lowest:.4g} km/h, where the search ends"
+    steps = np.arange(start, max(lowest, cycle_plan.lowest) - cycle_plan.step, -cycle_plan.step)
+    if first.moves:
+        search.from_below([float(v) for v in steps if v >= cycle_plan.lowest])
+    return outcome
+
+
+def _critical_words(worst: Modes | None, found: list[Modes], vehicle: Vehicle) -> dict[str, Any]:
+    """The linear critical speed, its frequency and its mode, as attributes."""
+    if worst is None:
+        top = 3.6 * found[-1].speed
+        return {"critical_speed_m_s": np.nan, "critical_note": f"stable at all speeds up to {top:.4g} km/h"}
+    mode = worst.least_damped
+    words: dict[str, Any] = {
+        "critical_speed_m_s": worst.speed,
+        "critical_frequency_Hz": float(worst.values[mode].imag / (2.0 * np.pi)),
+        "critical_mode": mode_words(vehicle, worst)[mode],
+    }
+    if worst.values[mode].real < 0.5 * worst.largest:
+        words |= {"critical_frequency_Hz": 0.0, "critical_mode": "monotonic, without oscillation"}
+    if worst is found[0]:
+        words["critical_note"] = f"unstable already at the lowest speed, {3.6 * worst.speed:.4g} km/h"
+    return words
+
+
+def _result(
+    setup: Setup,
+    plan: StabilityPlan,
+    found: list[Modes],
+    cycles: list[Cycle],
+    outcome: Mapping[str, Any],
+    reason: str,
+) -> Result:
+    assert setup.vehicle is not None
+    most = max(len(m.values) for m in found)
+    growth, frequency, damping = (np.full((len(found), most), np.nan) for _ in range(3))
+    branch = np.zeros((len(found), most))
+    names = np.full((len(found), most), "", dtype=object)
+    for i, (modes, own) in enumerate(zip(found, follow(found), strict=True)):
+        n = len(modes.values)
+        growth[i, :n] = modes.values.real
+        frequency[i, :n] = modes.values.imag / (2.0 * np.pi)
+        damping[i, :n] = -modes.values.real / np.abs(modes.values)
+        branch[i, :n] = own + 1
+        names[i, :n] = mode_words(setup.vehicle, modes)
+    channels: dict[str, Any] = {
+        "pose_speed": [m.speed for m in found],
+        "growth_max": [m.largest for m in found],
+        "mode_growth": growth,
+        "mode_frequency": frequency,
+        "mode_damping": damping,
+        "mode_branch": branch,
+        "mode_name": names.astype(str),
+    }
+    if cycles:
+        channels |= {
+            "cycle_speed": [c.speed for c in cycles],
+            "cycle_branch": [c.branch for c in cycles],
+            "cycle_ending": [c.ending for c in cycles],
+            "cycle_time": [c.time for c in cycles],
+            "cycle_frequency": [c.frequency for c in cycles],
+            "cycle_amplitude": np.array([c.amplitudes for c in cycles]),
+        }
+    attributes: dict[str, str | float | int] = {
+        "title": setup.title,
+        "analysis": setup.analysis,
+        "status": "stopped" if reason else "completed",
+        "scenario_text": setup.text,
+        **outcome,
+    }
+    if reason:
+        attributes["stop_reason"] = reason
+    coords: dict[str, Any] = {
+        "pose": [f"{3.6 * m.speed:.10g}kmh" for m in found],
+        "wheelset": [m.name for m in setup.vehicle.wheelsets],
+    }
+    return Result(assemble(coords, channels, attributes))

@@ -1,0 +1,161 @@
+"""Root locus, damping and frequency of the modes over speed, and the bifurcation diagram of the limit cycles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Colormap, Normalize
+from matplotlib.figure import Figure
+
+from wrsim.plots.style import FULL_WIDTH, INK, QUIET, STOP_COLOUR, new_figure, pressure_map, shown, style
+from wrsim.results import CHANNELS
+
+DAMPED = 0.5
+"""Modes with a larger damping ratio than this at all speeds are left out of the curves over speed."""
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#9467A9", "#6b6b6b")
+NAMED = 5
+"""Modes that the legend names: those that come closest to instability."""
+BRANCHES = {"from above": (STOP_COLOUR, "v"), "from below": ("#0072B2", "^")}
+
+
+def modes_figure(dataset: xr.Dataset) -> Figure:
+    """Root locus on the left; damping and frequency over speed on the right."""
+    with style():
+        figure = new_figure(FULL_WIDTH, 118.0)
+        figure.suptitle(_title(dataset), x=0.012, ha="left", fontsize=8.0)
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
+        root_locus(figure.add_subplot(grid[:, 0]), dataset)
+        top = figure.add_subplot(grid[0, 1])
+        bottom = figure.add_subplot(grid[1, 1], sharex=top)
+        over_speed(top, dataset, "mode_damping")
+        over_speed(bottom, dataset, "mode_frequency")
+        top.set_xlabel("")
+        handles, labels = top.get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower right", ncols=2, fontsize=6.5)
+    return figure
+
+
+def root_locus(axes: Axes, dataset: xr.Dataset) -> Axes:
+    """Eigenvalues in the complex plane, dark at high speed; the critical one is ringed."""
+    speed = shown(dataset, "pose_speed")
+    damping = dataset["mode_damping"].values
+    growth, frequency = dataset["mode_growth"].values, dataset["mode_frequency"].values
+    colours: Colormap = pressure_map()
+    scale = Normalize(speed[0] - 0.15 * np.ptp(speed), speed[-1] if speed[-1] > speed[0] else speed[0] + 1.0)
+    kept = np.isfinite(growth) & (damping < DAMPED)
+    many = np.broadcast_to(speed[:, None], growth.shape)
+    axes.axvline(0.0, color=QUIET, linewidth=0.6)
+    axes.scatter(growth[kept], frequency[kept], c=colours(scale(many[kept])), s=7.0, linewidths=0.0, zorder=2.0)
+    critical = float(dataset.attrs.get("critical_frequency_Hz", np.nan))
+    if np.isfinite(critical) and critical > 0.0:
+        axes.plot(
+            [0.0], [critical], "o", markersize=7.0, markerfacecolor="none", markeredgecolor=STOP_COLOUR, zorder=3.0
+        )
+    axes.set_xlabel(CHANNELS["mode_growth"].label)
+    axes.set_ylabel(CHANNELS["mode_frequency"].label)
+    bar = axes.figure.colorbar(ScalarMappable(scale, colours), ax=axes, pad=0.02, aspect=40)
+    bar.set_label("Speed [km/h]", fontsize=7.0)
+    bar.ax.set_ylim(speed[0], max(speed[-1], speed[0] + 1e-6))
+    return axes
+
+
+def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
+    """A channel of the modes over speed, a line a mode; those nearest to instability are coloured and named."""
+    speed, branch = shown(dataset, "pose_speed"), dataset["mode_branch"].values
+    values, damping = shown(dataset, name), dataset["mode_damping"].values
+    order: list[tuple[float, int]] = []
+    for number in np.unique(branch[branch > 0]):
+        least = float(np.min(damping[branch == number]))
+        if least < DAMPED:
+            order.append((least, int(number)))
+    order.sort()
+    for rank, (_, number) in enumerate(order):
+        i, j = np.nonzero(branch == number)
+        line: dict[str, Any] = {"color": "#c4c4c4", "linewidth": 0.8, "zorder": 1.5}
+        if rank < NAMED:
+            at = int(np.argmin(damping[i, j]))
+            line = {
+                "color": COLOURS[rank % len(COLOURS)],
+                "zorder": 3.0,
+                "label": str(dataset["mode_name"].values[i[at], j[at]]),
+            }
+        axes.plot(speed[i], values[i, j], marker="o" if len(i) == 1 else None, markersize=2.0, **line)
+    if name == "mode_damping":
+        axes.axhline(0.0, color=QUIET, linewidth=0.6)
+    critical = 3.6 * float(dataset.attrs.get("critical_speed_m_s", np.nan))
+    if np.isfinite(critical):
+        axes.axvline(critical, color=STOP_COLOUR, linewidth=0.8, linestyle=(0, (3, 2)))
+    axes.set_xlabel(CHANNELS["pose_speed"].label)
+    axes.set_ylabel(CHANNELS[name].label)
+    return axes
+
+
+def bifurcation_figure(dataset: xr.Dataset) -> Figure:
+    """The bifurcation diagram on a page of its own."""
+    with style():
+        figure = new_figure(FULL_WIDTH, 90.0)
+        figure.suptitle(_title(dataset), x=0.012, ha="left", fontsize=8.0)
+        bifurcation(figure.add_subplot(), dataset)
+    return figure
+
+
+def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:
+    """Amplitude of the wheelset that moves most over speed, from above and from below; hollow where not settled."""
+    speed = shown(dataset, "cycle_speed")
+    amplitude = np.max(shown(dataset, "cycle_amplitude"), axis=1)
+    branch, ending = dataset["cycle_branch"].values, dataset["cycle_ending"].values
+    amplitude = np.where(ending == "rest", 0.0, amplitude)
+    for name, (colour, mark) in BRANCHES.items():
+        own = np.flatnonzero((branch == name) & (ending != "derailed"))
+        own = own[np.argsort(speed[own])]
+        if not own.size:
+            continue
+        alive = own[(amplitude[own] > 0.0) & (ending[own] == "cycle")]
+        axes.plot(speed[alive], amplitude[alive], color=colour, linewidth=0.9)
+        settled = own[ending[own] != "unsettled"]
+        open_ = own[ending[own] == "unsettled"]
+        axes.plot(speed[settled], amplitude[settled], mark, color=colour, markersize=4.0, label=name)
+        if open_.size:
+            axes.plot(
+                speed[open_], amplitude[open_], mark, markerfacecolor="white", markeredgecolor=colour, markersize=4.0,
+                label=f"{name}, not settled",
+            )  # fmt: skip
+    lost = np.flatnonzero(ending == "derailed")
+    if lost.size:
+        axes.plot(speed[lost], np.zeros(lost.size), "x", color=INK, markersize=5.0, label="derailed")
+    top = axes.get_ylim()[1]
+    for name, words, height in (
+        ("critical_speed_m_s", "linear", 0.97),
+        ("nonlinear_critical_speed_m_s", "nonlinear", 0.88),
+    ):
+        value = 3.6 * float(dataset.attrs.get(name, np.nan))
+        if np.isfinite(value) and speed.min() - 50.0 <= value <= speed.max() + 50.0:
+            axes.axvline(value, color=QUIET, linewidth=0.8, linestyle=(0, (3, 2)))
+            axes.annotate(
+                f"{words} {value:.1f}", (value, height * top), xytext=(3.0, 0.0), textcoords="offset points",
+                fontsize=6.5, color=QUIET, va="top",
+            )  # fmt: skip
+    axes.set_ylim(bottom=-0.03 * top, top=top)
+    axes.set_xlabel(CHANNELS["cycle_speed"].label)
+    axes.set_ylabel("Amplitude of the wheelset that moves most [mm]")
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=6.5)
+    return axes
+
+
+def _title(dataset: xr.Dataset) -> str:
+    attributes = dataset.attrs
+    words = [str(attributes["title"])]
+    linear = 3.6 * float(attributes.get("critical_speed_m_s", np.nan))
+    if np.isfinite(linear):
+        frequency = float(attributes["critical_frequency_Hz"])
+        words.append(f"linear critical speed {linear:.1f} km/h, {frequency:.2f} Hz, {attributes['critical_mode']}")
+    elif "critical_note" in attributes:
+        words.append(str(attributes["critical_note"]))
+    nonlinear = 3.6 * float(attributes.get("nonlinear_critical_speed_m_s", np.nan))
+    if np.isfinite(nonlinear):
+        words[-1] += f"; nonlinear {nonlinear:.1f} km/h"
+    return "\n".join(words)

@@ -1,0 +1,58 @@
+"""[contact.conical]: conical wheels with a prescribed creep law in the place of profiles and contact models."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar
+
+from wrsim.contact.conical import ConicalWheels
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import Quantity
+
+CreepCoefficient = Quantity(above=0, high=1e6, example="kN per creepage of one wheel, such as 10000")
+
+
+class ConicalSection(Section):
+    """The textbook contact, see ConicalWheels; profiles and the other keys of [contact] then count for nothing."""
+
+    header: ClassVar[str] = "[contact.conical]"
+    aliases: ClassVar[dict[str, str]] = {
+        "lambda": "conicity",
+        "mu": "friction",
+        "creep_x_kN": "creep_longitudinal_kN",
+        "creep_y_kN": "creep_lateral_kN",
+        "f11_kN": "creep_longitudinal_kN",
+        "f22_kN": "creep_lateral_kN",
+        "half_contact_spacing_mm": "half_spacing_mm",
+    }
+
+    conicity: Annotated[float, Quantity(0, 1, example="such as 0.05")]
+    half_spacing_mm: Annotated[float, Quantity(200, 1500, example="mm from the middle of the axle to the contact")]
+    creep_longitudinal_kN: Annotated[float, CreepCoefficient]
+    creep_lateral_kN: Annotated[float, CreepCoefficient]
+    friction: (
+        Annotated[float, Quantity(above=0, high=2, example="creep forces saturate; without it they do not")] | None
+    ) = None
+    flange_clearance_mm: Annotated[float, Quantity(0, 100, example="mm of lateral shift")] | None = None
+    flange_stiffness_kN_per_m: Annotated[float, Quantity(above=0, high=1e7, example="kN/m")] | None = None
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """A flange has a clearance and a stiffness."""
+        pair = ("flange_clearance_mm", "flange_stiffness_kN_per_m")
+        for key, other in (pair, pair[::-1]):
+            if key in raw and other not in raw:
+                yield Fault(other, f"goes with {key}", missing=True)
+
+    def wheels(self) -> ConicalWheels:
+        """The same in SI units."""
+        clearance = self.flange_clearance_mm
+        return ConicalWheels(
+            conicity=self.conicity,
+            half_spacing=self.half_spacing_mm / 1e3,
+            creep_x=1e3 * self.creep_longitudinal_kN,
+            creep_y=1e3 * self.creep_lateral_kN,
+            friction=self.friction,
+            flange_clearance=None if clearance is None else clearance / 1e3,
+            flange_stiffness=1e3 * (self.flange_stiffness_kN_per_m or 0.0),
+        )

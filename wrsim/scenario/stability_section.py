@@ -1,0 +1,103 @@
+"""[stability]: speeds of the linearised modes, and how limit cycles are looked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import Quantity, Series, Switch
+
+Speed = Quantity(1, 1000, example="km/h")
+SPEEDS = tuple(float(v) for v in range(40, 401, 20))
+MOST_SPEEDS = 1000
+
+
+@dataclass(frozen=True)
+class CyclePlan:
+    """How limit cycles are looked for; SI units.
+
+    start: speed of the first one, None: 10 % above the linear critical speed or the largest speed of the modes; step,
+    tolerance: of the falling speed, and how closely the speed is found at which the cycle dies; lowest: where the
+    search ends; kick: lateral shift of the wheelsets that sets the first cycle off; small_kick: that of the runs from
+    below; window: time over which an amplitude is taken; longest: time at one speed; rest: amplitude below which the
+    vehicle runs straight.
+    """
+
+    start: float | None
+    step: float
+    tolerance: float
+    lowest: float
+    kick: float
+    small_kick: float
+    window: float
+    longest: float
+    rest: float
+
+
+@dataclass(frozen=True)
+class StabilityPlan:
+    """Speeds [m/s] of the modes, rising; highest frequency of modes that are kept [Hz]; cycles: None where not asked
+    for.
+    """
+
+    speeds: tuple[float, ...]
+    highest: float
+    cycles: CyclePlan | None
+
+
+class StabilitySection(Section):
+    """speed_kmh of the modes; nonlinear = false leaves limit cycles out; the rest: see CyclePlan."""
+
+    header: ClassVar[str] = "[stability]"
+    aliases: ClassVar[dict[str, str]] = {
+        "speeds_kmh": "speed_kmh",
+        "highest_frequency_Hz": "highest_Hz",
+        "limit_cycles": "nonlinear",
+        "bifurcation": "nonlinear",
+        "step_kmh": "cycle_step_kmh",
+        "start_kmh": "cycle_start_kmh",
+    }
+
+    speed_kmh: Annotated[tuple[float, ...], Series(Speed)] = SPEEDS
+    highest_Hz: Annotated[float, Quantity(0.1, 1000, example="Hz")] = 25.0
+    nonlinear: Annotated[bool, Switch()] = True
+    cycle_start_kmh: Annotated[float, Speed] | None = None
+    cycle_step_kmh: Annotated[float, Quantity(0.1, 100, example="km/h")] = 10.0
+    tolerance_kmh: Annotated[float, Quantity(0.01, 50, example="km/h")] = 1.0
+    lowest_kmh: Annotated[float, Speed] = 20.0
+    kick_mm: Annotated[float, Quantity(0.1, 20, example="mm of lateral shift")] = 5.0
+    small_kick_mm: Annotated[float, Quantity(0.01, 10, example="mm of lateral shift")] = 0.3
+    window_s: Annotated[float, Quantity(0.2, 20, example="s, two periods of the hunting or more")] = 1.0
+    longest_s: Annotated[float, Quantity(1, 600, example="s at one speed")] = 15.0
+    rest_mm: Annotated[float, Quantity(0.001, 2, example="mm")] = 0.1
+
+    def consistency(self) -> Iterator[Fault]:
+        """The search goes down from a start, in steps no finer than its tolerance."""
+        if len(self.speed_kmh) > MOST_SPEEDS:
+            yield Fault("speed_kmh", f"has {len(self.speed_kmh)} speeds; must be at most {MOST_SPEEDS}")
+        if self.cycle_start_kmh is not None and self.cycle_start_kmh <= self.lowest_kmh:
+            yield Fault("cycle_start_kmh", f"must be above lowest_kmh ({self.lowest_kmh:g})")
+        if self.tolerance_kmh > self.cycle_step_kmh:
+            yield Fault("tolerance_kmh", f"must not be above cycle_step_kmh ({self.cycle_step_kmh:g})")
+        if self.small_kick_mm <= self.rest_mm:
+            yield Fault("small_kick_mm", f"must be above rest_mm ({self.rest_mm:g})")
+        if self.longest_s < 2.0 * self.window_s:
+            yield Fault("longest_s", f"must be at least two windows ({2.0 * self.window_s:g} s)")
+
+    def plan(self) -> StabilityPlan:
+        """The same in SI units."""
+        cycles = CyclePlan(
+            start=None if self.cycle_start_kmh is None else self.cycle_start_kmh / 3.6,
+            step=self.cycle_step_kmh / 3.6,
+            tolerance=self.tolerance_kmh / 3.6,
+            lowest=self.lowest_kmh / 3.6,
+            kick=self.kick_mm / 1e3,
+            small_kick=self.small_kick_mm / 1e3,
+            window=self.window_s,
+            longest=self.longest_s,
+            rest=self.rest_mm / 1e3,
+        )
+        speeds = tuple(sorted({v / 3.6 for v in self.speed_kmh}))
+        return StabilityPlan(speeds, self.highest_Hz, cycles if self.nonlinear else None)

@@ -1,0 +1,75 @@
+"""The force law of a whole vehicle on conical wheels with a prescribed creep law."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wrsim.contact.conical import SUPPORT, SUPPORT_DAMPING
+from wrsim.core import conical as kernel
+from wrsim.errors import SimulationError
+from wrsim.simulation.system import Array
+from wrsim.simulation.vehicle_law import VehicleOnTrack
+
+if TYPE_CHECKING:
+    from wrsim.contact.conical import ConicalWheels
+    from wrsim.geometry.track import Track
+    from wrsim.vehicle.vehicle import Drive, Vehicle
+
+
+class ConicalVehicleOnTrack(VehicleOnTrack):
+    """Generalised forces on a vehicle on conical wheels; a ``ForceLaw``. There are no profiles: ``wheels`` is empty."""
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        track: Track,
+        cones: ConicalWheels,
+        *,
+        speed: float,
+        start: float = 0.0,
+        drive: Drive = "train",
+    ) -> None:
+        """As ``VehicleOnTrack``; speed [m/s] must not be 0, for creepages are over the speed."""
+        self.radii = np.array([mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
+        self.own_places = np.zeros(len(self.radii))
+        self.parameters = np.zeros(kernel.PARAMETERS)
+        self.parameters[kernel.CONICITY] = cones.conicity
+        self.parameters[kernel.HALF] = cones.half_spacing
+        self.parameters[[kernel.CREEP_X, kernel.CREEP_Y]] = cones.creep_x, cones.creep_y
+        self.parameters[kernel.FRICTION] = cones.friction or 0.0
+        clearance = cones.flange_clearance
+        self.parameters[kernel.CLEARANCE] = np.inf if clearance is None else clearance
+        self.parameters[kernel.FLANGE] = 0.0 if clearance is None else cones.flange_stiffness
+        self.parameters[[kernel.SUPPORT, kernel.SUPPORT_DAMPING]] = SUPPORT, SUPPORT_DAMPING
+        self._force, self._moment = np.zeros(3), np.zeros(3)
+        super().__init__(vehicle, track, (), speed=speed, start=start, drive=drive)
+
+    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
+        """See ``ForceLaw``. Raises SimulationError off the track."""
+        status = super().__call__(t, q, q_t, out)
+        path = self.track.centre
+        if kernel.conical_forces(
+            q, q_t, self.radii, self.own_places, path.table, path.step, self.speed, self.parameters,
+            self._force, self._moment, out,
+        ):  # fmt: skip
+            raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
+        return status
+
+    def look_near(self, origin: float | Array) -> None:
+        """See ``VehicleOnTrack``."""
+        super().look_near(origin)
+        if np.ndim(origin) == 0:
+            self.own_places[:] = [float(origin) + m.x for m in self.vehicle.wheelsets]  # type: ignore[arg-type]
+        else:
+            self.own_places[:] = np.asarray(origin)[:, 0]
+
+    def memory(self) -> Array:
+        """See ``VehicleOnTrack``."""
+        return np.concatenate([self.own_places, super().memory()])
+
+    def recall(self, memory: Array) -> None:
+        """Put back what ``memory`` gave."""
+        self.own_places[:] = memory[: self.own_places.size]
+        super().recall(memory[self.own_places.size :])
