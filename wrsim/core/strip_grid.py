@@ -25,6 +25,7 @@ from wrsim.core.strip_layout import (
     A_,
     AT,
     B_,
+    BOUND,
     END_,
     FACTOR,
     FACTORS,
@@ -47,6 +48,7 @@ from wrsim.core.strip_layout import (
     SHIFT,
     SLOPE,
     START_,
+    WENT,
     WIDTH_,
     WISHED,
     X_,
@@ -64,6 +66,8 @@ FARTHEST_STRIDE = 6.0  # the same for an edge that goes on and on
 def _forget(i, lobes):
     """Forget how the edges of lobe i moved."""
     lobes[MOVED, i] = lobes[MOVED + 1, i] = 0.0
+    lobes[WISHED, i] = lobes[WISHED + 1, i] = 0.0
+    lobes[BOUND, i] = lobes[BOUND + 1, i] = 1.0
     lobes[MOVES, i] = 0.0
     _plain_slopes(i, lobes)
 
@@ -308,6 +312,8 @@ def move_edges(patches, i, v, lobes):
         far1 *= FARTHEST_STRIDE
     m0 = min(max(m0, -far0), far0) if left == 0 else m0
     m1 = min(max(m1, -far1), far1) if right == 0 else m1
+    m0 = _bounded(i, lobes, 0, w0, m0)
+    m1 = _bounded(i, lobes, 1, w1, m1)
     m0 = max(m0, lobes[LEAST, i] - lobes[START_, i])
     m1 = min(m1, lobes[MOST, i] - lobes[END_, i])
     lobes[WISHED, i], lobes[WISHED + 1, i] = w0, w1
@@ -327,6 +333,19 @@ def move_edges(patches, i, v, lobes):
         v[A_, first + j] = v[OTHER, first + c] * (1.0 - r) + v[OTHER, first + c + 1] * r
         if x < left or x > n - right - 1:
             v[A_, first + j] *= 0.7
+
+
+@kernel
+def _bounded(i, lobes, side, wish, move):
+    """An edge that turns round has gone too far: its next moves are at most half as long, until it goes on again."""
+    if wish * lobes[WISHED + side, i] < 0.0:
+        lobes[BOUND + side, i] = 0.5 * min(lobes[BOUND + side, i], abs(lobes[WENT + side, i]))
+    elif abs(lobes[WENT + side, i]) >= lobes[BOUND + side, i]:
+        lobes[BOUND + side, i] *= 2.0
+    bound = lobes[BOUND + side, i]
+    move = min(max(move, -bound), bound)
+    lobes[WENT + side, i] = move
+    return move
 
 
 @kernel

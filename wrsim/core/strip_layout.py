@@ -17,10 +17,10 @@ MATRICES = 5
 
 # rows of the lobes' own numbers: first place, edges of the contact, their limits, in contact or not, wanted shifts of
 # both edges in strip widths, last wanted shifts and last moves of both edges,
-# with strips or without, times that it has been widened, moves of its edges, slopes of
-# the wishes (2 x 2)
+# with strips or without, times that it has been widened, moves of its edges, slopes of the wishes (2 x 2), bounds of
+# the next moves, edges before it was last widened, how far they went last
 FIRST, START_, END_, LEAST, MOST, ON, HAS, RETURNED, MOVES = range(9)
-SHIFT, WISHED, MOVED, SLOPE = 9, 11, 13, 15
-LOBE_ROWS = 19
+SHIFT, WISHED, MOVED, SLOPE, BOUND, BEFORE, WENT = 9, 11, 13, 15, 19, 21, 23
+LOBE_ROWS = 25
 
 FACTORS = 7  # values of k along a lobe

@@ -42,6 +42,7 @@ from wrsim.core.strip_layout import (
     A_MATRIX,
     AT,
     B_MATRIX,
+    BEFORE,
     DA_MATRIX,
     DB_MATRIX,
     END_,
@@ -68,16 +69,19 @@ from wrsim.core.strip_layout import (
 # step to step of a run, where the forces change by more, and where a solution must be the same from any first guess.
 WARM_TOLERANCE, WARM_EDGE = 1e-5, 0.02
 COLD_TOLERANCE, COLD_EDGE = 1e-10, 1e-6
+STUCK = 0.05  # change of the misfit, over itself, below which Newton's method is stuck
 LOOSE = 0.01  # misfit below which edges may move
-MOST_MOVES = 15  # of an edge
+MOST_MOVES = 25  # of an edge
 ITERATIONS = 100
 WARM_ITERATIONS = 25  # from the last contact; beyond, a fresh start is better
 SHORTEST = 2e-3  # half length below which a strip is out of contact, over the longest possible one
 ENTRY = 2e-5  # closing of the gap at which a strip enters, over the deepest penetration
 WIDEN = 1e-3  # the same beyond the edges
 FEWEST = 4  # strips in contact below which a lobe has left it
+IDLE = 1e-4  # move of the edges, over the width, that shows that widening a lobe was in vain
 RETURNS = 3  # times that a strip may be taken in again
 LONGEST_STEP = 0.8  # in ln a and in the factors
+OVERSHOOT, SMALLEST_SQUARE = -0.3, 0.1  # of a^2 after a step over a^2 before: left at once below; kept at least
 LEAST_FACTOR = 0.3
 MOST_FACTOR = 8.0
 EVENNESS = 0.005  # weight with which neighbouring factors are kept alike
@@ -128,7 +132,7 @@ def _solve(patches, strips, count, modulus, yaw, loose, most, v, lobes, m, matri
     for k in range(m):
         if lobes[ON, int(v[LOBE, k])] > 0.5:
             longest = max(longest, sqrt(2.0 * v[R, k] * max(v[D, k], 0.0)))
-    misfit = 1e9
+    misfit = last = 1e9
     for iteration in range(1, most + 1):
         n = _collect(v, lobes, m, index)
         if n == 0:
@@ -140,6 +144,9 @@ def _solve(patches, strips, count, modulus, yaw, loose, most, v, lobes, m, matri
             continue
         assemble(v, index, n, m, matrices)
         misfit = _residuals(v, lobes, index, n, count, matrices, stiffness, deepest)
+        # factors at their bounds: only other edges can help
+        stuck = abs(misfit - last) < STUCK * misfit
+        last = misfit
         if misfit < tolerance:
             shift = 0.0
             for i in range(count):
@@ -162,7 +169,7 @@ def _solve(patches, strips, count, modulus, yaw, loose, most, v, lobes, m, matri
             if in_contact(patches, i, v, lobes) < FEWEST:
                 leave(patches, i, v, lobes)
             elif (
-                misfit < LOOSE
+                (misfit < LOOSE or stuck)
                 and lobes[MOVES, i] < MOST_MOVES
                 and edge_shifts(patches, i, v, lobes) >= 0.5 * edge_tolerance
             ):
@@ -304,7 +311,9 @@ def _newton_step(v, lobes, index, n, count, matrices, stiffness, shortest):
             if int(v[LOBE, k]) != i:
                 continue
             square = 1.0 - 2.0 * share * v[STEP, j]
-            v[A_, k] *= sqrt(square) if square > 0.0 else 0.0
+            # a step that just overshoots lets no strip go: the next one tells
+            square = max(square, SMALLEST_SQUARE) if square > OVERSHOOT else 0.0
+            v[A_, k] *= sqrt(square)
             if v[A_, k] < shortest:
                 v[A_, k] = 0.0
                 v[LEFT, k] += 1.0
@@ -315,8 +324,13 @@ def _take_in(patches, strips, count, v, lobes, m, stiffness, index, n, deepest):
     """Strips where the displacement falls short of the penetration enter the contact. True if any did."""
     changed = False
     for i in range(count):
+        start, end = lobes[START_, i], lobes[END_, i]
+        moved = abs(start - lobes[BEFORE, i]) + abs(end - lobes[BEFORE + 1, i])
+        if lobes[RETURNED, i] > 0.0 and moved < IDLE * (end - start):
+            continue
         if lobes[RETURNED, i] < RETURNS and _widen(patches, strips, i, v, lobes, stiffness, index, n, deepest):
             lobes[RETURNED, i] += 1.0
+            lobes[BEFORE, i], lobes[BEFORE + 1, i] = start, end
             changed = True
     if changed:
         return True

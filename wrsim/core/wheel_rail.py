@@ -216,7 +216,11 @@ def _group(found, eps, patches, count):
 
 @kernel
 def _lay_lobe(wheel, rail, settings, pose, patches, count, i, rows):
-    """Strips of one lobe; the lobes of a patch share the number of strips by their widths."""
+    """Strips of one lobe.
+
+    The lobes of a patch share the number of strips by their widths; in the strip model every lobe has all of them,
+    because its forces would jump, if slightly, with their number.
+    """
     lobe = patches[i]
     lobe[N_STRIPS] = 0.0
     lobe[N] = 0.0
@@ -228,6 +232,8 @@ def _lay_lobe(wheel, rail, settings, pose, patches, count, i, rows):
     start, end = lobe[START], lobe[END]
     if settings[STRIP_WIDTH] > 0.0:
         n = int(ceil((end - start) / settings[STRIP_WIDTH]))  # noqa: RUF046 (a float in compiled code)
+    elif settings[STRIP_MODEL] > 0.5:
+        n = int(settings[STRIPS])
     else:
         width = 0.0
         for j in range(count):
