@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.contact_bench import PLAIN, bench, contact_model, contact_of, flat_rail, pair_model, round_wheel, settle
+from support.contact_bench import PLAIN, bench, contact_model, flat_rail, pair_model, round_wheel, settle
 from test_contact_continuity import jumps, normal_forces
 from test_contact_hertz import hertz
 
 from wrsim.contact.model import combined_modulus
 from wrsim.core import layout as k
 from wrsim.core.elliptic import k_minus_e
-from wrsim.core.strip_influence import own, over_strip, potentials
+from wrsim.core.strip_influence import over_strip, own, potentials
 
 DATA = Path(__file__).parent / "data"
 STRIPS = {"normal": "strips", "strips": 24}
