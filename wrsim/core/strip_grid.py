@@ -136,7 +136,7 @@ def first_guess(patches, strips, count, v, lobes):
 
 
 @kernel
-def sample(patches, strips, i, modulus, yaw, v, lobes):
+def sample(patches, strips, i, modulus, pose, v, lobes):
     """Geometry at the present strips of lobe i, by cubic interpolation in the rows laid over the penetration."""
     n = int(patches[i, N_STRIPS])
     rows = strips[i]
@@ -167,21 +167,24 @@ def sample(patches, strips, i, modulus, yaw, v, lobes):
         v[NO_, k] = no * inverse
         v[NB_, k] = nb * inverse
         v[X_, k] = r1[X] + r * (r2[X] - r1[X])
-        v[R, k] = 1.0 / _mean_curvature(rows, n, x, yaw, nb, v[D, k])
+        lean = v[NO_, k] * pose[4] + v[NB_, k] * pose[5]
+        skew = abs(pose[3]) / sqrt(max(1.0 - lean * lean, 2.5e-3))
+        v[R, k] = 1.0 / _mean_curvature(rows, n, x, skew, v[D, k])
         v[HERTZ, k] = 0.5 * modulus / v[R, k]
 
 
 @kernel
-def _mean_curvature(rows, n, x, yaw, nb, d):
+def _mean_curvature(rows, n, x, skew, d):
     """Mean of 1/R_x over what a strip really runs over, at place x among the rows.
 
-    Along a strip of a yawed wheel the profile coordinate changes by x sin(alpha), sin(alpha) = yaw / cos(angle): a
-    curvature that jumps across the profile is felt as a mean over +-a sin(alpha).
+    Along a strip of a wheel whose axle points by e_t along the rail the profile coordinate changes by x times the skew
+    e_t / cos(angle), with the angle between the strip and the axle: a curvature that jumps across the profile is felt
+    as a mean over +-a times the skew.
     """
     spacing = rows[0, DS]
     middle = min(max(int(x + 0.5), 0), n - 1)
     half = 0.7 * sqrt(2.0 * rows[middle, RADIUS_T] * max(d, 0.0))
-    reach = max(half * abs(yaw) / max(nb, 0.05) / spacing, 1.0)
+    reach = max(half * skew / spacing, 1.0)
     total = 0.0
     weights = 0.0
     for k in range(max(int(x - reach), 0), min(int(x + reach) + 2, n)):

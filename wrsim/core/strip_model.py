@@ -88,11 +88,12 @@ EVENNESS = 0.005  # weight with which neighbouring factors are kept alike
 
 
 @kernel
-def strip_model(patches, strips, count, modulus, yaw, warm, v, lobes, matrices, index):
+def strip_model(patches, strips, count, modulus, pose, warm, v, lobes, matrices, index):
     """Half lengths and amplitudes of the strips of all lobes, and the edges of the contact.
 
     patches (lobes, columns) and strips (lobes, rows, columns): rows laid over the penetration, wider than the contact,
     as a table of the geometry; overwritten with the strips found.
+    modulus: E* [Pa]; pose: as in core.layout, whose axle yaws the strips.
     warm: 1 to start from the solution of the last call. v: (VECTORS, m), lobes: (LOBE_ROWS, count), matrices:
     (MATRICES, m, m), index: (m,) scratch, m places plus FACTORS a lobe.
     Writes per strip S, DS, X, A (0 out of contact), NO, NB, O, B, RADIUS_T and, as P, the amplitude Q [Pa/m]; per lobe
@@ -105,19 +106,19 @@ def strip_model(patches, strips, count, modulus, yaw, warm, v, lobes, matrices, 
     misfit = 1.0
     if known:
         iterations, misfit = _solve(
-            patches, strips, count, modulus, yaw, loose, WARM_ITERATIONS, v, lobes, m, matrices, index
+            patches, strips, count, modulus, pose, loose, WARM_ITERATIONS, v, lobes, m, matrices, index
         )
     if iterations <= 0:
         first_guess(patches, strips, count, v, lobes)
         iterations, misfit = _solve(
-            patches, strips, count, modulus, yaw, loose, ITERATIONS, v, lobes, m, matrices, index
+            patches, strips, count, modulus, pose, loose, ITERATIONS, v, lobes, m, matrices, index
         )
     write_back(patches, strips, count, v, lobes)
     return iterations, misfit
 
 
 @kernel
-def _solve(patches, strips, count, modulus, yaw, loose, most, v, lobes, m, matrices, index):
+def _solve(patches, strips, count, modulus, pose, loose, most, v, lobes, m, matrices, index):
     """Newton's method from the state in v. Returns (iterations, largest misfit), negative if unsolved."""
     stiffness = pi * modulus
     tolerance = WARM_TOLERANCE if loose else COLD_TOLERANCE
@@ -126,7 +127,7 @@ def _solve(patches, strips, count, modulus, yaw, loose, most, v, lobes, m, matri
     longest = 0.0
     for i in range(count):
         if lobes[ON, i] > 0.5:
-            sample(patches, strips, i, modulus, yaw, v, lobes)
+            sample(patches, strips, i, modulus, pose, v, lobes)
         for j in range(int(patches[i, N_STRIPS])):
             deepest = max(deepest, strips[i, j, PENETRATION])
     for k in range(m):
@@ -140,7 +141,7 @@ def _solve(patches, strips, count, modulus, yaw, loose, most, v, lobes, m, matri
                 return iteration, 0.0
             for i in range(count):
                 if lobes[ON, i] > 0.5:
-                    sample(patches, strips, i, modulus, yaw, v, lobes)
+                    sample(patches, strips, i, modulus, pose, v, lobes)
             continue
         assemble(v, index, n, m, matrices)
         misfit = _residuals(v, lobes, index, n, count, matrices, stiffness, deepest)
@@ -159,7 +160,7 @@ def _solve(patches, strips, count, modulus, yaw, loose, most, v, lobes, m, matri
                     return iteration, misfit
                 for i in range(count):
                     if lobes[ON, i] > 0.5:
-                        sample(patches, strips, i, modulus, yaw, v, lobes)
+                        sample(patches, strips, i, modulus, pose, v, lobes)
                 continue
         else:
             _newton_step(v, lobes, index, n, count, matrices, stiffness, SHORTEST * longest)
@@ -175,7 +176,7 @@ def _solve(patches, strips, count, modulus, yaw, loose, most, v, lobes, m, matri
             ):
                 move_edges(patches, i, v, lobes)
                 lobes[MOVES, i] += 1.0
-                sample(patches, strips, i, modulus, yaw, v, lobes)
+                sample(patches, strips, i, modulus, pose, v, lobes)
     return -most, misfit
 
 

@@ -43,7 +43,7 @@ def press_strips(settings, pose, patches, strips, count, vectors, matrices):
             patches[i, WARM_STRIPS] = 0.0
         patches[i, WARM_ARC] = patches[i, ARC_RAIL]
     iterations, misfit = strip_model(
-        patches, strips, count, settings[MODULUS], pose[3], settings[WARM], vectors, vectors[VECTORS + 1 :], matrices,
+        patches, strips, count, settings[MODULUS], pose, settings[WARM], vectors, vectors[VECTORS + 1 :], matrices,
         vectors[VECTORS],
     )  # fmt: skip
     for i in range(count):
