@@ -58,12 +58,13 @@ from wrsim.core.strip_layout import (
 
 EDGE_RATIO = 0.28  # of a^2 in the two outer strips; Hertz's ellipses then keep their width
 EDGE_SLOPE = 0.8  # how fast it falls per strip width
+STEEPEST = -8.0  # believable slope of what an edge wishes over where it lies
 FARTHEST_SHIFT = 1.0  # of an edge at once, in strip widths
 FARTHEST_STRIDE = 6.0  # the same for an edge that goes on and on
 
 
 @kernel
-def _forget(i, lobes):
+def forget(i, lobes):
     """Forget how the edges of lobe i moved."""
     lobes[MOVED, i] = lobes[MOVED + 1, i] = 0.0
     lobes[WISHED, i] = lobes[WISHED + 1, i] = 0.0
@@ -87,7 +88,7 @@ def take_places(patches, strips, count, warm, v, lobes):
         known = known and int(patches[i, WARM_STRIPS]) == n
         lobes[ON, i] = 1.0
         lobes[RETURNED, i] = 0.0
-        _forget(i, lobes)
+        forget(i, lobes)
         lobes[START_, i] = max(patches[i, WARM_START], lobes[LEAST, i])
         lobes[END_, i] = min(patches[i, WARM_END], lobes[MOST, i])
         if n == 0 or lobes[END_, i] <= lobes[START_, i]:
@@ -111,7 +112,7 @@ def first_guess(patches, strips, count, v, lobes):
             continue
         lobes[ON, i] = 1.0
         lobes[RETURNED, i] = 0.0
-        _forget(i, lobes)
+        forget(i, lobes)
         lobes[START_, i] = lobes[LEAST, i]
         lobes[END_, i] = lobes[MOST, i]
         first = int(lobes[FIRST, i])
@@ -286,7 +287,7 @@ def regrid(patches, strips, i, v, lobes, start, end):
     lobes[ON, i] = 1.0
     lobes[START_, i] = start
     lobes[END_, i] = end
-    _forget(i, lobes)
+    forget(i, lobes)
 
 
 @kernel
@@ -372,7 +373,7 @@ def _broyden(i, lobes, w0, w1):
         j10 += r1 * m0
         j11 += r1 * m1
     determinant = j00 * j11 - j01 * j10
-    if determinant < 0.1 or j00 > -0.1 or j11 > -0.1:
+    if determinant < 0.1 or not (STEEPEST < j00 < -0.1 and STEEPEST < j11 < -0.1):
         _plain_slopes(i, lobes)
         return w0, w1
     lobes[SLOPE, i], lobes[SLOPE + 1, i], lobes[SLOPE + 2, i], lobes[SLOPE + 3, i] = j00, j01, j10, j11

@@ -28,6 +28,7 @@ from wrsim.core.layout import DS, N_STRIPS, NB, NO, PENETRATION, B, O, S
 from wrsim.core.strip_grid import (
     edge_shifts,
     first_guess,
+    forget,
     in_contact,
     leave,
     move_edges,
@@ -51,9 +52,11 @@ from wrsim.core.strip_layout import (
     HAS,
     HERTZ,
     JACOBIAN,
+    LEAST,
     LEFT,
     LOBE,
     MISFIT,
+    MOST,
     MOVES,
     ON,
     Q_,
@@ -79,6 +82,7 @@ ENTRY = 2e-5  # closing of the gap at which a strip enters, over the deepest pen
 WIDEN = 1e-3  # the same beyond the edges
 FEWEST = 4  # strips in contact below which a lobe has left it
 IDLE = 1e-4  # move of the edges, over the width, that shows that widening a lobe was in vain
+NARROWEST = 0.03  # the same for its width, over that of its penetration: a force of some 1e-5 of what it could be
 RETURNS = 3  # times that a strip may be taken in again
 LONGEST_STEP = 0.8  # in ln a and in the factors
 OVERSHOOT, SMALLEST_SQUARE = -0.3, 0.1  # of a^2 after a step over a^2 before: left at once below; kept at least
@@ -167,8 +171,11 @@ def _solve(patches, strips, count, modulus, pose, loose, most, v, lobes, m, matr
         for i in range(count):
             if lobes[ON, i] < 0.5:
                 continue
-            if in_contact(patches, i, v, lobes) < FEWEST:
+            narrow = lobes[END_, i] - lobes[START_, i] < NARROWEST * (lobes[MOST, i] - lobes[LEAST, i])
+            if narrow or in_contact(patches, i, v, lobes) < FEWEST:
                 leave(patches, i, v, lobes)
+                for j in range(count):
+                    forget(j, lobes)
             elif (
                 (misfit < LOOSE or stuck)
                 and lobes[MOVES, i] < MOST_MOVES
@@ -343,6 +350,7 @@ def _take_in(patches, strips, count, v, lobes, m, stiffness, index, n, deepest):
         if closing > ENTRY * deepest:
             # a strip alone: Q = E*/(2 R_x), u about 6 Q a^2 / (pi E*)
             v[MISFIT, k] = sqrt(closing * v[R, k])
+            forget(int(v[LOBE, k]), lobes)
             changed = True
     if changed:
         for k in range(m):
