@@ -72,6 +72,8 @@ def test_every_scenario_runs_in_short(file):
         values = {"run.distance_m": 2.0, "output.patches_at_m": [1.0]}
     if scenario.analysis == "stability":
         values = {"stability.speed_kmh": 100, "stability.nonlinear": False}
+    if scenario.analysis == "steady":
+        values = {"steady.radius_m": 2000, "steady.speed_kmh": 80}
     result = run(scenario.with_values(values))
     assert result.status == "completed"
     assert result.summary()["status"] == "completed"

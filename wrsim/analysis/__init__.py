@@ -15,6 +15,7 @@ from wrsim.analysis.equilibrium import run_equilibrium
 from wrsim.analysis.keeping import Keeping, recorded_setup
 from wrsim.analysis.stability import run_stability
 from wrsim.analysis.static import run_static
+from wrsim.analysis.steady import run_steady
 from wrsim.analysis.step_choice import StepTooLong
 from wrsim.scenario.build import build
 
@@ -25,7 +26,13 @@ if TYPE_CHECKING:
 Progress = Callable[[float, float], None]
 """progress(fraction done, seconds left)"""
 
-_AT_ONCE = {"static": run_static, "equilibrium": run_equilibrium, "conicity": run_conicity, "stability": run_stability}
+_AT_ONCE = {
+    "static": run_static,
+    "equilibrium": run_equilibrium,
+    "conicity": run_conicity,
+    "stability": run_stability,
+    "steady": run_steady,
+}
 _IN_TIME = {"curving": run_curving, "ride": run_curving}
 _RECORDED = {"curving": recorded_curving, "ride": recorded_curving}
 

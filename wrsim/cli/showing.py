@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, float], None]
 
-STUDIES = ("stability",)
+STUDIES = ("stability", "steady")
 """Analyses whose numbers are printed by ``cli.studies``."""
 
 RUNS = ("curving", "ride")
@@ -35,6 +35,8 @@ def facts(setup: Setup) -> dict[str, Any]:
     }
     if setup.static is not None:
         facts["poses"] = len(setup.static.poses)
+    elif setup.steady:
+        facts["curves"] = len(setup.steady)
     elif setup.stability is not None:
         facts["speeds_kmh"] = [3.6 * v for v in setup.stability.speeds]
         facts["limit_cycles"] = "yes" if setup.stability.cycles else "no"
@@ -104,7 +106,7 @@ def print_peaks(result: Result) -> None:
     if result.analysis in STUDIES:
         from wrsim.cli import studies
 
-        studies.print_stability(result)
+        (studies.print_stability if result.analysis == "stability" else studies.print_steady)(result)
         return
     summary = result.summary()
     if "wheelsets" in summary:

@@ -53,3 +53,34 @@ def print_stability(result: Result) -> None:
             f"{frequency:.3f}" if np.isfinite(frequency) else "-", f"{one['cycle_time'].item():.1f}",
         )  # fmt: skip
     console.print(table)
+
+
+def print_steady(result: Result) -> None:
+    """One line a curve: the wheel with the largest Y/Q; curves without a steady motion with the reason."""
+    from rich.console import Console
+    from rich.table import Table
+
+    dataset = result.dataset
+    console = Console(highlight=False)
+    console.print(f"[bold]{result.title}[/bold]")
+    words = "the wheel with the largest Y/Q in every curve: R m, cant mm, shift mm, angle of attack mrad, forces kN, N"
+    console.print(words, soft_wrap=True)
+    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    heads = ("R", "cant", "km/h", "wheel", "shift", "attack", "Y", "Q", "Y/Q", "Tγ")
+    for head in heads:
+        table.add_column(head, justify="left" if head == "wheel" else "right", no_wrap=True)
+    quotient = dataset["Y_over_Q"].values
+    for i in np.flatnonzero(dataset["pose_message"].values == ""):
+        w, j = np.unravel_index(int(np.nanargmax(quotient[i])), quotient[i].shape)
+        one = dataset.isel(pose=int(i), wheelset=int(w), wheel=int(j))
+        table.add_row(
+            f"{one['pose_radius'].item():.5g}", f"{1e3 * one['pose_cant'].item():.4g}",
+            f"{3.6 * one['pose_speed'].item():.4g}", f"{one['wheelset'].item()} {one['wheel'].item()}",
+            f"{1e3 * one['lateral_shift'].item():z.2f}", f"{1e3 * one['yaw'].item():z.2f}",
+            f"{1e-3 * one['Y'].item():z.2f}", f"{1e-3 * one['Q'].item():z.2f}", f"{one['Y_over_Q'].item():z.3f}",
+            f"{one['T_gamma'].item():z.0f}",
+        )  # fmt: skip
+    console.print(table)
+    for name, message in zip(dataset["pose"].values, dataset["pose_message"].values, strict=True):
+        if message:
+            console.print(f"{name}: {message}", soft_wrap=True)

@@ -21,6 +21,7 @@ from wrsim.plots.moments import has_patches
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.stability import bifurcation_figure, modes_figure
 from wrsim.plots.static import PANELS, static_figure
+from wrsim.plots.steady import steady_figure
 from wrsim.plots.style import save
 from wrsim.plots.vehicle_run import vehicle_figures
 from wrsim.results.wheelsets import is_vehicle, of_wheelset, worst_wheelset
@@ -40,7 +41,7 @@ def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     Runs of several instants: overview, contact_angle, forces, derailment, motion, pressure. Static analyses of
     several poses: contact. Whole vehicles: their own histories, and all of these for the wheelset with the largest
     Y/Q. Both: patches and sections of the snapshots or poses. Conicity analyses: conicity. Stability analyses: modes,
-    bifurcation. What the dataset has no data for is left out.
+    bifurcation. Steady ones: steady. What the dataset has no data for is left out.
     """
     figures: dict[str, Callable[[], Figure]] = {}
     if "mode_growth" in dataset:
@@ -48,6 +49,8 @@ def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
         if "cycle" in dataset.dims:
             figures["bifurcation"] = lambda: bifurcation_figure(dataset)
         return figures
+    if "pose_radius" in dataset:
+        return {"steady": lambda: steady_figure(dataset)}
     if is_vehicle(dataset):
         worst = worst_wheelset(dataset)
         if dataset.sizes.get("time", 0) > 1:

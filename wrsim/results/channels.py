@@ -177,6 +177,7 @@ _ALL = (
     _of("pose_radius", "pose", "m", "m", "radius of the curve, positive to the left", "R"),
     _of("pose_cant", "pose", "m", "mm", "cant of the curve"),
     _of("cant_deficiency", "pose", "m", "mm", "cant deficiency"),
+    _of("unbalanced", "pose", "1", "1", "largest force left over, as a part of the weight"),
     # stability: small motions about steady rolling, and limit cycles
     _of("growth_max", "pose", "1/s", "1/s", "growth rate of what grows fastest"),
     _of("mode_branch", "pose mode", "1", "1", "number by which a mode is followed from speed to speed", kind="count"),

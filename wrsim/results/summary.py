@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.stability import is_stability, stability_summary
+from wrsim.results.steady import is_steady, steady_summary
 from wrsim.results.wheelsets import is_vehicle, of_wheelset, wheelsets
 
 CURVE_CHANNELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
@@ -30,6 +31,8 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     """
     if is_stability(dataset):
         return _head(dataset) | stability_summary(dataset) | {"versions": _versions(dataset)}
+    if is_steady(dataset):
+        return _head(dataset) | steady_summary(dataset) | {"versions": _versions(dataset)}
     if is_vehicle(dataset):
         return _of_vehicle(dataset)
     summary: dict[str, Any] = {

@@ -17,6 +17,7 @@ from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.files import write_atomically
 from wrsim.results.result import Result
 from wrsim.results.stability import cycle_table, is_stability, mode_table
+from wrsim.results.steady import is_steady, steady_table
 from wrsim.results.wheelsets import is_vehicle, of_wheelset, wheelsets
 
 Row = list[str]
@@ -29,7 +30,8 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     in contact) and ``strips.csv`` (the strips of the snapshots). Static analyses get ``patches.csv`` (one
     row per pose, wheel and patch; a wheel without contact keeps one row) and ``strips.csv``;
     conicity analyses add ``conicity.csv`` (one row per amplitude). Stability analyses get ``modes.csv`` (one row per
-    speed and mode) and ``cycles.csv`` (one row per held speed). Whole vehicles get ``vehicle.csv`` and the tables
+    speed and mode) and ``cycles.csv`` (one row per held speed), steady
+    ones ``steady.csv`` (one row per curve, wheelset and wheel). Whole vehicles get ``vehicle.csv`` and the tables
     of every wheelset under its name, ``history_front.outer.csv``. The dataset
     goes first, so that a full disk costs the tables before the numbers. A stopped analysis is written like
     any other.
@@ -54,6 +56,8 @@ def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:
     found: dict[str, list[Row]] = {}
     if is_stability(dataset):
         return {"modes": mode_table(dataset)} | ({"cycles": cycle_table(dataset)} if "cycle" in dataset.dims else {})
+    if is_steady(dataset):
+        return {"steady": steady_table(dataset)}
     if is_vehicle(dataset):
         for name in wheelsets(dataset):
             found |= {f"{table}_{name}": rows for table, rows in tables(of_wheelset(dataset, name)).items()}

@@ -19,7 +19,7 @@ from wrsim.scenario.steady_section import Speed, SteadySection
 from wrsim.scenario.track_section import Arc, ElasticitySection, Straight, TrackSection, Transition
 from wrsim.scenario.vehicle_section import VehicleSection
 
-Analysis = Literal["static", "equilibrium", "curving", "ride", "conicity", "stability"]
+Analysis = Literal["static", "equilibrium", "curving", "ride", "conicity", "stability", "steady"]
 IN_TIME = ("curving", "ride")
 """Analyses that run along the track."""
 
