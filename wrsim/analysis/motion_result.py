@@ -1,7 +1,8 @@
 """From the sampled states of a run to its result.
 
-The contacts of each sample are computed anew from its state, so a sample is a pure function of the state. Strips are
-kept at chosen places and at the largest Y/Q of each wheel.
+The contacts of each sample are computed anew from its state, so a sample is a function of the state (the strip model
+starts from those of the sample before, and ends as sharply as afresh). Strips are kept at chosen places and at the
+largest Y/Q of each wheel.
 """
 
 from __future__ import annotations
@@ -57,10 +58,12 @@ def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
         law.look_near(places[i])
         law(motion.times[i], motion.q[i], motion.q_t[i], out)
 
+    law.follow(True, sharp=True)
     for i in range(n):
         evaluate(i)
         for j, wheel in enumerate(law.wheels):
             raw.store(i, j, wheel.model)
+    law.follow(False)
     forces = wheel_channels(raw)
     snapshots = choose_snapshots(setup, poses.distance, forces, motion.status == "stopped")
     strips = StripRecorder.start(law.wheels)

@@ -52,6 +52,7 @@ def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: li
         law.look_near(places[i])
         law(motion.times[i], motion.q[i], motion.q_t[i], out)
 
+    law.follow(True, sharp=True)
     for i in range(n):
         evaluate(i)
         for w, pair in enumerate(law.wheels):
@@ -60,6 +61,7 @@ def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: li
         records[i] = law.records
         reference[i], drive[i] = law.distance, law.drive_force
         accelerations[i] = points.at(motion.q[i], motion.q_t[i], out)
+    law.follow(False)
     forces = [wheel_channels(r) for r in raw]
     snapshots = choose_snapshots(setup, reference, _together(forces), motion.status == "stopped")
     strips = [StripRecorder.start(pair) for pair in law.wheels]

@@ -114,9 +114,14 @@ class KernelArrays:
             self.patches, self.strips, self.work, self.vectors, self.matrices, self.total,
         )  # fmt: skip
 
-    def follow(self, on: bool) -> None:
-        """From now on the strip model starts from the contact asked for last (in runs), or afresh each time."""
-        self.settings[k.WARM] = float(on)
+    def follow(self, on: bool, sharp: bool = False) -> None:
+        """From now on the strip model starts from the contact asked for last (in runs), or afresh each time.
+
+        sharp: first afresh, then from the last one, and always as sharply as afresh.
+        """
+        self.settings[k.WARM] = (2.0 if sharp else 1.0) if on else 0.0
+        if sharp:
+            self.patches[:, k.WARM_STRIPS] = 0.0
 
     def memory(self) -> Array:
         """Everything that one call leaves for the next, one row: the strip model's last contact, if it follows it."""

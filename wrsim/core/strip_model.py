@@ -98,20 +98,19 @@ def strip_model(patches, strips, count, modulus, pose, warm, v, lobes, matrices,
     patches (lobes, columns) and strips (lobes, rows, columns): rows laid over the penetration, wider than the contact,
     as a table of the geometry; overwritten with the strips found.
     modulus: E* [Pa]; pose: as in core.layout, whose axle yaws the strips.
-    warm: 1 to start from the solution of the last call. v: (VECTORS, m), lobes: (LOBE_ROWS, count), matrices:
-    (MATRICES, m, m), index: (m,) scratch, m places plus FACTORS a lobe.
+    warm: 1 to start from the solution of the last call, 2 to do so and end as sharply as afresh. v: (VECTORS, m),
+    lobes: (LOBE_ROWS, count), matrices: (MATRICES, m, m), index: (m,) scratch, m places plus FACTORS a lobe.
     Writes per strip S, DS, X, A (0 out of contact), NO, NB, O, B, RADIUS_T and, as P, the amplitude Q [Pa/m]; per lobe
     N_STRIPS (0 out of contact). Returns (iterations, largest misfit): negative iterations say that there was no
     convergence.
     """
     m, known = take_places(patches, strips, count, warm, v, lobes)
-    loose = warm > 0.5
+    loose = 0.5 < warm < 1.5
     iterations = 0
     misfit = 1.0
     if known:
-        iterations, misfit = _solve(
-            patches, strips, count, modulus, pose, loose, WARM_ITERATIONS, v, lobes, m, matrices, index
-        )
+        most = WARM_ITERATIONS if loose else ITERATIONS
+        iterations, misfit = _solve(patches, strips, count, modulus, pose, loose, most, v, lobes, m, matrices, index)
     if iterations <= 0:
         first_guess(patches, strips, count, v, lobes)
         iterations, misfit = _solve(

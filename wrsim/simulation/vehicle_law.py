@@ -137,11 +137,11 @@ class VehicleOnTrack:
         for load in self._loads:
             load[vehicle_forces.S_LOAD] = at + vehicle.parts[int(load[0])].centre[0]
 
-    def follow(self, on: bool) -> None:
+    def follow(self, on: bool, sharp: bool = False) -> None:
         """From now on contacts start from those of the last state (in a run), or afresh. See ``Follows``."""
         for wheels in self.wheels:
             for wheel in wheels:
-                wheel.model.arrays.follow(on)
+                wheel.model.arrays.follow(on, sharp)
 
     def memory(self) -> Array:
         """What the next call starts from: it decides the last bits of the answer. See ``tape.Remembers``."""

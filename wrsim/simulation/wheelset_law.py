@@ -107,10 +107,10 @@ class WheelsetOnTrack:
         """Tell where to look for the wheelset first, a row of ``places``: before a state far from the last one."""
         self._scalars[[kernel.S_CENTRE, kernel.S_LEFT, kernel.S_RIGHT]] = place
 
-    def follow(self, on: bool) -> None:
+    def follow(self, on: bool, sharp: bool = False) -> None:
         """From now on contacts start from those of the last state (in a run), or afresh. See ``Follows``."""
         for wheel in self.wheels:
-            wheel.model.arrays.follow(on)
+            wheel.model.arrays.follow(on, sharp)
 
     def memory(self) -> Array:
         """What the next call starts from: it decides the last bits of the answer. See ``tape.Remembers``."""

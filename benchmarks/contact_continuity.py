@@ -1,0 +1,97 @@
+"""Jumps of the contact forces over lateral shift and yaw, in steps of 1 um and 1 urad.
+
+    python benchmarks/contact_continuity.py [strips|kik-piotrowski] [24]
+
+A wheel is carried along a smooth path of heights (those at which Kik-Piotrowski bears the load at every quarter of a
+millimetre). Where its force changes most from one step to the next the step is halved twelve times: what is left of
+the change is a jump. Prints the largest of them over the load, and the time of a pose.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from wrsim.analysis.poses import StaticBench
+from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.model import ContactModel
+from wrsim.contact.settings import ContactSettings
+from wrsim.geometry.profile_models import load_profile
+from wrsim.scenario.cases import StaticPose
+
+MODELS = Path(__file__).parents[1] / "models"
+PAIRS = (("S1002", "60E1", 40), ("S1002", "60E1", 20), ("S1002_worn", "60E1", 40), ("S1002_worn", "60E1_worn", 40))
+STEEPEST = 12  # steps looked into
+HALVINGS = 12
+
+
+def stand(wheel: str, rail: str, inclination: int, settings: ContactSettings) -> StaticBench:
+    """A wheel on the left rail of a track of 1435 mm."""
+    profile = load_profile(MODELS / f"rails/{rail}.toml").inclined(1.0 / inclination)
+    model = ContactModel.build(load_profile(MODELS / f"wheels/{wheel}.toml"), profile, 0.46, settings, 0.3)
+    origin = (0.7175 - profile.gauge_point()[0], -profile.top[1])
+    return StaticBench([WheelOnRail(model, 1, 0.75, origin)], False, 0.46)
+
+
+def sweep(bench: StaticBench, heights: StaticBench, load: float, states, knots) -> str:  # type: ignore[no-untyped-def]
+    """One sweep: ``states`` gives (lateral, yaw) of a number between the ends of ``knots``."""
+    path = [heights.solve(StaticPose("", *states(x), load)).height for x in knots]
+    good = np.isfinite(path)
+    height = PchipInterpolator(knots[good], np.array(path)[good])
+
+    def force(x: float) -> np.ndarray:
+        lateral, yaw = states(x)
+        bench.evaluate(lateral, float(height(x)), yaw, 0.0)
+        return bench.force / load
+
+    xs = np.arange(knots[good][0], knots[good][-1], 1e-6)
+    forces = np.empty((len(xs), 3))
+    began = time.perf_counter()
+    for i, x in enumerate(xs):
+        forces[i] = force(x)
+    cost = 1e6 * (time.perf_counter() - began) / len(xs)
+    change = np.abs(np.diff(forces, axis=0)).max(axis=1)
+    usual = np.array([np.median(change[max(0, i - 4) : i + 5]) for i in range(len(change))])
+    worst, where = 0.0, 0.0
+    for i in np.argsort(usual - change)[:STEEPEST]:
+        left, right = xs[i], xs[i + 1]
+        at_left, at_right = force(left), force(right)
+        for _ in range(HALVINGS):
+            middle = 0.5 * (left + right)
+            between = force(middle)
+            if np.abs(between - at_left).max() > np.abs(at_right - between).max():
+                right, at_right = middle, between
+            else:
+                left, at_left = middle, between
+        jump = float(np.abs(at_right - at_left).max())
+        if jump > worst:
+            worst, where = jump, left
+    return f"{worst:9.4f} at {1e3 * where:8.4f}{len(xs):8d} poses{cost:8.0f} us"
+
+
+def main() -> None:
+    """Print the table."""
+    normal = sys.argv[1] if len(sys.argv) > 1 else "strips"
+    strips = int(sys.argv[2]) if len(sys.argv) > 2 else 24
+    ours = ContactSettings(normal=normal, strips=strips, tangential="none", damping=0.0)  # type: ignore[arg-type]
+    plain = ContactSettings(tangential="none", damping=0.0)
+    for pair in PAIRS:
+        bench, heights = stand(*pair, ours), stand(*pair, plain)
+        for load in (24e3, 100e3):
+            name = f"{pair[0]} / {pair[1]} 1:{pair[2]}, {1e-3 * load:g} kN"
+            for yaw in (0.0, 0.012):
+                lateral = np.arange(-10e-3, 10e-3 + 1e-9, 2.5e-4)
+                found = sweep(bench, heights, load, lambda y, yaw=yaw: (y, yaw), lateral)
+                print(f"{name}, yaw {1e3 * yaw:g} mrad, y [mm]: {found}", flush=True)
+            for y in (2e-3, 6e-3):
+                yaws = np.arange(-12e-3, 12e-3 + 1e-9, 5e-4)
+                found = sweep(bench, heights, load, lambda a, y=y: (y, a), yaws)
+                print(f"{name}, y {1e3 * y:g} mm, yaw [mrad]: {found}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
