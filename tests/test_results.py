@@ -332,6 +332,16 @@ def test_the_history_table_has_a_column_for_every_wheel(written):
     assert "Y_over_Q_left" in rows[0]
 
 
+@pytest.mark.parametrize("kind", ["curve", "stopped", "static"])
+def test_tables_do_not_depend_on_how_many_instants_are_written_at_once(kind, written, monkeypatch):
+    size = dataset_of(kind).sizes.get("time", 0)
+    monkeypatch.setattr(sys.modules["wrsim.results.tables"], "BLOCK", 7)
+    assert kind == "static" or (size > 7 and size % 7)  # several blocks, the last one not full
+    for name, rows in tables(dataset_of(kind)).items():
+        with (written[kind] / f"{name}.csv").open(newline="") as stream:
+            assert list(csv.reader(stream)) == rows
+
+
 @pytest.mark.parametrize("kind", EVERY)
 def test_the_strip_table_sums_up_to_the_normal_force(kind, written):
     dataset = dataset_of(kind)

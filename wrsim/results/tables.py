@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,9 @@ from wrsim.results.steady import is_steady, steady_table
 from wrsim.results.wheelsets import is_vehicle, of_wheelset, wheelsets
 
 Row = list[str]
+
+BLOCK = 2000
+"""Instants of a run that stand in memory as text at once."""
 
 
 def write_run(result: Result, directory: str | Path) -> list[Path]:
@@ -41,36 +44,54 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     written = [result.save(directory / "result.nc")]
     summary = json.dumps(result.summary(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     written.append(write_atomically(directory / "summary.json", summary.encode()))
-    for name, rows in tables(result.dataset).items():
+    for name, rows in _each(result.dataset):
         written.append(write_atomically(directory / f"{name}.csv", _csv(rows)))
     return written
 
 
 def write_table(dataset: xr.Dataset, name: str, path: str | Path) -> Path:
     """Write one of the `tables` of a result. Raises ``WrsimError`` when it cannot be written."""
-    return write_atomically(path, _csv(tables(dataset)[name]))
+    return write_atomically(path, _csv(dict(_each(dataset))[name]))
 
 
 def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:
     """All tables of a result by name; the first row of each is the header."""
-    found: dict[str, list[Row]] = {}
+    return {name: list(rows) for name, rows in _each(dataset)}
+
+
+def _each(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
+    """The tables one after the other; rows of runs are made while they are taken, as they outweigh the numbers."""
     if is_stability(dataset):
-        return {"modes": mode_table(dataset)} | ({"cycles": cycle_table(dataset)} if "cycle" in dataset.dims else {})
+        yield "modes", mode_table(dataset)
+        if "cycle" in dataset.dims:
+            yield "cycles", cycle_table(dataset)
+        return
     if is_steady(dataset):
-        return {"steady": steady_table(dataset)}
+        yield "steady", steady_table(dataset)
+        return
     if is_vehicle(dataset):
+        yield "vehicle", _in_blocks(vehicle_table, dataset)
         for name in wheelsets(dataset):
-            found |= {f"{table}_{name}": rows for table, rows in tables(of_wheelset(dataset, name)).items()}
-        return {"vehicle": vehicle_table(dataset), **found}
+            yield from ((f"{table}_{name}", rows) for table, rows in _each(of_wheelset(dataset, name)))
+        return
     if "time" in dataset.dims:
-        found["history"] = history_table(dataset)
+        yield "history", _in_blocks(history_table, dataset)
     if any("patch" in variable.dims and "strip" not in variable.dims for variable in dataset.values()):
-        found["patches"] = patch_table(dataset)
+        yield "patches", _in_blocks(patch_table, dataset)
     if "strip" in dataset.dims:
-        found["strips"] = strip_table(dataset)
+        yield "strips", strip_table(dataset)
     if "amplitude" in dataset.dims:
-        found["conicity"] = conicity_table(dataset)
-    return found
+        yield "conicity", conicity_table(dataset)
+
+
+def _in_blocks(table: Callable[[xr.Dataset], list[Row]], dataset: xr.Dataset) -> Iterator[Row]:
+    """The rows of a table, those of a run some instants at a time."""
+    if "time" not in dataset.dims:
+        yield from table(dataset)
+        return
+    for begin in range(0, max(dataset.sizes["time"], 1), BLOCK):
+        rows = table(dataset.isel(time=slice(begin, begin + BLOCK)))
+        yield from rows[1:] if begin else rows
 
 
 def vehicle_table(dataset: xr.Dataset) -> list[Row]:
@@ -188,8 +209,10 @@ def _text(channel: Channel, values: NDArray[Any]) -> list[str]:
     return ["" if v != v else f"{v:.10g}" for v in (values * channel.shown.factor + 0.0).tolist()]
 
 
-def _csv(rows: Sequence[Row]) -> bytes:
+def _csv(rows: Iterable[Row]) -> bytes:
     """Rows as comma-separated values (RFC 4180 quoting, line feeds, UTF-8)."""
-    stream = io.StringIO()
+    stored = io.BytesIO()
+    stream = io.TextIOWrapper(stored, encoding="utf-8", newline="")
     csv.writer(stream, lineterminator="\n").writerows(rows)
-    return stream.getvalue().encode()
+    stream.flush()
+    return stored.getvalue()
