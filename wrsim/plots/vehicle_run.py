@@ -59,16 +59,18 @@ def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
 
 
 def together_figure(dataset: xr.Dataset, dim: str, channels: tuple[str, ...]) -> Figure:
-    """Channels of wheelsets, bodies or points, a panel for each channel and a line for each of them."""
+    """Channels of wheelsets, bodies or points, a panel each, and a line for each of them, the smallest in front."""
     labels = [str(label) for label in dataset[dim].values]
 
     def panel_of(name: str) -> Panel:
         def panel(axes: Axes, _: xr.Dataset) -> Axes:
             x, _name = abscissa(dataset)
-            for i in range(len(labels)):
+            values = shown(dataset, name)
+            for i in np.argsort(-np.ptp(values, axis=0), kind="stable"):  # small ones last, or large ones hide them
                 at = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
-                values = shown(dataset, name)[:, i]
-                draw_line(axes, at, values, color=COLOURS[i % len(COLOURS)], linestyle=GROUP_LINE[i % len(GROUP_LINE)])
+                draw_line(
+                    axes, at, values[:, i], color=COLOURS[i % len(COLOURS)], linestyle=GROUP_LINE[i % len(GROUP_LINE)]
+                )
             axes.set_ylabel(CHANNELS[name].label.replace(" of the body", "").replace(" [", "\n["))
             return axes
 
