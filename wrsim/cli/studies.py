@@ -21,14 +21,14 @@ def print_stability(result: Result) -> None:
     speed = summary["linear_critical_speed_kmh"]
     if speed is not None:
         mode = f"{summary['critical_frequency_Hz']:.3f} Hz: {summary['critical_mode']}"
-        console.print(f"linear critical speed {speed:.2f} km/h ({speed / 3.6:.2f} m/s), {mode}")
+        console.print(f"linear critical speed {speed:.2f} km/h ({speed / 3.6:.2f} m/s), {mode}", soft_wrap=True)
     if "critical_note" in summary:
-        console.print(summary["critical_note"])
+        console.print(summary["critical_note"], soft_wrap=True)
     speed = summary["nonlinear_critical_speed_kmh"]
     if speed is not None:
         console.print(f"nonlinear critical speed {speed:.2f} km/h ({speed / 3.6:.2f} m/s)")
     if "nonlinear_note" in summary:
-        console.print(summary["nonlinear_note"])
+        console.print(summary["nonlinear_note"], soft_wrap=True)
     table = Table(title="least damped mode", title_justify="left", box=None, pad_edge=False)
     for head in ("km/h", "Hz", "damping", "growth 1/s", "mode"):
         table.add_column(head, justify="left" if head == "mode" else "right")

@@ -34,8 +34,9 @@ SAME = 0.003
 CALM = 2
 """... and how often in a row."""
 
-DYING = 0.5
-"""A motion that falls still when the longest time is over, to this part of what it was, is on its way to rest."""
+DYING, FAST = 0.5, 0.03
+"""A motion that has fallen to this part of what it was when the longest time is over, and in its last window has fallen
+by that part of itself, is on its way to rest. Not so one that beats, or goes over into a smaller cycle."""
 
 SAMPLES = 1e-3
 """Time between two samples of the motion [s]."""
@@ -152,6 +153,7 @@ class CycleSearch:
             change = np.abs(amplitudes - last)
             largest = float(amplitudes.max())
             falling = largest < float(last.max()) or held <= plan.window * 1.5
+            fast = largest < (1.0 - FAST) * float(last.max())
             last, first = amplitudes, first or largest
             if largest < plan.rest and falling:
                 ending = "rest"
@@ -161,7 +163,7 @@ class CycleSearch:
                 ending = "cycle"
                 break
         else:
-            if largest < DYING * first and falling:
+            if largest < DYING * first and fast:
                 ending = "rest"
         most = int(np.argmax(amplitudes))
         frequency = _frequency(motion.times, lateral[:, most]) if ending in ("cycle", "unsettled") else float("nan")
