@@ -4,7 +4,9 @@ Prints microseconds (minimum of repeats) for some poses, and where they go: the 
 curved patch with its pressure, the creep forces. The bare arithmetic is measured in the same run: as many K - E
 evaluations and FASTSIM cells in a plain loop as one patch needs, once with the cells one after the other along each
 strip ("scalar") and once as the kernel does it, all strips side by side ("side by side"). A second table holds the
-tangential models: the time of each, what a strip more costs and what a cell more costs.
+tangential models: the time of each, what a strip more costs and what a cell more costs. A third one holds the strip
+model with FASTSIM: afresh as in static analyses, and from the last contact as in runs, at rest and moving sideways by
+up to 0.6 um from call to call.
 """
 
 from __future__ import annotations
@@ -73,7 +75,7 @@ def bare(strips, n, reps, shape, work, side_by_side, cells):  # type: ignore[no-
 
 
 @kernel
-def nothing(a, b, c, d, e, f, g, h, i, j, l, m):  # type: ignore[no-untyped-def]  # noqa: E741
+def nothing(a, b, c, d, e, f, g, h, i, j, l, m, n, o):  # type: ignore[no-untyped-def]  # noqa: E741
     """Takes what the kernel takes."""
     return 0
 
@@ -109,8 +111,37 @@ def ladder(wheel: Profile, rail: Profile) -> None:
         print(f"  {name:22s}{first:8.2f}{strip:10.4f}{cell:10.4f}{with_law - first:+16.2f}")
 
 
+def strip_model(wheel: Profile, rail: Profile) -> None:
+    """Print the time of the strip model, and how it grows with the strips."""
+    heads = "".join(f"{head:>9s}" for head in ("strips", "lobes", "afresh", "at rest", "moving", "a strip"))
+    print(f"\n{'strip model, us':24s}{heads}")
+    origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
+    for name, lateral, yaw in POSES:
+        last: tuple[int, float] | None = None
+        for strips in (16, 24, 36):
+            settings = ContactSettings(normal="strips", strips=strips)
+            model = ContactModel.build(wheel, rail, 0.46, settings, 0.35)
+            StaticBench([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(StaticPose(name, lateral, yaw, 55e3))
+            a = model.arrays
+            arguments = a.arguments()
+            afresh = microseconds(lambda arguments=arguments: wheel_rail(*arguments), 20, 20)
+            a.follow(True)
+            at_rest = microseconds(lambda arguments=arguments: wheel_rail(*arguments), 50, 30)
+            place, phase = a.pose[1], [0.0]
+
+            def move(a=a, arguments=arguments, place=place, phase=phase) -> None:  # type: ignore[no-untyped-def]
+                phase[0] += 0.3
+                a.pose[1] = place + 2e-6 * np.sin(phase[0])
+                wheel_rail(*arguments)
+
+            moving = microseconds(move, 50, 30)
+            more = f"{(moving - last[1]) / (strips - last[0]):9.2f}" if last else ""
+            print(f"  {name:22s}{strips:9d}{int(a.total[k.COUNT]):9d}{afresh:9.1f}{at_rest:9.1f}{moving:9.1f}{more}")
+            last = strips, moving
+
+
 def main() -> None:
-    """Print the table."""
+    """Print the tables."""
     wheel = load_profile(MODELS / "wheels/S1002.toml")
     rail = load_profile(MODELS / "rails/60E1.toml").inclined(1 / 40)
     origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
@@ -157,6 +188,7 @@ def main() -> None:
                 f"{total - normal:8.2f}{lobes:7d}{total / floors['scalar']:8.2f}"
             )
     ladder(wheel, rail)
+    strip_model(wheel, rail)
 
 
 if __name__ == "__main__":
