@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wrsim.cli.ending import told
+from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures
 from wrsim.cli.showing import print_json
 from wrsim.cli.storing import read
 
@@ -19,17 +20,13 @@ if TYPE_CHECKING:
 
 
 def assess(
-    result: Annotated[
-        Path, typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off.")
-    ],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: beside the result.")
-    ] = None,
+    result: AnyResult,
+    output: BesideResult = None,
     scenario: Annotated[
         Path | None, typer.Option("--scenario", metavar="FILE", help="Take [assessment] from this scenario instead.")
     ] = None,
-    pictures: Annotated[bool, typer.Option(help="Draw the pictures.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+    pictures: Pictures = True,
+    as_json: Json = False,
 ) -> None:
     """Assess a run: EN 14363 quantities section by section, limits and margins; leaves tables and pictures."""
     with told(as_json):

@@ -17,6 +17,7 @@ from wrsim.cli.assessing import assess
 from wrsim.cli.compare import compare
 from wrsim.cli.conicity import conicity
 from wrsim.cli.ending import INTERRUPTED, exit_code, told
+from wrsim.cli.options import BesideResult, Json, Models
 from wrsim.cli.resolve import resolve
 from wrsim.cli.riding import ride
 from wrsim.cli.showing import (
@@ -44,11 +45,6 @@ app = typer.Typer(
 )
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="FILE", help="Scenario file (TOML).")]
-Models = Annotated[
-    list[Path] | None,
-    typer.Option("--models", metavar="DIR", help="Folder with model files of your own; may be given again."),
-]
-Json = Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no summary.")]
 
 
@@ -186,9 +182,7 @@ def show(result: ResultFile, as_json: Json = False) -> None:
 @app.command()
 def plot(
     result: ResultFile,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: beside the result.")
-    ] = None,
+    output: BesideResult = None,
     at: Annotated[
         list[str] | None,
         typer.Option(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import exit_code, told
+from wrsim.cli.options import Json, ModelFiles, Pictures
 from wrsim.cli.showing import print_json, progress_bar, tell_slow
 
 if TYPE_CHECKING:
@@ -38,11 +39,9 @@ def compare(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>_compared.")
     ] = None,
-    model_files: Annotated[
-        list[Path] | None, typer.Option("--model-files", metavar="DIR", help="Folder with model files of your own.")
-    ] = None,
-    pictures: Annotated[bool, typer.Option(help="Draw the pictures.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+    model_files: ModelFiles = None,
+    pictures: Pictures = True,
+    as_json: Json = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")] = False,
 ) -> None:
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""

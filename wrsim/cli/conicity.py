@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import told
+from wrsim.cli.options import Json, Models
 from wrsim.cli.showing import print_json
 from wrsim.errors import InputError
 
@@ -35,12 +36,10 @@ def conicity(
     roll: Annotated[
         str, typer.Option(help='none (EN 15302), rail-top or centre: see "Equivalent conicity" in docs/conicity.md.')
     ] = "none",
-    models: Annotated[
-        list[Path] | None, typer.Option("--models", metavar="DIR", help="Folder with model files of your own.")
-    ] = None,
+    models: Models = None,
     picture: Annotated[Path | None, typer.Option(metavar="PNG", help="Draw it there.")] = None,
     table: Annotated[Path | None, typer.Option(metavar="CSV", help="Write tan gamma_e every 0.1 mm there.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
     with told(as_json):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wrsim.cli.ending import told
+from wrsim.cli.options import Json, ModelFiles, Pictures
 from wrsim.cli.showing import print_json, progress_bar
 from wrsim.errors import InputError
 
@@ -35,11 +36,9 @@ def resolve(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")
     ] = None,
-    model_files: Annotated[
-        list[Path] | None, typer.Option("--model-files", metavar="DIR", help="Folder with model files of your own.")
-    ] = None,
-    pictures: Annotated[bool, typer.Option(help="Draw the pictures.")] = True,
-    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+    model_files: ModelFiles = None,
+    pictures: Pictures = True,
+    as_json: Json = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")] = False,
 ) -> None:
     """Solve the contacts at the kept moments of a result again, by the exact solver or any other contact model."""

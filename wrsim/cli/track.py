@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from wrsim.cli.ending import told
+from wrsim.cli.options import Json, Models
 from wrsim.cli.showing import print_files
 from wrsim.errors import InputError
 
@@ -17,10 +18,8 @@ def track(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="PNG", help="Default: <name of FILE>_track.png here.")
     ] = None,
-    models: Annotated[
-        list[Path] | None, typer.Option("--models", metavar="DIR", help="Folder with model files of your own.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+    models: Models = None,
+    as_json: Json = False,
 ) -> None:
     """Draw the track of a scenario: plan, curvature, cant, gauge, height, irregularities."""
     with told(as_json):

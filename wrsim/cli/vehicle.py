@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import told
+from wrsim.cli.options import Json, Models
 from wrsim.cli.showing import print_json
 from wrsim.errors import InputError
 
@@ -22,10 +23,8 @@ def vehicle(
     picture: Annotated[
         Path | None, typer.Option("--picture", "-p", metavar="PNG|SVG", help="Draw it there, from three sides.")
     ] = None,
-    models: Annotated[
-        list[Path] | None, typer.Option("--models", metavar="DIR", help="Folder with model files of your own.")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")] = False,
+    models: Models = None,
+    as_json: Json = False,
 ) -> None:
     """Print mass, centre, static wheel loads and natural modes of a vehicle; draw it."""
     with told(as_json):

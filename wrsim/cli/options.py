@@ -1,0 +1,22 @@
+"""Options and arguments that several commands take."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Models = Annotated[
+    list[Path] | None,
+    typer.Option("--models", metavar="DIR", help="Folder with model files of your own; may be given again."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")]
+Pictures = Annotated[bool, typer.Option(help="Draw the pictures.")]
+ModelFiles = Annotated[
+    list[Path] | None, typer.Option("--model-files", metavar="DIR", help="Folder with model files of your own.")
+]
+AnyResult = Annotated[
+    Path, typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off.")
+]
+BesideResult = Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: beside the result.")]
