@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,12 +12,13 @@ import numpy as np
 from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.derailment import DerailmentWatch
 from wrsim.analysis.motion_result import result_of
+from wrsim.analysis.run_motion import run_motion
 from wrsim.analysis.start import exact_start, start_state
 from wrsim.analysis.step_choice import allowed_step
 from wrsim.analysis.vehicle_curving import recorded_vehicle_curving, run_vehicle_curving
 from wrsim.geometry.segments import Straight
 from wrsim.simulation.half_space_law import HalfSpaceOnTrack
-from wrsim.simulation.integrate import integrate, recorded_motion
+from wrsim.simulation.integrate import recorded_motion
 from wrsim.simulation.step import SAFETY, round_step, stable_step
 from wrsim.simulation.system import RigidBody, System
 from wrsim.simulation.wheelset_law import WheelsetOnTrack
@@ -41,7 +41,6 @@ def run_curving(
     """
     if setup.vehicle is not None:
         return run_vehicle_curving(setup, progress, keeping)
-    plan = setup.run
     law = _law(setup)
     system = System([RigidBody.of(setup.wheelset)], law)
     if keeping is not None and keeping.resume:
@@ -50,20 +49,7 @@ def run_curving(
     else:
         q, q_t, step = _start(setup, law, system)
     watch = DerailmentWatch(setup, law)
-    with nullcontext() if keeping is None else closing(keeping.tape(step, system.size)) as tape:
-        motion = integrate(
-            system,
-            q,
-            q_t,
-            # whole steps, so that the run does not pass the end of the track
-            duration=step * max(1, int(plan.duration / step + 1e-6)),
-            step=step,
-            sample_interval=plan.output_interval,
-            monitor=watch,
-            monitor_interval=watch.interval,
-            progress=progress,
-            tape=tape,
-        )
+    motion = run_motion(setup.run, system, q, q_t, step, watch, progress, keeping)
     return result_of(setup, law, motion)
 
 

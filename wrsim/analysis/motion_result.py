@@ -87,6 +87,12 @@ def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
         "snapshot_label": np.array([s.label for s in snapshots]),
         **strips.channels(),
     }
+    attributes = run_attributes(setup, motion, poses.distance)
+    return Result(assemble({"time": motion.times}, channels, attributes))
+
+
+def run_attributes(setup: Setup, motion: Motion, distance: Array) -> dict[str, str | float | int]:
+    """Attributes of the result of a run whose samples lie at these distances [m]."""
     attributes: dict[str, str | float | int] = {
         "title": setup.title,
         "analysis": setup.analysis,
@@ -98,8 +104,8 @@ def result_of(setup: Setup, law: WheelsetOnTrack, motion: Motion) -> Result:
         attributes["stop_reason"] = motion.reason
         attributes["stop_cause"] = motion.cause
         attributes["stop_time_s"] = motion.end
-        attributes["stop_distance_m"] = float(poses.distance[-1])
-    return Result(assemble({"time": motion.times}, channels, attributes))
+        attributes["stop_distance_m"] = float(distance[-1])
+    return attributes
 
 
 def _placed(motion: Motion, law: WheelsetOnTrack, centre: Path, start: float) -> tuple[Motion, TrackPoses]:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.analysis.run_motion import run_motion
 from wrsim.analysis.step_choice import allowed_step
 from wrsim.analysis.vehicle_result import vehicle_result
 from wrsim.analysis.vehicle_start import vehicle_law, vehicle_start
 from wrsim.analysis.vehicle_watch import VehicleWatch
 from wrsim.geometry.segments import Straight
-from wrsim.simulation.integrate import integrate, recorded_motion
+from wrsim.simulation.integrate import recorded_motion
 from wrsim.simulation.step import LARGEST_STEP, LARGEST_VEHICLE_STEP, SAFETY, round_step, stable_step
 from wrsim.simulation.system import System
 
@@ -35,7 +35,6 @@ def run_vehicle_curving(
 
     keeping: the file in which the run is kept while it lasts, and from which it may go on.
     """
-    plan = setup.run
     law = vehicle_law(setup)
     system = System(law.bodies, law, law.dampers)
     if keeping is not None and keeping.resume:
@@ -45,19 +44,7 @@ def run_vehicle_curving(
         q, q_t = vehicle_start(setup, law)
         step = vehicle_step(setup, system, q, q_t)
     watch = VehicleWatch(setup, law)
-    with nullcontext() if keeping is None else closing(keeping.tape(step, system.size)) as tape:
-        motion = integrate(
-            system,
-            q,
-            q_t,
-            duration=step * max(1, int(plan.duration / step + 1e-6)),
-            step=step,
-            sample_interval=plan.output_interval,
-            monitor=watch,
-            monitor_interval=watch.interval,
-            progress=progress,
-            tape=tape,
-        )
+    motion = run_motion(setup.run, system, q, q_t, step, watch, progress, keeping)
     return vehicle_result(setup, law, motion, watch.events())
 
 

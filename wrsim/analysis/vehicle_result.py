@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wrsim.analysis.motion_result import choose_snapshots
+from wrsim.analysis.motion_result import choose_snapshots, run_attributes
 from wrsim.analysis.track_channels import track_channels, uneven
 from wrsim.analysis.vehicle_motions import PointMotion, body_channels
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
@@ -121,23 +121,7 @@ def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: li
     if events:
         times, distances, words = zip(*events, strict=True)
         channels |= {"event_time": times, "event_distance": distances, "event_label": np.array(words)}
-    return Result(assemble(coords, channels, _attributes(setup, motion, reference)))
-
-
-def _attributes(setup: Setup, motion: Motion, distance: Array) -> dict[str, str | float | int]:
-    attributes: dict[str, str | float | int] = {
-        "title": setup.title,
-        "analysis": setup.analysis,
-        "status": motion.status,
-        "scenario_text": setup.text,
-        "step_s": motion.step,
-    }
-    if motion.status == "stopped":
-        attributes["stop_reason"] = motion.reason
-        attributes["stop_cause"] = motion.cause
-        attributes["stop_time_s"] = motion.end
-        attributes["stop_distance_m"] = float(distance[-1])
-    return attributes
+    return Result(assemble(coords, channels, run_attributes(setup, motion, reference)))
 
 
 def _speeds(law: VehicleOnTrack, motion: Motion) -> Array:
