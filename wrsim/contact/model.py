@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.contact.creep_coefficients import creep_coefficients
-from wrsim.contact.settings import FEWEST_FREE_STRIPS, MOST_FREE_STRIPS, ContactSettings, Friction, Tangential
+from wrsim.contact.settings import MOST_FREE_STRIPS, ContactSettings, Friction, Tangential
 from wrsim.core import layout as k
 from wrsim.core.search import FOUND_COLUMNS
-from wrsim.core.strip_layout import FACTOR, FACTORS, LOBE_ROWS, MATRICES, VECTORS
+from wrsim.core.strip_layout import FACTOR, FACTORS, FEWEST_FREE_STRIPS, LOBE_ROWS, MATRICES, VECTORS
 from wrsim.core.wheel_rail import wheel_rail
 from wrsim.geometry.distance_field import DistanceField, distance_field
 from wrsim.geometry.profile import Profile

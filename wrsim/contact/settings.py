@@ -20,7 +20,7 @@ Flexibility = Literal["three", "blended"]
 TractionBound = Literal["elliptic", "parabolic"]
 
 FREE_STRIPS = 24  # of the strip model, unless told otherwise in a scenario: each of them is solved for
-FEWEST_FREE_STRIPS, MOST_FREE_STRIPS = 12, 200
+MOST_FREE_STRIPS = 200
 
 DRY = 0.35  # coefficient of friction unless told otherwise
 

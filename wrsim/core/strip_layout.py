@@ -24,3 +24,4 @@ SHIFT, WISHED, MOVED, SLOPE, BOUND, BEFORE, WENT = 9, 11, 13, 15, 19, 21, 23
 LOBE_ROWS = 25
 
 FACTORS = 7  # values of k along a lobe
+FEWEST_FREE_STRIPS = 12  # of a lobe

@@ -6,18 +6,18 @@ order along x,
 
     u = d,      d2u/dx2 = -1/R_x,
 
-d = delta c - g the penetration of the undeformed profiles there, R_x the wheel's radius along the rail. These are two
-equations for the two unknowns of the strip. With f(a, s) of `core.strip_influence` the displacement is
-u = 1/(pi E*) sum_i Q_i int_i f ds, and because f_xx = -f_ss - f_s/s = -f/(a^2 + s^2),
+d = delta c - g the penetration of the undeformed profiles there, R_x the wheel's radius along the rail. With f(a, s) of
+`core.strip_influence` the displacement is u = 1/(pi E*) sum_i Q_i int_i f ds, and because
+f_xx = -f_ss - f_s/s = -f/(a^2 + s^2),
 
     sum_i Q_i int_i f ds = pi E* d,      sum_i Q_i int_i f/(a_i^2 + s^2) ds = pi E* / R_x.
 
-A semi-ellipsoid over an ellipse satisfies both everywhere, so Hertz's solution is exact up to the width of the
-strips; nothing is fitted. There is no main point in the equations: lobes grow together and part without jumps.
+A semi-ellipsoid over an ellipse satisfies both everywhere with Q = k E*/(2 R_x), so Hertz's solution is exact up to
+the width of the strips; nothing is fitted. In general k varies along a lobe, linearly between FACTORS values: the first
+condition holds at every strip's centre, the second in the mean around each of those values.
 
-Out of contact a = 0 and u > d. A strip enters with a = 0 when u falls to d, so forces are continuous in the pose. The
-first set is linear in Q, which is eliminated; Newton's method finds ln a. Strips that would have to pull are let go,
-those where the gap has closed are taken in. Yaw shifts are left out of f.
+Newton's method finds a^2 and k, the strips' places follow the edges of the contact (`core.strip_edges`). Strips that
+would have to pull are let go, those where the gap has closed are taken in. Yaw shifts are left out of f.
 """
 
 from math import pi, sqrt
@@ -25,18 +25,8 @@ from math import pi, sqrt
 from wrsim.core.compiling import kernel
 from wrsim.core.dense import solve_pivoted
 from wrsim.core.layout import DS, N_STRIPS, NB, NO, PENETRATION, B, O, S
-from wrsim.core.strip_grid import (
-    edge_shifts,
-    first_guess,
-    forget,
-    in_contact,
-    leave,
-    move_edges,
-    regrid,
-    sample,
-    take_places,
-    write_back,
-)  # fmt: skip
+from wrsim.core.strip_edges import edge_shifts, forget, in_contact, move_edges
+from wrsim.core.strip_grid import first_guess, leave, regrid, sample, take_places, write_back
 from wrsim.core.strip_influence import assemble, displacement_at, displacement_beside
 from wrsim.core.strip_layout import (
     A_,
@@ -128,9 +118,8 @@ def _solve(patches, strips, count, modulus, pose, loose, most, v, lobes, m, matr
     edge_tolerance = WARM_EDGE if loose else COLD_EDGE
     deepest = 1e-12
     longest = 0.0
+    _sample_all(patches, strips, count, modulus, pose, v, lobes)
     for i in range(count):
-        if lobes[ON, i] > 0.5:
-            sample(patches, strips, i, modulus, pose, v, lobes)
         for j in range(int(patches[i, N_STRIPS])):
             deepest = max(deepest, strips[i, j, PENETRATION])
     for k in range(m):
@@ -142,9 +131,7 @@ def _solve(patches, strips, count, modulus, pose, loose, most, v, lobes, m, matr
         if n == 0:
             if not _take_in(patches, strips, count, v, lobes, m, stiffness, index, n, deepest):
                 return iteration, 0.0
-            for i in range(count):
-                if lobes[ON, i] > 0.5:
-                    sample(patches, strips, i, modulus, pose, v, lobes)
+            _sample_all(patches, strips, count, modulus, pose, v, lobes)
             continue
         assemble(v, index, n, m, matrices)
         misfit = _residuals(v, lobes, index, n, count, matrices, stiffness, deepest)
@@ -161,9 +148,7 @@ def _solve(patches, strips, count, modulus, pose, loose, most, v, lobes, m, matr
                     patches, strips, count, v, lobes, m, stiffness, index, n, deepest
                 ):
                     return iteration, misfit
-                for i in range(count):
-                    if lobes[ON, i] > 0.5:
-                        sample(patches, strips, i, modulus, pose, v, lobes)
+                _sample_all(patches, strips, count, modulus, pose, v, lobes)
                 continue
         else:
             _newton_step(v, lobes, index, n, count, matrices, stiffness, SHORTEST * longest)
@@ -184,6 +169,14 @@ def _solve(patches, strips, count, modulus, pose, loose, most, v, lobes, m, matr
                 lobes[MOVES, i] += 1.0
                 sample(patches, strips, i, modulus, pose, v, lobes)
     return -most, misfit
+
+
+@kernel
+def _sample_all(patches, strips, count, modulus, pose, v, lobes):
+    """Geometry at the strips of all lobes in contact."""
+    for i in range(count):
+        if lobes[ON, i] > 0.5:
+            sample(patches, strips, i, modulus, pose, v, lobes)
 
 
 @kernel
@@ -246,7 +239,7 @@ def _residuals(v, lobes, index, n, count, matrices, stiffness, deepest):
 
 @kernel
 def _factor_at(v, k):
-    """Number l of the factor before place k and the share r of the next one."""
+    """Number of the factor before place k and the share r of the next one."""
     at = v[AT, k]
     f = min(int(at), FACTORS - 2)
     return int(v[LOBE, k]) * FACTORS + f, at - f

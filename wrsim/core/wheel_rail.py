@@ -76,12 +76,12 @@ from wrsim.core.search import (
     WHEEL_ARC,
     find_contacts,
 )
+from wrsim.core.strip_layout import FEWEST_FREE_STRIPS
 from wrsim.core.strip_pressure import press_strips
 
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
 WIDEST = 0.08  # half width at which the search for an edge is given up [m]
 FEWEST_STRIPS = 3
-FEWEST_FREE_STRIPS = 12  # of a lobe in the strip model
 WITHIN = 0.2  # the strip model looks for contact where the penetration is more than this part of the lobe's
 
 

@@ -7,7 +7,6 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from wrsim.contact.settings import (
     DRY,
-    FEWEST_FREE_STRIPS,
     FREE_STRIPS,
     MOST_FREE_STRIPS,
     ContactSettings,
@@ -17,6 +16,7 @@ from wrsim.contact.settings import (
     Normal,
     Tangential,
 )
+from wrsim.core.strip_layout import FEWEST_FREE_STRIPS
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import Choice, OrTable, Quantity, Whole
 from wrsim.scenario.conical_section import ConicalSection
