@@ -17,18 +17,18 @@ from pathlib import Path
 
 import numpy as np
 
-from wrsim.analysis.poses import StaticBench
+from wrsim.analysis.poses.poses import StaticBench
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ContactSettings, Friction
-from wrsim.core import layout as k
 from wrsim.core.compiling import kernel
-from wrsim.core.elliptic import strip_potential
-from wrsim.core.fastsim import fastsim
-from wrsim.core.search import find_contacts
-from wrsim.core.wheel_rail import wheel_rail
-from wrsim.geometry.profile import Profile
-from wrsim.geometry.profile_models import load_profile
+from wrsim.core.contact import layout as k
+from wrsim.core.contact.normal.elliptic import strip_potential
+from wrsim.core.contact.search.points import find_contacts
+from wrsim.core.contact.tangential.fastsim import fastsim
+from wrsim.core.contact.wheel_rail import wheel_rail
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.profile import Profile
 from wrsim.scenario.cases import StaticPose
 
 MODELS = Path(__file__).parents[1] / "models"

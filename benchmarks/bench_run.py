@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from wrsim.analysis.contacts import contact_models
-from wrsim.analysis.start import start_state
+from wrsim.analysis.motion.start import start_state
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.integrate import integrate

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from time import perf_counter
 
-from wrsim.geometry.segments import Arc, Segment, Straight, Transition
-from wrsim.geometry.spectra import Realisation
-from wrsim.geometry.track import Track
+from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
+from wrsim.geometry.track.spectra import Realisation
+from wrsim.geometry.track.track import Track
 
 
 def line(length: float) -> list[Segment]:

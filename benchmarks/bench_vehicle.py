@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-from wrsim.analysis.vehicle_curving import run_vehicle_curving
-from wrsim.analysis.vehicle_start import vehicle_law, vehicle_start
+from wrsim.analysis.motion.vehicle_curving import run_vehicle_curving
+from wrsim.analysis.motion.vehicle_start import vehicle_law, vehicle_start
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.simulation.integrate import integrate

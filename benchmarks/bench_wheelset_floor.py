@@ -14,11 +14,11 @@ from collections.abc import Callable
 import numpy as np
 from numba import njit
 
-from wrsim.core.carrier import carrier_forces
-from wrsim.core.path import frame, locate
-from wrsim.core.wheelset import generalised_forces, kinematics
-from wrsim.geometry.segments import Arc
-from wrsim.geometry.track import Track
+from wrsim.core.body.carrier import carrier_forces
+from wrsim.core.body.kinematics import generalised_forces, kinematics
+from wrsim.core.track.path import frame, locate
+from wrsim.geometry.track.segments import Arc
+from wrsim.geometry.track.track import Track
 from wrsim.simulation.carrier import carrier_parameters
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.placement import place_on_track

@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from wrsim.analysis.poses import StaticBench
+from wrsim.analysis.poses.poses import StaticBench
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ContactSettings
-from wrsim.geometry.profile_models import load_profile
+from wrsim.geometry.profile.models import load_profile
 from wrsim.scenario.cases import StaticPose
 
 MODELS = Path(__file__).parents[1] / "models"

@@ -29,9 +29,9 @@ from scipy.optimize import differential_evolution, least_squares
 from table2 import SCENARIO, comparison, ours, published
 
 from wrsim import InputError, SimulationError, load, run
-from wrsim.analysis.static import run_static
-from wrsim.geometry.profile import Profile
-from wrsim.geometry.profile_models import ChainFile
+from wrsim.analysis.poses.static import run_static
+from wrsim.geometry.profile.models import ChainFile
+from wrsim.geometry.profile.profile import Profile
 from wrsim.inputs.checking import check
 from wrsim.scenario.build import Setup, build
 from wrsim.vehicle.files import with_wheel

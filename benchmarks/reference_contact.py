@@ -18,18 +18,18 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.half_space_bench import HalfSpaceBench
-from wrsim.analysis.poses import StaticBench
+from wrsim.analysis.poses.half_space_solver import HalfSpaceBench
+from wrsim.analysis.poses.poses import StaticBench
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.half_space import HalfSpace
-from wrsim.contact.half_space_patch import HalfSpaceContact
+from wrsim.contact.half_space.patch import HalfSpaceContact
+from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.settings import ContactSettings, Material, Normal, Tangential, TractionBound
-from wrsim.core import layout as k
-from wrsim.geometry.profile import Profile
-from wrsim.geometry.profile_files import read_profile
-from wrsim.geometry.profile_models import load_profile
-from wrsim.geometry.profile_sections import circle
+from wrsim.core.contact import layout as k
+from wrsim.geometry.profile.files import read_profile
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.sections import circle
 from wrsim.scenario.cases import StaticPose
 
 Array = NDArray[np.float64]

@@ -15,12 +15,12 @@ from reference_contact import FRICTION, STEEL, Chosen, Row
 from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 
-from wrsim.contact.half_space_operator import Compliance
-from wrsim.contact.half_space_rows import solve_into
+from wrsim.contact.half_space.influence import Compliance
+from wrsim.contact.half_space.rows import solve_into
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ContactSettings
-from wrsim.core import layout as k
-from wrsim.geometry.profile_sections import circle, cone
+from wrsim.core.contact import layout as k
+from wrsim.geometry.profile.sections import circle, cone
 
 Array = NDArray[np.float64]
 

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.poses import Solved, StaticBench
+from wrsim.analysis.poses.poses import Solved, StaticBench
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.settings import ContactSettings, Material
-from wrsim.core import layout as k
-from wrsim.geometry.profile import Profile
-from wrsim.geometry.profile_models import load_profile
-from wrsim.geometry.profile_sections import circle, cone
+from wrsim.core.contact import layout as k
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.sections import circle, cone
 from wrsim.scenario.cases import StaticPose
 
 Array = NDArray[np.float64]

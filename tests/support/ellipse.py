@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.contact.model import TANGENTIAL, bound_over_cells
-from wrsim.core import layout as k
-from wrsim.core.creep_forces import creep_forces
+from wrsim.core.contact import layout as k
+from wrsim.core.contact.tangential.creep_forces import creep_forces
 
 Array = NDArray[np.float64]
 

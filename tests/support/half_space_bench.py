@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.special import elliprd, elliprf
 
 from support.contact_bench import STEEL
-from wrsim.contact.half_space_operator import Compliance, HalfSpaceOperator
+from wrsim.contact.half_space.influence import Compliance, HalfSpaceOperator
 
 Array = NDArray[np.float64]
 

@@ -33,9 +33,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from wrsim.core.carrier import SPEED, carrier_forces
-from wrsim.core.path import frame, locate
-from wrsim.core.wheelset import generalised_forces, kinematics, point_velocity
+from wrsim.core.body.carrier import SPEED, carrier_forces
+from wrsim.core.body.kinematics import generalised_forces, kinematics, point_velocity
+from wrsim.core.track.path import frame, locate
 from wrsim.errors import SimulationError
 from wrsim.simulation.carrier import carrier_parameters
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Suspension, Wheel, Wheelset

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from wrsim.analysis.contacts import contact_models
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ContactSettings
-from wrsim.geometry.profile import Profile
-from wrsim.geometry.profile_models import load_profile
-from wrsim.geometry.segments import Arc, Segment
-from wrsim.geometry.track import Track
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.track.segments import Arc, Segment
+from wrsim.geometry.track.track import Track
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.simulation.equilibrium import Equilibrium, find_equilibrium

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from wrsim.analysis import run
 from wrsim.contact.model import ContactModel
-from wrsim.geometry.elasticity import RailElasticity
-from wrsim.geometry.segments import Segment, Straight
-from wrsim.geometry.track import Track
+from wrsim.geometry.track.elasticity import RailElasticity
+from wrsim.geometry.track.segments import Segment, Straight
+from wrsim.geometry.track.track import Track
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.results import Result
 from wrsim.scenario.build import Setup, build

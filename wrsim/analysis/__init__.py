@@ -9,14 +9,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wrsim.analysis.conicity import run_conicity
-from wrsim.analysis.curving import recorded_curving, run_curving
-from wrsim.analysis.equilibrium import run_equilibrium
-from wrsim.analysis.keeping import Keeping, recorded_setup
+from wrsim.analysis.conicity.conicity import run_conicity
+from wrsim.analysis.motion.curving import recorded_curving, run_curving
+from wrsim.analysis.motion.equilibrium import run_equilibrium
+from wrsim.analysis.motion.keeping import Keeping, recorded_setup
+from wrsim.analysis.motion.step_choice import StepTooLong
+from wrsim.analysis.poses.static import run_static
 from wrsim.analysis.stability import run_stability
-from wrsim.analysis.static import run_static
-from wrsim.analysis.steady import run_steady
-from wrsim.analysis.step_choice import StepTooLong
+from wrsim.analysis.steady.steady import run_steady
 from wrsim.scenario.build import build
 
 if TYPE_CHECKING:

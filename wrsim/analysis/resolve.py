@@ -23,8 +23,8 @@ from wrsim.contact.channels import (
     patch_channels,
     wheel_channels,
 )
-from wrsim.contact.half_space_rows import element_fields, solve_into
-from wrsim.core import layout as k
+from wrsim.contact.half_space.rows import element_fields, solve_into
+from wrsim.core.contact import layout as k
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result, assemble
 from wrsim.results.wheelsets import wheelsets

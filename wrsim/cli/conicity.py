@@ -13,7 +13,7 @@ from wrsim.cli.showing import print_json
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
-    from wrsim.geometry.profile import Kind, Profile
+    from wrsim.geometry.profile.profile import Kind, Profile
     from wrsim.inputs.lookup import Finder
     from wrsim.results import Result
 
@@ -43,10 +43,10 @@ def conicity(
 ) -> None:
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
     with told(as_json):
-        from wrsim.analysis.conicity import conicity as analyse
+        from wrsim.analysis.conicity.conicity import conicity as analyse
         from wrsim.inputs.lookup import Finder, shipped_models, user_folders
         from wrsim.inputs.values import nearest
-        from wrsim.scenario.conicity_section import AMPLITUDES, ROLLS, ConicityPlan
+        from wrsim.scenario.sections.conicity import AMPLITUDES, ROLLS, ConicityPlan
         from wrsim.vehicle.wheelset import Wheel, Wheelset
 
         _within("--gauge-mm", gauge_mm, 400.0, 2000.0)
@@ -97,7 +97,7 @@ def _within(key: str, value: float, low: float, high: float) -> None:
 def _slope(text: str) -> float:
     from pydantic_core import PydanticCustomError
 
-    from wrsim.scenario.track_section import Inclination
+    from wrsim.scenario.sections.track import Inclination
 
     try:
         number: Any = float(text)
@@ -110,7 +110,7 @@ def _slope(text: str) -> float:
 
 
 def _profile(finder: Finder, name: str, kind: Kind) -> Profile:
-    from wrsim.geometry.profile_models import load_profile
+    from wrsim.geometry.profile.models import load_profile
 
     try:
         file = finder.find(name)

@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile import Kind, Profile
-from wrsim.geometry.profile_models import load_points, load_profile
-from wrsim.geometry.smoothing_report import SmoothingReport, report_smoothing
+from wrsim.geometry.profile.models import load_points, load_profile
+from wrsim.geometry.profile.profile import Kind, Profile
+from wrsim.geometry.profile.smoothing_report import SmoothingReport, report_smoothing
 
 MOST_CUTOFFS = 4
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from wrsim.geometry.smoothing_report import SmoothingReport
+    from wrsim.geometry.profile.smoothing_report import SmoothingReport
     from wrsim.results import Result
     from wrsim.scenario.build import Setup
 

@@ -1,8 +1,8 @@
 """From the kernel's columns to named channels.
 
-Raw arrays are stacked over samples and wheels, one row per lobe. Lobes that share a patch (core.lobes) are joined here:
-forces and areas add up, extremes are taken over all, the main point is that of the deepest lobe. Patches are put in
-the order of their normal force, largest first; absent ones become not-a-number.
+Raw arrays are stacked over samples and wheels, one row per lobe. Lobes that share a patch (core.contact.search.lobes)
+are joined here: forces and areas add up, extremes are taken over all, the main point is that of the deepest lobe.
+Patches are put in the order of their normal force, largest first; absent ones become not-a-number.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.model import ContactModel
-from wrsim.core import layout as k
-from wrsim.core.locus import outline
+from wrsim.core.contact import layout as k
+from wrsim.core.contact.search.locus import outline
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ SUPPORT_DAMPING = 1e5
 
 @dataclass(frozen=True)
 class ConicalWheels:
-    """The textbook contact of ``core.conical``, alike for all wheels of a vehicle.
+    """The textbook contact of ``core.body.conical``, alike for all wheels of a vehicle.
 
     conicity [1]; half_spacing: of the contacts from the middle of the axle [m]; creep_x, creep_y: creep coefficients of
     one wheel along and across [N]; friction: coefficient at which creep forces saturate, None for linear ones.

@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.contact.settings import MOST_FREE_STRIPS, ContactSettings, Friction, Tangential
-from wrsim.core import layout as k
-from wrsim.core.search import FOUND_COLUMNS
-from wrsim.core.strip_layout import FACTOR, FACTORS, FEWEST_FREE_STRIPS, LOBE_ROWS, MATRICES, VECTORS
-from wrsim.core.wheel_rail import wheel_rail
-from wrsim.geometry.distance_field import DistanceField, distance_field
-from wrsim.geometry.profile import Profile
+from wrsim.core.contact import layout as k
+from wrsim.core.contact.search.points import FOUND_COLUMNS
+from wrsim.core.contact.strips.layout import FACTOR, FACTORS, FEWEST_FREE_STRIPS, LOBE_ROWS, MATRICES, VECTORS
+from wrsim.core.contact.wheel_rail import wheel_rail
+from wrsim.geometry.profile.distance_field import DistanceField, distance_field
+from wrsim.geometry.profile.profile import Profile
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ class ContactModel:
     def solve(self) -> int:
         """Contact at the pose set in the arrays, written into them; returns the status."""
         if self.settings.normal == "half-space":
-            from wrsim.contact.half_space_rows import solve_into  # which builds on this module
+            from wrsim.contact.half_space.rows import solve_into  # which builds on this module
 
             return solve_into(self).status
         return self.arrays.call()
@@ -90,7 +90,7 @@ class ContactModel:
 
 @dataclass(frozen=True)
 class KernelArrays:
-    """Arguments of `core.wheel_rail.wheel_rail`, in its order."""
+    """Arguments of `core.contact.wheel_rail.wheel_rail`, in its order."""
 
     wheel: Array
     rail: Array

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile import Profile
+from wrsim.geometry.profile.profile import Profile
 
 Array = NDArray[np.float64]
 

@@ -40,7 +40,7 @@ class Material:
 
 @dataclass(frozen=True)
 class HalfSpaceSettings:
-    """Numbers of the exact half-space solver (`wrsim.contact.half_space`).
+    """Numbers of the exact half-space solver (`wrsim.contact.half_space.solver`).
 
     element: size of the elements (along x, along s) [m]; None: so that the smallest patch that matters gets about
     ``resolution`` elements over its length and its width, across not larger than about 0.2 mm, and halved across until
@@ -48,9 +48,9 @@ class HalfSpaceSettings:
     between the normals.
     tolerance: of the gap over the approach; tractions are solved to ten times that over the largest bound.
     together, apart: distances of two zones of overlap up to which they press each other down fully, and from which on
-    not at all [m] (see contact.half_space_grid). pairing: which points of the profiles belong together,
+    not at all [m] (see contact.half_space.surface). pairing: which points of the profiles belong together,
     ``"opposite"`` ones or, as in CONTACT, those of equal arclength from two points of the same lateral place
-    (``"level"``; see core.halfspace_surface).
+    (``"level"``; see core.contact.half_space.surface).
     """
 
     element: tuple[float, float] | None = None
@@ -92,7 +92,7 @@ class Friction:
     def coefficient(self, normal: Array, slip: Array) -> Array:
         """Coefficients at places with these unit normals (..., 2), outward and up, at these slip speeds [m/s].
 
-        The same as `core.friction` gives the strips.
+        The same as `core.contact.tangential.friction` gives the strips.
         """
         start, end = (tan(0.5 * angle) for angle in self.ramp)
         part = np.clip((-normal[..., 0] / (1.0 + normal[..., 1]) - start) / max(end - start, 1e-9), 0.0, 1.0)

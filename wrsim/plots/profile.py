@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, MultipleLocator, NullLocator
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile import GAUGE_DEPTH, Profile
-from wrsim.geometry.smoothing_report import SmoothingReport
+from wrsim.geometry.profile.profile import GAUGE_DEPTH, Profile
+from wrsim.geometry.profile.smoothing_report import SmoothingReport
 from wrsim.plots.style import FULL_WIDTH, INK, QUIET, RAIL_FILL, WHEEL_FILL, headline, new_figure, place, save, style
 
 LINE = "#0072B2"

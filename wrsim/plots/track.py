@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
-from wrsim.geometry.track import Feature, Track
+from wrsim.geometry.track.track import Feature, Track
 from wrsim.plots.style import CANT_COLOUR, FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, new_figure, style
 
 KIND_COLOUR = {"straight": INK, "transition": "#E69F00", "arc": "#009E73", "table": INK}

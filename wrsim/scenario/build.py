@@ -12,16 +12,16 @@ import numpy as np
 from wrsim.contact.conical import ConicalWheels
 from wrsim.contact.settings import ContactSettings
 from wrsim.errors import InputError
-from wrsim.geometry.profile import Profile
-from wrsim.geometry.profile_models import load_profile
-from wrsim.geometry.track import Track
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.track.track import Track
 from wrsim.scenario.cases import StaticPose, static_poses
-from wrsim.scenario.conicity_section import ConicityPlan
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
 from wrsim.scenario.schema import IN_TIME, STUDIES, Analysis
-from wrsim.scenario.stability_section import StabilityPlan
-from wrsim.scenario.steady_section import SteadyPoint
+from wrsim.scenario.sections.conicity import ConicityPlan
+from wrsim.scenario.sections.stability import StabilityPlan
+from wrsim.scenario.sections.steady import SteadyPoint
 from wrsim.scenario.track_build import gauge_extremes, track_of
 from wrsim.scenario.vehicle_build import SIDES, Side, vehicle_of
 from wrsim.vehicle.vehicle import Drive, Vehicle

@@ -11,8 +11,8 @@ from pathlib import Path
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import read_text, shown
 from wrsim.inputs.values import Quantity, nearest
-from wrsim.scenario.analysis_sections import MOST_POSES, Lateral, Load, Roll, StaticSection, Yaw
 from wrsim.scenario.loading import Scenario
+from wrsim.scenario.sections.analysis import MOST_POSES, Lateral, Load, Roll, StaticSection, Yaw
 
 COLUMNS: dict[str, Quantity] = {"lateral_mm": Lateral, "yaw_mrad": Yaw, "load_kN": Load, "roll_mrad": Roll}
 NEEDED = ("id", "lateral_mm", "load_kN")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.geometry.profile import Profile
+from wrsim.geometry.profile.profile import Profile
 
 Array = NDArray[np.float64]
 

@@ -7,17 +7,17 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import Choice, Series, Text
-from wrsim.scenario.analysis_sections import OutputSection, RunSection, StaticSection
-from wrsim.scenario.assessment_section import AssessmentSection
-from wrsim.scenario.conical_section import ConicalSection
-from wrsim.scenario.conicity_section import ConicitySection
-from wrsim.scenario.contact_section import ContactSection, HalfSpaceSection, MaterialSection
-from wrsim.scenario.irregularity_sections import IRREGULARITIES, GradeSection
-from wrsim.scenario.ride_section import RideSection
-from wrsim.scenario.stability_section import StabilitySection
-from wrsim.scenario.steady_section import Speed, SteadySection
-from wrsim.scenario.track_section import Arc, ElasticitySection, Straight, TrackSection, Transition
-from wrsim.scenario.vehicle_section import VehicleSection
+from wrsim.scenario.sections.analysis import OutputSection, RunSection, StaticSection
+from wrsim.scenario.sections.assessment import AssessmentSection
+from wrsim.scenario.sections.conical import ConicalSection
+from wrsim.scenario.sections.conicity import ConicitySection
+from wrsim.scenario.sections.contact import ContactSection, HalfSpaceSection, MaterialSection
+from wrsim.scenario.sections.irregularities import IRREGULARITIES, GradeSection
+from wrsim.scenario.sections.ride import RideSection
+from wrsim.scenario.sections.stability import StabilitySection
+from wrsim.scenario.sections.steady import Speed, SteadySection
+from wrsim.scenario.sections.track import Arc, ElasticitySection, Straight, TrackSection, Transition
+from wrsim.scenario.sections.vehicle import VehicleSection
 
 Analysis = Literal["static", "equilibrium", "curving", "ride", "conicity", "stability", "steady"]
 IN_TIME = ("curving", "ride")

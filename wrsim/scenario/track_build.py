@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from wrsim.errors import InputError
-from wrsim.geometry.irregularities import Disturbance
-from wrsim.geometry.profile import Profile
-from wrsim.geometry.segments import Laws, Segment, Straight, laws
-from wrsim.geometry.track import ROUNDING, Track
-from wrsim.geometry.track_table import IRREGULARITIES, TrackTable
+from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.track.irregularities import Disturbance
+from wrsim.geometry.track.segments import Laws, Segment, Straight, laws
+from wrsim.geometry.track.table import IRREGULARITIES, TrackTable
+from wrsim.geometry.track.track import ROUNDING, Track
 from wrsim.scenario.loading import Scenario
 
 LEVEL_TRACK = 100.0

@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from wrsim.geometry.profile import Profile
-from wrsim.geometry.profile_models import load_profile
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.profile import Profile
 from wrsim.scenario.loading import Scenario
 from wrsim.vehicle.files import with_wheel
 from wrsim.vehicle.vehicle import Vehicle

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.core import rigid_body as kernel
+from wrsim.core.body import rigid_body as kernel
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.core import carrier as kernel
+from wrsim.core.body import carrier as kernel
 from wrsim.simulation.system import Array
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
@@ -22,7 +22,7 @@ def carrier_parameters(
     height: float | None = None,
     gravity: float = STANDARD_GRAVITY,
 ) -> Array:
-    """Parameters of ``core.carrier.carrier_forces`` (18,).
+    """Parameters of ``core.body.carrier.carrier_forces`` (18,).
 
     speed [m/s] and start [m]: the frame is at s = start + speed t; height [m]: of the axle above the track
     plane where the springs carry nothing, default the mean wheel radius; gravity [m/s2].

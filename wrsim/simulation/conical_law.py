@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wrsim.contact.conical import SUPPORT, SUPPORT_DAMPING
-from wrsim.core import conical as kernel
+from wrsim.core.body import conical as kernel
 from wrsim.errors import SimulationError
 from wrsim.simulation.system import Array
 from wrsim.simulation.vehicle_law import VehicleOnTrack
 
 if TYPE_CHECKING:
     from wrsim.contact.conical import ConicalWheels
-    from wrsim.geometry.track import Track
+    from wrsim.geometry.track.track import Track
     from wrsim.vehicle.vehicle import Drive, Vehicle
 
 

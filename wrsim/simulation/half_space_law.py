@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wrsim.contact.channels import ElementField
-from wrsim.contact.half_space_patch import HalfSpaceContact
-from wrsim.contact.half_space_rows import element_fields, solve_into
-from wrsim.core.path import frame
-from wrsim.core.wheelset import generalised_forces, kinematics
-from wrsim.core.wheelset_contact import add_forces
-from wrsim.core.wheelset_forces import OFF_TRACK, S_LEFT, S_RIGHT
+from wrsim.contact.half_space.patch import HalfSpaceContact
+from wrsim.contact.half_space.rows import element_fields, solve_into
+from wrsim.core.body.kinematics import generalised_forces, kinematics
+from wrsim.core.body.wheel_pose import add_forces
+from wrsim.core.body.wheelset_forces import OFF_TRACK, S_LEFT, S_RIGHT
+from wrsim.core.track.path import frame
 from wrsim.simulation.system import Array
 from wrsim.simulation.wheelset_law import WheelsetOnTrack
 
 if TYPE_CHECKING:
     from wrsim.contact.model import ContactModel
-    from wrsim.geometry.track import Track
+    from wrsim.geometry.track.track import Track
     from wrsim.vehicle.wheelset import Wheelset
 
 

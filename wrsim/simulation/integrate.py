@@ -17,7 +17,7 @@ from typing import Literal
 
 import numpy as np
 
-from wrsim.core.wheelset import first_not_finite
+from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
 from wrsim.simulation.linear import rails_of

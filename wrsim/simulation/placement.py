@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.core import path as path_kernels
-from wrsim.core import wheelset as kernels
+from wrsim.core.body import kinematics as kernels
+from wrsim.core.track import path as path_kernels
 from wrsim.errors import SimulationError
 from wrsim.simulation.system import Array
 
 if TYPE_CHECKING:
-    from wrsim.geometry.path import Path
+    from wrsim.geometry.track.path import Path
 
 
 def place_on_track(

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.core import wheelset as kernels
+from wrsim.core.body import kinematics as kernels
 from wrsim.errors import SimulationError
 from wrsim.simulation.system import Array, ForceLaw, RigidBody
 
 if TYPE_CHECKING:
-    from wrsim.geometry.path import Path
+    from wrsim.geometry.track.path import Path
 
 
 class SteadyMotion:

@@ -1,4 +1,4 @@
-"""From the plain data of a vehicle to the tables that ``core.suspension`` takes."""
+"""From the plain data of a vehicle to the tables that ``core.body.suspension`` takes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.core import suspension as kernel
+from wrsim.core.body import suspension as kernel
 from wrsim.simulation.system import Array
 from wrsim.vehicle.elements import Spring, Strut
 from wrsim.vehicle.preload import preloads

@@ -1,6 +1,6 @@
 """Rigid bodies as an Exudyn system with one force law for all of them.
 
-Each body is a node ``NodeRigidBodyRxyz`` with permuted global axes (see ``wrsim.core.wheelset``):
+Each body is a node ``NodeRigidBodyRxyz`` with permuted global axes (see ``wrsim.core.body.kinematics``):
 coordinates (z, x, y, heading, roll, spin), six a body, one body after the other. One ``ObjectGenericODE2``
 calls the force law. This is the only file that imports Exudyn. The import is quiet and asks for the fast
 module unless somebody has chosen before (``sys.exudynFast = False`` gives the one that checks ranges; the
@@ -82,7 +82,7 @@ class System:
     """
 
     def __init__(self, bodies: Sequence[Solid], forces: ForceLaw, dampers: int = 0) -> None:
-        """dampers: how many in series with a spring, each with an unknown of its own (``core.vehicle_forces``)."""
+        """dampers: how many in series with a spring, each with an unknown of its own (``core.body.vehicle_forces``)."""
         self.bodies = tuple(bodies)
         self.forces = forces
         self.size = 6 * len(self.bodies) + dampers

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.arena import pack
-from wrsim.core import suspension, vehicle_forces
-from wrsim.core import wheelset_forces as wheelset_kernel
+from wrsim.core.body import suspension, vehicle_forces
+from wrsim.core.body import wheelset_forces as wheelset_kernel
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.suspension_table import suspension_table
@@ -22,11 +22,11 @@ from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from wrsim.contact.channels import WheelOnRail
-    from wrsim.geometry.track import Track
+    from wrsim.geometry.track.track import Track
     from wrsim.vehicle.vehicle import Vehicle
 
 DRIVES: tuple[Drive, ...] = ("free", "train", "wheels")
-"""In the order of their numbers in ``core.vehicle_forces``."""
+"""In the order of their numbers in ``core.body.vehicle_forces``."""
 
 PLACES = [wheelset_kernel.S_CENTRE, wheelset_kernel.S_LEFT, wheelset_kernel.S_RIGHT]
 """Distances among a wheelset's scalars."""
@@ -41,10 +41,10 @@ class VehicleOnTrack:
     """Generalised forces on a vehicle at any state; a ``ForceLaw``.
 
     ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand behind their coordinates,
-    ``rails`` of them, the last ones, displacements of the rails under the wheels (``core.vehicle_forces``). After a
-    call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body and travel
-    of every element in the axes of its first body (of a strut along a line: tension and extension, in the places of x),
-    ``distance`` the place of the reference body along the centre line.
+    ``rails`` of them, the last ones, displacements of the rails under the wheels (``core.body.vehicle_forces``).
+    After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
+    and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
+    places of x), ``distance`` the place of the reference body along the centre line.
     """
 
     def __init__(
@@ -194,7 +194,7 @@ class VehicleOnTrack:
     def _arrays(
         self, elements: Array, tables: Array, speed: float, start: float, drive: Drive, gravity: float
     ) -> list[Array]:
-        """The vehicle's own arrays in the order of ``core.vehicle_forces``."""
+        """The vehicle's own arrays in the order of ``core.body.vehicle_forces``."""
         vehicle, n = self.vehicle, len(self.bodies)
         scalars = np.zeros(vehicle_forces.VEHICLE_SCALARS)
         scalars[vehicle_forces.GRAVITY] = gravity

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.geometry.segments import Straight
-from wrsim.geometry.track import Track
+from wrsim.geometry.track.segments import Straight
+from wrsim.geometry.track.track import Track
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.vehicle_law import VehicleOnTrack
 from wrsim.simulation.vehicle_state import design_state

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.core import vehicle_steady as kernels
+from wrsim.core.body import steady as kernels
 from wrsim.errors import SimulationError
 from wrsim.simulation.equilibrium import Equilibrium, bracket, newton
 from wrsim.simulation.placement import place_on_track

@@ -11,13 +11,13 @@ import numpy as np
 from wrsim.contact.arena import pack
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel, KernelArrays
-from wrsim.core import wheelset_forces as kernel
+from wrsim.core.body import wheelset_forces as kernel
 from wrsim.errors import SimulationError
 from wrsim.simulation.carrier import carrier_parameters
 from wrsim.simulation.system import Array
 
 if TYPE_CHECKING:
-    from wrsim.geometry.track import Track
+    from wrsim.geometry.track.track import Track
     from wrsim.vehicle.wheelset import Wheelset
 
 
@@ -26,7 +26,7 @@ Contacts = tuple[ContactModel, ContactModel]
 
 
 def wheelset_arrays(wheelset: Wheelset, track: Track, contacts: Contacts, *, speed: float, start: float) -> list[Array]:
-    """The arrays of one wheelset in the order of ``core.wheelset_forces``."""
+    """The arrays of one wheelset in the order of ``core.body.wheelset_forces``."""
     scalars = np.zeros(kernel.SCALAR_COUNT)
     paths = (track.centre, track.left, track.right)
     scalars[kernel.STEP_CENTRE : kernel.STEP_RIGHT + 1] = [p.step for p in paths]

@@ -3,7 +3,7 @@
 Each joins a ``first`` body to a ``second`` one, by their names (``TRACK`` is the frame that follows the track), at
 points given in the vehicle's axes in its design position: x forward, y left, z up above the rails. The axes of an
 element are those of its first body; forces are those on the second one. What the kernel makes of it:
-``core.suspension``.
+``core.body.suspension``.
 """
 
 from __future__ import annotations

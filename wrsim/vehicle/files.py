@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile import Profile
-from wrsim.geometry.profile_models import load_profile
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.profile import Profile
 from wrsim.inputs.checking import check, fault_line
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.lookup import Finder

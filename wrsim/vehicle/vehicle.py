@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 Drive = Literal["free", "train", "wheels"]
-"""What holds the speed: nothing; a pull along the track; moments on the axles. See ``core.vehicle_forces``."""
+"""What holds the speed: nothing; a pull along the track; moments on the axles. See ``core.body.vehicle_forces``."""
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from wrsim.geometry.profile import Profile
+    from wrsim.geometry.profile.profile import Profile
 
 STANDARD_GRAVITY = 9.80665
 """Standard acceleration of gravity [m/s2]."""

@@ -26,7 +26,7 @@ from wrsim.analysis.assessment.stops import stop_values
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment, Limit, Quantity, Section, Value
-from wrsim.scenario.assessment_section import AssessmentSettings
+from wrsim.scenario.sections.assessment import AssessmentSettings
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wrsim.results.assessment import Limit
-from wrsim.scenario.assessment_section import Kind
+from wrsim.scenario.sections.assessment import Kind
 
 EN = "EN 14363"
 

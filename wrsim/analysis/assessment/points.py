@@ -19,7 +19,7 @@ from wrsim.analysis.assessment.hunting import hunting_frequency, hunting_rms
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION
 from wrsim.results.assessment import Limit, Quantity, Section, Value
 from wrsim.results.channels import BOGIE_FRAME, CAR_BODY
-from wrsim.scenario.assessment_section import AssessmentSettings
+from wrsim.scenario.sections.assessment import AssessmentSettings
 
 Array = NDArray[np.float64]
 

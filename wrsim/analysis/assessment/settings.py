@@ -10,8 +10,8 @@ import xarray as xr
 
 from wrsim.contact.settings import ContactSettings
 from wrsim.errors import InputError
-from wrsim.scenario.assessment_section import AssessmentSettings
 from wrsim.scenario.loading import load_text
+from wrsim.scenario.sections.assessment import AssessmentSettings
 
 
 def settings_of(dataset: xr.Dataset) -> AssessmentSettings:

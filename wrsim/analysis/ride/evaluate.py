@@ -15,7 +15,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.checking import check
 from wrsim.results import Result
 from wrsim.results.ride import AXES, Ride
-from wrsim.scenario.ride_section import RideSection
+from wrsim.scenario.sections.ride import RideSection
 
 
 def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:

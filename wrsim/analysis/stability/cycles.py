@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from wrsim.analysis.motion.vehicle_watch import VehicleWatch
 from wrsim.analysis.stability.rolling import PLACE, RollingVehicle
-from wrsim.analysis.vehicle_watch import VehicleWatch
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.step import LARGEST_VEHICLE_STEP, SAFETY, round_step, stable_step
 from wrsim.simulation.system import System
 
 if TYPE_CHECKING:
-    from wrsim.scenario.stability_section import CyclePlan
+    from wrsim.scenario.sections.stability import CyclePlan
     from wrsim.simulation.system import Array
 
 Branch = Literal["from above", "from below"]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wrsim.analysis.vehicle_start import vehicle_law
+from wrsim.analysis.motion.vehicle_start import vehicle_law
 from wrsim.errors import SimulationError
-from wrsim.geometry.segments import Straight
+from wrsim.geometry.track.segments import Straight
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
 from wrsim.simulation.linear import Linearised, linearise
 from wrsim.simulation.vehicle_state import steady_state

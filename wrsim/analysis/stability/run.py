@@ -15,7 +15,7 @@ from wrsim.results import Result, assemble
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
-    from wrsim.scenario.stability_section import CyclePlan, StabilityPlan
+    from wrsim.scenario.sections.stability import CyclePlan, StabilityPlan
     from wrsim.vehicle.vehicle import Vehicle
 
 ABOVE = 1.1

@@ -1,0 +1,391 @@
+"""EN 14363 quantities from runs with known forces: filters, sliding values, percentiles, sections, limits."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from math import pi, sqrt, tan
+
+import numpy as np
+import pytest
+from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
+from typer.testing import CliRunner
+
+from wrsim.analysis.assessment import assess, limits
+from wrsim.analysis.assessment.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
+from wrsim.analysis.assessment.nadal import longest_stretch, nadal_limit
+from wrsim.analysis.assessment.sections import sections_of, zone_of
+from wrsim.cli import app
+from wrsim.errors import InputError
+from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.results import Result
+from wrsim.results.assessment import Assessment
+from wrsim.scenario.sections.assessment import AssessmentSettings
+from wrsim.vehicle.levels import bogie_mass, level_of
+from wrsim.vehicle.vehicle_files import load_whole_vehicle
+
+RATE = 500.0
+TIME = np.arange(0.0, 20.0, 1.0 / RATE)
+NADAL = AssessmentSettings(friction=0.35, flange_angle=np.radians(70.0))
+
+
+def gain(filtered, frequency: float) -> float:
+    """Amplitude of a filtered sine of amplitude 1, away from the ends."""
+    waves = np.column_stack((np.sin(2.0 * pi * frequency * TIME), np.cos(2.0 * pi * frequency * TIME)))
+    inside = slice(2000, -2000)
+    return float(np.hypot(*np.linalg.lstsq(waves[inside], filtered(waves[:, 0])[inside], rcond=None)[0]))
+
+
+# --- filters ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("cut_off", [6.0, 20.0, 100.0])
+def test_a_low_pass_is_down_3_dB_at_its_cut_off_and_falls_24_dB_an_octave(cut_off):
+    def filtered(signal):
+        return low_pass(signal, RATE, cut_off)
+
+    assert gain(filtered, cut_off) == pytest.approx(1.0 / sqrt(2.0), rel=1e-6)
+    assert gain(filtered, cut_off / 10.0) == pytest.approx(1.0, rel=1e-4)
+    # beyond the cut-off |H| = 1/(1 + (sqrt 2 - 1) w^4), w after the bilinear transform
+    warped = tan(pi * 2.0 * cut_off / RATE) / tan(pi * cut_off / RATE)
+    assert gain(filtered, 2.0 * cut_off) == pytest.approx(1.0 / (1.0 + (sqrt(2.0) - 1.0) * warped**4), rel=1e-6)
+
+
+def test_a_low_pass_shifts_nothing():
+    bump = np.exp(-(((TIME[1:] - 10.0) / 0.02) ** 2))
+    filtered = low_pass(bump, RATE, 20.0)
+    assert filtered == pytest.approx(filtered[::-1], abs=1e-12)
+    assert filtered.sum() == pytest.approx(bump.sum(), rel=1e-6)
+
+
+def test_a_band_pass_is_down_3_dB_at_both_ends_and_stops_what_is_constant():
+    def filtered(signal):
+        return band_pass(signal, RATE, 0.5, 10.0)
+
+    assert gain(filtered, 0.5) == pytest.approx(1.0 / sqrt(2.0), rel=1e-3)
+    assert gain(filtered, 10.0) == pytest.approx(1.0 / sqrt(2.0), rel=1e-3)
+    assert gain(filtered, 2.2) == pytest.approx(1.0, rel=1e-3)
+    assert np.abs(filtered(np.ones(TIME.size))).max() < 1e-9
+
+
+def test_a_result_sampled_too_slowly_for_a_filter_is_told_how_fast():
+    with pytest.raises(
+        InputError, match=r"more than 44.4 samples a second; .* 40: run it with output_interval_ms = 20"
+    ):
+        assess(run(step=0.025))
+
+
+# --- sliding values -----------------------------------------------------------------------------------------
+
+
+def test_a_sliding_mean_is_the_integral_of_the_line_through_the_samples():
+    distance = np.cumsum(np.linspace(0.01, 0.05, 2000))  # not uniform
+    middles = windows(distance, 2.0, 0.5)
+    assert np.diff(middles) == pytest.approx(0.5)
+    assert middles[0] == pytest.approx(distance[0] + 1.0)
+    assert middles[-1] + 1.0 <= distance[-1] + 1e-9 < middles[-1] + 1.5
+    assert sliding_mean(distance, 3.0 * distance - 1.0, middles, 2.0) == pytest.approx(3.0 * middles - 1.0, rel=1e-12)
+    sine = np.sin(2.0 * pi * distance / 5.0)
+    expected = np.sin(2.0 * pi * middles / 5.0) * np.sin(2.0 * pi / 5.0) / (2.0 * pi / 5.0)
+    assert sliding_mean(distance, sine, middles, 2.0) == pytest.approx(expected, abs=3e-4)
+
+
+def test_the_rms_of_a_sine_over_whole_waves_is_its_amplitude_over_root_2():
+    distance = np.arange(0.0, 300.0, 0.05)
+    middles = windows(distance, 100.0, 10.0)
+    rms = sliding_rms(distance, 7.0 * np.sin(2.0 * pi * distance / 4.0), middles, 100.0)
+    assert rms == pytest.approx(7.0 / sqrt(2.0), rel=1e-3)
+    assert windows(distance, 301.0, 1.0).size == 0
+
+
+# --- sections -----------------------------------------------------------------------------------------------
+
+
+def test_track_is_cut_into_sections_of_its_classes():
+    found = sections_of(run(900.0, curvature=curve(-500.0)).dataset)
+    assert [s.zone for s in found] == [
+        "straight", "transition", "small radius", "small radius", "small radius", "transition", "straight",
+    ]  # fmt: skip
+    assert [s.number for s in found] == list(range(1, 8))
+    assert [s.start for s in found[1:]] == pytest.approx([200, 250, 350, 450, 550, 600], abs=0.2)
+    assert found[3].radius == pytest.approx(-500.0)
+    assert found[1].radius == pytest.approx(-500.0, rel=1e-2)  # the sharpest of the transition
+    # 20 m/s without cant: 1.5 m v^2/(g R)
+    assert found[3].cant_deficiency == pytest.approx(1.5 * 400.0 / (9.80665 * 500.0))
+    assert [s.short for s in found] == [True, False, False, False, False, False, False]  # 200 m of 250
+
+
+@pytest.mark.parametrize(
+    ("radius", "zone"),
+    [(5000, "straight"), (2500, "large radius"), (600, "large radius"), (500, "small radius"), (400, "small radius"),
+     (300, "very small radius"), (250, "very small radius"), (150, "tight")],
+)  # fmt: skip
+def test_classes_of_curves(radius, zone):
+    assert zone_of(1.0 / radius) == zone_of(-1.0 / radius) == zone
+
+
+# --- quantities ---------------------------------------------------------------------------------------------
+
+
+def only(found: Assessment, key: str, wheel: str = "") -> float:
+    """The value of a quantity that there is once."""
+    (value,) = [v for v in found.of(key) if v.wheel == wheel]
+    return value.value
+
+
+def test_constant_forces_are_their_own_percentiles_and_medians():
+    forces = run(
+        900.0,
+        curvature=curve(500.0),
+        y=lambda s: (0.0 * s - 2e3, 0.0 * s + 31e3),
+        q=lambda s: (0.0 * s + 40e3, 0.0 * s + 62e3),
+        T_gamma=lambda s: np.column_stack((0.0 * s + 5.0, 0.0 * s + 80.0)),
+        yaw=lambda s: 0.0 * s - 3e-3,
+        lateral_shift=lambda s: 0.0 * s - 6e-3,
+    )
+    found = assess(forces)
+    assert [v.value for v in found.of("sum_Y")] == pytest.approx([33e3] * 7)
+    assert [v.value for v in found.of("Y_over_Q") if v.wheel == "right"] == pytest.approx([0.5] * 7)
+    assert [v.value for v in found.of("Q") if v.wheel == "right"] == pytest.approx([62e3] * 7)
+    outer = found.of("Y_qst")  # the right wheel in a left curve; three sections of the full curve, no others
+    assert [(v.wheel, v.section.zone) for v in outer] == [("right", "small radius")] * 3
+    assert [v.value for v in outer] == pytest.approx([31e3] * 3)
+    assert [v.value for v in found.of("Q_qst")] == pytest.approx([62e3] * 3)
+    assert found.of("T_gamma")[1].value == pytest.approx(80.0)
+    assert found.of("angle_of_attack")[0].value == pytest.approx(3e-3)
+    assert found.of("lateral_shift")[0].value == pytest.approx(6e-3)
+    assert found.of("unloading")[0].value == pytest.approx(1.0 - 40.0 / 51.0)
+    assert max(v.value for v in found.of("instability")) < 1e-6
+
+
+def test_percentiles_are_those_of_the_distribution():
+    # a force that rises evenly over the section: its 99.85 % percentile is known
+    found = assess(run(250.0, q=lambda s: (40e3 + 100.0 * s, Q0 + 0.0 * s)), NADAL)
+    assert only(found, "Q", "left") == pytest.approx(40e3 + 100.0 * 0.9985 * 250.0, rel=1e-4)
+
+
+def test_short_peaks_are_averaged_over_two_metres():
+    def y(s):  # 1 m long, 40 kN, at 10 m/s: slow for the filter
+        return np.where(np.abs(s - 100.0) < 0.5, 40e3, 0.0), 0.0 * s
+
+    found = assess(run(110.0, speed=5.0, y=y), NADAL)
+    assert found.signals["sum_Y"].values.max() == pytest.approx(20e3, rel=0.01)
+
+
+def test_a_hunting_wheelset_is_found_with_its_frequency_and_rms():
+    amplitude, frequency, speed = 30e3, 4.0, 40.0
+    found = assess(
+        run(900.0, speed=speed, y=lambda s: (amplitude * np.sin(2.0 * pi * frequency * s / speed) + 3e3, 0.0 * s))
+    )
+    assert found.settings["instability_frequency_Hz"] == pytest.approx(frequency, abs=0.2)
+    assert max(v.value for v in found.of("instability")) == pytest.approx(amplitude / sqrt(2.0), rel=0.03)
+    limit = found.of("instability")[0].limit
+    assert limit is not None and limit.value == pytest.approx(0.5 * (10e3 + 2.0 * Q0 / 3.0))
+    assert any(v.passed is False for v in found.of("sum_Y")) is False
+    assert found.passed is True
+    faster = assess(run(900.0, speed=speed, y=lambda s: (2.0 * amplitude * np.sin(2.0 * pi * 0.1 * s), 0.0 * s)))
+    assert faster.passed is False
+    assert all(v.passed is False for v in faster.of("instability"))
+
+
+def test_every_wheelset_is_assessed_for_itself():
+    one, two = (run(250.0, y=lambda s, f=f: (f + 0.0 * s, 0.0 * s)) for f in (4e3, 9e3))
+    found = assess(with_wheelsets([one, two]), NADAL)
+    assert [(v.wheelset, round(v.value)) for v in found.of("sum_Y")] == [("1", 4000), ("2", 9000)]
+    (zone,) = [z for z in found.zones() if z.worst.quantity.key == "sum_Y"]
+    assert (zone.worst.wheelset, zone.sections) == ("2", 1)
+
+
+def test_wheelsets_are_assessed_where_they_are_themselves():
+    # a force that belongs to one place of the track, under two wheelsets 10 m apart
+    def y(s):
+        return np.where(np.abs(s - 300.0) < 5.0, 40e3, 0.0), 0.0 * s
+
+    shape = curve(500.0, 200.0, 50.0, 200.0)
+    first = run(700.0, curvature=shape, y=y)
+    second = run(700.0, curvature=lambda s: shape(s - 10.0), y=lambda s: y(s - 10.0))
+    found = assess(with_wheelsets([first, second], apart=10.0), NADAL)
+    assert found.sections[0].start == pytest.approx(-10.0)
+    assert [s.start for s in found.sections[1:3]] == pytest.approx([200.0, 250.0], abs=0.2)
+    hit = {(v.wheelset, v.section.number) for v in found.of("sum_Y") if v.value > 30e3}
+    assert hit == {("1", 3), ("2", 3)}
+    signals = found.signals["sum_Y"].values
+    inside = np.isfinite(signals).all(axis=0)
+    assert signals[0, inside] == pytest.approx(signals[1, inside], abs=50.0)
+
+
+def test_accelerations_of_a_car_body_and_of_a_bogie_frame():
+    base = run(900.0, speed=30.0, curvature=curve(500.0, 300.0, 50.0, 300.0))
+    t = base.dataset["time"].values
+    sway = 0.8 * np.sin(2.0 * pi * 1.5 * t) + 1.1  # a constant is not in the band
+    heave = 0.6 * np.sin(2.0 * pi * 3.0 * t) + 5.0 * np.sin(2.0 * pi * 60.0 * t)  # 60 Hz: not in the band
+    hunting = 6.0 * np.sin(2.0 * pi * 5.0 * t)
+    found = assess(with_points(base, {
+        "floor": ("car body", np.nan, sway, heave),
+        "frame": ("bogie frame", 6e3, hunting, hunting),
+        "axle box": ("wheelset", np.nan, 100.0 * hunting, 100.0 * hunting),
+    }), NADAL)  # fmt: skip
+    assert {v.point for v in found.values} == {"", "floor", "frame"}
+    inner = [s.number for s in found.sections if s.zone == "small radius"]
+
+    def of(key: str) -> list[float]:
+        return [v.value for v in found.of(key) if v.section.number in inner]
+
+    assert of("body_ay") == pytest.approx([0.8] * 3, rel=0.02)
+    assert of("body_ay_rms") == pytest.approx([0.8 / sqrt(2.0)] * 3, rel=0.02)
+    assert of("body_az") == pytest.approx([0.6] * 3, rel=0.02)
+    assert of("body_az_rms") == pytest.approx([0.6 / sqrt(2.0)] * 3, rel=0.02)
+    assert of("body_ay_qst") == pytest.approx([1.1] * 3, rel=0.02)
+    assert [z.passed for z in found.zones() if z.worst.quantity.key == "body_ay_rms"] == [False] * 3  # 0.57 > 0.5
+    (limit,) = {v.limit for v in found.of("frame_instability")}
+    assert limit is not None and limit.value == pytest.approx(0.5 * (12.0 - 6.0 / 5.0))
+    band = (1.0 + (sqrt(2.0) - 1.0) * (5.0 / 7.0) ** 8) * (1.0 + (sqrt(2.0) - 1.0) * (3.0 / 5.0) ** 8)  # 3 to 7 Hz at 5
+    assert of("frame_instability") == pytest.approx([6.0 / sqrt(2.0) / band] * 3, rel=5e-3)
+    assert found.settings["instability_frequency_frame_Hz"] == pytest.approx(5.0, abs=0.2)
+
+
+def test_bodies_of_the_manchester_vehicle_are_told_apart():
+    vehicle = load_whole_vehicle(shipped_models() / "vehicles/manchester_1.toml", Finder((shipped_models(),)))
+    assert level_of(vehicle, "carbody") == "car body"
+    assert level_of(vehicle, "front.frame") == level_of(vehicle, "rear.frame") == "bogie frame"
+    assert level_of(vehicle, vehicle.wheelsets[0].name) == "wheelset"
+    assert bogie_mass(vehicle, "front.frame") == pytest.approx(2615.0 + 2 * 1813.0)
+    assert np.isnan(bogie_mass(vehicle, "carbody"))
+
+
+def test_an_estimated_maximum_is_mean_plus_three_deviations_over_the_sections():
+    found = assess(run(3000.0, y=lambda s: (1e3 * np.floor(s / 250.0 + 1e-9), 0.0 * s)), NADAL)
+    (zone,) = [z for z in found.zones() if z.worst.quantity.key == "sum_Y"]
+    values = np.array([v.value for v in found.of("sum_Y")])
+    assert zone.sections == 12
+    assert zone.estimate == pytest.approx(values.mean() + 3.0 * values.std(ddof=1))
+    assert values == pytest.approx(1e3 * np.arange(12), abs=300.0)
+
+
+# --- derailment ---------------------------------------------------------------------------------------------
+
+
+def test_nadals_limit_in_closed_form():
+    assert nadal_limit(np.radians(70.0), 0.0) == pytest.approx(tan(np.radians(70.0)))
+    assert nadal_limit(np.radians(70.0), 0.36) == pytest.approx(tan(np.radians(70.0) - np.arctan(0.36)))
+    assert nadal_limit(np.radians(60.0), tan(np.radians(60.0))) == pytest.approx(0.0, abs=1e-15)
+
+
+def test_the_longest_stretch_ends_between_the_samples():
+    s = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+    assert longest_stretch(s, np.array([-1.0, 1.0, -1.0, -1.0, 3.0, 1.0, -1.0])) == pytest.approx(0.75 + 1.0 + 0.5)
+    assert longest_stretch(s, -np.ones(7)) == 0.0
+    assert longest_stretch(s, np.ones(7)) == 6.0
+    assert longest_stretch(s, np.array([-1.0, np.inf, np.inf, -1.0, -1.0, -1.0, -1.0])) >= 1.0
+
+
+def test_a_constructed_derailment_exceeds_every_limit_that_it_should():
+    limit = nadal_limit(np.radians(70.0), 0.35)
+
+    def y(s):  # Y/Q 1.3 on the right wheel over 10 m, a ramp of 2 m before and behind
+        return 0.0 * s, 1.3 * Q0 * np.interp(s, [398, 400, 410, 412], [0, 1, 1, 0])
+
+    found = assess(run(900.0, curvature=curve(300.0), y=y), NADAL)
+    assert found.passed is False
+    beyond = {v.quantity.key: v for v in found.values if v.passed is False}
+    assert set(beyond) == {"sum_Y", "Y_over_Q", "Y_over_Q_nadal", "climb_distance"}
+    assert all(v.wheel in ("", "right") for v in beyond.values())
+    assert beyond["Y_over_Q"].value == pytest.approx(1.3, rel=0.01)
+    # 10 m on top and the upper parts of both ramps
+    assert beyond["climb_distance"].value == pytest.approx(10.0 + 2.0 * 2.0 * (1.0 - limit / 1.3), abs=0.4)
+
+
+def test_a_wheel_pushed_sideways_without_load_is_beyond_any_limit():
+    def q(s):
+        return Q0 + 0.0 * s, np.where(np.abs(s - 100.0) < 20.0, -500.0, Q0)
+
+    found = assess(run(250.0, q=q, y=lambda s: (0.0 * s, 5e3 + 0.0 * s)), NADAL)
+    assert only(found, "Y_over_Q", "right") == np.inf
+    assert found.passed is False
+    assert json.loads(found.json())["values"]  # infinite values do not break the file
+
+
+# --- limits -------------------------------------------------------------------------------------------------
+
+
+def test_limits_are_those_of_the_standards():
+    assert limits.track_shift(120e3, "passenger").value == pytest.approx(50e3)
+    assert limits.track_shift(120e3, "freight").value == pytest.approx(42.5e3)
+    assert limits.vertical_force(60e3, 160.0 / 3.6).value == pytest.approx(150e3)
+    assert limits.vertical_force(112.5e3, 160.0 / 3.6).value == pytest.approx(200e3)
+    assert limits.vertical_force(112.5e3, 250.0 / 3.6).value == pytest.approx(180e3)
+    assert limits.quasi_static_guiding(600.0).value == pytest.approx(60e3)  # type: ignore[union-attr]
+    assert limits.quasi_static_guiding(-350.0).value == pytest.approx(60e3)  # type: ignore[union-attr]
+    assert limits.quasi_static_guiding(250.0).value == pytest.approx(72e3)  # type: ignore[union-attr]
+    assert limits.quasi_static_guiding(150.0) is None
+    assert limits.derailment(150.0) is None
+
+
+# --- files, command, errors ---------------------------------------------------------------------------------
+
+
+def test_the_command_leaves_tables_and_pictures(tmp_path):
+    run(
+        400.0,
+        curvature=curve(300.0, 100.0, 50.0, 100.0),
+        y=lambda s: (0.0 * s, 30e3 * curve(1.0, 100.0, 50.0, 100.0)(s)),
+        attributes={"scenario_text": "no scenario of ours"},
+    ).save(tmp_path / "result.nc")
+    done = CliRunner().invoke(app, ["assess", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    assert re.search(r"Y_qst +kN +very small radius \(1\) +30 +65 +54 % +ok", done.output), done.output
+    assert "note: Nadal: the result does not tell the" in done.output
+    rows = list(csv.DictReader((tmp_path / "assessment.csv").read_text().splitlines()))
+    found = json.loads((tmp_path / "assessment.json").read_text())
+    assert len(rows) == len(found["values"])
+    (row,) = [r for r in rows if r["quantity"] == "Y_qst"]
+    assert (row["unit"], row["zone"], row["passed"]) == ("kN", "very small radius", "yes")
+    assert float(row["value"]) == pytest.approx(30.0, rel=1e-3)
+    assert float(row["limit"]) == pytest.approx(65.0)
+    assert {"assessment.png", "assessment_history.png"} <= {p.name for p in tmp_path.iterdir()}
+
+
+def test_what_cannot_be_assessed_says_why():
+    whole = run(250.0).dataset
+    with pytest.raises(InputError, match="it has no Q"):
+        assess(Result(whole.drop_vars("Q")))
+    with pytest.raises(InputError, match="it has no second wheel"):
+        assess(Result(whole.isel(wheel=[0])))
+    with pytest.raises(InputError, match="20 samples; filters need at least 30"):
+        assess(Result(whole.isel(time=slice(0, 20))))
+    with pytest.raises(InputError, match="does not move forward"):
+        assess(Result(whole.assign_coords(distance=("time", 0.0 * whole["distance"].values))))
+    broken = whole.copy(deep=True)
+    broken["Q"].values[7, 0] = np.nan
+    with pytest.raises(InputError, match="wheel forces are not numbers"):
+        assess(Result(broken))
+
+
+def test_a_run_that_was_stopped_is_assessed_without_its_last_odd_sample():
+    whole = run(250.0).dataset
+    n = whole.sizes["time"]
+    odd = whole.isel(time=[*range(0, n - 100, 5), n - 98])
+    assert assess(Result(odd), NADAL).sections[-1].end == pytest.approx(float(odd["distance"].values[-2]))
+
+
+def test_the_travel_of_bump_stops_is_compared_with_the_ends_of_their_tables():
+    base = run(250.0, speed=20.0)
+    t = base.dataset["time"].values
+    travel = np.column_stack((0.02 * np.sin(t), 0.01 + 0.03 * np.sin(t), 0.5 * np.sin(t)))
+    zero = np.zeros_like(travel)
+    dims = ("time", "suspension")
+    moved = base.dataset.assign(
+        suspension_dx=(dims, zero),
+        suspension_dy=(dims, travel),
+        suspension_dz=(dims, zero),
+        suspension_stop_min=("suspension", [-0.065, -0.065, np.nan]),
+        suspension_stop_max=("suspension", [0.010, 0.065, np.nan]),
+    ).assign_coords(suspension=["one-sided", "even", "spring"])
+    found = {v.point: v for v in assess(Result(moved), NADAL).of("bump_stop")}
+    assert set(found) == {"one-sided", "even"}
+    assert found["one-sided"].value == pytest.approx(0.02, rel=1e-3)  # towards the end at 10 mm, though -20 is as far
+    assert found["one-sided"].limit.value == pytest.approx(0.010)
+    assert found["one-sided"].passed is False
+    assert found["even"].value == pytest.approx(0.04, rel=1e-3)
+    assert found["even"].margin == pytest.approx(1.0 - 40.0 / 65.0, rel=1e-3)

@@ -1,0 +1,184 @@
+"""Equivalent conicity: EN 15302's tables, cones, mirrored and unequal wheels, the command."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+from support.runs import ROOT
+from typer.testing import CliRunner
+
+from wrsim.analysis import run
+from wrsim.analysis.conicity.conicity import conicity
+from wrsim.analysis.conicity.equivalent import equivalent_conicity
+from wrsim.cli import app
+from wrsim.contact.rigid import rigid_contact
+from wrsim.errors import InputError
+from wrsim.geometry.profile.files import read_profile
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.sections import circle, cone
+from wrsim.results import Result
+from wrsim.results.tables import tables
+from wrsim.scenario.loading import load
+from wrsim.scenario.sections.conicity import ConicityPlan
+from wrsim.vehicle.wheelset import Wheel, Wheelset
+
+DATA = Path(__file__).parents[1] / "data"
+E = np.genfromtxt(DATA / "en15302_conicity.csv", delimiter=",", comments="#", skip_header=2)
+CROWN, RADIUS, HALF_TOPS = 0.02, 0.46, 0.75
+ROUND = circle("round rail", "rail", CROWN, 0.0199)
+ROUND_GAUGE = 2.0 * (HALF_TOPS + ROUND.gauge_point()[0])
+"""Gauge that puts the tops of round rails 1.5 m apart."""
+
+
+@cache
+def pair(wheel: str, rail: str):
+    """Shipped profiles."""
+    models = ROOT / "models"
+    return load_profile(models / "wheels" / f"{wheel}.toml"), load_profile(models / "rails" / f"{rail}.toml")
+
+
+def swing(profiles, gauge: float, radii: tuple[float, float], roll: str, amplitudes):
+    """Dataset of a wheelset with the profile origins 1.5 m apart."""
+    wheel, rail = profiles
+    wheelset = Wheelset("w", 1.0, (1.0, 1.0, 1.0), 1.5, Wheel(wheel, radii[0]), Wheel(wheel, radii[1]))
+    return conicity(wheelset, (rail, rail), gauge, ConicityPlan(tuple(amplitudes), roll), "test").dataset
+
+
+@pytest.mark.parametrize("column, right", [(1, 0.460), (2, 0.459)], ids=["E1", "E5"])
+def test_the_tables_of_en_15302_are_met(column, right):
+    wheel, rail = (read_profile(DATA / f"en15302_{kind}_A.csv", kind) for kind in ("wheel", "rail"))
+    found = swing((wheel, rail), 1.43516, (0.460, right), "none", 1e-3 * E[:, 0])["equivalent_conicity"].values
+    error = np.abs(found - E[:, column])
+    assert (error <= np.minimum(0.05, 0.5 * E[:, column])).all()  # the standard's own tolerance
+    middle = (E[:, 0] >= 2.0) & (E[:, 0] <= 5.0)
+    assert error[middle].max() < 0.01
+
+
+def test_s1002_on_60e1_by_the_shift_of_the_wheelsets_centre():
+    wheel, rail = pair("S1002", "60E1")
+    found = swing((wheel, rail.inclined(1 / 40)), 1.435, (0.46, 0.46), "centre", 1e-3 * np.arange(1.0, 7.0))
+    # first-order check of the reference data, 0.02 wide
+    assert found["equivalent_conicity"].values == pytest.approx([0.355, 0.221, 0.177, 0.159, 0.183, 0.295], abs=0.02)
+
+
+def test_the_ways_of_counting_agree_on_the_tread_within_a_few_percent():
+    wheel, rail = pair("S1002", "60E1")
+    found = [
+        swing((wheel, rail.inclined(1 / 40)), 1.435, (0.46, 0.46), roll, [2e-3, 3e-3])["equivalent_conicity"].values
+        for roll in ("none", "rail-top", "centre")
+    ]
+    assert found[0] == pytest.approx(found[1], rel=5e-3)
+    assert found[0] == pytest.approx(found[2], rel=3e-2)
+
+
+@pytest.mark.parametrize("slope", [0.025, 0.05, 0.2])
+def test_a_cone_gives_its_own_conicity(slope):
+    wheel = cone("cone", "wheel", slope, -0.06, 0.06)
+    found = swing((wheel, ROUND), ROUND_GAUGE, (RADIUS, RADIUS), "none", 1e-3 * np.array([0.5, 3.0, 7.0]))
+    assert found["equivalent_conicity"].values == pytest.approx(slope, rel=1e-9)
+    wavelength = 2.0 * np.pi * np.sqrt(RADIUS * HALF_TOPS / slope)
+    assert found["conicity_wavelength"].values == pytest.approx(wavelength, rel=1e-9)
+    assert found.attrs["equilibrium_shift_m"] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("roll", ["rail-top", "centre"])
+def test_a_cone_that_rolls_follows_wickens(roll):
+    # derived in tests/simulation/test_klingel.py: the centre has the conicity lambda (l + Rr lambda) / (l - r0 lambda);
+    # the point at the rail tops is shifted by l / (l - r0 lambda) times as much
+    slope = 0.05
+    contact = HALF_TOPS - CROWN * slope
+    expected = slope * (contact + CROWN * slope) / (contact - (RADIUS * slope if roll == "centre" else 0.0))
+    wheel = cone("cone", "wheel", slope, -0.06, 0.06)
+    found = swing((wheel, ROUND), ROUND_GAUGE, (RADIUS, RADIUS), roll, [1e-3, 4e-3])
+    # small angles: lambda and phi are taken for their tangents and sines
+    assert found["equivalent_conicity"].values == pytest.approx(expected, rel=3e-3)
+
+
+def test_unequal_wheels_swing_about_the_place_where_they_roll_alike():
+    slope = 0.05
+    wheel = cone("cone", "wheel", slope, -0.06, 0.06)
+    found = swing((wheel, ROUND), ROUND_GAUGE, (0.4602, 0.4598), "none", [3e-3])
+    # r_left - r_right = 0.4 mm + 2 lambda y = 0
+    assert found.attrs["equilibrium_shift_m"] == pytest.approx(-0.4e-3 / (2.0 * slope), rel=1e-6)
+    assert found["equivalent_conicity"].values == pytest.approx(slope, rel=1e-9)
+
+
+def test_a_wheelset_without_conicity_has_no_place_to_swing_about():
+    wheel = cone("cylinder", "wheel", 0.0, -0.06, 0.06)
+    with pytest.raises(InputError, match="no place to swing about"):
+        swing((wheel, ROUND), ROUND_GAUGE, (0.461, 0.459), "none", [3e-3])
+
+
+def test_wheels_beside_the_rails_are_refused():
+    wheel, rail = pair("S1002", "60E1")
+    with pytest.raises(InputError, match="do not stand on the rails"):
+        swing((wheel, rail), 1.9, (RADIUS, RADIUS), "none", [3e-3])
+
+
+def test_the_wavelength_of_a_nonlinear_swing_is_that_of_its_elliptic_integral():
+    # delta r = 2 k y^3: Duffing's equation, wavelength 4 K(1/2) / (a sqrt(c)), c = 2 k / (2 e r0)
+    k, a = 2000.0, 4e-3
+    y = np.linspace(-6e-3, 6e-3, 4001)
+    found = equivalent_conicity(y, 2.0 * k * y**3, 0.46, a)
+    c = 2.0 * k / (1.5 * 0.46)
+    # spacing of 3 um: piecewise linear to 1e-6
+    assert found.wavelength[0] == pytest.approx(4.0 * ellipk(0.5) / (a * np.sqrt(c)), rel=2e-6)
+
+
+def test_a_swing_over_a_hill_is_none():
+    # two wells: delta r falls through zero in the middle; small swings about one of them, none of 4 mm
+    y = np.linspace(-8e-3, 8e-3, 1601)
+    found = equivalent_conicity(y, 1e4 * y * (y - 3e-3) * (y + 4e-3), 0.46, [0.2e-3, 2.9e-3])
+    assert found.equilibrium == pytest.approx(-4e-3, abs=1e-6)
+    assert np.isfinite(found.conicity[0]) and np.isnan(found.conicity[1])
+
+
+def test_mirrored_wheels_mirror_the_radius_difference():
+    wheel, rail = pair("S1002", "60E1")
+    worn, rail = wheel.shifted(dw=1e-3), rail.inclined(1 / 40)
+    shift = 1e-3 * np.linspace(-6.0, 6.0, 25)
+    one = rigid_contact((wheel, worn), (0.46, 0.458), (rail, rail), 1.5, 1.433, shift)
+    other = rigid_contact((worn, wheel), (0.458, 0.46), (rail, rail), 1.5, 1.433, -shift)
+    assert one.radius_difference == pytest.approx(-other.radius_difference, abs=1e-9)
+    assert one.angle == pytest.approx(other.angle[:, ::-1], abs=1e-7)
+    assert one.roll == pytest.approx(-other.roll, abs=1e-9)
+
+
+def test_the_scenario_and_the_command_tell_the_same(tmp_path):
+    result = run(load(ROOT / "scenarios" / "conicity_s1002.toml"))
+    assert result.summary()["equivalent_conicity"]["3_mm"] == pytest.approx(0.174, abs=2e-3)
+    assert len(tables(result.dataset)["conicity"]) == 1 + result.dataset.sizes["amplitude"]
+    picture, table = tmp_path / "c.png", tmp_path / "c.csv"
+    files = ["--picture", str(picture), "--table", str(table)]
+    told = CliRunner().invoke(app, ["conicity", "wheels/S1002.toml", "rails/60E1.toml", "--json", *files])
+    assert told.exit_code == 0, told.output
+    answer = json.loads(told.output)
+    values = result.dataset["equivalent_conicity"].values
+    assert answer["tan_gamma_e"] == pytest.approx(values.tolist(), rel=1e-9)
+    assert picture.stat().st_size > 10_000
+    assert table.read_text().splitlines()[0] == "amplitude_mm,equivalent_conicity,conicity_wavelength_m"
+    loaded = Result.load(result.save(tmp_path / "result.nc"))
+    assert loaded.dataset.identical(result.dataset)
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        (["wheels/S1003.toml", "rails/60E1.toml"], 'did you mean "wheels/S1002.toml"'),
+        (["wheels/S1002.toml", "wheels/S1002.toml"], "a rail profile is needed here"),
+        (["wheels/S1002.toml", "rails/60E1.toml", "--inclination", "40"], 'did you mean "1:40"'),
+        (["wheels/S1002.toml", "rails/60E1.toml", "--roll", "center"], "did you mean centre"),
+        (["wheels/S1002.toml", "rails/60E1.toml", "--diameters-mm", "920", "9"], "--diameters-mm 9: must be from"),
+        (["wheels/S1002.toml", "rails/60E1.toml", "--gauge-mm", "1700"], "do not stand on the rails"),
+        (["wheels/S1002.toml", "rails/60E1.toml", "--picture", "a.jpg"], "must end in .png"),
+    ],
+)
+def test_the_command_refuses_what_it_cannot_use(arguments, message):
+    told = CliRunner().invoke(app, ["conicity", *arguments])
+    assert told.exit_code == 2
+    assert message in " ".join(told.output.split())

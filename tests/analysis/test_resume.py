@@ -1,0 +1,412 @@
+"""A run that dies leaves what it has computed, and goes on with the same numbers to the bit."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.runs import SCENARIOS, straight
+from typer.testing import CliRunner
+
+import wrsim.analysis.motion.curving as curving
+import wrsim.analysis.motion.keeping as keeping
+from wrsim.analysis import recorded, run
+from wrsim.cli import app
+from wrsim.errors import InputError, WrsimError
+from wrsim.results import Result
+from wrsim.results.run_file import RunFile, is_running, read_run_file
+from wrsim.scenario.loading import load
+from wrsim.simulation import tape as tapes
+from wrsim.simulation.integrate import Motion, integrate, recorded_motion
+from wrsim.simulation.system import RigidBody, System
+from wrsim.simulation.tape import FileTape, Recording
+
+BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
+Q0 = np.array([0.46, 0.0, 0.01, 0.0, 0.0, 0.0])
+V0 = np.array([0.0, 10.0, 0.0, 0.0, 0.0, 21.0])
+STEP = 1.0 / 3000.0  # no binary fraction
+runner = CliRunner()
+
+
+class Play:
+    """A lateral spring with 12 mm of play, pushed by a force that depends on the time: it remembers where it stands."""
+
+    def __init__(self) -> None:
+        self.place = 0.0
+
+    def __call__(self, t: float, q: Any, q_t: Any, out: Any) -> None:
+        self.place = min(max(self.place, q[2] - 6e-3), q[2] + 6e-3)
+        out.fill(0.0)
+        out[2] = -6e5 * self.place + 1e4 * np.sin(7.3 * t)
+
+    def memory(self) -> Any:
+        return np.array([self.place])
+
+    def recall(self, memory: Any) -> None:
+        self.place = float(memory[0])
+
+
+class Forgetful(Play):
+    """The same; it does not tell what it remembers."""
+
+    def memory(self) -> Any:
+        return np.zeros(0)
+
+    def recall(self, memory: Any) -> None:
+        pass
+
+
+def play(tape: tapes.Tape | None = None, law: type[Play] = Play, seconds: float = 0.5) -> Motion:
+    """A run of the body on that spring."""
+    return integrate(System([BODY], law()), Q0, V0, duration=seconds, step=STEP, sample_interval=2 * STEP, tape=tape)
+
+
+def same(a: Motion, b: Motion) -> bool:
+    """To the bit."""
+    states = all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("times", "q", "q_t"))
+    return states and (a.status, a.cause, a.reason) == (b.status, b.cause, b.reason)
+
+
+@pytest.fixture
+def often(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Flush every millisecond."""
+    monkeypatch.setattr(tapes, "FLUSH_INTERVAL", 1e-3)
+
+
+@pytest.fixture
+def kept(tmp_path: Path, often: None) -> Iterator[Path]:
+    """The file of a whole run."""
+    path = tmp_path / "x.part"
+    with closing(FileTape.create(path, {"step_s": STEP, "start_s": 0.0}, 6)) as tape:
+        assert same(play(tape), play())
+    yield path
+
+
+def resumed(path: Path, law: type[Play] = Play) -> Motion:
+    with closing(FileTape.continued(path)) as tape:
+        return play(tape, law)
+
+
+def test_a_file_cut_anywhere_is_read_as_far_as_it_is_whole_and_goes_on_to_the_same_end(kept):
+    data, whole = kept.read_bytes(), play()
+    _, records = read_run_file(kept)
+    assert len(records) > 20
+    ends = [record.end for record in records]
+    known = 0.0
+    for cut in np.linspace(ends[0] + 1, len(data) - 1, 25).astype(int):
+        kept.write_bytes(data[:cut])
+        assert read_run_file(kept)[1][-1].end == max(end for end in ends if end <= cut)
+        part = recorded_motion(kept)
+        assert (part.status, part.cause) == ("stopped", "cut-off")
+        assert known <= part.end
+        known = part.end
+        n = len(part.times) - 1  # the last one may be a checkpoint between two samples
+        assert np.array_equal(part.q[:n], whole.q[:n])
+        assert same(resumed(kept), whole)
+    assert known > 0.4
+
+
+def test_damage_within_a_record_ends_the_file_there(kept):
+    data, whole = bytearray(kept.read_bytes()), play()
+    for place in (len(data) // 3, len(data) // 2, len(data) - 3):
+        broken = data.copy()
+        broken[place] ^= 0x10
+        kept.write_bytes(broken)
+        assert recorded_motion(kept).end <= 0.5 * place / len(data) + 0.05
+        assert same(resumed(kept), whole)
+
+
+def test_a_law_that_hides_what_it_remembers_would_be_noticed(kept):
+    data, whole = kept.read_bytes(), play()
+    different = []
+    for part in np.linspace(0.2, 0.9, 8):
+        kept.write_bytes(data[: int(part * len(data))])
+        different.append(not same(resumed(kept, Forgetful), whole))
+    assert any(different)
+
+
+def test_a_whole_file_is_played_back_without_a_step(kept, monkeypatch):
+    whole = play()
+    monkeypatch.setattr(System, "solve", None)
+    assert same(resumed(kept), whole)
+    assert same(recorded_motion(kept), whole)
+
+
+@pytest.mark.parametrize("after", [0.02, 0.1, 0.25])
+def test_a_killed_process_loses_less_than_a_second_and_goes_on_to_the_bit(tmp_path, after, monkeypatch):
+    monkeypatch.setattr(tapes, "FLUSH_INTERVAL", 0.02)
+    path = tmp_path / "x.part"
+    child = os.fork()
+    if child == 0:
+        play(FileTape.create(path, {"step_s": STEP, "start_s": 0.0}, 6), seconds=600.0)
+        os._exit(0)
+    while not path.exists():
+        time.sleep(0.001)
+    time.sleep(after)
+    assert is_running(path)
+    with pytest.raises(InputError, match="another run is writing to it"):
+        FileTape.continued(path)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    assert not is_running(path)
+    reached = recorded_motion(path).end if Recording.read(path).checkpoint else 0.0
+    with closing(FileTape.continued(path)) as tape:
+        motion = play(tape, seconds=max(1.0, reached + 0.1))
+    assert same(motion, play(seconds=max(1.0, reached + 0.1)))
+
+
+def test_the_memory_of_sampling_does_not_grow_with_the_run(tmp_path):
+    with closing(FileTape.create(tmp_path / "x.part", {}, 6)) as tape:
+        for i in range(20_000):
+            tape.sample(1e-3 * i, Q0, V0)
+            if tape.due():
+                tape.flush(tapes.Checkpoint(i, Q0, V0, np.zeros(0)))
+        assert not tape._kept
+        assert tape._block.shape[0] == tapes.BLOCK
+        assert tape.rows().shape == (20_000, 13)
+
+
+def test_a_full_disk_ends_the_run_with_one_sentence_and_a_readable_file(kept):
+    if not Path("/dev/full").exists():
+        pytest.skip("no /dev/full here")
+    _, records = read_run_file(kept)
+    with open("/dev/full", "r+b", buffering=0) as full, pytest.raises(WrsimError, match=r"the disk is full \(0\.1 kB"):
+        RunFile(kept, full).append(b"FLSH", bytes(100))
+    assert len(read_run_file(kept)[1]) == len(records)
+
+
+def test_a_file_of_something_else_is_refused(tmp_path):
+    path = tmp_path / "x.part"
+    for content, words in ((b"\x89HDF....", "not the file of a run"), (b"wrsim", "cut off before its start")):
+        path.write_bytes(content)
+        with pytest.raises(InputError, match=words):
+            recorded_motion(path)
+    with pytest.raises(InputError, match="there is no such file"):
+        recorded_motion(tmp_path / "y.part")
+
+
+class Crossings:
+    """A monitor that notes when the body crosses the centre line; stops at the hundredth time."""
+
+    def __init__(self, most: int) -> None:
+        self.most = most
+        self.side = 1.0
+        self.times: list[float] = []
+
+    def __call__(self, t: float, q: Any, q_t: Any) -> str | None:
+        if q[2] * self.side < 0.0:
+            self.side = -self.side
+            self.times.append(t)
+        return f"{self.most} crossings" if len(self.times) >= self.most else None
+
+    def memory(self) -> Any:
+        return np.array([self.side, *self.times])
+
+    def recall(self, memory: Any) -> None:
+        self.side, self.times = float(memory[0]), list(memory[1:])
+
+
+@pytest.mark.parametrize("most", [100, 4])
+def test_what_the_monitor_has_noted_survives_a_death_in_the_run_and_behind_it(tmp_path, often, most):
+    def watched(tape: tapes.Tape | None) -> tuple[Motion, list[float]]:
+        watch = Crossings(most)
+        system = System([BODY], Play())
+        motion = integrate(system, Q0, V0, duration=1.0, step=STEP, sample_interval=STEP, monitor=watch, tape=tape)
+        return motion, watch.times
+
+    whole, times = watched(None)
+    assert 4 <= len(times) < 100
+    path = tmp_path / "x.part"
+    with closing(FileTape.create(path, {"step_s": STEP, "start_s": 0.0}, 6)) as tape:
+        watched(tape)
+    data = path.read_bytes()
+    for part in (0.3, 0.6, 1.0):
+        path.write_bytes(data[: int(part * len(data))])
+        with closing(FileTape.continued(path)) as tape:
+            again, noted = watched(tape)
+        assert same(again, whole)
+        assert noted == times
+
+
+def test_a_whole_vehicle_goes_on_to_the_bit(tmp_path, often):
+    path = tmp_path / "x.part"
+    keys = {
+        "run.start_distance_m": 15.0,
+        "run.distance_m": 2.0,
+        "run.output_interval_ms": 2.0,
+        "output.patches_at_m": [],
+    }
+    keys |= {"contact.strips": 12, "contact.cells": 6}
+    scenario = load(SCENARIOS / "manchester_r300.toml").with_values(keys)
+    whole = run(scenario, record=path)
+    data = path.read_bytes()
+    for part in (0.6,):
+        path.write_bytes(data[: int(part * len(data))])
+        assert recorded(path).status == "stopped"
+        assert run(scenario, record=path, resume=True).dataset.identical(whole.dataset)
+
+
+# --- the command ------------------------------------------------------------------------------------------------
+
+KEYS: dict[str, Any] = {
+    "track.segments": [straight(2.0)],
+    "output.patches_at_m": [1.0],
+    "run.step_us": 100,
+    "run.output_interval_ms": 0.5,
+}
+
+CHILD = """
+import sys
+sys.exudynFast = False
+import wrsim.simulation.tape as tapes
+tapes.FLUSH_INTERVAL = 0.01
+from wrsim.cli import main
+sys.argv[0] = "wrsim"
+main()
+"""
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of an uninterrupted run."""
+    folder = tmp_path_factory.mktemp("whole")
+    (folder / "short.toml").write_text(load(SCENARIOS / "curve_r300.toml").with_values(KEYS).text)
+    done = command("run", folder / "short.toml", "-o", folder, "-q", "--no-pictures")
+    assert done.exit_code == 0, done.output
+    assert not (folder / "result.nc.part").exists()
+    return folder
+
+
+def command(*arguments: Any) -> Any:
+    return runner.invoke(app, [str(a) for a in arguments])
+
+
+def test_kill_9_then_show_then_resume_gives_the_same_result(whole, tmp_path):
+    out = tmp_path / "out"
+    record = out / "result.nc.part"
+    arguments = ["run", str(whole / "short.toml"), "-o", str(out), "-q", "--no-pictures"]
+    child = subprocess.Popen([sys.executable, "-c", CHILD, *arguments])
+    while not (record.exists() and record.stat().st_size > 10_000):
+        assert child.poll() is None
+        time.sleep(0.002)
+    child.kill()
+    child.wait()
+    assert not (out / "result.nc").exists()
+
+    shown = command("show", out)
+    assert shown.exit_code == 0, shown.output
+    assert "stopped: the run was cut off, its process ended before it did; known up to t = 0." in shown.output
+    part, there = recorded(record).dataset, Result.load(whole).dataset
+    n = part.sizes["time"] - 1
+    assert 10 < n < there.sizes["time"]
+    assert np.array_equal(part["Q"].values[:n], there["Q"].values[:n])
+
+    again = command("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
+    assert again.exit_code == 0, again.output
+    assert Result.load(out).dataset.identical(there)
+    assert not record.exists()
+
+
+def test_ctrl_c_while_the_result_is_put_together_loses_nothing(whole, tmp_path, monkeypatch):
+    out = tmp_path / "out"
+
+    def interrupted(*arguments: Any) -> Any:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(curving, "result_of", interrupted)
+        done = command("run", whole / "short.toml", "-o", out, "-q", "--no-pictures")
+    assert done.exit_code == 130
+    assert f"interrupted; the run is safe in {out / 'result.nc.part'}: go on with --resume" in done.stderr
+    monkeypatch.setattr(System, "solve", None)  # everything is there
+    again = command("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
+    assert again.exit_code == 0, again.output
+    assert Result.load(out).dataset.identical(Result.load(whole).dataset)
+
+
+def test_an_interrupted_run_goes_on_and_one_that_is_whole_does_not(whole, tmp_path):
+    out = tmp_path / "out"
+
+    def ask(fraction: float, left: float) -> None:
+        if fraction > 0.3:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    scenario = load(whole / "short.toml")
+    from wrsim.simulation import integrate as integrator
+
+    patch = pytest.MonkeyPatch()
+    patch.setattr(integrator, "PROGRESS_INTERVAL", 0.0)
+    stopped = run(scenario, ask, record=out / "result.nc.part")
+    patch.undo()
+    assert stopped.dataset.attrs["stop_cause"] == "interrupt"
+    before = (out / "result.nc.part").stat().st_size
+    assert json.dumps(recorded(out / "result.nc.part").summary()) == json.dumps(stopped.summary())
+    again = command("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
+    assert again.exit_code == 0, again.output
+    assert before > 1000
+    assert Result.load(out).dataset.identical(Result.load(whole).dataset)
+    once_more = command("run", whole / "short.toml", "-o", out, "--resume")
+    assert once_more.exit_code == 0
+    assert "holds the whole result of this scenario already" in once_more.stderr
+
+
+def test_another_scenario_or_a_changed_model_does_not_go_on(whole, tmp_path, monkeypatch):
+    base = load(whole / "short.toml")
+    rail = tmp_path / "rail.toml"
+    shipped = SCENARIOS.parent / "models/rails/60E1.toml"
+    rail.write_text(shipped.read_text())
+    file = tmp_path / "own.toml"
+    file.write_text(base.with_values({"track.rail": "rail.toml"}).text)
+    out = tmp_path / "out"
+    with monkeypatch.context() as patch:
+        patch.setattr(curving, "result_of", lambda *a: (_ for _ in ()).throw(KeyboardInterrupt))
+        assert command("run", file, "-o", out, "-q").exit_code == 130
+    arguments = ("-o", out, "-q", "--no-pictures", "--resume")
+    faster = tmp_path / "faster.toml"
+    faster.write_text(load(file).with_values({"vehicle.speed_kmh": 60}).text)
+    refused = command("run", faster, *arguments)
+    assert refused.exit_code == 2
+    assert "is the run of another scenario: vehicle.speed_kmh was 54, here it is 60; run it without" in refused.stderr
+    commented = tmp_path / "commented.toml"
+    commented.write_text("# the same\n" + file.read_text())
+    text = rail.read_text()
+    assert "[300.0, 80.0" in text
+    rail.write_text(text.replace("[300.0, 80.0", "[301.0, 80.0", 1))
+    refused = command("run", file, *arguments)
+    assert refused.exit_code == 2
+    assert f"{rail} has changed since the run began; run it without --resume" in refused.stderr
+    refused = command("show", out)
+    assert refused.exit_code == 2
+    assert f"{rail} has changed since the run began; what is in the file can no longer be read" in refused.stderr
+    rail.write_text(text)
+    assert command("run", commented, *arguments).exit_code == 0
+
+
+def test_other_code_does_not_go_on_but_can_be_shown(whole, tmp_path, monkeypatch):
+    out = tmp_path / "out"
+    with monkeypatch.context() as patch:
+        patch.setattr(curving, "result_of", lambda *a: (_ for _ in ()).throw(KeyboardInterrupt))
+        assert command("run", whole / "short.toml", "-o", out, "-q").exit_code == 130
+    monkeypatch.setattr(keeping, "code_digest", lambda: "tomorrow's")
+    monkeypatch.setattr(keeping, "numbers_digest", lambda setup: "other numbers from the same files")
+    refused = command("run", whole / "short.toml", "-o", out, "-q", "--resume")
+    assert refused.exit_code == 2
+    assert "another state of wrsim's code: the numbers may differ; run it without --resume" in refused.stderr
+    assert command("show", out).exit_code == 0
+
+
+def test_a_static_analysis_has_nothing_to_resume(tmp_path):
+    (tmp_path / "result.nc.part").write_bytes(b"")
+    refused = command("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path, "--resume")
+    assert refused.exit_code == 2
+    assert "nothing is kept of it to resume" in refused.stderr

@@ -1,0 +1,179 @@
+"""Spectra, third-octaves and frequency weightings against closed forms and published values."""
+
+from __future__ import annotations
+
+import csv
+import json
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+import xarray as xr
+from support.runs import SCENARIOS
+from support.synthetic_run import run, with_points
+from typer.testing import CliRunner
+
+from wrsim.analysis.ride import evaluate_ride
+from wrsim.analysis.ride.comfort import comfort
+from wrsim.analysis.ride.spectra import spectrum, third_octaves
+from wrsim.analysis.ride.weighting import WEIGHTINGS, weighted
+from wrsim.cli import app
+from wrsim.errors import InputError
+from wrsim.results import Result
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load
+from wrsim.scenario.sections.ride import RideSection
+
+RATE = 400.0
+TIME = np.arange(0.0, 120.0, 1.0 / RATE)
+
+
+def noise(seed: int = 1) -> np.ndarray:
+    """White noise whose power spectral density is 1/(RATE/2) for a variance of 1."""
+    return np.random.default_rng(seed).standard_normal(TIME.size)
+
+
+def test_the_density_of_white_noise_is_its_variance_over_the_band():
+    found = spectrum(noise(), RATE)
+    assert found.frequency[1] == pytest.approx(0.1)
+    assert found.segments == 23
+    level = 2.0 / RATE
+    inside = (found.frequency > 1.0) & (found.frequency < 190.0)
+    # the mean of 1890 lines of 23 half-dependent segments: 0.6 %
+    assert found.density[inside].mean() == pytest.approx(level, rel=0.02)
+    assert found.rms() == pytest.approx(1.0, rel=0.01)
+
+
+def test_a_sine_has_its_power_in_its_band():
+    found = third_octaves(spectrum(3.0 * np.sin(2.0 * pi * 5.0 * TIME), RATE))
+    of_five = found.nominal.index(5.0)
+    assert found.rms[of_five] == pytest.approx(3.0 / sqrt(2.0), rel=1e-3)
+    assert np.delete(found.rms, of_five).max() < 1e-3
+
+
+def test_third_octaves_share_out_all_the_power():
+    found = spectrum(noise(), RATE)
+    bands = third_octaves(found, 1.0, 150.0)
+    assert bands.nominal[:4] == (1.0, 1.25, 1.6, 2.0)
+    assert bands.high[:-1] == pytest.approx(bands.low[1:])
+    whole = found.rms(bands.low[0], bands.high[-1])
+    assert sqrt((bands.rms**2).sum()) == pytest.approx(whole, rel=1e-12)
+    # 3 dB an octave: white noise
+    assert bands.rms[10:] == pytest.approx(np.sqrt(2.0 / RATE * (bands.high - bands.low)[10:]), rel=0.06)
+
+
+def test_bands_narrower_than_the_resolution_are_left_out():
+    bands = third_octaves(spectrum(noise(), RATE, resolution=1.0), 0.4)
+    assert (bands.high - bands.low).min() >= 1.0
+    with pytest.raises(InputError, match="too few for a spectrum"):
+        spectrum(np.zeros(20), RATE)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("Wb", 0.8126), ("Wc", 0.5145), ("Wd", 0.1261), ("We", 0.06287), ("Wj", 1.019), ("Wk", 0.7718)]
+)
+def test_weightings_have_the_published_factors_at_100_rad_a_second(name, value):
+    # ISO 8041, reference frequency 15.915 Hz
+    factor = abs(WEIGHTINGS[name].response(np.array([100.0 / (2.0 * pi)])))[0]
+    assert factor == pytest.approx(value, rel=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "frequency", "value"),
+    [("Wk", 1.0, 0.482), ("Wk", 8.0, 1.036), ("Wk", 31.5, 0.405), ("Wd", 1.0, 1.011), ("Wd", 4.0, 0.512),
+     ("Wd", 8.0, 0.253)],
+)  # fmt: skip
+def test_weightings_have_the_factors_of_the_table_of_ISO_2631(name, frequency, value):
+    # table 3 of ISO 2631-1 [mem], three digits at nominal frequencies
+    assert abs(WEIGHTINGS[name].response(np.array([frequency])))[0] == pytest.approx(value, abs=6e-4)
+
+
+def test_a_weighted_sine_has_the_factors_amplitude():
+    signal = np.sin(2.0 * pi * 2.0 * TIME)
+    factor = abs(WEIGHTINGS["Wd"].response(np.array([2.0])))[0]
+    middle = slice(TIME.size // 4, -TIME.size // 4)
+    assert sqrt(2.0) * weighted(signal, RATE, "Wd")[middle].std() == pytest.approx(factor, rel=1e-3)
+
+
+def test_the_weighted_rms_is_the_weighted_power():
+    signal = noise(3)
+    found = spectrum(signal, RATE)
+    power = np.trapezoid(abs(WEIGHTINGS["Wb"].response(found.frequency)) ** 2 * found.density, found.frequency)
+    assert weighted(signal, RATE, "Wb").std() == pytest.approx(sqrt(power), rel=0.02)
+
+
+def test_comfort_of_a_steady_vibration_is_six_times_its_weighted_sum():
+    amplitudes = np.array([0.1, 0.2, 0.3])
+    acceleration = np.outer(np.sin(2.0 * pi * 3.0 * TIME), amplitudes)
+    factors = np.array([abs(WEIGHTINGS[n].response(np.array([3.0])))[0] for n in ("Wd", "Wd", "Wb")])
+    found = comfort(acceleration, RATE)
+    expected = factors * amplitudes / sqrt(2.0)
+    assert found.blocks == 24
+    assert found.weighted_rms == pytest.approx(expected, rel=5e-3)
+    assert found.continuous[5:-1] == pytest.approx(np.tile(expected, (18, 1)), rel=1e-3)
+    assert found.mean == pytest.approx(6.0 * sqrt((expected**2).sum()), rel=5e-3)
+    assert np.isnan(comfort(acceleration[:100], RATE).mean)
+
+
+# --- the ride of a result -------------------------------------------------------------------------------------
+
+
+def ridden(seconds: float = 60.0, **attributes: str) -> Result:
+    """A run at 20 m/s with sines of known amplitude at two points: 2 Hz lateral, 5 Hz vertical."""
+    base = run(20.0 * seconds, speed=20.0, step=0.005, attributes=attributes)
+    t = base.dataset["time"].values
+    lateral, vertical = np.sin(2.0 * pi * 2.0 * t), np.sin(2.0 * pi * 5.0 * t)
+    level = ("car body", np.nan)
+    result = with_points(base, {"front": (*level, 0.3 * lateral, 0.2 * vertical), "rear": (*level, lateral, vertical)})
+    zero = xr.zeros_like(result.dataset["point_ay"])
+    return Result(result.dataset.assign(point_ax=zero))
+
+
+def test_the_ride_of_sines_is_known():
+    found = evaluate_ride(ridden())
+    assert found.points == ("front", "rear")
+    rms = found.data["rms"]
+    assert rms.sel(point="front", axis="y").item() == pytest.approx(0.3 / sqrt(2.0), rel=1e-3)
+    assert rms.sel(point="front", axis="x").item() == 0.0
+    band = found.data["band_rms"].sel(point="rear", axis="z")
+    assert band.sel(band=5.0).item() == pytest.approx(1.0 / sqrt(2.0), rel=2e-3)
+    factor = abs(WEIGHTINGS["Wb"].response(np.array([5.0])))[0]
+    weighted_rms = found.data["weighted_rms"].sel(point="rear", axis="z").item()
+    assert weighted_rms == pytest.approx(factor / sqrt(2.0), rel=0.01)
+    assert found.data.attrs["blocks"] == 12
+
+
+def test_the_stretch_and_the_resolution_come_from_the_scenario():
+    text = "[ride]\nfrom_m = 200\nto_m = 800\nresolution_Hz = 0.5\n"
+    found = evaluate_ride(ridden(scenario_text=text))
+    assert (found.start, found.end) == (pytest.approx(200.0), pytest.approx(800.0))
+    assert found.duration == pytest.approx(30.0)
+    assert found.data["frequency"].values[1] == pytest.approx(0.5)
+    with pytest.raises(InputError, match=r"from_m = 2000, to_m = 1200: the run has no samples there"):
+        evaluate_ride(ridden(), RideSection(from_m=2000.0))
+    with pytest.raises(InputError, match=r"lone wheelset: accelerations are kept at the \[\[points\]\]"):
+        evaluate_ride(run(100.0))
+
+
+def test_the_command_leaves_tables_and_pictures_of_the_ride(tmp_path):
+    ridden().save(tmp_path / "result.nc")
+    done = CliRunner().invoke(app, ["ride", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    numbers = json.loads((tmp_path / "ride.json").read_text())
+    assert numbers["points"]["rear"]["rms_m_s2"]["y"] == pytest.approx(1.0 / sqrt(2.0), rel=1e-3)
+    assert numbers["weightings"] == {"x": "Wd", "y": "Wd", "z": "Wb"}
+    bands = list(csv.DictReader((tmp_path / "third_octaves.csv").read_text().splitlines()))
+    (row,) = [r for r in bands if float(r["band_Hz"]) == 5.0]
+    assert float(row["rear az_m_s2"]) == pytest.approx(1.0 / sqrt(2.0), rel=2e-3)
+    spectra = list(csv.DictReader((tmp_path / "spectra.csv").read_text().splitlines()))
+    peak = max(spectra, key=lambda r: float(r["front ay_m2_s4_per_Hz"]))
+    assert float(peak["frequency_Hz"]) == pytest.approx(2.0)
+    assert {"ride_spectra.png", "ride_bands.png"} <= {p.name for p in tmp_path.iterdir()}
+
+
+def test_a_ride_needs_a_vehicle_with_points():
+    scenario = load(SCENARIOS / "curve_r300.toml").with_values({"analysis": "ride"})
+    with pytest.raises(InputError, match=r'vehicle\.model.*analysis = "ride" needs a vehicle with \[\[points\]\]'):
+        build(scenario)
+    whole = load(SCENARIOS / "manchester_r300.toml").with_values({"analysis": "ride", "ride.from_m": 20})
+    assert build(whole).analysis == "ride"

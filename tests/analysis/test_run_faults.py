@@ -1,0 +1,316 @@
+"""What happens to a run that cannot go on: it says when, where and why, and keeps what it has computed."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from support.runs import LEADING, SCENARIOS, STEERING, arc, ride, setup_of, straight, transition
+from typer.testing import CliRunner
+
+from wrsim.analysis import run
+from wrsim.analysis.motion.curving import run_curving
+from wrsim.analysis.motion.derailment import LIFT_DISTANCE, LIFT_TIME, DerailmentWatch, flange_tip, gauge_face
+from wrsim.cli import app
+from wrsim.errors import InputError, SimulationError
+from wrsim.results import Result
+from wrsim.scenario.build import Setup
+from wrsim.scenario.loading import load
+from wrsim.simulation.wheelset_law import WheelsetOnTrack
+
+CLIMB: dict[str, Any] = {
+    # a leading axle on dry, sanded rails in a 100 m curve: the flange climbs
+    "vehicle.model": LEADING,
+    "vehicle.speed_kmh": 43.2,
+    "contact.friction": 1.0,
+    "track.segments": [straight(2.0), transition(10.0), arc(30.0, 100.0)],
+}
+OVERTURN: dict[str, Any] = {
+    # 122 km/h where 50 would be right: the inner wheel lifts off
+    "vehicle.model": STEERING,
+    "vehicle.speed_kmh": 122.4,
+    "track.segments": [straight(2.0), transition(20.0), arc(80.0, 150.0)],
+}
+FALL: dict[str, Any] = {
+    # conical wheels without flange in a curve that takes more than their cones
+    "vehicle.model": STEERING,
+    "vehicle.speed_kmh": 36.0,
+    "vehicle.wheel": "wheels/cone_1in20.toml",
+    "track.segments": [straight(2.0), transition(8.0), arc(30.0, 100.0)],
+}
+CASES = {"climb": CLIMB, "overturn": OVERTURN, "fall": FALL}
+REASONS = {
+    "climb": "derailed: the flange of the right wheel has climbed over its rail (lifted by",
+    "overturn": "derailed: the left wheel has had no contact with its rail for 3.",
+    "fall": "wheel has dropped beside its rail",
+}
+
+
+def mirror_image(keys: dict[str, Any]) -> dict[str, Any]:
+    """The same in a right curve."""
+    segments = [s | {"radius_m": -s["radius_m"]} if "radius_m" in s else s for s in keys["track.segments"]]
+    return keys | {"track.segments": segments}
+
+
+def setup(keys: dict[str, Any], **more: Any) -> Setup:
+    """Set-up of one of the cases."""
+    values = {key: value for key, value in keys.items() if not key.startswith(("vehicle.model", "vehicle.sp", "track"))}
+    speed = keys["vehicle.speed_kmh"] / 3.6
+    return setup_of(keys["track.segments"], speed, keys["vehicle.model"], values=values | more)
+
+
+@cache
+def derailed(name: str) -> Result:
+    """The run of a case."""
+    return run_curving(setup(CASES[name]))
+
+
+# --- derailment -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_derailment_says_what_when_and_where(name):
+    result = derailed(name)
+    attributes = result.dataset.attrs
+    assert (result.status, attributes["stop_cause"]) == ("stopped", "monitor")
+    assert REASONS[name] in result.stop_reason
+    time, distance = attributes["stop_time_s"], attributes["stop_distance_m"]
+    assert result.stop_reason.endswith(f", at t = {time:.4g} s, {distance:.2f} m along the track")
+    assert result.summary()["stop"]["reason"] == result.stop_reason
+    # the samples go right up to it, and the strips of the end are kept
+    assert result.dataset["time"].values[-1] == pytest.approx(time, abs=1e-9)
+    assert result.dataset["snapshot_time"].values[-1] == pytest.approx(time, abs=1e-9)
+    for channel in ("lateral_shift", "Y", "Q", "roll"):
+        assert np.isfinite(result.dataset[channel].values).all()
+
+
+def test_the_flange_climbs_with_the_wheel_before_it_counts_as_derailed():
+    last = derailed("climb").dataset.isel(time=-1)
+    lifted = float(derailed("climb").stop_reason.split("lifted by ")[1].split(" mm")[0])
+    assert 15.0 < lifted < 30.0  # of a flange height of 28 mm
+    assert last["u_wheel"].sel(wheel="right").values[0] < -45e-3  # the contact has gone down the flange to its tip
+    assert derailed("climb").dataset["Y_over_Q"].sel(wheel="right").max() > 0.7
+
+
+def test_a_derailment_in_a_right_curve_is_the_mirror_image():
+    result = run_curving(setup(mirror_image(CLIMB)))
+    reason = derailed("climb").stop_reason
+    assert result.stop_reason == reason.replace("right", "left")
+
+
+def test_a_derailment_is_noticed_no_matter_how_seldom_samples_are_kept():
+    seldom = run_curving(setup(CLIMB, **{"run.output_interval_ms": 5000.0}))
+    assert seldom.stop_reason == derailed("climb").stop_reason
+    assert seldom.dataset.sizes["time"] == 2  # start and end
+
+
+def test_a_derailed_run_can_be_saved_loaded_and_drawn_from_the_command_line(tmp_path):
+    file = tmp_path / "climb.toml"
+    base = SCENARIOS / "curve_r300.toml"
+    keys = CLIMB | {"output.patches_at_m": [5.0], "run.start_distance_m": 0.0}
+    file.write_text(load(base).with_values(keys).text)
+    runner = CliRunner()
+    done = runner.invoke(app, ["run", str(file), "-o", str(tmp_path / "out"), "-q", "--no-pictures"])
+    assert done.exit_code == 3
+    assert f"{file}: stopped: {REASONS['climb']}" in done.stderr
+    assert {"result.nc", "summary.json", "history.csv"} <= {path.name for path in (tmp_path / "out").iterdir()}
+    assert Result.load(tmp_path / "out").stop_reason == derailed("climb").stop_reason
+    drawn = runner.invoke(app, ["plot", str(tmp_path / "out")])
+    assert drawn.exit_code == 0, drawn.output
+    assert {"overview.png", "patches.png", "sections.png"} <= {path.name for path in (tmp_path / "out").iterdir()}
+
+
+@cache
+def fast_ride(speed: float):
+    """A wheelset on straight track, its watch, and its state at rest on the rails."""
+    straight_run = setup_of([straight(100.0)], speed, STEERING)
+    going = ride(straight_run)
+    found = going.steady(("z", "roll", "spin_rate"))
+    return straight_run, going, found
+
+
+def watched(speed: float, lift: float, seconds: float) -> str | None:
+    """What the watch says to a wheelset held ``lift`` above its rails for some time at a speed."""
+    straight_run, going, found = fast_ride(speed)
+    watch = DerailmentWatch(straight_run, going.law)
+    answer = None
+    for t in np.arange(0.0, seconds, watch.interval):
+        q = found.q.copy()
+        q[0] += lift if t > 0.0 else 0.0
+        q[1] += speed * t
+        answer = answer or watch(float(t), q, found.q_t)
+    return answer
+
+
+def test_a_hop_is_no_derailment_however_fast_nor_a_slow_creep_in_the_air_however_long():
+    # 1 mm high, a hop lasts 29 ms; 4 mm, 57 ms
+    assert 3.0 * 0.029 < LIFT_DISTANCE < 100.0 * 0.045
+    assert watched(100.0, 1e-3, 0.045) is None  # 4.5 m
+    assert "no contact with its rail" in str(watched(100.0, 4e-3, LIFT_TIME + 0.01))
+    assert watched(2.0, 4e-3, 1.2) is None  # 2.4 m
+    assert "no contact with its rail" in str(watched(2.0, 4e-3, 1.7))
+
+
+def test_the_watch_looks_at_least_every_quarter_of_a_metre():
+    for speed in (1.0, 20.0, 100.0):
+        straight_run, going, _ = fast_ride(speed)
+        assert DerailmentWatch(straight_run, going.law).interval * speed <= 0.25
+        assert DerailmentWatch(straight_run, going.law).interval <= 5e-3
+
+
+def test_wheels_deep_in_their_rails_are_a_lost_solution():
+    straight_run, going, found = fast_ride(20.0)
+    q = found.q.copy()
+    q[0] -= 4e-3
+    answer = DerailmentWatch(straight_run, going.law)(1.0, q, found.q_t)
+    assert answer is not None
+    assert answer.startswith("the contact solution is lost: the ")
+    assert "overlap by 4" in answer
+    assert answer.endswith(", at t = 1 s, 0.00 m along the track")
+
+
+def test_flange_tips_and_gauge_faces_are_where_the_standards_have_them():
+    _, going, _ = fast_ride(20.0)
+    wheel = going.law.wheels[0].model
+    tip = flange_tip(wheel.wheel)
+    assert tip is not None
+    assert tip == pytest.approx((-55e-3, -28e-3), abs=2e-3)  # S1002: flange 28 mm high
+    assert gauge_face(wheel.rail) == pytest.approx(-43.036e-3 + wheel.rail.top[0], abs=1e-5)  # 60E1 1:40
+    cone = setup(FALL).wheelset.left.profile
+    assert flange_tip(cone) is None
+
+
+# --- a law that fails, a step that is too long, a start that is none --------------------------------------------
+
+
+def law_that(monkeypatch, does) -> None:
+    """From 0.3 s on the force law does something else."""
+    true = WheelsetOnTrack.__call__
+
+    def call(self, t, q, q_t, out):
+        status = true(self, t, q, q_t, out)
+        if t >= 0.3:
+            does(out)
+        return status
+
+    monkeypatch.setattr(WheelsetOnTrack, "__call__", call)
+
+
+def short() -> Setup:
+    """Ten metres of straight track at 20 m/s."""
+    return setup_of([straight(10.0)], 20.0, STEERING)
+
+
+def test_not_a_number_in_the_law_stops_the_run_and_is_named(monkeypatch, tmp_path):
+    law_that(monkeypatch, lambda out: out.__setitem__(4, np.nan))
+    result = run_curving(short())
+    assert (result.status, result.dataset.attrs["stop_cause"]) == ("stopped", "not-finite")
+    assert result.stop_reason == "the force along roll is not a number at t = 0.3 s"
+    assert result.dataset["time"].values[-1] == pytest.approx(0.2995, abs=1e-3)
+    assert np.isfinite(result.dataset["Q"].values).all()
+    assert Result.load(result.save(tmp_path / "x.nc")).stop_reason == result.stop_reason
+
+
+def test_a_lost_solution_stops_the_run_in_good_order(monkeypatch, tmp_path):
+    def fail(out):
+        raise SimulationError("the solution is lost at t = 0.3 s")
+
+    law_that(monkeypatch, fail)
+    result = run_curving(short())
+    assert (result.status, result.dataset.attrs["stop_cause"]) == ("stopped", "forces")
+    assert result.stop_reason == "the solution is lost at t = 0.3 s"
+    assert 0.29 < result.dataset["time"].values[-1] < 0.3  # the state at which the law fails is left out
+    assert Result.load(result.save(tmp_path / "x.nc")).status == "stopped"
+
+
+def test_a_step_beyond_the_stability_limit_is_refused():
+    with pytest.raises(InputError, match=r"run\.step_us = 1000: must be at most 4\d\d, where the integration becomes"):
+        run_curving(setup_of([straight(10.0)], 10.0, STEERING, values={"run.step_us": 1000}))
+
+
+def test_the_complaint_about_a_long_step_names_file_and_line(tmp_path):
+    file = tmp_path / "long_step.toml"
+    base = SCENARIOS / "curve_r300.toml"
+    file.write_text(f'base = "{base.as_posix()}"\n[run]\nstep_us = 4000\n')
+    with pytest.raises(InputError, match=r"long_step\.toml:3: run\.step_us = 4000: must be at most \d+, where"):
+        run(load(file))
+
+
+def test_a_curve_that_nobody_can_start_in_is_told_with_its_place():
+    with pytest.raises(
+        SimulationError, match=r"no steady motion to start from at 3 m and 79\.2 km/h in a curve of 60 m"
+    ):
+        run_curving(setup_of([arc(30.0, 60.0)], 22.0, STEERING, start=3.0))
+
+
+# --- from outside -----------------------------------------------------------------------------------------------
+
+LONG_RUN = """
+import sys
+from wrsim.analysis.motion.derailment import DerailmentWatch
+from wrsim.cli import main
+look = DerailmentWatch.__call__
+def looking(self, t, q, q_t):
+    if t > 0.1 and not hasattr(self, "told"):
+        self.told = True
+        print("running", flush=True)
+    return look(self, t, q, q_t)
+DerailmentWatch.__call__ = looking
+sys.argv[0] = "wrsim"
+main()
+"""
+"""The command itself; it only says when the integration is under way."""
+
+
+def test_ctrl_c_ends_a_run_with_130_and_everything_on_disk(tmp_path):
+    file = tmp_path / "long.toml"
+    keys = {"track.segments": [straight(4000.0)], "output.patches_at_m": [1.0]}
+    file.write_text(load(SCENARIOS / "curve_r300.toml").with_values(keys).text)
+    out = tmp_path / "out"
+    command = [sys.executable, "-c", LONG_RUN, "run", str(file), "-o", str(out), "-q", "--no-pictures"]
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert child.stdout is not None
+    assert child.stdout.readline() == "running\n"
+    child.send_signal(signal.SIGINT)
+    _, told = child.communicate(timeout=120)
+    assert child.returncode == 130, told
+    assert f"{file}: stopped: interrupted by the user at t = " in told
+    result = Result.load(out)
+    assert result.status == "stopped"
+    assert result.dataset.attrs["stop_cause"] == "interrupt"
+    assert result.dataset["time"].values[-1] > 0.1
+    drawn = CliRunner().invoke(app, ["plot", str(out), "--at", "1"])
+    assert drawn.exit_code == 0, drawn.output
+    assert (out / "patches_at_1.png").is_file()
+
+
+def test_a_full_disk_at_the_end_of_a_run_is_told_plainly(tmp_path, monkeypatch):
+    file = tmp_path / "short.toml"
+    keys = {"track.segments": [straight(3.0)], "output.patches_at_m": [1.0]}
+    file.write_text(load(SCENARIOS / "curve_r300.toml").with_values(keys).text)
+    sync = os.fsync
+
+    def full(descriptor: int) -> None:
+        if os.fstat(descriptor).st_size > 20_000:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", full)
+    done = CliRunner().invoke(app, ["run", str(file), "-o", str(tmp_path / "out"), "-q"])
+    assert done.exit_code == 1
+    assert "result.nc: the disk is full (" in done.stderr
+    assert "free some space or choose another directory" in done.stderr
+    assert done.stderr.count("\n") == 1
+    # nothing half-written, and the run itself is safe
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"scenario.toml", "result.nc.part"}
+    monkeypatch.undo()
+    again = CliRunner().invoke(app, ["run", str(file), "-o", str(tmp_path / "out"), "-q", "--no-pictures", "--resume"])
+    assert again.exit_code == 0, again.output
+    assert Result.load(tmp_path / "out").status == "completed"

@@ -1,0 +1,124 @@
+"""A run of a whole vehicle: its result has every wheelset, and each reads like a lone one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from support.vehicles import ROOT, SHORT, into_the_curve, manchester
+
+from wrsim.analysis import run
+from wrsim.analysis.motion.vehicle_run_in import run_in
+from wrsim.analysis.motion.vehicle_start import vehicle_law, vehicle_start
+from wrsim.core.contact.layout import FORCE_B, FORCE_O
+from wrsim.errors import InputError
+from wrsim.results import CHANNELS, Result
+from wrsim.results.tables import tables
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load
+from wrsim.simulation.placement import poses_on_track
+from wrsim.simulation.vehicle_state import steady_state
+
+
+def test_every_wheelset_of_the_result_reads_like_a_lone_one() -> None:
+    result = into_the_curve()
+    assert result.status == "completed"
+    dataset = result.dataset
+    names = [m.name for m in manchester().wheelsets]
+    assert list(dataset["wheelset"].values) == names
+    assert dataset["Y"].dims == ("time", "wheelset", "wheel")
+    one = result.of_wheelset(names[1])
+    for name, variable in one.dataset.data_vars.items():
+        assert variable.dims == CHANNELS[str(name)].dims_in("time"), name
+    assert np.array_equal(one.dataset["Q"].values, dataset["Q"].values[:, 1])
+    assert np.array_equal(one.dataset["distance"].values, dataset["wheelset_distance"].values[:, 1])
+    lone = {name.removesuffix(f"_{names[1]}") for name in tables(dataset) if name.endswith(names[1])}
+    assert lone == set(tables(one.dataset))
+    assert set(result.summary()["wheelsets"]) == set(names)
+    with pytest.raises(InputError, match="did you mean 'front"):
+        result.of_wheelset("front.oter")
+
+
+def test_the_wheelsets_follow_each_other_at_the_distance_of_the_vehicle() -> None:
+    dataset = into_the_curve().dataset
+    apart = dataset["wheelset_distance"].values - dataset["distance"].values[:, None]
+    places = np.array([m.x for m in manchester().wheelsets])
+    assert np.allclose(apart, places, atol=0.05)
+    assert np.allclose(dataset["speed"].values, 60.0 / 3.6, rtol=2e-3)  # held by the pull
+
+
+def test_the_leading_wheelset_is_pushed_outward_first_and_the_body_leans() -> None:
+    end = into_the_curve().dataset.isel(time=-1)
+    shift = end["lateral_shift"].values
+    assert shift[0] < -3e-3  # the curve is to the left
+    assert shift[0] == shift.min()
+    assert end["Y"].values[0, 1] > end["Y"].values[3, 1]
+    assert end["suspension_fz"].sel(suspension="front.secondary left").item() > 60e3  # carries a quarter of the body
+
+
+def test_a_result_is_the_same_after_a_trip_to_the_disk(tmp_path) -> None:
+    result = into_the_curve()
+    result.save(tmp_path / "result.nc")
+    assert Result.load(tmp_path / "result.nc").dataset.identical(result.dataset)
+
+
+def test_a_coach_at_rest_on_canted_track_leans_and_its_loads_sum_to_the_weight() -> None:
+    cant = 60.0
+    values = {
+        "analysis": "equilibrium",
+        "track.segments": [{"kind": "straight", "length_m": 60.0, "cant_start_mm": cant, "cant_end_mm": cant}],
+        "run.start_distance_m": 30.0,
+    }
+    dataset = run(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | values)).dataset
+    loads = dataset["Q"].values[0]
+    angle = np.arcsin(cant / 1500.0)
+    assert loads.sum() == pytest.approx(manchester().weight * np.cos(angle), rel=1e-4)
+    assert (loads[:, 0] > loads[:, 1]).all()  # the right rail is the higher one
+    assert dataset["body_roll"].sel(body="carbody").item() < -5e-3  # leans further to the left than the track
+    assert dataset["point_ay"].values[0] == pytest.approx(-9.80665 * np.sin(angle), rel=0.25)
+
+
+def test_driven_axles_hold_the_speed_as_a_pull_does() -> None:
+    """Moments on the axles show as longitudinal creep forces; together they are the pull that the coach needs."""
+    keys = SHORT | {"vehicle.drive": "wheels", "run.distance_m": 24.0}
+    dataset = run(load(ROOT / "scenarios/manchester_r300.toml").with_values(keys)).dataset
+    assert np.allclose(dataset["speed"].values, 60.0 / 3.6, rtol=2e-3)
+    end = dataset.isel(time=-1)
+    assert end["drive_force"].item() > 100.0  # the curve takes power
+    # what the wheels push back with is what accelerates the coach: less than a hundredth of g
+    assert abs(end["X"].values.sum()) < 0.01 * manchester().weight
+
+
+def test_steady_motion_in_a_curve_is_where_a_long_run_into_it_ends() -> None:
+    curve = {"kind": "arc", "radius_m": 1500.0, "length_m": 200.0, "cant_mm": 60.0}
+    keys = {"track.segments": [curve], "vehicle.speed_kmh": 110.0, "run.start_distance_m": 100.0}
+    setup = build(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | keys))
+    law = vehicle_law(setup)
+    out = np.zeros(law.size)
+
+    def numbers(q: np.ndarray, q_t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        law.look_near(100.0)
+        law(0.0, q, q_t, out)
+        totals = np.array([[wheel.model.arrays.total[[FORCE_O, FORCE_B]] for wheel in pair] for pair in law.wheels])
+        own = [slice(6 * w, 6 * w + 6) for w in range(4)]
+        poses = [poses_on_track(law.track.centre, q[None, o], q_t[None, o], 100.0) for o in own]
+        return totals, np.array([[p.lateral[0], p.yaw[0]] for p in poses])
+
+    found = steady_state(law, 100.0)
+    forces, places = numbers(found.q, found.q_t)
+    reached = run_in(setup, lambda there: vehicle_law(there, law.speed, "train"), vehicle_start)
+    forces_reached, places_reached = numbers(*reached)
+    assert np.abs(forces[..., 1] / forces_reached[..., 1] - 1.0).max() < 0.01  # Q
+    assert np.abs(forces - forces_reached)[..., 0].max() < 0.01 * np.abs(forces[..., 0]).max()  # Y
+    apart = np.abs(places - places_reached).max(axis=0)  # lateral shift, angle of attack
+    assert (apart < 0.01 * np.abs(places).max(axis=0)).all()
+
+
+def test_irregularities_are_kept_under_every_wheelset_at_its_own_place() -> None:
+    dip = {"kind": "dip", "at_m": 22.8, "length_m": 2.0, "amplitude_mm": 3.0, "rail": "left"}
+    keys = SHORT | {"track.irregularities": [dip], "run.distance_m": 1.0}
+    dataset = run(load(ROOT / "scenarios/manchester_r300.toml").with_values(keys)).dataset
+    vertical = dataset["rail_vertical"]
+    assert vertical.dims == ("time", "wheelset", "wheel")
+    assert vertical.values[0, 0, 0] == pytest.approx(-3e-3, rel=0.02)  # the first wheelset stands in the middle of it
+    assert np.abs(vertical.values[:, 1:]).max() < 1e-3  # the others are not there yet
+    assert np.abs(vertical.values[..., 1]).max() == 0.0

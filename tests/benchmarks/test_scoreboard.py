@@ -1,0 +1,91 @@
+"""The scoreboard's own arithmetic, and the page that is made from it."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.contact_bench import bench, contact_of, pair_model, settle
+
+ROOT = Path(__file__).parents[2]
+
+
+def script(path: Path):
+    """A script of the repository as a module; scripts of benchmarks find each other."""
+    sys.path.insert(0, str(path.parent))
+    try:
+        spec = importlib.util.spec_from_file_location(path.stem, path)
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[path.stem] = module
+        spec.loader.exec_module(module)
+        return module
+    finally:
+        sys.path.remove(str(path.parent))
+
+
+@pytest.fixture(scope="module")
+def scoreboard():
+    return script(ROOT / "benchmarks/scoreboard.py")
+
+
+def row(case, method, pmax, **changes):
+    return {
+        "case_id": case, "method": method, "ierr": "0", "fz_ok": "1", "n_components": "1", "pmax_MPa": str(pmax),
+        "area_mm2": "50", "pen_mm": "0.04", "Fn_N": "24000", "cant_label": "1:40", "y_ws_mm": "0",
+    } | changes  # fmt: skip
+
+
+def test_the_truth_is_one_region_that_met_its_load(scoreboard):
+    rows = [
+        row("a", "contact_planar", 990.0), row("a", "contact_conf_hs", 1000.0), row("a", "kpec", 950.0),
+        row("b", "contact_planar", 500.0), row("b", "contact_conf_hs", 510.0, n_components="2"),
+        row("c", "contact_conf_hs", 700.0, ierr="-29"), row("d", "contact_conf_hs", 700.0, fz_ok="0"),
+        row("e", "contact_conf_hs", 700.0), row("e", "contact_conf_hs", 100.0),
+    ]  # fmt: skip
+    cases = scoreboard.by_case(rows)
+    truth = scoreboard.truths(cases)
+    # the curved solution before the planar one, the planar one where the other has two regions, none of the rest
+    assert {case: r["pmax_MPa"] for case, r in truth.items()} == {"a": "1000.0", "b": "500.0"}
+    said = scoreboard.peer(cases, "kpec")
+    assert scoreboard.ratios(truth, said, "p0_MPa") == pytest.approx([-0.05])
+
+
+@pytest.mark.parametrize("lateral", [0.0, 3e-3, 6e-3])
+def test_regions_hold_all_strips_once(scoreboard, lateral):
+    stand = bench(pair_model("S1002/60E1 1:40"))
+    settle(stand, lateral, 0.0, 60e3)
+    contact = contact_of(stand)
+    regions = sys.modules["reference_contact"].strip_regions(np.concatenate(contact.strips), 0.0)
+    assert sum(r.normal_force for r in regions) == pytest.approx(contact.normal_force, rel=1e-9)
+    assert [r.normal_force for r in regions] == sorted((r.normal_force for r in regions), reverse=True)
+    assert 1 <= len(regions) <= len(contact.patches)
+
+
+def test_a_region_ends_where_no_strip_touches_the_next(scoreboard):
+    from wrsim.core.contact import layout as k
+
+    strips = np.zeros((6, k.STRIP_COLUMNS))
+    strips[:, k.O] = [0.0, 1e-3, 2e-3, 5e-3, 6e-3, 9e-3]
+    strips[:, k.DS], strips[:, k.A], strips[:, k.P], strips[:, k.FORCE], strips[:, k.NB] = 1e-3, 4e-3, 1e9, 1e3, 1.0
+    strips[5, k.FORCE] = 0.0  # not in contact
+    first, second = sys.modules["reference_contact"].strip_regions(strips, 0.75)
+    assert (first.normal_force, second.normal_force) == (3e3, 2e3)
+    assert (first.width, second.width) == pytest.approx((3e-3, 2e-3))
+    assert (first.place, second.place) == pytest.approx((0.751, 0.7555))
+    assert first.length == pytest.approx(8e-3)
+    assert first.area == pytest.approx(3 * 8e-6)
+
+
+@pytest.mark.parametrize("name", ["kik", "kik-piotrowski/fine", "half-space/strips", "half-space/table/round"])
+def test_models_that_are_not_known_are_refused(scoreboard, name):
+    with pytest.raises(SystemExit, match=r"allowed|unknown option"):
+        scoreboard.Chosen.parse(name)
+
+
+def test_the_page_says_what_its_data_say():
+    standing = script(ROOT / "docs/figures/make_standing.py")
+    page = standing.PAGE.read_text(encoding="utf-8")
+    for name, make in standing.PARTS.items():
+        start, end = f"<!-- {name}: made by make_standing.py -->\n", f"\n<!-- end of {name} -->"
+        assert page.split(start)[1].split(end)[0] == make(), name

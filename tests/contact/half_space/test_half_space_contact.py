@@ -1,0 +1,349 @@
+"""The exact solver on wheels and rails: Hertz, CONTACT's published and computed cases, laws over poses."""
+
+import csv
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from support.contact_bench import (
+    HALF_SPACING,
+    STEEL,
+    bench,
+    contact_model,
+    flat_rail,
+    pair_model,
+    round_wheel,
+)
+from support.half_space_bench import COMPLIANCE, Ellipse
+
+from wrsim.analysis.poses.half_space_solver import HalfSpaceBench
+from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.half_space.solver import STATUS_TOO_MANY, HalfSpace
+from wrsim.contact.model import ContactModel
+from wrsim.contact.settings import ContactSettings, Material
+from wrsim.core.contact import layout as k
+from wrsim.geometry.profile.sections import circle
+from wrsim.scenario.cases import StaticPose
+
+EXACT = {"normal": "half-space", "tangential": "half-space"}
+FRICTIONLESS = EXACT | {"tangential": "none"}
+
+
+def solve(model, pose, solver=HalfSpace(), before=None):  # noqa: B008 (frozen)
+    model.arrays.pose[:] = pose
+    return solver.solve_pose(model, before)
+
+
+def lowered(radius, approach, yaw=0.0, lateral=0.0, speed=0.0):
+    """Pose of a wheel over a rail whose crown is the origin, rolling without slip at its tape circle."""
+    axle = (-np.sin(yaw), np.cos(yaw), 0.0)
+    omega = speed / radius
+    return (0.0, lateral, radius - approach, *axle, speed, 0.0, 0.0, omega * axle[0], omega * axle[1], 0.0)
+
+
+def stand(pair="S1002/60E1 1:40", solver=HalfSpace(), **choices):  # noqa: B008
+    choices = EXACT | choices
+    model = pair_model(pair, **choices)
+    fast = bench(model, rolling=choices.get("tangential") != "none")
+    return HalfSpaceBench(fast.wheels, fast.speed > 0.0, 0.46, solver)
+
+
+# Hertz
+
+
+def test_a_round_wheel_on_a_plane_is_hertz():
+    model = contact_model(round_wheel(0.3), flat_rail(), radius=0.46, **FRICTIONLESS)
+    # half axes whose curvatures are those of the wheel
+    shape = brentq(lambda q: np.divide(*Ellipse(1.0, q).curvatures) - 0.3 / 0.46, 0.3, 3.0)
+    unit = Ellipse(1.0, shape)
+    a = np.sqrt(0.1e-3 / unit.approach * unit.curvatures[0] * 2.0 * 0.46)
+    ellipse = Ellipse(a, a * shape, 1e9 * 0.1e-3 / unit.approach / a)
+    assert ellipse.approach == pytest.approx(0.1e-3)
+    (patch,) = solve(model, lowered(0.46, 0.1e-3)).patches
+    assert patch.approach == pytest.approx(0.1e-3, rel=1e-6)
+    assert patch.normal_force == pytest.approx(ellipse.force, rel=2e-3)
+    assert patch.p0 == pytest.approx(ellipse.p0, rel=2e-3)
+    assert patch.area == pytest.approx(ellipse.area, rel=5e-3)
+    (region,) = patch.regions
+    assert region.s[1] - region.s[0] == pytest.approx(2.0 * ellipse.b, rel=0.01)
+    assert region.x[1] - region.x[0] == pytest.approx(2.0 * ellipse.a, rel=0.01)
+
+
+def test_force_grows_steadily_with_the_approach():
+    model = pair_model("S1002/60E1 1:40", **FRICTIONLESS)
+    b = stand(**FRICTIONLESS)
+    b.solve(StaticPose("start", 0.0, 0.0, 5e3))
+    pose = b.wheels[0].model.arrays.pose.copy()
+    forces = []
+    for depth in np.linspace(0.0, 60e-6, 13):
+        pose[2] -= depth - (0.0 if not forces else np.linspace(0.0, 60e-6, 13)[len(forces) - 1])
+        forces.append(solve(model, pose, HalfSpace(element=(3e-4, 3e-4))).normal_force)
+    assert (np.diff(forces) > 0.0).all()
+
+
+# CONTACT's published cases
+
+
+@pytest.mark.parametrize(
+    ("groove", "influence", "spin", "approach", "p0", "width", "length"),
+    [
+        (10.25, "half-space", 1.0002301, 0.02237, 530.2, 5.75, 6.23),
+        (10.10, "half-space", 1.0004411, 0.01939, 409.3, 8.75, 5.46),
+        (10.25, "angle-corrected", 1.0002301, 0.02237, 520.6, 5.75, 6.23),
+        (10.10, "angle-corrected", 1.0004411, 0.01928, 397.6, 8.75, 5.27),
+    ],
+)
+def test_ball_in_a_deep_groove(groove, influence, spin, approach, p0, width, length):
+    # after Li 2002; CONTACT 25.2, testbank groove_li: ball 10 mm, rolling radius 420 mm, 10 kN, G 80 GPa, mu 0.3
+    steel = Material(2.0 * 80e9 * 1.28, 0.28)
+    ball, trough = circle("ball", "wheel", -0.010, 0.0096), circle("groove", "rail", -1e-3 * groove, 0.0098)
+    model = ContactModel.build(ball, trough, 0.42, ContactSettings(**EXACT, damping=0.0, wheel=steel, rail=steel), 0.3)
+    solver = HalfSpace((0.0958333e-3, 0.25e-3), influence=influence)
+
+    def at(depth):
+        return solve(model, (0.0, 0.0, 0.42 - depth, 0.0, 1.0, 0.0, 0.42, 0.0, 0.0, 0.0, spin, 0.0), solver)
+
+    found = brentq(lambda d: at(d).force[2] - 1e4, 1e-3 * approach * 0.98, 1e-3 * approach * 1.02, xtol=1e-9)
+    (patch,) = at(found).patches
+    assert 1e3 * found == pytest.approx(approach, rel=2e-3)
+    assert 1e-6 * patch.p0 == pytest.approx(p0, rel=2e-3)
+    assert 0.25 * patch.p.any(axis=1).sum() == pytest.approx(width, abs=1e-9)
+    assert 0.0958333 * patch.p.any(axis=0).sum() == pytest.approx(length, abs=0.1)
+
+
+@cache
+def groove_rows():
+    lines = (Path(__file__).parents[2] / "data/contact_grooves.csv").read_text().splitlines()
+    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
+    return [{name: float(value) for name, value in row.items()} for row in rows]
+
+
+@pytest.mark.parametrize("row", groove_rows()[::5], ids=lambda r: f"R{r['R_wheel_mm']:g}-{r['N_nom_N']:g}")
+def test_rail_corner_in_hollow_arcs(row):
+    radius = 1e-3 * row["R_roll_mm"]
+    hollow = circle("hollow", "wheel", 1e-3 * row["R_wheel_mm"], 0.95e-3 * row["R_wheel_mm"])
+    model = contact_model(hollow, circle("corner", "rail", 0.013, 0.98 * 0.013), radius=radius, **FRICTIONLESS)
+    b = HalfSpaceBench([WheelOnRail(model, 1, HALF_SPACING, (HALF_SPACING, 0.0))], False, radius)
+    assert not b.solve(StaticPose("", 1e-3 * row["y_ws_mm"], 0.0, row["Fz_req_N"])).message
+    (patch,) = b.contacts[0].patches
+    (region,) = patch.regions
+    assert 1e-6 * patch.p0 == pytest.approx(row["pmax_MPa"], rel=2e-3)
+    assert 1e3 * patch.approach == pytest.approx(row["pen_mm"], rel=2e-3)
+    assert 1e6 * patch.area == pytest.approx(row["area_mm2"], rel=0.02)
+    assert np.degrees(np.arctan2(-b.force[1], b.force[2])) == pytest.approx(row["force_angle_deg"], abs=0.1)
+    assert np.hypot(*b.force[1:]) == pytest.approx(row["Fres_N"], rel=1e-3)
+    # the tables count whole rows of 0.1 mm, each 0.44 degrees; their places lie up to a degree beside the resultant's
+    span = np.degrees(region.angle[0] - region.angle[1])
+    assert span == pytest.approx(row["ang_at_smax_deg"] - row["ang_at_smin_deg"], abs=0.7)
+
+
+# S1002 on 60E1 against CONTACT
+
+
+def static_cases():
+    lines = (Path(__file__).parents[2] / "data/contact_own_static.csv").read_text().splitlines()
+    by_case = {}
+    for row in csv.DictReader(line for line in lines if not line.startswith("#")):
+        by_case.setdefault(row["case_id"], []).append(row)
+    single = [rows[0] for rows in by_case.values() if len(rows) == 1 and rows[0]["n_components"] == "1"]
+    return [r for r in single if r["cant_label"] == "1:40"][::18]
+
+
+def solve_case(row, pairing):
+    element = {24000.0: 2e-4, 60000.0: 2.5e-4, 100000.0: 3e-4}[float(row["Fz_req_N"])]
+    b = stand(
+        solver=HalfSpace((element, element), pairing=pairing), tangential="half-space" if row["tang"] == "3" else "none"
+    )
+    solved = b.solve(StaticPose("", 1e-3 * float(row["y_ws_mm"]), float(row["yaw_rad"]), float(row["Fz_req_N"])))
+    assert not solved.message
+    return b, b.contacts[0].patches[0]
+
+
+@pytest.mark.parametrize("row", static_cases(), ids=lambda r: r["case_id"])
+def test_s1002_on_60e1_as_contact_pairs_the_profiles(row):
+    b, patch = solve_case(row, "level")
+    normal = float(row["Fn_N"])
+    assert 1e-6 * patch.p0 == pytest.approx(float(row["pmax_MPa"]), rel=0.03)  # a peak between two elements
+    assert 1e3 * patch.approach == pytest.approx(float(row["pen_mm"]), rel=8e-3)
+    assert patch.normal_force == pytest.approx(normal, rel=0.01)
+    assert -b.force[0] == pytest.approx(float(row["FX_tr_N"]), abs=3e-3 * normal)
+    assert -b.force[1] == pytest.approx(float(row["FY_tr_N"]), abs=3e-3 * normal)
+    assert 1e6 * patch.counted_area == pytest.approx(float(row["area_mm2"]), rel=0.09)  # flanges: 5 rows of elements
+
+
+def test_opposite_points_move_the_flange_s_normal():
+    # On a flank CONTACT's pairing errs by approach tan(angle) along it: half of that in place, a quarter in the
+    # normal's angle per difference of curvatures. The load then asks for another normal force.
+    row = next(r for r in static_cases() if float(r["y_ws_mm"]) > 7.4)
+    ours, theirs = solve_case(row, "opposite")[1], solve_case(row, "level")[1]
+    angle = ours.regions[0].angle[0]
+    assert angle > 1.0
+    shift = 0.25 * ours.approach * np.tan(angle) / 13e-3
+    turned = np.mean(ours.regions[0].angle) - np.mean(theirs.regions[0].angle)
+    assert 0.3 * shift < turned < 2.0 * shift
+
+
+# laws
+
+
+def test_default_elements_are_converged():
+    pose = StaticPose("", 3e-3, 0.005, 60e3)
+    coarse, fine = stand(), stand(solver=HalfSpace(resolution=80))
+    figures = []
+    for b in (coarse, fine):
+        assert not b.solve(pose).message
+        patch = b.contacts[0].patches[0]
+        figures.append([patch.p0, patch.area, patch.approach, patch.normal_force, *b.force[:2]])
+    assert figures[0] == pytest.approx(figures[1], rel=6e-3)
+
+
+def test_a_narrow_peak_gets_finer_rows():
+    # where the rail's radius jumps from 80 to 13 mm S1002 at 6.5 mm presses a second peak, half a millimetre wide
+    b = stand("S1002/60E1 1:20", **FRICTIONLESS)
+    b.solve(StaticPose("", 6.5e-3, 0.0, 24e3))
+    (patch,) = b.contacts[0].patches
+    fine = solve(b.wheels[0].model, b.wheels[0].model.arrays.pose.copy(), HalfSpace((patch.grid.dx, 2e-5))).patches[0]
+    assert patch.grid.ds < 1.2e-4
+    assert patch.p0 == pytest.approx(fine.p0, rel=0.01)
+
+
+def test_planar_patch_needs_no_angle_correction():
+    model = contact_model(round_wheel(0.3), flat_rail(), radius=0.46, **EXACT)
+    pose = lowered(0.46, 0.08e-3, yaw=3e-3, speed=10.0)
+    plain = solve(model, pose)
+    corrected = solve(model, pose, HalfSpace(influence="angle-corrected"))
+    assert corrected.force == pytest.approx(plain.force, abs=2e-3 * plain.normal_force)
+    assert corrected.patches[0].p0 == pytest.approx(plain.patches[0].p0, rel=2e-3)
+
+
+def test_friction_holds_and_dissipates():
+    b = stand()
+    b.solve(StaticPose("", 4e-3, 0.004, 60e3))
+    for patch in b.contacts[0].patches:
+        assert (np.hypot(*patch.q) <= 0.3 * patch.p * (1.0 + 1e-9)).all()
+        assert patch.wear > 0.0
+        fx, fs = patch.creep_force
+        assert np.hypot(fx, fs) <= 0.3 * patch.normal_force
+
+
+def test_forces_are_the_sum_over_the_patch():
+    b = stand()
+    b.solve(StaticPose("", 6e-3, 0.0, 80e3))
+    contact = b.contacts[0]
+    patch = contact.patches[0]
+    grid, p, q = patch.grid, patch.p, patch.q
+    cell = grid.dx * grid.ds
+    force, moment = np.zeros(3), np.zeros(3)
+    for j, (no, nb) in enumerate(grid.normal):
+        for i in np.flatnonzero(p[j]):
+            f = cell * np.array([q[0, j, i], p[j, i] * no + q[1, j, i] * nb, p[j, i] * nb - q[1, j, i] * no])
+            force += f
+            moment += np.cross(np.array([grid.x[i], *grid.centre[j]]) - b.wheels[0].model.arrays.pose[:3], f)
+    assert patch.force == pytest.approx(force, rel=1e-9)
+    assert patch.moment == pytest.approx(moment, rel=1e-9)
+    assert contact.force == pytest.approx(sum(p.force for p in contact.patches))
+
+
+@pytest.mark.parametrize("lateral", [0.0, 6.6e-3])
+def test_the_other_wheel_is_the_mirror_image(lateral):
+    model = pair_model("S1002/60E1 1:40", **EXACT)
+    left, right = (HalfSpaceBench(bench(model, sides=(side,)).wheels, True, 0.46) for side in (1, -1))
+    left.solve(StaticPose("", lateral, 0.003, 50e3))
+    right.solve(StaticPose("", -lateral, -0.003, 50e3))
+    assert right.force * [1.0, -1.0, 1.0] == pytest.approx(left.force, rel=1e-6, abs=1e-2)
+    assert right.moment * [-1.0, 1.0, -1.0] == pytest.approx(left.moment, rel=1e-6, abs=1e-2)
+
+
+def test_a_wheelset_finds_its_roll():
+    b = HalfSpaceBench(
+        bench(pair_model("S1002/60E1 1:40", **EXACT), sides=(1, -1)).wheels, True, 0.46, HalfSpace(resolution=16)
+    )
+    solved = b.solve(StaticPose("", 3e-3, 0.002, 110e3))
+    assert not solved.message
+    assert b.force[2] == pytest.approx(110e3, rel=1e-4)
+    assert abs(b.moment[0]) < 1e-3 * 110e3 * HALF_SPACING
+    assert 0.0 < solved.roll < 1e-3
+
+
+def test_a_scaled_wheel_on_a_scaled_rail():
+    # all lengths x 2: the same pressures, forces x 4
+    small = contact_model(round_wheel(0.2), flat_rail(), radius=0.4, **EXACT)
+    large = contact_model(round_wheel(0.4), flat_rail(), radius=0.8, **EXACT)
+    one = solve(small, lowered(0.4, 0.05e-3, yaw=2e-3, speed=10.0), HalfSpace(resolution=30))
+    two = solve(large, lowered(0.8, 0.10e-3, yaw=2e-3, speed=10.0), HalfSpace(resolution=30))
+    assert two.patches[0].p0 == pytest.approx(one.patches[0].p0, rel=3e-3)
+    assert two.force == pytest.approx(4.0 * one.force, rel=5e-3, abs=5e-3 * two.normal_force)
+
+
+def test_contacts_grow_together_without_jumps():
+    # tread and gauge corner of S1002 on 60E1 at 5.06 mm: zones approach each other as the wheel comes down
+    b = stand(solver=HalfSpace((3e-4, 3e-4)), **FRICTIONLESS)
+    b.solve(StaticPose("", 5.0e-3, 0.0, 5e3))
+    pose = b.wheels[0].model.arrays.pose.copy()
+    model, start = b.wheels[0].model, pose[2]
+    forces, patches = [], set()
+    for z in np.linspace(start, start - 60e-6, 121):
+        pose[2] = z
+        contact = solve(model, pose, HalfSpace((3e-4, 3e-4)))
+        forces.append(contact.normal_force)
+        patches.add(sum(len(p.regions) for p in contact.patches))
+    steps = np.diff(forces)
+    assert len(patches) > 1
+    assert (steps > 0.0).all()
+    assert np.abs(np.diff(steps)).max() < 0.3 * steps.max()
+
+
+def test_before_is_a_start_not_an_answer():
+    b = stand()
+    b.solve(StaticPose("", 2e-3, 0.002, 50e3))
+    model, contact = b.wheels[0].model, b.contacts[0]
+    solver = replace(b.solver, element=(contact.patches[0].grid.dx, contact.patches[0].grid.ds))
+    cold, warm = solver.solve_pose(model), solver.solve_pose(model, contact)
+    assert warm.force == pytest.approx(cold.force, rel=1e-4, abs=1.0)
+    assert warm.patches[0].normal.steps < cold.patches[0].normal.steps
+
+
+# bad input
+
+
+def test_no_contact_is_no_patch():
+    model = contact_model(round_wheel(0.3), flat_rail(), radius=0.46, **EXACT)
+    contact = solve(model, lowered(0.46, -1e-3))
+    assert contact.patches == ()
+    assert not contact.force.any()
+    assert contact.closest == pytest.approx(1e-3, abs=2e-5)
+
+
+def test_too_deep_or_too_fine_is_said():
+    model = contact_model(round_wheel(0.3), flat_rail(), radius=0.46, **FRICTIONLESS)
+    deep = solve(model, lowered(0.46, 5e-3))
+    assert deep.status & k.STATUS_TOO_DEEP
+    assert np.isfinite(deep.force).all()
+    fine = solve(model, lowered(0.46, 1e-4), HalfSpace(element=(1e-6, 1e-6)))
+    assert fine.status & STATUS_TOO_MANY
+
+
+def test_a_patch_wider_than_the_profile_is_said():
+    model = contact_model(round_wheel(0.3, half_width=2e-3), flat_rail(), radius=0.46, **FRICTIONLESS)
+    assert solve(model, lowered(0.46, 0.1e-3)).status & k.STATUS_PROFILE_END
+
+
+@pytest.mark.parametrize("load", [1.0, 1e3, 1e6])
+@pytest.mark.parametrize("lateral", [-8e-3, 5.06e-3, 9e-3])
+def test_any_load_finds_its_height(load, lateral):
+    b = stand(solver=HalfSpace(resolution=20))
+    solved = b.solve(StaticPose("", lateral, 0.0, load))
+    assert not solved.message
+    assert b.force[2] == pytest.approx(load, rel=1e-4)
+
+
+def test_a_wheel_beside_its_rail_is_said():
+    solved = stand().solve(StaticPose("", 0.2, 0.0, 1e4))
+    assert "beside its rail" in solved.message
+
+
+def test_constants_of_the_bench_are_those_of_the_model():
+    assert COMPLIANCE.modulus == pytest.approx(STEEL.youngs_modulus / 2.0 / (1.0 - STEEL.poisson_ratio**2))

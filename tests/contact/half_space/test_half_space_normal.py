@@ -1,0 +1,114 @@
+"""The normal problem on a grid: Hertz' ellipses, order of convergence, the laws of contact."""
+
+import numpy as np
+import pytest
+from support.contact_bench import STEEL
+from support.half_space_bench import COMPLIANCE, Ellipse, EllipseGrid
+
+from wrsim.contact.half_space.influence import HalfSpaceOperator
+from wrsim.contact.half_space.solvers import solve_normal
+from wrsim.core.contact.half_space.normal import summarise
+
+ELLIPSES = {"circle": Ellipse(4e-3, 4e-3), "wide": Ellipse(2e-3, 7e-3), "long": Ellipse(9e-3, 1.5e-3)}
+
+
+def figures(pressure, grid):
+    """Area, p0 and force over Hertz'."""
+    n = grid.count
+    total = np.zeros(5)
+    summarise(pressure.p, grid.dx, grid.ds, np.zeros(n), np.zeros(n), total)
+    e = grid.ellipse
+    return total[0] / e.area, total[1] / e.p0, total[2] / e.force
+
+
+@pytest.mark.parametrize("shape", ELLIPSES)
+@pytest.mark.parametrize("off", [(0.0, 0.0), (0.3, 0.5)])
+def test_hertz_s_ellipse_at_the_default_resolution(shape, off):
+    grid = EllipseGrid(ELLIPSES[shape], 36, off)
+    pressure = solve_normal(grid.operator(), grid.penetration(), 1e-5)
+    area, p0, force = figures(pressure, grid)
+    # measured: area 0.25 %, p0 and force 0.03 %
+    assert area == pytest.approx(1.0, abs=5e-3)
+    assert p0 == pytest.approx(1.0, abs=1e-3)
+    assert force == pytest.approx(1.0, abs=1e-3)
+    assert np.abs(pressure.p - grid.pressure())[grid.pressure() > 0.3e9].max() < 0.015e9
+
+
+def test_force_converges_at_second_order():
+    errors = []
+    for across in (12, 24, 48, 96):
+        # mean over places of the grid: a single one scatters with the elements that the edge cuts
+        offs = [(0.0, 0.0), (0.5, 0.5), (0.25, 0.0), (0.0, 0.3)]
+        grids = [EllipseGrid(ELLIPSES["circle"], across, off) for off in offs]
+        errors.append(np.mean([figures(solve_normal(g.operator(), g.penetration(), 1e-7), g)[2] - 1.0 for g in grids]))
+    slope = -np.polyfit(np.log([12, 24, 48, 96]), np.log(errors), 1)[0]
+    assert slope > 1.5
+
+
+def test_pressures_push_and_surfaces_do_not_overlap():
+    grid = EllipseGrid(ELLIPSES["wide"], 30, (0.2, 0.1))
+    # a rough surface: several regions in contact
+    rough = 4e-6 * np.random.default_rng(5).uniform(-1.0, 1.0, (grid.count, grid.count))
+    pen = grid.penetration() + rough
+    operator = grid.operator()
+    pressure = solve_normal(operator, pen, 1e-6)
+    assert pressure.converged
+    gap = operator.normal(pressure.p) - pen
+    assert np.abs(gap - pressure.gap).max() < 1e-12
+    assert pressure.p.min() == 0.0
+    assert gap.min() > -1e-6 * pen.max()
+    assert np.abs(gap[pressure.p > 0.0]).max() <= 1e-6 * pen.max()
+
+
+@pytest.mark.parametrize("shape", ELLIPSES)
+def test_a_dozen_steps_suffice(shape):
+    grid = EllipseGrid(ELLIPSES[shape], 48)
+    assert solve_normal(grid.operator(), grid.penetration(), 1e-4).steps <= 12
+
+
+def test_the_solution_does_not_depend_on_the_start():
+    grid = EllipseGrid(ELLIPSES["long"], 24)
+    operator, pen = grid.operator(), grid.penetration()
+    cold = solve_normal(operator, pen, 1e-8)
+    warm = solve_normal(operator, pen, 1e-8, np.full(pen.shape, 1e8))
+    assert warm.p == pytest.approx(cold.p, abs=1e-5 * cold.p.max())
+    assert solve_normal(operator, pen, 1e-6, cold.p).steps == 0
+
+
+def test_force_grows_with_the_approach_as_hertz_says():
+    grid = EllipseGrid(ELLIPSES["circle"], 24)
+    operator = grid.operator()
+    shares = np.linspace(0.1, 1.0, 10)
+    pen = grid.penetration()
+    forces = [solve_normal(operator, pen - (1.0 - share) * pen.max(), 1e-6).p.sum() for share in shares]
+    assert (np.diff(forces) > 0.0).all()
+    assert np.array(forces)[4:] / forces[-1] == pytest.approx(shares[4:] ** 1.5, rel=0.01)
+
+
+def test_no_overlap_no_pressure():
+    grid = EllipseGrid(ELLIPSES["circle"], 12)
+    pressure = solve_normal(grid.operator(), grid.penetration() - 1e-3)
+    assert not pressure.p.any()
+    assert pressure.converged
+
+
+def test_a_neighbour_presses_down():
+    # two equal balls in a row: each carries less than alone, and the less the nearer
+    ball = Ellipse(2e-3, 2e-3)
+    d = ball.a / 8.0
+    curvature = ball.curvatures[0]
+    x = (np.arange(120) - 59.5) * d
+    s = (np.arange(20) - 9.5)[:, None] * d
+    operator = HalfSpaceOperator(20, 120, d, d, COMPLIANCE)
+
+    def force(centres):
+        gap = np.min([curvature * ((x - c) ** 2 + s**2) for c in centres], axis=0)
+        return solve_normal(operator, ball.approach - gap, 1e-6).p.sum() * d * d / len(centres)
+
+    alone = force([0.0])
+    near, far = force([-2.2e-3, 2.2e-3]), force([-4e-3, 4e-3])
+    assert near < far < alone
+    # far apart the other is a point load: delta grows by N / (pi E* r), N is 3/2 delta to first order
+    lift = alone / (np.pi * COMPLIANCE.modulus * 8e-3) / ball.approach
+    assert far / alone == pytest.approx(1.0 - 1.5 * lift, abs=0.03)
+    assert STEEL.poisson_ratio == 0.28

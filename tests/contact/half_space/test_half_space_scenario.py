@@ -1,0 +1,147 @@
+"""The exact solver chosen in a scenario: the same channels and strips as the strip models, and all bad input told."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from support.contact_bench import pair_model
+from support.scenario_texts import CURVE, STATIC, faults
+
+from wrsim import run
+from wrsim.contact.settings import ContactSettings
+from wrsim.core.contact import layout as k
+from wrsim.errors import SimulationError
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load_text
+
+POSES = "lateral_mm = [0, 5.06, 6.5]\nyaw_mrad = 5\nload_kN = 60\n"
+# off the rail, its end on it, two lobes, full overlap, flange; 1 N and 1 MN
+HARD = "lateral_mm = [-72, -60, 5.06, 8, 9]\nyaw_mrad = [0, -87, 87]\nload_kN = [0.001, 1000]\n"
+
+
+@cache
+def solved(contact, poses=POSES, friction=0.3):
+    text = STATIC.replace("lateral_mm = 0\nload_kN = 60\n", poses)
+    return run(load_text(f"{text}[contact]\nfriction = {friction}\n{contact}\n")).dataset
+
+
+EXACT = 'normal = "half-space"'
+ON_EXACT = 'normal = "half-space"\ntangential = "fastsim"'
+
+
+def patches(dataset, name):
+    return dataset[name].values[np.isfinite(dataset["N"].values)]
+
+
+@pytest.mark.parametrize("contact", [EXACT, ON_EXACT])
+def test_strips_are_the_rows_of_the_elements(contact):
+    d = solved(contact)
+    assert (d["pose_message"] == "").all()
+    for of_patch, of_strip in (("N", "strip_N"), ("Fx", "strip_Fx"), ("Fy", "strip_Fy")):
+        assert np.nansum(d[of_strip].values, axis=-1) == pytest.approx(np.nan_to_num(d[of_patch].values), abs=1e-6)
+    assert np.nanmax(d["strip_p"].values[0]) == pytest.approx(np.nanmax(d["p0"].values[0]))
+    area = np.nansum(2.0 * d["strip_a"].values * d["strip_ds"].values, axis=-1)
+    assert area[np.isfinite(d["N"].values)] == pytest.approx(patches(d, "area"), rel=0.02)
+    # the wheel's forces are those of its strips along their normals and tangents
+    angle = d["strip_angle"].values
+    vertical = np.nansum(d["strip_N"] * np.cos(angle) + d["strip_Fy"] * np.sin(angle), axis=(-1, -2))
+    assert vertical == pytest.approx(d["Q"].values, rel=1e-6)
+    assert -np.nansum(d["Fx"].values, axis=-1) == pytest.approx(d["X"].values, rel=1e-6)
+    assert d["Q"].values == pytest.approx(60e3, rel=1e-4)
+
+
+def test_elements_sum_up_to_their_strips():
+    d = solved(EXACT)
+    dx = np.diff(d["element_x"].values, axis=-1)[..., :1]
+    for element, strip in (("element_p", "strip_N"), ("element_qx", "strip_Fx"), ("element_qs", "strip_Fy")):
+        forces = np.nansum(d[element].values, axis=-1) * dx * d["strip_ds"].values
+        held = np.isfinite(d[strip].values)
+        assert forces[held] == pytest.approx(d[strip].values[held], rel=1e-6, abs=1e-6)
+    bound = 0.3 * d["element_p"].values * (1.0 + 1e-6)
+    assert (np.hypot(d["element_qx"], d["element_qs"]).values <= bound)[np.isfinite(bound)].all()
+
+
+def test_fastsim_on_exact_pressures_is_near_exact_creep():
+    # FASTSIM's known 5 to 10 %; pressures and patches are the exact ones but for the share of friction in the load
+    exact, fast = solved(EXACT), solved(ON_EXACT)
+    for name in ("N", "p0", "area", "contact_angle_max"):
+        assert patches(fast, name) == pytest.approx(patches(exact, name), rel=0.01)
+    bound = 0.3 * patches(exact, "N")
+    for name in ("Fx", "Fy"):
+        assert np.abs(patches(fast, name) - patches(exact, name)).max() <= 0.1 * bound.max()
+    assert (np.hypot(patches(fast, "Fx"), patches(fast, "Fy")) <= bound * 1.01).all()
+
+
+def test_angles_and_places_agree_with_the_strip_model():
+    # two models of one contact: the main points lie together, the patches reach about as far
+    exact, strips = solved(EXACT), solved('normal = "kik-piotrowski"')
+    main = np.isfinite(exact["N"].values[:, 0, 0])
+    for name, within in (("u_rail", 2e-4), ("u_wheel", 2e-4), ("contact_angle", 0.02), ("x_contact", 3e-4)):
+        assert np.abs(exact[name].values - strips[name].values)[main, 0, 0].max() < within
+    for name in ("xi", "eta", "phi"):
+        assert patches(exact, name)[0] == pytest.approx(patches(strips, name)[0], rel=0.02, abs=1e-5)
+    assert exact["width"].values[:, 0, 0] == pytest.approx(strips["width"].values[:, 0, 0], rel=0.2)
+
+
+@pytest.mark.parametrize("friction", [0, 2])
+def test_hard_poses_have_a_result_or_a_reason(friction):
+    d = solved('normal = "half-space"\nhalf_space = {resolution = 12}', HARD, friction)
+    solved_ones = d["pose_message"].values == ""
+    assert solved_ones.sum() >= 15
+    assert any("beside its rail" in message for message in d["pose_message"].values)
+    assert d["Q"].values[solved_ones, 0] == pytest.approx(d["load"].values[solved_ones], rel=1e-3)
+    for name in d.data_vars:
+        if d[name].dims == ("pose", "wheel") and d[name].dtype.kind == "f" and name != "Y_over_Q":
+            assert np.isfinite(d[name].values[solved_ones]).all()
+    slid = np.hypot(patches(d, "Fx"), patches(d, "Fy"))
+    assert (slid <= friction * patches(d, "N") * (1.0 + 1e-6)).all()
+
+
+def test_too_many_elements_are_said():
+    tiny = 'normal = "half-space"\nhalf_space = {element_x_mm = 0.001, element_s_mm = 0.001}'
+    with pytest.raises(SimulationError, match="elements"):
+        solved(tiny)
+
+
+def test_wrong_keys_are_told(tmp_path):
+    def said(contact):
+        return faults(f"{STATIC}[contact]\n{contact}\n", tmp_path)
+
+    assert said('tangential = "half-space"') == [
+        'case.toml:13: contact.tangential = "half-space": "half-space" solves for tractions on exact pressures: '
+        'it needs normal = "half-space"'
+    ]
+    assert 'did you mean "half-space"?' in said('normal = "halfspace"')[0]
+    assert "goes with element_x_mm" in said("[contact.half_space]\nelement_x_mm = 0.2")[0]
+    assert "give sizes or a number" in said("half_space = {element_x_mm=0.2, element_s_mm=0.2, resolution=30}")[0]
+    assert "did you mean 'element_x_mm'?" in said("half_space = {dx_mm = 0.2, element_s_mm = 0.2}")[0]
+    assert said(EXACT + "\nhalf_space = {resolution = 20, influence = 'angle-corrected'}") == []
+
+
+def test_exact_creep_needs_exact_pressure():
+    with pytest.raises(ValueError, match="half-space"):
+        ContactSettings(tangential="half-space")
+
+
+def test_a_run_starts_in_balance_and_keeps_it():
+    # steady rolling on straight track: the exact forces carry the weight from the first stage to the last
+    run_keys = "[run]\nstart_distance_m = 20\ntime_s = 0.002\n"
+    text = CURVE.replace("[run]\n", run_keys).replace("_ms = 5", "_ms = 1").replace("friction", f"{EXACT}\nfriction")
+    d = run(load_text(text.replace("[contact]\n", "[contact]\nhalf_space = {resolution = 16}\n"))).dataset
+    load = d["Q"].values
+    assert d.attrs["status"] == "completed"
+    assert load == pytest.approx(load[0, 0], rel=1e-5)
+    weight = build(load_text(text)).wheelset.static_axle_load
+    assert load.sum(axis=1) == pytest.approx(weight, rel=1e-5)
+    assert np.nansum(d["strip_N"].values[-1], axis=(-1, -2)) == pytest.approx(d["N"].values[-1, :, 0], rel=1e-4)
+
+
+def test_damping_multiplies_the_pressure_by_the_rate_of_approach():
+    # N (1 + c v cos(angle)) as in the strip models; never a pull
+    model = pair_model("S1002/60E1 1:40", normal="half-space", tangential="none", damping=2.0)
+    at = np.array([0.0, 0.0, 0.46 - 0.0])
+    at[2] -= model.evaluate(at).closest + 60e-6
+    rest, nearing, leaving = (model.evaluate(at, velocity=(0.0, 0.0, v)) for v in (0.0, -0.1, 2.0))
+    angle = rest.patches[0, k.ANGLE]
+    assert nearing.normal_force == pytest.approx(rest.normal_force * (1.0 + 0.2 * np.cos(angle)), rel=1e-3)
+    assert leaving.normal_force == 0.0

@@ -1,0 +1,167 @@
+"""Lobes that share a patch: coupling between 0 and 1, the deepest kept, amplitudes from all displacements together."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support.contact_bench import PLAIN, RADIUS, bench, contact_model, contact_of, pair_model, settle
+
+from wrsim.contact.model import EPSILON, combined_modulus
+from wrsim.core.contact import layout as k
+from wrsim.core.contact.normal.kik_piotrowski import own_influence, solve_amplitudes
+from wrsim.core.contact.search.lobes import couple, select_deepest
+from wrsim.core.contact.search.points import DEPTH, FOUND_COLUMNS, SADDLE_DEPTH, SADDLE_RAIL_ARC
+from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.sections import Arc, circle, cone, profile_from_sections
+
+depths = st.floats(1e-6, 1e-3)
+shares = st.floats(0.0, 1.0)
+
+
+def found_rows(depth, saddle):
+    """Rows of the search from depths and the saddles between them (below zero: separated)."""
+    rows = np.zeros((8, FOUND_COLUMNS))
+    rows[: len(depth), DEPTH] = depth
+    rows[:, SADDLE_DEPTH] = -1.0
+    rows[: len(saddle), SADDLE_DEPTH] = saddle
+    rows[: len(saddle), SADDLE_RAIL_ARC] = np.arange(len(saddle))
+    return rows
+
+
+def coupled(depth, saddle):
+    """Couplings and partners."""
+    coupling, partner = np.zeros(8), np.zeros(8)
+    couple(found_rows(depth, saddle), len(depth), EPSILON, coupling, partner)
+    return coupling[: len(depth)], partner[: len(depth)].astype(int)
+
+
+@given(first=depths, second=depths, share=shares)
+def test_coupling_of_two_lobes(first, second, share):
+    saddle = share * min(first, second)
+    coupling, partner = coupled([first, second], [saddle])
+    assert ((coupling >= 0.0) & (coupling <= 1.0)).all()
+    shallow = int(second < first) if first != second else 1
+    expected = max(1.0 - (min(first, second) - saddle) / (EPSILON * min(first, second)), 0.0)
+    assert coupling[shallow] == pytest.approx(expected, abs=1e-12)
+    assert coupling[1 - shallow] <= coupling[shallow] + 1e-12  # the deeper one is bound less
+    if coupling[shallow] > 0.0:
+        assert partner[shallow] == 1 - shallow
+
+
+@given(depth=depths, share=shares)
+def test_equal_lobes_are_coupled_equally(depth, share):
+    coupling, _ = coupled([depth, depth], [share * depth])
+    assert coupling[0] == pytest.approx(coupling[1], abs=1e-9)
+
+
+@given(depth=depths, other=depths)
+def test_a_lobe_that_is_about_to_vanish_hangs_on_its_neighbour_and_leaves_it_free(depth, other):
+    low, high = sorted((depth, other * 1.01 + 1e-7))
+    if high <= low * 1.001:
+        return
+    coupling, _ = coupled([high, low], [low])  # the saddle has reached the lower top
+    assert coupling[1] == 1.0
+    assert coupling[0] == 0.0
+
+
+@pytest.mark.parametrize("saddle", [-1.0, 0.0])
+def test_lobes_apart_are_not_coupled(saddle):
+    coupling, _ = coupled([1e-4, 2e-4, 5e-5], [saddle, saddle])
+    assert (coupling == 0.0).all()
+
+
+def test_a_lobe_looks_over_its_lower_neighbour_for_a_deeper_one():
+    # 3 is deepest; 2 lies low between: 1 is coupled to 3 over the lower of the two saddles
+    coupling, partner = coupled([8e-5, 7e-5, 9e-5], [6.9e-5, 6.8e-5])
+    assert list(partner[:2]) == [2, 0]
+    assert coupling[0] == pytest.approx(1.0 - (8e-5 - 6.8e-5) / (EPSILON * 8e-5))
+
+
+def test_the_deepest_are_kept_in_order_with_the_saddle_between_them():
+    found = found_rows([4e-5, 1e-5, 3e-5, 2e-5], [0.8e-5, 0.5e-5, 1.5e-5])
+    assert select_deepest(found, 4, 3) == 3
+    assert list(found[:3, DEPTH]) == [4e-5, 3e-5, 2e-5]
+    assert list(found[:2, SADDLE_DEPTH]) == [0.5e-5, 1.5e-5]  # the deepest valley on the way
+    assert found[0, SADDLE_RAIL_ARC] == 1.0
+    found = found_rows([4e-5, 1e-5, 3e-5], [-1.0, 0.5e-5])
+    select_deepest(found, 3, 2)
+    assert found[0, SADDLE_DEPTH] < 0.0  # still apart
+
+
+def test_amplitudes_are_those_of_the_linear_system_or_zero():
+    matrix = np.array([[2.0, 0.5, 3.0], [0.5, 1.0, 2.0]])
+    amplitude = np.ones(2)
+    solve_amplitudes(matrix, 2, np.zeros((2, 3)), amplitude)
+    np.testing.assert_allclose(matrix[:, :2] @ amplitude, matrix[:, 2])
+    # the second would have to pull: the first carries alone
+    matrix = np.array([[2.0, 0.5, 3.0], [1.5, 1.0, 0.1]])
+    amplitude = np.ones(2)
+    solve_amplitudes(matrix, 2, np.zeros((2, 3)), amplitude)
+    assert amplitude == pytest.approx([1.5, 0.0])
+
+
+def two_heads(spacing: float, radius: float = 0.3) -> Profile:
+    """A rail of two round heads, crowns at +-spacing/2, joined by a hollow of the same radius [m]."""
+    lean = float(np.arcsin(0.25 * spacing / radius))
+    left, right = (Arc(side * 0.5 * spacing, -radius, radius, *angles) for side, angles in
+                   ((-1.0, (2.0 * lean, -lean)), (1.0, (lean, -2.0 * lean))))  # fmt: skip
+    hollow = Arc(0.0, radius * (2.0 * np.cos(lean) - 1.0), radius, -lean, lean)
+    return profile_from_sections("two heads", "rail", [left, hollow, right])
+
+
+CYLINDER = cone("cylinder", "wheel", 0.0, -0.06, 0.06)
+
+
+def test_two_contacts_press_each_other_down():
+    # far apart a contact of force N lowers the other's surface by N / (pi E* d) (Boussinesq): both yield less
+    depth = 5e-5
+    both = contact_model(CYLINDER, two_heads(0.05), **PLAIN).evaluate((0.0, 0.0, RADIUS - depth)).patches
+    alone = contact_model(CYLINDER, circle("head", "rail", 0.3, 0.03), **PLAIN)
+    (single,) = alone.evaluate((0.0, 0.0, RADIUS - depth)).patches
+    assert both.shape[0] == 2
+    assert both[0, k.N] == pytest.approx(both[1, k.N], rel=1e-9)
+    assert set(both[:, k.GROUP]) == {0.0, 1.0}
+    assert (both[:, k.COUPLING] == 0.0).all()
+    lowered = both[0, k.N] / (np.pi * combined_modulus(alone.settings) * 0.05)
+    # patches of 8 mm seen from 50 mm are points to (8/50)^2 / 24
+    assert both[0, k.N] / single[k.N] == pytest.approx(1.0 - lowered / depth, rel=2e-3)
+
+
+def test_lobes_that_grow_together_become_one_patch_without_a_step():
+    # deeper and deeper: apart, one patch of two lobes when the virtual penetrations meet, coupled ever more
+    model = contact_model(CYLINDER, two_heads(0.02), **PLAIN)
+    valley = 0.6 * (1.0 - np.cos(np.arcsin(0.005 / 0.3)))
+    depths = valley * np.linspace(0.5, 20.0, 400)
+    forces, couplings = [], []
+    for depth in depths:
+        lobes = model.evaluate((0.0, 0.0, RADIUS - depth)).patches
+        assert len(lobes) == 2
+        expected = max(1.0 - valley / (EPSILON * depth), 0.0) if depth > valley else 0.0
+        assert lobes[:, k.COUPLING] == pytest.approx([expected, expected], abs=1e-6)
+        assert (lobes[0, k.GROUP] == lobes[1, k.GROUP]) == (expected > 0.0)
+        forces.append(lobes[:, k.N].sum())
+        couplings.append(expected)
+    assert couplings[0] == 0.0
+    assert couplings[-1] > 0.9
+    power = np.diff(np.log(forces)) / np.diff(np.log(depths))
+    assert (power > 1.0).all()
+    assert np.abs(np.diff(power)).max() < 0.05  # the coupling sets in with a bend, not with a step
+
+
+def test_one_lobe_is_equation_29():
+    stand = bench(pair_model("S1002/60E1 1:40", **PLAIN), rolling=False)
+    _, contact = settle(stand, 2e-3, 0.0, 60e3)
+    (lobe,), (strips,) = contact.patches, contact.strips
+    integral = own_influence(strips, len(strips), lobe[k.HALF_LENGTH])
+    modulus = combined_modulus(stand.wheels[0].model.settings)
+    p0 = np.pi * modulus * lobe[k.APPROACH] * lobe[k.HALF_LENGTH] / integral
+    assert lobe[k.P0] == pytest.approx(p0, rel=1e-9)
+    np.testing.assert_allclose(strips[:, k.P], p0 * strips[:, k.A] / lobe[k.HALF_LENGTH], rtol=1e-12)
+
+
+def test_no_more_patches_than_wanted():
+    for most in (1, 2, 3):
+        stand = bench(pair_model("S1002/60E1 1:40", max_patches=most, **PLAIN), rolling=False)
+        settle(stand, 5.2e-3, 0.0, 60e3)
+        lobes = contact_of(stand).patches
+        assert len(lobes) == min(most, 2)

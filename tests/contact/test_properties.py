@@ -1,0 +1,135 @@
+"""Whatever the pose: finite, pushing, within friction, dissipating; and a load from 1 N to 1 MN is found or refused."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support.contact_bench import HALF_SPACING, PAIRS, RADIUS, bench, contact_of, pair_model, rail_origin, strips_of
+
+from wrsim.contact.settings import Friction
+from wrsim.core.contact import layout as k
+from wrsim.scenario.cases import StaticPose
+
+ALL_BITS = k.STATUS_NOT_REFINED | k.STATUS_PROFILE_END | k.STATUS_TOO_DEEP
+VERY_DEEP = 3e-3  # the approach from which a status says that this is an overlap, not a contact
+
+speeds = st.sampled_from([0.0, 1e-3, -0.5, 20.0, 100.0])
+states = st.fixed_dictionaries(
+    {
+        "pair": st.sampled_from(sorted(PAIRS)),
+        "friction": st.sampled_from([0.0, 0.3, 2.0, Friction(0.5, 0.1, falling_ratio=0.4)]),
+        "tangential": st.sampled_from(["fastsim", "fastrip", "polach", "linear", "shen-hedrick-elkins"]),
+        "bound": st.sampled_from(["elliptic", "parabolic"]),
+        "flexibility": st.sampled_from(["three", "blended"]),
+        "approach": st.sampled_from(["projected", "constant"]),
+        "damping": st.sampled_from([0.0, 2.0]),
+        "lateral": st.floats(-0.03, 0.03),
+        "yaw": st.floats(-0.0873, 0.0873),  # 5 degrees
+        "roll": st.floats(-0.03, 0.03),
+        "depth": st.floats(0.0, 5e-3),
+        "speed": speeds,
+        "creep": st.tuples(*[st.floats(-0.05, 0.05)] * 3),
+        "closing": st.floats(-1.0, 1.0),
+    }
+)
+
+
+def model_of(state):
+    return pair_model(
+        state["pair"],
+        friction=state["friction"],
+        tangential=state["tangential"],
+        traction_bound=state["bound"],
+        flexibility=state["flexibility"],
+        approach=state["approach"],
+        damping=state["damping"],
+        strips=16,
+        cells=8,
+    )
+
+
+def press(state):
+    """Lower a wheel on its rail and press it in; slipping and turning as the state says."""
+    model = model_of(state)
+    o, _ = rail_origin(model.rail)
+    yaw, roll, speed = state["yaw"], state["roll"], state["speed"]
+    axle = np.array([-np.sin(yaw) * np.cos(roll), np.cos(yaw) * np.cos(roll), np.sin(roll)])
+    origin = np.array([0.0, HALF_SPACING + state["lateral"] - o, RADIUS + 0.04])
+    while origin[2] > RADIUS - 0.05 and (closest := model.evaluate(origin, axle).closest) > 0.0:
+        origin[2] -= max(closest, 1e-6)
+    origin[2] -= state["depth"]
+    along, across, turning = state["creep"]
+    velocity = np.array([speed, across * speed, -state["closing"]])
+    omega = (1.0 + along) * speed / RADIUS * axle + [0.0, 0.0, turning * speed]
+    return model, model.evaluate(origin, axle, velocity, omega)
+
+
+@settings(max_examples=300)
+@given(state=states)
+def test_any_pose_gives_finite_forces_that_push_and_stay_within_friction(state):
+    model, contact = press(state)
+    assert contact.status & ~ALL_BITS == 0
+    for numbers in (contact.force, contact.moment, contact.patches, contact.wear_number, contact.closest):
+        assert np.isfinite(numbers).all()
+    lobes, strips = contact.patches, strips_of(contact)
+    assert np.isfinite(strips).all()
+    assert (lobes[:, k.N] >= 0.0).all() and (lobes[:, k.P0] >= 0.0).all() and (lobes[:, k.AREA] >= 0.0).all()
+    assert (strips[:, k.FORCE] >= 0.0).all()
+    assert (lobes[:, k.APPROACH] > 0.0).all()
+    tangential, limit = np.hypot(strips[:, k.FX], strips[:, k.FY]), strips[:, k.MU] * strips[:, k.FORCE]
+    if state["tangential"] != "linear":  # which knows no limit
+        assert (tangential <= limit * (1.0 + 1e-9) + 1e-300).all()
+    assert contact.wear_number >= -1e-12 * limit.sum()
+    assert len(lobes) <= model.settings.max_patches
+    assert model.arrays.total[k.PATCHES] <= model.arrays.total[k.COUNT] == len(lobes)
+    assert bool(contact.status & k.STATUS_TOO_DEEP) == bool((lobes[:, k.APPROACH] > VERY_DEEP).any())
+    assert (contact.closest < 0.0) >= (len(lobes) > 0)
+
+
+@settings(max_examples=100)
+@given(state=states)
+def test_the_same_pose_gives_the_same_numbers_whatever_came_before(state):
+    # scratch arrays carry nothing over
+    model, contact = press(state)
+    pose = model.arrays.pose.copy()
+    for array in (model.arrays.work, model.arrays.found, model.arrays.patches, model.arrays.strips, model.arrays.total):
+        array[:] = np.nan
+    again = model.evaluate(pose[:3], pose[3:6], pose[6:9], pose[9:])
+    np.testing.assert_array_equal(again.force, contact.force)
+    np.testing.assert_array_equal(again.moment, contact.moment)
+    # the one column that is meant to be carried over: the strip model's half lengths, for its next call in a run
+    columns = [c for c in range(k.STRIP_COLUMNS) if c != k.WARM_A]
+    np.testing.assert_array_equal(strips_of(again)[:, columns], strips_of(contact)[:, columns])
+
+
+@settings(max_examples=60)
+@given(
+    pair=st.sampled_from(sorted(PAIRS)),
+    lateral=st.floats(-8e-3, 9e-3),
+    yaw=st.floats(-0.02, 0.02),
+    load=st.floats(0.0, 6.0).map(lambda x: 10.0**x),
+    friction=st.sampled_from([0.0, 0.3, 2.0]),
+)
+def test_a_load_between_1_newton_and_1_meganewton_is_carried(pair, lateral, yaw, load, friction):
+    stand = bench(pair_model(pair, friction=friction, strips=20, cells=10))
+    solved = stand.solve(StaticPose("any", lateral, yaw, load))
+    contact = contact_of(stand)
+    if solved.message:
+        # refused with a reason, never with numbers that look good
+        assert "load" in solved.message or "contact" in solved.message
+        return
+    assert np.isfinite([solved.height, solved.roll]).all()
+    assert stand.force[2] == pytest.approx(load, rel=1e-6)
+    assert contact.normal_force > 0.0
+    assert np.isfinite(contact.patches).all()
+
+
+def test_zero_friction_and_no_tangential_model_are_the_same():
+    without = pair_model("S1002/60E1 1:40", tangential="none")
+    slippery = pair_model("S1002/60E1 1:40", friction=0.0)
+    o, _ = rail_origin(without.rail)
+    pose = ((0.0, HALF_SPACING + 2e-3 - o, RADIUS - 2e-4), (0.0, 1.0, 0.0), (20.0, 0.1, 0.0), (0.0, 40.0, 0.0))
+    a, b = without.evaluate(*pose), slippery.evaluate(*pose)
+    assert len(a.patches) > 0
+    np.testing.assert_array_equal(a.force, b.force)
+    np.testing.assert_array_equal(a.moment, b.moment)

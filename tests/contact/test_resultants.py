@@ -1,0 +1,150 @@
+"""From strips to resultants: sums at the strips' centres, creepages from rigid motion, power, damping."""
+
+import numpy as np
+import pytest
+from support.contact_bench import HALF_SPACING, RADIUS, pair_model, rail_origin, strips_of
+
+from wrsim.core.contact import layout as k
+
+SPEED = 20.0
+PLACES = [(0.0, 0.0), (6e-3, 0.003), (7.5e-3, -0.01)]
+
+
+def evaluate(model, lateral, yaw, depth=1e-4, extra=(0.0, 0.0, 0.0), spin=(0.0, 0.0)):
+    """A rolling wheel pressed in below its first touch; extra velocity, extra turning about t and b."""
+    o, _ = rail_origin(model.rail)
+    axle = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
+    origin = np.array([0.0, HALF_SPACING + lateral - o, RADIUS + 0.02])
+    while (closest := model.evaluate(origin, axle).closest) > 0.0:
+        origin[2] -= max(closest, 1e-6)
+    origin[2] -= depth
+    velocity = np.array([SPEED, 0.0, 0.0]) + extra
+    omega = 1.002 * SPEED / RADIUS * axle + [spin[0], 0.0, spin[1]]
+    return model.evaluate(origin, axle, velocity, omega), origin, velocity, omega
+
+
+def centres(strips, origin):
+    """Strip centres from the wheel's profile origin, (n, 3) in (t, o, b)."""
+    return strips[:, [k.X, k.O, k.B]] - origin
+
+
+def axes(strips):
+    """Unit vectors of every strip: normal, tangent outward; (n, 3)."""
+    zero = np.zeros(len(strips))
+    return np.stack([zero, strips[:, k.NO], strips[:, k.NB]], 1), np.stack([zero, strips[:, k.NB], -strips[:, k.NO]], 1)
+
+
+@pytest.mark.parametrize(("lateral", "yaw"), PLACES)
+def test_forces_act_at_the_centres_of_the_strips(lateral, yaw):
+    contact, origin, _, _ = evaluate(pair_model("S1002/60E1 1:40"), lateral, yaw)
+    strips = strips_of(contact)
+    normal, outward = axes(strips)
+    force = strips[:, [k.FORCE]] * normal + strips[:, [k.FY]] * outward
+    force[:, 0] += strips[:, k.FX]
+    moment = np.cross(centres(strips, origin), force) + strips[:, [k.MZ]] * normal
+    np.testing.assert_allclose(contact.force, force.sum(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(contact.moment, moment.sum(axis=0), rtol=1e-11)
+    # patches: sums, spin moment about the main point along its normal, extremes
+    for lobe, rows in zip(contact.patches, contact.strips, strict=True):
+        assert lobe[k.N] == pytest.approx(rows[:, k.FORCE].sum(), rel=1e-12)
+        assert lobe[k.AREA] == pytest.approx((2.0 * rows[:, k.A] * rows[:, k.DS]).sum(), rel=1e-12)
+        assert lobe[k.LENGTH] == pytest.approx(2.0 * rows[:, k.A].max(), rel=1e-12)
+        assert lobe[k.P0] >= rows[:, k.P].max()
+        np.testing.assert_allclose(rows[:, k.FORCE], 0.5 * np.pi * rows[:, k.A] * rows[:, k.P] * rows[:, k.DS])
+        n, e = axes(rows)
+        creep = rows[:, [k.FY]] * e
+        creep[:, 0] += rows[:, k.FX]
+        main = lobe[[k.X_MAIN, k.O_MAIN, k.B_MAIN]]
+        about_main = np.cross(rows[:, [k.X, k.O, k.B]] - main, creep) + rows[:, [k.MZ]] * n
+        along = about_main.sum(axis=0) @ [0.0, lobe[k.NO_MAIN], lobe[k.NB_MAIN]]
+        assert lobe[k.SPIN_MOMENT] == pytest.approx(along, rel=1e-9, abs=1e-9)
+        angles = np.arctan2(-rows[:, k.NO], rows[:, k.NB])
+        # the kernel halves the angle of a normal that beside a join is a unit vector to 6e-7 only
+        assert (lobe[k.ANGLE_MIN], lobe[k.ANGLE_MAX]) == pytest.approx((angles.min(), angles.max()), abs=1e-6)
+
+
+@pytest.mark.parametrize(("lateral", "yaw"), PLACES)
+def test_creepages_are_the_rigid_motion_at_each_strip_over_the_speed(lateral, yaw):
+    contact, origin, velocity, omega = evaluate(
+        pair_model("S1002/60E1 1:40"), lateral, yaw, extra=(0.0, 0.05, 0.0), spin=(0.1, 0.2)
+    )
+    strips = strips_of(contact)
+    normal, outward = axes(strips)
+    motion = velocity + np.cross(omega, centres(strips, origin))
+    # below 50 mm/s creepages are regularised: the speed is sqrt(V^2 + 0.05^2)
+    speed = np.hypot(SPEED, 0.05)
+    np.testing.assert_allclose(strips[:, k.XI], motion[:, 0] / speed, rtol=1e-9, atol=1e-14)
+    np.testing.assert_allclose(strips[:, k.ETA], (motion * outward).sum(axis=1) / speed, rtol=1e-9, atol=1e-14)
+    np.testing.assert_allclose(strips[:, k.PHI], normal @ omega / speed, rtol=1e-9)
+    assert np.ptp(strips[:, k.PHI]) > 0.0  # spin varies along a curved patch
+
+
+@pytest.mark.parametrize(("lateral", "yaw"), PLACES)
+def test_wear_number_times_speed_is_the_power_that_creep_forces_take(lateral, yaw):
+    rolling, _, velocity, omega = evaluate(pair_model("S1002/60E1 1:40"), lateral, yaw)
+    plain, *_ = evaluate(pair_model("S1002/60E1 1:40", tangential="none"), lateral, yaw)
+    power = (rolling.force - plain.force) @ velocity + (rolling.moment - plain.moment) @ omega
+    assert rolling.wear_number > 0.0
+    # 1e-8: the power is a small difference of large terms
+    assert power == pytest.approx(-rolling.wear_number * np.hypot(SPEED, 0.05), rel=1e-8)
+    assert plain.wear_number == 0.0
+
+
+def test_a_wheel_that_turns_too_fast_is_driven_forward():
+    contact, *_ = evaluate(pair_model("S1002/60E1 1:40"), 2e-3, 0.0)
+    assert (contact.patches[:, k.XI_MAIN] < 0.0).all()  # its material at the contact moves backwards
+    assert contact.force[0] > 0.0
+
+
+def test_at_standstill_everything_is_finite_and_still():
+    model = pair_model("S1002/60E1 1:40")
+    _, origin, _, _ = evaluate(model, 2e-3, 0.0)
+    contact = model.evaluate(origin)
+    assert np.isfinite(contact.patches).all()
+    assert contact.force[0] == 0.0
+    assert contact.wear_number == 0.0
+
+
+# --- damping ------------------------------------------------------------------------------------------
+
+
+DAMPING = 2.0
+
+
+@pytest.mark.parametrize(("lateral", "yaw"), PLACES)
+def test_damping_is_nothing_without_a_rate_of_approach(lateral, yaw):
+    # the tangent plane may slide: velocities that leave the main point's normal velocity zero
+    plain = evaluate(pair_model("S1002/60E1 1:40"), lateral, yaw)[0]
+    damped, origin, velocity, omega = evaluate(pair_model("S1002/60E1 1:40", damping=DAMPING), lateral, yaw)
+    closing = damped.patches[:, k.CLOSING]
+    for lobe, rate in zip(damped.patches, closing, strict=True):
+        main = lobe[[k.X_MAIN, k.O_MAIN, k.B_MAIN]] - origin
+        normal = np.array([0.0, lobe[k.NO_MAIN], lobe[k.NB_MAIN]])
+        assert rate == pytest.approx(-(velocity + np.cross(omega, main)) @ normal, abs=1e-9)
+    # a rolling wheel of revolution closes at no rate: what is left is the strip that stands for the main point
+    assert np.abs(closing).max() < 1e-6 * SPEED
+    ratio = damped.patches[:, k.N] / plain.patches[:, k.N]
+    np.testing.assert_allclose(ratio, 1.0 + DAMPING * closing, rtol=1e-12)
+
+
+@pytest.mark.parametrize("rate", [-0.3, -0.1, 0.1, 1.0])
+def test_damping_multiplies_the_force_by_one_plus_the_rate(rate):
+    down = (0.0, 0.0, -rate)
+    plain = evaluate(pair_model("S1002/60E1 1:40"), 2e-3, 0.0, extra=down)[0].patches[0]
+    damped = evaluate(pair_model("S1002/60E1 1:40", damping=DAMPING), 2e-3, 0.0, extra=down)[0].patches[0]
+    assert damped[k.CLOSING] == pytest.approx(rate * damped[k.NB_MAIN], abs=1e-3)
+    factor = 1.0 + DAMPING * damped[k.CLOSING]
+    assert damped[k.N] / plain[k.N] == pytest.approx(factor, rel=1e-12)
+    assert damped[k.P0] / plain[k.P0] == pytest.approx(factor, rel=1e-12)
+    assert damped[k.AREA] == plain[k.AREA]
+
+
+@pytest.mark.parametrize("rate", [-0.6, -2.0, -50.0])
+def test_damping_never_pulls(rate):
+    model = pair_model("S1002/60E1 1:40", damping=DAMPING)
+    contact, *_ = evaluate(model, 2e-3, 0.0, extra=(0.0, 0.0, -rate))
+    assert len(contact.patches) > 0
+    assert (contact.patches[:, k.N] == 0.0).all()
+    assert not contact.force.any() and not contact.moment.any()
+    assert contact.wear_number == 0.0
+    assert model.arrays.total[k.PATCHES] == 0.0

@@ -1,0 +1,184 @@
+"""Main contact points: where the line between the bodies is normal to both; all of them, and nothing else."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+from support.contact_bench import (
+    HALF_SPACING,
+    PAIRS,
+    PLAIN,
+    RADIUS,
+    bench,
+    contact_model,
+    contact_of,
+    pair_model,
+    rail_origin,
+    settle,
+)
+
+from wrsim.core.contact import layout as k
+from wrsim.core.contact.profile import profile_point
+from wrsim.core.contact.search.locus import locus_point, outline
+from wrsim.geometry.profile.sections import Arc, profile_from_sections, rail_head
+
+YAWS = (0.0, 0.012, -0.03)
+
+
+def axle_of(yaw, roll):
+    return np.array([-np.sin(yaw) * np.cos(roll), np.cos(yaw) * np.cos(roll), np.sin(roll)])
+
+
+def random_poses(model, count, seed, deepest=0.4e-3):
+    """Origins and axles of a wheel that was lowered on its rail and pressed in by up to ``deepest``."""
+    rng = np.random.default_rng(seed)
+    o, _ = rail_origin(model.rail)
+    for _ in range(count):
+        axle = axle_of(rng.choice(YAWS), rng.uniform(-0.01, 0.01))
+        origin = np.array([0.0, HALF_SPACING + rng.uniform(-6e-3, 9e-3) - o, RADIUS + 0.035])
+        while (closest := model.evaluate(origin, axle).closest) > 0.0:
+            origin[2] -= max(closest, 1e-6)
+        origin[2] -= rng.uniform(0.0, deepest)
+        yield origin, axle
+
+
+def wheel_point(model, origin, axle, arc):
+    """(o, b) and tangent of the outline of the kernel's wheel."""
+    a = model.arrays
+    _, o, b, no, nb, *_ = locus_point(
+        a.wheel, a.settings[k.WHEEL_STEP], model.radius, *origin, *axle, np.sqrt(1.0 - axle[0] ** 2), arc
+    )
+    return np.array([o, b]), np.array([-nb, no])
+
+
+def rail_point(model, arc):
+    """(o, b) and tangent of the kernel's rail."""
+    u, w, tu, tw, _ = profile_point(model.arrays.rail, model.arrays.settings[k.RAIL_STEP], arc)
+    return np.array([u, w]), np.array([tu, tw])
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_the_line_between_main_points_is_normal_to_both_bodies(pair):
+    model = pair_model(pair, **PLAIN)
+    found = 0
+    for origin, axle in random_poses(model, 400, seed=1):
+        contact = model.evaluate(origin, axle)
+        for lobe in contact.patches:
+            wheel, wheel_tangent = wheel_point(model, origin, axle, lobe[k.ARC_WHEEL])
+            rail, rail_tangent = rail_point(model, lobe[k.ARC_RAIL])
+            line = wheel - rail
+            assert abs(line @ rail_tangent) < 1e-10  # [m] demanded; 1e-11 reached
+            assert abs(line @ wheel_tangent) < 1e-10
+            # the normal of the rail's table is a unit vector to 6e-7 beside a join of arcs, to 1e-10 elsewhere
+            assert lobe[k.APPROACH] == pytest.approx(np.hypot(*line), rel=1e-6)
+            found += 1
+    assert found > 100
+
+
+@pytest.mark.parametrize("pair", ["S1002/60E1 1:40", "S1002/60E1 1:20"])
+def test_main_points_hold_on_the_exact_profiles_too(pair):
+    # without yaw, away from joins: in the 0.1 mm where curvature jumps the table leaves the profile by up to 1e-8 m
+    model = pair_model(pair, **PLAIN)
+    jumps = [p.arclength[np.abs(p.curvature_after - p.curvature_before) > 1.0] for p in (model.wheel, model.rail)]
+    found = 0
+    for origin, axle in random_poses(model, 400, seed=2):
+        axle = axle_of(0.0, np.arcsin(axle[2]))
+        for lobe in model.evaluate(origin, axle).patches:
+            arcs = lobe[k.ARC_WHEEL], lobe[k.ARC_RAIL]
+            if min(np.abs(j - arc).min() for j, arc in zip(jumps, arcs, strict=True)) < 2e-4:
+                continue
+            (u, w), (tu, tw) = model.wheel.at(arcs[0]), model.wheel.tangent(arcs[0])
+            turn = np.array([[axle[1], -axle[2]], [axle[2], axle[1]]])
+            line = origin[1:] + turn @ [u, w - RADIUS] - np.array(model.rail.at(arcs[1]))
+            assert abs(line @ model.rail.tangent(arcs[1])) < 1e-10
+            assert abs(line @ (turn @ [tu, tw])) < 1e-10
+            found += 1
+    assert found > 100
+
+
+def brute_force(model, points=4001):
+    """Local maxima of penetration along the wheel's outline: rows (wheel arclength, depth, prominence)."""
+    rail_arc = np.linspace(0.0, model.rail.length, 10001)
+    (u, w), (tu, tw) = model.rail.at(rail_arc), model.rail.tangent(rail_arc)
+    tree = cKDTree(np.column_stack([u, w]))
+    arc, line = np.linspace(0.0, model.wheel.length, points), np.empty((2, points))
+    a = model.arrays
+
+    def depths():
+        outline(a.wheel, a.settings[k.WHEEL_STEP], model.radius, a.pose, arc, line)
+        distance, near = tree.query(line.T)
+        depth = -(-(line[0] - u[near]) * tw[near] + (line[1] - w[near]) * tu[near])
+        beside = (near == 0) | (near == len(u) - 1) | (distance > 5e-3)
+        return np.where(beside, -1.0, depth)
+
+    def peaks():
+        depth = depths()
+        rows = []
+        for i in np.flatnonzero((depth[1:-1] > 0.0) & (depth[1:-1] >= depth[:-2]) & (depth[1:-1] > depth[2:])) + 1:
+            saddles = []
+            for side in (depth[i::-1], depth[i:]):
+                higher = np.flatnonzero(side > side[0])
+                saddles.append(side[: higher[0]].min() if higher.size else -1.0)
+            rows.append((arc[i], depth[i], depth[i] - max(saddles)))
+        return rows
+
+    return peaks
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
+    model = pair_model(pair, **PLAIN)
+    peaks = brute_force(model)
+    several = 0
+    for origin, axle in random_poses(model, 120, seed=3):
+        contact = model.evaluate(origin, axle)
+        found = contact.patches[:, [k.ARC_WHEEL, k.APPROACH]]
+        zones = peaks()
+        # peaks that stand out by less than 1 um are ripples on a zone (at joins of arcs), narrower than the
+        # search's stride, and touch shallower than 1 um are below the brute force's own resolution
+        clear = [zone for zone in zones if min(zone[1:]) > 1e-6]
+        several += len(clear) > 1
+        if len(found) < model.settings.max_patches:
+            for arc, depth, _ in clear:
+                assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d in found), (origin, axle, zones)
+        for arc, depth in found[found[:, 1] > 1e-6]:
+            assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d, _ in zones), (origin, axle, zones)
+    assert several > 3
+
+
+def test_tread_root_and_flange_are_found_at_once():
+    model = pair_model("S1002/60E1 1:20", **PLAIN)
+    o, b = rail_origin(model.rail)
+    contact = model.evaluate((0.0, HALF_SPACING + 5.84e-3 - o, 0.45983 - b), axle_of(0.02, 0.00065))
+    assert contact.patches[:, k.ANGLE] == pytest.approx([1.22, 0.44, 0.116], abs=0.01)
+    assert (contact.patches[:, k.APPROACH] > 1e-6).all()
+    assert len(set(contact.patches[:, k.GROUP])) == 3
+
+
+@pytest.mark.parametrize("depth", [2e-5, 1e-4, 3e-4])
+def test_a_vertical_rail_side_is_touched_like_the_crown(depth):
+    # a ball of 14 mm beside a rail head whose sides are vertical, its centre 22 mm below the crown
+    ball = profile_from_sections("ball", "wheel", [Arc(0.0, 14e-3, 14e-3, -np.radians(110.0), np.radians(110.0))])
+    rail = rail_head("upright", (0.3, 0.08, 0.013), (10.228e-3, 26.0265e-3), 0.0, 0.038)
+    model = contact_model(ball, rail, **PLAIN)
+    side = rail.u.min()
+    (lobe,) = model.evaluate((0.0, side - 14e-3 + depth, RADIUS - 36e-3)).patches
+    assert lobe[k.APPROACH] == pytest.approx(depth, abs=1e-12)
+    assert lobe[k.ANGLE] == pytest.approx(0.5 * np.pi, abs=1e-9)
+    assert (lobe[k.O_MAIN], lobe[k.B_MAIN]) == pytest.approx((side + 0.5 * depth, -22e-3), abs=1e-7)
+    assert lobe[k.N] > 0.0
+
+
+@pytest.mark.parametrize("lateral", [-4e-3, 0.0, 5e-3, 8e-3])
+def test_without_contact_there_are_no_patches_but_a_distance(lateral):
+    stand = bench(pair_model("S1002/60E1 1:40", **PLAIN), rolling=False)
+    solved, touching = settle(stand, lateral, 0.0, 1.0)
+    lean = touching.patches[0, k.NB_MAIN]
+    for gap in (1e-5, 1e-4, 1e-3, 0.02):
+        stand.evaluate(lateral, solved.height + gap, 0.0, 0.0)
+        contact = contact_of(stand)
+        assert len(contact.patches) == 0
+        assert not contact.force.any() and not contact.moment.any()
+        assert contact.closest > 0.0
+        # good for lowering the wheel: above zero and, near the rail, no more than a tenth beyond the true distance
+        if gap < 1e-3:
+            assert contact.closest < 1.1 * gap * lean

@@ -1,0 +1,202 @@
+"""Laws of the rigid wheelset: kinematics, generalised forces, pose on the track, what the track frame does to it."""
+
+from dataclasses import replace
+
+import exudyn
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support.knife_edge import example_wheelset
+
+from wrsim.core.body import carrier
+from wrsim.core.body import kinematics as wheelset
+from wrsim.core.track import path
+from wrsim.errors import InputError
+from wrsim.geometry.track.segments import Arc, Straight, Transition
+from wrsim.geometry.track.track import Track
+from wrsim.simulation.carrier import carrier_parameters
+from wrsim.simulation.placement import place_on_track, poses_on_track
+from wrsim.simulation.system import RigidBody, System
+from wrsim.vehicle.wheelset import SprungMass, Suspension
+
+TO_GLOBAL = [1, 2, 0]  # Exudyn's axes are (z, x, y)
+
+angles = st.tuples(st.floats(-10.0, 10.0), st.floats(-0.3, 0.3), st.floats(-50.0, 50.0))
+vectors = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
+
+
+def body_of(position, turn, velocity, rates):
+    """kinematics of a state given as global position, angles, velocity, rates of the angles."""
+    q = np.array([position[2], position[0], position[1], *turn])
+    q_t = np.array([velocity[2], velocity[0], velocity[1], *rates])
+    return q, q_t, np.array(wheelset.kinematics(q, q_t))
+
+
+@given(turn=angles, rates=vectors)
+def test_orientation_and_angular_velocity_are_those_of_the_exudyn_node(turn, rates):
+    q, q_t, body = body_of((1.0, 2.0, 3.0), turn, (4.0, 5.0, 6.0), rates)
+    system = System([RigidBody(1500.0, 100.0, 900.0)], lambda t, q, q_t, out: out.fill(0.0))
+    system._mbs.systemData.SetODE2Coordinates(list(q))
+    system._mbs.systemData.SetODE2Coordinates_t(list(q_t))
+    output = exudyn.OutputVariableType
+    rotation = np.reshape(system._mbs.GetNodeOutput(0, output.RotationMatrix), (3, 3))[TO_GLOBAL]
+    omega = np.array(system._mbs.GetNodeOutput(0, output.AngularVelocity))[TO_GLOBAL]
+    assert body[:3] == pytest.approx(np.array(system._mbs.GetNodeOutput(0, output.Position))[TO_GLOBAL])
+    assert body[9:12] == pytest.approx(rotation[:, 2], abs=1e-12)  # body z is the axle
+    assert body[15:18] == pytest.approx(omega, abs=1e-12)
+    assert body[12:15] == pytest.approx(np.cross(body[6:9], body[9:12]), abs=1e-15)
+    # without its spin the body's x is up
+    up = rotation @ [np.cos(turn[2]), -np.sin(turn[2]), 0.0]
+    assert body[12:15] == pytest.approx(up, abs=1e-12)
+
+
+@given(turn=angles, velocity=vectors, rates=vectors, force=vectors, moment=vectors)
+def test_generalised_forces_do_the_power_of_force_and_moment(turn, velocity, rates, force, moment):
+    _, q_t, body = body_of((0.0, 0.0, 0.0), turn, velocity, rates)
+    out = np.zeros(6)
+    wheelset.generalised_forces(tuple(body), force, moment, out)
+    power = np.dot(force, body[3:6]) + np.dot(moment, body[15:18])
+    assert out @ q_t == pytest.approx(power, abs=1e-11)
+
+
+@given(turn=angles, rates=vectors)
+def test_velocity_of_a_material_point_is_its_change_of_place(turn, rates):
+    q, q_t, body = body_of((1.0, 2.0, 0.5), turn, (3.0, -1.0, 0.2), rates)
+    point = body[:3] + 0.7 * body[9:12] - 0.4 * body[12:15]
+    h = 1e-6
+
+    def carried(step):
+        """The material point that is at ``point`` now, ``step`` seconds later."""
+        later = np.array(wheelset.kinematics(q + step * q_t, q_t))
+        c, s = np.cos(step * q_t[5]), np.sin(step * q_t[5])
+        # spin turns -up towards -forward
+        radial = -c * later[12:15] - s * later[6:9]
+        return later[:3] + 0.7 * later[9:12] + 0.4 * radial
+
+    measured = (carried(h) - carried(-h)) / (2 * h)
+    velocity = wheelset.point_velocity(tuple(body), *point)
+    assert velocity == pytest.approx(measured, abs=1e-8)
+
+
+def test_rolling_forward_the_lowest_point_of_the_wheel_rests():
+    _, _, body = body_of((0.0, 0.0, 0.46), (0.3, 0.0, 2.0), (9.2 * np.cos(0.3), 9.2 * np.sin(0.3), 0.0), (0, 0, 20))
+    at = body[:3] + 0.75 * body[9:12] - 0.46 * body[12:15]
+    assert wheelset.point_velocity(tuple(body), *at) == pytest.approx([0, 0, 0], abs=1e-14)
+
+
+@pytest.fixture(scope="module")
+def curve() -> Track:
+    """A left curve of 300 m with 100 mm of cant behind a clothoid, started in an odd direction."""
+    return Track.build(
+        [Straight(20.0), Transition(40.0), Arc(150.0, 300.0, cant=0.1)], heading=2.0, start=(100.0, -50.0, 3.0)
+    )
+
+
+@pytest.mark.parametrize("distance", [5.0, 41.3, 120.0])
+def test_placing_a_wheelset_on_the_track_and_reading_its_pose_are_inverse(curve, distance):
+    q, q_t = place_on_track(
+        curve.centre, distance, speed=20.0, height=0.46, spin_rate=43.0, lateral=4e-3, yaw=5e-3, roll=-2e-3
+    )
+    poses = poses_on_track(curve.centre, q[None], q_t[None], start=distance + 1.0)
+    assert poses.distance[0] == pytest.approx(distance, abs=1e-9)
+    assert poses.lateral[0] == pytest.approx(4e-3, abs=1e-12)
+    assert poses.height[0] == pytest.approx(0.46, abs=1e-12)
+    assert poses.yaw[0] == pytest.approx(5e-3, abs=1e-12)
+    assert poses.roll[0] == pytest.approx(-2e-3, abs=1e-12)
+    assert poses.spin_rate[0] == pytest.approx(43.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("distance", [5.0, 41.3, 120.0])
+def test_a_placed_wheelset_moves_with_the_track_frame(curve, distance):
+    pose = {"speed": 20.0, "height": 0.46, "spin_rate": 43.0, "lateral": 4e-3, "yaw": 5e-3, "roll": -2e-3}
+    h = 1e-4
+    before = place_on_track(curve.centre, distance - 20.0 * h, **pose)[0]
+    after = place_on_track(curve.centre, distance + 20.0 * h, **pose)[0]
+    rates = place_on_track(curve.centre, distance, **pose)[1]
+    assert rates[:5] == pytest.approx((after - before)[:5] / (2 * h), abs=1e-6)
+
+
+def test_a_state_far_from_the_track_has_no_pose(curve):
+    from wrsim.errors import SimulationError
+
+    with pytest.raises(SimulationError, match="sample 0 has no place"):
+        poses_on_track(curve.centre, np.full((1, 6), np.nan), np.zeros((1, 6)))
+
+
+def carried(vehicle, track, distance, speed, q, q_t, t=0.0):
+    """Force and moment of the carrier on a state, in track axes (t, n, b)."""
+    parameters = carrier_parameters(vehicle, speed=speed, start=distance)
+    body = wheelset.kinematics(q, q_t)
+    s, _ = path.locate(track.centre.table, track.centre.step, *body[:3], distance)
+    own = path.frame(track.centre.table, track.centre.step, s)
+    result = np.array(carrier.carrier_forces(t, body, own, track.centre.table, track.centre.step, parameters))
+    axes = np.reshape(own[3:], (3, 3))
+    return axes @ result[:3], axes @ result[3:]
+
+
+def hung(**changes):
+    """A wheelset without weight that only its suspension pushes."""
+    plain = replace(example_wheelset(), constant_force=(0.0, 0.0, 0.0), mass=1e-30)
+    return replace(plain, suspension=Suspension((5e6, 3e6, 1e6), (2e4, 3e4, 1e4), 1.0), **changes)
+
+
+@pytest.mark.parametrize("distance", [5.0, 41.3, 120.0])
+def test_the_undisturbed_follower_in_a_curve_meets_no_suspension_force(curve, distance):
+    q, q_t = place_on_track(curve.centre, distance, speed=20.0, height=0.46, spin_rate=43.0)
+    force, moment = carried(hung(), curve, distance, 20.0, q, q_t)
+    # round-off of positions of 100 m times 1e7 N/m
+    assert np.abs(force).max() < 1e-5
+    assert np.abs(moment).max() < 1e-5
+
+
+def test_the_suspension_pulls_a_displaced_wheelset_back(curve):
+    q, q_t = place_on_track(curve.centre, 120.0, speed=20.0, height=0.461, spin_rate=43.0, lateral=2e-3, yaw=3e-3)
+    force, moment = carried(hung(), curve, 120.0, 20.0, q, q_t)
+    assert force == pytest.approx([0.0, -2 * 3e6 * 2e-3, -2 * 1e6 * 1e-3], rel=2e-3, abs=100.0)
+    assert moment[2] == pytest.approx(-2 * 5e6 * 1.0**2 * 3e-3, rel=1e-3)
+
+
+@given(turn=st.tuples(*[st.floats(-0.05, 0.05)] * 3), velocity=vectors, rates=vectors)
+def test_dampers_on_straight_track_only_take_power(turn, velocity, rates):
+    track = Track.build([Straight(50.0)])
+    q, q_t, _ = body_of((10.0, 0.01, 0.47), turn, np.add(velocity, (20.0, 0, 0)), rates)
+    vehicle = hung()
+    damped = replace(vehicle, suspension=replace(vehicle.suspension, stiffness=(0.0, 0.0, 0.0)))
+    force, moment = carried(damped, track, 10.0, 20.0, q, q_t)
+    body = np.array(wheelset.kinematics(q, q_t))
+    assert force @ (body[3:6] - [20.0, 0.0, 0.0]) + moment @ body[15:18] <= 1e-9
+
+
+def test_a_sprung_mass_presses_with_its_weight_and_its_centrifugal_force():
+    track = Track.build([Arc(100.0, 300.0)])
+    vehicle = hung(sprung=SprungMass(mass=1e4, height=1.3))
+    q, q_t = place_on_track(track.centre, 50.0, speed=15.0, height=0.46, spin_rate=0.0)
+    force, moment = carried(vehicle, track, 50.0, 15.0, q, q_t)
+    outward = 1e4 * 15.0**2 / 300.0
+    assert force == pytest.approx([0.0, -outward, -1e4 * 9.80665], rel=1e-9, abs=1e-3)
+    # to the right at 1.3 m above the axle: the left wheel goes up
+    assert moment == pytest.approx([1.3 * outward, 0.0, 0.0], rel=1e-9, abs=1e-3)
+
+
+def test_at_the_balanced_speed_cant_takes_the_whole_lateral_force_of_the_sprung_mass():
+    cant_angle = np.arcsin(0.1 / 1.5)
+    speed = np.sqrt(9.80665 * 300.0 * np.tan(cant_angle))
+    track = Track.build([Arc(100.0, 300.0, cant=0.1)])
+    vehicle = hung(sprung=SprungMass(mass=1e4, height=1.3))
+    q, q_t = place_on_track(track.centre, 50.0, speed=speed, height=0.46, spin_rate=0.0)
+    force, moment = carried(vehicle, track, 50.0, speed, q, q_t)
+    assert force[1] == pytest.approx(0.0, abs=1e-2)
+    assert moment[0] == pytest.approx(0.0, abs=1e-2)
+    assert force[2] == pytest.approx(-1e4 * 9.80665 / np.cos(cant_angle), rel=1e-9)
+
+
+def test_a_wheelset_with_unequal_roll_and_yaw_inertia_is_refused():
+    with pytest.raises(InputError, match=r"'example': roll inertia 900 and yaw inertia 950"):
+        RigidBody.of(replace(example_wheelset(), inertia=(900.0, 100.0, 950.0)))
+
+
+@pytest.mark.parametrize("numbers", [(0.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, np.nan), (1.0, 3.0, 1.0)])
+def test_a_body_that_cannot_exist_is_refused(numbers):
+    with pytest.raises(InputError, match="body: "):
+        RigidBody(*numbers)

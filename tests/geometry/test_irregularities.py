@@ -1,0 +1,499 @@
+"""Grades, irregularities, spectra and measured tables: where the rails really lie."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wrsim.analysis import run
+from wrsim.errors import InputError
+from wrsim.geometry.track.gradient import Grade, pitch_law
+from wrsim.geometry.track.irregularities import Bump, Disturbance, Polygon, Sampled
+from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
+from wrsim.geometry.track.spectra import SPECTRA, Realisation
+from wrsim.geometry.track.table import TrackTable
+from wrsim.geometry.track.track import Track
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load, load_text
+
+OUT, UP = 0.043, 0.01
+CURVE: tuple[Segment, ...] = (
+    Straight(30.0), Transition(40.0), Arc(40.0, 300.0, 0.1, 0.01), Transition(40.0, "bloss"), Straight(30.0),
+)  # fmt: skip
+OFFSETS = {"left_offset": (OUT, UP), "right_offset": (OUT, UP)}
+
+
+def offsets(track: Track, side: str, s: np.ndarray) -> np.ndarray:
+    """Rail against the centre line in the axes of the cross-section: (n, 3) along t, n, b."""
+    frame = track.centre.frame(s)
+    rail = getattr(track, side).position(track.rail_distance(side, s))
+    return np.einsum("nij,nj->ni", frame[:, 1:], rail - frame[:, 0])
+
+
+# --- grades ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_track_on_a_grade_climbs_by_its_sine_and_is_as_long_as_itself() -> None:
+    track = Track.build(CURVE, grades=[Grade(0.0, 0.04)], **OFFSETS)
+    angle = math.atan(0.04)
+    assert track.centre.position(np.array([100.0]))[0, 2] == pytest.approx(100.0 * math.sin(angle), abs=1e-9)
+    assert track.centre.length == pytest.approx(sum(s.length for s in CURVE), abs=1e-9)
+    assert track.heading(track.length) == pytest.approx(Track.build(CURVE).heading(track.length), rel=1e-15)
+    assert track.grade(50.0) == pytest.approx(0.04, rel=1e-15)
+
+
+def test_a_vertical_curve_is_a_circle_between_its_grades() -> None:
+    radius, down, up = 2000.0, -0.01, 0.03
+    track = Track.build([Straight(400.0)], grades=[Grade(0.0, down), Grade(200.0, up, radius)])
+    half = 0.5 * radius * (math.atan(up) - math.atan(down))
+    s = np.array([200.0 - half, 200.0, 200.0 + half])
+    x, _, z = track.centre_line.position(s).T
+    # all points of a sag curve lie one radius below its centre
+    start = np.array([x[0] - radius * math.sin(math.atan(down)), z[0] + radius * math.cos(math.atan(down))])
+    assert np.hypot(x - start[0], z - start[1]) == pytest.approx(radius, rel=1e-12)
+    inside = track.centre.table[(track.centre.table[:, 0] > x[0] + 1.0) & (track.centre.table[:, 0] < x[2] - 1.0)]
+    assert np.linalg.norm(inside[:, 8:11], axis=1) == pytest.approx(1.0 / radius, rel=1e-9)
+
+
+@pytest.mark.parametrize("side, sign", [("left", 1.0), ("right", -1.0)])
+def test_rail_rows_are_derivatives_of_a_canted_uneven_rail_in_a_climbing_curve(side: str, sign: float) -> None:
+    """Against p = r + d n + h b differentiated numerically, everything together."""
+    k = 2.0 * math.pi / 9.0
+    s = np.linspace(0.0, 180.0, 1441)
+    uneven = [
+        Disturbance.of(Sampled.through(s, 5e-3 * np.sin(k * s), 20.0, 9.0), "alignment"),
+        Disturbance.of(Sampled.through(s, 4e-3 * np.cos(k * s), 20.0, 9.0), "cross-level"),
+    ]
+    grades = [Grade(0.0, 0.02), Grade(90.0, -0.03, 1000.0)]
+    track = Track.build(CURVE, grades=grades, irregularities=uneven, rounding=5.0, heading=1.0, **OFFSETS)
+
+    def place(s: np.ndarray) -> np.ndarray:
+        t = track.centre_line.tangent(s)
+        left = np.cross([0.0, 0.0, 1.0], t)
+        left /= np.linalg.norm(left, axis=1)[:, None]
+        roll = track.roll(s)[:, None]
+        n, b = np.cos(roll) * left + np.sin(roll) * np.cross(t, left), None
+        b = np.cross(t, n)
+        lateral, vertical = track.irregularity(side, s)
+        widening = track.left_curve.widening(s)
+        d = sign * (0.5 * (1.435 + widening) + OUT) + lateral
+        return track.centre_line.position(s) + d[:, None] * n + (UP + vertical)[:, None] * b
+
+    path = getattr(track, side)
+    s = track.centre_distance(side, np.arange(path.table.shape[0]) * path.step)
+    # the difference quotients must not reach over places where the slope of curvature, cant or pitch jumps
+    jumps = np.array([30, 35, 25, 70, 65, 75, 110, 105, 115, 150, 145, 155, 65.0, 115.0, 90 - 25, 90 + 25])
+    smooth = (np.abs(s[:, None] - jumps).min(axis=1) > 0.3) & (s > 1.0) & (s < 179.0)
+    e = 1e-3
+    p0, p1, p2 = place(s[smooth] - e), place(s[smooth]), place(s[smooth] + e)
+    first, second = (p2 - p0) / (2.0 * e), (p2 - 2.0 * p1 + p0) / e**2
+    rate = np.linalg.norm(first, axis=1)[:, None]
+    tangent = first / rate
+    bend = (second - np.sum(second * tangent, axis=1)[:, None] * tangent) / rate**2
+    table = path.table[smooth]
+    assert np.abs(table[:, 0:3] - p1).max() < 1e-11
+    assert np.abs(table[:, 3:6] - tangent).max() < 1e-8  # e^2 p''' / 6
+    assert np.abs(table[:, 8:11] - bend).max() < 2e-5  # rounding: 1e-13 / e^2, and a spline's third derivative jumps
+    # rows at even steps of the rail's own length
+    own = track.rail_distance(side, s)
+    assert own == pytest.approx(np.arange(len(own)) * path.step, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "grades, message",
+    [
+        ([Grade(0.0, 0.2)], "grade_permille = 200"),
+        ([Grade(50.0, 0.01), Grade(40.0, 0.0)], r"grades\[1\]: from_m = 40"),
+        ([Grade(0.0, 0.0), Grade(500.0, 0.01)], "from_m = 500"),
+        ([Grade(0.0, 0.0), Grade(20.0, 0.03, 10000.0)], r"grades\[1\]: its vertical curve .* start of the track"),
+        ([Grade(0.0, 0.0), Grade(90.0, 0.03, 10.0)], "vertical_radius_m = 10"),
+    ],
+)
+def test_a_grade_that_cannot_be_is_named(grades: list[Grade], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        pitch_law(grades, 180.0)
+
+
+# --- what irregularities do to the rails ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "channel, rail, left, right",
+    [
+        ("alignment", "both", (1.0, 0.0), (1.0, 0.0)),
+        ("level", "both", (0.0, 1.0), (0.0, 1.0)),
+        ("level", "right", (0.0, 0.0), (0.0, 1.0)),
+        ("alignment", "left", (1.0, 0.0), (0.0, 0.0)),
+        ("cross-level", "both", (0.0, -0.5), (0.0, 0.5)),
+        ("gauge", "both", (0.5, 0.0), (-0.5, 0.0)),
+    ],
+)
+def test_every_channel_moves_the_rails_it_names(channel, rail, left, right) -> None:
+    size = 8e-3
+    bump = Disturbance.of(Bump(80.0, 20.0, size), channel, rail)
+    plain, uneven = (Track.build(CURVE, irregularities=i, **OFFSETS) for i in ((), (bump,)))
+    s = np.array([60.0, 90.0, 120.0])
+    for side, weights in (("left", left), ("right", right)):
+        moved = offsets(uneven, side, s) - offsets(plain, side, s)
+        expected = np.outer([0.0, size, 0.0], (0.0, *weights))
+        assert np.abs(moved - expected).max() < 1e-9  # the tables against the exact rail
+    assert uneven.gauge(90.0) - plain.gauge(90.0) == pytest.approx(size * (left[0] - right[0]), abs=1e-15)
+    assert uneven.cross_level(90.0) == pytest.approx(size * (right[1] - left[1]), abs=1e-15)
+    assert uneven.is_uneven and not plain.is_uneven
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        Bump(10.0, 8.0, 5e-3),
+        Polygon.through([0.0, 10.0, 14.0, 18.0, 30.0], [0.0, 0.0, 5e-3, 0.0, 0.0], 1.0),
+        Sampled.through(np.linspace(0.0, 30.0, 61), np.sin(np.linspace(0.0, 6.0, 61)), 5.0, 4.0),
+    ],
+    ids=["bump", "kink", "spline"],
+)
+def test_slope_and_curvature_of_a_shape_are_its_derivatives(shape) -> None:
+    s = np.linspace(0.7, 29.3, 777)
+    e = 1e-5
+    jumps = shape.breaks() if not isinstance(shape, Sampled) else np.linspace(0.0, 30.0, 61)
+    s = s[np.abs(s[:, None] - jumps).min(axis=1) > 2.0 * e]
+    value, slope, bend = shape.jet(s)
+    low, high = shape.jet(s - e), shape.jet(s + e)
+    assert (high[0] - low[0]) / (2.0 * e) == pytest.approx(slope, abs=1e-8)
+    assert (high[1] - low[1]) / (2.0 * e) == pytest.approx(bend, abs=1e-7)
+    assert np.abs(value).max() > 4e-3
+
+
+def test_the_rows_of_a_rail_follow_waves_of_a_metre() -> None:
+    s = np.linspace(0.0, 100.0, 801)
+    wave = Sampled.through(s, 1e-4 * np.sin(2.0 * math.pi * s), 10.0, 1.0)
+    track = Track.build([Straight(100.0)], irregularities=[Disturbance.of(wave, "level")])
+    assert 0.24 < track.left.step <= 0.25
+    places = np.linspace(20.0, 80.0, 4001)
+    height = track.left.position(track.rail_distance("left", places))[:, 2]
+    error = height - 1e-4 * np.sin(2.0 * math.pi * places)
+    assert np.abs(error).max() < 5e-3 * 1e-4  # of the amplitude; found is 0.4 %
+
+
+# --- spectra --------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def long_track() -> Track:
+    """10 km on ERRI B176 high, waves of 1 to 100 m."""
+    drawn = Realisation("ERRI-high", 7, 1.0, 100.0, 0.0, 10_000.0).disturbances()
+    return Track.build([Straight(10_000.0)], irregularities=drawn)
+
+
+def third_octaves(values: np.ndarray, step: float, shortest: float, longest: float) -> tuple[np.ndarray, np.ndarray]:
+    """Wave numbers (n + 1,) that part the band into third octaves, and the variance in each (n,)."""
+    count = int(3.0 * math.log2(longest / shortest))
+    edges = 2.0 * math.pi / longest * 2.0 ** (np.arange(count + 1) / 3.0)
+    lines = np.abs(np.fft.rfft(values)) ** 2 * 2.0 / values.size**2
+    numbers = 2.0 * math.pi * np.fft.rfftfreq(values.size, step)
+    return edges, np.array([lines[(numbers >= a) & (numbers < b)].sum() for a, b in pairwise(edges)])
+
+
+@pytest.mark.parametrize("channel", ["alignment", "level", "cross-level"])
+def test_third_octaves_of_the_rails_hold_the_spectrum_within_1_db(long_track: Track, channel) -> None:
+    step = 0.125
+    s = np.arange(0.0, 10_000.0, step)
+    # from where the rails lie, not from what was drawn
+    left, right = offsets(long_track, "left", s), offsets(long_track, "right", s)
+    measured = {
+        "alignment": 0.5 * (left[:, 1] + right[:, 1]),
+        "level": 0.5 * (left[:, 2] + right[:, 2]),
+        "cross-level": right[:, 2] - left[:, 2],
+    }[channel]
+    edges, found = third_octaves(measured, step, 1.25, 100.0)
+    density = SPECTRA["ERRI-high"][channel]
+    wanted = []
+    for a, b in pairwise(edges):
+        w = np.linspace(a, b, 201)
+        wanted.append(np.trapezoid(density(w), w))
+    assert np.abs(10.0 * np.log10(found / np.array(wanted))).max() < 1.0
+    gauge = left[:, 1] - right[:, 1]
+    assert np.abs(gauge - gauge[0]).max() < 1e-8  # B176 has none; what is left are the rows
+
+
+def test_the_same_seed_gives_the_same_track_to_the_bit_and_another_seed_another(long_track: Track) -> None:
+    def track(seed: int) -> Track:
+        drawn = Realisation("FRA-4", seed, 3.0, 60.0, 0.0, 300.0).disturbances()
+        return Track.build(CURVE, irregularities=drawn)
+
+    one, again, other = track(3), track(3), track(4)
+    for side in ("left", "right"):
+        assert getattr(one, side).table.tobytes() == getattr(again, side).table.tobytes()
+        assert np.abs(getattr(one, side).table[100:200, 2] - getattr(other, side).table[100:200, 2]).max() > 1e-4
+
+
+def test_irregularities_begin_and_end_gently() -> None:
+    drawn = Realisation("FRA-1", 1, 3.0, 60.0, 50.0, 150.0, fade=20.0).disturbances()
+    track = Track.build(CURVE, irregularities=drawn)
+    s = np.array([0.0, 49.9, 50.01, 149.99, 150.1, 180.0])
+    assert np.abs(track.irregularity("left", s)).max() < 1e-9
+    assert np.abs(track.irregularity("left", np.linspace(70.0, 130.0, 50))).max() > 1e-3
+
+
+def test_classes_of_fra_track_are_rougher_the_lower_they_are() -> None:
+    w = 2.0 * math.pi / np.array([20.0])
+    for channel in ("alignment", "level"):
+        densities = [SPECTRA[f"FRA-{i}"][channel](w)[0] for i in range(1, 7)]
+        assert (np.diff(densities) < 0.0).all()
+
+
+def test_rows_too_coarse_for_the_waves_are_refused() -> None:
+    drawn = Realisation("ERRI-low", 1, 1.0, 60.0, 0.0, 180.0).disturbances()
+    with pytest.raises(InputError, match=r"row_distance_m = 0\.5 is too coarse .* need 0\.25"):
+        Track.build(CURVE, irregularities=drawn, step=0.5)
+
+
+# --- tables ---------------------------------------------------------------------------------------------------------
+
+
+def write_table(path: Path, columns: dict[str, np.ndarray]) -> Path:
+    rows = np.column_stack(list(columns.values()))
+    path.write_text(",".join(columns) + "\n" + "\n".join(",".join(f"{v:.9g}" for v in row) for row in rows) + "\n")
+    return path
+
+
+def test_a_track_laid_from_its_own_measurement_is_the_same_track(tmp_path: Path) -> None:
+    drawn = Realisation("ERRI-low", 5, 4.0, 60.0, 0.0, 180.0).disturbances()
+    track = Track.build(CURVE, grades=[Grade(0.0, 0.01)], irregularities=drawn, **OFFSETS)
+    s = np.linspace(0.0, 180.0, 721)
+    lateral, vertical = zip(*(track.irregularity(side, s) for side in ("left", "right")), strict=True)
+    table = TrackTable.read(
+        write_table(
+            tmp_path / "t.csv",
+            {
+                "distance_m": 4711.0 + s,
+                "curvature_per_km": 1e3 * track.curvature(s),
+                "cant_mm": 1e3 * track.cant(s),
+                "gauge_mm": 1e3 * (1.435 + track.left_curve.widening(s)),
+                "grade_permille": 1e3 * track.grade(s),
+                "left_lateral_mm": 1e3 * lateral[0],
+                "right_lateral_mm": 1e3 * lateral[1],
+                "left_vertical_mm": 1e3 * vertical[0],
+                "right_vertical_mm": 1e3 * vertical[1],
+            },
+        )
+    )
+    again = Track.lay(table.laws(1.435), 1.435, irregularities=table.disturbances(0.0, 1e-3), **OFFSETS)
+    places = np.linspace(1.0, 179.0, 400)
+    for side in ("left", "right"):
+        one = getattr(track, side).frame(track.rail_distance(side, places))
+        two = getattr(again, side).frame(again.rail_distance(side, places))
+        # curvature of the Bloss ramp is taken as straight over 0.25 m: 3e-7 1/m, over 40 m twice integrated
+        assert np.abs(one[:, 0] - two[:, 0]).max() < 2e-4
+        assert np.abs(one[:, 1:] - two[:, 1:]).max() < 1e-4
+        assert np.abs(offsets(track, side, places) - offsets(again, side, places)).max() < 5e-6
+
+
+def test_a_table_is_filtered_to_the_band_asked_for(tmp_path: Path) -> None:
+    s = np.arange(0.0, 1000.0, 0.25)
+    short, middle, long = (np.sin(2.0 * math.pi * s / wave) for wave in (1.5, 12.0, 200.0))
+    file = write_table(tmp_path / "t.csv", {"distance_m": s, "level_mm": 3.0 * short + 2.0 * middle + 10.0 * long})
+    (level,) = TrackTable.read(file).disturbances(0.0, 20.0, band=(3.0, 70.0))
+    inner = slice(800, -800)
+    # half a percent of the waves outside gets through, the ones inside stay
+    assert np.abs(1e3 * level.shape.jet(s)[0] - 2.0 * middle)[inner].max() < 0.1
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("distance_m,cant_mm\n0,1\n1,2\n2,3\n1.5,4\n", r"t\.csv:5: distance_m = 1\.5 after 2: must rise"),
+        ("distance_m,cant\n0,1\n", "column 'cant': unknown; did you mean 'cant_mm'"),
+        ("cant_mm\n0\n", "column 'distance_m' is missing"),
+        ("distance_m,cant_mm\n0,1\n1,a\n2,3\n3,4\n", r"t\.csv:3: cant_mm = 'a': must be a number"),
+        ("distance_m,cant_mm\n0,1\n1,900\n2,3\n3,4\n", r"t\.csv:3: cant_mm = 900: must be a number from -250"),
+        ("distance_m,cant_mm\n0,1\n1\n2,3\n3,4\n", r"t\.csv:3: has 1 cells"),
+        ("distance_m\n0\n1\n2\n3\n", "nothing but distance_m"),
+        ("distance_m,cant_mm\n0,1\n1,1\n", "2 rows; a track needs at least 4"),
+        ("", "the table is empty"),
+    ],
+)
+def test_a_faulty_table_is_told_with_its_line(tmp_path: Path, text: str, message: str) -> None:
+    file = tmp_path / "t.csv"
+    file.write_text(text)
+    with pytest.raises(InputError, match=message):
+        TrackTable.read(file)
+
+
+def test_a_band_finer_than_the_table_is_refused(tmp_path: Path) -> None:
+    s = np.arange(0.0, 100.0, 1.0)
+    file = write_table(tmp_path / "t.csv", {"distance_m": s, "level_mm": np.sin(s / 5.0)})
+    with pytest.raises(InputError, match="rows are up to 1 m apart and tell no waves shorter than 2 m"):
+        TrackTable.read(file).disturbances(0.0, 10.0, band=(1.0, 50.0))
+    with pytest.raises(InputError, match="has no geometry"):
+        TrackTable.read(file).laws(1.435)
+
+
+# --- in files -------------------------------------------------------------------------------------------------------
+
+SCENARIO = """
+title = "t"
+analysis = "curving"
+[vehicle]
+model = "vehicles/wheelset_s1002.toml"
+speed_kmh = 72
+[track]
+gauge_mm = 1435
+rail = "rails/60E1.toml"
+inclination = "1:40"
+[[track.segments]]
+kind = "straight"
+length_m = 200
+"""
+
+
+def told(tmp_path: Path, text: str) -> str:
+    """What a scenario with this text is refused with."""
+    file = tmp_path / "s.toml"
+    file.write_text(SCENARIO + text)
+    with pytest.raises(InputError) as error:
+        build(load(file))
+    return str(error.value)
+
+
+def test_defects_grades_and_spectra_of_a_file_lie_on_its_track(tmp_path: Path) -> None:
+    file = tmp_path / "s.toml"
+    file.write_text(
+        SCENARIO
+        + """
+[[track.grades]]
+from_m = 0
+grade_permille = 10
+[[track.irregularities]]
+kind = "dip"
+rail = "left"
+at_m = 50
+length_m = 4
+amplitude_mm = 5
+[[track.irregularities]]
+kind = "alignment"
+at_m = 80
+length_m = 10
+amplitude_mm = 3
+shape = "kink"
+[[track.irregularities]]
+kind = "twist"
+at_m = 120
+length_m = 6
+amplitude_mm = 4
+shape = "ramp"
+[[track.irregularities]]
+kind = "gauge"
+at_m = 100
+length_m = 10
+amplitude_mm = 6
+"""
+    )
+    track = build(load(file)).track
+    assert track.grade(70.0) == pytest.approx(0.01)
+    assert track.irregularity("left", 50.0)[1] == pytest.approx(-5e-3)
+    assert track.irregularity("right", 50.0)[1] == 0.0
+    # a kink is rounded by 3/16 of its change of slope, 2 * 3 mm / 5 m, over 1 m
+    assert track.irregularity("right", 80.0)[0] == pytest.approx(3e-3 - 3.0 / 16.0 * 2.0 * 3e-3 / 5.0, rel=1e-9)
+    assert track.cross_level(np.array([110.0, 130.0, 199.0])) == pytest.approx([0.0, 4e-3, 4e-3])
+    assert track.gauge(100.0) == pytest.approx(1.441)
+
+
+def test_a_track_file_lies_beneath_the_keys_of_the_scenario(tmp_path: Path) -> None:
+    lines = SCENARIO.split("[track]")
+    (tmp_path / "line.toml").write_text('name = "l"\nsource = "s"\ndate = 2026-01-01\n[track]' + lines[1])
+    file = tmp_path / "s.toml"
+    file.write_text(lines[0] + '[track]\nfile = "line.toml"\ninclination = "1:20"\n')
+    scenario = load(file)
+    assert scenario.spec.track.gauge_mm == 1435.0 and scenario.spec.track.inclination == 0.05
+    # the text that a result carries is whole
+    assert build(load_text(scenario.text)).track.length == 200.0
+    (tmp_path / "line.toml").write_text('name = "l"\nsource = "s"\ndate = 2026-01-01\n[track]\ngauge_mn = 1435\n')
+    with pytest.raises(InputError, match=r"line\.toml:5: track\.gauge_mn = 1435: unknown key; did you mean 'gauge_mm'"):
+        load(file)
+    file.write_text(lines[0] + '[track]\nfile = "lime.toml"\n')
+    with pytest.raises(
+        InputError, match=r's\.toml:8: track\.file = "lime\.toml": not found .* did you mean "line\.toml"'
+    ):
+        load(file)
+
+
+def test_the_shipped_line_is_five_kilometres_and_as_uneven_as_it_says() -> None:
+    text = SCENARIO.split("[track]")[0] + '[track]\nfile = "tracks/mixed_line.toml"\n'
+    track = build(load_text(text)).track
+    assert track.length == pytest.approx(5000.0)
+    assert {f.kind for f in track.features()} == {"straight", "transition", "arc"}
+    assert not track.jumps
+    s = np.arange(50.0, 4950.0, 0.25)
+    left, right = (track.irregularity(side, s) for side in ("left", "right"))
+    # ERRI low: standard deviation of level and alignment between 3 and 100 m from the integral of the density
+    w = np.linspace(2.0 * math.pi / 100.0, 2.0 * math.pi / 3.0, 20001)
+    for way, channel in enumerate(("alignment", "level")):
+        expected = math.sqrt(np.trapezoid(SPECTRA["ERRI-low"][channel](w), w))
+        assert np.std(0.5 * (left[way] + right[way])) == pytest.approx(expected, rel=0.1)  # and four defects
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ('[[track.irregularities]]\nkind = "spectrum"\nspectrum = "ERRI-lo"\nseed = 1\n', 'did you mean "ERRI-low"'),
+        (
+            '[[track.irregularities]]\nkind = "spectrum"\nspectrum = "FRA-4"\nseed = 1\nwavelength_m = [3, 300]\n',
+            "s.toml:14: track.irregularities[0]: from 0 to 200 m there is no room for the longest wavelength, 300 m",
+        ),
+        (
+            '[[track.irregularities]]\nkind = "spectrum"\nspectrum = "FRA-4"\nseed = 1\nwavelength_m = [70, 3]\n',
+            "must be two rising wavelengths",
+        ),
+        (
+            '[[track.irregularities]]\nkind = "dip"\nat_m = 199\nlength_m = 4\namplitude_mm = 5\n',
+            "s.toml:14: track.irregularities[0]: at_m = 199: goes from 197 to 201 m; must lie on the track",
+        ),
+        (
+            '[[track.irregularities]]\nkind = "table"\nfile = "none.csv"\n',
+            "s.toml:16: track.irregularities[0].file = \"none.csv\": not found",
+        ),
+        ('[[track.irregularities]]\nkind = "dipp"\n', 'did you mean "dip"'),
+        ("[[track.grades]]\nfrom_m = 0\ngrade_permille = 300\n", "track.grades[0].grade_permille = 300: must be"),
+        (
+            "[[track.grades]]\nfrom_m = 9\ngrade_permille = 3\n[[track.grades]]\nfrom_m = 9\ngrade_permille = 4\n",
+            "track.grades[1].from_m: must be above that of the grade before (9)",
+        ),
+        (
+            '[[track.irregularities]]\nkind = "gauge"\nat_m = 90\nlength_m = 9\namplitude_mm = -30\n',
+            "s.toml:14: track.irregularities: the wheelset is placed off the rails: at a gauge of 1405 mm",
+        ),
+    ],
+)  # fmt: skip
+def test_a_fault_in_a_track_is_told_where_it_stands(tmp_path: Path, text: str, message: str) -> None:
+    assert message in told(tmp_path, text)
+
+
+def test_rows_asked_for_too_far_apart_are_refused(tmp_path: Path) -> None:
+    text = (SCENARIO + '[[track.irregularities]]\nkind = "dip"\nat_m = 90\nlength_m = 2\namplitude_mm = 4\n').replace(
+        "gauge_mm = 1435", "gauge_mm = 1435\nrow_distance_m = 0.5"
+    )
+    with pytest.raises(InputError, match=r"row_distance_m = 0\.5 is too coarse for the irregularities"):
+        build(load_text(text))
+
+
+def test_a_wheelset_follows_a_dip_and_tells_where_its_rails_were() -> None:
+    defect = '[[track.irregularities]]\nkind = "dip"\nat_m = 40\nlength_m = 20\namplitude_mm = 6\n'
+    text = SCENARIO + defect + "[run]\nstart_distance_m = 25\ndistance_m = 25\n"
+    dataset = run(load_text(text)).dataset
+    distance = dataset["distance"].values
+    fallen = dataset["rail_vertical"].values
+    dip = np.where(np.abs(distance - 40.0) < 10.0, -3e-3 * (1.0 + np.cos(0.1 * math.pi * (distance - 40.0))), 0.0)
+    assert fallen == pytest.approx(np.column_stack([dip, dip]), abs=1e-12)
+    # the wheels stay on the rails: contact springs give some 10 um, the slope of the rails less
+    sunk = dataset["vertical_shift"].values - dataset["vertical_shift"].values[0]
+    assert np.abs(sunk - dip).max() < 30e-6
+    contact = dataset["z_contact"].values[:, :, 0]
+    assert contact - contact[0] == pytest.approx(fallen, abs=30e-6)
+    # in the trough the wheelset's own mass is thrown up by V^2 z'': 1813 kg 400 m2/s2 3e-3 (pi/10)^2 / m
+    load = dataset["Q"].values.sum(axis=1)
+    expected = 1813.0 * 400.0 * 3e-3 * (0.1 * math.pi) ** 2
+    assert load[np.argmin(np.abs(distance - 40.0))] - load[0] == pytest.approx(expected, rel=0.05)

@@ -1,0 +1,360 @@
+"""Files of points: round trips, orientations, and files that are refused with the line of the fault."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile.files import read_profile, write_profile
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.sections import circle, cone
+
+MODELS = Path(__file__).parents[2] / "models"
+WHEEL = load_profile(MODELS / "wheels/S1002.toml")
+RAIL = load_profile(MODELS / "rails/60E1.toml")
+
+
+def distance(a: Profile, b: Profile) -> float:
+    """Largest distance of points at equal parts of the length, m."""
+    parts = np.linspace(0.0, 1.0, 20_001)
+    return float(np.hypot(*np.subtract(a.at(parts * a.length), b.at(parts * b.length))).max())
+
+
+def rows(profile: Profile, u: float = 1e3, w: float = 1e3, order: int = 1, between: str = " ") -> str:
+    """Text of the profile's nodes, scaled."""
+    pairs = list(zip(u * profile.u, w * profile.w, strict=True))[::order]
+    return "".join(f"{a:.12f}{between}{b:.12f}\n" for a, b in pairs)
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Write a text file; returns its path."""
+
+    def writer(text: str, name: str = "points.csv") -> Path:
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return writer
+
+
+# --- there and back -----------------------------------------------------------------------------------
+
+SHAPES = [
+    WHEEL,
+    RAIL,
+    RAIL.inclined(1 / 20),
+    WHEEL.shifted(0.001, -0.002),
+    cone("cone", "wheel", 0.05, -0.04, 0.06),
+    circle("crown", "rail", 0.3, 0.035),
+]
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".txt", "simpack", "miniprof"])
+@pytest.mark.parametrize("profile", SHAPES, ids=lambda p: p.name)
+def test_a_profile_written_and_read_back_is_the_same_to_a_nanometre(profile, suffix, tmp_path):
+    suffixes = {"simpack": {"wheel": ".prw", "rail": ".prr"}, "miniprof": {"wheel": ".whl", "rail": ".ban"}}
+    suffix = suffixes.get(suffix, {}).get(profile.kind, suffix)
+    back = read_profile(write_profile(profile, tmp_path / f"profile{suffix}"))
+    assert (back.name, back.kind) == (profile.name, profile.kind)
+    assert distance(back, profile) < 1e-9
+    assert back.length == pytest.approx(profile.length, abs=1e-9)
+    # direction too, which contact needs: away from joins curvature comes back
+    L = np.linspace(0.0, profile.length, 2001)
+    np.testing.assert_allclose(back.tangent(L * back.length / profile.length), profile.tangent(L), atol=1e-4)
+
+
+def test_columns_that_wrsim_wrote_say_where_they_come_from(tmp_path):
+    back = read_profile(write_profile(WHEEL, tmp_path / "w.csv"))
+    assert back.source == WHEEL.source
+
+
+def test_a_smoothed_profile_comes_back_too(write, tmp_path):
+    measured = read_profile(write(rows(WHEEL)), "wheel", measured=True)
+    assert distance(read_profile(write_profile(measured, tmp_path / "w.prw")), measured) < 1e-9
+
+
+# --- orientation, order, unit -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize("heights", ["up", "down"])
+@pytest.mark.parametrize("side", ["positive", "negative"])
+def test_any_orientation_and_order_of_a_wheel_is_recognised_by_its_flange(write, order, heights, side):
+    text = rows(WHEEL, 1e3 if side == "positive" else -1e3, 1e3 if heights == "up" else -1e3, order)
+    path = write(text)
+    assert distance(read_profile(path, "wheel"), WHEEL) < 1e-9
+    assert distance(read_profile(path, "wheel", heights=heights, field_side=side), WHEEL) < 1e-9
+
+
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize("heights", ["up", "down"])
+def test_a_rail_upside_down_is_recognised_by_its_head(write, order, heights):
+    inclined = RAIL.inclined(1 / 20)
+    path = write(rows(inclined, 1e3, 1e3 if heights == "up" else -1e3, order))
+    assert distance(read_profile(path, "rail"), inclined) < 1e-9
+
+
+def test_the_field_side_of_a_rail_must_be_told(write):
+    inclined = RAIL.inclined(1 / 20)
+    path = write(rows(inclined, -1e3))
+    assert distance(read_profile(path, "rail", field_side="negative"), inclined) < 1e-9
+    assert distance(read_profile(path, "rail"), inclined.mirrored()) < 1e-9
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("m", 1.0), ("mm", 1e3), ("in", 1 / 0.0254)])
+def test_units_come_from_the_caller_or_the_header(write, unit, factor):
+    text = rows(RAIL, factor, factor, between=",")
+    assert distance(read_profile(write(text), "rail", unit=unit), RAIL) < 1e-9
+    assert distance(read_profile(write(f"y_{unit},z_{unit}\n" + text), "rail"), RAIL) < 1e-9
+
+
+def test_columns_may_be_separated_as_spreadsheets_do(write):
+    comma_decimals = rows(RAIL, between=";").replace(".", ",")
+    for text in (rows(RAIL, between="\t"), rows(RAIL, between=", "), comma_decimals):
+        assert distance(read_profile(write("% a comment\n\n" + text), "rail"), RAIL) < 1e-9
+
+
+def test_duplicated_points_are_one_point(write):
+    lines = rows(RAIL).splitlines(keepends=True)
+    doubled = "".join(line * (2 if i % 100 == 0 else 1) for i, line in enumerate(lines))
+    assert distance(read_profile(write(doubled), "rail"), RAIL) < 1e-9
+
+
+def test_points_closer_than_their_digits_allow_do_not_spoil_the_curvature(write):
+    # Nodes as near as 5 um, written to 1e-6 mm: a spline through all of them would have curvatures off by 50 1/m.
+    text = "".join(f"{1e3 * u:.6f} {1e3 * w:.6f}\n" for u, w in zip(RAIL.u, RAIL.w, strict=True))
+    profile = read_profile(write(text), "rail")
+    u = np.linspace(-0.009, 0.009, 501)  # the crown, 300 mm
+    np.testing.assert_allclose(profile.curvature(profile.arclength_of(u)), -1 / 0.3, atol=1.0)
+
+
+def test_clipping_keeps_the_curve_between(write):
+    profile = read_profile(write(rows(WHEEL)), "wheel", clip=(-0.05, 0.04))
+    assert profile.u[0] == pytest.approx(-0.05, abs=1e-4) and profile.u[-1] == pytest.approx(0.04, abs=1e-4)
+    u = np.linspace(-0.049, 0.039, 501)
+    w, true = profile.at(profile.arclength_of(u))[1], WHEEL.at(WHEEL.arclength_of(u))[1]
+    np.testing.assert_allclose(w, true, atol=1e-9)
+
+
+def test_turning_undoes_an_inclination(write):
+    path = write(rows(RAIL.inclined(1 / 40)))
+    assert distance(read_profile(path, "rail", turn=-np.arctan(1 / 40)), RAIL) < 1e-9
+
+
+# --- SIMPACK ------------------------------------------------------------------------------------------
+
+
+def simpack(points: str, keys: str = "", kind: int = 1) -> str:
+    """A SIMPACK profile with the comments and the alignment that such files have."""
+    return f"""! ***   Rail-Wheel Profile   ***
+  header.begin
+    version       =  1                       ! Version flag
+    type          =  {kind}                       ! 0=rail profile, 1=wheel profile
+  header.end
+  spline.begin
+    approx.smooth  = +0.000000000000000e+00   ! Approximation smoothing value
+    comment        = 'it''s a wheel!'         ! Comment
+{keys}
+!   units.len      = 'mm'                     ! 7: Unit name for lengths
+    point.begin
+    !
+    ! y value   z value   weight
+{points}
+    point.end
+  spline.end
+"""
+
+
+def test_simpack_keys_do_what_their_comments_say(write):
+    # Written mirrored, in inches, shifted, from the other end, with a weight column and a bound.
+    y, z = -(WHEEL.u / 0.0254) - 2.0, -(WHEEL.w / 0.0254) + 1.0
+    keep = slice(None, None, -1)
+    points = "\n".join(f"{a:.15E} {b:.15E} 1.0" for a, b in zip(y[keep], z[keep], strict=True))
+    keys = """
+    shift.y        = +2.0                     ! 2: y shift of data ......... (in lengths unit)
+    shift.z        = -1.0                     ! 2: z shift of data ......... (in lengths unit)
+    bound.y.min    = -1.000000000000000e+01   ! 4: y boundary min .......... (in lengths unit)
+    bound.y.max    = +2.75000000000000e+00    ! 4: y boundary max .......... (in lengths unit)
+    bound.z.min    = +1.000000000000000e+00   ! 4: z boundary min .......... (in lengths unit)
+    bound.z.max    = +0.000000000000000e+00   ! 4: z boundary max .......... (in lengths unit)
+    mirror.y       =  1                       ! 5: y mirror mode (0=no mirroring; 1=mirrored)
+    inversion      =  1                       ! 6: Inversion of data order (0=no inversion; 1=inversion)
+    units.len.f    = 39.37007874015748        ! 7: Unit factor for lengths (l[User] / l[m])"""
+    profile = read_profile(write(simpack(points, keys), "w.prw"))
+    # 2.75 inches = 69.85 mm: the bound takes the last 0.15 mm of the flange's back
+    assert profile.u[0] == pytest.approx(-0.06985, abs=1e-4)
+    u = np.linspace(-0.05, 0.055, 501)
+    w, true = profile.at(profile.arclength_of(u))[1], WHEEL.at(WHEEL.arclength_of(u))[1]
+    np.testing.assert_allclose(w, true, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("units.len.f = 1000", "units.len.g = 1000"), r"w.prw:9: unknown key 'units.len.g' .*'units.len.f'"),
+        (("units.len.f = 1000", "rotate = 0.025"), r"rotate = 0.025 is not supported; allowed: 0"),
+        (("units.len.f = 1000", "units.len.f = 0"), r"units.len.f = 0; allowed: above 0"),
+        (("units.len.f = 1000", "units.len.f = mm"), r"w.prw:9: 'mm' is not a number"),
+        (("units.len.f = 1000", ""), r"the profile is 1.534e\+05 mm long; .* Is the unit right"),
+        (("  spline.end", ""), r"ends without spline.end"),
+        (("    point.end\n", ""), r"spline.end without spline.begin"),
+        (("  spline.begin", "  spline.begin\n  spline.begin"), r"w.prw:7: spline.begin is out of place inside spline"),
+        (("type          =  1", "type          =  2"), r"header type = 2; allowed: 0 \(rail\), 1 \(wheel\)"),
+        (("type          =  1", "type          =  0"), r"this is a rail profile; a wheel is needed"),
+        (("! ***   Rail-Wheel", "1.0 2.0 ! ***"), r"w.prw:1: '1.0 2.0' is out of place; is this a SIMPACK"),
+    ],
+)  # fmt: skip
+def test_simpack_files_with_faults_are_refused(write, change, message):
+    text = simpack(rows(WHEEL, 1e3, -1e3), "    units.len.f = 1000")
+    assert change[0] in text
+    with pytest.raises(InputError, match=message):
+        read_profile(write(text.replace(*change), "w.prw"), "wheel")
+
+
+# --- MiniProf -----------------------------------------------------------------------------------------
+
+
+def miniprof(points: str, keys: str = "") -> str:
+    """A MiniProf measurement: head, an empty line, rows."""
+    return f"ProgramName=MiniProf\nDate=31-01-2026\nFlangeWidth=32,5\n{keys}\n\n{points}"
+
+
+def test_miniprof_measurements_are_smoothed_and_put_upright(write):
+    noise = 2e-3 * np.random.default_rng(1).normal(size=(1500, 2))  # mm
+    table, _ = WHEEL.table(WHEEL.length / 1499.5)
+    points = np.column_stack([1e3 * table[:, 0] - 10.0, -1e3 * table[:, 1] + 5.0])[: len(noise)] + noise
+    text = "".join(f"{x:.4f}\t{y:.4f}\t0.0\n" for x, y in points)
+    keys = f"XYPoints={len(points)}\nColumnDef=X,Y,A\nXOffset=10.0\nYOffset=-5.0"
+    profile = read_profile(write(miniprof(text, keys), "left.whl"))
+    assert "smoothed, cut-off 5 mm" in profile.source
+    u = np.linspace(-0.020, 0.050, 501)
+    w, true = profile.at(profile.arclength_of(u))[1], WHEEL.at(WHEEL.arclength_of(u))[1]
+    np.testing.assert_allclose(w, true, atol=3e-6)
+
+
+def test_a_miniprof_rail_of_the_old_kind_is_read(write):
+    points = rows(RAIL, 1e3, 1e3)
+    profile = read_profile(write("Rail\nLeft\n\n" + points, "r.ban"), measured=False)
+    assert distance(profile, RAIL) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ("XYPoints=12", r"w.whl:4: XYPoints=12, but the file has 1588 points"),
+        ("ColumnDef=Y,A", r"w.whl:4: ColumnDef = Y,A; must name X and Y"),
+        ("ColumnDef=X,Y,A", r"w.whl:6: 2 columns; ColumnDef needs 3: X,Y,A"),
+        ("XOffset=left", r"w.whl:4: 'left' is not a number"),
+    ],
+)
+def test_miniprof_files_with_faults_are_refused(write, keys, message):
+    with pytest.raises(InputError, match=message):
+        read_profile(write(miniprof(rows(WHEEL), keys), "w.whl"))
+
+
+# --- bad points ---------------------------------------------------------------------------------------
+
+
+def spoilt(line: int, text: str) -> str:
+    """Rows of the rail with line `line` (from 1) replaced."""
+    lines = rows(RAIL).splitlines(keepends=True)
+    lines[line - 1] = text + "\n"
+    return "".join(lines)
+
+
+def arc_points(radius: float, count: int, noise: float = 0.0) -> str:
+    """Points on a rail crown, mm."""
+    u = np.linspace(-30.0, 30.0, count)
+    w = -(u**2) / (2.0 * radius) + noise * np.random.default_rng(3).normal(size=count)
+    return "".join(f"{a:.9f} {b:.9f}\n" for a, b in zip(u, w, strict=True))
+
+
+def loop() -> str:
+    """A curve that crosses itself: a descending loop."""
+    t = np.linspace(-2.4, 2.4, 400)
+    u, w = 8.0 * t - 20.0 * np.sin(1.5 * t), -20.0 * np.cos(t)
+    return "".join(f"{a:.6f} {b:.6f}\n" for a, b in zip(u, w, strict=True))
+
+
+def zigzag() -> str:
+    """Points 301 to 303 stepping back along the curve."""
+    lines = rows(RAIL).splitlines(keepends=True)
+    return "".join([*lines[:303], *lines[300:302], *lines[303:]])
+
+
+def roof() -> str:
+    """Two planes that meet in a corner of 40 degrees."""
+    u = np.linspace(-30.0, 30.0, 121)
+    return "".join(f"{a:.9f} {-abs(a) * np.tan(np.radians(20.0)):.9f}\n" for a in u)
+
+
+def rail_without(first: int, last: int) -> str:
+    """The rail with a hole."""
+    lines = rows(RAIL).splitlines(keepends=True)
+    return "".join(lines[:first] + lines[last:])
+
+
+BAD = [
+    ("", r"points.csv: 0 different points; a profile needs at least 10"),
+    ("y,z\n1 2\n", r"points.csv: 1 different points"),
+    ("1 2\n" * 50, r"points.csv: 1 different points"),
+    (spoilt(7, "nan 1.0"), r"points.csv:7: nan is not a finite number"),
+    (spoilt(7, "1.0 inf"), r"points.csv:7: inf is not a finite number"),
+    (spoilt(7, "1.0 2,o"), r"points.csv:7: 3 columns; allowed: 2"),
+    (spoilt(7, "1.0 2.o"), r"points.csv:7: '2.o' is not a number"),
+    (spoilt(7, "1.0"), r"points.csv:7: 1 columns; allowed: 2, lateral coordinate and height"),
+    (spoilt(400, "500.0 2.0"), r"points.csv:400: the curve goes back on itself here"),
+    (rail_without(400, 500), r"points.csv:401: too coarse: 9\.\d+ mm from the point of line 400; allowed: 5\."),
+    (zigzag(), r"points.csv:30\d: the curve goes back on itself here \(it turns by -?1[78]\d degrees\)"),
+    (loop(), r"points.csv:\d+: the curve crosses itself: lines \d+-\d+ and \d+-\d+ intersect"),
+    (arc_points(300.0, 100), r"points.csv: the shape does not tell which way its heights grow; give heights"),
+    (rows(RAIL, 1e6, 1e6), r"the profile is 1.333e\+05 mm long; allowed: 5 to 1000 mm. Is the unit right\?"),
+    (arc_points(20.0, 400, 5e-3), r"points.csv: the points scatter by [45]\S+ um, .*measured = true"),
+    (roof(), r"points.csv:61: a corner of -40.0 degrees; allowed: 20. .* measured = true"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), BAD, ids=range(len(BAD)))
+def test_points_that_are_no_profile_are_refused_with_their_line(write, text, message):
+    with pytest.raises(InputError, match=message):
+        read_profile(write(text), "rail")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"kind": None}, r"nothing says whether this is a wheel or a rail"),
+        ({"kind": "weel"}, r"kind = 'weel'; allowed: wheel, rail \(did you mean 'wheel'\?\)"),
+        ({"unit": "cm"}, r"unit = 'cm'; allowed: m, mm, in"),
+        ({"format": "simpak"}, r"format = 'simpak'; allowed: columns, simpack, miniprof \(did you mean 'simpack'"),
+        ({"heights": "down"}, r"the flange points the wrong way up with heights 'down'"),
+        ({"field_side": "negative"}, r"the flange is on the field side with field_side 'negative'"),
+        ({"heights": "upp"}, r"heights = 'upp'; allowed: up, down \(did you mean 'up'\?\)"),
+        ({"clip": (0.1, 0.2)}, r"clip from 100 to 200 mm leaves no point; the points go from -70 to 60 mm"),
+    ],
+)  # fmt: skip
+def test_options_that_cannot_be_are_answered_with_what_is_allowed(write, options, message):
+    with pytest.raises(InputError, match=message):
+        read_profile(write(rows(WHEEL)), **{"kind": "wheel", **options})
+
+
+def test_files_that_are_not_there_or_not_text_are_refused(tmp_path):
+    (tmp_path / "wheel.csv").write_bytes(b"\x00\x01\x02")
+    with pytest.raises(InputError, match=r"whele.csv: no such profile file; did you mean '.*wheel.csv'\?"):
+        read_profile(tmp_path / "whele.csv", "wheel")
+    with pytest.raises(InputError, match="not a text file"):
+        read_profile(tmp_path / "wheel.csv", "wheel")
+    with pytest.raises(InputError, match="cannot read this profile file: Is a directory"):
+        read_profile(tmp_path, "wheel", format="columns")
+    with pytest.raises(InputError, match=r"no profile format has the suffix '.stl'; allowed: .csv, .txt"):
+        read_profile(tmp_path / "wheel.stl", "wheel")
+
+
+def test_writing_where_it_cannot_be_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"\.prr is for a rail, profile 'S1002' is a wheel"):
+        write_profile(WHEEL, tmp_path / "w.prr")
+    with pytest.raises(InputError, match="cannot write this profile: No such file or directory"):
+        write_profile(WHEEL, tmp_path / "none" / "w.prw")

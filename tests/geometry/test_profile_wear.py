@@ -1,0 +1,148 @@
+"""Worn profiles by formula: what is taken off, what is left, and what is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.sections import circle, rail_head
+from wrsim.geometry.profile.wear import BRIDGE, Removal, worn
+
+MODELS = Path(__file__).parents[2] / "models"
+S1002 = load_profile(MODELS / "wheels/S1002.toml")
+RAIL = load_profile(MODELS / "rails/60E1.toml")
+WORN_WHEEL = load_profile(MODELS / "wheels/S1002_worn.toml")
+WORN_RAIL = load_profile(MODELS / "rails/60E1_worn.toml")
+
+
+def bell(x: np.ndarray) -> np.ndarray:
+    return np.where(np.abs(x) < 1.0, np.cos(0.5 * np.pi * x) ** 2, 0.0)
+
+
+def away(profile, u, w):
+    """Distance of points from a profile: the nearest point on it, by Newton's method."""
+    rows, step = profile.table(2e-5)
+    found = []
+    for x, y in zip(u, w, strict=True):
+        L = step * int(np.argmin(np.hypot(rows[:, 0] - x, rows[:, 1] - y)))
+        for _ in range(4):
+            L = float(np.clip(L, 0.0, profile.length))
+            tu, tw = profile.tangent(L)
+            pu, pw = profile.at(L)
+            L += float((x - pu) * tu + (y - pw) * tw)
+        pu, pw = profile.at(float(np.clip(L, 0.0, profile.length)))
+        found.append(float(np.hypot(x - pu, y - pw)))
+    return np.array(found)
+
+
+def test_the_worn_wheel_lacks_the_two_bells_of_its_formula():
+    # between the flange tip and the field side, where the profile is a function of u
+    u = np.linspace(-0.054, 0.059, 401)
+    new = S1002.at(S1002.arclength_of(u))[1]
+    taken = 1.1e-3 * bell((u - 2e-3) / 26e-3) + 1.6e-3 * bell((u + 43e-3) / 10e-3)
+    np.testing.assert_allclose(WORN_WHEEL.at(WORN_WHEEL.arclength_of(u))[1], new + taken, rtol=0, atol=1e-9)
+
+
+def test_the_worn_rail_lies_under_the_unworn_one_by_its_formula():
+    L = np.linspace(0.0, RAIL.length, 301)
+    s = L - RAIL.top_arclength
+    taken = 2e-3 * bell((s + 37.90764816e-3) / 18e-3)
+    (u, w), (nu, nw) = RAIL.at(L), RAIL.normal(L)
+    distance = away(WORN_RAIL, u - taken * nu, w - taken * nw)
+    joins = RAIL.arclength[np.abs(RAIL.curvature_after - RAIL.curvature_before) > 1e-3]
+    beside = np.abs(L[:, None] - joins).min(axis=1) < 1.2 * BRIDGE
+    assert np.abs(distance[~beside]).max() < 1e-9
+    # two corners of 6 and 17 mrad, where arcs met: bridged over 0.1 mm, 0.5 um off at most
+    assert np.abs(distance).max() < 5e-7
+    # the field side is new, below the gauge corner the rail is hollow
+    assert WORN_RAIL.curvature(WORN_RAIL.arclength_of(0.02)) == pytest.approx(-1 / 0.08, rel=1e-6)
+    hollow = WORN_RAIL.curvature(np.linspace(0.0, 0.045, 4001)).max()
+    assert 1e3 / hollow == pytest.approx(55.0, abs=2.0)
+
+
+def test_the_worn_rail_stands_where_contact_places_it():
+    # rail origin of this profile in CONTACT 25.2, gauge 1435 mm, 1:40; it takes the highest sample as the top (1e-4 mm)
+    inclined = WORN_RAIL.inclined(1 / 40)
+    assert 1435.0 / 2 - 1e3 * inclined.gauge_point()[0] == pytest.approx(751.195462, abs=2e-4)
+    assert 1e3 * inclined.top[1] == pytest.approx(0.093706, abs=1e-4)
+
+
+@pytest.mark.parametrize("profile", [WORN_WHEEL, WORN_RAIL], ids=["wheel", "rail"])
+def test_a_worn_profile_is_kept_by_true_arclength(profile):
+    _, v, _ = profile._evaluate(np.linspace(0.0, profile.length, 40_001))
+    speed = np.hypot(*v.T)
+    # 2e-5 on the bridged corners, whose quintics are given their own lengths
+    assert np.abs(speed - 1.0).max() < 2e-5
+    assert np.percentile(np.abs(speed - 1.0), 99.0) < 1e-8
+
+
+@pytest.mark.parametrize("kind", ["rail", "wheel"])
+@pytest.mark.parametrize("direction", ["vertical", "normal"])
+@pytest.mark.parametrize("depth", [1e-3, -0.5e-3])
+def test_curvature_in_the_middle_of_a_bell_on_an_arc(kind, direction, depth):
+    radius, half = 0.08, 0.01
+    new = circle("arc", kind, radius, 0.03)
+    profile = worn(new, [Removal(direction, depth, 0.0, half)], "worn arc")
+    into = -1.0 if kind == "rail" else 1.0  # upward component of what is taken off
+    second = -0.5 * np.pi**2 * depth / half**2  # of the depth
+    stretch = 1.0 - into * -1.0 / radius * depth if direction == "normal" else 1.0
+    expected = (-stretch / radius + into * second) / stretch**2
+    middle = profile.arclength_of(0.0)
+    assert profile.at(middle)[1] == pytest.approx(into * depth, abs=1e-12)
+    assert profile.curvature(middle) == pytest.approx(expected, rel=1e-7)
+
+
+def test_nothing_taken_off_leaves_the_profile_as_it_was():
+    same = worn(RAIL, [Removal("normal", 0.0, -0.03, 0.01), Removal("vertical", 0.0, 0.0, 0.02)], "same")
+    L = np.linspace(0.0, RAIL.length, 4001)
+    np.testing.assert_allclose(same.at(L), RAIL.at(L), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(same.curvature_after.min(), RAIL.curvature_after.min(), rtol=1e-6)
+
+
+HEAD = 'name = "w"\nbody = "rail"\ndate = 2026-01-31\nsource = "test"\nkind = "worn"\n'
+DEEP = '[[removals]]\ndirection = "normal"\ndepth_mm = {}\nmiddle_mm = -38\nhalf_width_mm = {}\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('base = "60E1.toml"\n', r"removals is missing: must be a list of tables"),
+        ('base = "60E1.toml"\nremovals = []\n', r"removals.*at least one"),
+        ('base = "60E1.tml"\n' + DEEP.format(1, 5), r'base = "60E1.tml": not found in .*did you mean "60E1.toml"'),
+        ('base = "S1002.toml"\n' + DEEP.format(1, 5), r"not found in .*did you mean|a rail profile is needed"),
+        ('base = "profile.toml"\n' + DEEP.format(1, 5), r'base = "profile.toml": the profile would start from itself'),
+        ('base = "60E1.toml"\n' + DEEP.format(13.5, 18), r"corner of -683.8 mrad at u = -36 mm, .*allowed: 100 mrad"),
+        ('base = "60E1.toml"\n' + DEEP.format(30, 5), r"depth_mm = 30\S*: must be a number from -20 to 20"),
+        (
+            'base = "60E1.toml"\n[[removals]]\ndirection = "down"\ndepth_mm = 1\nmiddle_mm = 0\nhalf_width_mm = 9\n',
+            r'direction = "down": must be "vertical" or "normal"',
+        ),
+    ],
+)
+def test_wear_that_makes_no_profile_is_refused(tmp_path, text, message):
+    path = tmp_path / "profile.toml"
+    path.write_text(HEAD + text, encoding="utf-8")
+    with pytest.raises(InputError, match=message):
+        load_profile(path)
+
+
+def test_wear_adds_up_over_files(tmp_path):
+    (tmp_path / "first.toml").write_text(HEAD + 'base = "60E1.toml"\n' + DEEP.format(0.5, 10), encoding="utf-8")
+    second = tmp_path / "second.toml"
+    second.write_text(
+        HEAD + 'base = "first.toml"\n[[removals]]\ndirection = "vertical"\ndepth_mm = 1\nmiddle_mm = 0\n'
+        "half_width_mm = 20\n",
+        encoding="utf-8",
+    )
+    assert load_profile(second).at(load_profile(second).arclength_of(0.0))[1] == pytest.approx(-1e-3, abs=1e-12)
+
+
+def test_wear_that_folds_the_curve_is_refused():
+    groove = circle("groove", "rail", -0.02, 0.019)
+    thin = rail_head("thin", [0.012], [], 0.05, 0.06)
+    with pytest.raises(InputError, match=r"turns the curve back at u = .* mm; allowed: less depth"):
+        worn(groove, [Removal("normal", -0.021, 0.0, 0.02)], "filled up")
+    with pytest.raises(InputError, match=r"cross itself at u = .* mm; allowed"):
+        worn(thin, [Removal("normal", 0.015, s, 0.015) for s in (-0.043, 0.043)], "eaten through")

@@ -1,0 +1,458 @@
+"""Laws of a track: curvature, heading, place, cant and gauge; two rails with their own arclength."""
+
+import math
+from collections.abc import Callable
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.special import fresnel
+
+from wrsim.errors import InputError
+from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition, mirrored
+from wrsim.geometry.track.track import Track
+
+GAUGE = 1.435
+SHAPES = ("clothoid", "bloss")
+
+
+def curve(
+    radius: float, shape: str = "clothoid", cant: float = 0.1, widening: float = 0.01, length: float = 40.0
+) -> tuple[Segment, ...]:
+    """Straight, transition, arc, transition, straight."""
+    ramp = Transition(length, shape)  # type: ignore[arg-type]
+    return (Straight(30.0), ramp, Arc(80.0, radius, cant, widening), ramp, Straight(30.0))
+
+
+def s_curve(radius: float = 300.0, shape: str = "clothoid") -> tuple[Segment, ...]:
+    """Left and right curve joined by one transition that runs through zero curvature."""
+    ramp = Transition(40.0, shape)  # type: ignore[arg-type]
+    return (
+        Straight(20.0),
+        ramp,
+        Arc(60.0, radius, 0.1, 0.01),
+        Transition(80.0, shape),  # type: ignore[arg-type]
+        Arc(60.0, -radius, 0.08, 0.005),
+        ramp,
+        Straight(20.0),
+    )
+
+
+# ---- the centre line ----
+
+
+@pytest.mark.parametrize("radius", [25.0, 150.0, 300.0, -1000.0])
+def test_a_full_circle_closes_within_a_nanometre(radius: float) -> None:
+    track = Track.build([Arc(2.0 * math.pi * abs(radius), radius)])
+    for path in (track.centre, track.left, track.right):
+        first, last = path.frame(0.0), path.frame(path.length)
+        # rounding of coordinates up to 2 R over some hundred pieces
+        assert np.linalg.norm(last[0] - first[0]) < 1e-14 * abs(radius) + 1e-12 < 1e-9
+        assert np.abs(last[1:] - first[1:]).max() < 1e-13
+    assert track.heading(track.length) == pytest.approx(math.copysign(2.0 * math.pi, radius), rel=1e-15)
+
+
+@pytest.mark.parametrize("radius, length", [(25.0, 15.0), (300.0, 40.0), (-300.0, 40.0), (5000.0, 150.0)])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_heading_behind_a_transition_is_half_that_of_the_arc(radius: float, length: float, shape: str) -> None:
+    track = Track.build([Transition(length, shape), Arc(10.0, radius)])  # type: ignore[arg-type]
+    assert track.heading(length) == pytest.approx(length / (2.0 * radius), rel=1e-15)
+
+
+@pytest.mark.parametrize("radius, length", [(25.0, 15.0), (25.0, 150.0), (300.0, 40.0), (-5000.0, 150.0)])
+def test_clothoid_ends_where_fresnels_integrals_say(radius: float, length: float) -> None:
+    """x = a C(L / a), y = a S(L / a) with a = sqrt(pi R L). The second case turns by 172 degrees."""
+    track = Track.build([Transition(length), Arc(10.0, radius)])
+    scale = math.sqrt(math.pi * abs(radius) * length)
+    sine, cosine = fresnel(length / scale)
+    end = track.centre_line.position(length)
+    assert np.abs(end - [scale * cosine, math.copysign(scale * sine, radius), 0.0]).max() < 1e-12
+
+
+def test_bloss_transition_ends_where_adaptive_quadrature_says() -> None:
+    radius, length = 60.0, 30.0
+    track = Track.build([Transition(length, "bloss"), Arc(10.0, radius)])
+
+    def heading(s: float) -> float:
+        xi = s / length
+        return length / radius * (xi**3 - 0.5 * xi**4)
+
+    exact = [
+        quad(lambda s, f=f: f(heading(s)), 0.0, length, epsabs=1e-13, epsrel=1e-13)[0] for f in (math.cos, math.sin)
+    ]
+    assert np.abs(track.centre_line.position(length)[:2] - exact).max() < 1e-12
+
+
+def test_bloss_curvature_has_no_slope_at_either_end_and_a_clothoid_a_constant_one() -> None:
+    for shape, at_ends, middle in (("bloss", 0.0, 1.5), ("clothoid", 1.0, 1.0)):
+        track = Track.build(curve(300.0, shape))
+        slope = track.centre_line.curvature(np.array([30.0, 50.0, 70.0 - 1e-9]), 1) * 300.0 * 40.0
+        # tolerance: the last point is 1e-9 m before the end, where the slope changes by 6 / L per metre
+        assert slope == pytest.approx([at_ends, middle, at_ends], abs=1e-9)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("segments", [curve, s_curve], ids=["curve", "s-curve"])
+def test_curvature_and_frame_are_continuous_at_every_joint(segments: Callable, shape: str) -> None:
+    track = Track.build(segments(300.0, shape=shape))
+    joints = np.array([f.start for f in track.features()[1:]])
+    tiny = 1e-7
+    before, behind = joints - tiny, joints + tiny
+    # slopes: curvature 1.5 / (R L) < 2e-4 / m2, roll and gauge below 0.01 / m
+    assert np.abs(track.curvature(before) - track.curvature(behind)).max() < 2e-4 * 2.0 * tiny
+    assert np.abs(track.heading(before) - track.heading(behind)).max() < 4e-3 * 2.0 * tiny
+    assert np.abs(track.roll(before) - track.roll(behind)).max() < 0.01 * 2.0 * tiny
+    assert np.abs(track.gauge(before) - track.gauge(behind)).max() < 0.01 * 2.0 * tiny
+    for law in (track.left_curve, track.right_curve):
+        (d0, dd0), (d1, dd1) = law.components(before), law.components(behind)
+        assert np.abs(d0 - d1).max() < 0.02 * 2.0 * tiny  # curvature of the rail below 0.02 / m
+        if shape == "clothoid":
+            # the rounding makes the rail's curvature vector continuous as well; what is left is the jump of
+            # kappa' d = 6e-5 / m2 seen at the angle of some mrad between rail and centre line
+            bends = [
+                dd - np.sum(dd * d, 1)[:, None] * d / np.sum(d * d, 1)[:, None] for d, dd in ((d0, dd0), (d1, dd1))
+            ]
+            assert np.abs(bends[0] - bends[1]).max() < 3e-7
+    for side in ("left", "right"):
+        path = getattr(track, side)
+        s = track.rail_distance(side, joints)
+        jump = np.abs(path.frame(s - tiny)[:, 1:] - path.frame(s + tiny)[:, 1:]).max()
+        assert jump < 0.02 * 2.0 * tiny
+
+
+def test_a_joint_without_transition_keeps_the_tangent_and_is_reported() -> None:
+    track = Track.build([Straight(10.0), Arc(20.0, 190.0), Transition(10.0), Straight(10.0)])
+    (jump,) = track.jumps
+    assert (jump.distance, jump.before, jump.behind) == (10.0, 0.0, 1.0 / 190.0)
+    tangents = track.left.frame(10.0 + np.array([-1e-6, 1e-6]))[:, 1]
+    assert np.abs(tangents[0] - tangents[1]).max() < 3e-6 / 190.0 * 2.0
+    assert Track.build(curve(300.0)).jumps == ()
+    spread = np.abs(
+        track.centre.position(np.linspace(9.0, 11.0, 200)) - track.centre_line.position(np.linspace(9.0, 11.0, 200))
+    ).max()
+    assert spread < 0.25**2 / 190.0 / 20.0  # the table blends the jump over one row distance
+
+
+def test_a_transition_between_equal_curvatures_is_an_arc() -> None:
+    with_ramp = Track.build([Arc(20.0, 200.0), Transition(30.0), Arc(20.0, 200.0)])
+    arc = Track.build([Arc(70.0, 200.0)])
+    assert np.abs(with_ramp.left.table - arc.left.table).max() < 1e-12
+
+
+def test_a_transition_at_the_end_of_the_track_joins_level_straight_track() -> None:
+    track = Track.build([Transition(30.0), Arc(20.0, 200.0, 0.1), Transition(30.0)])
+    ends = np.array([0.0, track.length])
+    assert np.abs(track.curvature(ends)).max() == 0.0
+    assert np.abs(track.cant(ends)).max() < 1e-15
+
+
+def test_several_turns_are_followed_without_a_wrapped_angle() -> None:
+    turns, radius = 3.25, 100.0
+    track = Track.build(
+        [Straight(20.0), Transition(30.0), Arc(2.0 * math.pi * radius * turns, radius), Straight(50.0)],
+        heading=3.0,
+    )
+    assert track.heading(track.length) == pytest.approx(3.0 + 30.0 / 200.0 + 2.0 * math.pi * turns, abs=1e-12)
+    s = np.arange(0.5, track.left.length, 0.25)
+    points = track.left.frame(s)
+    wheel = points[:, 0] + 0.46 * points[:, 3] + 0.01 * points[:, 2]
+    found = 0.0
+    for k in range(len(s)):
+        found = float(track.left.locate(wheel[k], found))
+        assert abs(found - s[k]) < 1e-9
+    steps = np.linalg.norm(np.diff(points[:, 1], axis=0), axis=1)
+    # no tangent jumps anywhere, +-pi included; the blend of the arc's sudden end overshoots by 5 %
+    assert steps.max() < 1.06 * 0.25 / (radius - 1.0)
+
+
+# ---- cant and gauge ----
+
+
+def test_a_left_curve_has_its_right_rail_up_and_a_right_curve_its_left_rail() -> None:
+    left, right = Track.build(curve(300.0)), Track.build(curve(-300.0))
+    assert left.cant(110.0) == pytest.approx(0.1, abs=1e-15)
+    assert right.cant(110.0) == pytest.approx(-0.1, abs=1e-15)
+    assert left.roll(110.0) == pytest.approx(-math.asin(0.1 / 1.5), abs=1e-15)
+    z = [t.right.position(110.0)[2] - t.left.position(110.0)[2] for t in (left, right)]
+    # the rails are gauge + 10 mm apart; cant is measured over 1.5 m
+    assert z == pytest.approx([0.1 * 1.445 / 1.5, -0.1 * 1.445 / 1.5], abs=1e-12)
+    n = left.centre.frame(110.0)[2]
+    assert n[2] < 0.0, "n points to the left and down into the curve"
+
+
+@pytest.mark.parametrize("segments", [curve(300.0), s_curve(), curve(80.0, "bloss")])
+def test_the_mirror_of_a_track_is_the_track_of_the_other_hand(segments: tuple[Segment, ...]) -> None:
+    track = Track.build(segments, left_offset=(0.043, 0.001), right_offset=(0.045, -0.002))
+    other = Track.build(mirrored(segments), left_offset=(0.045, -0.002), right_offset=(0.043, 0.001))
+    flip = np.array([1, -1, 1, 1, -1, 1, -1, -1, 1, -1, 1])
+    assert np.abs(track.left.table - flip * other.right.table).max() < 1e-12
+    assert np.abs(track.right.table - flip * other.left.table).max() < 1e-12
+    assert np.abs(track.centre.table - flip * other.centre.table).max() < 1e-12
+
+
+@pytest.mark.parametrize("heading", [0.5, 2.0, math.pi, -40.0])
+def test_a_turned_track_is_the_same_track(heading: float) -> None:
+    start = (700.0, -300.0, 20.0)
+    track, turned = Track.build(s_curve()), Track.build(s_curve(), heading=heading, start=start)
+    c, d = math.cos(heading), math.sin(heading)
+    turn = np.array([[c, -d, 0.0], [d, c, 0.0], [0.0, 0.0, 1.0]])
+    for side in ("centre", "left", "right"):
+        a, b = getattr(track, side).table, getattr(turned, side).table
+        assert np.abs(a[:, 0:3] @ turn.T + start - b[:, 0:3]).max() < 2e-12  # coordinates up to 1000 m
+        assert np.abs(a[:, 3:6] @ turn.T - b[:, 3:6]).max() < 1e-13
+        assert np.abs(a[:, 8:11] @ turn.T - b[:, 8:11]).max() < 1e-13
+        assert np.abs(a[:, 6:8] - b[:, 6:8]).max() < 1e-14
+
+
+def test_cant_runs_linearly_along_a_clothoid_and_its_ends_are_rounded_over_one_metre() -> None:
+    track = Track.build(curve(300.0, cant=0.12))
+    s = np.linspace(28.0, 72.0, 2001)
+    ramp = 0.12 * np.clip((s - 30.0) / 40.0, 0.0, 1.0)
+    error = np.abs(track.cant(s) - ramp)
+    near = (np.abs(s - 30.0) < 1.0) | (np.abs(s - 70.0) < 1.0)
+    assert error[~near].max() < 1e-16
+    assert error.max() == pytest.approx(3.0 / 16.0 * 0.12 / 40.0 * 1.0, rel=1e-2)  # at the joint: 0.56 mm
+    assert np.abs(np.diff(track.left_curve.cant(s, 1))).max() < 0.75 * 0.12 / 40.0 * (s[1] - s[0]) * 1.01
+
+
+def test_cant_follows_the_bloss_curvature_along_a_bloss_transition() -> None:
+    track = Track.build(curve(300.0, "bloss", cant=0.12))
+    s = np.linspace(30.0, 70.0, 101)
+    assert np.abs(track.cant(s) / 0.12 - track.curvature(s) * 300.0).max() < 1e-14
+
+
+def test_the_cant_of_a_straight_belongs_to_the_curve_beside_it() -> None:
+    track = Track.build(
+        [Straight(40.0, cant_end=0.1), Arc(50.0, -400.0, 0.1), Straight(40.0, cant_start=0.1)], rounding=0.5
+    )
+    assert track.cant([20.0, 60.0, 110.0]) == pytest.approx([-0.05, -0.1, -0.05], abs=1e-15)
+    bare = Track.build([Straight(40.0, 0.0, 0.1), Straight(10.0, 0.1, 0.1)])
+    assert bare.cant(45.0) == pytest.approx(0.1)  # as in a left curve: right rail higher
+    assert Track.build(mirrored(bare.segments)).cant(45.0) == pytest.approx(-0.1)
+
+
+def test_gauge_widening_moves_each_rail_by_half() -> None:
+    track = Track.build(curve(300.0, cant=0.0, widening=0.02), left_offset=(0.043, -0.001))
+    assert track.gauge([0.0, 110.0]) == pytest.approx([GAUGE, GAUGE + 0.02], abs=1e-15)
+    for s in (10.0, 50.0, 110.0):
+        centre = track.centre.frame(s)
+        left = track.left.position(track.rail_distance("left", s))
+        right = track.right.position(track.rail_distance("right", s))
+        offset_left, offset_right = (centre[1:] @ (p - centre[0]) for p in (left, right))
+        half = 0.5 * track.gauge(s)
+        assert offset_left == pytest.approx([0.0, half + 0.043, -0.001], abs=2e-9)
+        assert offset_right == pytest.approx([0.0, -half, 0.0], abs=2e-9)  # table against the exact centre
+
+
+# ---- the rails ----
+
+
+@pytest.mark.parametrize("radius", [25.0, -300.0, 5000.0])
+def test_rails_of_an_arc_are_as_long_as_their_own_circle(radius: float) -> None:
+    angle, o = 1.25, 0.043
+    track = Track.build([Arc(angle * abs(radius), radius)], left_offset=(o, 0.0), right_offset=(0.0, 0.0))
+    assert track.left.length == pytest.approx(
+        abs(angle * (radius - GAUGE / 2 - o)) if radius > 0 else angle * (abs(radius) + GAUGE / 2 + o),
+        rel=1e-13,
+    )
+    assert track.right.length == pytest.approx(
+        angle * (radius + GAUGE / 2) if radius > 0 else angle * (abs(radius) - GAUGE / 2), rel=1e-13
+    )
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_level_rails_differ_in_length_by_spacing_times_heading(shape: str) -> None:
+    """True for every level curve of constant gauge, whatever its transitions."""
+    level = Track.build(curve(120.0, shape, cant=0.0, widening=0.0), gauge=1.0)
+    turn = float(level.heading(level.length))
+    assert level.right.length - level.left.length == pytest.approx(1.0 * turn, abs=1e-11)
+    assert 0.5 * (level.right.length + level.left.length) == pytest.approx(level.length, abs=1e-11)
+    canted = Track.build(curve(120.0, shape, cant=0.1, widening=0.0), gauge=1.0)
+    assert 0.99 * turn < canted.right.length - canted.left.length < turn  # cos(roll): the rails are nearer
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("side, sign", [("left", 1.0), ("right", -1.0)])
+def test_rail_tangent_and_curvature_are_the_derivatives_of_its_position(shape: str, side: str, sign: float) -> None:
+    """Against p = r + d n + h b differentiated numerically: cant ramp, widening and curvature together."""
+    o, h = 0.043, 0.15
+    track = Track.build(s_curve(60.0, shape), left_offset=(o, h), right_offset=(o, h), rounding=5.0, heading=1.0)
+
+    def place(s: np.ndarray) -> np.ndarray:
+        roll, heading = track.roll(s)[:, None], track.heading(s)[:, None]
+        left = np.hstack((-np.sin(heading), np.cos(heading), 0.0 * heading))
+        up = np.array([0.0, 0.0, 1.0])
+        d = sign * (0.5 * track.gauge(s)[:, None] + o)
+        n, b = np.cos(roll) * left + np.sin(roll) * up, -np.sin(roll) * left + np.cos(roll) * up
+        return track.centre_line.position(s) + d * n + h * b
+
+    path = getattr(track, side)
+    rows = np.arange(path.table.shape[0]) * path.step
+    s = track.centre_distance(side, rows)
+    inner = (s > 1.0) & (s < track.length - 1.0)
+    e = 1e-3
+    p0, p1, p2 = place(s[inner] - e), place(s[inner]), place(s[inner] + e)
+    first, second = (p2 - p0) / (2 * e), (p2 - 2.0 * p1 + p0) / e**2
+    rate = np.linalg.norm(first, axis=1)[:, None]
+    tangent = first / rate
+    bend = (second - np.sum(second * tangent, axis=1)[:, None] * tangent) / rate**2
+    table = path.table[inner]
+    assert np.abs(table[:, 0:3] - p1).max() < 1e-12
+    assert np.abs(table[:, 3:6] - tangent).max() < 1e-9  # difference quotient: e^2 p''' / 6, 1e-13 / e
+    # 1e-13 / e^2 and half the slope of the curvature over e, where a Bloss ramp begins
+    assert np.abs(table[:, 8:11] - bend).max() < 2e-5
+
+
+def test_rail_distance_and_centre_distance_are_inverse_and_table_rows_are_evenly_spaced() -> None:
+    track = Track.build(s_curve(60.0))
+    s = np.linspace(-5.0, track.length + 5.0, 500)
+    for side in ("left", "right"):
+        own = track.rail_distance(side, s)
+        assert np.all(np.diff(own) > 0.0)
+        assert np.abs(track.centre_distance(side, own) - s).max() < 1e-11
+        path = getattr(track, side)
+        assert path.length == pytest.approx(float(track.rail_distance(side, track.length)), abs=1e-12)
+        assert np.abs(np.linalg.norm(path.table[:, 3:6], axis=1) - 1.0).max() < 1e-15
+        chord = np.linalg.norm(np.diff(path.table[:, 0:3], axis=0), axis=1)
+        # chord = h (1 - (kappa h)^2 / 24): the tightest place has a radius of 59 m
+        assert chord.min() > path.step * (1.0 - (path.step / 59.0) ** 2 / 23.0)
+        assert chord.max() < path.step * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize("radius, length", [(25.0, 15.0), (60.0, 20.0), (300.0, 40.0), (5000.0, 120.0)])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_quarter_metre_tables_follow_the_exact_rails_within_a_micrometre(
+    radius: float, length: float, shape: str
+) -> None:
+    """Largest errors sit in the rows beside joints, where the slope of curvature and roll jumps."""
+    track = Track.build(curve(radius, shape, cant=min(0.1, 0.004 * length), length=length))
+    for curve_, path in ((track.left_curve, track.left), (track.right_curve, track.right)):
+        fine = curve_.path(path.step / 8.0)
+        frame = path.frame(np.arange(fine.table.shape[0]) * fine.step)
+        assert np.abs(frame[:, 0] - fine.table[:, 0:3]).max() < 1e-6
+        assert np.abs(frame[:, 1] - fine.table[:, 3:6]).max() < 1.5e-5
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    radii=st.lists(st.tuples(st.sampled_from([-1.0, 1.0]), st.floats(50.0, 3000.0)), min_size=1, max_size=4),
+    lengths=st.floats(12.0, 90.0),
+    cant=st.floats(-0.02, 0.16),
+    shape=st.sampled_from(SHAPES),
+)
+def test_any_row_of_curves_gives_smooth_rails_beside_the_centre_line(
+    radii: list[tuple[float, float]], lengths: float, cant: float, shape: str
+) -> None:
+    segments: list[Segment] = [Straight(10.0)]
+    for hand, radius in radii:
+        segments += [Transition(lengths, shape), Arc(0.7 * lengths, hand * radius, cant)]  # type: ignore[arg-type]
+    segments += [Transition(lengths, shape), Straight(10.0)]  # type: ignore[arg-type]
+    track = Track.build(segments, step=0.5)
+    s = np.linspace(0.0, track.length, 300)
+    left = track.left.position(track.rail_distance("left", s))
+    right = track.right.position(track.rail_distance("right", s))
+    assert np.abs(np.linalg.norm(left - right, axis=1) - GAUGE).max() < 1e-5  # tables of 0.5 m
+    assert np.abs(0.5 * (left + right) - track.centre.position(s)).max() < 1e-5
+    for path in (track.centre, track.left, track.right):
+        turn = np.linalg.norm(np.diff(path.table[:, 3:6], axis=0), axis=1)
+        assert turn.max() < 0.5 / 45.0 + 0.01
+
+
+# ---- what is refused ----
+
+NAN = float("nan")
+RAMP = Transition(20.0)
+
+
+@pytest.mark.parametrize(
+    "segments, words",
+    [
+        ([], ["track.segments", "empty"]),
+        ([Straight(10.0), Straight(0.0)], ["segment 2 (straight)", "length_m = 0", "above 0"]),
+        ([Straight(10.0), Straight(-3.0)], ["segment 2 (straight)", "length_m = -3", "above 0"]),
+        ([Transition(-1.0), Arc(1.0, 100.0)], ["segment 1 (transition)", "length_m = -1"]),
+        ([Straight(NAN)], ["segment 1", "length_m = nan", "finite"]),
+        ([Straight(math.inf)], ["segment 1", "length_m = inf", "finite"]),
+        ([Straight("30")], ["segment 1", "length_m = '30'", "finite number"]),
+        ([Arc(10.0, 0.0)], ["segment 1 (arc)", "radius_m = 0", "straight"]),
+        ([Arc(10.0, -1.2)], ["segment 1 (arc)", "radius_m = -1.2", "1.435", "inner rail"]),
+        ([Arc(10.0, NAN)], ["segment 1 (arc)", "radius_m = nan"]),
+        ([RAMP, Arc(10.0, 300.0, 0.3), RAMP], ["segment 2 (arc)", "cant_mm = 300", "-250 to 250"]),
+        ([RAMP, Arc(10.0, 300.0, 60.0), RAMP], ["segment 2 (arc)", "cant_mm = 60000", "250"]),
+        ([RAMP, Arc(10.0, 300.0, 0.0, 15.0)], ["segment 2 (arc)", "gauge_widening_mm = 15000", "100"]),
+        ([Straight(10.0, cant_end=0.3)], ["segment 1", "cant_end_mm = 300"]),
+        (
+            [Straight(10.0), Arc(10.0, 300.0, 0.06)],
+            ["cant_mm jumps from 0 to 60", "segment 1", "segment 2", "transition", "cant_end_mm"],
+        ),
+        (
+            [Straight(10.0), Arc(10.0, 300.0, 0.0, 0.01)],
+            ["gauge_widening_mm jumps from 0 to 10", "segment 2 (arc)"],
+        ),
+        ([Arc(9.0, 300.0, 0.06), Arc(9.0, -300.0, 0.06)], ["cant_mm jumps from 60 to -60", "right rail"]),
+        ([RAMP, RAMP, Arc(10.0, 300.0)], ["segment 2 (transition)", "another transition"]),
+        (
+            [Transition(10.0, "blos"), Arc(9.0, 300.0)],
+            ["segment 1", "form = 'blos'", "did you mean 'bloss'"],
+        ),
+        (["straight"], ["segment 1", "str", "Straight, Transition, Arc"]),
+        ([Straight(1e9)], ["track of 1e+09 m", "length_m in metres?"]),
+    ],
+)
+def test_a_wrong_segment_is_named_with_its_number_key_value_and_what_is_allowed(
+    segments: list, words: list[str]
+) -> None:
+    with pytest.raises(InputError) as error:
+        Track.build(segments)
+    for word in words:
+        assert word in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        ({"gauge": 1435.0}, ["gauge_mm = 1.435e+06", "300 to 3000"]),
+        ({"gauge": NAN}, ["gauge_mm = nan"]),
+        ({"cant_base": 1.0}, ["cant_base_mm = 1000", "1435 to 1935"]),
+        ({"step": 0.0}, ["step_m = 0"]),
+        ({"rounding": -1.0}, ["rounding_m = -1"]),
+        ({"left_offset": (43.0, 0.0)}, ["left_offset", "43"]),
+        ({"heading": NAN}, ["heading", "nan"]),
+    ],
+)
+def test_a_wrong_property_of_the_track_is_named(arguments: dict, words: list[str]) -> None:
+    with pytest.raises(InputError) as error:
+        Track.build([Straight(10.0)], **arguments)
+    for word in words:
+        assert word in str(error.value)
+
+
+def test_side_must_be_left_or_right() -> None:
+    with pytest.raises(InputError, match=r"'middle'.*'left', 'right'"):
+        Track.build([Straight(10.0)]).rail_distance("middle", 1.0)  # type: ignore[arg-type]
+
+
+# ---- the picture ----
+
+
+def test_the_figure_shows_the_plan_and_three_panels_and_leaves_no_state_behind() -> None:
+    """Every curve of the picture holds the numbers of the track."""
+    from wrsim.plots.track import track_figure
+
+    before = dict(mpl.rcParams)
+    track = Track.build(s_curve())
+    figure = track_figure(track)
+    plan, *panels = figure.axes
+    lines = {axes.get_ylabel().split("\n")[0]: axes.get_lines()[0] for axes in panels}
+    s, y = lines["Curvature"].get_data()
+    assert np.abs(y - 1e3 * track.curvature(s)).max() < 1e-12
+    s, y = lines["Cant [mm]"].get_data()
+    assert np.abs(y - 1e3 * track.cant(s)).max() < 1e-12
+    s, y = lines["Gauge"].get_data()
+    assert np.abs(y - 1e3 * track.gauge(s)).max() < 1e-9
+    assert plan.get_aspect() == 1.0
+    assert dict(mpl.rcParams) == before
+    figure.draw_without_rendering()

@@ -1,0 +1,424 @@
+"""Register, dataset, file, tables and summary of a result."""
+
+from __future__ import annotations
+
+import csv
+import errno
+import json
+import os
+import re
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from support.synthetic_result import curve_run, static_poses
+
+from wrsim.errors import InputError, WrsimError
+from wrsim.results import CHANNELS, Result, assemble, channel, summarise, tables, write_atomically, write_run
+
+ROOT = Path(__file__).parents[2]
+ATTRIBUTES = {"title": "t", "analysis": "curving", "status": "completed", "scenario_text": "x = 1\n"}
+EVERY = ["curve", "stopped", "static", "one wheel"]
+
+
+def dataset_of(kind: str) -> xr.Dataset:
+    return {
+        "curve": lambda: curve_run(),
+        "stopped": lambda: curve_run(stopped=True),
+        "static": lambda: static_poses(),
+        "one wheel": lambda: static_poses((0.0, 5.5, 6.0, 7.0), (0.0,), ("left",), 24e3),
+    }[kind]()
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory) -> dict[str, Path]:
+    """Directories of written results by kind."""
+    directories = {}
+    for kind in EVERY:
+        directories[kind] = tmp_path_factory.mktemp(kind.replace(" ", "_"))
+        write_run(Result(dataset_of(kind)), directories[kind])
+    return directories
+
+
+def documented_channels() -> dict[str, tuple[tuple[str, ...], str]]:
+    """Dimensions and unit by channel from the tables in docs/conventions.md."""
+    text = (ROOT / "docs" / "conventions.md").read_text()
+    text = text[text.index("## Channels of a Result") :]
+    found = {}
+    for line in text.splitlines():
+        cells = [c.strip() for c in line.strip("|").split("|")]
+        if not line.startswith("|") or len(cells) != 4 or cells[0] in ("name", "---"):
+            continue
+        names, units = ([part.strip() for part in cell.split(",")] for cell in (cells[0], cells[2]))
+        units = units * len(names) if len(units) == 1 else units
+        for name, unit in zip(names, units, strict=True):
+            found[name] = (tuple(d.strip() for d in cells[1].split(",")), unit)
+    return found
+
+
+# the register ------------------------------------------------------------------------------------------------------
+
+
+def test_the_conventions_page_lists_exactly_the_channels_of_the_register():
+    documented = documented_channels()
+    data = {name: c for name, c in CHANNELS.items() if not c.coordinate or name == "distance"}
+    assert set(documented) == set(data)
+    for name, (dims, unit) in documented.items():
+        assert (dims, unit) == (data[name].dims, data[name].unit), name
+
+
+def test_column_names_are_unique_and_plain_ascii():
+    columns = [c.column for c in CHANNELS.values()]
+    assert len(set(columns)) == len(columns)
+    assert all(re.fullmatch(r"[A-Za-z0-9_]+", column) for column in columns)
+
+
+def test_units_for_readers_agree_with_si_units():
+    si = {"s": "s", "m": "m", "mm": "m", "um": "m", "mm2": "m2", "kmh": "m/s", "per_km": "1/m", "per_m": "1/m"}
+    si |= {"rad_s": "rad/s", "mrad": "rad", "deg": "rad", "N": "N", "kN": "N", "Nm": "N m", "MPa": "Pa"}
+    si |= {"permille": "1", "": "1", "m_s": "m/s", "m_s2": "m/s2", "t": "kg"}
+    si |= {"Hz": "Hz", "per_s": "1/s"}
+    for c in CHANNELS.values():
+        assert si[c.shown.suffix] == c.unit, c.name
+    assert channel("p0").shown.factor == 1e-6
+    assert channel("contact_angle").shown.factor == pytest.approx(180.0 / np.pi)
+
+
+def test_a_misspelt_channel_is_answered_with_the_nearest_name():
+    with pytest.raises(KeyError, match="contact_angle"):
+        channel("contact_angel")
+
+
+# assembling --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", EVERY)
+def test_every_variable_carries_its_unit_and_its_long_name(kind):
+    for name, variable in dataset_of(kind).variables.items():
+        assert variable.attrs["units"] == CHANNELS[str(name)].unit
+        assert variable.attrs["long_name"] == CHANNELS[str(name)].long_name
+
+
+def test_attributes_hold_scenario_status_and_the_versions():
+    attributes = curve_run().attrs
+    assert attributes["scenario_text"].startswith('title = "synthetic"')
+    assert attributes["status"] == "completed"
+    for package in ("wrsim", "python", "numpy", "numba", "exudyn"):
+        assert attributes[f"{package}_version"]
+
+
+def test_arrays_are_copied_so_that_buffers_may_be_used_again():
+    shift = np.zeros(3)
+    dataset = assemble({"time": np.arange(3.0)}, {"lateral_shift": shift}, ATTRIBUTES)
+    shift[:] = 1.0
+    assert (dataset["lateral_shift"] == 0.0).all()
+
+
+def test_a_scalar_fills_its_channel_and_counts_become_integers():
+    channels = {"speed": 15.0, "n_patches": np.array([[1.0, np.nan], [2.0, 0.0]])}
+    dataset = assemble({"time": [0.0, 1.0]}, channels, ATTRIBUTES)
+    assert dataset["speed"].values.tolist() == [15.0, 15.0]
+    assert dataset["n_patches"].dtype == np.int64
+    assert dataset["n_patches"].values.tolist() == [[1, 0], [2, 0]]
+
+
+def test_the_quotient_and_the_variation_of_the_contact_angle_are_derived():
+    low, high = np.full((2, 2, 3), 0.1), np.full((2, 2, 3), 0.3)
+    channels = {
+        "Y": [[1.0, 2.0], [3.0, 4.0]],
+        "Q": [[2.0, 0.0], [np.nan, -1.0]],
+        "contact_angle_min": low,
+        "contact_angle_max": high,
+    }
+    dataset = assemble({"time": [0.0, 1.0]}, channels, ATTRIBUTES)
+    np.testing.assert_array_equal(dataset["Y_over_Q"], [[0.5, np.nan], [np.nan, np.nan]])
+    np.testing.assert_array_equal(dataset["contact_angle_variation"], high - low)
+
+
+@pytest.mark.parametrize(
+    ("coords", "channels", "attributes", "words"),
+    [
+        ({"time": [0.0]}, {"lateral_shif": [0.0]}, {}, "did you mean 'lateral_shift'"),
+        ({"time": [0.0, 1.0]}, {"yaw": [0.0]}, {}, r"'yaw' has shape \(1,\); expected \(time 2\)"),
+        ({"time": [0.0]}, {"Q": [[1.0]]}, {}, r"expected \(time 1, wheel 2\)"),
+        ({"time": [0.0]}, {"N": np.zeros((1, 2, 3)), "p0": np.zeros((1, 2, 2))}, {}, "patch 3"),
+        ({"time": [0.0]}, {"patch": [0]}, {}, "belongs in coords"),
+        ({"time": [0.0]}, {"load": [1.0]}, {}, "static poses"),
+        ({"pose": ["a"]}, {"distance": [1.0]}, {}, "runs over time"),
+        ({"pose": ["a", "a"]}, {}, {}, "name of its own"),
+        ({"time": [0.0], "pose": ["a"]}, {}, {}, "either 'time'"),
+        ({"pose": ["a"], "wheel": ["middle"]}, {}, {}, "allowed are 'left', 'right'"),
+        ({"time": [0.0]}, {}, {"status": "broken"}, "allowed are"),
+        ({"time": [0.0]}, {}, {"status": "stopped"}, "needs 'stop_reason'"),
+        ({"time": [0.0]}, {}, {"extra": None}, "text or a number"),
+    ],
+)
+def test_a_mistake_of_the_calling_code_is_named(coords, channels, attributes, words):
+    with pytest.raises(ValueError, match=words):
+        assemble(coords, channels, ATTRIBUTES | attributes)
+
+
+# the file ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", EVERY)
+def test_a_result_written_and_read_back_is_identical(kind, written):
+    dataset = dataset_of(kind)
+    again = Result.load(written[kind] / "result.nc")
+    xr.testing.assert_identical(again.dataset, dataset)
+    assert {n: v.dtype for n, v in again.dataset.variables.items()} == {
+        n: v.dtype for n, v in dataset.variables.items()
+    }
+
+
+def test_a_directory_stands_for_the_result_in_it(written):
+    assert Result.load(written["one wheel"]).title == dataset_of("one wheel").attrs["title"]
+
+
+def test_the_same_dataset_gives_the_same_bytes(written, tmp_path):
+    path = written["static"] / "result.nc"
+    assert Result.load(path).save(tmp_path / "again.nc").read_bytes() == path.read_bytes()
+
+
+def test_a_run_that_stopped_before_its_first_sample_is_kept(tmp_path):
+    stop = {"status": "stopped", "stop_reason": "no equilibrium", "stop_time_s": 0.0, "stop_distance_m": 0.0}
+    channels = {"distance": [], "lateral_shift": [], "N": np.zeros((0, 2, 3))}
+    dataset = assemble({"time": []}, channels, ATTRIBUTES | stop)
+    result = Result(dataset)
+    assert {p.name for p in write_run(result, tmp_path)} >= {"result.nc", "summary.json", "history.csv"}
+    xr.testing.assert_identical(Result.load(tmp_path / "result.nc").dataset, dataset)
+    assert result.summary()["lateral_shift_max_mm"] is None
+
+
+def test_a_long_scenario_text_survives(tmp_path):
+    text = "# über 64 kB\n" * 10000
+    dataset = assemble({"time": [0.0]}, {}, ATTRIBUTES | {"scenario_text": text})
+    assert Result.load(Result(dataset).save(tmp_path / "r.nc")).dataset.attrs["scenario_text"] == text
+
+
+@pytest.mark.parametrize("share", [0.0, 0.001, 0.3, 0.9, 0.9999])
+def test_a_truncated_file_gives_one_sentence(share, written, tmp_path):
+    whole = (written["curve"] / "result.nc").read_bytes()
+    cut = tmp_path / "cut.nc"
+    cut.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(InputError, match=r"cut\.nc: (the file is damaged|not a wrsim result)") as problem:
+        Result.load(cut)
+    assert "\n" not in str(problem.value)
+
+
+def test_a_file_with_damage_inside_gives_one_sentence(written, tmp_path):
+    path = tmp_path / "result.nc"
+    content = bytearray((written["curve"] / "result.nc").read_bytes())
+    for start in range(2000, len(content), 5000):
+        content[start : start + 500] = bytes(500)
+    path.write_bytes(bytes(content))
+    with pytest.raises(InputError, match=r"result\.nc"):
+        Result.load(path)
+
+
+def test_files_that_are_not_ours_are_refused(tmp_path):
+    with pytest.raises(InputError, match="no such result file"):
+        Result.load(tmp_path / "missing.nc")
+    (tmp_path / "text.nc").write_text("time,N\n0,1\n")
+    with pytest.raises(InputError, match="not a wrsim result"):
+        Result.load(tmp_path / "text.nc")
+    xr.Dataset({"a": ("x", [1.0])}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    with pytest.raises(InputError, match="a NetCDF file, but not a wrsim result"):
+        Result.load(tmp_path / "other.nc")
+    newer = dataset_of("one wheel").assign_attrs(format_version=99)
+    with pytest.raises(InputError, match="newer wrsim"):
+        Result.load(Result(newer).save(tmp_path / "newer.nc"))
+
+
+def test_a_full_disk_is_told_in_a_sentence_and_leaves_the_old_file_whole(tmp_path, monkeypatch):
+    path = tmp_path / "result.nc"
+    path.write_bytes(b"old")
+
+    def full(_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(WrsimError, match=r"cannot write .*result\.nc: the disk is full \(.* needed\)"):
+        Result(dataset_of("one wheel")).save(path)
+    assert path.read_bytes() == b"old"
+    assert [p.name for p in tmp_path.iterdir()] == ["result.nc"]
+
+
+def test_a_limit_of_the_system_on_file_size_is_told_too(tmp_path):
+    code = (
+        "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))\n"
+        "from wrsim.results.files import write_atomically\n"
+        "from wrsim.errors import WrsimError\n"
+        "try:\n    write_atomically('big.bin', bytes(5000))\n"
+        "except WrsimError as problem:\n    print(problem)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout == "cannot write big.bin: the disk is full (5.0 kB needed); " + (
+        "free some space or choose another directory\n"
+    )
+    assert list(tmp_path.iterdir()) == []
+    assert resource.getrlimit(resource.RLIMIT_FSIZE)[0] != 1000
+
+
+def test_a_place_that_is_no_directory_is_told(tmp_path):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(WrsimError, match="a part of this path is a file"):
+        write_atomically(tmp_path / "taken" / "result.nc", b"")
+    (tmp_path / "result.nc").mkdir()
+    with pytest.raises(WrsimError, match="there is a directory of that name"):
+        write_atomically(tmp_path / "result.nc", b"")
+
+
+# tables ------------------------------------------------------------------------------------------------------------
+
+
+def read_table(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+@pytest.mark.parametrize("kind", EVERY)
+def test_numbers_in_the_patch_table_are_those_of_the_dataset(kind, written):
+    dataset = dataset_of(kind)
+    rows = read_table(written[kind] / "patches.csv")
+    sample = "time" if "time" in dataset.dims else "pose"
+    labels = dataset[sample].values
+    for row in rows:
+        if sample == "time":
+            i = int(np.argmin(np.abs(labels - float(row["time_s"]))))
+        else:
+            i = int(np.flatnonzero(labels == row["pose"])[0])
+        at = {sample: i, "patch": int(row["patch"])}
+        for name in ("N", "p0", "area", "contact_angle", "contact_angle_variation", "approach", "xi"):
+            value = float(dataset[name].isel(at).sel(wheel=row["wheel"])) * CHANNELS[name].shown.factor
+            cell = row[CHANNELS[name].column]
+            assert (cell == "") == np.isnan(value)
+            if cell:
+                assert float(cell) == pytest.approx(value, rel=1e-9)
+    in_contact = int(np.isfinite(dataset["N"]).sum())
+    without = int(np.isnan(dataset["N"].isel(patch=0)).sum()) if sample == "pose" else 0
+    assert len(rows) == in_contact + without
+
+
+def test_the_static_table_names_the_pose_and_says_why_it_failed(written):
+    rows = read_table(written["static"] / "patches.csv")
+    assert list(rows[0])[:3] == ["pose", "wheel", "patch"]
+    assert {"p0_MPa", "contact_angle_variation_deg", "load_kN", "lateral_shift_mm", "yaw_mrad"} <= set(rows[0])
+    failed = [row for row in rows if row["pose"] == "y+10_yaw12"]
+    assert [(row["wheel"], row["N_kN"], row["pose_message"]) for row in failed] == [
+        ("left", "", "the flange is over the rail"),
+        ("right", "", "the flange is over the rail"),
+    ]
+
+
+def test_the_history_table_has_a_column_for_every_wheel(written):
+    dataset = curve_run()
+    rows = read_table(written["curve"] / "history.csv")
+    assert len(rows) == dataset.sizes["time"]
+    for name, column, factor in (
+        ("lateral_shift", "lateral_shift_mm", 1e3),
+        ("curvature", "curvature_per_km", 1e3),
+        ("speed", "speed_kmh", 3.6),
+    ):
+        np.testing.assert_allclose([float(r[column]) for r in rows], dataset[name] * factor, rtol=1e-9, atol=1e-12)
+    for wheel in ("left", "right"):
+        column = [float(r[f"Q_{wheel}_kN"]) for r in rows]
+        np.testing.assert_allclose(column, dataset["Q"].sel(wheel=wheel) / 1e3, rtol=1e-9)
+    assert "Y_over_Q_left" in rows[0]
+
+
+@pytest.mark.parametrize("kind", ["curve", "stopped", "static"])
+def test_tables_do_not_depend_on_how_many_instants_are_written_at_once(kind, written, monkeypatch):
+    size = dataset_of(kind).sizes.get("time", 0)
+    monkeypatch.setattr(sys.modules["wrsim.results.tables"], "BLOCK", 7)
+    assert kind == "static" or (size > 7 and size % 7)  # several blocks, the last one not full
+    for name, rows in tables(dataset_of(kind)).items():
+        with (written[kind] / f"{name}.csv").open(newline="") as stream:
+            assert list(csv.reader(stream)) == rows
+
+
+@pytest.mark.parametrize("kind", EVERY)
+def test_the_strip_table_sums_up_to_the_normal_force(kind, written):
+    dataset = dataset_of(kind)
+    rows = read_table(written[kind] / "strips.csv")
+    total = sum(float(row["strip_N_N"]) for row in rows)
+    assert total == pytest.approx(float(dataset["strip_N"].sum()), rel=1e-9)
+    assert len(rows) == int(np.isfinite(dataset["strip_p"]).sum())
+
+
+def test_a_dataset_without_strips_or_patches_still_makes_tables():
+    dataset = assemble({"time": [0.0, 1.0]}, {"distance": [0.0, 1.0], "yaw": [0.0, np.nan]}, ATTRIBUTES)
+    assert tables(dataset) == {"history": [["time_s", "distance_m", "yaw_mrad"], ["0", "0", "0"], ["1", "1", ""]]}
+
+
+# summary -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", EVERY)
+def test_the_summary_is_plain_json_and_matches_the_dataset(kind, written):
+    dataset = dataset_of(kind)
+    summary = json.loads((written[kind] / "summary.json").read_text())
+    assert summary == json.loads(json.dumps(Result(dataset).summary()))
+    assert summary["status"] == dataset.attrs["status"]
+    assert summary["versions"]["wrsim"] == dataset.attrs["wrsim_version"]
+    for wheel, peaks in summary["wheels"].items():
+        of_wheel = dataset.sel(wheel=wheel)
+        assert peaks["Q_max_kN"]["value"] == pytest.approx(float(of_wheel["Q"].max()) / 1e3)
+        assert peaks["Q_min_kN"]["value"] == pytest.approx(float(of_wheel["Q"].min()) / 1e3)
+        assert peaks["p0_max_MPa"]["value"] == pytest.approx(float(of_wheel["p0"].max()) / 1e6)
+        angle = float(np.degrees(of_wheel["contact_angle_max"].max()))
+        assert peaks["contact_angle_max_deg"]["value"] == pytest.approx(angle)
+
+
+def test_a_peak_says_where_it_is():
+    dataset = curve_run()
+    peak = Result(dataset).summary()["wheels"]["right"]["Y_over_Q_max"]
+    at = int(np.argmax(dataset["Y_over_Q"].sel(wheel="right").values))
+    assert peak["distance_m"] == float(dataset["distance"][at])
+    assert peak["time_s"] == float(dataset["time"][at])
+    shift = Result(dataset).summary()["lateral_shift_max_mm"]["value"]
+    assert shift == pytest.approx(1e3 * float(dataset["lateral_shift"].min()))  # the left curve pushes to the right
+
+
+def test_quasi_static_values_are_medians_in_the_full_curve():
+    dataset = curve_run()
+    (curve,) = Result(dataset).summary()["full_curves"]
+    assert curve["radius_m"] == pytest.approx(300.0)
+    assert curve["cant_mm"] == pytest.approx(60.0)
+    assert curve["from_m"] == pytest.approx(70.0, abs=2.0)
+    assert curve["to_m"] == pytest.approx(190.0, abs=2.0)
+    half = (dataset["distance"] >= 0.5 * (curve["from_m"] + curve["to_m"]) - 1.0) & (
+        dataset["distance"] <= curve["to_m"]
+    )
+    expected = float(dataset["Q"].sel(wheel="right").where(half).median()) / 1e3
+    assert curve["right"]["Q_kN"] == pytest.approx(expected, rel=1e-3)
+
+
+def test_every_hand_of_an_s_curve_is_found_and_straight_track_has_none():
+    distance = np.linspace(0.0, 400.0, 801)
+    curvature = np.interp(distance, [50, 80, 150, 210, 300, 330], [0.0, 1 / 200, 1 / 200, -1 / 250, -1 / 250, 0.0])
+    channels = {"distance": distance, "curvature": curvature, "lateral_shift": 0.0}
+    found = summarise(assemble({"time": distance}, channels, ATTRIBUTES))["full_curves"]
+    assert [round(c["radius_m"], 6) for c in found] == [200.0, -250.0]
+    straight = assemble({"time": distance}, channels | {"curvature": 0.0}, ATTRIBUTES)
+    assert summarise(straight)["full_curves"] == []
+
+
+def test_a_stopped_run_says_when_where_and_why(written):
+    summary = json.loads((written["stopped"] / "summary.json").read_text())
+    attributes = curve_run(stopped=True).attrs
+    assert summary["stop"] == {
+        "reason": attributes["stop_reason"],
+        "time_s": attributes["stop_time_s"],
+        "distance_m": attributes["stop_distance_m"],
+    }
+    assert summary["extent"]["distance_m"] <= attributes["stop_distance_m"]
+
+
+def test_unsolved_poses_are_counted():
+    assert Result(static_poses()).summary()["extent"] == {"poses": 42, "solved": 41}

@@ -1,0 +1,216 @@
+"""A scenario becomes a wheelset on a track: SI units, poses, a place for every wheel on its rail."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support.scenario_texts import CURVE, STATIC, edited, faults
+
+from wrsim.errors import InputError
+from wrsim.inputs.values import Quantity, Series
+from wrsim.scenario.build import build
+from wrsim.scenario.cases import read_cases, static_poses
+from wrsim.scenario.loading import load, load_text
+from wrsim.scenario.placement import stand
+
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+
+# --- units end at the wall -----------------------------------------------------------------------------
+
+
+def test_everything_is_si_behind_build(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(CURVE + "step_us = 500\n")
+    setup = build(load(tmp_path / "case.toml"))
+    assert setup.run.speed == pytest.approx(15.0)
+    assert (setup.run.start, setup.run.end) == (0.0, pytest.approx(190.0))
+    assert setup.run.duration == pytest.approx(190.0 / 15.0)
+    assert (setup.run.step, setup.run.output_interval) == (pytest.approx(5e-4), pytest.approx(5e-3))
+    assert setup.run.patches_at == (pytest.approx(130.0),), "the middle of the arc unless told otherwise"
+    assert setup.track.nominal_gauge == pytest.approx(1.435)
+    assert float(setup.track.curvature(130.0)) == pytest.approx(1 / 300)
+    assert float(setup.track.cant(130.0)) == pytest.approx(0.060)
+    assert setup.wheelset.profile_spacing == pytest.approx(1.5)
+    assert setup.contact.friction == (0.35, 0.35)
+    assert setup.contact.rail.shear_modulus == pytest.approx(82.03e9, rel=1e-4)
+
+
+def test_rails_of_the_inclined_profile_stand_at_the_gauge(tmp_path: Path) -> None:
+    """60E1 at 1:40: the highest point is 43.036 mm outside of the gauge point (EN 13674 geometry)."""
+    (tmp_path / "case.toml").write_text(CURVE)
+    rail = build(load(tmp_path / "case.toml")).rails[0]
+    assert rail.top[0] - rail.gauge_point()[0] == pytest.approx(43.036e-3, abs=1e-5)
+
+
+def test_overrides_of_the_vehicle_hold_for_their_side(tmp_path: Path) -> None:
+    text = edited(
+        CURVE,
+        "speed_kmh = 54",
+        'speed_kmh = 54\nradius_left_mm = 459\nwheel_right = "wheels/cone_1in20.toml"\nsprung_mass_kg = 100',
+    )
+    (tmp_path / "case.toml").write_text(text)
+    wheelset = build(load(tmp_path / "case.toml")).wheelset
+    assert (wheelset.left.radius, wheelset.right.radius) == (0.459, 0.46)
+    assert wheelset.left.profile.name == "S1002"
+    assert wheelset.right.profile.name != "S1002"
+    assert wheelset.sprung.mass == 100.0
+
+
+def test_each_rail_has_its_own_profile_and_friction_and_each_body_its_own_material(tmp_path: Path) -> None:
+    text = edited(CURVE, 'rail = "rails/60E1.toml"', 'rail_left = "rails/60E1.toml"\nrail_right = "rails/54E1.toml"')
+    text = edited(
+        text,
+        "friction = 0.35",
+        "friction_left = 0.1\nfriction_right = 0.5\n[contact.material]\npoisson = 0.3\n"
+        "[contact.material.wheel]\nyoungs_modulus_GPa = 200",
+    )
+    (tmp_path / "case.toml").write_text(text)
+    setup = build(load(tmp_path / "case.toml"))
+    assert setup.rails[0].name != setup.rails[1].name
+    assert setup.contact.friction == (0.1, 0.5)
+    assert setup.contact.wheel.youngs_modulus == pytest.approx(200e9)
+    assert setup.contact.rail.youngs_modulus == pytest.approx(210e9)
+    assert setup.contact.wheel.poisson_ratio == setup.contact.rail.poisson_ratio == 0.3
+
+
+def test_an_arc_by_its_angle_is_as_long_as_radius_times_angle(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(edited(CURVE, "length_m = 120", "angle_deg = 90"))
+    assert build(load(tmp_path / "case.toml")).track.length == pytest.approx(70 + 300 * math.pi / 2)
+
+
+def test_values_can_be_changed_from_python_and_are_checked_again(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(CURVE)
+    scenario = load(tmp_path / "case.toml")
+    changed = scenario.with_values({"vehicle.speed_kmh": 36, "track.segments[2].radius_m": -500, "run.distance_m": 5})
+    assert changed.spec.vehicle.speed_kmh == 36.0
+    assert changed.spec.track.segments[2].radius_m == -500.0
+    assert load_text(changed.text).spec == changed.spec
+    assert scenario.spec.vehicle.speed_kmh == 54.0, "a scenario does not change"
+    with pytest.raises(InputError, match=r"new value: contact\.friction = 7: must be a number from 0 to 2"):
+        scenario.with_values({"contact.friction": 7})
+    with pytest.raises(InputError, match=r"track\.segments\[7\]: there is no such entry"):
+        scenario.with_values({"track.segments[7].radius_m": 7})
+
+
+# --- static poses --------------------------------------------------------------------------------------
+
+
+def test_a_grid_gives_every_combination_with_names_that_differ(tmp_path: Path) -> None:
+    text = edited(STATIC, "lateral_mm = 0", "lateral_mm = {from = -1, to = 1, step = 0.1}\nyaw_mrad = [0, 12]")
+    (tmp_path / "case.toml").write_text(text)
+    poses = static_poses(load(tmp_path / "case.toml"))
+    assert len(poses) == len({p.name for p in poses}) == 42
+    assert poses[0].lateral == pytest.approx(-1e-3)
+    assert poses[-1].lateral == 1e-3
+    assert {p.yaw for p in poses} == {0.0, 0.012}
+    assert {p.load for p in poses} == {60e3}
+
+
+@given(first=st.floats(-50, 50), count=st.integers(0, 400), step=st.floats(1e-3, 1.0))
+def test_a_range_holds_its_ends_and_equal_steps(first: float, count: int, step: float) -> None:
+    last = first + count * step
+    values = np.array(Series(Quantity()).check({"from": first, "to": last, "step": step}))
+    assert len(values) == count + 1
+    assert values[0] == first
+    assert values[-1] == pytest.approx(last, abs=1e-9)
+    assert values[-1] <= last
+    assert np.diff(values) == pytest.approx(step, abs=1e-9)
+
+
+def test_a_table_gives_its_rows_with_their_names(tmp_path: Path) -> None:
+    table = "# poses of the test bench\nid, load_kN, lateral_mm, yaw_mrad\n\nstraight, 24, 0, 0\nflange, 24, 9.5, 12\n"
+    (tmp_path / "poses.csv").write_text(table)
+    text = edited(STATIC, "lateral_mm = 0\nload_kN = 60", 'cases = "poses.csv"')
+    (tmp_path / "case.toml").write_text(text)
+    setup = build(load(tmp_path / "case.toml"))
+    assert setup.static is not None
+    assert [p.name for p in setup.static.poses] == ["straight", "flange"]
+    assert setup.static.poses[1].lateral == pytest.approx(9.5e-3)
+    assert setup.static.poses[1].yaw == pytest.approx(12e-3)
+    assert tmp_path / "poses.csv" in setup.files
+
+
+TABLE_FAULTS = [
+    ("id,lateral,load_kN\na,0,24\n", ":1: column \"lateral\": unknown; did you mean 'lateral_mm'?"),
+    ("id,lateral_mm\na,0\n", ":1: column 'load_kN' is missing"),
+    ("id,lateral_mm,load_kN,id\na,0,24,b\n", ':1: column "id": stands there twice'),
+    ("id,lateral_mm,load_kN\na,0\n", ":2: has 2 cells; must have 3 like the header"),
+    ("id,lateral_mm,load_kN\na,0,24\n\na,1,24\n", ':4: id = "a": is taken by line 2 already'),
+    ("id,lateral_mm,load_kN\n,0,24\n", ":2: id is empty"),
+    ("id,lateral_mm,load_kN\na,0,0\n", ":2: load_kN = 0: must be a number above 0"),
+    ("id,lateral_mm,load_kN\na,nan,24\n", ":2: lateral_mm = nan: must be a number from -100 to 100"),
+    ("id;lateral_mm;load_kN\na;0,5;24\n", ':2: lateral_mm = "0,5": must be a number'),
+    ("id,lateral_mm,load_kN\na,wide,24\n", ':2: lateral_mm = "wide": must be a number'),
+    ("id,lateral_mm,load_kN\n", "has no poses below its header"),
+    ("\n", "is empty"),
+    ('id,lateral_mm,load_kN\n"a,0,24\n', ":2: no line of a CSV table"),
+]
+
+
+@pytest.mark.parametrize(("table", "message"), TABLE_FAULTS)
+def test_one_fault_in_a_table_is_one_line_with_its_line_number(tmp_path: Path, table: str, message: str) -> None:
+    (tmp_path / "poses.csv").write_text(table)
+    with pytest.raises(InputError) as told:
+        read_cases(tmp_path / "poses.csv")
+    lines = str(told.value).split("\n")
+    assert len(lines) == 1
+    assert lines[0].startswith(str(tmp_path / "poses.csv"))
+    assert message in lines[0]
+
+
+def test_a_table_with_many_faults_tells_the_first_and_counts_the_rest(tmp_path: Path) -> None:
+    rows = "".join(f"p{i},0,0\n" for i in range(100))
+    (tmp_path / "poses.csv").write_text("id,lateral_mm,load_kN\n" + rows)
+    with pytest.raises(InputError) as told:
+        read_cases(tmp_path / "poses.csv")
+    assert str(told.value).endswith("and 80 more faults")
+
+
+# --- a wheelset on its track ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("gauge_mm", "reason"),
+    [
+        (1000, "the left wheel misses its rail"),
+        (1410, "the left wheel stands with its flange on the rail"),
+        (1424, "the left flange overlaps the gauge face by 0.45"),
+        (1600, "the left wheel ends 33 mm inside of the top of its rail"),
+        (1900, "the left wheel misses its rail"),
+    ],
+)
+def test_a_wheelset_off_the_rails_is_refused_with_the_reason(tmp_path: Path, gauge_mm: int, reason: str) -> None:
+    (line,) = faults(edited(CURVE, "gauge_mm = 1435", f"gauge_mm = {gauge_mm}"), tmp_path)
+    assert line.startswith("case.toml:7: track.gauge_mm")
+    assert "the wheelset is placed off the rails" in line
+    assert reason in line
+
+
+def test_a_narrowing_that_leaves_no_room_for_the_flanges_is_refused(tmp_path: Path) -> None:
+    text = edited(CURVE, "length_m = 120", "length_m = 120\ngauge_widening_mm = -12")
+    (line,) = faults(text, tmp_path)
+    assert "at a gauge of 1423 mm" in line
+    assert "flange" in line
+
+
+def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing(tmp_path: Path) -> None:
+    """Flange thickness 32.5 mm, flange backs 1360 mm: (1435 - 1360)/2 - 32.5 = 5 mm a side."""
+    (tmp_path / "case.toml").write_text(CURVE)
+    setup = build(load(tmp_path / "case.toml"))
+    standing = stand(setup.wheelset.left.profile, setup.rails[0], setup.wheelset.profile_spacing, 1.435)
+    assert standing.clearance == pytest.approx(5e-3, abs=1e-4)
+    assert not standing.on_flange
+
+
+# --- what is shipped -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", sorted(SCENARIOS.glob("*.toml")), ids=lambda p: p.stem)
+def test_every_shipped_scenario_passes_every_check_of_its_keys(path: Path) -> None:
+    scenario = load(path)
+    assert scenario.title != "untitled"
+    assert scenario.path == path

@@ -1,0 +1,193 @@
+"""Suspension elements: laws that hold for every one of them, closed forms of simple systems; no rails needed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.vehicles import ROOT, manchester
+
+from wrsim.core.body import vehicle_forces
+from wrsim.geometry.track.segments import Straight
+from wrsim.geometry.track.track import Track
+from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.simulation.bodies import SolidBody
+from wrsim.simulation.integrate import integrate
+from wrsim.simulation.linear import accelerations, linearise
+from wrsim.simulation.system import System
+from wrsim.simulation.vehicle_law import VehicleOnTrack
+from wrsim.simulation.vehicle_modes import vehicle_modes
+from wrsim.simulation.vehicle_state import design_state
+from wrsim.vehicle.elements import TRACK, Element, Spring, Strut
+from wrsim.vehicle.vehicle import Body, Vehicle
+from wrsim.vehicle.vehicle_files import load_whole_vehicle
+
+MASS, INERTIA, HEIGHT = 4000.0, (1000.0, 3000.0, 3500.0), 1.5
+
+
+def box(*elements: Element) -> Vehicle:
+    """A body over a wheelset, held by the elements; the wheelset is held anyway."""
+    return replace(
+        manchester(),
+        wheelsets=manchester().wheelsets[:1],
+        bodies=(Body("box", MASS, INERTIA, (0.0, 0.0, HEIGHT)),),
+        elements=elements,
+        points=(),
+    )
+
+
+def hung(vehicle: Vehicle, gravity: float = 0.0) -> VehicleOnTrack:
+    """The law of a vehicle on its springs alone."""
+    track = Track.build([Straight(200.0)], 1.5)
+    return VehicleOnTrack(vehicle, track, (), speed=0.0, start=100.0, drive="free", gravity=gravity)
+
+
+def spring(at: Sequence[float] = (0.0, 0.0, HEIGHT), name: str = "spring", **values: object) -> Spring:
+    x, y, z = at
+    return replace(Spring(name, "spring", TRACK, "box", (x, y, z)), **values)  # type: ignore[arg-type]
+
+
+def displaced(law: VehicleOnTrack, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """A state at a large heading with all bodies shifted and turned against each other, and moving."""
+    rng = np.random.default_rng(seed)
+    q, q_t = design_state(law, 100.0)
+    n = len(law.bodies)
+    turn, c, s = 2.0, np.cos(2.0), np.sin(2.0)
+    for i in range(n):
+        own = q[6 * i : 6 * i + 6]
+        own[1], own[2] = c * (own[1] - 100.0) - s * own[2], s * (own[1] - 100.0) + c * own[2]
+        own[3] += turn
+        own[:3] += 0.03 * rng.standard_normal(3)
+        own[3:] += 0.08 * rng.standard_normal(3)
+    q_t[: 6 * n] = rng.standard_normal(6 * n)
+    q_t[6 * n :] = 0.01 * rng.standard_normal(law.dampers)
+    return q, q_t
+
+
+@pytest.mark.parametrize("name", ["manchester_1", "erri_type"])
+def test_springs_have_a_potential_at_any_displacement(name: str) -> None:
+    """The derivative of the generalised forces with respect to the coordinates is symmetric where nothing moves."""
+    law = hung(load_whole_vehicle(ROOT / f"models/vehicles/{name}.toml", Finder((shipped_models(),))))
+    q, q_t = displaced(law)
+    q_t[: 6 * len(law.bodies)] = 0.0
+    n = 6 * len(law.bodies)
+    out, columns = np.zeros(law.size), np.zeros((n, n))
+    step = 1e-5
+    for i in range(n):
+        for sign in (1.0, -1.0):
+            moved = q.copy()
+            moved[i] += sign * step
+            law(0.0, moved, q_t, out)
+            columns[:, i] += 0.5 * sign / step * out[:n]
+    kept = np.ones(n, dtype=bool)
+    kept[5 : 6 * len(law.vehicle.wheelsets) : 6] = False  # the spin of an axle moves no spring
+    columns = columns[np.ix_(kept, kept)]
+    assert np.abs(columns - columns.T).max() < 1e-7 * np.abs(columns).max()  # of the differences
+
+
+def test_elements_between_bodies_keep_momentum_and_angular_momentum() -> None:
+    law = hung(manchester())
+    q, q_t = displaced(law)
+    law(0.0, q, q_t, np.zeros(law.size))
+    views = law.arena.views
+    places, forces, moments = (views[k] for k in (vehicle_forces.STATES, vehicle_forces.FORCES, vehicle_forces.MOMENTS))
+    n = len(law.bodies)
+    largest = np.abs(forces[:n]).max()
+    assert largest > 1e5
+    assert np.abs(forces[:n].sum(axis=0)).max() < 1e-10 * largest
+    turning = np.cross(places[:n, :3], forces[:n]) + moments[:n]
+    assert np.abs(turning.sum(axis=0)).max() < 1e-10 * largest * np.abs(places[:n, :3]).max()
+
+
+def test_dampers_take_power_and_springs_in_series_store_it() -> None:
+    """With F on both sides of a spring behind a damper: power into the element = F^2/c + rate of F^2/(2 k)."""
+    k, c = 5e5, 2e4
+    strut = Strut("d", "damper", TRACK, "box", ((0.0, 0.0, HEIGHT),) * 2, 1, damping=c, series=k)
+    law = hung(box(strut, spring(stiffness=(0.0, 0.0, 1e6))))
+    q, q_t = design_state(law, 100.0)
+    q[6 + 2], q_t[6 + 2], q_t[12] = 0.02, 0.7, 0.005
+    out = np.zeros(law.size)
+    law(0.0, q, q_t, out)
+    force = k * (0.02 - 0.005)
+    assert out[6 + 2] == pytest.approx(-force, rel=1e-12)
+    assert out[12] == pytest.approx(force / c, rel=1e-12)
+    stored = force * (0.7 - force / c)
+    assert -out[6 + 2] * 0.7 == pytest.approx(force**2 / c + stored, rel=1e-12)
+
+
+def test_a_mass_on_springs_swings_at_its_natural_frequency() -> None:
+    k = (2e5, 3e5, 4e5)
+    modes = vehicle_modes(box(spring(stiffness=k, turning_stiffness=(1e5, 2e5, 3e5))))
+    x, y, z = np.sqrt(np.array(k) / MASS) / (2.0 * np.pi)
+    roll, pitch, yaw = np.sqrt(np.array((1e5, 2e5, 3e5)) / np.array(INERTIA)) / (2.0 * np.pi)
+    expected = {"longitudinal": x, "lateral": y, "vertical": z, "roll": roll, "pitch": pitch, "yaw": yaw}
+    found = {mode.name.removeprefix("box "): mode for mode in modes}
+    assert set(found) == set(expected)
+    for name, frequency in expected.items():
+        assert found[name].frequency == pytest.approx(frequency, rel=1e-6)
+        assert abs(found[name].damping) < 1e-9
+
+
+@pytest.mark.parametrize("damping", [5e2, 2e4, 5e5])
+def test_a_mass_on_a_spring_and_a_damper_behind_a_spring_has_the_roots_of_its_cubic(damping: float) -> None:
+    """m x_tt + k x + k_s (x - x_d) = 0, c x_d,t = k_s (x - x_d)."""
+    k, series = 4e5, 6e5
+    struts = Strut("d", "damper", TRACK, "box", ((0.0, 0.0, HEIGHT),) * 2, 2, damping=damping, series=series)
+    modes = vehicle_modes(box(spring(stiffness=(1e7, 2e7, k)), struts))
+    mode = next(m for m in modes if m.name == "box vertical")
+    lag = damping / series
+    roots = np.roots([MASS * lag, MASS, (k + series) * lag, k])
+    root = roots[np.argmax(roots.imag)]
+    assert mode.frequency == pytest.approx(abs(root) / (2.0 * np.pi), rel=1e-6)
+    assert mode.damping == pytest.approx(-root.real / abs(root), rel=1e-6)
+
+
+def test_a_flexible_column_bends_like_a_cantilever() -> None:
+    """Shear stiffness 12 E I/h^3 and bending stiffness E I/h at its middle: the loaded end yields by F h^3/(3 E I)."""
+    stiffness, h = 2e6, 0.6
+    column = spring(
+        (0.0, 0.0, HEIGHT - 0.5 * h),
+        stiffness=(12.0 * stiffness / h**3, 12.0 * stiffness / h**3, 1e8),
+        turning_stiffness=(stiffness / h, stiffness / h, 1e8),
+        column=True,
+    )
+    vehicle = box(column)
+    weightless = replace(vehicle, bodies=(replace(vehicle.bodies[0], mass=1e-3),))  # a load would push the column over
+    law = hung(weightless)
+    q, q_t = design_state(law, 100.0)
+    matrix = linearise(law, law.bodies, q, q_t).stiffness[6:12, 6:12]
+    yields = np.linalg.inv(matrix)
+    assert yields[2, 2] == pytest.approx(h**3 / (3.0 * stiffness), rel=1e-6)
+    assert abs(yields[4, 2]) == pytest.approx(h**2 / (2.0 * stiffness), rel=1e-6)  # slope of the end
+
+
+def test_a_bump_stop_follows_its_table_both_ways_and_goes_on_beyond_it() -> None:
+    stop = next(e for e in manchester().elements if e.name == "front.lateral stop")
+    assert isinstance(stop, Strut)
+    assert stop.limits == (-0.065, 0.065)
+    law = hung(box(replace(stop, first=TRACK, second="box"), spring(stiffness=(1.0, 0.0, 1e6))))
+    q, q_t = design_state(law, 100.0)
+    out = np.zeros(law.size)
+    for travel, force in ((0.02, 0.0), (0.03, 600.0), (0.0425, 5300.0), (0.065, 230e3), (0.066, 270160.0)):
+        for side in (1.0, -1.0):
+            q[6 + 2] = side * travel
+            law(0.0, q, q_t, out)
+            assert out[6 + 2] == pytest.approx(-side * force, rel=1e-9, abs=1e-9)
+
+
+def test_the_bodies_of_exudyn_accelerate_as_mass_matrix_and_velocity_forces_say() -> None:
+    body = SolidBody(10.0, (2.0, 3.0, 4.0))
+
+    def twist(t: float, q: np.ndarray, q_t: np.ndarray, out: np.ndarray) -> None:
+        out[:] = (1.0, 2.0, 3.0, 0.4, 0.5, 0.6)
+
+    system = System([body], twist)
+    q = np.array([0.1, 0.2, 0.3, 0.4, 0.3, -0.5])
+    q_t = np.array([0.0, 0.0, 0.0, 1.1, -0.7, 0.9])
+    step = 1e-4
+    motion = integrate(system, q, q_t, duration=2 * step, step=step)
+    found = (motion.q_t[2] - motion.q_t[0]) / (2 * step)
+    middle = accelerations(twist, [body], motion.q[1], motion.q_t[1])
+    assert np.allclose(found, middle, rtol=1e-6, atol=1e-6)

@@ -1,0 +1,1 @@
+"""Rolling radius difference and equivalent conicity."""

@@ -1,0 +1,1 @@
+"""A vehicle at rest or running along the track."""

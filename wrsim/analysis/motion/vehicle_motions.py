@@ -1,0 +1,90 @@
+"""What bodies, points and suspension of a vehicle do: channels from sampled states."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wrsim.core.body.kinematics import kinematics
+from wrsim.core.body.rigid_body import turned_axes
+from wrsim.core.track import path as path_kernels
+from wrsim.simulation.bodies import mass_matrix, velocity_forces
+from wrsim.simulation.placement import poses_on_track
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from wrsim.simulation.system import Array
+    from wrsim.simulation.vehicle_law import VehicleOnTrack
+
+
+def body_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
+    """Displacements and angles of the bodies against the track where they are, each (samples, bodies)."""
+    vehicle = law.vehicle
+    first, n = len(vehicle.wheelsets), len(q)
+    names = ("body_lateral", "body_vertical", "body_yaw", "body_pitch", "body_roll")
+    found = {name: np.zeros((n, len(vehicle.bodies))) for name in names}
+    path = law.track.centre
+    row = np.zeros(18)
+    for b, body in enumerate(vehicle.bodies):
+        own = slice(6 * (first + b), 6 * (first + b) + 6)
+        poses = poses_on_track(path, q[:, own], q_t[:, own], law.start + body.centre[0])
+        found["body_lateral"][:, b] = poses.lateral - body.centre[1]
+        found["body_vertical"][:, b] = poses.height - body.centre[2]
+        found["body_yaw"][:, b] = poses.yaw
+        found["body_roll"][:, b] = poses.roll
+        for i in range(n):
+            turned_axes(kinematics(q[i, own], q_t[i, own]), q[i, own][5], row)
+            up = path_kernels.frame(path.table, path.step, poses.distance[i])[9:12]
+            found["body_pitch"][i, b] = -np.arcsin(np.clip(row[6:9] @ np.array(up), -1.0, 1.0))
+    return found
+
+
+class PointMotion:
+    """Accelerations of the vehicle's points, as accelerometers fixed to their bodies show them."""
+
+    def __init__(self, law: VehicleOnTrack) -> None:
+        self.law = law
+        vehicle = law.vehicle
+        self.bodies = [vehicle.index(point.body) for point in vehicle.points]
+        self.arms = [
+            np.array(point.at) - np.array(vehicle.parts[i].centre)
+            for point, i in zip(vehicle.points, self.bodies, strict=True)
+        ]
+        self._row = np.zeros(18)
+
+    def at(self, q: Array, q_t: Array, forces: Array) -> Array:
+        """Accelerations (points, 3) along the body's axes [m/s2] under the generalised forces.
+
+        They contain gravity as an accelerometer does, less its share at rest on level track: zero there; on canted
+        track the lateral one shows the plane's component of gravity against the centrifugal acceleration.
+        """
+        law = self.law
+        mass = mass_matrix(law.bodies, q)
+        q_tt = np.asarray(np.linalg.solve(mass, forces - velocity_forces(law.bodies, q, q_t)), dtype=np.float64)
+        found = np.zeros((len(self.bodies), 3))
+        for j, (i, arm) in enumerate(zip(self.bodies, self.arms, strict=True)):
+            own = slice(6 * i, 6 * i + 6)
+            turned_axes(kinematics(q[own], q_t[own]), q[own][5], self._row)
+            axes = self._row[6:15].reshape(3, 3)
+            omega = axes @ self._row[15:18]
+            acceleration = axes @ (np.array([q_tt[own][1], q_tt[own][2], q_tt[own][0] + STANDARD_GRAVITY]))
+            alpha = _angular_acceleration(q[own], q_t[own], q_tt[own])
+            found[j] = acceleration + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
+            found[j, 2] -= STANDARD_GRAVITY
+        return found
+
+
+def _angular_acceleration(q: Array, q_t: Array, q_tt: Array) -> Array:
+    """Rate of the angular velocity in body axes (3,) [rad/s2]: G theta_tt + G_t theta_t (``core.body.rigid_body``)."""
+    sr, cr, sp, cp = np.sin(q[4]), np.cos(q[4]), np.sin(q[5]), np.cos(q[5])
+    h, r, p = q_t[3:6]
+    turning = np.array([[-cr * sp, cp, 0.0], [sr, 0.0, 1.0], [cr * cp, sp, 0.0]])
+    rate = np.array(
+        [
+            h * (sr * sp * r - cr * cp * p) - r * sp * p,
+            h * cr * r,
+            -h * (sr * cp * r + cr * sp * p) + r * cp * p,
+        ]
+    )
+    return np.asarray(turning @ q_tt[3:6] + rate)

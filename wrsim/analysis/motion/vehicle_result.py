@@ -1,0 +1,176 @@
+"""From the sampled states of a vehicle's run to its result: every channel of every wheelset, and of the vehicle."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wrsim.analysis.motion.motion_result import choose_snapshots, run_attributes
+from wrsim.analysis.motion.track_channels import track_channels, uneven
+from wrsim.analysis.motion.vehicle_motions import PointMotion, body_channels
+from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
+from wrsim.errors import SimulationError
+from wrsim.results import Result, assemble
+from wrsim.simulation.placement import TrackPoses, poses_on_track
+from wrsim.vehicle.levels import bogie_mass, level_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from wrsim.scenario.build import Setup
+    from wrsim.simulation.integrate import Motion
+    from wrsim.simulation.vehicle_law import VehicleOnTrack
+
+    Array = NDArray[np.float64]
+
+RAIL_CHANNELS = ("rail_displacement_y", "rail_displacement_z")
+
+Event = tuple[float, float, str]
+"""Time [s], distance [m], what happened."""
+
+
+def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: list[Event]) -> Result:
+    """All channels of a motion, from its sampled states.
+
+    At the end of a stopped run the last states may have no place on the track any more; they are left out then.
+    Raises SimulationError when not even the first one has.
+    """
+    vehicle, track = law.vehicle, setup.track
+    motion, poses = _placed(motion, law)
+    n, count = len(motion.times), len(vehicle.wheelsets)
+    raw = [RawContacts.empty(n, 2, setup.contact.max_patches) for _ in range(count)]
+    places = law.places(np.column_stack([p.distance for p in poses]))
+    out = np.zeros(law.size)
+    points = PointMotion(law)
+    accelerations = np.zeros((n, len(vehicle.points), 3))
+    records = np.zeros((n, *law.records.shape))
+    reference, drive = np.zeros(n), np.zeros(n)
+
+    def evaluate(i: int) -> None:
+        law.look_near(places[i])
+        law(motion.times[i], motion.q[i], motion.q_t[i], out)
+
+    law.follow(True, sharp=True)
+    for i in range(n):
+        evaluate(i)
+        for w, pair in enumerate(law.wheels):
+            for j, wheel in enumerate(pair):
+                raw[w].store(i, j, wheel.model)
+        records[i] = law.records
+        reference[i], drive[i] = law.distance, law.drive_force
+        accelerations[i] = points.at(motion.q[i], motion.q_t[i], out)
+    law.follow(False)
+    forces = [wheel_channels(r) for r in raw]
+    snapshots = choose_snapshots(setup, reference, _together(forces), motion.status == "stopped")
+    strips = [StripRecorder.start(pair) for pair in law.wheels]
+    for snapshot in snapshots:
+        evaluate(snapshot.sample)
+        for recorder in strips:
+            recorder.store()
+    kept = np.array([s.sample for s in snapshots], dtype=int)
+    moved = np.zeros((n, len(vehicle.wheelsets), 2, 2))  # rails under the wheels: left and right, lateral and up
+    if law.rails:
+        moved = motion.q[:, law.size - law.rails :].reshape(moved.shape)
+    of_wheelsets = [
+        {
+            "wheelset_distance": p.distance,
+            **track_channels(track, p.distance),
+            **(dict(zip(RAIL_CHANNELS, np.moveaxis(moved[:, w], -1, 0), strict=True)) if law.rails else {}),
+            "lateral_shift": p.lateral,
+            "vertical_shift": p.height - mounted.wheelset.mean_radius,
+            "yaw": p.yaw,
+            "roll": p.roll,
+            "spin_rate": p.spin_rate,
+            **f,
+            **patch_channels(r, pair, track.widening(p.distance), uneven(track, p.distance) + moved[:, w]),
+        }
+        for w, (mounted, p, f, r, pair) in enumerate(
+            zip(vehicle.wheelsets, poses, forces, raw, law.wheels, strict=True)
+        )
+    ]
+    raw.clear()  # a long run fills memory: nothing is kept twice for long
+    channels: dict[str, Any] = {
+        name: np.stack([own.pop(name) for own in of_wheelsets], axis=1) for name in list(of_wheelsets[0])
+    }
+    channels |= {
+        "distance": reference,
+        "speed": _speeds(law, motion),
+        "drive_force": drive,
+        "snapshot_time": motion.times[kept],
+        "snapshot_distance": reference[kept],
+        "snapshot_label": np.array([s.label for s in snapshots]),
+        **_stacked([recorder.channels() for recorder in strips]),
+    }
+    coords: dict[str, Any] = {"time": motion.times, "wheelset": [m.name for m in vehicle.wheelsets]}
+    if vehicle.bodies:
+        coords["body"] = [body.name for body in vehicle.bodies]
+        channels |= body_channels(law, motion.q, motion.q_t)
+    if vehicle.points:
+        coords["point"] = [point.name for point in vehicle.points]
+        channels |= {f"point_a{axis}": accelerations[:, :, k] for k, axis in enumerate("xyz")}
+        channels["point_level"] = np.array([level_of(vehicle, point.body) for point in vehicle.points])
+        channels["point_bogie_mass"] = [bogie_mass(vehicle, point.body) for point in vehicle.points]
+    if vehicle.elements:
+        coords["suspension"] = [element.name for element in vehicle.elements]
+        channels |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
+        channels |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}
+        ends = np.array([getattr(e, "limits", None) or (np.nan, np.nan) for e in vehicle.elements])
+        channels |= {"suspension_stop_min": ends[:, 0], "suspension_stop_max": ends[:, 1]}
+    if events:
+        times, distances, words = zip(*events, strict=True)
+        channels |= {"event_time": times, "event_distance": distances, "event_label": np.array(words)}
+    return Result(assemble(coords, channels, run_attributes(setup, motion, reference)))
+
+
+def _speeds(law: VehicleOnTrack, motion: Motion) -> Array:
+    """Speed of the reference body over ground [m/s]."""
+    own = 6 * law.vehicle.reference
+    return np.asarray(np.linalg.norm(motion.q_t[:, own : own + 3], axis=1))
+
+
+def _placed(motion: Motion, law: VehicleOnTrack) -> tuple[Motion, list[TrackPoses]]:
+    """The motion as far as all its samples have a place on the track, and the poses of every wheelset."""
+    out = np.zeros(law.size)
+    while True:
+        try:
+            poses = [
+                poses_on_track(
+                    law.track.centre, motion.q[:, 6 * w : 6 * w + 6], motion.q_t[:, 6 * w : 6 * w + 6], law.start + m.x
+                )
+                for w, m in enumerate(law.vehicle.wheelsets)
+            ]
+            law.look_near(law.places(np.array([[p.distance[-1] for p in poses]]))[0])
+            law(motion.times[-1], motion.q[-1], motion.q_t[-1], out)
+        except SimulationError:
+            if motion.status == "completed" or len(motion.times) == 1:
+                raise
+            motion = replace(motion, times=motion.times[:-1], q=motion.q[:-1], q_t=motion.q_t[:-1])
+        else:
+            return motion, poses
+
+
+def _together(forces: list[dict[str, Array]]) -> dict[str, Array]:
+    """Y and Q (samples, 2) of the wheelset that has the largest Y/Q on either side, sample by sample."""
+    y, q = (np.stack([f[name] for f in forces], axis=1) for name in ("Y", "Q"))
+    quotient = np.divide(y, q, out=np.full(q.shape, -np.inf), where=q > 1.0)
+    worst = np.argmax(quotient, axis=1)[:, None]
+    return {name: np.take_along_axis(v, worst, axis=1)[:, 0] for name, v in (("Y", y), ("Q", q))}
+
+
+def _stacked(each: list[dict[str, Array]]) -> dict[str, Array]:
+    """Strip channels of all wheelsets in one, the wheelsets behind the first dimension; rails are alike for all."""
+    found: dict[str, Array] = {}
+    for name, first in each[0].items():
+        if name.startswith("rail_profile"):
+            found[name] = first
+            continue
+        arrays = [own[name] for own in each]
+        if name.startswith("strip_"):
+            most = max(array.shape[-1] for array in arrays)
+            arrays = [
+                np.pad(a, [(0, 0)] * (a.ndim - 1) + [(0, most - a.shape[-1])], constant_values=np.nan) for a in arrays
+            ]
+        found[name] = np.stack(arrays, axis=1)
+    return found

@@ -1,0 +1,86 @@
+"""How a vehicle gets into a curve when no search finds its steady motion: it runs in from straight track."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wrsim.core.track import path as path_kernels
+from wrsim.errors import SimulationError
+from wrsim.geometry.track.segments import Arc, Straight, Transition
+from wrsim.simulation.integrate import integrate
+from wrsim.simulation.step import LARGEST_VEHICLE_STEP, SAFETY, round_step, stable_step
+from wrsim.simulation.system import System
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from wrsim.scenario.build import Setup
+    from wrsim.simulation.system import Array
+    from wrsim.simulation.vehicle_law import VehicleOnTrack
+
+    State = tuple[Array, Array]
+
+EASE = 3.0
+"""Time in the transition, at least [s], ..."""
+
+SETTLE = 3.0
+"""... and in the full curve before the motion is taken as steady [s]."""
+
+
+def run_in(setup: Setup, law_of: Callable[[Setup], VehicleOnTrack], start_of: Callable[..., State]) -> State:
+    """State (q, q_t) at the start of a run in a full curve, reached through a long transition to its curvature.
+
+    law_of: the law of a set-up's vehicle, held by a pull; start_of(setup, law): steady motion on straight track.
+    Raises SimulationError when the run into the curve does not arrive.
+    """
+    track, run, vehicle = setup.track, setup.run, setup.vehicle
+    assert vehicle is not None
+    reach = max(abs(part.centre[0]) for part in vehicle.parts) + 2.0
+    curvature = float(track.curvature(run.start))
+    ease, settle = max(EASE * run.speed, 20.0), SETTLE * run.speed + reach
+    bend = Arc(
+        settle + 2.0 * reach,
+        1.0 / curvature,
+        cant=float(np.copysign(1.0, curvature) * track.cant(run.start)),
+        gauge_widening=float(track.gauge(run.start)) - track.nominal_gauge,
+    )
+    there = replace(
+        setup,
+        track=track.relaid([Straight(2.0 * reach), Transition(ease), bend]),
+        run=replace(run, start=reach, end=2.0 * reach + ease + settle),
+    )
+    law = law_of(there)
+    q, q_t = start_of(there, law)
+    system = System(law.bodies, law, law.dampers)
+    step = round_step(SAFETY * stable_step(system, q, q_t), LARGEST_VEHICLE_STEP)
+    motion = integrate(system, q, q_t, duration=there.run.duration, step=step, sample_interval=0.1)
+    if motion.status != "completed":
+        raise SimulationError(f"the run into the curve stopped: {motion.reason}")
+    law.look_near(there.run.end)
+    law(motion.end, motion.q[-1], motion.q_t[-1], np.zeros(law.size))
+    ahead = vehicle.parts[vehicle.reference].centre[0]
+    return _moved(law, law.distance - ahead, setup, motion.q[-1], motion.q_t[-1])
+
+
+def _moved(law: VehicleOnTrack, distance: float, setup: Setup, q: Array, q_t: Array) -> State:
+    """The state as if the vehicle's origin were at the start of the run, on another curve of equal shape."""
+    frames = [
+        np.array(path_kernels.frame(path.table, path.step, s))
+        for path, s in ((law.track.centre, distance), (setup.track.centre, setup.run.start))
+    ]
+    old, new = (frame[:3] for frame in frames)
+    headings = [np.arctan2(frame[4], frame[3]) for frame in frames]
+    turn = headings[1] - headings[0]
+    c, s = np.cos(turn), np.sin(turn)
+    q, q_t = q.copy(), q_t.copy()
+    n = 6 * len(law.bodies)
+    for state, centre, target in ((q, old, new), (q_t, np.zeros(3), np.zeros(3))):
+        own = state[:n].reshape(-1, 6)
+        x, y = own[:, 1] - centre[0], own[:, 2] - centre[1]
+        own[:, 1], own[:, 2] = target[0] + c * x - s * y, target[1] + s * x + c * y
+        own[:, 0] += target[2] - centre[2]
+    q[:n].reshape(-1, 6)[:, 3] += turn
+    return q, q_t

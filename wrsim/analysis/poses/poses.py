@@ -1,0 +1,148 @@
+"""Poses at a prescribed vertical load: one wheel at a given roll, or a wheelset that finds its own roll.
+
+The track is straight and level. The wheelset's centre stands at the lateral shift, turned by the yaw; it rolls at
+``speed`` along the track without slip at the tape circle (the turning rate is V / R about the yawed axle), or stands
+still in the frictionless case. The height is found for the prescribed load; friction takes part in the balance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import sin
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from wrsim.contact.channels import ElementField, WheelOnRail
+from wrsim.core.body.kinematics import kinematics
+from wrsim.core.body.wheel_pose import add_forces, set_pose
+from wrsim.core.contact import layout as k
+from wrsim.scenario.cases import StaticPose
+
+Array = NDArray[np.float64]
+
+ROLLING_SPEED = 2.0  # of the quasi-static rolling [m/s]; creepages do not depend on it
+DEEPEST = 5e-3  # approach at which the search for the load is given up [m]
+LOAD_TOLERANCE = 1e-7
+LARGEST_ROLL = 0.05  # of a wheelset that looks for its balance [rad]
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Where the wheelset came to stand: height of its centre above the track plane [m], roll [rad]; a message when
+    there is no solution (the heights then are not-a-number, or the nearest state)."""
+
+    height: float
+    roll: float
+    message: str = ""
+
+
+class NoContact(Exception):
+    """The wheel cannot be brought onto its rail at this lateral shift."""
+
+
+class LoadNotReached(Exception):
+    """The load is not met within any sensible approach."""
+
+
+class StaticBench:
+    """Wheels over their rails on straight track, for one wheel or two."""
+
+    def __init__(self, wheels: Sequence[WheelOnRail], rolling: bool, radius: float) -> None:
+        self.wheels = tuple(wheels)
+        self.speed = ROLLING_SPEED if rolling else 0.0
+        self.radius = radius
+        self.force = np.zeros(3)
+        self.moment = np.zeros(3)
+
+    def evaluate(self, lateral: float, height: float, yaw: float, roll: float) -> None:
+        """Contact of all wheels at one pose; leaves ``force`` and ``moment`` at the centre of mass."""
+        q = np.array([height, 0.0, lateral, yaw, roll, 0.0])
+        # spin rate about the axle; no other motion but along the track
+        q_t = np.array([0.0, self.speed, 0.0, 0.0, 0.0, self.speed / self.radius])
+        body = kinematics(q, q_t)
+        self.force[:] = 0.0
+        self.moment[:] = 0.0
+        for wheel in self.wheels:
+            o, b = wheel.rail_origin
+            frame = (0.0, wheel.side * o, b, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+            a = wheel.model.arrays
+            set_pose(body, frame, wheel.side, wheel.half_spacing, a.pose)
+            # the section of the rail beside the wheel
+            a.pose[0] = 0.0
+            a.call()
+            add_forces(body, frame, wheel.side, wheel.half_spacing, a.total, self.force, self.moment)
+
+    def solve(self, pose: StaticPose) -> Solved:
+        """Height (and roll, with two wheels) for the pose's load. The models then hold the contact found."""
+        try:
+            if len(self.wheels) == 1:
+                height = self._height(pose, pose.roll)
+                roll = pose.roll
+            else:
+                roll = self._balanced_roll(pose)
+                height = self._height(pose, roll)
+        except (NoContact, LoadNotReached) as problem:
+            return Solved(float("nan"), float("nan"), str(problem))
+        self.evaluate(pose.lateral, height, pose.yaw, roll)
+        missed = self.force[2] / pose.load - 1.0
+        message = ""
+        if abs(missed) > 1e-6:
+            message = f"the load lies in a jump of the force: {self.force[2]:.6g} N instead of {pose.load:.6g} N"
+        return Solved(height, roll, message)
+
+    def elements(self) -> list[list[ElementField]]:
+        """Elements of every wheel's patches at the last pose, where the solver has any."""
+        return []
+
+    def _first_contact(self, pose: StaticPose, roll: float) -> float:
+        """A height with contact, approached from above by the clearance between the profiles."""
+        height = self.radius + 0.02 + abs(sin(roll)) * self.wheels[0].half_spacing
+        lowest = height - 0.1
+        for _ in range(400):
+            self.evaluate(pose.lateral, height, pose.yaw, roll)
+            if any(w.model.arrays.total[k.COUNT] > 0 for w in self.wheels):
+                return height
+            clearance = min(float(w.model.arrays.total[k.CLOSEST]) for w in self.wheels)
+            height -= max(clearance, 1e-6)
+            if height < lowest:
+                break
+        raise NoContact(f"no contact: at a lateral shift of {1e3 * pose.lateral:g} mm the wheel is beside its rail")
+
+    def _height(self, pose: StaticPose, roll: float) -> float:
+        """Height at which the vertical force is the load."""
+
+        def excess(height: float) -> float:
+            self.evaluate(pose.lateral, height, pose.yaw, roll)
+            return float(self.force[2]) - pose.load
+
+        first = self._first_contact(pose, roll)
+        sign = 1.0 if excess(first) > 0.0 else -1.0
+        step = 1e-5
+        near, far = first, first + sign * step
+        while excess(far) * sign > 0.0:
+            near = far
+            step *= 1.6
+            far += sign * step
+            if step > DEEPEST:
+                raise LoadNotReached(f"{pose.load:g} N are not reached within {1e3 * DEEPEST:g} mm of approach")
+        return float(brentq(excess, near, far, xtol=1e-16, rtol=8.9e-16, maxiter=200))
+
+    def _balanced_roll(self, pose: StaticPose) -> float:
+        def moment(roll: float) -> float:
+            self.evaluate(pose.lateral, self._height(pose, roll), pose.yaw, roll)
+            return float(self.moment[0])
+
+        # a wheelset rolled to the left (left wheel up) loads the right wheel, whose force turns it back
+        lo, hi = -1e-4, 1e-4
+        while moment(lo) < 0.0:
+            lo *= 2.0
+            if lo < -LARGEST_ROLL:
+                raise LoadNotReached("the wheelset finds no balance in roll")
+        while moment(hi) > 0.0:
+            hi *= 2.0
+            if hi > LARGEST_ROLL:
+                raise LoadNotReached("the wheelset finds no balance in roll")
+        return float(brentq(moment, lo, hi, xtol=1e-15, rtol=8.9e-16, maxiter=200))

@@ -1,0 +1,318 @@
+"""Steady analysis: the quasi-static equilibrium of a whole vehicle in many curves, found by Newton's method.
+
+In a full curve nothing changes any more but the heading: the vehicle turns about the axis of the curve with poses held
+(``core.body.steady``). The search goes from curve to curve; only what it does not reach so is run in by integration.
+That a motion found is stable, too, is not proved by it.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wrsim.analysis.motion.derailment import flange_tip, gauge_face, off_the_rail
+from wrsim.analysis.motion.vehicle_start import STEADY_ENOUGH, vehicle_law, vehicle_start
+from wrsim.contact.channels import RawContacts, patch_channels, wheel_channels
+from wrsim.core.contact import layout as k
+from wrsim.errors import SimulationError
+from wrsim.geometry.track.segments import Arc
+from wrsim.results import Result, assemble
+from wrsim.scenario.sections.steady import SteadyPoint
+from wrsim.simulation.placement import TrackPoses, place_on_track, poses_on_track
+from wrsim.simulation.vehicle_state import SteadyVehicle, steady_state
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from wrsim.contact.channels import WheelOnRail
+    from wrsim.scenario.build import Setup
+    from wrsim.simulation.system import Array
+    from wrsim.simulation.vehicle_law import VehicleOnTrack
+
+MARGIN = 20.0
+"""The arc goes on so far before and behind the vehicle [m]."""
+
+ALMOST_STRAIGHT = 2e4
+"""Radius of the curve that the way to others begins with [m]."""
+
+SMALLEST_STEP = 1.0 / 32.0
+"""Part of the way from curve to curve below which the search gives up."""
+
+BALANCED, NEARLY = 1e-8, 1e-4
+"""Forces left over, as parts of the weight: good; good enough not to look elsewhere."""
+
+NUDGES = (1e-5, -1e-5, 1e-4, -1e-4, 5e-4, -5e-4)
+"""Lateral shifts of the wheelsets from which the search begins again where it has got stuck beside a jump [m]."""
+
+MOST_ITERATIONS = 15
+"""Of Newton's method on the way."""
+
+
+def run_steady(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
+    """Steady motion at every point of the scenario. Points without one carry a message; Ctrl-C keeps those solved.
+
+    Raises SimulationError when no point has a steady motion.
+    """
+    vehicle, points = setup.vehicle, setup.steady
+    if vehicle is None or not points:
+        raise ValueError("the set-up has no vehicle or no points")
+    table = _Table(setup, len(points))
+    began = time.perf_counter()
+    done = 0
+    try:
+        for i, point in enumerate(points):
+            table.solve(i, point)
+            done = i + 1
+            if progress is not None:
+                progress(done / len(points), (time.perf_counter() - began) * (len(points) - done) / done)
+    except KeyboardInterrupt:
+        if done == 0:
+            raise
+    if not table.solved[:done].any():
+        raise SimulationError(f"none of the {done} curves has a steady motion; the first: {table.messages[0]}")
+    attributes: dict[str, str | float | int] = {
+        "title": setup.title,
+        "analysis": setup.analysis,
+        "status": "completed" if done == len(points) else "stopped",
+        "scenario_text": setup.text,
+    }
+    if done < len(points):
+        attributes["stop_reason"] = f"interrupted by the user after {done} of {len(points)} curves"
+    coords: dict[str, Any] = {
+        "pose": [p.name for p in points[:done]],
+        "wheelset": [m.name for m in vehicle.wheelsets],
+    }
+    return Result(assemble(coords, table.channels(points[:done]), attributes))
+
+
+class _Table:
+    """What is found, a row a point."""
+
+    def __init__(self, setup: Setup, n: int) -> None:
+        assert setup.vehicle is not None
+        self.setup, self.vehicle = setup, setup.vehicle
+        count = len(self.vehicle.wheelsets)
+        self.solved = np.zeros(n, dtype=bool)
+        self.messages = [""] * n
+        self.raw = [RawContacts.empty(n, 2, setup.contact.max_patches) for _ in range(count)]
+        self.poses = np.full((n, count, 6), np.nan)
+        self.left = np.full(n, np.nan)
+        self._wheels: tuple[tuple[WheelOnRail, ...], ...] = ()
+        self._found: list[Found] = []
+
+    def solve(self, i: int, point: SteadyPoint) -> None:
+        """One point; clears its row and keeps a message where there is no steady motion."""
+        try:
+            found = steady_in_curve(self.setup, point, self._found)
+            law, q, q_t = found.law, found.q, found.q_t
+            law(0.0, q, q_t, np.zeros(law.size))
+            problem = next(_derailed(law), "")
+            if problem:
+                raise SimulationError(f"the steady motion found is a derailed one: {problem}")
+        except SimulationError as error:
+            missing = 1e3 * cant_deficiency(point, self.setup.track.cant_base)
+            self.messages[i] = f"{error} (cant deficiency {missing:.0f} mm)"
+            for raw in self.raw:
+                raw.clear(i)
+            return
+        self.solved[i] = True
+        self._found.append(found)
+        self.left[i] = found.left
+        self._wheels = law.wheels
+        for w, (pair, mounted) in enumerate(zip(law.wheels, self.vehicle.wheelsets, strict=True)):
+            for j, wheel in enumerate(pair):
+                self.raw[w].store(i, j, wheel.model)
+            own = slice(6 * w, 6 * w + 6)
+            pose = poses_on_track(law.track.centre, q[None, own], q_t[None, own], law.start + mounted.x)
+            self.poses[i, w] = [getattr(pose, name)[0] for name in TrackPoses.__dataclass_fields__]
+
+    def channels(self, points: tuple[SteadyPoint, ...]) -> dict[str, Any]:
+        """Channels of the first points."""
+        n = len(points)
+        _, lateral, height, yaw, roll, spin = np.moveaxis(self.poses[:n], 2, 0)
+        radii = np.array([m.wheelset.mean_radius for m in self.vehicle.wheelsets])
+        of_wheelsets = []
+        for raw, pair in zip(self.raw, self._wheels, strict=True):
+            own = raw.first(n)
+            of_wheelsets.append({**wheel_channels(own), **patch_channels(own, pair)})
+        stacked = {name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]}
+        radius, cant, speed = (np.array([getattr(p, name) for p in points]) for name in ("radius", "cant", "speed"))
+        return {
+            "pose_speed": speed,
+            "pose_radius": radius,
+            "pose_cant": cant,
+            "cant_deficiency": [cant_deficiency(p, self.setup.track.cant_base) for p in points],
+            "unbalanced": self.left[:n],
+            "pose_message": np.array(self.messages[:n]),
+            "lateral_shift": lateral,
+            "vertical_shift": height - radii,
+            "yaw": yaw,
+            "roll": roll,
+            "spin_rate": spin,
+            **stacked,
+        }
+
+
+@dataclass(frozen=True)
+class Found:
+    """A vehicle in steady motion in a curve: its law and its state; left: largest force left over, part of weight."""
+
+    point: SteadyPoint
+    law: VehicleOnTrack
+    q: Array
+    q_t: Array
+    left: float
+
+
+def cant_deficiency(point: SteadyPoint, base: float) -> float:
+    """Cant that is missing for balance [m]; base: distance that cant is measured over [m]."""
+    return base * point.speed**2 / (STANDARD_GRAVITY * abs(point.radius)) - point.cant
+
+
+def steady_in_curve(setup: Setup, point: SteadyPoint, solved: Sequence[Found] = ()) -> Found:
+    """The vehicle in steady motion in the middle of a long arc; solved: curves at hand to go on from.
+
+    The way goes from the nearest curve of the same hand, or from one next to straight, to this one in steps that are
+    halved where the search loses the motion; what it does not reach so is run in (``analysis.motion.vehicle_start``).
+    Raises SimulationError when there is no steady motion.
+    """
+    _upright(setup, point)
+    same = [found for found in solved if found.point.radius * point.radius > 0.0]
+    try:
+        if same:
+            near = min(same, key=lambda found: _apart(found.point, point))
+        else:
+            near = _from_design(
+                setup, replace(point, radius=float(np.copysign(ALMOST_STRAIGHT, point.radius)), cant=0.0)
+            )
+        found = _continued(setup, near, point)
+    except SimulationError:
+        return _from_design(setup, point)
+    for nudge in NUDGES:
+        if found.left <= BALANCED:
+            break
+        q = found.q.copy()
+        q[6 * np.arange(len(found.law.vehicle.wheelsets)) + 2] += nudge
+        try:
+            again = steady_state(found.law, found.law.start, (q, found.q_t), enough=STEADY_ENOUGH)
+        except SimulationError:
+            continue
+        if again.residual < found.left:
+            found = replace(found, q=again.q, q_t=again.q_t, left=again.residual)
+    return found if found.left <= NEARLY else _better(found, setup, point)
+
+
+def _better(found: Found, setup: Setup, point: SteadyPoint) -> Found:
+    """The found motion, or the one that the start of a run finds if less is left over."""
+    try:
+        other = _from_design(setup, point)
+    except SimulationError:
+        return found
+    return other if other.left < found.left else found
+
+
+def _upright(setup: Setup, point: SteadyPoint) -> None:
+    """Raise SimulationError when weight and centrifugal force together point beside the rails."""
+    assert setup.vehicle is not None
+    base, height = setup.track.cant_base, float(setup.vehicle.centre[2])
+    tilt = np.arcsin(point.cant / base)
+    outward = np.arctan2(point.speed**2 / abs(point.radius), STANDARD_GRAVITY) - tilt
+    beside = abs(height * np.tan(outward)) - 0.5 * base if abs(outward) < 0.5 * np.pi else np.inf
+    if beside > 0.0:
+        side = "outer" if outward > 0.0 else "inner"
+        raise SimulationError(
+            f"the vehicle would overturn: its weight and centrifugal force together point {1e3 * beside:.0f} mm beyond "
+            f"the {side} rail"
+        )
+
+
+def _apart(a: SteadyPoint, b: SteadyPoint) -> float:
+    """How unlike two curves are."""
+    return abs(1.0 / a.radius - 1.0 / b.radius) / 1e-3 + abs(a.cant - b.cant) / 0.1 + abs(a.speed - b.speed) / 20.0
+
+
+def _continued(setup: Setup, near: Found, point: SteadyPoint) -> Found:
+    """From one curve to another. Raises SimulationError where the steps become too small."""
+    start, at, step = near.point, 0.0, 1.0
+    while at < 1.0:
+        to = min(at + step, 1.0)
+        between = SteadyPoint(
+            point.name,
+            1.0 / ((1.0 - to) / start.radius + to / point.radius),
+            (1.0 - to) * start.cant + to * point.cant,
+            (1.0 - to) * start.speed + to * point.speed,
+        )
+        law, place = _law(setup, between)
+        try:
+            guess = _carried_over(near, law)
+            found = steady_state(law, place, guess, max_iterations=MOST_ITERATIONS, enough=STEADY_ENOUGH)
+        except SimulationError:
+            step *= 0.5
+            if step < SMALLEST_STEP:
+                raise
+        else:
+            near, at, step = (
+                Found(point if to == 1.0 else between, law, found.q, found.q_t, found.residual),
+                to,
+                2.0 * step,
+            )
+    return near
+
+
+def _from_design(setup: Setup, point: SteadyPoint) -> Found:
+    """As a run starts: from the design position, or run in from straight track."""
+    law, place = _law(setup, point)
+    there = replace(setup, track=law.track, run=replace(setup.run, start=place, speed=point.speed))
+    try:
+        q, q_t = vehicle_start(there, law)
+    except SimulationError as error:
+        words = str(error).partition(" km/h: ")[2].split(". Start the run")[0]
+        raise SimulationError(words or str(error)) from None
+    steady = SteadyVehicle(law, place)
+    with law.dampers_at_rest():
+        left = float(np.max(np.abs(steady.residual(steady.unknowns(q, q_t)))))
+    return Found(point, law, q, q_t, left)
+
+
+def _law(setup: Setup, point: SteadyPoint) -> tuple[VehicleOnTrack, float]:
+    """The force law of the vehicle in the middle of a long arc, and where its origin is there [m]."""
+    assert setup.vehicle is not None
+    places = [part.centre[0] for part in setup.vehicle.parts]
+    before, behind = MARGIN - min(places), MARGIN + max(places)
+    track = setup.track.relaid([Arc(before + behind, point.radius, point.cant)])
+    return vehicle_law(replace(setup, track=track, run=replace(setup.run, start=before, speed=point.speed))), before
+
+
+def _carried_over(near: Found, law: VehicleOnTrack) -> tuple[Array, Array]:
+    """The state of another curve with all poses against the track kept, in the curve of a law."""
+    q, q_t = np.zeros(law.size), np.zeros(law.size)
+    wheelsets = len(law.vehicle.wheelsets)
+    for i, part in enumerate(law.vehicle.parts):
+        own = slice(6 * i, 6 * i + 6)
+        place = near.law.start + part.centre[0]
+        was = poses_on_track(near.law.track.centre, near.q[None, own], near.q_t[None, own], place)
+        spin = was.spin_rate[0] * law.speed / near.law.speed if i < wheelsets else 0.0
+        q[own], q_t[own] = place_on_track(
+            law.track.centre, law.start + part.centre[0], speed=law.speed, height=was.height[0], spin_rate=spin,
+            lateral=was.lateral[0], yaw=was.yaw[0], roll=was.roll[0],
+        )  # fmt: skip
+        if i >= wheelsets:
+            q[own.stop - 1] = near.q[own.stop - 1]
+    q[6 * len(law.bodies) :] = near.q[6 * len(law.bodies) :]
+    return q, q_t
+
+
+def _derailed(law: VehicleOnTrack) -> Iterator[str]:
+    """Signs that a wheel is off its rail or carries nothing, in words."""
+    for mounted, pair in zip(law.vehicle.wheelsets, law.wheels, strict=True):
+        for wheel in pair:
+            of = f" of wheelset {mounted.name}"
+            reason = off_the_rail(wheel, flange_tip(wheel.model.wheel), gauge_face(wheel.model.rail))
+            if reason:
+                yield reason.replace(" wheel", " wheel" + of, 1)
+            a = wheel.model.arrays
+            if not np.any(a.patches[: int(a.total[k.COUNT]), k.N] > 0.0):
+                yield f"the {wheel.name} wheel{of} has no contact with its rail"

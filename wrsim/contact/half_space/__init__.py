@@ -1,0 +1,1 @@
+"""The exact half-space solver: slow and trusted."""

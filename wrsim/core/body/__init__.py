@@ -1,0 +1,1 @@
+"""Rigid bodies, suspension and the forces on a whole vehicle."""

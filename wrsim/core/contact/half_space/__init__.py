@@ -1,0 +1,1 @@
+"""Kernels of the exact half-space solver."""

@@ -1,0 +1,1 @@
+"""Normal pressure after Kik and Piotrowski."""

@@ -1,0 +1,1 @@
+"""Normal pressure by the strip model."""

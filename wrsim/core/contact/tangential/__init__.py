@@ -1,0 +1,1 @@
+"""Creep forces over the strips of a patch."""

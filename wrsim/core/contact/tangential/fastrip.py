@@ -1,0 +1,136 @@
+"""FaStrip (Sichani, Enblom and Berg 2016): strip theory where the surfaces stick, FASTSIM's march where they slip.
+
+Strip theory takes each strip for a rolling cylinder in plane strain. With mu p = c sqrt(a^2 - x^2), c = mu P / a, the
+tractions
+
+    T = c [alpha k(x) - (alpha - psi e_y) k_d(x)],   k = sqrt(a^2 - x^2),   k_d = sqrt(d^2 - (x - e)^2),  e = a - d,
+
+have constant gradients of displacement in the zone of adhesion, the 2d behind the leading edge, where k_d is real. They
+cancel the rigid slip (xi, eta + phi x) there if
+
+    alpha = (xi' / e, eta' / e + psi),   xi' = G xi / (2 (1 - nu) c),   eta' = G eta / (2 c),   psi = G phi / (2 c),
+
+and the slip zone behind begins at the bound if |alpha| = 1. That is a quadratic equation for e, with the root
+
+    e = (xi'^2 + eta'^2) / (sqrt(eta'^2 + (1 - psi^2) xi'^2) - eta' psi),
+
+valid for |psi| < 1; then |T| <= mu p throughout. A strip with e > a slips all along. Summed over an ellipse this gives
+creep coefficients pi^2 / (4 (1 - nu)), pi^2 / 4 and pi sqrt(a/b) / 3, true for slender strips only. FaStrip puts
+Kalker's coefficients in their place: with FASTSIM's flexibilities L1, L2, L3 of the equivalent ellipse of half length
+a_0
+
+    xi' = 16 a_0 xi / (3 pi^2 L1 c),   eta' = 16 a_0 eta / (3 pi^2 L2 c),   psi = 3 a_0 phi / (8 L3 c).
+
+In the slip zone the direction of the tractions is followed as in FASTSIM, from the end of the adhesion zone on, with
+one flexibility (L1 + L2) / 2, so that full sliding is opposite to the slip. Tractions at the bound stay there while
+the bound rises.
+
+With much spin (|psi| -> 1) strip theory has no answer. The adhesion zone is faded out from |psi| = 0.85 on; for
+|psi| >= 1 the march starts at the leading edge from zero.
+Not in the paper: the one flexibility, the fading, and that the longitudinal creepage by spin works through L1 like the
+rest of it.
+"""
+
+from math import pi, sqrt
+
+from wrsim.core.compiling import kernel
+from wrsim.core.contact.layout import DS, ETA, FX, FY, MZ, PHI, XI, A
+from wrsim.core.contact.tangential.fastsim import hold_power, largest_traction
+
+NOTHING = 1e-30  # bound below which a strip only slides [Pa]
+FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken back
+
+
+@kernel
+def fastrip(strips, n, half_length, l1, l2, l3, direction, shape, work):
+    """Tangential forces of n strips; arguments as in `fastsim`, bound elliptic.
+
+    half_length: a_0 of the equivalent ellipse [m]; work: (12, >= n) scratch. Writes FX, FY, MZ of each strip.
+    """
+    cells = shape.shape[0]
+    dx = 2.0 / cells
+    step_x, step_y, turn = work[0], work[1], work[2]
+    along, across = work[3], work[4]  # alpha, times the bound
+    stuck = work[5]  # where the adhesion zone ends, over a
+    qx, qy = work[6], work[7]
+    fx, fy, mz = work[8], work[9], work[10]
+    bounds = work[11]
+    soft = 2.0 / (l1 + l2)
+    shift = 16.0 * half_length / (3.0 * pi * pi)
+    for i in range(n):
+        a = strips[i, A]
+        bound = largest_traction(strips[i])
+        step_x[i] = -strips[i, XI] * soft * a * dx
+        step_y[i] = -strips[i, ETA] * soft * a * dx
+        turn[i] = -direction * strips[i, PHI] * soft * a * a * dx
+        ax, ay, d, psi = 0.0, 0.0, 0.0, 0.0
+        if bound > NOTHING:
+            # all over a
+            x = -shift * strips[i, XI] / (l1 * bound)
+            y = -shift * strips[i, ETA] / (l2 * bound)
+            psi = -direction * 0.375 * half_length * strips[i, PHI] * a / (l3 * bound)
+            ax, ay, d = _adhesion(x, y, psi)
+        along[i] = ax * bound
+        across[i] = ay * bound
+        stuck[i] = 1.0 - 2.0 * d
+        bounds[i] = bound
+        qx[i] = ax * bound * shape[0]
+        qy[i] = ay * bound * shape[0]
+        # what k_d takes from the bound in the adhesion zone; the march adds the rest
+        fx[i] = -along[i] * 0.5 * pi * d * d / dx
+        fy[i] = (psi * bound - across[i]) * 0.5 * pi * d * d / dx
+        mz[i] = fy[i] * (1.0 - d)
+    for j in range(cells):
+        x = 1.0 - (j + 0.5) * dx
+        growth = max(shape[j] / shape[j - 1], 1.0) if j > 0 else 1.0
+        for i in range(n):
+            # the part of the way from the centre of the last cell that lies in the slip zone
+            part = min(max((stuck[i] - x) / dx, 0.0), 1.0)
+            tx = qx[i] * growth + part * step_x[i]
+            ty = qy[i] * growth + part * (step_y[i] + (x + 0.5 * part * dx) * turn[i])
+            limit = bounds[i] * shape[j]
+            scale = min(limit / sqrt(max(tx * tx + ty * ty, 1e-300)), 1.0)
+            sticks = x >= stuck[i]
+            tx = along[i] * shape[j] if sticks else tx * scale
+            ty = across[i] * shape[j] if sticks else ty * scale
+            qx[i] = tx
+            qy[i] = ty
+            fx[i] += tx
+            fy[i] += ty
+            mz[i] += x * ty
+    for i in range(n):
+        a = strips[i, A]
+        cell = dx * a * strips[i, DS]
+        # the cells do not end where the adhesion zone does: a rest of rounding
+        limit = 0.5 * pi * bounds[i] / dx
+        scale = min(limit / sqrt(max(fx[i] * fx[i] + fy[i] * fy[i], 1e-300)), 1.0)
+        strips[i, FX] = scale * fx[i] * cell
+        strips[i, FY] = scale * fy[i] * cell
+        strips[i, MZ] = direction * scale * mz[i] * cell * a
+    hold_power(strips, n)
+
+
+@kernel
+def _adhesion(x, y, psi):
+    """Direction alpha at the end of the adhesion zone and its half length d over a; x, y: xi'/a, eta'/a."""
+    size2 = x * x + y * y
+    e = 1.0
+    if abs(psi) < 1.0:
+        root = sqrt(y * y + (1.0 - psi * psi) * x * x) - y * psi
+        if size2 == 0.0:
+            e = 0.0
+        elif size2 < root:
+            e = size2 / root
+    ax = x
+    ay = y + psi * e
+    size = sqrt(ax * ax + ay * ay)
+    if size > 0.0:
+        ax /= size
+        ay /= size
+    elif psi != 0.0:
+        ay = 1.0 if psi > 0.0 else -1.0
+    # smooth, from 1 at FADING to 0 at |psi| = 1
+    part = min(max((1.0 - abs(psi)) / (1.0 - FADING), 0.0), 1.0)
+    kept = part * part * (3.0 - 2.0 * part)
+    start = min(2.0 * kept, 1.0)
+    return start * ax, start * ay, kept * (1.0 - e)

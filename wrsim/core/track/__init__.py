@@ -1,0 +1,1 @@
+"""Paths and frames along them."""

@@ -1,0 +1,1 @@
+"""Wheel and rail profiles: curves, readers, smoothing, wear."""

@@ -1,0 +1,243 @@
+"""Files of profile points in and out: from any format and orientation to a `Profile`, and back.
+
+Exact points (designs, exported splines) are interpolated, measured ones smoothed. Nothing is repaired that
+could change the shape: steps back, zig-zags, gaps and crossings are refused with the line they stand on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from wrsim.errors import InputError, suggest
+from wrsim.geometry.profile import formats
+from wrsim.geometry.profile.formats import METRES, Scan
+from wrsim.geometry.profile.points import Points, check_count, check_points, interpolated, turns
+from wrsim.geometry.profile.profile import KINDS, Kind, Profile
+from wrsim.geometry.profile.smoothing import CUTOFF, smoothed
+
+HEIGHTS = ("up", "down")
+SIDES = ("positive", "negative")
+"""Sign that a file's lateral coordinate has on the field side."""
+
+FARTHEST = 1e3
+"""Largest coordinate of a point, m."""
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format: its suffixes, reader, writer and, if it has one, the body that its suffix stands for."""
+
+    suffixes: dict[str, Kind | None]
+    parse: Callable[[list[str], str], Scan]
+    format: Callable[[Profile], str]
+
+
+PROFILE_FILES = {
+    "columns": Format({".csv": None, ".txt": None, ".dat": None}, formats.parse_columns, formats.format_columns),
+    "simpack": Format({".prr": "rail", ".prw": "wheel"}, formats.parse_simpack, formats.format_simpack),
+    "miniprof": Format({".ban": "rail", ".whl": "wheel"}, formats.parse_miniprof, formats.format_miniprof),
+}
+"""Formats by the name that files use in their key ``format``."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Points of a file, upright, in order and checked, and what is to become of them.
+
+    measured: smoothed, not interpolated; cutoff: wavelength at which smoothing halves a wave [m].
+    """
+
+    points: Points
+    kind: Kind
+    name: str
+    source: str
+    measured: bool
+    cutoff: float = CUTOFF
+
+    def profile(self) -> Profile:
+        """The profile through the points, smoothed or interpolated. Raises InputError where that cannot be."""
+        if not self.measured:
+            return interpolated(self.points, self.name, self.kind, self.source)
+        source = f"{self.source}; smoothed, cut-off {1e3 * self.cutoff:g} mm"
+        return smoothed(self.points, self.name, self.kind, source, self.cutoff)
+
+
+def read_profile(
+    path: str | Path,
+    kind: Kind | None = None,
+    *,
+    format: str | None = None,
+    name: str | None = None,
+    source: str | None = None,
+    measured: bool | None = None,
+    cutoff: float | None = None,
+    unit: str | None = None,
+    heights: str | None = None,
+    field_side: str | None = None,
+    clip: tuple[float, float] | None = None,
+    turn: float = 0.0,
+) -> Profile:
+    """Read a file of points as a profile; parameters and errors as for `read_points`."""
+    return read_points(
+        path, kind, format=format, name=name, source=source, measured=measured, cutoff=cutoff, unit=unit,
+        heights=heights, field_side=field_side, clip=clip, turn=turn,
+    ).profile()  # fmt: skip
+
+
+def read_points(
+    path: str | Path,
+    kind: Kind | None = None,
+    *,
+    format: str | None = None,
+    name: str | None = None,
+    source: str | None = None,
+    measured: bool | None = None,
+    cutoff: float | None = None,
+    unit: str | None = None,
+    heights: str | None = None,
+    field_side: str | None = None,
+    clip: tuple[float, float] | None = None,
+    turn: float = 0.0,
+    shift: tuple[float, float] = (0.0, 0.0),
+) -> Reading:
+    """Read a file of points.
+
+    Parameters
+    ----------
+    kind : ``"wheel"`` or ``"rail"``; None: what the file or its suffix says.
+    format : a key of `PROFILE_FILES`; None: by the suffix.
+    name, source : for messages and figures; None: from the file.
+    measured : smooth the points (True) or interpolate them (False); None: smooth MiniProf measurements,
+        interpolate the rest, which is refused where the points scatter.
+    cutoff : wavelength at which smoothing halves a wave, m; None: 5 mm.
+    unit : ``"mm"``, ``"m"`` or ``"in"``; None: what the file says, or mm.
+    heights : whether the file's heights grow ``"up"`` or ``"down"``; None: what format or header say, or what
+        the shape tells (a flange points down, the sides of a rail head hang down).
+    field_side : sign of the file's lateral coordinate on the field side, ``"positive"`` or ``"negative"``;
+        None: for a wheel with a flange by the shape, otherwise positive.
+    clip : keep only the points between these u, m, after all of the above.
+    turn : turn the profile about its origin, rad, positive: top towards the gauge side (u negative).
+    shift : move it outward and up, m, last of all.
+
+    Raises InputError with file, line and what is allowed.
+    """
+    path = Path(path)
+    words: dict[str, tuple[str | None, tuple[str, ...]]] = {
+        "kind": (kind, KINDS),
+        "unit": (unit, tuple(METRES)),
+        "heights": (heights, HEIGHTS),
+        "field_side": (field_side, SIDES),
+    }
+    for key, (value, allowed) in words.items():
+        if value is not None and value not in allowed:
+            raise InputError(f"{path}: {key} = '{value}'; allowed: {', '.join(allowed)}{suggest(value, allowed)}")
+    layout = _layout(path, format)
+    scan = layout.parse(formats.read_lines(path), str(path))
+    body = _body(path, kind, scan.kind or layout.suffixes.get(path.suffix.lower()))
+
+    metres = METRES[unit] if unit else scan.unit or METRES["mm"]
+    lateral, height = (metres * a for a in scan.arrays())
+    far = np.flatnonzero(np.maximum(np.abs(lateral), np.abs(height)) > FARTHEST)
+    if far.size:
+        raise InputError(
+            f"{path}:{scan.line[far[0]]}: this point lies {np.hypot(lateral[far[0]], height[far[0]]):.4g} m from the "
+            f"origin; allowed: {FARTHEST:g} m. Is the unit right?"
+        )
+    points = Points(str(path), lateral, height, np.array(scan.line, dtype=np.intp))
+    points = points.without_duplicates(metres * scan.resolution, metres * scan.least_distance)
+    check_count(points)
+    points = _oriented(points, body, heights or scan.heights, field_side or scan.field_side).in_order()
+    if turn:
+        points = points.turned(turn)
+    if clip is not None:
+        points = points.clipped(*clip)
+    check_points(points)
+
+    points = replace(points, u=points.u + shift[0], w=points.w + shift[1])
+    told = measured if measured is not None else bool(scan.measured)
+    return Reading(
+        points,
+        body,
+        name or scan.name or path.stem,
+        source or scan.source or path.name,
+        told,
+        CUTOFF if cutoff is None else cutoff,
+    )
+
+
+def write_profile(profile: Profile, path: str | Path, format: str | None = None) -> Path:
+    """Write the nodes of a profile; the format follows from the suffix. Read back, it is the same to 1e-9 m.
+
+    Raises InputError for an unknown suffix, one of the other body, or a path that cannot be written.
+    """
+    path = Path(path)
+    layout = _layout(path, format)
+    meant = layout.suffixes.get(path.suffix.lower())
+    if meant not in (None, profile.kind):
+        raise InputError(f"{path}: {path.suffix} is for a {meant}, profile '{profile.name}' is a {profile.kind}")
+    try:
+        path.write_text(layout.format(profile), encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot write this profile: {error.strerror or error}") from None
+    return path
+
+
+def _layout(path: Path, format: str | None) -> Format:
+    """The format by name or by suffix."""
+    if format is not None:
+        if format not in PROFILE_FILES:
+            allowed = tuple(PROFILE_FILES)
+            raise InputError(f"{path}: format = '{format}'; allowed: {', '.join(allowed)}{suggest(format, allowed)}")
+        return PROFILE_FILES[format]
+    for layout in PROFILE_FILES.values():
+        if path.suffix.lower() in layout.suffixes:
+            return layout
+    known = [s for layout in PROFILE_FILES.values() for s in layout.suffixes]
+    raise InputError(f"{path}: no profile format has the suffix '{path.suffix}'; allowed: {', '.join(known)}")
+
+
+def _body(path: Path, wanted: Kind | None, told: Kind | None) -> Kind:
+    """Wheel or rail, by the caller and by the file, which must agree."""
+    if wanted is None and told is None:
+        raise InputError(f"{path}: nothing says whether this is a wheel or a rail; give kind")
+    if wanted is not None and told is not None and wanted != told:
+        raise InputError(f"{path}: this is a {told} profile; a {wanted} is needed here")
+    return wanted or told  # type: ignore[return-value]
+
+
+def _oriented(points: Points, body: Kind, heights: str | None, field_side: str | None) -> Points:
+    """Turn u outward and w up, by what is told or by the shape; InputError if both contradict."""
+    sign_u = {"positive": 1.0, "negative": -1.0, None: 0.0}[field_side]
+    sign_w = {"up": 1.0, "down": -1.0, None: 0.0}[heights]
+    up, out = _shape(points, body)
+    file = points.file
+    if not sign_w:
+        if not up:
+            raise InputError(f"{file}: the shape does not tell which way its heights grow; give heights: up or down")
+        sign_w = up
+    elif up and up != sign_w:
+        part = "flange points" if body == "wheel" else "head is"
+        raise InputError(f"{file}: the {part} the wrong way up with heights '{heights}'; is it the other one?")
+    if not sign_u:
+        sign_u = out or 1.0
+    elif out and out != sign_u:
+        raise InputError(f"{file}: the flange is on the field side with field_side '{field_side}'")
+    return Points(file, sign_u * points.u, sign_w * points.w, points.line)
+
+
+def _shape(points: Points, body: Kind) -> tuple[float, float]:
+    """Signs (of heights, of lateral) that put the shape upright; 0 where it does not tell."""
+    if body == "rail":
+        # From left to right over an upright rail head the tangent turns down by nearly half a turn.
+        total = float(turns(points.in_order()).sum())
+        return (-np.sign(total) if abs(total) > np.radians(30.0) else 0.0), 0.0
+    # A flange is the far excursion from the tread, where most of the width is.
+    w = points.w - np.median(points.w)
+    i = int(np.argmax(np.abs(w)))
+    if abs(w[i]) < 0.1 * np.ptp(points.u):
+        return 0.0, 0.0
+    return -np.sign(w[i]), -np.sign(points.u[i] - np.median(points.u))

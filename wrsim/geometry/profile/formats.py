@@ -1,0 +1,346 @@
+"""File formats of profile points: two columns, SIMPACK .prr/.prw, MiniProf .ban/.whl. Text in, `Scan` out.
+
+A `Scan` holds what the file says in the file's own units and axes; `profile_files` turns it into a profile.
+
+two columns
+    Numbers separated by blanks, tabs, commas or semicolons (with semicolons, decimals may have commas). Lines
+    that start with # ! % " ' // or * are comments, as is the rest of a line after # or !. A first line of two
+    names is a header; ``u_mm,w_mm`` and the like tell the unit, the names u and w our axes (outward, up).
+SIMPACK
+    Sections header and spline with ``key = value``, points between point.begin and point.end: y (field side
+    positive), z (down), optional weight (ignored). Done in this order, as comments in such files number it:
+    point.dist.min, shift, bounds (points outside are dropped; active if min < max), mirror, unit factor
+    (l[user]/l[m]). ``inversion`` needs no attention, the order follows from the points. ``rotate`` is refused
+    unless 0, its sign being nowhere stated.
+MiniProf
+    ``Key=Value`` lines, an empty line, rows of columns as told by ColumnDef (X,Y,...), in mm; XOffset and
+    YOffset are added. Comments start with # ! % or ".
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from wrsim.errors import InputError, suggest
+from wrsim.geometry.profile.profile import Array, Kind, Profile
+from wrsim.inputs.toml_files import similar_files
+
+Direction = Literal["up", "down"]
+
+METRES = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+"""Units of length that files may use, in m."""
+
+
+@dataclass
+class Scan:
+    """Content of a file of points.
+
+    Attributes
+    ----------
+    lateral, height : coordinates as in the file.
+    line : line of every point, from 1.
+    unit : metres per unit of the file; None if the file does not say.
+    heights : which way the file's heights grow; None if the file does not say.
+    field_side : sign of its lateral coordinate on the field side; None if the file does not say.
+    kind, name, source, measured : what the file says about itself, if it does.
+    resolution : last digit of its numbers, in its unit.
+    least_distance : points closer than this are to be dropped, in its unit.
+    """
+
+    file: str
+    lateral: list[float] = field(default_factory=list)
+    height: list[float] = field(default_factory=list)
+    line: list[int] = field(default_factory=list)
+    unit: float | None = None
+    heights: Direction | None = None
+    field_side: Literal["positive", "negative"] | None = None
+    kind: Kind | None = None
+    name: str = ""
+    source: str = ""
+    measured: bool | None = None
+    resolution: float = 0.0
+    least_distance: float = 0.0
+
+    def add(self, lateral: float, height: float, line: int) -> None:
+        """Append one point."""
+        self.lateral.append(lateral)
+        self.height.append(height)
+        self.line.append(line)
+
+    def arrays(self) -> tuple[Array, Array]:
+        """The coordinates as arrays (n,)."""
+        return np.array(self.lateral), np.array(self.height)
+
+
+def read_lines(path: Path) -> list[str]:
+    """Lines of a text file in UTF-8 or, as older programs write, Latin-1. InputError if it cannot be read."""
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such profile file{similar_files(path)}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path}: cannot read this profile file: {reason}") from None
+    if b"\0" in data:
+        raise InputError(f"{path}: not a text file; allowed: points as text")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = data.decode("latin-1")
+    return text.splitlines()
+
+
+def _number(word: str, file: str, line: int) -> float:
+    """A finite number, or InputError with file and line. Fortran's exponents (1.0D+01) are numbers."""
+    try:
+        value = float(re.sub(r"(?<=[\d.])[dD](?=[-+\d])", "e", word))
+    except ValueError:
+        raise InputError(f"{file}:{line}: '{word}' is not a number") from None
+    if not np.isfinite(value):
+        raise InputError(f"{file}:{line}: {word} is not a finite number")
+    return value
+
+
+def _last_digit(word: str) -> float:
+    """Value of one unit in the last written digit of a number."""
+    match = re.fullmatch(r"[-+]?\d*(?:\.(\d*))?(?:[eEdD]([-+]?\d+))?", word.strip())
+    if match is None:
+        return 0.0
+    return float(10.0 ** (int(match[2] or 0) - len(match[1] or "")))
+
+
+def _resolution(words: list[str]) -> float:
+    return float(np.median([_last_digit(w) for w in words])) if words else 0.0
+
+
+# --- two columns --------------------------------------------------------------------------------------
+
+
+def parse_columns(lines: list[str], file: str) -> Scan:
+    """Read two columns of numbers, with or without a header line."""
+    scan = Scan(file)
+    words: list[str] = []
+    said: dict[str, str] = {}
+    headed = False
+    for number, text in enumerate(lines, 1):
+        told = re.match(r"\s*[#!%]\s*(name|kind|source)\s*[:=]\s*(.*\S)", text)
+        if told and not scan.line:
+            said[told[1]] = told[2]
+        text = re.split(r"[#!]", text)[0].strip()
+        if not text.strip(",;") or text[0] in "%\"'*" or text.startswith("//"):
+            continue
+        if ";" in text:
+            row = [w.strip() for w in text.replace(",", ".").strip(";").split(";")]
+        else:
+            row = text.replace(",", " ").split()
+        if not headed and not scan.line and not _starts_numbers(row):
+            _columns_header(row, scan)
+            headed = True
+            continue
+        if len(row) != 2:
+            raise InputError(f"{file}:{number}: {len(row)} columns; allowed: 2, lateral coordinate and height")
+        scan.add(_number(row[0], file, number), _number(row[1], file, number), number)
+        words.append(row[1])
+    scan.resolution = _resolution(words)
+    scan.name, scan.source = said.get("name", ""), said.get("source", "")
+    if said.get("kind") in ("wheel", "rail"):
+        scan.kind = said["kind"]  # type: ignore[assignment]
+    return scan
+
+
+def _starts_numbers(row: list[str]) -> bool:
+    """True for a row of values, good or bad; False for a row of words."""
+    return bool(re.match(r"[-+.\d]|nan\b|inf\b", row[0], re.IGNORECASE))
+
+
+def _columns_header(row: list[str], scan: Scan) -> None:
+    """Take unit and axes from the column names, if they tell."""
+    units = {m[1] for w in row if (m := re.search(r"[_\s(\[](mm|m|in)[)\]]?$", w))}
+    if len(units) == 1:
+        scan.unit = METRES[units.pop()]
+    if [re.split(r"[_\s(\[]", w)[0] for w in row[:2]] == ["u", "w"]:
+        scan.heights, scan.field_side = "up", "positive"
+
+
+def format_columns(profile: Profile) -> str:
+    """The profile's nodes in our axes, mm: outward and up."""
+    source = " ".join(profile.source.split())
+    head = f"# name: {profile.name}\n# kind: {profile.kind}\n# source: {source}\n"
+    return head + "u_mm,w_mm\n" + _rows(1e3 * profile.u, 1e3 * profile.w, ",")
+
+
+# --- SIMPACK ------------------------------------------------------------------------------------------
+
+SIMPACK_KEYS = {
+    "header": ("version", "type"),
+    "spline": (
+        "approx.smooth", "file", "file.mtime", "comment", "type", "point.dist.min", "shift.y", "shift.z",
+        "rotate", "bound.y.min", "bound.y.max", "bound.z.min", "bound.z.max", "mirror.y", "mirror.z",
+        "inversion", "units.len", "units.ang", "units.len.f", "units.ang.f",
+    ),
+}  # fmt: skip
+
+_SIMPACK_TEXTS = ("file", "comment", "units.len", "units.ang")
+
+
+def parse_simpack(lines: list[str], file: str) -> Scan:
+    """Read a SIMPACK rail or wheel profile."""
+    scan, words = Scan(file, heights="down"), []
+    values: dict[str, Any] = {}
+    where: list[str] = []
+    ended = False
+    for number, text in enumerate(lines, 1):
+        text = _without_comment(text).strip()
+        if not text:
+            continue
+        mark = re.fullmatch(r"(header|spline|point)\.(begin|end)", text)
+        if mark:
+            _nest(where, mark[1], mark[2], f"{file}:{number}: {text}")
+            ended = ended or text == "spline.end"
+        elif where[-1:] == ["point"]:
+            row = text.split()
+            if len(row) not in (2, 3):
+                raise InputError(f"{file}:{number}: {len(row)} columns; allowed: y, z and perhaps a weight")
+            scan.add(_number(row[0], file, number), _number(row[1], file, number), number)
+            words.append(row[1])
+        elif "=" in text and where:
+            key, value = (part.strip() for part in text.split("=", 1))
+            allowed = SIMPACK_KEYS[where[-1]]
+            if key not in allowed:
+                raise InputError(f"{file}:{number}: unknown key '{key}' in {where[-1]}{suggest(key, allowed)}")
+            text_value = where[-1] == "spline" and key in _SIMPACK_TEXTS
+            values[f"{where[-1]}.{key}"] = value.strip("'\"") if text_value else _number(value, file, number)
+        else:
+            raise InputError(f"{file}:{number}: '{text}' is out of place; is this a SIMPACK profile?")
+    if not ended:
+        raise InputError(f"{file}: ends without spline.end: cut off, or not a SIMPACK profile")
+    _simpack_values(scan, values)
+    scan.resolution = _resolution(words)
+    return scan
+
+
+def _without_comment(text: str) -> str:
+    """The text before a ! that is not inside quotes."""
+    return re.sub(r"""('[^']*'|"[^"]*")|!.*""", lambda m: m[1] or "", text)
+
+
+def _nest(where: list[str], section: str, edge: str, here: str) -> None:
+    """Open or close a section; InputError where the nesting is wrong."""
+    if edge == "begin":
+        if where != (["spline"] if section == "point" else []):
+            raise InputError(f"{here} is out of place" + (f" inside {where[-1]}" if where else ""))
+        where.append(section)
+    elif not where or where.pop() != section:
+        raise InputError(f"{here} without {section}.begin")
+
+
+def _simpack_values(scan: Scan, values: dict[str, Any]) -> None:
+    """Apply what the keys of the spline section order."""
+
+    def get(key: str, default: float = 0.0) -> float:
+        return float(values.get("spline." + key, default))
+
+    kind = values.get("header.type")
+    if kind is not None:
+        if kind not in (0, 1):
+            raise InputError(f"{scan.file}: header type = {kind:g}; allowed: 0 (rail), 1 (wheel)")
+        scan.kind = "wheel" if kind == 1 else "rail"
+    if get("rotate") != 0.0:
+        raise InputError(
+            f"{scan.file}: rotate = {get('rotate'):g} is not supported; allowed: 0. Turn the profile with "
+            "turn_mrad in a TOML file that names this file"
+        )
+    if get("units.len.f", 1.0) <= 0.0:
+        raise InputError(f"{scan.file}: units.len.f = {get('units.len.f'):g}; allowed: above 0 (mm: 1000)")
+    scan.unit = 1.0 / get("units.len.f", 1.0)
+    scan.name = str(values.get("spline.comment", ""))
+    scan.least_distance = get("point.dist.min")
+    scan.measured = True if get("approx.smooth") > 0.0 else None
+    y, z = (a + get(f"shift.{axis}") for a, axis in zip(scan.arrays(), "yz", strict=True))
+    keep = np.ones(y.size, dtype=bool)
+    for a, axis in ((y, "y"), (z, "z")):
+        low, high = get(f"bound.{axis}.min", 1.0), get(f"bound.{axis}.max")
+        if low < high:
+            keep &= (a >= low) & (a <= high)
+    y, z = (-a if get(f"mirror.{axis}") == 1.0 else a for a, axis in ((y, "y"), (z, "z")))
+    scan.lateral, scan.height = y[keep].tolist(), z[keep].tolist()
+    scan.line = [n for n, k in zip(scan.line, keep, strict=True) if k]
+
+
+def format_simpack(profile: Profile) -> str:
+    """The profile's nodes as SIMPACK reads them: mm, y to the field side, z down."""
+    name, source = (" ".join(re.sub("['!]", " ", t).split()) for t in (profile.name, profile.source))
+    return (
+        f"! source: {source}\nheader.begin\n  version  = 1\n"
+        f"  type     = {1 if profile.kind == 'wheel' else 0}    ! 0 = rail, 1 = wheel\n"
+        "header.end\nspline.begin\n  approx.smooth = 0.0\n"
+        f"  comment       = '{name}'\n  mirror.y      = 0\n  mirror.z      = 0\n"
+        "  inversion     = 0\n  units.len.f   = 1000.0\n  units.ang.f   = 1.0\n  point.begin\n"
+        + _rows(1e3 * profile.u, -1e3 * profile.w, "  ")
+        + "  point.end\nspline.end\n"
+    )
+
+
+# --- MiniProf -----------------------------------------------------------------------------------------
+
+
+def parse_miniprof(lines: list[str], file: str) -> Scan:
+    """Read a MiniProf rail or wheel profile."""
+    scan, words = Scan(file, unit=METRES["mm"], measured=True), []
+    head: dict[str, tuple[str, int]] = {}
+    columns = ["X", "Y"]
+    for number, text in enumerate(lines, 1):
+        text = text.strip()
+        if not text.strip(",") or text[0] in '#!%"':
+            continue
+        if "=" in text and not scan.line:
+            key, value = (part.strip() for part in text.split("=", 1))
+            head[key] = value, number
+            if key == "ColumnDef":
+                columns = [c.strip() for c in value.split(",")]
+                if not {"X", "Y"} <= set(columns):
+                    raise InputError(f"{file}:{number}: ColumnDef = {value}; must name X and Y")
+            continue
+        row = text.replace(",", " ").split()
+        if not scan.line and not _starts_numbers(row):
+            continue  # old files: words without '=' in the head
+        if len(row) < len(columns):
+            raise InputError(
+                f"{file}:{number}: {len(row)} columns; ColumnDef needs {len(columns)}: {','.join(columns)}"
+            )
+        x, y = row[columns.index("X")], row[columns.index("Y")]
+        scan.add(_number(x, file, number), _number(y, file, number), number)
+        words.append(y)
+    offset = {}
+    for axis in "XY":
+        value, number = head.get(f"{axis}Offset") or head.get(f"{axis}offset") or ("0", 0)
+        offset[axis] = _number(value or "0", file, number)
+    scan.lateral = [x + offset["X"] for x in scan.lateral]
+    scan.height = [y + offset["Y"] for y in scan.height]
+    if "XYPoints" in head:
+        value, number = head["XYPoints"]
+        if _number(value, file, number) != len(scan.line):
+            raise InputError(f"{file}:{number}: XYPoints={value}, but the file has {len(scan.line)} points")
+    scan.resolution = _resolution(words)
+    scan.name = head.get("ID", ("", 0))[0]
+    if head.get("ProgramName", ("", 0))[0] == "wrsim":
+        scan.measured, scan.heights = None, "up"
+    return scan
+
+
+def format_miniprof(profile: Profile) -> str:
+    """The profile's nodes as a MiniProf file, mm: X outward, Y up."""
+    comment = " ".join(profile.source.split())
+    return (
+        f"ProgramName=wrsim\nID={profile.name}\nComment={comment}\nXYPoints={profile.u.size}\n"
+        "ColumnDef=X,Y\nXOffset=0.0\nYOffset=0.0\n\n" + _rows(1e3 * profile.u, 1e3 * profile.w, "\t")
+    )
+
+
+def _rows(lateral: Array, height: Array, between: str) -> str:
+    return "".join(f"{a:.12f}{between}{b:.12f}\n" for a, b in zip(lateral, height, strict=True))

@@ -1,0 +1,498 @@
+"""Profile files: one TOML file a profile (``models/wheels``, ``models/rails``), or a file of points.
+
+The TOML file names the body (wheel or rail), its source and one of these kinds:
+
+========== ==========================================================================================
+sections   lines, polynomials and arcs by centre, as standards print them
+chain      lines and arcs, each tangent to the one before: a start, lengths, radii and angles
+rail-head  tangent arcs from the crown outward and straight sides, symmetric
+cone       a straight line through the tape circle
+circle     one arc, horizontal at the origin
+worn       another profile with bells of material taken off, see `wrsim.geometry.profile.wear`
+points     a file of points beside it, read by `wrsim.geometry.profile.files` (measured or exported)
+========== ==========================================================================================
+"""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Callable, Iterator
+from contextvars import ContextVar
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, cast
+
+import numpy as np
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, read_profile
+from wrsim.geometry.profile.profile import Kind, Profile
+from wrsim.geometry.profile.sections import (
+    Arc,
+    Line,
+    Polynomial,
+    arc_between,
+    circle,
+    cone,
+    profile_from_sections,
+    rail_head,
+)
+from wrsim.geometry.profile.sections import Section as Piece
+from wrsim.geometry.profile.wear import Direction, Removal, worn
+from wrsim.inputs.checking import check
+from wrsim.inputs.lines import KeyPath, key_lines, line_of
+from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.toml_files import parse_toml, read_text
+from wrsim.inputs.values import Annotation, Choice, Day, Numbers, Quantity, Switch, TableList, Text
+
+MM = 1e-3
+
+Length = Annotated[float, Quantity(above=0.0, high=1e4)]
+Coordinate = Annotated[float, Quantity(-1000.0, 1000.0)]
+
+
+class Pair(Annotation):
+    """Two finite numbers: a point (u, height)."""
+
+    def words(self) -> str:
+        return "two numbers: [u, height]"
+
+    def check(self, value: Any) -> tuple[float, ...]:
+        if not isinstance(value, (list, tuple)) or len(value) != 2:
+            raise self.refusal()
+        return Numbers(Quantity(-1e5, 1e5)).check(value)
+
+
+class ProfileFile(Section):
+    """What every profile file says."""
+
+    header: ClassVar[str] = "a profile file"
+    aliases: ClassVar[dict[str, str]] = {"type": "kind", "title": "name", "reference": "source"}
+
+    name: Annotated[str, Text("the profile's name")]
+    body: Annotated[str, Choice(("wheel", "rail"))]
+    kind: Annotated[str, Text()]
+    date: Annotated[datetime.date, Day()]
+    source: Annotated[str, Text("where the data come from")]
+
+    def build(self, path: Path) -> Profile:
+        """Make the profile; `path` is the file, for names relative to it."""
+        raise NotImplementedError
+
+    @property
+    def side(self) -> Kind:
+        """The body as a profile's kind."""
+        return cast(Kind, self.body)
+
+
+# --- kind = "sections" --------------------------------------------------------------------------------
+
+
+class PolynomialSection(Section):
+    """height = c0 + c1 u + c2 u^2 + ..., in mm."""
+
+    header: ClassVar[str] = '[[sections]] with shape = "polynomial"'
+
+    shape: Annotated[str, Text()]
+    from_mm: Coordinate
+    to_mm: Coordinate
+    coefficients_mm: Annotated[tuple[float, ...], Numbers(Quantity())]
+
+    def piece(self, down: bool) -> Piece:
+        """The section in metres, up positive."""
+        sign = -1.0 if down else 1.0
+        c = tuple(sign * c * 1000.0 ** (k - 1) for k, c in enumerate(self.coefficients_mm))
+        low, high = sorted((self.from_mm, self.to_mm))
+        return Polynomial(c, low * MM, high * MM)
+
+    def consistency(self) -> Iterator[Fault]:
+        """A section has an extent and at least one coefficient."""
+        yield from _extent(self.from_mm, self.to_mm)
+        if not self.coefficients_mm:
+            yield Fault("coefficients_mm", "must hold at least one number")
+
+
+class ArcSection(Section):
+    """Part of a circle, above or below its centre."""
+
+    header: ClassVar[str] = '[[sections]] with shape = "arc"'
+
+    shape: Annotated[str, Text()]
+    from_mm: Coordinate
+    to_mm: Coordinate
+    centre_mm: Annotated[tuple[float, float], Pair()]
+    radius_mm: Length
+    half: Annotated[str, Choice(("upper", "lower"))]
+
+    def piece(self, down: bool) -> Piece:
+        """The section in metres, up positive."""
+        u, w = self.centre_mm
+        low, high = sorted((self.from_mm, self.to_mm))
+        w = -w if down else w
+        return arc_between(u * MM, w * MM, self.radius_mm * MM, self.half == "upper", low * MM, high * MM)
+
+    def consistency(self) -> Iterator[Fault]:
+        """The arc reaches as far as the section."""
+        yield from _extent(self.from_mm, self.to_mm)
+        for key, end in (("from_mm", self.from_mm), ("to_mm", self.to_mm)):
+            u, reach = self.centre_mm[0], self.radius_mm
+            if abs(end - u) > reach * (1.0 + 1e-9):
+                yield Fault(key, f"is beside the circle; must be a number from {u - reach:g} to {u + reach:g}")
+
+
+class LineSection(Section):
+    """Straight between two points."""
+
+    header: ClassVar[str] = '[[sections]] with shape = "line"'
+
+    shape: Annotated[str, Text()]
+    start_mm: Annotated[tuple[float, float], Pair()]
+    end_mm: Annotated[tuple[float, float], Pair()]
+
+    def piece(self, down: bool) -> Piece:
+        """The section in metres, up positive."""
+        sign = -MM if down else MM
+        (u0, w0), (u1, w1) = sorted((self.start_mm, self.end_mm))
+        return Line(u0 * MM, sign * w0, u1 * MM, sign * w1)
+
+    def consistency(self) -> Iterator[Fault]:
+        """Two points are two points."""
+        if self.start_mm == self.end_mm:
+            yield Fault("end_mm", "must differ from start_mm")
+
+
+SHAPES: dict[str, Any] = {"polynomial": PolynomialSection, "arc": ArcSection, "line": LineSection}
+
+
+class SectionsFile(ProfileFile):
+    """kind = "sections"."""
+
+    header: ClassVar[str] = 'a profile file with kind = "sections"'
+
+    heights: Annotated[str, Choice(HEIGHTS)] = "up"
+    sections: Annotated[tuple[Any, ...], TableList("shape", lambda: SHAPES, "[[sections]]")]
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`. Sections may be listed from either end."""
+        pieces = [s.piece(self.heights == "down") for s in self.sections]
+        if not pieces:
+            raise InputError("sections is empty; at least one [[sections]] table is needed")
+        pieces.sort(key=lambda s: float(s.evaluate(np.array([s.start]))[0][0, 0]))
+        return profile_from_sections(self.name, self.side, pieces, self.source)
+
+
+# --- kind = "chain" -----------------------------------------------------------------------------------
+
+
+class ChainLine(Section):
+    """Straight on for a length."""
+
+    header: ClassVar[str] = '[[pieces]] with shape = "line"'
+
+    shape: Annotated[str, Text()]
+    length_mm: Length
+
+
+class ChainArc(Section):
+    """Turn with a radius until a tangent angle."""
+
+    header: ClassVar[str] = '[[pieces]] with shape = "arc"'
+
+    shape: Annotated[str, Text()]
+    radius_mm: Length
+    to_angle_deg: Annotated[float, Quantity(-180.0, 180.0)]
+
+
+CHAIN_SHAPES: dict[str, Any] = {"line": ChainLine, "arc": ChainArc}
+
+
+class ChainFile(ProfileFile):
+    """kind = "chain": heights are shifted so that the curve passes through the origin."""
+
+    header: ClassVar[str] = 'a profile file with kind = "chain"'
+
+    start_mm: Coordinate
+    start_angle_deg: Annotated[float, Quantity(-180.0, 180.0)]
+    pieces: Annotated[tuple[Any, ...], TableList("shape", lambda: CHAIN_SHAPES, "[[pieces]]")]
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`."""
+        if not self.pieces:
+            raise InputError("pieces is empty; at least one [[pieces]] table is needed")
+        place, angle = np.array([self.start_mm * MM, 0.0]), np.radians(self.start_angle_deg)
+        chain: list[Piece] = []
+        for i, piece in enumerate(self.pieces):
+            if isinstance(piece, ChainLine):
+                end = place + piece.length_mm * MM * np.array([np.cos(angle), np.sin(angle)])
+                chain.append(Line(place[0], place[1], end[0], end[1]))
+            else:
+                last = np.radians(piece.to_angle_deg)
+                if abs(last - angle) < 1e-9:
+                    raise InputError(
+                        f"pieces[{i}].to_angle_deg = {piece.to_angle_deg:g}: the curve has this angle "
+                        "already; must differ, or the piece be a line"
+                    )
+                radius = piece.radius_mm * MM
+                side = np.sign(last - angle) * radius * np.array([-np.sin(angle), np.cos(angle)])
+                chain.append(Arc(place[0] + side[0], place[1] + side[1], radius, angle, last))
+                end, angle = chain[-1].evaluate(np.array([chain[-1].end]))[0][0], last
+            place = end
+        profile = profile_from_sections(self.name, self.side, chain, self.source)
+        return profile.shifted(dw=-float(profile.at(profile.arclength_of(0.0))[1]))
+
+
+# --- the simple kinds ---------------------------------------------------------------------------------
+
+
+class RailHeadFile(ProfileFile):
+    """kind = "rail-head"."""
+
+    header: ClassVar[str] = 'a profile file with kind = "rail-head"'
+
+    radii_mm: Annotated[tuple[float, ...], Numbers(Quantity(above=0.0, high=1e4))]
+    half_widths_mm: Annotated[tuple[float, ...], Numbers(Quantity(above=0.0, high=1e3))]
+    side_slope: Annotated[float, Quantity(0.0, 1.0, example="1:20 is 0.05")]
+    depth_mm: Length
+
+    def consistency(self) -> Iterator[Fault]:
+        """One half width for every radius but the last."""
+        if not self.radii_mm:
+            yield Fault("radii_mm", "must hold at least one radius, from the crown outward")
+        elif len(self.half_widths_mm) != len(self.radii_mm) - 1:
+            yield Fault(
+                "half_widths_mm",
+                f"must hold {len(self.radii_mm) - 1} numbers, where each arc of radii_mm but the last ends",
+            )
+        if self.body != "rail":
+            yield Fault("body", 'must be "rail" for this kind')
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`."""
+        radii = [r * MM for r in self.radii_mm]
+        widths = [b * MM for b in self.half_widths_mm]
+        return rail_head(self.name, radii, widths, self.side_slope, self.depth_mm * MM, self.source)
+
+
+class ConeFile(ProfileFile):
+    """kind = "cone"."""
+
+    header: ClassVar[str] = 'a profile file with kind = "cone"'
+
+    conicity: Annotated[float, Quantity(-1.0, 1.0, example="1:20 is 0.05")]
+    from_mm: Coordinate
+    to_mm: Coordinate
+
+    def consistency(self) -> Iterator[Fault]:
+        """From left to right."""
+        if self.to_mm <= self.from_mm:
+            yield Fault("to_mm", f"must be above from_mm = {self.from_mm:g}")
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`."""
+        return cone(self.name, self.side, self.conicity, self.from_mm * MM, self.to_mm * MM, self.source)
+
+
+class CircleFile(ProfileFile):
+    """kind = "circle"."""
+
+    header: ClassVar[str] = 'a profile file with kind = "circle"'
+
+    radius_mm: Annotated[float, Quantity(-1e5, 1e5, example="positive: convex upward, negative: hollow")]
+    half_width_mm: Length
+
+    def consistency(self) -> Iterator[Fault]:
+        """Less than half a circle."""
+        if not self.half_width_mm < abs(self.radius_mm):
+            yield Fault("half_width_mm", f"must be a number below the radius, {abs(self.radius_mm):g}")
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`."""
+        return circle(self.name, self.side, self.radius_mm * MM, self.half_width_mm * MM, self.source)
+
+
+# --- kind = "worn" ------------------------------------------------------------------------------------
+
+
+class BellOfWear(Section):
+    """Depth cos^2 over a stretch of the profile, see `wrsim.geometry.profile.wear`."""
+
+    header: ClassVar[str] = "[[removals]]"
+
+    direction: Annotated[str, Choice(("vertical", "normal"))]
+    depth_mm: Annotated[float, Quantity(-20.0, 20.0, example="negative: material that flowed there")]
+    middle_mm: Coordinate
+    half_width_mm: Annotated[float, Quantity(0.5, 500.0)]
+
+    def removal(self) -> Removal:
+        """The same in metres."""
+        return Removal(
+            cast(Direction, self.direction), self.depth_mm * MM, self.middle_mm * MM, self.half_width_mm * MM
+        )
+
+
+BELLS: dict[str, Any] = {"vertical": BellOfWear, "normal": BellOfWear}
+
+
+class WornFile(ProfileFile):
+    """kind = "worn"."""
+
+    header: ClassVar[str] = 'a profile file with kind = "worn"'
+    aliases: ClassVar[dict[str, str]] = ProfileFile.aliases | {"removal": "removals", "wear": "removals"}
+
+    base: Annotated[str, Text('the file of the unworn profile, such as "S1002.toml",')]
+    removals: Annotated[tuple[Any, ...], TableList("direction", lambda: BELLS, "[[removals]]")]
+
+    def consistency(self) -> Iterator[Fault]:
+        """Something is taken off."""
+        if not self.removals:
+            yield Fault("removals", "must hold at least one [[removals]] table")
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`. The base is looked up beside the file, then among the models."""
+        folders = (path.parent, *user_folders(), shipped_models(), shipped_models() / f"{self.body}s")
+        try:
+            base = Finder(folders).find(self.base)
+        except InputError as error:
+            raise InputError(f'base = "{self.base}": {error}') from None
+        chain = (*_building.get(), path.resolve())
+        if base.resolve() in chain:
+            raise InputError(f'base = "{self.base}": the profile would start from itself')
+        token = _building.set(chain)
+        try:
+            new = load_profile(base, self.side)
+        finally:
+            _building.reset(token)
+        return worn(new, [bell.removal() for bell in self.removals], self.name, self.source)
+
+
+_building: ContextVar[tuple[Path, ...]] = ContextVar("profile files that are being built", default=())
+
+
+# --- kind = "points" ----------------------------------------------------------------------------------
+
+
+class PointsFile(ProfileFile):
+    """kind = "points"."""
+
+    header: ClassVar[str] = 'a profile file with kind = "points"'
+
+    file: Annotated[str, Text("the name of a file of points, relative to this file,")]
+    format: Annotated[str | None, Choice(tuple(PROFILE_FILES))] = None
+    measured: Annotated[bool | None, Switch()] = None
+    cutoff_mm: Annotated[float | None, Quantity(above=0.0, high=100.0)] = None
+    unit: Annotated[str | None, Choice(("mm", "m", "in"))] = None
+    heights: Annotated[str | None, Choice(HEIGHTS)] = None
+    field_side: Annotated[str | None, Choice(SIDES)] = None
+    clip_mm: Annotated[tuple[float, float] | None, Pair()] = None
+    turn_mrad: Annotated[float, Quantity(-3200.0, 3200.0)] = 0.0
+    shift_mm: Annotated[tuple[float, float], Pair()] = (0.0, 0.0)
+
+    def consistency(self) -> Iterator[Fault]:
+        """A cut-off is for measurements; a clip goes from left to right."""
+        if self.measured is False and self.cutoff_mm is not None:
+            yield Fault("cutoff_mm", "is for measured profiles; must be left out with measured = false")
+        if self.clip_mm is not None and not self.clip_mm[0] < self.clip_mm[1]:
+            yield Fault("clip_mm", "must be two rising numbers: [from u, to u]")
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`."""
+        return self.reading(path).profile()
+
+    def reading(self, path: Path) -> Reading:
+        """The points, not yet a profile."""
+        return read_points(
+            path.parent / self.file,
+            self.side,
+            format=self.format,
+            name=self.name,
+            source=self.source,
+            measured=self.measured,
+            cutoff=None if self.cutoff_mm is None else self.cutoff_mm * MM,
+            unit=self.unit,
+            heights=self.heights,
+            field_side=self.field_side,
+            clip=None if self.clip_mm is None else (self.clip_mm[0] * MM, self.clip_mm[1] * MM),
+            turn=1e-3 * self.turn_mrad,
+            shift=(self.shift_mm[0] * MM, self.shift_mm[1] * MM),
+        )
+
+
+FILE_KINDS: dict[str, type[ProfileFile]] = {
+    "sections": SectionsFile,
+    "chain": ChainFile,
+    "rail-head": RailHeadFile,
+    "cone": ConeFile,
+    "circle": CircleFile,
+    "worn": WornFile,
+    "points": PointsFile,
+}
+
+
+class _AnyFile(Section):
+    """Only what decides which kind of file it is."""
+
+    header: ClassVar[str] = "a profile file"
+    kind: Annotated[str, Choice(tuple(FILE_KINDS))]
+
+
+def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
+    """Read a profile from a TOML file or from a file of points.
+
+    Parameters
+    ----------
+    path : a ``.toml`` file of one of the kinds above, or a file of points
+        (``.prw .prr .whl .ban .csv .txt .dat``).
+    kind : ``"wheel"`` or ``"rail"``. A TOML file says it itself, most files of points by their suffix (any
+        other answer is then an error); two columns need it unless wrsim wrote them.
+
+    Raises InputError, with all faults of a TOML file at once: file, line, key, value, what is allowed.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".toml":
+        return read_profile(path, kind)
+    model = _read_toml(path, kind)
+    try:
+        return model.build(path)
+    except InputError as error:
+        if isinstance(model, PointsFile):
+            raise  # names the file of points
+        raise InputError(f"{path}: {error}") from None
+
+
+def load_points(path: str | Path, kind: Kind | None = None) -> Reading | None:
+    """Read the points that a profile is made from; None for a shape that is given by formula.
+
+    Parameters and errors as for `load_profile`.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".toml":
+        return read_points(path, kind)
+    model = _read_toml(path, kind)
+    return model.reading(path) if isinstance(model, PointsFile) else None
+
+
+def _read_toml(path: Path, kind: Kind | None) -> ProfileFile:
+    """The checked content of a TOML profile file."""
+    text = read_text(path, "profile file")
+    data = parse_toml(text, str(path))
+    locate = _locator(str(path), text)
+    file_kind = check(_AnyFile, {k: v for k, v in data.items() if k == "kind"}, locate).kind
+    model = check(FILE_KINDS[file_kind], data, locate)
+    if kind is not None and model.body != kind:
+        raise InputError(f'{locate(("body",))}: body = "{model.body}": a {kind} profile is needed here')
+    return model
+
+
+def _locator(name: str, text: str) -> Callable[[KeyPath], str]:
+    lines = key_lines(text)
+
+    def locate(path: KeyPath) -> str:
+        line = line_of(lines, path)
+        return f"{name}:{line}" if line else name
+
+    return locate
+
+
+def _extent(start: float, end: float) -> Iterator[Fault]:
+    if start == end:
+        yield Fault("to_mm", "must differ from from_mm")

@@ -1,0 +1,250 @@
+"""Points of a file on their way to a profile: ordered, checked, joined by a spline over arclength [S 12].
+
+Every point keeps the number of its line, so that a refusal can say where to look.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.spatial import cKDTree
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile.profile import Array, Kind, Profile
+
+FEWEST_POINTS = 10
+SAME_POINT = 1e-10
+"""Neighbours closer than this are one point, m."""
+
+LARGEST_GAP = 1.0 / 25.0
+"""Largest distance of neighbours, as a part of the curve's length."""
+
+LARGEST_TURN = np.radians(20.0)
+"""Largest turn at a point of a profile that is to be interpolated, rad: 4 mm on the 13 mm arc of a rail."""
+
+LARGEST_CURVATURE_SCATTER = 2.0
+"""Largest scatter of curvature that rounding or measuring may leave in interpolated points, 1/m."""
+
+SHORTEST, LONGEST = 0.005, 1.0
+"""Length of a profile, m: outside of this the unit is probably wrong."""
+
+_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(8)
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points of a file: outward coordinate u and height w, m, and the lines they stand on; all (n,)."""
+
+    file: str
+    u: Array
+    w: Array
+    line: NDArray[np.intp]
+
+    def __len__(self) -> int:
+        return int(self.u.size)
+
+    @property
+    def chords(self) -> Array:
+        """Distances of neighbours, (n - 1,)."""
+        return np.hypot(np.diff(self.u), np.diff(self.w))
+
+    def kept(self, keep: NDArray[np.bool_] | slice) -> Points:
+        """Only some of the points."""
+        return replace(self, u=self.u[keep], w=self.w[keep], line=self.line[keep])
+
+    def turned(self, angle: float) -> Points:
+        """Turned about the origin, positive from u towards w."""
+        c, s = np.cos(angle), np.sin(angle)
+        return replace(self, u=c * self.u - s * self.w, w=s * self.u + c * self.w)
+
+    def in_order(self) -> Points:
+        """In the order of increasing u (overall)."""
+        return self.kept(slice(None, None, -1)) if len(self) and self.u[-1] < self.u[0] else self
+
+    def without_duplicates(self, resolution: float = 0.0, least: float = 0.0) -> Points:
+        """Without neighbours that are one point, or too close for the digits of the file.
+
+        Parameters
+        ----------
+        resolution : last digit of the file's numbers, m. Points closer than its square root (in metres) give
+            a curvature that is off by more than 1/m; of those, the ones far closer than usual are dropped.
+        least : drop points closer than this in any case, m.
+        """
+        if len(self) < 2:
+            return self
+        near = min(np.sqrt(max(resolution, 0.0)), 0.1 * float(np.median(self.chords)))
+        least = max(SAME_POINT, near, least)
+        keep = [0]
+        for i in range(1, len(self)):
+            if np.hypot(self.u[i] - self.u[keep[-1]], self.w[i] - self.w[keep[-1]]) >= least:
+                keep.append(i)
+        if len(keep) > 1:
+            keep[-1] = len(self) - 1  # the end stays where it is
+        mask = np.zeros(len(self), dtype=bool)
+        mask[keep] = True
+        return self.kept(mask)
+
+    def clipped(self, first: float, last: float) -> Points:
+        """The longest run of points with first <= u <= last, m."""
+        inside = (self.u >= first) & (self.u <= last)
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
+        if not edges.size:
+            raise InputError(
+                f"{self.file}: clip from {1e3 * first:g} to {1e3 * last:g} mm leaves no point; the points "
+                f"go from {1e3 * self.u.min():.6g} to {1e3 * self.u.max():.6g} mm"
+            )
+        starts, stops = edges[::2], edges[1::2]
+        best = int(np.argmax(stops - starts))
+        return self.kept(slice(int(starts[best]), int(stops[best])))
+
+
+def check_count(points: Points) -> None:
+    """Raise InputError for too few points."""
+    if len(points) < FEWEST_POINTS:
+        raise InputError(f"{points.file}: {len(points)} different points; a profile needs at least {FEWEST_POINTS}")
+
+
+def check_points(points: Points) -> None:
+    """Raise InputError unless the points are a plain curve: no steps back, no gaps, no crossings."""
+    file, line = points.file, points.line
+    check_count(points)
+    turn = turns(points)
+    i = int(np.argmax(np.abs(turn)))
+    if abs(turn[i]) > 0.5 * np.pi:
+        raise InputError(
+            f"{file}:{line[i + 1]}: the curve goes back on itself here (it turns by "
+            f"{np.degrees(turn[i]):.0f} degrees): points out of order, a zig-zag, or two scans in one file"
+        )
+    chords = points.chords
+    length = float(chords.sum())
+    i = int(np.argmax(chords))
+    if chords[i] > LARGEST_GAP * length:
+        raise InputError(
+            f"{file}:{line[i + 1]}: too coarse: {1e3 * chords[i]:.4g} mm from the point of line {line[i]}; "
+            f"allowed: {1e3 * LARGEST_GAP * length:.4g} mm (1/{1 / LARGEST_GAP:.0f} of the profile's length)"
+        )
+    if not SHORTEST <= length <= LONGEST:
+        raise InputError(
+            f"{file}: the profile is {1e3 * length:.4g} mm long; "
+            f"allowed: {1e3 * SHORTEST:g} to {1e3 * LONGEST:g} mm. Is the unit right?"
+        )
+    crossing = first_crossing(points)
+    if crossing is not None:
+        i, j = crossing
+        raise InputError(
+            f"{file}:{line[j]}: the curve crosses itself: lines {line[i]}-{line[i + 1]} and "
+            f"{line[j]}-{line[j + 1]} intersect"
+        )
+
+
+def turns(points: Points) -> Array:
+    """Signed angle between the chords before and after every inner point, (n - 2,), rad."""
+    du, dw = np.diff(points.u), np.diff(points.w)
+    return np.arctan2(du[:-1] * dw[1:] - dw[:-1] * du[1:], du[:-1] * du[1:] + dw[:-1] * dw[1:])
+
+
+def first_crossing(points: Points) -> tuple[int, int] | None:
+    """Two segments i < j that intersect, each named by its first point, or None."""
+    p = np.column_stack([points.u, points.w])
+    middle, d = 0.5 * (p[1:] + p[:-1]), p[1:] - p[:-1]
+    # Segments that intersect have middles no farther apart than the longest segment.
+    pairs = cKDTree(middle).query_pairs(float(points.chords.max()) * (1.0 + 1e-9), output_type="ndarray")
+    pairs = pairs[np.abs(pairs[:, 0] - pairs[:, 1]) > 1]
+    i, j = pairs.min(axis=1), pairs.max(axis=1)
+
+    def side(a: Array, b: Array, c: Array) -> Array:
+        d, e = b - a, c - a
+        return np.sign(d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0])
+
+    apart_j = side(p[i], p[i] + d[i], p[j]) * side(p[i], p[i] + d[i], p[j] + d[j])
+    apart_i = side(p[j], p[j] + d[j], p[i]) * side(p[j], p[j] + d[j], p[i] + d[i])
+    hits = np.flatnonzero((apart_i < 0) & (apart_j < 0))
+    if not hits.size:
+        return None
+    k = hits[np.argmin(i[hits])]
+    return int(i[k]), int(j[k])
+
+
+def scatter(points: Points) -> float:
+    """Scatter of the points across a smooth curve, m: robust deviation from cubics through neighbours."""
+    s = np.concatenate([[0.0], np.cumsum(points.chords)])
+    x = np.stack([s[:-4], s[1:-3], s[3:-1], s[4:]]) - s[2:-2]
+    weight = np.ones_like(x)
+    for a in range(4):
+        for b in range(4):
+            if a != b:
+                weight[a] *= -x[b] / (x[a] - x[b])
+    p = np.column_stack([points.u, points.w])
+    left = p[2:-2] - np.einsum("an,anc->nc", weight, np.stack([p[:-4], p[1:-3], p[3:-1], p[4:]]))
+    left /= np.sqrt(1.0 + (weight**2).sum(axis=0))[:, None]
+    d = p[3:-1] - p[1:-3]
+    across = (left[:, 0] * d[:, 1] - left[:, 1] * d[:, 0]) / np.hypot(d[:, 0], d[:, 1])
+    return 1.4826 * float(np.median(np.abs(across)))
+
+
+def interpolated(points: Points, name: str, kind: Kind, source: str = "") -> Profile:
+    """Profile through the points: cubic spline, its parameter iterated until it is arclength [S 12].
+
+    For exact points: designed shapes, exported splines. Points that scatter are refused, because their
+    curvature would be noise; smooth them instead (`wrsim.geometry.profile.smoothing`).
+    """
+    turn = turns(points)
+    i = int(np.argmax(np.abs(turn)))
+    if abs(turn[i]) > LARGEST_TURN:
+        raise InputError(
+            f"{points.file}:{points.line[i + 1]}: a corner of {np.degrees(turn[i]):.1f} degrees; allowed: "
+            f"{np.degrees(LARGEST_TURN):.0f}. More points are needed here, or measured = true to smooth it"
+        )
+    noise = scatter(points)
+    bend = np.sqrt(6.0) * noise / float(np.median(points.chords)) ** 2
+    if bend > LARGEST_CURVATURE_SCATTER:
+        raise InputError(
+            f"{points.file}: the points scatter by {1e6 * noise:.3g} um, so their curvature would be off by "
+            f"{bend:.3g} 1/m; allowed: {LARGEST_CURVATURE_SCATTER:g}. Give more digits, or say that the "
+            "profile is measured (measured = true): it is then smoothed"
+        )
+    p = np.column_stack([points.u, points.w])
+    s = np.concatenate([[0.0], np.cumsum(points.chords)])
+    for _ in range(50):
+        spline = CubicSpline(s, p)
+        new = arclengths(spline.derivative(), s)
+        done = np.abs(new - s).max() <= 1e-15 * new[-1]
+        s = new
+        if done:
+            break
+    return profile_from_curve(CubicSpline(s, p), s, name, kind, source)
+
+
+def arclengths(speed: Callable[[Array], Array], t: Array) -> Array:
+    """Arclength at the parameters t (n,) of a curve from t[0], given its derivative (n, 2) as a function."""
+    h = 0.5 * np.diff(t)
+    x = (t[:-1] + h)[:, None] + h[:, None] * _GAUSS_X
+    v = speed(x.ravel())
+    rate = np.hypot(v[:, 0], v[:, 1]).reshape(x.shape)
+    return np.concatenate([[0.0], np.cumsum(h * (rate @ _GAUSS_W))])
+
+
+def profile_from_curve(
+    curve: Callable[..., Array], t: Array, name: str, kind: Kind, source: str, node_distance: float = 1e-4
+) -> Profile:
+    """Profile of a spline curve(t, nu) -> (n, 2), smooth between the parameters t, roughly arclength."""
+    pieces = np.maximum(np.ceil(np.diff(t) / node_distance - 1e-6), 1).astype(int)
+    inner = [t[i] + (t[i + 1] - t[i]) * np.arange(k) / k for i, k in enumerate(pieces)]
+    t = np.concatenate([*inner, t[-1:]])
+    r, v, a = (curve(t, nu) for nu in range(3))
+    curvature = (v[:, 0] * a[:, 1] - v[:, 1] * a[:, 0]) / np.hypot(v[:, 0], v[:, 1]) ** 3
+    return Profile(
+        name=name,
+        kind=kind,
+        arclength=arclengths(lambda x: curve(x, 1), t),
+        u=r[:, 0],
+        w=r[:, 1],
+        angle=np.unwrap(np.arctan2(v[:, 1], v[:, 0])),
+        curvature_before=curvature,
+        curvature_after=curvature,
+        source=source,
+    )

@@ -1,0 +1,319 @@
+"""Designed profiles: lines, polynomials and arcs laid end to end, with exact tangents and curvature.
+
+Standards give profiles as such sections (EN 13715 for wheels, EN 13674-1 for rails) with rounded numbers, so
+that neighbours disagree by up to 1e-7 m at their join. Half of the disagreement in position and direction is
+given to each neighbour and fades out over 2 mm of it; curvature keeps its jump.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.polynomial import polynomial
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile.profile import Array, Kind, Profile
+
+NODE_DISTANCE = 1e-4
+"""Distance of nodes along a designed profile, m."""
+
+NEAREST_NODE = 5e-6
+"""Distance of the first node from a join, m; from there nodes spread by a factor of three. So even a spline
+through bare points (a file of two columns) follows the jump of curvature to below 1e-9 m."""
+
+FADE = 2e-3
+"""Length over which a section gives in to its neighbour's rounded coefficients, m."""
+
+LARGEST_GAP = 1e-6
+"""Largest distance between the ends of two sections that is taken for rounding, m."""
+
+LARGEST_CORNER = 1e-4
+"""Largest angle between two sections that is taken for rounding, rad. Contact needs a tangent everywhere."""
+
+_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(8)
+
+
+class Section(Protocol):
+    """A smooth piece of curve r(t), t from `start` to `end`, both in the direction of increasing L."""
+
+    @property
+    def start(self) -> float: ...
+
+    @property
+    def end(self) -> float: ...
+
+    def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
+        """r, dr/dt, d2r/dt2 at t (n,), each (n, 2) with columns u, w."""
+        ...
+
+
+@dataclass(frozen=True)
+class Line:
+    """Straight from (u0, w0) to (u1, w1), m."""
+
+    u0: float
+    w0: float
+    u1: float
+    w1: float
+    start: float = 0.0
+    end: float = 1.0
+
+    def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
+        """See `Section`; t runs from 0 to 1."""
+        v = np.array([self.u1 - self.u0, self.w1 - self.w0])
+        r = np.array([self.u0, self.w0]) + np.outer(t, v)
+        return r, np.broadcast_to(v, r.shape), np.zeros_like(r)
+
+
+@dataclass(frozen=True)
+class Polynomial:
+    """w = c0 + c1 u + c2 u^2 + ... between u = `start` and u = `end`, m."""
+
+    coefficients: tuple[float, ...]
+    start: float
+    end: float
+
+    def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
+        """See `Section`; t is u."""
+        c = np.asarray(self.coefficients, dtype=float)
+        one, zero = np.ones_like(t), np.zeros_like(t)
+        w = (polynomial.polyval(t, polynomial.polyder(c, k) if k else c) for k in range(3))
+        return (
+            np.column_stack([t, next(w)]),
+            np.column_stack([one, next(w)]),
+            np.column_stack([zero, next(w)]),
+        )
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Circle about (u, w) of given radius from tangent angle `first` to tangent angle `last`, m and rad.
+
+    The tangent angle is atan2(dw, du) in the direction of travel. Falling angles make a convex arc (rail
+    head), rising angles a concave one (flange fillet).
+    """
+
+    u: float
+    w: float
+    radius: float
+    first: float
+    last: float
+
+    @property
+    def start(self) -> float:
+        """Parameter: length travelled."""
+        return 0.0
+
+    @property
+    def end(self) -> float:
+        """Parameter: length travelled."""
+        return self.radius * abs(self.last - self.first)
+
+    def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
+        """See `Section`; t is the length travelled."""
+        k = np.sign(self.last - self.first) / self.radius
+        start = np.array([self.u, self.w]) - np.array([-np.sin(self.first), np.cos(self.first)]) / k
+        angle, middle = self.first + k * t, self.first + 0.5 * k * t
+        tangent = np.column_stack([np.cos(angle), np.sin(angle)])
+        normal = np.column_stack([-tangent[:, 1], tangent[:, 0]])
+        # Chords from the start, not radii from the centre: large radii would cost digits.
+        chord = (np.sin(0.5 * k * t) / (0.5 * k))[:, None]
+        return start + chord * np.column_stack([np.cos(middle), np.sin(middle)]), tangent, k * normal
+
+
+def arc_between(u: float, w: float, radius: float, upper: bool, start: float, end: float) -> Arc:
+    """Arc w(u) = w_centre +- sqrt(radius^2 - (u - u_centre)^2) from u = `start` to u = `end` > `start`, m.
+
+    `upper` selects the half above the centre (+), which is convex upward.
+    """
+    reach = 1.0 + 1e-9
+    if not (radius > 0.0 and start < end and abs(start - u) <= radius * reach and abs(end - u) <= radius * reach):
+        raise InputError(
+            f"arc of radius {1e3 * radius:g} mm about u = {1e3 * u:g} mm cannot run from u = {1e3 * start:g} "
+            f"to {1e3 * end:g} mm; allowed: rising, {1e3 * (u - radius):g} to {1e3 * (u + radius):g} mm"
+        )
+    # On the upper half the tangent angle falls with u, on the lower half it rises: sin(angle) = -+(u - u_c)/R
+    first, last = np.arcsin(np.clip([(start - u) / radius, (end - u) / radius], -1.0, 1.0))
+    return Arc(u, w, radius, -first, -last) if upper else Arc(u, w, radius, first, last)
+
+
+def profile_from_sections(
+    name: str,
+    kind: Kind,
+    sections: Sequence[Section],
+    source: str = "",
+    node_distance: float = NODE_DISTANCE,
+) -> Profile:
+    """Join sections, given in the order of increasing u, to a profile.
+
+    Parameters
+    ----------
+    node_distance : distance of the nodes, m. The curve between nodes is a quintic; 0.1 mm leaves 1e-15 m.
+
+    Raises InputError where sections do not meet (over 1 um apart) or meet in a corner (over 0.1 mrad).
+    """
+    ends = [s.evaluate(np.array([s.start, s.end])) for s in sections]
+    speed = [np.hypot(v[:, 0], v[:, 1]) for _, v, _ in ends]
+    # Half of each join's disagreement, to be added to both neighbours: position, and direction per length.
+    shift = np.zeros((len(sections), 2, 2, 2))  # section, end, (position, direction), (u, w)
+    for i in range(len(sections) - 1):
+        gap = ends[i + 1][0][0] - ends[i][0][1]
+        before, after = ends[i][1][1] / speed[i][1], ends[i + 1][1][0] / speed[i + 1][0]
+        corner = float(np.arctan2(before[0] * after[1] - before[1] * after[0], before @ after))
+        where = f"profile '{name}': sections {i + 1} and {i + 2} (at u = {1e3 * ends[i][0][1][0]:.6g} mm)"
+        if np.hypot(*gap) > LARGEST_GAP:
+            raise InputError(f"{where} are {1e3 * np.hypot(*gap):.4g} mm apart; allowed: {1e3 * LARGEST_GAP:g} mm")
+        if abs(corner) > LARGEST_CORNER:
+            raise InputError(
+                f"{where} meet in a corner of {1e3 * corner:.4g} mrad; allowed: {1e3 * LARGEST_CORNER:g} mrad"
+            )
+        shift[i, 1] = 0.5 * np.array([gap, after - before])
+        shift[i + 1, 0] = -shift[i, 1]
+
+    parts = []
+    length = 0.0
+    for i, section in enumerate(sections):
+        part = _nodes(section, shift[i], node_distance)
+        part[:, 0] += length
+        length = part[-1, 0]
+        parts.append(part)
+    return _joined(name, kind, parts, source)
+
+
+def _joined(name: str, kind: Kind, parts: list[Array], source: str) -> Profile:
+    """Profile from rows (L, u, w, angle, curvature) of every section, first and last rows being joins."""
+    rows = np.concatenate([parts[0][:1]] + [part[1:] for part in parts])
+    before = np.concatenate([parts[0][:1, 4]] + [part[1:, 4] for part in parts])
+    after = np.concatenate([part[:-1, 4] for part in parts] + [parts[-1][-1:, 4]])
+    return Profile(
+        name=name,
+        kind=kind,
+        arclength=rows[:, 0],
+        u=rows[:, 1],
+        w=rows[:, 2],
+        angle=np.unwrap(rows[:, 3]),
+        curvature_before=before,
+        curvature_after=after,
+        source=source,
+    )
+
+
+def _nodes(section: Section, shift: Array, node_distance: float) -> Array:
+    """Rows (own arclength, u, w, angle, curvature) of a section whose ends are moved by `shift` (2, 2, 2)."""
+    fine = np.linspace(section.start, section.end, 2001)
+    v = section.evaluate(fine)[1]
+    travelled = np.concatenate([[0.0], np.cumsum(0.5 * (np.hypot(*v[1:].T) + np.hypot(*v[:-1].T)) * np.diff(fine))])
+    total = travelled[-1]
+    inner = np.linspace(0.0, total, max(int(np.ceil(total / node_distance)), 1) + 1)
+    close = NEAREST_NODE * 3.0 ** np.arange(np.ceil(np.log(node_distance / NEAREST_NODE) / np.log(3.0)))
+    close = close[close < min(0.7 * node_distance, 0.3 * total)]
+    place = np.sort(np.concatenate([inner, close, total - close]))
+    t = np.interp(place, travelled, fine)
+    t[0], t[-1] = section.start, section.end
+
+    fade = min(FADE, 0.5 * total)
+    ends = [e for e in (0, 1) if np.abs(shift[e]).max() > 0.0]
+
+    def moved(t: Array) -> tuple[Array, Array, Array]:
+        r, v, a = (np.array(x) for x in section.evaluate(t))
+        for e in ends:
+            sign = 1.0 if e == 0 else -1.0
+            rate = np.hypot(*section.evaluate(np.array([section.start, section.end]))[1][e])
+            x = sign * (t - (section.start, section.end)[e]) * rate / fade  # 0 at the join, 1 where it ends
+            near = x < 1.0
+            # (1 - x)^3 (p + (3p + q) x + (6p + 3q) x^2): value p, slope q, no curvature at 0; all zero at 1.
+            p, q = shift[e, 0], sign * fade * shift[e, 1]
+            for axis in (0, 1):
+                c = polynomial.polymul([1.0, -3.0, 3.0, -1.0], _start(p[axis], q[axis]))
+                for out, k in ((r, 0), (v, 1), (a, 2)):
+                    d = polynomial.polyder(c, k) if k else c
+                    out[near, axis] += polynomial.polyval(x[near], d) * (sign * rate / fade) ** k
+        return r, v, a
+
+    r, v, a = moved(t)
+    h = 0.5 * np.diff(t)
+    x = (t[:-1] + h)[:, None] + h[:, None] * _GAUSS_X
+    rate = np.hypot(*moved(x.ravel())[1].T).reshape(x.shape)
+    L = np.concatenate([[0.0], np.cumsum(h * (rate @ _GAUSS_W))])
+    curvature = (v[:, 0] * a[:, 1] - v[:, 1] * a[:, 0]) / np.hypot(v[:, 0], v[:, 1]) ** 3
+    return np.column_stack([L, r, np.arctan2(v[:, 1], v[:, 0]), curvature])
+
+
+def _start(p: float, q: float) -> list[float]:
+    """Coefficients that give (1 - x)^3 (...) the value p, slope q and second derivative 0 at x = 0."""
+    return [p, 3.0 * p + q, 6.0 * p + 3.0 * q]
+
+
+def rail_head(
+    name: str,
+    radii: Sequence[float],
+    half_widths: Sequence[float],
+    side_slope: float,
+    depth: float,
+    source: str = "",
+) -> Profile:
+    """Symmetric rail head of tangent arcs and straight sides, origin at the crown.
+
+    Parameters
+    ----------
+    radii : radii of the arcs from the crown outward, m, e.g. 0.3, 0.08, 0.013.
+    half_widths : distance from the axis at which each arc but the last one ends, m.
+    side_slope : lean of the straight sides, horizontal over vertical, e.g. 1/20; tangent to the last arc.
+    depth : how far below the crown the sides are continued, m.
+    """
+    if len(half_widths) != len(radii) - 1:
+        raise InputError(
+            f"profile '{name}': {len(radii)} radii need {len(radii) - 1} half widths, found {len(half_widths)}"
+        )
+    centre, steepness = np.array([0.0, -radii[0]]), 0.0
+    right: list[Section] = []
+    for i, radius in enumerate(radii):
+        if i:
+            centre = centre + (radii[i - 1] - radius) * np.array([np.sin(steepness), np.cos(steepness)])
+        if i < len(half_widths):
+            reach = (half_widths[i] - centre[0]) / radius
+            end = float(np.arcsin(reach)) if abs(reach) < 1.0 else -1.0
+        else:
+            end = 0.5 * np.pi - float(np.arctan(side_slope))
+        if end <= steepness:
+            raise InputError(
+                f"profile '{name}': the arc of radius {1e3 * radius:g} mm has no room: it starts at a slope "
+                f"of {np.degrees(steepness):.4g} degrees; its half width or the radius before it does not fit"
+            )
+        if i == 0:
+            right.append(Arc(0.0, -radius, radius, end, -end))
+        else:
+            right.append(Arc(centre[0], centre[1], radius, -steepness, -end))
+        steepness = end
+    u = centre[0] + radii[-1] * np.sin(steepness)
+    w = centre[1] + radii[-1] * np.cos(steepness)
+    if w <= -depth:
+        raise InputError(
+            f"profile '{name}': depth {1e3 * depth:g} mm ends before the straight sides begin; "
+            f"allowed: above {-1e3 * w:.5g} mm"
+        )
+    low = u + side_slope * (w + depth)
+    right.append(Line(u, w, low, -depth))
+    left: list[Section] = [
+        Arc(-s.u, s.w, s.radius, -s.last, -s.first) for s in reversed(right[1:-1]) if isinstance(s, Arc)
+    ]
+    return profile_from_sections(name, "rail", [Line(-low, -depth, -u, w), *left, *right], source)
+
+
+def cone(name: str, kind: Kind, conicity: float, first: float, last: float, source: str = "") -> Profile:
+    """Straight w = conicity u between u = `first` and u = `last`, m: a conical wheel, or a flat rail."""
+    line = Line(first, conicity * first, last, conicity * last)
+    return profile_from_sections(name, kind, [line], source)
+
+
+def circle(name: str, kind: Kind, radius: float, half_width: float, source: str = "") -> Profile:
+    """Arc through the origin, horizontal there, m: convex upward for radius > 0, hollow for radius < 0."""
+    if not 0.0 < half_width < abs(radius):
+        raise InputError(
+            f"profile '{name}': half width {1e3 * half_width:g} mm; allowed: above 0, below {1e3 * abs(radius):g} mm"
+        )
+    end = float(np.copysign(np.arcsin(half_width / abs(radius)), radius))
+    return profile_from_sections(name, kind, [Arc(0.0, -radius, abs(radius), end, -end)], source)

@@ -1,0 +1,201 @@
+"""Worn profiles by formula: bells of material taken off another profile.
+
+Every bell removes the depth
+
+    d = depth cos^2(pi x / 2),   x = (place - middle) / half_width,   |x| < 1,
+
+either vertically, its place being the outward coordinate u, or along the inward normal of the unworn profile, its
+place being the arclength from the profile's origin (outward positive). With t, k the tangent and curvature of the
+unworn curve r, i its inward normal (i' = c k t, c = 1 on rails, -1 on wheels) and v the vertical into the material,
+
+    r_worn = r + d v + e i,    dr_worn/dL = t (1 + c k e) + d' v + e' i.
+
+So material taken off along the normal leaves a corner wherever k jumps while the depth changes: where two arcs of a
+rail head met. Such a corner is bridged by a quintic over 0.1 mm on either side, as it would be by a spline through
+points that far apart. Depths may be negative: material that flowed there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile.points import Points, first_crossing
+from wrsim.geometry.profile.profile import Array, Profile
+
+Direction = Literal["vertical", "normal"]
+
+BRIDGE = 1e-4
+"""Reach of the quintic on either side of a corner, m."""
+
+SMALLEST_CORNER = 1e-6
+"""Turns at a node below this are rounding, rad."""
+
+LARGEST_CORNER = 0.1
+"""Largest corner that is bridged, rad."""
+
+NEAREST_NODE = 5e-6
+"""Least distance of the ends of a bell from the nodes of the unworn profile that stay, m."""
+
+INSIDE = 1e-7
+"""Distance from a node of the nearest of three points from which its angle and curvature are extrapolated, m."""
+
+_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
+
+
+@dataclass(frozen=True)
+class Removal:
+    """One bell of removed material: depth, middle and half width [m]; see the module for what they count along."""
+
+    direction: Direction
+    depth: float
+    middle: float
+    half_width: float
+
+    def at(self, place: Array) -> tuple[Array, Array]:
+        """Removed depth [m] and its slope at places of any shape."""
+        x = (place - self.middle) / self.half_width
+        inside = np.abs(x) < 1.0
+        d = np.where(inside, self.depth * np.cos(0.5 * np.pi * x) ** 2, 0.0)
+        slope = np.where(inside, -0.5 * np.pi * self.depth / self.half_width * np.sin(np.pi * x), 0.0)
+        return d, slope
+
+
+def worn(new: Profile, removals: Sequence[Removal], name: str, source: str = "") -> Profile:
+    """The profile that is left of ``new``.
+
+    Raises InputError where nothing sensible is left: the curve turns back, crosses itself or gets a corner of more
+    than 0.1 rad.
+    """
+    bells = _Bells(new, tuple(removals))
+    corners = bells.corners()
+    nodes = _nodes(new, bells, corners)
+    first, last, span = nodes[:-1], nodes[1:], np.diff(nodes)
+    h = np.minimum(INSIDE, span / 8.0)
+    angle, after = bells.direction(first, h)
+    final, before = bells.direction(last, -h)
+    r = bells.curve(nodes)[0]
+    x = 0.5 * (first + last)[:, None] + 0.5 * span[:, None] * _GAUSS_X
+    rate = np.hypot(*np.moveaxis(bells.curve(x)[1], -1, 0))
+    profile = Profile(
+        name,
+        new.kind,
+        np.concatenate([[0.0], np.cumsum(0.5 * span * (rate @ _GAUSS_W))]),
+        r[:, 0],
+        r[:, 1],
+        np.unwrap(np.append(angle, final[-1])),
+        np.append(after[0], before),
+        np.append(after, before[-1]),
+        source,
+    )
+    profile = _true_lengths(profile, np.searchsorted(nodes, corners) - 1)
+    crossing = first_crossing(Points(name, profile.u, profile.w, np.arange(profile.u.size)))
+    if crossing is not None:
+        raise InputError(
+            f"the removed material makes the curve cross itself at u = {1e3 * profile.u[crossing[0]]:.4g} mm; "
+            "allowed: less depth, or a wider bell"
+        )
+    return profile
+
+
+@dataclass(frozen=True)
+class _Bells:
+    """The worn curve over the arclength of the unworn one."""
+
+    new: Profile
+    removals: tuple[Removal, ...]
+
+    @property
+    def origin(self) -> float:
+        """Arclength of the profile's origin."""
+        return float(self.new.arclength_of(0.0))
+
+    def depths(self, L: Array) -> tuple[Array, Array, Array, Array]:
+        """d, d' vertically, e, e' along the inward normal; all over the arclength L."""
+        d, slope, e, e_slope = (np.zeros_like(L) for _ in range(4))
+        for removal in self.removals:
+            if removal.direction == "vertical":
+                depth, s = removal.at(self.new.at(L)[0])
+                d, slope = d + depth, slope + s * self.new.tangent(L)[0]
+            else:
+                depth, s = removal.at(L - self.origin)
+                e, e_slope = e + depth, e_slope + s
+        return d, slope, e, e_slope
+
+    def curve(self, L: Array, curvature: Array | None = None) -> tuple[Array, Array]:
+        """Position and derivative with respect to L, each (..., 2); curvature: of the unworn curve, if not its own."""
+        rail = self.new.kind == "rail"
+        up = -1.0 if rail else 1.0  # into the material
+        k = self.new.curvature(L) if curvature is None else curvature
+        d, slope, e, e_slope = self.depths(L)
+        t = np.stack(self.new.tangent(L), axis=-1)
+        inward = -np.stack(self.new.normal(L), axis=-1)
+        vertical = np.array([0.0, up])
+        r = np.stack(self.new.at(L), axis=-1) + d[..., None] * vertical + e[..., None] * inward
+        stretch = 1.0 + (k if rail else -k) * e
+        if not (stretch > 0.0).all():
+            u = 1e3 * float(self.new.at(L.flat[int(np.argmin(stretch))])[0])
+            raise InputError(f"the removed material turns the curve back at u = {u:.4g} mm; allowed: less depth")
+        return r, stretch[..., None] * t + slope[..., None] * vertical + e_slope[..., None] * inward
+
+    def corners(self) -> Array:
+        """Arclengths at which the worn curve has a corner, (m,)."""
+        inner = slice(1, -1)
+        L = self.new.arclength[inner]
+        jump = np.flatnonzero(np.abs((self.new.curvature_after - self.new.curvature_before)[inner]) > 1e-6)
+        L, sides = L[jump], (self.new.curvature_before[inner][jump], self.new.curvature_after[inner][jump])
+        before, after = (self.curve(L, k)[1] for k in sides)
+        turn = np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1))
+        if np.abs(turn).max(initial=0.0) > LARGEST_CORNER:
+            i = int(np.argmax(np.abs(turn)))
+            raise InputError(
+                f"the removed material leaves a corner of {1e3 * turn[i]:.4g} mrad at u = "
+                f"{1e3 * float(self.new.at(L[i])[0]):.4g} mm, where the unworn curvature jumps; allowed: "
+                f"{1e3 * LARGEST_CORNER:g} mrad"
+            )
+        return np.asarray(L[np.abs(turn) > SMALLEST_CORNER])
+
+    def direction(self, L: Array, h: Array) -> tuple[Array, Array]:
+        """Tangent angle and curvature at L (n,), from the side of L + h: extrapolated from three points there."""
+        v = self.curve(L[:, None] + h[:, None] * np.array([1.0, 2.0, 3.0]))[1]
+        turned = np.unwrap(np.arctan2(v[..., 1], v[..., 0]), axis=1)
+        a, b, c = turned.T
+        speed = np.hypot(*v[:, 0].T)
+        return 3.0 * a - 3.0 * b + c, (-2.5 * a + 4.0 * b - 1.5 * c) / (h * speed)
+
+
+def _nodes(new: Profile, bells: _Bells, corners: Array) -> Array:
+    """Arclengths of the unworn curve at which the worn one has nodes: its nodes, ends of bells, edges of bridges."""
+    extra = [corners - BRIDGE, corners + BRIDGE]
+    for removal in bells.removals:
+        for edge in (removal.middle - removal.half_width, removal.middle + removal.half_width):
+            if removal.direction == "normal":
+                extra.append(np.array([edge + bells.origin]))
+            else:  # everywhere that the curve passes this u
+                side = new.u >= edge
+                i = np.flatnonzero(side[1:] != side[:-1])
+                extra.append(new._root_in_interval(0, np.full(i.size, edge), i))
+    added = np.concatenate(extra)
+    added = added[(added > NEAREST_NODE) & (added < new.length - NEAREST_NODE)]
+    far = np.abs(new.arclength[1:-1, None] - added).min(axis=1, initial=np.inf) > NEAREST_NODE
+    nodes = np.unique(np.concatenate([[0.0], new.arclength[1:-1][far], added, [new.length]]))
+    if corners.size:
+        nodes = nodes[np.abs(nodes[:, None] - corners).min(axis=1) > BRIDGE - 0.5 * NEAREST_NODE]
+    return np.asarray(nodes[np.append(True, np.diff(nodes) > 1e-9)])
+
+
+def _true_lengths(profile: Profile, bridges: NDArray[np.intp]) -> Profile:
+    """The same with intervals as long as the quintics that bridge them."""
+    for _ in range(8):
+        span = np.diff(profile.arclength)
+        for i in bridges:
+            x = profile.arclength[i] + 0.5 * span[i] * (1.0 + _GAUSS_X)
+            v = profile._evaluate(x)[1]
+            span[i] *= 0.5 * float(np.hypot(*v.T) @ _GAUSS_W)
+        profile = replace(profile, arclength=np.concatenate([[0.0], np.cumsum(span)]))
+    return profile

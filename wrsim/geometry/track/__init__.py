@@ -1,0 +1,1 @@
+"""The track: segments, rails, irregularities, measured tables."""

@@ -1,0 +1,181 @@
+"""Measured track: a CSV table of geometry and irregularities against distance.
+
+Columns (distance and at least one more; signs as everywhere, left and up positive):
+
+================== =====================================================================================
+distance_m         rising; counted from the first row
+curvature_per_km   1000 / radius, positive to the left
+cant_mm            positive: right rail higher
+gauge_mm           the gauge itself
+grade_permille     positive: uphill
+alignment_mm, level_mm, cross_level_mm, gauge_deviation_mm
+                   irregularities of both rails together: to the left, up, right rail over left, rails apart
+left_lateral_mm, left_vertical_mm, right_lateral_mm, right_vertical_mm
+                   irregularities of one rail
+================== =====================================================================================
+
+Curvature and grade are taken as straight between the rows, cant, gauge and irregularities as cubic splines, so that
+rails have continuous tangents and curvatures.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.signal import butter, sosfiltfilt
+
+from wrsim.errors import InputError
+from wrsim.geometry.piecewise import PiecewiseCubic
+from wrsim.geometry.track.irregularities import WEIGHTS, Disturbance, Sampled
+from wrsim.geometry.track.segments import MAX_CANT, MAX_WIDENING, Laws
+from wrsim.inputs.csv_tables import read_numbers
+from wrsim.inputs.values import Quantity
+
+Array = NDArray[np.float64]
+
+GEOMETRY = ("curvature_per_km", "cant_mm", "gauge_mm", "grade_permille")
+ONE_RAIL = {
+    "left_lateral_mm": (1.0, 0.0, 0.0, 0.0),
+    "left_vertical_mm": (0.0, 1.0, 0.0, 0.0),
+    "right_lateral_mm": (0.0, 0.0, 1.0, 0.0),
+    "right_vertical_mm": (0.0, 0.0, 0.0, 1.0),
+}
+IRREGULARITIES = {
+    "alignment_mm": WEIGHTS["alignment"],
+    "level_mm": WEIGHTS["level"],
+    "cross_level_mm": WEIGHTS["cross-level"],
+    "gauge_deviation_mm": WEIGHTS["gauge"],
+} | ONE_RAIL
+"""Columns of irregularities and their weights on both rails."""
+
+_Deviation = Quantity(-200, 200, example="mm")
+COLUMNS = {
+    "distance_m": Quantity(-1e7, 1e7),
+    "curvature_per_km": Quantity(-100, 100, example="1000 / radius in m, positive to the left"),
+    "cant_mm": Quantity(-1e3 * MAX_CANT, 1e3 * MAX_CANT, example="positive: right rail higher"),
+    "gauge_mm": Quantity(400, 2000),
+    "grade_permille": Quantity(-150, 150, example="positive: uphill"),
+} | dict.fromkeys(IRREGULARITIES, _Deviation)
+
+ROWS_A_WAVE = 2.0
+"""Fewest rows of a table within a wave that it can tell (Nyquist)."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrackTable:
+    """Columns of a table by name, in the file's units; distance from its first row on [m]."""
+
+    path: Path
+    distance: Array
+    columns: dict[str, Array]
+
+    @classmethod
+    def read(cls, path: str | Path) -> TrackTable:
+        """Read and check a table. Raises InputError with file, line, column and what is allowed."""
+        path = Path(path)
+        columns, lines = read_numbers(path, COLUMNS, ("distance_m",))
+        distance = columns.pop("distance_m")
+        if not columns:
+            raise InputError(f"{path}: nothing but distance_m; add one of {', '.join(list(COLUMNS)[1:])}")
+        if distance.size < 4:
+            raise InputError(f"{path}: {distance.size} rows; a track needs at least 4")
+        back = np.flatnonzero(np.diff(distance) <= 0.0)
+        if back.size:
+            i = int(back[0])
+            raise InputError(
+                f"{path}:{lines[i + 1]}: distance_m = {distance[i + 1]:g} after {distance[i]:g}: must rise from row "
+                "to row"
+            )
+        return cls(path, distance - distance[0], columns)
+
+    @property
+    def length(self) -> float:
+        """From the first to the last row [m]."""
+        return float(self.distance[-1])
+
+    @property
+    def spacing(self) -> float:
+        """Largest distance of neighbouring rows [m]."""
+        return float(np.diff(self.distance).max())
+
+    def laws(self, gauge: float) -> Laws:
+        """Curvature, cant, gauge and grade; what has no column is straight, level, at the nominal gauge [m].
+
+        Raises InputError when there is no column of geometry, or the gauge strays too far.
+        """
+        found = [name for name in GEOMETRY if name in self.columns]
+        if not found:
+            raise InputError(f"{self.path}: has no geometry; a track needs one of the columns {', '.join(GEOMETRY)}")
+        zero = np.zeros(self.distance.size)
+        widening = self.columns.get("gauge_mm", 1e3 * gauge + zero) / 1e3 - gauge
+        if np.abs(widening).max() > MAX_WIDENING:
+            raise InputError(
+                f"{self.path}: gauge_mm reaches {1e3 * (gauge + widening[np.argmax(np.abs(widening))]):g}; must stay "
+                f"within {1e3 * MAX_WIDENING:g} of gauge_mm = {1e3 * gauge:g} of the track"
+            )
+        grade = self.columns.get("grade_permille", zero) / 1e3
+        return Laws(
+            curvature=_lines(self.distance, self.columns.get("curvature_per_km", zero) / 1e3),
+            cant=_spline(self.distance, self.columns.get("cant_mm", zero) / 1e3),
+            widening=_spline(self.distance, widening),
+            jumps=(),
+            pitch=_lines(self.distance, np.arctan(grade)),
+        )
+
+    def disturbances(
+        self, start: float, fade: float, scale: float = 1.0, band: tuple[float, float] | None = None
+    ) -> tuple[Disturbance, ...]:
+        """The irregularities, with the table's first row at ``start`` [m].
+
+        fade: length over which they begin and end [m]; band: shortest and longest wavelength that are kept [m] (two
+        Butterworth filters of fourth order, run forward and back so that nothing moves).
+        Raises InputError when there is no such column, or the band asks for more than the rows tell.
+        """
+        names = [name for name in IRREGULARITIES if name in self.columns]
+        if not names:
+            raise InputError(f"{self.path}: has no irregularities; columns: {', '.join(IRREGULARITIES)}")
+        shortest = ROWS_A_WAVE * float(np.median(np.diff(self.distance)))
+        if band is not None and band[0] < ROWS_A_WAVE * self.spacing:
+            raise InputError(
+                f"{self.path}: its rows are up to {self.spacing:g} m apart and tell no waves shorter than "
+                f"{ROWS_A_WAVE * self.spacing:g} m; wavelength_m begins at {band[0]:g}"
+            )
+        found = []
+        for name in names:
+            distance, values = self.distance, scale * self.columns[name] / 1e3
+            if band is not None:
+                distance, values = _filtered(distance, values, band)
+            shape = Sampled.through(start + distance, values, min(fade, 0.5 * self.length), shortest)
+            found.append(Disturbance(shape, IRREGULARITIES[name]))
+        return tuple(found)
+
+
+def _filtered(distance: Array, values: Array, band: tuple[float, float]) -> tuple[Array, Array]:
+    """Values at even distances, with the waves in the band alone."""
+    count = distance.size
+    even = np.linspace(distance[0], distance[-1], count)
+    values = CubicSpline(distance, values)(even)
+    per_metre = (count - 1) / (distance[-1] - distance[0])
+    high = min(1.0 / band[0], 0.499 * per_metre)
+    sections = np.concatenate(
+        [
+            butter(4, 1.0 / band[1], "highpass", fs=per_metre, output="sos"),
+            butter(4, high, "lowpass", fs=per_metre, output="sos"),
+        ]
+    )
+    return even, np.asarray(sosfiltfilt(sections, values, padlen=min(count - 1, int(3.0 * band[1] * per_metre))))
+
+
+def _lines(distance: Array, values: Array) -> PiecewiseCubic:
+    rows = np.column_stack((values[:-1], np.diff(values), np.zeros((values.size - 1, 2))))
+    return PiecewiseCubic(distance[:-1], np.diff(distance), rows)
+
+
+def _spline(distance: Array, values: Array) -> PiecewiseCubic:
+    h = np.diff(distance)
+    rows = CubicSpline(distance, values).c[::-1].T * h[:, None] ** np.arange(4)
+    return PiecewiseCubic(distance[:-1], h, rows)

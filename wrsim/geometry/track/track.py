@@ -1,0 +1,281 @@
+"""A track: segments -> centre line -> two swept rails.
+
+Cross-section. The centre line lies at the height of the rail tops, half way between the gauge points. Cant
+turns the cross-section about the centre line, which itself stays in its place: of the two rails one rises and the
+other falls by half the cant. Distance is counted along the centre line, also where it climbs. Gauge widening
+moves each rail outward by half of it. The origin of each rail profile sits at the outward distance gauge(s)/2 + o
+and the height b in the canted cross-section; (o, b) come from the inclined rail profile (o = -u of its gauge point,
+b = -w of its highest point). Irregularities move the rails along the axes of the cross-section; the centre line
+knows nothing of them.
+
+Signs. ``cant(s)`` is signed like the curvature: positive when the right rail is the higher one, which leans a
+vehicle to the inside of a left curve. ``roll(s)`` = -asin(cant / cant_base) is the rotation about t, positive
+with the left rail up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wrsim.errors import InputError
+from wrsim.geometry.track.centre_line import CentreLine
+from wrsim.geometry.track.elasticity import RailElasticity
+from wrsim.geometry.track.gradient import Grade, pitch_law
+from wrsim.geometry.track.irregularities import SMOOTH, Disturbance, Irregularities
+from wrsim.geometry.track.path import Path
+from wrsim.geometry.track.rail import SweptCurve
+from wrsim.geometry.track.segments import Arc, CurvatureJump, Laws, Segment, Transition, kind_of, laws
+
+Array = NDArray[np.float64]
+
+STANDARD_GAUGE = 1.435
+"""Standard gauge [m]."""
+RAIL_HEAD_WIDTH = 0.065
+"""Difference of cant base and gauge when no cant base is given [m]: 1.5 m for standard gauge."""
+ROUNDING = 1.0
+"""Half length of the rounding of kinks in cant and gauge [m].
+
+About the elastic length (4 E I / k)^(1/4) of a rail: 0.75 to 0.85 m for 60E1 (E I = 6.4 MN m2) on a support
+of 50 to 80 MN/m2."""
+ROWS = 0.25
+"""Distance of the rows of a path unless irregularities need less [m]."""
+MAX_ROWS = 4_000_000
+"""Largest table of a path."""
+
+
+@dataclass(frozen=True)
+class Feature:
+    """One segment as it lies on the track: kind and label, start and end distance [m]."""
+
+    kind: str
+    label: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Centre line and two rails as path tables, and the laws behind them over the distance s along the centre
+    line.
+
+    Build it with `Track.build`. All functions of s are vectorised; outside of [0, length] the track is
+    continued straight with the cant and the gauge of its end.
+    """
+
+    segments: tuple[Segment, ...]
+    nominal_gauge: float
+    cant_base: float
+    jumps: tuple[CurvatureJump, ...]
+    """Joints where the curvature jumps (no transition)."""
+    centre: Path
+    left: Path
+    right: Path
+    centre_line: CentreLine
+    left_curve: SweptCurve
+    right_curve: SweptCurve
+    elasticity: RailElasticity | None = None
+    """None: rigid rails."""
+
+    @classmethod
+    def build(
+        cls,
+        segments: Sequence[Segment],
+        gauge: float = STANDARD_GAUGE,
+        *,
+        rounding: float = ROUNDING,
+        **options: Any,
+    ) -> Track:
+        """Lay the segments one behind the other.
+
+        gauge: nominal gauge [m]. rounding: half length over which the kinks of cant and gauge at joints are rounded
+        [m]. options: as `lay` takes them.
+
+        Raises InputError naming segment, key, value and what is allowed.
+        """
+        _within("gauge_mm", gauge, 0.3, 3.0, 1e3)
+        _within("rounding_m", rounding, 1e-3, 20.0)
+        segments = tuple(segments)
+        return cls.lay(laws(segments, gauge, rounding), gauge, segments=segments, **options)
+
+    @classmethod
+    def lay(
+        cls,
+        law: Laws,
+        gauge: float = STANDARD_GAUGE,
+        *,
+        segments: tuple[Segment, ...] = (),
+        grades: Sequence[Grade] = (),
+        irregularities: Sequence[Disturbance] = (),
+        left_offset: tuple[float, float] = (0.0, 0.0),
+        right_offset: tuple[float, float] = (0.0, 0.0),
+        cant_base: float | None = None,
+        step: float | None = None,
+        start: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        heading: float = 0.0,
+        elasticity: RailElasticity | None = None,
+    ) -> Track:
+        """A track of given laws of curvature, cant and gauge.
+
+        segments: those that the laws come from, if any; without them the track is one measured piece. grades: vertical
+        alignment, in place of that of the laws. irregularities: of the rails. left_offset, right_offset: (o, b) of the
+        rail profile's origin [m], outward of the gauge point and above the rail tops. cant_base: distance over which
+        cant is measured [m], default gauge + 0.065 m. step: largest distance of the tables' rows [m]; None: 0.25 m, and
+        on the rails what their irregularities need. start, heading: point [m] and direction [rad] at s = 0.
+        elasticity: of the rails, None for rigid ones.
+        """
+        _within("gauge_mm", gauge, 0.3, 3.0, 1e3)
+        base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
+        _within("cant_base_mm", base, gauge, gauge + 0.5, 1e3)
+        if step is not None:
+            _within("step_m", step, 1e-3, 10.0)
+        for key, offset in (("left_offset", left_offset), ("right_offset", right_offset)):
+            for value in offset:
+                _within(f"{key} (o, b)", value, -0.5, 0.5)
+        for value in (*start, heading):
+            if not math.isfinite(value):
+                raise InputError(f"start or heading of the track = {value}; allowed: finite numbers")
+
+        uneven = Irregularities(tuple(irregularities))
+        finest = min(uneven.rail(1).resolution, uneven.rail(-1).resolution)
+        if step is not None and step > finest * (1.0 + 1e-9):
+            raise InputError(
+                f"row_distance_m = {step:g} is too coarse for the irregularities, which need {finest:g} (a quarter of "
+                "the shortest wavelength); allowed: a smaller one, or longer waves"
+            )
+        rows = min(ROWS, finest) if step is None else step
+        length = law.curvature.end
+        if length / rows > MAX_ROWS:
+            raise InputError(
+                f"track of {length:g} m with rows every {rows:g} m; allowed: {MAX_ROWS} rows (is length_m in metres?)"
+            )
+        pitch = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
+        line = CentreLine.build(law.curvature, pitch, start, heading)
+
+        def curve(side: int, offset: tuple[float, float]) -> SweptCurve:
+            return SweptCurve.build(line, law.cant, law.widening, gauge, base, side, offset, uneven.rail(side))
+
+        left, right = curve(1, left_offset), curve(-1, right_offset)
+        return cls(
+            segments=segments,
+            nominal_gauge=gauge,
+            cant_base=base,
+            jumps=law.jumps,
+            centre=curve(0, (0.0, 0.0)).path(ROWS if step is None else step),
+            left=left.path(rows),
+            right=right.path(rows),
+            centre_line=line,
+            left_curve=left,
+            right_curve=right,
+            elasticity=elasticity,
+        )
+
+    @property
+    def length(self) -> float:
+        """Length of the centre line [m]."""
+        return self.centre_line.length
+
+    def curvature(self, s: ArrayLike) -> Array:
+        """Curvature of the centre line [1/m], positive to the left."""
+        return self.centre_line.curvature(s)
+
+    def heading(self, s: ArrayLike) -> Array:
+        """Heading [rad], positive to the left, not wrapped."""
+        return self.centre_line.heading(s)
+
+    def cant(self, s: ArrayLike) -> Array:
+        """Signed cant [m], positive when the right rail is higher."""
+        return self.left_curve.cant(s)
+
+    def roll(self, s: ArrayLike) -> Array:
+        """Roll of the cross-section about t [rad], positive when the left rail is higher."""
+        return self.left_curve.roll(s)[0]
+
+    def grade(self, s: ArrayLike) -> Array:
+        """Grade: rise over level length, positive uphill."""
+        return np.asarray(np.tan(self.centre_line.pitch(s)[0]))
+
+    def gauge(self, s: ArrayLike) -> Array:
+        """Gauge with widening and irregularities [m]."""
+        left, right = (curve.irregularity.lateral(s)[0] for curve in (self.left_curve, self.right_curve))
+        return np.asarray(self.nominal_gauge + self.left_curve.widening(s) + left - right)
+
+    def irregularity(self, side: Literal["left", "right"], s: ArrayLike) -> tuple[Array, Array]:
+        """How far a rail lies to the left of and above its designed place [m]."""
+        uneven = self._curve(side).irregularity
+        return uneven.lateral(s)[0], uneven.vertical(s)[0]
+
+    def widening(self, s: ArrayLike) -> Array:
+        """Designed gauge beyond the nominal one [m]."""
+        return self.left_curve.widening(s)
+
+    def cross_level(self, s: ArrayLike) -> Array:
+        """Height of the right rail above the left one, of the irregularities alone: cant not counted [m]."""
+        return np.asarray(self.irregularity("right", s)[1] - self.irregularity("left", s)[1])
+
+    @property
+    def is_uneven(self) -> bool:
+        """True when a rail has irregularities."""
+        return any(curve.irregularity != SMOOTH for curve in (self.left_curve, self.right_curve))
+
+    def rail_distance(self, side: Literal["left", "right"], s: ArrayLike) -> Array:
+        """Own arclength of a rail [m] in the cross-section at centre-line distance s."""
+        return self._curve(side).arclength(s)
+
+    def centre_distance(self, side: Literal["left", "right"], arclength: ArrayLike) -> Array:
+        """Centre-line distance [m] at a rail's own arclength: the inverse of `rail_distance`."""
+        return self._curve(side).distance(arclength)
+
+    @property
+    def rail_origins(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Outward and up coordinates of the left and right rail profile's origin at nominal gauge [m]."""
+        left, right = ((0.5 * self.nominal_gauge + c.outward, c.height) for c in (self.left_curve, self.right_curve))
+        return left, right
+
+    def relaid(self, segments: Sequence[Segment]) -> Track:
+        """Another track, of these segments, with the same rails, gauge and cant base."""
+        left, right = ((curve.outward, curve.height) for curve in (self.left_curve, self.right_curve))
+        return Track.build(
+            segments,
+            self.nominal_gauge,
+            left_offset=left,
+            right_offset=right,
+            cant_base=self.cant_base,
+            elasticity=self.elasticity,
+        )
+
+    def features(self) -> tuple[Feature, ...]:
+        """The segments in order, with labels and distances, for plots and reports."""
+        if not self.segments:
+            return (Feature("table", "measured", 0.0, self.length),)
+        starts = self.centre_line.curvature_law.starts
+        ends = np.append(starts[1:], self.length)
+        return tuple(
+            Feature(kind_of(segment), _label(segment), float(a), float(b))
+            for segment, a, b in zip(self.segments, starts, ends, strict=True)
+        )
+
+    def _curve(self, side: str) -> SweptCurve:
+        if side not in ("left", "right"):
+            raise InputError(f"side = {side!r}; allowed: 'left', 'right'")
+        return self.left_curve if side == "left" else self.right_curve
+
+
+def _label(segment: Segment) -> str:
+    """Short text for a segment."""
+    if isinstance(segment, Arc):
+        return f"R {abs(segment.radius):g} m {'left' if segment.radius > 0.0 else 'right'}"
+    if isinstance(segment, Transition):
+        return "Bloss" if segment.form == "bloss" else "clothoid"
+    return "straight"
+
+
+def _within(key: str, value: float, low: float, high: float, scale: float = 1.0) -> None:
+    """Refuse a value outside of [low, high], or not a number; the message shows it times ``scale``."""
+    if not low <= value <= high:
+        raise InputError(f"track: {key} = {scale * value:g}; allowed: {scale * low:g} to {scale * high:g}")

@@ -1,0 +1,208 @@
+"""[contact]: models and numbers of the wheel-rail contact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Literal, get_args
+
+from wrsim.contact.settings import (
+    DRY,
+    FREE_STRIPS,
+    MOST_FREE_STRIPS,
+    ContactSettings,
+    Flexibility,
+    HalfSpaceSettings,
+    Material,
+    Normal,
+    Tangential,
+)
+from wrsim.core.contact.strips.layout import FEWEST_FREE_STRIPS
+from wrsim.inputs.section import Fault, Section, both_or_sides
+from wrsim.inputs.values import Choice, OrTable, Quantity, Whole
+from wrsim.scenario.sections.conical import ConicalSection
+from wrsim.scenario.sections.friction import Coefficient, FrictionSection
+
+Modulus = Quantity(1, 1000, example="GPa, steel 210")
+Poisson = Quantity(0, 0.49, example="steel 0.28")
+FRICTION = OrTable(Coefficient, lambda: FrictionSection, "[contact.friction]")
+
+Element = Quantity(0.001, 5, example="mm; 0.1 to 0.3 for patches of rails")
+
+STEEL = Material()
+EXACT = HalfSpaceSettings()
+NEEDS_EXACT = '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
+DEFAULTS = ContactSettings()
+
+MATERIAL_ALIASES = {
+    "E": "youngs_modulus_GPa",
+    "E_GPa": "youngs_modulus_GPa",
+    "modulus_GPa": "youngs_modulus_GPa",
+    "young_GPa": "youngs_modulus_GPa",
+    "nu": "poisson",
+    "poisson_ratio": "poisson",
+    "poissons_ratio": "poisson",
+    "sigma": "poisson",
+}
+
+
+class OneMaterial(Section):
+    """The material of one side of the contact."""
+
+    header: ClassVar[str] = "[contact.material.wheel] or [contact.material.rail]"
+    aliases: ClassVar[dict[str, str]] = MATERIAL_ALIASES
+
+    youngs_modulus_GPa: Annotated[float, Modulus] | None = None
+    poisson: Annotated[float, Poisson] | None = None
+
+
+class MaterialSection(Section):
+    """The material of wheel and rail; the tables ``wheel`` and ``rail`` override it for one of them."""
+
+    header: ClassVar[str] = "[contact.material]"
+    aliases: ClassVar[dict[str, str]] = MATERIAL_ALIASES
+
+    youngs_modulus_GPa: Annotated[float, Modulus] = STEEL.youngs_modulus / 1e9
+    poisson: Annotated[float, Poisson] = STEEL.poisson_ratio
+    wheel: OneMaterial = OneMaterial()
+    rail: OneMaterial = OneMaterial()
+
+    def of(self, part: OneMaterial) -> Material:
+        """Return the material of the wheel or the rail in SI units."""
+        modulus = self.youngs_modulus_GPa if part.youngs_modulus_GPa is None else part.youngs_modulus_GPa
+        return Material(modulus * 1e9, self.poisson if part.poisson is None else part.poisson)
+
+
+class HalfSpaceSection(Section):
+    """Elements and kernel of the exact solver, wherever it is used; see HalfSpaceSettings."""
+
+    header: ClassVar[str] = "[contact.half_space]"
+    aliases: ClassVar[dict[str, str]] = {
+        "dx_mm": "element_x_mm",
+        "ds_mm": "element_s_mm",
+        "elements": "resolution",
+        "kernel": "influence",
+    }
+
+    element_x_mm: Annotated[float, Element] | None = None
+    element_s_mm: Annotated[float, Element] | None = None
+    resolution: Annotated[int, Whole(8, 400)] = EXACT.resolution
+    influence: Annotated[Literal["half-space", "angle-corrected"], Choice(("half-space", "angle-corrected"))] = (
+        EXACT.influence
+    )
+    pairing: Annotated[Literal["opposite", "level"], Choice(("opposite", "level"))] = EXACT.pairing
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """Elements by their size or by their number."""
+        sizes = [key for key in ("element_x_mm", "element_s_mm") if key in raw]
+        if len(sizes) == 1:
+            other = "element_s_mm" if "element_x_mm" in raw else "element_x_mm"
+            yield Fault(other, f"goes with {sizes[0]}: must be {Element.words()}", missing=True)
+        if sizes and "resolution" in raw:
+            yield Fault("resolution", f"cannot stand next to {' and '.join(sizes)}: give sizes or a number")
+
+    def settings(self) -> HalfSpaceSettings:
+        """Return the same in SI units."""
+        sized = self.element_x_mm is not None and self.element_s_mm is not None
+        return HalfSpaceSettings(
+            element=(self.element_x_mm / 1e3, self.element_s_mm / 1e3) if sized else None,  # type: ignore[operator]
+            resolution=self.resolution,
+            influence=self.influence,
+            pairing=self.pairing,
+        )
+
+
+class ContactSection(Section):
+    """Everything has a default; see ContactSettings for the meaning of each choice."""
+
+    header: ClassVar[str] = "[contact]"
+    aliases: ClassVar[dict[str, str]] = {
+        "mu": "friction",
+        "mu_left": "friction_left",
+        "mu_right": "friction_right",
+        "friction_coefficient": "friction",
+        "normal_model": "normal",
+        "tangential_model": "tangential",
+        "creep": "tangential",
+        "bound": "traction_bound",
+        "n_strips": "strips",
+        "n_cells": "cells",
+        "patches": "max_patches",
+        "kA": "polach_kA",
+        "kS": "polach_kS",
+        "k_A": "polach_kA",
+        "k_S": "polach_kS",
+    }
+
+    normal: Annotated[Normal, Choice(get_args(Normal))] = DEFAULTS.normal
+    approach: Annotated[Literal["projected", "constant"], Choice(("projected", "constant"))] = DEFAULTS.approach
+    tangential: Annotated[Tangential, Choice(get_args(Tangential))] | None = None
+    traction_bound: Annotated[Literal["elliptic", "parabolic"], Choice(("elliptic", "parabolic"))] = (
+        DEFAULTS.traction_bound
+    )
+    flexibility: Annotated[Flexibility, Choice(get_args(Flexibility))] = DEFAULTS.flexibility
+    polach_kA: Annotated[float, Quantity(above=0, high=1)] = DEFAULTS.polach_adhesion
+    polach_kS: Annotated[float, Quantity(above=0, high=1)] = DEFAULTS.polach_slip
+    friction: Annotated[float | FrictionSection, FRICTION] = DRY
+    friction_left: Annotated[float | FrictionSection, FRICTION] | None = None
+    friction_right: Annotated[float | FrictionSection, FRICTION] | None = None
+    strips: Annotated[int, Whole(5, 1000)] | None = None
+    strip_width_mm: Annotated[float, Quantity(0.005, 2, example="mm along the curved axis")] | None = None
+    cells: Annotated[int, Whole(2, 500)] = DEFAULTS.cells
+    damping_s_per_m: Annotated[
+        float, Quantity(0, 1000, example="normal force times this times the rate of approach")
+    ] = DEFAULTS.damping
+    max_patches: Annotated[int, Whole(1, 3)] = DEFAULTS.max_patches
+    material: MaterialSection = MaterialSection()
+    half_space: HalfSpaceSection = HalfSpaceSection()
+    conical: ConicalSection | None = None
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """Friction for both sides or for each; a number of strips or their width; exact creep on exact pressure."""
+        if raw.get("tangential") == "half-space" and raw.get("normal", DEFAULTS.normal) != "half-space":
+            yield Fault(
+                "tangential", '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
+            )
+        yield from both_or_sides(raw, "friction", "friction_left", "friction_right", complete=True)
+        if raw.get("normal", DEFAULTS.normal) == "strips":
+            strips = raw.get("strips")
+            if isinstance(strips, int) and not FEWEST_FREE_STRIPS <= strips <= MOST_FREE_STRIPS:
+                yield Fault("strips", f'must be {FEWEST_FREE_STRIPS} to {MOST_FREE_STRIPS} with normal = "strips"')
+            if raw.get("approach") == "constant":
+                yield Fault("approach", '"constant" is Kik-Piotrowski\'s: normal = "strips" projects the approach')
+        if "strips" in raw and "strip_width_mm" in raw:
+            yield Fault("strip_width_mm", "cannot stand next to strips: give one of them")
+
+    def consistency(self) -> Iterator[Fault]:
+        """Polach's factors in order: with kS above kA his law would pull more than mu N."""
+        if self.polach_kS > self.polach_kA:
+            yield Fault("polach_kS", f"must not be above polach_kA ({self.polach_kA:g})")
+
+    def settings(self) -> ContactSettings:
+        """Return the same in SI units. Creep forces are by default exact on exact pressures, else FASTSIM's."""
+        exact: Tangential = "half-space" if self.normal == "half-space" else "fastsim"
+        left, right = (
+            both.law() if isinstance(both, FrictionSection) else both
+            for both in (own if own is not None else self.friction for own in (self.friction_left, self.friction_right))
+        )
+        by_width = self.strip_width_mm is not None
+        usual = FREE_STRIPS if self.normal == "strips" else DEFAULTS.strips
+        return ContactSettings(
+            normal=self.normal,
+            approach=self.approach,
+            tangential=self.tangential or exact,
+            traction_bound=self.traction_bound,
+            flexibility=self.flexibility,
+            polach_adhesion=self.polach_kA,
+            polach_slip=self.polach_kS,
+            friction=(left, right),
+            strips=None if by_width else (self.strips or usual),
+            strip_width=None if self.strip_width_mm is None else self.strip_width_mm / 1000.0,
+            cells=self.cells,
+            damping=self.damping_s_per_m,
+            max_patches=self.max_patches,
+            wheel=self.material.of(self.material.wheel),
+            rail=self.material.of(self.material.rail),
+            half_space=self.half_space.settings(),
+        )

@@ -1,0 +1,82 @@
+"""[steady]: curves, cants and speeds at which the steady motion of a vehicle is looked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import Annotated, Any, ClassVar, Literal
+
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import Choice, Quantity, Series
+from wrsim.scenario.sections.track import Cant
+
+SHARPEST = 20.0
+MOST_POINTS = 100_000
+
+Radius = Quantity(-1e6, 1e6, example="m, positive curves to the left, negative to the right")
+Speed = Quantity(1, 500, example="km/h")
+
+
+@dataclass(frozen=True)
+class SteadyPoint:
+    """A curve at a speed: radius [m], positive to the left; cant [m], positive leans inside; speed [m/s]."""
+
+    name: str
+    radius: float
+    cant: float
+    speed: float
+
+
+class SteadySection(Section):
+    """Every combination of radius_m, cant_mm and speed_kmh, or with combine = "rows" their first, second ... values."""
+
+    header: ClassVar[str] = "[steady]"
+    aliases: ClassVar[dict[str, str]] = {
+        "radii_m": "radius_m",
+        "R": "radius_m",
+        "speeds_kmh": "speed_kmh",
+        "v": "speed_kmh",
+        "cants_mm": "cant_mm",
+        "superelevation_mm": "cant_mm",
+    }
+
+    radius_m: Annotated[tuple[float, ...], Series(Radius)]
+    cant_mm: Annotated[tuple[float, ...], Series(Cant)] = (0.0,)
+    speed_kmh: Annotated[tuple[float, ...], Series(Speed)] | None = None
+    combine: Annotated[Literal["grid", "rows"], Choice(("grid", "rows"))] = "grid"
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """Nothing to check before the values are known."""
+        return iter(())
+
+    def consistency(self) -> Iterator[Fault]:
+        """No sharper curves than any vehicle runs through; rows of one length; a countable grid."""
+        for radius in self.radius_m:
+            if abs(radius) < SHARPEST:
+                yield Fault(
+                    "radius_m", f"has {radius:g}: must be {SHARPEST:g} m or more, or negative and as far from 0"
+                )
+                return
+        sizes = [len(self.radius_m), len(self.cant_mm), len(self.speed_kmh or (0.0,))]
+        longest = max(sizes)
+        if self.combine == "rows" and any(n not in (1, longest) for n in sizes):
+            yield Fault((), f"the rows have {', '.join(map(str, sizes))} radii, cants and speeds: must be equally many")
+        if self.combine == "grid" and sizes[0] * sizes[1] * sizes[2] > MOST_POINTS:
+            yield Fault((), f"describes {sizes[0] * sizes[1] * sizes[2]} points; must be at most {MOST_POINTS}")
+
+    def points(self, speed: float | None) -> tuple[SteadyPoint, ...]:
+        """The points in SI units; speed [km/h]: where the section names none."""
+        speeds = self.speed_kmh or ((speed,) if speed is not None else ())
+        axes = (self.radius_m, self.cant_mm, speeds)
+        if self.combine == "rows":
+            longest = max(map(len, axes))
+            rows = list(zip(*(axis * longest if len(axis) == 1 else axis for axis in axes), strict=True))
+        else:
+            rows = list(product(*axes))
+        found: dict[str, SteadyPoint] = {}
+        for radius, cant, v in rows:
+            name = f"R{radius:.10g}m_cant{cant:.10g}mm_{v:.10g}kmh"
+            found[name] = SteadyPoint(name, radius, cant / 1e3, v / 3.6)
+        return tuple(found.values())
