@@ -30,7 +30,7 @@ def suspension_table(vehicle: Vehicle) -> SuspensionTable:
     """Tables of all elements, with the preloads that hold the vehicle in its design position."""
     rows = np.zeros((len(vehicle.elements), kernel.COLUMNS))
     tables: list[tuple[float, float]] = []
-    centres = [np.array(part.centre) for part in vehicle.parts] + [np.zeros(3)]
+    centres = [np.array(part.centre) for part in vehicle.parts] + [np.zeros(3), np.zeros(3)]  # of the frames
     states = 0
 
     def stored(table: Table) -> tuple[int, int]:

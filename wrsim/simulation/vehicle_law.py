@@ -205,6 +205,7 @@ class VehicleOnTrack:
         scalars[vehicle_forces.REFERENCE] = vehicle.reference
         scalars[vehicle_forces.AHEAD] = vehicle.parts[vehicle.reference].centre[0]
         scalars[vehicle_forces.STEP] = self.track.centre.step
+        scalars[vehicle_forces.GUIDE_AHEAD] = vehicle.guide_ahead
         scalars[vehicle_forces.RAILS] = -1.0
         if self.elastic is not None:
             scalars[vehicle_forces.RAILS] = self.size - self.rails
@@ -222,17 +223,19 @@ class VehicleOnTrack:
             row[0] = vehicle.index(load.body)
             row[1:4] = np.array(load.at) - np.array(vehicle.parts[int(row[0])].centre)
             row[4:7] = load.force
+        carried = np.array([(vehicle.index(c.body), c.mass, c.height) for c in vehicle.carried]).reshape(-1, 3)
         axles = np.array([(i, self._holder(m.name), m.wheelset.mean_radius) for i, m in enumerate(vehicle.wheelsets)])
         return [
             scalars,
             bodies,
-            np.zeros((n + 1, 18)),
-            np.zeros((n + 1, 3)),
-            np.zeros((n + 1, 3)),
+            np.zeros((n + vehicle_forces.FRAMES, 18)),
+            np.zeros((n + vehicle_forces.FRAMES, 3)),
+            np.zeros((n + vehicle_forces.FRAMES, 3)),
             elements,
             tables,
             np.zeros((len(elements), suspension.RECORD)),
             loads,
+            carried,
             axles,
             self.track.centre.table,
         ]

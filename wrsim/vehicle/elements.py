@@ -17,6 +17,9 @@ Table = tuple[tuple[float, float], ...]
 TRACK = "track"
 """Name of the frame that follows the centre line at constant speed, as a body."""
 
+GUIDE = "guide frame"
+"""Name of the bogie that a single wheelset leads, as a body: the track frame turned by -ahead kappa about b."""
+
 ZERO: Triple = (0.0, 0.0, 0.0)
 
 

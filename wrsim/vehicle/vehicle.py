@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.vehicle.elements import Element, Triple
+from wrsim.vehicle.elements import GUIDE, TRACK, Element, Triple
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
 
 if TYPE_CHECKING:
@@ -68,6 +68,19 @@ class Load:
 
 
 @dataclass(frozen=True)
+class CarriedMass:
+    """A mass [kg] that follows the track frame ``height`` [m] above the centre of a body.
+
+    The quasi-static load of a vehicle without the vehicle. It does not oscillate: its weight and its
+    centrifugal force press on the body, the height gives the load transfer.
+    """
+
+    body: str
+    mass: float
+    height: float
+
+
+@dataclass(frozen=True)
 class Point:
     """A point [m] of a body whose motion is kept in results."""
 
@@ -78,7 +91,12 @@ class Point:
 
 @dataclass(frozen=True)
 class Vehicle:
-    """A whole vehicle. The wheelsets come first in the state, from front to rear as in the file, then the bodies."""
+    """A vehicle. The wheelsets come first in the state, from front to rear as in the file, then the bodies.
+
+    carried: masses that press on bodies without moving by themselves. guide_ahead: where the wheelset that the guide
+    frame holds sits in its bogie, ahead of the centre [m]: in a curve of curvature kappa the frame is turned by
+    -guide_ahead kappa. drive: what holds the speed unless a scenario says otherwise.
+    """
 
     name: str
     wheelsets: tuple[MountedWheelset, ...]
@@ -87,6 +105,9 @@ class Vehicle:
     loads: tuple[Load, ...] = ()
     points: tuple[Point, ...] = ()
     source: str = ""
+    carried: tuple[CarriedMass, ...] = ()
+    guide_ahead: float = 0.0
+    drive: Drive = "train"
 
     @property
     def parts(self) -> tuple[MountedWheelset | Body, ...]:
@@ -99,18 +120,19 @@ class Vehicle:
         return tuple(part.name for part in self.parts)
 
     def index(self, name: str) -> int:
-        """Place of a part in the state; the frame that follows the track comes behind the last one."""
-        return self.names.index(name) if name in self.names else len(self.names)
+        """Place of a part in the state; the track frame and the guide frame come behind the last one."""
+        return (*self.names, TRACK, GUIDE).index(name)
 
     @property
     def mass(self) -> float:
-        """Mass of everything [kg]."""
+        """Mass of all parts [kg], without what is carried."""
         return sum(part.mass for part in self.parts)
 
     @property
     def weight(self) -> float:
-        """Force of all wheels on level rails at rest [N], if no spring to the track's frame carries a share."""
-        return self.mass * STANDARD_GRAVITY - sum(load.force[2] for load in self.loads)
+        """Force of all wheels on level rails at rest [N], if no spring to a frame carries a share."""
+        carried = sum(load.mass for load in self.carried)
+        return (self.mass + carried) * STANDARD_GRAVITY - sum(load.force[2] for load in self.loads)
 
     @property
     def centre(self) -> Array:
@@ -124,11 +146,6 @@ class Vehicle:
         if not self.bodies:
             return 0
         return len(self.wheelsets) + int(np.argmax([body.mass for body in self.bodies]))
-
-    @property
-    def with_state(self) -> tuple[Element, ...]:
-        """Elements with an unknown of their own, in their order in the state."""
-        return tuple(e for e in self.elements if getattr(e, "has_state", False))
 
     def with_wheelsets(self, change: Callable[[Wheelset], Wheelset]) -> Vehicle:
         """The vehicle with every wheelset changed."""

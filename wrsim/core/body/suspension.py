@@ -1,7 +1,8 @@
 """Forces of all suspension elements of a vehicle, in one loop over a table of elements.
 
 Each element joins a point of a first body to a point of a second one. ``states`` holds a row of 18 numbers per body:
-position, velocity, unit vectors forward, left, up, angular velocity; the last row is the frame that follows the track.
+position, velocity, unit vectors forward, left, up, angular velocity; the last two rows are the track frame and the
+guide frame (``core.body.vehicle_forces``).
 
 - FIELD: three springs and dampers along the axes of the first body, and rotational ones about them. With d the vector
   between the two points in these axes the force on the second body is f0 - k d - c d_t. Both bodies take the force at
@@ -219,7 +220,7 @@ def _line(states, a, b, row, tables, inner, inner_t, force, moment, record):
 def suspension_forces(states, elements, tables, inner, inner_t, force, moment, records):
     """Add the forces and moments (n, 3) of all elements at the centres of mass, in global axes.
 
-    states: (n, 18), the track frame last; elements: (m, COLUMNS); tables: (., 2); inner, inner_t: extensions of the
+    states: (n, 18), the frames last; elements: (m, COLUMNS); tables: (., 2); inner, inner_t: extensions of the
     damping parts in series with a spring [m] and their rates, to be filled; records: (m, RECORD) to be filled.
     """
     for i in range(elements.shape[0]):

@@ -13,13 +13,23 @@ rail along n and b, right rail along n and b, wheelset after wheelset. Each foll
 and is written with a mass of 1 (its "force" is the acceleration). The wheel meets the rail where it has moved to, with
 the velocity that is left between them. The pieces of two wheels know nothing of each other.
 
-The frame that follows the track (``core.body.carrier``) is the body behind the last one; springs may be fixed to it.
+Two frames stand behind the last body; springs may be fixed to either. The track frame follows the centre line at
+constant speed, s(t) = s_0 + V t: it is evaluated, not integrated. The guide frame is the bogie that the vehicle's
+wheelset leads: it goes with the track frame, but stands along the chord of a curve, turned about b by -a kappa for an
+axle at a distance a ahead of the bogie's centre. Its springs turn with it; how fast the angle changes in a transition
+is left out of its velocity.
+
+Carried loads. A mass that follows the track frame without oscillating presses on its body with m (g - a_f), a_f = V^2
+dt/ds: the part along t is left to the train that moves it, the other two act at the centre of mass of the body, with
+the moment of the lateral part at its height above. The speed at which the cant changes adds no force.
 
 Drive. What holds the vehicle's speed acts like a spring and damper to a point that runs along the track at constant
 speed: with the distance s of the reference body and e = s_0 + V t - s, the force is M (w^2 e + 2 w (V - s_t)),
 w = ``DRIVE_RATE``, M the mass of the vehicle. Either it pulls the reference body along the track, as the coupler of a
 train does, or it comes as equal moments on the axles, with the reaction on the bodies that hold them.
 """
+
+from math import cos, sin
 
 from wrsim.core.arena import matrix, vector
 from wrsim.core.body.kinematics import generalised_forces, kinematics
@@ -43,23 +53,26 @@ from wrsim.core.contact.layout import FORCE_B, FORCE_O
 from wrsim.core.track.path import frame, frame_rates, locate
 
 # arrays of the arena before those of the wheelsets
-V_SCALARS, BODIES, STATES, FORCES, MOMENTS, ELEMENTS, TABLES, RECORDS, LOADS, AXLES, PATH = range(11)
-FIRST_WHEELSET = 11
+V_SCALARS, BODIES, STATES, FORCES, MOMENTS, ELEMENTS, TABLES, RECORDS, LOADS, CARRIED, AXLES, PATH = range(12)
+FIRST_WHEELSET = 12
 
 # scalars: acceleration of gravity; the track frame's start and speed; mass of the vehicle; drive: kind, reference body,
 # what lies between it and the track frame along the track, its distance (a guess, updated); step of the centre line
 GRAVITY, START, SPEED, VEHICLE_MASS, DRIVE, REFERENCE, AHEAD, S_REFERENCE, STEP, DRIVE_FORCE = range(10)
 # rails under the wheels: first of their coordinates or -1 on rigid ones; mass, stiffness, damping, along n and b each
 RAILS, RAIL_MASS, RAIL_STIFFNESS, RAIL_DAMPING = 10, 11, 13, 15
-VEHICLE_SCALARS = 17
+GUIDE_AHEAD = 17  # of the bogie's centre that the guide frame stands for
+VEHICLE_SCALARS = 18
+
+FRAMES = 2  # behind the bodies: track frame, guide frame
 
 FREE, TRAIN, WHEELS = 0, 1, 2  # kinds of drive
 DRIVE_RATE = 1.0  # [1/s]
 
 # a body: mass, number of its wheelset or -1; a load: body, point in its axes, force along t, n, b of its place;
-# an axle: body, body that takes the reaction or -1, radius
+# a carried load: body, mass, height above its centre; an axle: body, body that takes the reaction or -1, radius
 MASS, WHEELSET = 0, 1
-BODY_COLUMNS, LOAD_COLUMNS, AXLE_COLUMNS = 2, 8, 3
+LOAD_COLUMNS = 8
 RAIL_COORDINATES = 4  # of a wheelset
 S_LOAD = 7  # column of a load: its distance, a guess
 
@@ -92,9 +105,9 @@ def vehicle_forces(t, q, q_t, out, buffer, index):
         force[i, 0] = force[i, 1] = 0.0
         force[i, 2] = -scalars[GRAVITY] * bodies[i, MASS]
         moment[i, 0] = moment[i, 1] = moment[i, 2] = 0.0
-    force[n, :] = 0.0
-    moment[n, :] = 0.0
-    _track_frame(t, scalars, path, states[n])
+    force[n:, :] = 0.0
+    moment[n:, :] = 0.0
+    _frames(t, scalars, path, states[n], states[n + 1])
     suspension_forces(
         states,
         matrix(buffer, index, ELEMENTS),
@@ -106,6 +119,7 @@ def vehicle_forces(t, q, q_t, out, buffer, index):
         matrix(buffer, index, RECORDS),
     )
     status = _loads(states, matrix(buffer, index, LOADS), path, scalars[STEP], force, moment)
+    _carried(states[n], matrix(buffer, index, CARRIED), scalars[GRAVITY], force, moment)
     status |= _drive(t, states, scalars, matrix(buffer, index, AXLES), path, force, moment)
     size = (index.shape[0] - FIRST_WHEELSET) // ARRAYS
     for i in range(n):
@@ -156,19 +170,42 @@ def _move_rail(q, q_t, place, side, total, scalars, out):
 
 
 @kernel
-def _track_frame(t, scalars, path, row):
-    """State of the frame that follows the centre line."""
+def _frames(t, scalars, path, track, guide):
+    """States of the track frame and of the guide frame."""
     speed = scalars[SPEED]
     s = scalars[START] + speed * t
     place = frame(path, scalars[STEP], s)
     wx, wy, wz, _roll = frame_rates(path, scalars[STEP], s)
     for k in range(3):
-        row[k] = place[k]
-        row[3 + k] = speed * place[3 + k]
-        row[6 + k] = place[3 + k]
-        row[9 + k] = place[6 + k]
-        row[12 + k] = place[9 + k]
-    row[15], row[16], row[17] = speed * wx, speed * wy, speed * wz
+        track[k] = place[k]
+        track[3 + k] = speed * place[3 + k]
+        track[6 + k] = place[3 + k]
+        track[9 + k] = place[6 + k]
+        track[12 + k] = place[9 + k]
+    track[15], track[16], track[17] = speed * wx, speed * wy, speed * wz
+    attack = -scalars[GUIDE_AHEAD] * (wx * place[9] + wy * place[10] + wz * place[11])
+    ca, sa = cos(attack), sin(attack)
+    guide[:] = track
+    for k in range(3):
+        guide[6 + k] = ca * track[6 + k] + sa * track[9 + k]
+        guide[9 + k] = ca * track[9 + k] - sa * track[6 + k]
+
+
+@kernel
+def _carried(track, carried, gravity, force, moment):
+    """Add what masses that follow the track frame press on their bodies with."""
+    # gravity less the acceleration of the frame, omega x v
+    gx = track[17] * track[4] - track[16] * track[5]
+    gy = track[15] * track[5] - track[17] * track[3]
+    gz = track[16] * track[3] - track[15] * track[4] - gravity
+    along_n = gx * track[9] + gy * track[10] + gz * track[11]
+    along_b = gx * track[12] + gy * track[13] + gz * track[14]
+    for j in range(carried.shape[0]):
+        i = int(carried[j, 0])
+        mass, height = carried[j, 1], carried[j, 2]
+        for k in range(3):
+            force[i, k] += mass * (along_n * track[9 + k] + along_b * track[12 + k])
+            moment[i, k] -= height * mass * along_n * track[6 + k]  # b x n = -t
 
 
 @kernel
