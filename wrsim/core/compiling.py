@@ -2,7 +2,8 @@
 
 ``kernel`` for functions with work to do, ``inlined`` for the small ones that are called per strip or per sample: numba
 does not inline across functions by itself, and a call with a dozen scalars in and eight out costs more than the
-arithmetic inside (*measured*: a point of the contact locus 45 ns called, 19 ns inlined).
+arithmetic inside (*measured*: a point of the contact locus 45 ns called, 19 ns inlined). LLVM does the inlining: each
+function is typed once, wherever it is used (a quarter less time to compile than ``inline="always"``).
 
 No fastmath: it would let the compiler drop tests for not-a-number. ``error_model="numpy"``: a division by zero gives
 infinity, as in C, instead of a test at every division.
@@ -11,4 +12,4 @@ infinity, as in C, instead of a test at every division.
 from numba import njit
 
 kernel = njit(cache=True, error_model="numpy")
-inlined = njit(cache=True, error_model="numpy", inline="always")
+inlined = njit(cache=True, error_model="numpy", forceinline=True)

@@ -1,0 +1,107 @@
+"""The data of one wheel on one rail: records that kernels write in place, tuples that they pass on.
+
+Everything is in rail axes (t, o, b): along the rail, outward, up; origin at the rail's profile origin beside the
+wheel. A ``Vec`` in these axes has its components in that order.
+"""
+
+from typing import Any, NamedTuple
+
+from wrsim.core.arena import record
+from wrsim.core.compiling import inlined
+from wrsim.core.linalg import Vec, read
+
+SETTINGS = record(
+    "E G eps damping kA kS strip_width least_speed"
+    # friction: on the top and on the gauge corner, the zone's ends, the fall with slip
+    " mu mu_gauge zone_start zone_end fall_ratio fall_decay"
+    # geometry: steps of the tables, wheel radius, grid of the rail's distances, largest hollows of both bodies
+    " wheel_step radius rail_step field_o field_b field_spacing hollow",
+    # models and choices (0 or 1), start of the strip model, number of strips, nodes between two samples of the search
+    "normal tangential projected parabolic blended start strips stride",
+)
+"""Numbers of a contact model. E, G: of the pair of bodies; eps, kA, kS: Kik-Piotrowski's and Polach's."""
+
+KIK_PIOTROWSKI, FREE_STRIPS = range(2)
+"""SETTINGS.normal."""
+
+NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6)
+"""SETTINGS.tangential."""
+
+AFRESH, FROM_LAST, SHARP_FROM_LAST = range(3)
+"""SETTINGS.start of the strip model: afresh, from the last contact, or from it and as sharply as afresh."""
+
+FOUND = record("arc_wheel arc_rail depth curvature saddle saddle_arc")
+"""A contact that the search found: arclengths on wheel and rail, penetration, relative curvature; least penetration
+between this one and the next, with its rail arclength (-1 where the profiles separate in between)."""
+
+STRIP = record("s ds x a p no nb o b N Fx Fy Mz xi eta phi r_t mu penetration a_last")
+"""A strip: centre s and width ds across, middle x and half length a along the rail, largest pressure p; unit normal
+(no, nb) from rail to wheel and centre (o, b); normal force, creep forces, moment about the centre; creepages; radius
+of curvature along the rail; coefficient of friction; penetration, and half length in the last call (strip model)."""
+
+LOBE = record(
+    "N Fx Fy Mz p0 area length width approach angle angle_min angle_max angle_mean xi eta phi closing wear"
+    # the main point
+    " arc_wheel arc_rail x o b no nb"
+    # edges along s, what the strips are laid over, pressure
+    " start end recess half_length coupling amplitude"
+    # the last call's contact
+    " last_arc last_start last_end",
+    # number of the patch, lobe that this one is coupled to or -1, strips
+    "group partner n_strips last_strips",
+)
+"""A lobe of a patch. Forces act on the wheel; Mz is about the main point; wear is what creep dissipates [N]."""
+
+TOTAL = record("Ft Fo Fb Mt Mo Mb wear closest", "lobes patches")
+"""Force and moment on the wheel about its profile origin, wear number, closest distance; numbers of lobes and of
+patches (lobes that share a patch count once)."""
+
+STATUS_NOT_REFINED = 1
+STATUS_PROFILE_END = 2
+STATUS_TOO_DEEP = 4
+STATUS_UNSETTLED = 8  # the strip model has met its conditions to 1e-4 at best
+
+
+class Pose(NamedTuple):
+    """A wheel: its profile origin on the axle, the axle (a unit vector outward), velocity of that origin, rotation."""
+
+    origin: Vec
+    axle: Vec
+    velocity: Vec
+    omega: Vec
+
+
+POSE = 12
+"""Numbers of a pose in an array, in this order."""
+
+
+@inlined
+def read_pose(row):
+    """The pose in a row of 12 numbers."""
+    return Pose(read(row, 0), read(row, 3), read(row, 6), read(row, 9))
+
+
+class Profile(NamedTuple):
+    """A profile: its table (n, 5), see ``core.contact.profile``, and the arclength between rows [m]."""
+
+    table: Any
+    step: float
+
+
+class Wheel(NamedTuple):
+    """A wheel in its place: radius at the tape circle, profile origin on the axle, axle e, q = sqrt(1 - e_t^2)."""
+
+    profile: Profile
+    radius: float
+    origin: Vec
+    axle: Vec
+    q: float
+
+
+class Field(NamedTuple):
+    """Signed distances of a rail (n_o, n_b, 2), see ``core.contact.search.points``, on a square grid from (o, b)."""
+
+    values: Any
+    o: float
+    b: float
+    spacing: float
