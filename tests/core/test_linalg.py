@@ -5,7 +5,7 @@ import pytest
 
 from wrsim.core import linalg
 from wrsim.core.compiling import kernel
-from wrsim.core.linalg import Body, Vec, combined, components, point_velocity, read_body, write, write_body
+from wrsim.core.linalg import BODY, VECTOR, Body, Vec, combined, components, get_body, point_velocity, put, put_body
 
 A, B = (1.0, -2.0, 0.5), (0.3, 4.0, -1.5)
 
@@ -31,16 +31,21 @@ def test_components_along_orthonormal_axes_give_the_vector_back() -> None:
 
 
 @kernel
-def _turn(row, point, out):
-    """Read a body, write it back and write the velocity of a point of it."""
-    body = read_body(row)
-    write_body(row, Body(body.position, body.velocity, body.up, body.forward, body.left, body.omega))
-    write(out, 0, point_velocity(body, Vec(point[0], point[1], point[2])))
+def _turn(bodies, point, out):
+    """Turn the axes of a body in its place and write the velocity of a point of it."""
+    rows = bodies.view(BODY)
+    body = get_body(rows[1])
+    put_body(rows[1], Body(body.position, body.velocity, body.up, body.forward, body.left, body.omega))
+    put(out.view(VECTOR)[0], point_velocity(body, Vec(point[0], point[1], point[2])))
 
 
-def test_a_compiled_kernel_reads_and_writes_bodies() -> None:
-    row, out = np.random.default_rng(1).normal(size=18), np.zeros(3)
-    before = row.copy()
-    _turn(row, np.array(A), out)
-    assert out == pytest.approx(before[3:6] + np.cross(before[15:], np.array(A) - before[:3]), rel=1e-14)
-    assert row.reshape(6, 3) == pytest.approx(before.reshape(6, 3)[[0, 1, 4, 2, 3, 5]], abs=0.0)
+@pytest.mark.parametrize("compiled", [True, False])
+def test_kernels_read_and_write_bodies_with_and_without_the_compiler(compiled: bool) -> None:
+    bodies, out = np.random.default_rng(1).normal(size=36), np.zeros(3)
+    before = bodies.copy()
+    (_turn if compiled else getattr(_turn, "py_func", _turn))(bodies, np.array(A), out)
+    body = before[18:]
+    assert out == pytest.approx(body[3:6] + np.cross(body[15:], np.array(A) - body[:3]), rel=1e-14)
+    assert np.all(bodies[:18] == before[:18])
+    assert np.all(bodies[18:].reshape(6, 3) == body.reshape(6, 3)[[0, 1, 4, 2, 3, 5]])
+    assert bodies.view(BODY)["velocity"]["y"][1] == body[4]

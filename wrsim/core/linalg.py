@@ -1,13 +1,29 @@
-"""Vectors, frames, bodies and curves: the tuples that kernels compute with.
+"""Vectors, frames, bodies and curves: the tuples that kernels compute with, and the records that keep them.
 
-They are made inside of kernels and cost nothing there: the compiler keeps their numbers in registers. Their numbers
-must all be floats (``Vec(1.0, 0.0, 0.0)``, not ``Vec(1, 0, 0)``).
+Tuples are made inside of kernels and cost nothing there: the compiler keeps their numbers in registers. Their numbers
+must all be floats (``Vec(1.0, 0.0, 0.0)``, not ``Vec(1, 0, 0)``). Records lie in arrays: ``buffer[a:b].view(BODY)``
+gives rows ``rows[i].velocity.x`` that kernels read and write in place, and Python as well.
 """
 
 from math import sqrt
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from wrsim.core.compiling import inlined
+
+
+def record(**fields: Any) -> np.dtype[np.record]:
+    """Type of a row whose columns have names; every number takes 8 bytes: ``record(mass="f8", kind="i8", at=VECTOR)``.
+
+    The rows of an array of it are ``np.record``, so that ``row.mass`` works with and without the compiler; a whole
+    column is ``rows["mass"]``.
+    """
+    return np.dtype((np.record, list(fields.items())))
+
+
+VECTOR = record(x="f8", y="f8", z="f8")
+BODY = record(position=VECTOR, velocity=VECTOR, forward=VECTOR, left=VECTOR, up=VECTOR, omega=VECTOR)
 
 
 class Vec(NamedTuple):
@@ -113,39 +129,39 @@ def point_velocity(body, point):
 
 
 @inlined
-def read(row, k):
-    """The vector in row[k : k + 3]."""
-    return Vec(row[k], row[k + 1], row[k + 2])
+def vec(row):
+    """The vector that a VECTOR record holds."""
+    return Vec(row.x, row.y, row.z)
 
 
 @inlined
-def write(row, k, a):
-    """Write a vector to row[k : k + 3]."""
-    row[k] = a.x
-    row[k + 1] = a.y
-    row[k + 2] = a.z
+def put(row, a):
+    """Write a vector to a VECTOR record."""
+    row.x = a.x
+    row.y = a.y
+    row.z = a.z
 
 
 @inlined
 def accumulate(row, a):
-    """Add a vector to row[:3]."""
-    row[0] += a.x
-    row[1] += a.y
-    row[2] += a.z
+    """Add a vector to a VECTOR record."""
+    row.x += a.x
+    row.y += a.y
+    row.z += a.z
 
 
 @inlined
-def read_body(row):
-    """The body in a row of 18 numbers."""
-    return Body(read(row, 0), read(row, 3), read(row, 6), read(row, 9), read(row, 12), read(row, 15))
+def get_body(row):
+    """The body that a BODY record holds."""
+    return Body(vec(row.position), vec(row.velocity), vec(row.forward), vec(row.left), vec(row.up), vec(row.omega))
 
 
 @inlined
-def write_body(row, body):
-    """Write a body to a row of 18 numbers, in the order of its fields."""
-    write(row, 0, body.position)
-    write(row, 3, body.velocity)
-    write(row, 6, body.forward)
-    write(row, 9, body.left)
-    write(row, 12, body.up)
-    write(row, 15, body.omega)
+def put_body(row, body):
+    """Write a body to a BODY record."""
+    put(row.position, body.position)
+    put(row.velocity, body.velocity)
+    put(row.forward, body.forward)
+    put(row.left, body.left)
+    put(row.up, body.up)
+    put(row.omega, body.omega)
