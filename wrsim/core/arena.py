@@ -10,9 +10,12 @@ import numpy as np
 from wrsim.core.compiling import inlined
 
 
-def record(floats, integers=""):
-    """Type of a record of 8-byte numbers with these names; ``row.name`` reads and writes, compiled or not."""
+def record(floats="", integers="", **parts):
+    """Type of a record of 8-byte numbers with these names, and of other records; ``row.name`` reads and writes,
+    compiled or not.
+    """
     fields = [(name, "f8") for name in floats.split()] + [(name, "i8") for name in integers.split()]
+    fields += list(parts.items())
     return np.dtype((np.record, np.dtype(fields, align=True)))
 
 

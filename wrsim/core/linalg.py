@@ -1,28 +1,17 @@
 """Vectors, frames, bodies and curves: the tuples that kernels compute with, and the records that keep them.
 
 Tuples are made inside of kernels and cost nothing there: the compiler keeps their numbers in registers. Their numbers
-must all be floats (``Vec(1.0, 0.0, 0.0)``, not ``Vec(1, 0, 0)``). Records lie in arrays: ``buffer[a:b].view(BODY)``
-gives rows ``rows[i].velocity.x`` that kernels read and write in place, and Python as well.
+must all be floats (``Vec(1.0, 0.0, 0.0)``, not ``Vec(1, 0, 0)``). Records lie in the arena
+(``core.arena.records``): ``bodies[i].velocity.x`` reads and writes in place, compiled or not.
 """
 
 from math import sqrt
 from typing import Any, NamedTuple
 
-import numpy as np
-
+from wrsim.core.arena import record
 from wrsim.core.compiling import inlined
 
-
-def record(**fields: Any) -> np.dtype[np.record]:
-    """Type of a row whose columns have names; every number takes 8 bytes: ``record(mass="f8", kind="i8", at=VECTOR)``.
-
-    The rows of an array of it are ``np.record``, so that ``row.mass`` works with and without the compiler; a whole
-    column is ``rows["mass"]``.
-    """
-    return np.dtype((np.record, list(fields.items())))
-
-
-VECTOR = record(x="f8", y="f8", z="f8")
+VECTOR = record("x y z")
 BODY = record(position=VECTOR, velocity=VECTOR, forward=VECTOR, left=VECTOR, up=VECTOR, omega=VECTOR)
 
 
@@ -126,6 +115,12 @@ def components(a, t, n, b):
 def point_velocity(body, point):
     """Velocity [m/s] of the body's material at a global point: v + omega x r."""
     return add(body.velocity, cross(body.omega, sub(point, body.position)))
+
+
+@inlined
+def read(row, k):
+    """The vector in row[k : k + 3] of an array."""
+    return Vec(row[k], row[k + 1], row[k + 2])
 
 
 @inlined
