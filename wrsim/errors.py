@@ -6,6 +6,7 @@ and what is allowed. The command line prints the message alone, without a traceb
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from difflib import get_close_matches
 
 
@@ -27,7 +28,14 @@ class SimulationError(WrsimError):
     exit_code = 3
 
 
-def suggest(word: str, allowed: list[str] | tuple[str, ...]) -> str:
+def nearest(word: str, allowed: Sequence[str]) -> str | None:
+    """Return the allowed word most like ``word``, regardless of capitals, or None."""
+    small = {a.lower(): a for a in allowed}
+    near = get_close_matches(word.lower(), list(small), n=1, cutoff=0.6)
+    return small[near[0]] if near else None
+
+
+def suggest(word: str, allowed: Sequence[str]) -> str:
     """Return `` (did you mean 'x'?)`` for the nearest allowed word, or an empty string."""
-    near = get_close_matches(word, list(allowed), n=1, cutoff=0.6)
-    return f" (did you mean '{near[0]}'?)" if near else ""
+    near = nearest(word, allowed)
+    return f" (did you mean '{near}'?)" if near else ""

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from support.scenario_texts import CURVE, STATIC, edited, faults
 
 from wrsim.errors import InputError
-from wrsim.inputs.values import Quantity, Series
+from wrsim.inputs.checking import check_value
+from wrsim.inputs.values import Series
 from wrsim.scenario.build import build
 from wrsim.scenario.cases import read_cases, static_poses
 from wrsim.scenario.loading import load, load_text
@@ -113,7 +114,7 @@ def test_a_grid_gives_every_combination_with_names_that_differ(tmp_path: Path) -
 @given(first=st.floats(-50, 50), count=st.integers(0, 400), step=st.floats(1e-3, 1.0))
 def test_a_range_holds_its_ends_and_equal_steps(first: float, count: int, step: float) -> None:
     last = first + count * step
-    values = np.array(Series(Quantity()).check({"from": first, "to": last, "step": step}))
+    values = np.array(check_value(Series[float], {"from": first, "to": last, "step": step}, "range"))
     assert len(values) == count + 1
     assert values[0] == first
     assert values[-1] == pytest.approx(last, abs=1e-9)

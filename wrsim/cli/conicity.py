@@ -44,21 +44,19 @@ def conicity(
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
     with told(as_json):
         from wrsim.analysis.conicity.conicity import conicity as analyse
+        from wrsim.inputs.checking import check_value
         from wrsim.inputs.lookup import Finder, shipped_models, user_folders
-        from wrsim.inputs.values import nearest
-        from wrsim.scenario.sections.conicity import AMPLITUDES, ROLLS, ConicityPlan
+        from wrsim.inputs.values import number
+        from wrsim.scenario.sections.conicity import AMPLITUDES, ConicityPlan, Roll
         from wrsim.vehicle.wheelset import Wheel, Wheelset
 
-        _within("--gauge-mm", gauge_mm, 400.0, 2000.0)
-        _within("--flange-back-mm", flange_back_mm, 300.0, 1900.0)
+        check_value(Annotated[float, number(400, 2000)], gauge_mm, "--gauge-mm")
+        check_value(Annotated[float, number(300, 1900)], flange_back_mm, "--flange-back-mm")
+        factor = 1 if diameters_mm is None else 2
         diameters = diameters_mm or (2.0 * radius_mm, 2.0 * radius_mm)
         for diameter in diameters:
             key = "--radius-mm" if diameters_mm is None else "--diameters-mm"
-            factor = 0.5 if diameters_mm is None else 1.0
-            _within(key, factor * diameter, factor * 200.0, factor * 3000.0)
-        if roll not in ROLLS:
-            near = nearest(roll, ROLLS)
-            raise InputError(f"--roll {roll}: must be {', '.join(ROLLS)}" + (f"; did you mean {near}?" if near else ""))
+            check_value(Annotated[float, number(100 * factor, 1500 * factor)], 0.5 * factor * diameter, key)
         for key, path, suffix in (("--picture", picture, ".png"), ("--table", table, ".csv")):
             if path is not None and path.suffix.lower() != suffix:
                 raise InputError(f"{key} {path}: must end in {suffix}")
@@ -77,7 +75,7 @@ def conicity(
             right=Wheel(right_wheel, 0.5e-3 * diameters[1]),
         )
         names = [_both(p.name, q.name) for p, q in ((left_wheel, right_wheel), (left_rail, right_rail))]
-        plan = ConicityPlan(tuple(a / 1e3 for a in AMPLITUDES), roll)
+        plan = ConicityPlan(tuple(a / 1e3 for a in AMPLITUDES), check_value(Roll, roll, "--roll"))
         title = f"{names[0]} on {names[1]}" + (f", inclined {inclination}" if slope else "")
         result = analyse(wheelset, (left_rail, right_rail), gauge_mm / 1e3, plan, title)
         files = _files(result, picture, table)
@@ -89,24 +87,15 @@ def conicity(
                 print(file)
 
 
-def _within(key: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise InputError(f"{key} {value:g}: must be from {low:g} to {high:g} mm")
-
-
 def _slope(text: str) -> float:
-    from pydantic_core import PydanticCustomError
-
+    from wrsim.inputs.checking import check_value
     from wrsim.scenario.sections.track import Inclination
 
     try:
-        number: Any = float(text)
+        slope: Any = float(text)
     except ValueError:
-        number = text
-    try:
-        return Inclination().check(number)
-    except PydanticCustomError as error:
-        raise InputError(f"--inclination {text}: {error.message()}") from None
+        slope = text
+    return check_value(Inclination, slope, "--inclination")  # type: ignore[no-any-return]
 
 
 def _profile(finder: Finder, name: str, kind: Kind) -> Profile:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import TypeAdapter, ValidationError
 
 from wrsim.errors import InputError
 from wrsim.inputs.lines import KeyPath
-from wrsim.inputs.section import Section
+from wrsim.inputs.section import ABSENT, FAULT, STRICT, Section
 from wrsim.inputs.toml_files import shown
+from wrsim.inputs.values import refusal
 
 S = TypeVar("S", bound=Section)
 
@@ -24,6 +25,16 @@ def check(section: type[S], data: dict[str, Any], locate: Locate) -> S:
         return section.model_validate(data)
     except ValidationError as error:
         raise InputError("\n".join(_lines(error, locate))) from None
+
+
+def check_value(kind: Any, value: Any, name: str) -> Any:
+    """Return a value that is no key of a file, such as that of an option; raise InputError that names it."""
+    try:
+        return TypeAdapter(kind, config=STRICT).validate_python(value)
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        why = fault["msg"] if fault["type"] == FAULT else refusal(kind, [], value)
+        raise InputError(f"{name} {value}: {why}") from None
 
 
 def fault_line(path: KeyPath, message: str, locate: Locate, value: Any = None) -> str:
@@ -47,9 +58,8 @@ def _lines(error: ValidationError, locate: Locate) -> list[str]:
     lines = []
     for fault in error.errors(include_url=False):
         path = fault["loc"]
-        if fault["type"] == "missing":
-            allowed = f": {fault['msg']}" if fault["msg"] else ""
-            lines.append(f"{locate(path)}: {dotted(path)} is missing{allowed}")
+        if fault["type"] == ABSENT:
+            lines.append(f"{locate(path)}: {dotted(path)} is missing: {fault['msg']}")
         else:
             lines.append(fault_line(path, fault["msg"], locate, fault["input"]))
     return sorted(lines, key=_order)

@@ -1,98 +1,117 @@
-"""Tables of numbers in CSV files: a header with the unit in every column's name, then rows of numbers."""
+"""Tables in CSV files: a header with the unit in every column's name, then rows of numbers and names."""
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.errors import InputError
-from wrsim.inputs.toml_files import read_text
-from wrsim.inputs.values import Quantity, nearest
+from wrsim.errors import InputError, nearest
+from wrsim.inputs.toml_files import read_text, shown
+from wrsim.inputs.values import limits_of, unpacked, words
 
 MOST_ROWS = 2_000_000
 MOST_FAULTS = 20
+"""Faults of one table that are listed before the rest is only counted."""
+
+Row = tuple[int, list[str]]
+"""Number of a line, and its cells."""
 
 
-def read_numbers(
-    path: Path, columns: Mapping[str, Quantity], needed: Sequence[str] = ()
-) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.intp]]:
-    """Columns of a table by name, each (n,), and the number of the line every row stands on.
+def read_columns(
+    path: Path, columns: Mapping[str, Any], needed: Sequence[str] = (), rows: str = "rows"
+) -> tuple[dict[str, NDArray[Any]], NDArray[np.intp]]:
+    """Columns of a table by name, each (n,), and the number of the line on which every row stands.
 
-    columns: those allowed and their ranges; needed: those that must be there. Cells are separated by commas, or by
-    semicolons where the header has no comma. Empty lines and lines that begin with # are passed over.
-    Raises InputError with file, line and column of up to 20 faults at once.
+    columns: those allowed and what they hold, as for the keys of a section: limited numbers, or ``str``; needed: those
+    that must be there; rows: how the rows are called in messages. Cells are separated by commas, or by semicolons where
+    the header has no comma. Empty lines and lines that begin with # are left out.
+    Raises InputError with every fault: file, line, column, value, what is allowed.
     """
     lines = [
-        (number, line.strip())
+        (number, line)
         for number, line in enumerate(read_text(path, "table").split("\n"), 1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if not lines:
         raise InputError(f"{path}: the table is empty; its first line must name columns: {', '.join(columns)}")
-    first, header_line = lines.pop(0)
-    separator = ";" if ";" in header_line and "," not in header_line else ","
-    header = [cell.strip().strip('"') for cell in header_line.split(separator)]
-    faults = _header_faults(header, f"{path}:{first}", columns, needed)
-    if faults:
-        raise InputError("\n".join(faults))
+    separator = ";" if ";" in lines[0][1] and "," not in lines[0][1] else ","
+    first, header = _cells(path, *lines.pop(0), separator)
+    _refuse(path, _header_faults(header, f"{path}:{first}", columns, needed))
     if not lines:
-        raise InputError(f"{path}: the table has no rows below its header")
+        raise InputError(f"{path}: the table has no {rows} below its header")
     if len(lines) > MOST_ROWS:
-        raise InputError(f"{path}: {len(lines)} rows; allowed: {MOST_ROWS}")
-    try:
+        raise InputError(f"{path}: {len(lines)} {rows}; allowed: {MOST_ROWS}")
+    numbers = np.array([number for number, _ in lines], dtype=np.intp)
+    table: list[Sequence[Any]]
+    try:  # all rows at once; what cannot be read so is read row by row, to say what is wrong where
         values = np.array([line.split(separator) for _, line in lines], dtype=np.float64)
-        if values.shape[1] != len(header):
+        table = [*values.T]
+        if len(table) != len(header) or not all(map(_allowed, (columns[n] for n in header), values.T)):
             raise ValueError
     except ValueError:
-        values = _row_by_row(path, lines, header, separator, columns)
-    numbers = np.array([number for number, _ in lines], dtype=np.intp)
-    faults = []
-    for j, name in enumerate(header):
-        allowed, column = columns[name], values[:, j]
-        low = allowed.low if allowed.above is None else allowed.above
-        good = np.isfinite(column) & (column >= low) & (column <= allowed.high)
-        if allowed.above is not None:
-            good &= column > low
-        for i in np.flatnonzero(~good)[:MOST_FAULTS]:
-            faults.append(f"{path}:{numbers[i]}: {name} = {column[i]:g}: must be {allowed.words()}")
+        table = _row_by_row(path, [_cells(path, *line, separator) for line in lines], header, columns)
+    return {name: np.array(column) for name, column in zip(header, table, strict=True)}, numbers
+
+
+def _cells(path: Path, number: int, line: str, separator: str) -> Row:
+    try:
+        return number, [c.strip() for c in next(csv.reader([line.strip()], delimiter=separator, strict=True))]
+    except csv.Error as error:
+        raise InputError(f"{path}:{number}: no line of a CSV table: {error}") from None
+
+
+def _refuse(path: Path, faults: list[str]) -> None:
     if faults:
-        raise InputError("\n".join(faults[:MOST_FAULTS]))
-    return {name: np.ascontiguousarray(values[:, j]) for j, name in enumerate(header)}, numbers
+        more = [f"{path}: and {len(faults) - MOST_FAULTS} more faults"] if len(faults) > MOST_FAULTS else []
+        raise InputError("\n".join(faults[:MOST_FAULTS] + more))
 
 
-def _header_faults(header: list[str], where: str, columns: Mapping[str, Quantity], needed: Sequence[str]) -> list[str]:
-    faults = []
+def _header_faults(header: list[str], where: str, columns: Mapping[str, Any], needed: Sequence[str]) -> list[str]:
+    faults, guessed = [], set()
     for name in header:
         if name not in columns:
-            near = nearest(name, list(columns))
+            guessed.add(near := nearest(name, list(columns)))
             hint = f"did you mean '{near}'?" if near else f"the columns are {', '.join(columns)}"
-            faults.append(f"{where}: column '{name}': unknown; {hint}")
-    faults += [f"{where}: column '{n}': stands there twice" for n in sorted({h for h in header if header.count(h) > 1})]
-    return faults + [f"{where}: column '{n}' is missing" for n in needed if n not in header and not faults]
+            faults.append(f"{where}: column {shown(name)}: unknown; {hint}")
+    twice = sorted({name for name in header if header.count(name) > 1})
+    faults += [f"{where}: column {shown(name)}: stands there twice" for name in twice]
+    missing = [n for n in needed if n not in header and n not in guessed]
+    return faults + [f"{where}: column '{n}' is missing; the columns are {', '.join(columns)}" for n in missing]
 
 
-def _row_by_row(
-    path: Path, lines: list[tuple[int, str]], header: list[str], separator: str, columns: Mapping[str, Quantity]
-) -> NDArray[np.float64]:
-    """The same slowly, to say what is wrong where."""
-    rows, faults = [], []
-    for number, line in lines:
-        cells = [cell.strip() for cell in line.split(separator)]
+def _allowed(kind: Any, values: NDArray[np.float64]) -> bool:
+    """True if all numbers of a column are within its limits."""
+    low, high, excluded = limits_of(unpacked(kind).limits)
+    above = values > low if excluded else values >= low
+    return kind is not str and bool((above & (values <= high) & np.isfinite(values)).all())
+
+
+def _row_by_row(path: Path, rows: list[Row], header: list[str], columns: Mapping[str, Any]) -> list[Sequence[Any]]:
+    faults: list[str] = []
+    table: list[list[Any]] = [[] for _ in header]
+    for number, cells in rows:
         if len(cells) != len(header):
             faults.append(f"{path}:{number}: has {len(cells)} cells; must have {len(header)} like the header")
             continue
-        row = []
-        for name, cell in zip(header, cells, strict=True):
-            try:
-                row.append(float(cell))
-            except ValueError:
-                faults.append(f"{path}:{number}: {name} = '{cell}': must be {columns[name].words()}")
-        rows.append(row)
-        if len(faults) >= MOST_FAULTS:
-            break
-    if faults:
-        raise InputError("\n".join(faults[:MOST_FAULTS]))
-    return np.array(rows, dtype=np.float64)
+        for name, cell, column in zip(header, cells, table, strict=True):
+            value = cell if columns[name] is str else _number(cell)
+            if value is None or (columns[name] is not str and not _allowed(columns[name], np.array(value))):
+                comma = "," in cell and _number(cell.replace(",", ".")) is not None
+                hint = f"; decimals need a point: {cell.replace(',', '.')}" if comma else ""
+                told = shown(cell) if value is None else cell
+                faults.append(f"{path}:{number}: {name} = {told}: must be {words(columns[name])}{hint}")
+            column.append(value)
+    _refuse(path, faults)
+    return list(table)
+
+
+def _number(cell: str) -> float | None:
+    try:
+        return float(cell)
+    except ValueError:
+        return None

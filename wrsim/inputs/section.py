@@ -12,13 +12,18 @@ pydantic checks the fields; on top of it a Section
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, ModelWrapValidatorHandler, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from wrsim.errors import nearest
 from wrsim.inputs.lines import KeyPath
-from wrsim.inputs.values import Annotation, nearest
+from wrsim.inputs.values import choice, entry_of, fields, header_of, refusal, refuse, unpacked, words
+
+STRICT = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+FAULT, ABSENT = "fault", "absent"
+"""Our kinds of faults; all others are pydantic's and not yet in our words."""
 
 UNITS = {
     "m": "m", "mm": "mm", "km": "km", "in": "inches", "ft": "feet", "kmh": "km/h", "mps": "m/s",
@@ -44,7 +49,7 @@ class Fault(NamedTuple):
 class Section(BaseModel):
     """Base of all tables that users write."""
 
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid")
+    model_config = STRICT
 
     header: ClassVar[str] = "this table"
     """How the table is called in messages, for example ``[vehicle]``."""
@@ -68,34 +73,33 @@ class Section(BaseModel):
         if isinstance(raw, cls):
             return raw
         if not isinstance(raw, dict):
-            raise PydanticCustomError("value", f"must be a table ({cls.header})")  # type: ignore[arg-type]
+            raise refuse(f"must be a table ({cls.header})")
         data, faults, guessed = cls._translate(raw)
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
-                faults.append(_detail("missing", _words(field.metadata), (name,), raw))
+                faults.append(_detail(ABSENT, f"must be {words(fields(cls)[name])}", (name,), raw))
         kept: Self | None = None
         try:
             kept = handler(data)
         except ValidationError as error:
             for e in error.errors(include_url=False):
-                if e["type"] == "missing" and len(e["loc"]) == 1:
-                    continue  # told above, in our words
-                if e["loc"] and e["loc"][0] in guessed:
-                    continue
-                faults.append(_detail(e["type"], e["msg"], e["loc"], e["input"]))
-        told = {f["loc"] for f in faults}
+                key = str(e["loc"][0])
+                if key not in data or key in guessed:
+                    continue  # named above
+                fault = _in_our_words(fields(cls)[key], e, data[key])
+                if e["type"] in (FAULT, ABSENT) or fault["loc"] not in [f["loc"] for f in faults]:
+                    faults.append(fault)
+        named = {f["loc"] for f in faults}
         combinations = list(cls.rules(data))
         if kept is not None and not faults and not combinations:
             combinations = list(kept.consistency())
-        for fault in combinations:
-            path = (fault.path,) if isinstance(fault.path, str) else fault.path
-            if path in told or (path and path[0] in guessed):
+        for rule in combinations:
+            path = (rule.path,) if isinstance(rule.path, str) else rule.path
+            if path in named or (path and path[0] in guessed):
                 continue
-            kind = "missing" if fault.missing else "value"
-            faults.append(_detail(kind, fault.message, path, _reach(data, path)))
-        if faults:
+            faults.append(_detail(ABSENT if rule.missing else FAULT, rule.message, path, _reach(data, path)))
+        if faults or kept is None:
             raise ValidationError.from_exception_data(cls.__name__, faults)
-        assert kept is not None
         return kept
 
     @classmethod
@@ -109,7 +113,7 @@ class Section(BaseModel):
                 data[key] = value
                 continue
             message, meant = cls._unknown(str(key), raw)
-            faults.append(_detail("unknown", message, (str(key),), value))
+            faults.append(_detail(FAULT, message, (str(key),), value))
             if meant is not None and meant not in raw:
                 guessed.add(meant)
                 data[meant] = value
@@ -172,9 +176,31 @@ def _reach(data: Any, path: KeyPath) -> Any:
     return data
 
 
-def _words(metadata: list[Any]) -> str:
-    words = next((m.words() for m in metadata if isinstance(m, Annotation)), "")
-    return f"must be {words}" if words else ""
+def _in_our_words(annotation: Any, error: Any, value: Any) -> InitErrorDetails:
+    """A fault that pydantic found in a field of this annotation and value; those of inner tables are in our words."""
+    key, *place = error["loc"]
+    kind, depth = unpacked(annotation), 0
+    if entry_of(annotation) is not None and place:
+        kind, depth = unpacked(entry_of(annotation)), 1
+    if kind.tagged and len(place) > depth:
+        del place[depth]  # pydantic's tag of the chosen type stands there
+    if error["type"] in (FAULT, ABSENT):
+        return _detail(error["type"], error["msg"], (key, *place), error["input"])
+    if depth and header_of(entry_of(annotation)):
+        return _choice_of_table(kind.base, error, (key, *place), header_of(entry_of(annotation)))
+    return _detail(FAULT, refusal(annotation, place, value), (key,), value)
+
+
+def _choice_of_table(base: Any, error: Any, place: KeyPath, header: str) -> InitErrorDetails:
+    """The fault of an entry that is no table, or one of no known kind."""
+    entry = error["input"]
+    if "discriminator" not in error.get("ctx", {}):
+        return _detail(FAULT, f"must be a table ({header})", place, entry)
+    by = error["ctx"]["discriminator"].strip("'")
+    allowed = tuple(tag for member in get_args(base) for tag in get_args(unpacked(fields(member)[by]).base))
+    if by not in entry:
+        return _detail(ABSENT, f"must be {choice(allowed)}", (*place, by), entry)
+    return _detail(FAULT, f"must be {choice(allowed, entry[by])}", (*place, by), entry[by])
 
 
 def _unit(key: str) -> str:

@@ -1,368 +1,225 @@
-"""What a key may hold: annotations for the fields of a Section.
+"""What keys may hold: pydantic's own types with limits, and what they allow in words.
 
-Each annotation checks a value and, when it is refused, says in one sentence what is allowed. Use::
+Limits and an example stand beside the type::
 
-    friction: Annotated[float, Quantity(0, 2)] = 0.35
+    Friction = Annotated[float, number(0, 2, "dry steel 0.3 to 0.5")]
+
+``words`` makes "a number from 0 to 2 (dry steel 0.3 to 0.5)" of it. Other descriptions take the place of the words;
+``{each}`` in one stands for the words of an entry.
 """
 
 from __future__ import annotations
 
 import datetime
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+import types
+from functools import cache
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from pydantic import GetCoreSchemaHandler, ValidationError
-from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
+from annotated_types import Ge, Gt, Le
+from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticCustomError
+
+from wrsim.errors import nearest
 
 MOST_POINTS = 100_000
 """Longest series that ``{from, to, step}`` may describe."""
 
+T = TypeVar("T")
+
+
+def number(low: float | None = None, high: float | None = None, example: str = "") -> Any:
+    """Limits of a finite number."""
+    return Field(ge=low, le=high, description=example or None)
+
+
+def positive(high: float | None = None, example: str = "") -> Any:
+    """Limits of a number above 0."""
+    return Field(gt=0, le=high, description=example or None)
+
+
+def text(meaning: str) -> Any:
+    """A text with at least one visible character; meaning: what it is, such as "a title"."""
+    return Field(pattern=r"^[^\x00]*[^\s\x00][^\x00]*$", description=f"{meaning} in quotes")
+
 
 def refuse(message: str) -> PydanticCustomError:
-    """Return the error that says why a value is refused."""
-    return PydanticCustomError("value", message)  # type: ignore[arg-type]
-
-
-class Annotation:
-    """Base of the annotations: ``check`` returns the value to keep or raises ``refuse(...)``."""
-
-    def words(self) -> str:
-        """Say what is allowed, to follow "must be"."""
-        raise NotImplementedError
-
-    def check(self, value: Any) -> Any:
-        """Return the value in its final type."""
-        raise NotImplementedError
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.check)
-
-    def refusal(self) -> PydanticCustomError:
-        """Return the error for a value that is not allowed."""
-        return refuse("must be " + self.words())
-
-
-@dataclass(frozen=True)
-class Quantity(Annotation):
-    """A finite number from ``low`` to ``high``; ``above`` excludes the lower end, ``example`` helps users."""
-
-    low: float = -math.inf
-    high: float = math.inf
-    above: float | None = None
-    example: str = ""
-
-    def words(self) -> str:
-        low = self.above if self.above is not None else self.low
-        if math.isfinite(low) and math.isfinite(self.high):
-            text = (
-                f"a number above {plain(low)} and at most {plain(self.high)}"
-                if self.above is not None
-                else f"a number from {plain(low)} to {plain(self.high)}"
-            )
-        elif math.isfinite(low):
-            text = f"a number above {plain(low)}" if self.above is not None else f"a number not below {plain(low)}"
-        elif math.isfinite(self.high):
-            text = f"a number not above {plain(self.high)}"
-        else:
-            text = "a finite number"
-        return text + (f" ({self.example})" if self.example else "")
-
-    def check(self, value: Any) -> float:
-        number = as_float(value)
-        if number is None or not self.holds(number):
-            raise self.refusal()
-        return number
-
-    def holds(self, number: float) -> bool:
-        """True if the number is finite and in range."""
-        return self.low <= number <= self.high and math.isfinite(number) and (self.above is None or number > self.above)
-
-
-@dataclass(frozen=True)
-class AwayFromZero(Annotation):
-    """A number of either sign with a size from ``least`` to ``most``: the radius of a curve."""
-
-    least: float
-    most: float
-    example: str = ""
-
-    def words(self) -> str:
-        text = f"a number of size {plain(self.least)} to {plain(self.most)}, of either sign"
-        return text + (f" ({self.example})" if self.example else "")
-
-    def check(self, value: Any) -> float:
-        number = as_float(value)
-        if number is None or not self.least <= abs(number) <= self.most:
-            raise self.refusal()
-        return number
-
-
-@dataclass(frozen=True)
-class Whole(Annotation):
-    """A whole number from ``low`` to ``high``."""
-
-    low: int
-    high: int
-
-    def words(self) -> str:
-        return f"a whole number from {self.low} to {self.high}"
-
-    def check(self, value: Any) -> int:
-        if isinstance(value, bool) or not isinstance(value, int) or not self.low <= value <= self.high:
-            raise self.refusal()
-        return value
-
-
-@dataclass(frozen=True)
-class Text(Annotation):
-    """A text of at least one visible character."""
-
-    meaning: str = "text"
-
-    def words(self) -> str:
-        return f"{self.meaning} in quotes"
-
-    def check(self, value: Any) -> str:
-        if not isinstance(value, str) or not value.strip() or "\0" in value:
-            raise self.refusal()
-        return value
-
-
-@dataclass(frozen=True)
-class Switch(Annotation):
-    """true or false."""
-
-    def words(self) -> str:
-        return "true or false (without quotes)"
-
-    def check(self, value: Any) -> bool:
-        if not isinstance(value, bool):
-            raise self.refusal()
-        return value
-
-
-@dataclass(frozen=True)
-class Day(Annotation):
-    """A date."""
-
-    def words(self) -> str:
-        return "a date without quotes, like 2026-01-31"
-
-    def check(self, value: Any) -> datetime.date:
-        if not isinstance(value, datetime.date):
-            raise self.refusal()
-        return value
-
-
-@dataclass(frozen=True)
-class Choice(Annotation):
-    """One word out of ``allowed``."""
-
-    allowed: tuple[str, ...]
-
-    def words(self) -> str:
-        quoted = [f'"{word}"' for word in self.allowed]
-        return quoted[0] if len(quoted) == 1 else ", ".join(quoted[:-1]) + " or " + quoted[-1]
-
-    def check(self, value: Any) -> str:
-        if isinstance(value, str) and value in self.allowed:
-            return value
-        near = nearest(value, self.allowed) if isinstance(value, str) else None
-        raise refuse(f"must be {self.words()}" + (f'; did you mean "{near}"?' if near else ""))
-
-
-@dataclass(frozen=True)
-class Series(Annotation):
-    """One or many numbers in the range of ``each``: a number, a list, or ``{from = .., to = .., step = ..}``.
-
-    The check returns a tuple of floats. The end of a range is kept when it is met within 1e-9 of a step.
-    """
-
-    each: Quantity
-
-    def words(self) -> str:
-        return f"{self.each.words()}, a list of such numbers, or {{from = .., to = .., step = ..}}"
-
-    def check(self, value: Any) -> tuple[float, ...]:
-        if isinstance(value, dict):
-            return self._range(value)
-        if not isinstance(value, (list, tuple)):
-            number = as_float(value)
-            if number is None or not self.each.holds(number):
-                raise self.refusal()
-            return (number,)
-        if not value:
-            raise refuse("the list is empty: must be " + self.words())
-        numbers = [as_float(v) for v in value]
-        for position, number in enumerate(numbers):
-            if number is None or not self.each.holds(number):
-                raise refuse(f"entry [{position}] must be {self.each.words()}")
-        return tuple(n for n in numbers if n is not None)
-
-    def _range(self, value: dict[str, Any]) -> tuple[float, ...]:
-        if set(value) != {"from", "to", "step"}:
-            raise refuse("a range needs exactly the keys from, to and step")
-        first, last, step = (as_float(value[k]) for k in ("from", "to", "step"))
-        if first is None or last is None or step is None:
-            raise refuse("from, to and step must be finite numbers")
-        for name, end in (("from", first), ("to", last)):
-            if not self.each.holds(end):
-                raise refuse(f"{name} must be {self.each.words()}")
-        if step <= 0.0 or last < first:
-            raise refuse("a range needs a step above 0 and from <= to")
-        if (last - first) / step >= MOST_POINTS:
-            raise refuse(f"this range has more than {MOST_POINTS} values; must be a larger step")
-        count = math.floor((last - first) / step + 1e-9) + 1
-        return tuple(min(first + i * step, last) for i in range(count))
-
-
-@dataclass(frozen=True)
-class Numbers(Annotation):
-    """A list, perhaps empty, of numbers in the range of ``each``; the check returns a tuple of floats."""
-
-    each: Quantity
-
-    def words(self) -> str:
-        return f"a list, each {self.each.words()}"
-
-    def check(self, value: Any) -> tuple[float, ...]:
-        if not isinstance(value, (list, tuple)):
-            raise self.refusal()
-        return Series(self.each).check(value) if value else ()
-
-
-@dataclass(frozen=True)
-class TableList(Annotation):
-    """A list of tables, each of the kind that its key ``by`` names; the check returns a tuple of sections."""
-
-    by: str
-    sections: Callable[[], dict[str, Any]]
-    header: str
-
-    def words(self) -> str:
-        return f"a list of tables ({self.header})"
-
-    def check(self, value: Any) -> tuple[Any, ...]:
-        if not isinstance(value, (list, tuple)):
-            raise self.refusal()
-        return collected(value, self._entry)
-
-    def _entry(self, entry: Any) -> Any:
-        sections = self.sections()
-        if not isinstance(entry, dict):
-            raise one_fault((), f"must be a table ({self.header})", entry)
-        choice = Choice(tuple(sections))
-        if self.by not in entry:
-            raise one_fault((self.by,), f"must be {choice.words()}", entry, kind="missing")
-        try:
-            name = choice.check(entry[self.by])
-        except PydanticCustomError as error:
-            raise one_fault((self.by,), error.message(), entry[self.by]) from None
-        return sections[name].model_validate(entry)
-
-
-def faults_at(place: tuple[str | int, ...], error: ValidationError) -> list[InitErrorDetails]:
-    """Return the faults of a table that stands at ``place`` of a larger one."""
-    return [
-        InitErrorDetails(
-            type=PydanticCustomError(e["type"], e["msg"]),  # type: ignore[arg-type]
-            loc=(*place, *e["loc"]),
-            input=e["input"],
-        )
-        for e in error.errors(include_url=False)
-    ]
-
-
-@dataclass(frozen=True)
-class OrTable(Annotation):
-    """A plain number, or a table that says more; the check returns a float or the section."""
-
-    number: Quantity
-    section: Callable[[], Any]
-    header: str
-
-    def words(self) -> str:
-        return f"{self.number.words()} or a table ({self.header})"
-
-    def check(self, value: Any) -> Any:
-        if isinstance(value, dict):
-            return self.section().model_validate(value)
-        number = as_float(value)
-        if number is None or not self.number.holds(number):
-            raise self.refusal() if isinstance(value, str | list | bool) else self.number.refusal()
-        return number
-
-
-@dataclass(frozen=True)
-class Tables(Annotation):
-    """A list of tables of one kind; the check returns a tuple of sections."""
-
-    section: Any
-    header: str
-
-    def words(self) -> str:
-        return f"a list of tables ({self.header})"
-
-    def check(self, value: Any) -> tuple[Any, ...]:
-        if not isinstance(value, (list, tuple)):
-            raise self.refusal()
-        return collected(value, self._entry)
-
-    def _entry(self, entry: Any) -> Any:
-        if not isinstance(entry, dict):
-            raise one_fault((), f"must be a table ({self.header})", entry)
-        return self.section.model_validate(entry)
-
-
-def collected(values: Any, check: Callable[[Any], Any]) -> tuple[Any, ...]:
-    """Every entry of a list checked; one validation error with the faults of all, each with its place."""
-    kept: list[Any] = []
-    faults: list[InitErrorDetails] = []
-    for position, entry in enumerate(values):
-        try:
-            kept.append(check(entry))
-        except ValidationError as error:
-            faults += [
-                InitErrorDetails(
-                    type=PydanticCustomError(e["type"], e["msg"]),  # type: ignore[arg-type]
-                    loc=(position, *e["loc"]),
-                    input=e["input"],
-                )
-                for e in error.errors(include_url=False)
-            ]
-    if faults:
-        raise ValidationError.from_exception_data("tables", faults)
-    return tuple(kept)
-
-
-def one_fault(loc: tuple[str | int, ...], message: str, value: Any, kind: str = "value") -> ValidationError:
-    """Return a validation error with a single fault at ``loc``."""
-    fault = PydanticCustomError(kind, message)  # type: ignore[arg-type]
-    return ValidationError.from_exception_data("fault", [InitErrorDetails(type=fault, loc=loc, input=value)])
-
-
-def plain(number: float) -> str:
-    """Write a number without an exponent where that is shorter to read."""
-    return str(int(number)) if number == int(number) and abs(number) < 1e7 else f"{number:g}"
-
-
-def as_float(value: Any) -> float | None:
-    """Return a finite float for an integer or float, None for anything else (switches, text, nan, inf)."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return None
+    """The error with which a validator says why a value is refused."""
+    return PydanticCustomError("fault", message)  # type: ignore[arg-type]
+
+
+def _spread(value: Any) -> Any:
+    """A number or a range as the numbers it stands for; the end of a range is kept if met within 1e-9 of a step."""
+    if not isinstance(value, dict):
+        return value if isinstance(value, (list, tuple)) else (value,)
+    if set(value) != {"from", "to", "step"}:
+        raise refuse("a range needs exactly the keys from, to and step")
     try:
-        number = float(value)
-    except OverflowError:
-        return None
-    return number if math.isfinite(number) else None
+        first, last, step = (math.nan if isinstance(v, bool | str) else float(v) for v in (value[k] for k in RANGE))
+    except (TypeError, OverflowError):
+        first = last = step = math.nan
+    if not math.isfinite(first + last + step):
+        raise refuse("from, to and step must be finite numbers")
+    if step <= 0.0 or last < first:
+        raise refuse("a range needs a step above 0 and from <= to")
+    if (last - first) / step >= MOST_POINTS:
+        raise refuse(f"this range has more than {MOST_POINTS} values; must be a larger step")
+    count = math.floor((last - first) / step + 1e-9) + 1
+    return tuple(min(first + i * step, last) for i in range(count))
 
 
-def nearest(word: str, allowed: tuple[str, ...] | list[str]) -> str | None:
-    """Return the allowed word most like ``word``, regardless of capitals, or None."""
-    from difflib import get_close_matches
+RANGE = ("from", "to", "step")
+List = Annotated[tuple[T, ...], Field(strict=False)]
+"""A list, perhaps empty, of numbers, words or tables."""
+Series = Annotated[
+    tuple[T, ...],
+    Field(strict=False, min_length=1, description="{each}, a list of such numbers, or {from = .., to = .., step = ..}"),
+    BeforeValidator(_spread),
+]
+"""One or many numbers: a number, a list, or a range."""
+Two = Annotated[tuple[T, T], Field(strict=False)]
+Three = Annotated[
+    tuple[T, T, T],
+    Field(strict=False, description="three numbers for x (forward), y (left), z (up), each {each}"),
+]
+Source = Annotated[str, text("where the data come from")]
+Day = Annotated[datetime.date, Field(description="a date without quotes, like 2026-01-31")]
+Switch = Annotated[bool, Field(description="true or false (without quotes)")]
 
-    small = {a.lower(): a for a in allowed}
-    near = get_close_matches(word.lower(), list(small), n=1, cutoff=0.6)
-    return small[near[0]] if near else None
+Plain = TypeVar("Plain")
+OrTable = Annotated[
+    Annotated[Plain, Tag("plain")] | Annotated[T, Tag("table")],
+    Discriminator(lambda value: "table" if isinstance(value, dict) else "plain"),
+]
+"""A plain value, or a table that says more."""
+
+
+class Kind(NamedTuple):
+    """The annotation of a field in its parts: type, limits, description, and whether a tag chooses among types."""
+
+    base: Any
+    limits: tuple[Any, ...]
+    said: str
+    tagged: bool
+
+
+@cache
+def fields(section: type) -> dict[str, Any]:
+    """Annotation of every field of a section, with what is written beside its type."""
+    return get_type_hints(section, include_extras=True)
+
+
+def unpacked(annotation: Any) -> Kind:
+    """The parts of an annotation; ``| None`` counts for nothing."""
+    limits: list[Any] = []
+    said, tagged = "", False
+    while True:
+        if get_origin(annotation) is Annotated:
+            annotation, *beside = get_args(annotation)
+            for mark in beside:
+                if isinstance(mark, FieldInfo):
+                    limits += mark.metadata
+                    said = mark.description or said
+                    tagged |= mark.discriminator is not None
+                tagged |= isinstance(mark, Discriminator)
+        elif is_union(annotation) and type(None) in get_args(annotation) and len(get_args(annotation)) == 2:
+            annotation = next(a for a in get_args(annotation) if a is not type(None))
+        else:
+            return Kind(annotation, tuple(limits), said, tagged)
+
+
+def is_union(annotation: Any) -> bool:
+    """True for ``A | B``."""
+    return get_origin(annotation) in (Union, types.UnionType)
+
+
+def entry_of(annotation: Any) -> Any:
+    """The annotation of the entries of a list; None for what is no list."""
+    base = unpacked(annotation).base
+    return get_args(base)[0] if get_origin(base) is tuple else None
+
+
+def header_of(annotation: Any) -> str:
+    """How a table, or one of several kinds of tables, is called in messages; empty for what is none."""
+    base = unpacked(annotation).base
+    if is_union(base):
+        headers = [header_of(member) for member in get_args(base)]
+        return headers[0].partition(" with ")[0] if all(headers) else ""
+    return getattr(base, "header", "")
+
+
+def words(annotation: Any) -> str:
+    """Say what is allowed, to follow "must be"."""
+    base, limits, said, _ = unpacked(annotation)
+    if base in (int, float):
+        return _number_words(base, limits, said)
+    if said:
+        return said.replace("{each}", words(entry_of(annotation)) if entry_of(annotation) else "")
+    if get_origin(base) is Literal:
+        return choice(get_args(base))
+    if header_of(annotation):
+        return f"a table ({header_of(annotation)})"
+    if is_union(base):
+        return " or ".join(words(member) for member in get_args(base))
+    if get_origin(base) is tuple:
+        each = entry_of(annotation)
+        return f"a list of tables ({header_of(each)})" if header_of(each) else f"a list, each {words(each)}"
+    if get_origin(base) is dict:
+        return f"tables ({header_of(get_args(base)[1])})"
+    return "text in quotes"
+
+
+def choice(allowed: tuple[str, ...], value: Any = None) -> str:
+    """Say which words are allowed, and which of them ``value`` was probably meant to be."""
+    quoted = [f'"{word}"' for word in allowed]
+    near = nearest(value, allowed) if isinstance(value, str) else None
+    listed = ", ".join(quoted[:-1]) + " or " + quoted[-1] if len(quoted) > 1 else quoted[0]
+    return listed + (f'; did you mean "{near}"?' if near else "")
+
+
+def limits_of(limits: tuple[Any, ...]) -> tuple[float, float, bool]:
+    """Lowest and highest number allowed, and whether the lowest itself is excluded."""
+    low, high, excluded = -math.inf, math.inf, False
+    for limit in limits:
+        if isinstance(limit, Ge | Gt):
+            low, excluded = (limit.ge, False) if isinstance(limit, Ge) else (limit.gt, True)  # type: ignore[assignment]
+        elif isinstance(limit, Le):
+            high = limit.le  # type: ignore[assignment]
+    return low, high, excluded
+
+
+def _number_words(base: type, limits: tuple[Any, ...], said: str) -> str:
+    if said and not limits:
+        return said
+    low, high, excluded = limits_of(limits)
+    what = "a whole number" if base is int else "a number"
+    if math.isfinite(low) and math.isfinite(high):
+        what += f" above {plain(low)} and at most {plain(high)}" if excluded else f" from {plain(low)} to {plain(high)}"
+    elif math.isfinite(low):
+        what += f" above {plain(low)}" if excluded else f" not below {plain(low)}"
+    elif math.isfinite(high):
+        what += f" not above {plain(high)}"
+    elif base is float:
+        what = "a finite number"
+    return what + (f" ({said})" if said else "")
+
+
+def plain(value: float) -> str:
+    """Write a number without an exponent where that is shorter to read."""
+    return str(int(value)) if value == int(value) and (abs(value) < 1e7 or isinstance(value, int)) else f"{value:g}"
+
+
+def refusal(annotation: Any, place: list[Any], value: Any) -> str:
+    """The sentence on a value, or on its entry at ``place``, that pydantic refused."""
+    base = unpacked(annotation).base
+    if place and isinstance(value, list | tuple) and (each := entry_of(annotation)):
+        inner = refusal(each, place[1:], value[place[0]]) if place[0] < len(value) else None
+        if inner:
+            return f"entry [{place[0]}] {inner}"
+    if place and isinstance(value, dict) and get_origin(base) is tuple:  # a range
+        return f"{'from' if place[0] == 0 else 'to'} must be {words(entry_of(annotation))}"
+    if get_origin(base) is Literal:
+        return "must be " + choice(get_args(base), value)
+    empty = "the list is empty: " if value in ([], ()) and get_origin(base) is tuple else ""
+    return f"{empty}must be {words(annotation)}"

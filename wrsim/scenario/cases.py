@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from wrsim.errors import InputError
-from wrsim.inputs.toml_files import read_text, shown
-from wrsim.inputs.values import Quantity, nearest
+from wrsim.inputs.csv_tables import read_columns
+from wrsim.inputs.toml_files import shown
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.analysis import MOST_POSES, Lateral, Load, Roll, StaticSection, Yaw
 
-COLUMNS: dict[str, Quantity] = {"lateral_mm": Lateral, "yaw_mrad": Yaw, "load_kN": Load, "roll_mrad": Roll}
-NEEDED = ("id", "lateral_mm", "load_kN")
-MOST_FAULTS = 20
-"""Faults of one table that are told before the rest is only counted."""
+COLUMNS: dict[str, Any] = {"id": str, "lateral_mm": Lateral, "yaw_mrad": Yaw, "load_kN": Load, "roll_mrad": Roll}
+FACTORS = {"lateral_mm": 1e-3, "yaw_mrad": 1e-3, "load_kN": 1e3, "roll_mrad": 1e-3}
+"""To SI units, in the order of a pose."""
 
 
 @dataclass(frozen=True)
@@ -70,107 +71,21 @@ def _grid(section: StaticSection) -> Iterator[StaticPose]:
 def read_cases(path: Path, with_roll: bool = True) -> tuple[StaticPose, ...]:
     """Read a CSV table of poses.
 
-    Columns ``id, lateral_mm, load_kN`` and, where they are not zero, ``yaw_mrad, roll_mrad``, in any order;
-    separated by commas or semicolons, decimals with a point. Empty lines and lines that start with # are
-    left out.
+    Columns ``id, lateral_mm, load_kN`` and, where they are not zero, ``yaw_mrad, roll_mrad``, in any order.
     Raises InputError with every fault: file, line, column, value, what is allowed.
     """
-    rows = _rows(read_text(path, "table of poses"), path)
-    try:
-        header_line, header = next(rows)
-    except StopIteration:
-        raise InputError(f"{path}: is empty; must have a line with the columns {', '.join(_all_columns())}") from None
-    faults = list(_header_faults(header, f"{path}:{header_line}", with_roll))
-    if faults:
-        raise InputError("\n".join(faults))
-    poses: list[StaticPose] = []
-    lines: dict[str, int] = {}
-    for line, cells in rows:
-        where = f"{path}:{line}"
-        if len(cells) != len(header):
-            faults.append(f"{where}: has {len(cells)} cells; must have {len(header)} like the header")
-            continue
-        values, wrong = _values(dict(zip(header, cells, strict=True)), where)
-        name = cells[header.index("id")]
+    table, lines = read_columns(path, COLUMNS, ("id", "lateral_mm", "load_kN"), "poses")
+    if "roll_mrad" in table and not with_roll:
+        raise InputError(f"{path}: column 'roll_mrad' is for target = \"wheel\" only: a wheelset finds its own roll")
+    if lines.size > MOST_POSES:
+        raise InputError(f"{path}: {lines.size} poses; allowed: {MOST_POSES}")
+    taken: dict[str, int] = {}
+    for name, line in zip(table["id"], lines, strict=True):
         if not name:
-            wrong.append(f"{where}: id is empty; must be a name of this pose")
-        elif name in lines:
-            wrong.append(f"{where}: id = {shown(name)}: is taken by line {lines[name]} already")
-        faults += wrong
-        if not wrong:
-            lines[name] = line
-            y, yaw, load, roll = (values[column] for column in COLUMNS)
-            poses.append(StaticPose(name, y / 1e3, yaw / 1e3, load * 1e3, roll / 1e3))
-        if len(poses) > MOST_POSES:
-            raise InputError(f"{where}: more than {MOST_POSES} poses")
-    if faults:
-        more = [f"{path}: and {len(faults) - MOST_FAULTS} more faults"] if len(faults) > MOST_FAULTS else []
-        raise InputError("\n".join(faults[:MOST_FAULTS] + more))
-    if not poses:
-        raise InputError(f"{path}: has no poses below its header")
-    return tuple(poses)
-
-
-def _rows(text: str, path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Line number and cells of every line that is not empty and no comment."""
-    kept = [
-        (number, line)
-        for number, line in enumerate(text.split("\n"), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
-    if not kept:
-        return
-    separator = ";" if ";" in kept[0][1] and "," not in kept[0][1] else ","
-    for number, line in kept:
-        try:
-            cells = next(csv.reader([line.rstrip("\r")], delimiter=separator, strict=True))
-        except csv.Error as error:
-            raise InputError(f"{path}:{number}: no line of a CSV table: {error}") from None
-        yield number, [cell.strip() for cell in cells]
-
-
-def _all_columns() -> tuple[str, ...]:
-    return ("id", *COLUMNS)
-
-
-def _header_faults(header: list[str], where: str, with_roll: bool) -> Iterator[str]:
-    guessed: set[str] = set()
-    for column in header:
-        if column in _all_columns():
-            continue
-        near = nearest(column, _all_columns())
-        guessed.update([near] if near else [])
-        hint = f"did you mean '{near}'?" if near else f"the columns are {', '.join(_all_columns())}"
-        yield f"{where}: column {shown(column)}: unknown; {hint}"
-    for column in sorted({c for c in header if header.count(c) > 1}):
-        yield f"{where}: column {shown(column)}: stands there twice"
-    for column in NEEDED:
-        if column not in header and column not in guessed:
-            yield f"{where}: column '{column}' is missing; the columns are {', '.join(_all_columns())}"
-    if "roll_mrad" in header and not with_roll:
-        yield f"{where}: column 'roll_mrad': is for target = \"wheel\" only: a wheelset finds its own roll"
-
-
-def _values(cells: dict[str, str], where: str) -> tuple[dict[str, float], list[str]]:
-    values: dict[str, float] = {}
-    faults: list[str] = []
-    for column, quantity in COLUMNS.items():
-        text = cells.get(column, "0")
-        try:
-            number = float(text)
-        except ValueError:
-            hint = f"; decimals need a point: {text.replace(',', '.')}" if _has_decimal_comma(text) else ""
-            faults.append(f"{where}: {column} = {shown(text)}: must be {quantity.words()}{hint}")
-            continue
-        if not quantity.holds(number):
-            faults.append(f"{where}: {column} = {text}: must be {quantity.words()}")
-        values[column] = number
-    return values, faults
-
-
-def _has_decimal_comma(text: str) -> bool:
-    try:
-        float(text.replace(",", "."))
-    except ValueError:
-        return False
-    return "," in text
+            raise InputError(f"{path}:{line}: id is empty; must be a name of this pose")
+        if name in taken:
+            raise InputError(f"{path}:{line}: id = {shown(name)}: is taken by line {taken[name]} already")
+        taken[str(name)] = int(line)
+    nothing = np.zeros(lines.size)
+    columns = (table.get(name, nothing) * factor for name, factor in FACTORS.items())
+    return tuple(StaticPose(name, *map(float, row)) for name, *row in zip(taken, *columns, strict=True))

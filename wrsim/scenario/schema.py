@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Choice, Series, Text
+from wrsim.inputs.values import Series, text, words
 from wrsim.scenario.sections.analysis import OutputSection, RunSection, StaticSection
 from wrsim.scenario.sections.assessment import AssessmentSection
 from wrsim.scenario.sections.conical import ConicalSection
 from wrsim.scenario.sections.conicity import ConicitySection
 from wrsim.scenario.sections.contact import ContactSection, HalfSpaceSection, MaterialSection
-from wrsim.scenario.sections.irregularities import IRREGULARITIES, GradeSection
+from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection
 from wrsim.scenario.sections.ride import RideSection
 from wrsim.scenario.sections.stability import StabilitySection
 from wrsim.scenario.sections.steady import Speed, SteadySection
@@ -50,8 +50,8 @@ class ScenarioSpec(Section):
         "results": "output",
     }
 
-    title: Annotated[str, Text("a title")] = "untitled"
-    analysis: Annotated[Analysis, Choice(get_args(Analysis))]
+    title: Annotated[str, text("a title")] = "untitled"
+    analysis: Analysis
     vehicle: VehicleSection
     track: TrackSection
     contact: ContactSection = ContactSection()
@@ -93,8 +93,8 @@ def _of_studies(raw: dict[str, Any]) -> Iterator[Fault]:
     if analysis in STUDIES and isinstance(track, dict):
         for key in ("segments", "table", "grades", "irregularities"):
             if track.get(key):
-                words = f'has no place in analysis = "{analysis}", which lays its own track: remove it'
-                yield Fault(("track", key), words + ("" if key == "table" else f" (or {key} = [])"))
+                message = f'has no place in analysis = "{analysis}", which lays its own track: remove it'
+                yield Fault(("track", key), message + ("" if key == "table" else f" (or {key} = [])"))
     if isinstance(contact, dict) and "conical" in contact and isinstance(track, dict) and "elasticity" in track:
         yield Fault(("track", "elasticity"), "has no place beside [contact.conical], whose rails are rigid")
     if analysis == "steady":
@@ -106,7 +106,7 @@ def _of_studies(raw: dict[str, Any]) -> Iterator[Fault]:
         if isinstance(own, dict) and not any(
             isinstance(table, dict) and "speed_kmh" in section.keys_meant(table) for section, table in with_speed
         ):
-            yield Fault(("steady", "speed_kmh"), f"must be {Series(Speed).words()}", missing=True)
+            yield Fault(("steady", "speed_kmh"), f"must be {words(Series[Speed])}", missing=True)
     if analysis != "stability" and isinstance(contact, dict) and "conical" in contact:
         yield Fault(("contact", "conical"), 'is for analysis = "stability" only')
 
@@ -115,7 +115,7 @@ def _tell_sections_of_each_other() -> None:
     """Let every section say where a key belongs that it does not know."""
     sections: tuple[type[Section], ...] = (
         ScenarioSpec, VehicleSection, TrackSection, Straight, Transition, Arc,
-        GradeSection, *IRREGULARITIES.values(), ElasticitySection,
+        GradeSection, *get_args(IrregularitySection), ElasticitySection,
         ContactSection, MaterialSection, HalfSpaceSection, StaticSection, RunSection, OutputSection, ConicitySection,
         AssessmentSection, RideSection, StabilitySection, SteadySection, ConicalSection,
     )  # fmt: skip

@@ -6,7 +6,6 @@ lay other rails on it.
 
 from __future__ import annotations
 
-import datetime
 from typing import Annotated, Any, ClassVar
 
 from wrsim.errors import InputError
@@ -15,7 +14,7 @@ from wrsim.inputs.lines import key_lines
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_toml, read_text, write_toml
-from wrsim.inputs.values import Day, Text
+from wrsim.inputs.values import Day, Source, text
 from wrsim.scenario.merging import Merged, laid_over, owned
 
 FILE = "file"
@@ -26,9 +25,9 @@ class TrackFile(Section):
 
     header: ClassVar[str] = "a track file"
 
-    name: Annotated[str, Text("the track's name")]
-    source: Annotated[str, Text("where the data come from")]
-    date: Annotated[datetime.date, Day()]
+    name: Annotated[str, text("the track's name")]
+    source: Source
+    date: Day
 
 
 def with_track_file(merged: Merged, finder: Finder) -> Merged:

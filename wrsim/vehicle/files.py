@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import datetime
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
+
+from pydantic import Field
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
@@ -16,25 +17,19 @@ from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.toml_files import parse_toml, read_text
-from wrsim.inputs.values import Annotation, Day, Numbers, Quantity, Text
+from wrsim.inputs.values import Day, Source, Three, number, positive, text, words
 from wrsim.vehicle.wheelset import SprungMass, Suspension, Wheel, Wheelset
 
 Locate = Callable[[KeyPath], str]
 
-Radius = Quantity(100, 1500, example="radius at the tape circle in mm, such as 460")
-WheelName = Text('a wheel profile file such as "wheels/S1002.toml"')
+Radius = Annotated[float, number(100, 1500, "radius at the tape circle in mm, such as 460")]
+WheelName = Annotated[str, text('a wheel profile file such as "wheels/S1002.toml"')]
 
 
-class Three(Annotation):
-    """Three numbers not below zero, along x (forward), y (lateral), z (vertical)."""
-
-    def words(self) -> str:
-        return "three numbers not below 0: along x (forward), y (lateral), z (vertical)"
-
-    def check(self, value: Any) -> tuple[float, ...]:
-        if not isinstance(value, (list, tuple)) or len(value) != 3:
-            raise self.refusal()
-        return Numbers(Quantity(0, 1e9)).check(value)
+Springs = Annotated[
+    Three[Annotated[float, number(0, 1e9)]],
+    Field(description="three numbers not below 0: along x (forward), y (lateral), z (vertical)"),
+]
 
 
 class WheelsetTable(Section):
@@ -51,30 +46,30 @@ class WheelsetTable(Section):
         "back_to_back_mm": "flange_back_mm",
     }
 
-    mass_kg: Annotated[float, Quantity(above=0, high=20_000, example="kg")]
-    roll_inertia_kg_m2: Annotated[float, Quantity(above=0, high=1e5, example="about the x axis")]
-    spin_inertia_kg_m2: Annotated[float, Quantity(above=0, high=1e5, example="about the axle")]
-    yaw_inertia_kg_m2: Annotated[float, Quantity(above=0, high=1e5, example="about the z axis")]
-    profile_spacing_mm: Annotated[float, Quantity(400, 2500, example="mm between the tape circles")] | None = None
-    flange_back_mm: Annotated[float, Quantity(300, 2400, example="mm between the flange backs")] | None = None
-    back_to_tape_circle_mm: Annotated[float, Quantity(20, 120, example="mm, 70 in Europe")] = 70.0
-    wheel: Annotated[str, WheelName] | None = None
-    wheel_left: Annotated[str, WheelName] | None = None
-    wheel_right: Annotated[str, WheelName] | None = None
-    radius_mm: Annotated[float, Radius] | None = None
-    radius_left_mm: Annotated[float, Radius] | None = None
-    radius_right_mm: Annotated[float, Radius] | None = None
+    mass_kg: Annotated[float, positive(20_000, "kg")]
+    roll_inertia_kg_m2: Annotated[float, positive(1e5, "about the x axis")]
+    spin_inertia_kg_m2: Annotated[float, positive(1e5, "about the axle")]
+    yaw_inertia_kg_m2: Annotated[float, positive(1e5, "about the z axis")]
+    profile_spacing_mm: Annotated[float, number(400, 2500, "mm between the tape circles")] | None = None
+    flange_back_mm: Annotated[float, number(300, 2400, "mm between the flange backs")] | None = None
+    back_to_tape_circle_mm: Annotated[float, number(20, 120, "mm, 70 in Europe")] = 70.0
+    wheel: WheelName | None = None
+    wheel_left: WheelName | None = None
+    wheel_right: WheelName | None = None
+    radius_mm: Radius | None = None
+    radius_left_mm: Radius | None = None
+    radius_right_mm: Radius | None = None
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """A value for both wheels or one for each; the spacing in one of two ways."""
-        yield from both_or_sides(raw, "wheel", "wheel_left", "wheel_right", needed=WheelName.words())
-        yield from both_or_sides(raw, "radius_mm", "radius_left_mm", "radius_right_mm", needed=Radius.words())
+        yield from both_or_sides(raw, "wheel", "wheel_left", "wheel_right", needed=words(WheelName))
+        yield from both_or_sides(raw, "radius_mm", "radius_left_mm", "radius_right_mm", needed=words(Radius))
         if "flange_back_mm" in raw and "profile_spacing_mm" in raw:
             yield Fault("flange_back_mm", "cannot stand next to profile_spacing_mm: give one of them")
         elif "flange_back_mm" not in raw and "profile_spacing_mm" not in raw:
-            words = "a distance in mm between the tape circles (or give flange_back_mm)"
-            yield Fault("profile_spacing_mm", f"must be {words}", missing=True)
+            needed = "must be a distance in mm between the tape circles (or give flange_back_mm)"
+            yield Fault("profile_spacing_mm", needed, missing=True)
         if "back_to_tape_circle_mm" in raw and "flange_back_mm" not in raw:
             yield Fault("back_to_tape_circle_mm", "is for use with flange_back_mm only")
 
@@ -100,11 +95,11 @@ class SuspensionTable(Section):
 
     header: ClassVar[str] = "[suspension]"
 
-    stiffness_kN_per_m: Annotated[tuple[float, float, float], Three()] = (0.0, 0.0, 0.0)
-    damping_kNs_per_m: Annotated[tuple[float, float, float], Three()] = (0.0, 0.0, 0.0)
-    half_spacing_mm: Annotated[float, Quantity(above=0, high=2000, example="mm from the middle")] = 1000.0
+    stiffness_kN_per_m: Springs = (0.0, 0.0, 0.0)
+    damping_kNs_per_m: Springs = (0.0, 0.0, 0.0)
+    half_spacing_mm: Annotated[float, positive(2000, "mm from the middle")] = 1000.0
     ahead_of_bogie_centre_mm: Annotated[
-        float, Quantity(-5000, 5000, example="mm, half the wheelbase for a leading axle, negative for a trailing one")
+        float, number(-5000, 5000, "mm, half the wheelbase for a leading axle, negative for a trailing one")
     ] = 0.0
 
 
@@ -114,8 +109,8 @@ class SprungTable(Section):
     header: ClassVar[str] = "[sprung]"
     aliases: ClassVar[dict[str, str]] = {"height_mm": "height_above_axle_mm"}
 
-    mass_kg: Annotated[float, Quantity(0, 50_000, example="kg")] = 0.0
-    height_above_axle_mm: Annotated[float, Quantity(-1000, 5000, example="mm of its centre above the axle")] = 0.0
+    mass_kg: Annotated[float, number(0, 50_000, "kg")] = 0.0
+    height_above_axle_mm: Annotated[float, number(-1000, 5000, "mm of its centre above the axle")] = 0.0
 
 
 class VehicleFile(Section):
@@ -124,9 +119,9 @@ class VehicleFile(Section):
     header: ClassVar[str] = "a vehicle file"
     aliases: ClassVar[dict[str, str]] = {"title": "name", "vehicle": "wheelset", "sprung_mass": "sprung"}
 
-    name: Annotated[str, Text("the vehicle's name")]
-    source: Annotated[str, Text("where the data come from")]
-    date: Annotated[datetime.date, Day()]
+    name: Annotated[str, text("the vehicle's name")]
+    source: Source
+    date: Day
     wheelset: WheelsetTable
     suspension: SuspensionTable = SuspensionTable()
     sprung: SprungTable = SprungTable()

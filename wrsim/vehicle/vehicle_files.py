@@ -6,7 +6,6 @@ bodies, parts, elements or [wheelsets] a whole vehicle. See docs/vehicles.md for
 
 from __future__ import annotations
 
-import datetime
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
@@ -17,7 +16,7 @@ from wrsim.inputs.checking import check
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.toml_files import parse_toml, read_text
-from wrsim.inputs.values import Day, Text
+from wrsim.inputs.values import Day, Source, text
 from wrsim.vehicle.assembly import Assembly
 from wrsim.vehicle.elements import TRACK
 from wrsim.vehicle.files import WheelsetTable, load_vehicle, load_wheel
@@ -36,9 +35,9 @@ class WholeVehicleFile(PartTable):
     header: ClassVar[str] = "the file of a whole vehicle"
     aliases: ClassVar[dict[str, str]] = {"title": "name"}
 
-    name: Annotated[str, Text("the vehicle's name")]
-    source: Annotated[str, Text("where the data come from")]
-    date: Annotated[datetime.date, Day()]
+    name: Annotated[str, text("the vehicle's name")]
+    source: Source
+    date: Day
     wheelset: WheelsetTable | None = None
     wheelset_types: dict[str, WheelsetTable] = Field(default_factory=dict)
     parts: dict[str, PartTable] = Field(default_factory=dict)

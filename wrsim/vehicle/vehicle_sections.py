@@ -4,125 +4,46 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
-from pydantic import Field, ValidationError
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import (
-    Annotation,
-    Choice,
-    Numbers,
-    Quantity,
-    Switch,
-    TableList,
-    Text,
-    as_float,
-    faults_at,
-    refuse,
-)
+from wrsim.inputs.values import List, Switch, Three, Two, number, positive, refuse, text
 
-Metre = Quantity(-200_000, 200_000, example="mm")
-Name = Text("a name")
+Metre = Annotated[float, number(-200_000, 200_000, "mm")]
+Name = Annotated[str, text("a name")]
 NOTHING = (0.0, 0.0, 0.0)
 
 
-class Three(Annotation):
-    """Three numbers along or about x (forward), y (left), z (up), each in a range."""
-
-    def __init__(self, each: Quantity) -> None:
-        self.each = each
-
-    def words(self) -> str:
-        return f"three numbers for x (forward), y (left), z (up), each {self.each.words()}"
-
-    def check(self, value: Any) -> tuple[float, ...]:
-        if not isinstance(value, (list, tuple)) or len(value) != 3:
-            raise self.refusal()
-        return Numbers(self.each).check(value)
+def _rising(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    for position, (before, row) in enumerate(pairwise(rows), 1):
+        if row[0] <= before[0] or row[1] < before[1]:
+            raise refuse(f"row [{position}] must not lie below the row before it, and further on: both rise")
+    return rows
 
 
-class Names(Annotation):
-    """A name, or a list of names; the check returns a tuple."""
-
-    def __init__(self, meaning: str) -> None:
-        self.meaning = meaning
-
-    def words(self) -> str:
-        return f"{self.meaning}, or a list of such names"
-
-    def check(self, value: Any) -> tuple[str, ...]:
-        names = value if isinstance(value, (list, tuple)) else (value,)
-        if not names or not all(isinstance(n, str) and n.strip() for n in names):
-            raise self.refusal()
-        return tuple(names)
-
-
-class Tables(Annotation):
-    """A list of tables of one kind; the check returns a tuple of sections."""
-
-    def __init__(self, section: type[Section]) -> None:
-        self.section = section
-
-    def words(self) -> str:
-        return f"a list of tables ({self.section.header})"
-
-    def check(self, value: Any) -> tuple[Section, ...]:
-        if not isinstance(value, (list, tuple)):
-            raise self.refusal()
-        kept, faults = [], []
-        for position, entry in enumerate(value):
-            try:
-                kept.append(self.section.model_validate(entry))
-            except ValidationError as error:
-                faults += faults_at((position,), error)
-        if faults:
-            raise ValidationError.from_exception_data("tables", faults)
-        return tuple(kept)
-
-
-class Axes(Annotation):
-    """A list of the axes ``"x"`` and ``"y"`` that change their sign."""
-
-    def words(self) -> str:
-        return 'a list of "x" (front to rear) and "y" (left to right)'
-
-    def check(self, value: Any) -> tuple[str, ...]:
-        if not isinstance(value, (list, tuple)) or not set(map(str, value)) <= {"x", "y"}:
-            raise self.refusal()
-        return tuple(value)
-
-
-class Pairs(Annotation):
-    """A table of rows [x, y] with rising x, y that does not fall."""
-
-    def __init__(self, columns: str) -> None:
-        self.columns = columns
-
-    def words(self) -> str:
-        return f"a list of at least two rows [{self.columns}], both rising"
-
-    def check(self, value: Any) -> tuple[tuple[float, float], ...]:
-        if not isinstance(value, (list, tuple)) or len(value) < 2:
-            raise self.refusal()
-        rows = []
-        for position, row in enumerate(value):
-            numbers = [as_float(v) for v in row] if isinstance(row, (list, tuple)) else []
-            if len(numbers) != 2 or None in numbers:
-                raise refuse(f"row [{position}] must be two numbers [{self.columns}]")
-            rows.append((float(numbers[0] or 0.0), float(numbers[1] or 0.0)))
-        for position in range(1, len(rows)):
-            if rows[position][0] <= rows[position - 1][0] or rows[position][1] < rows[position - 1][1]:
-                raise refuse(f"row [{position}] must not lie below the row before it, and further on: both rise")
-        return tuple(rows)
-
-
-Place = Three(Metre)
-Stiffness = Three(Quantity(0, 1e7, example="kN/m"))
-Damping = Three(Quantity(0, 1e5, example="kN s/m"))
-Turning = Three(Quantity(0, 1e8, example="kN m/rad"))
-TurningDamping = Three(Quantity(0, 1e6, example="kN m s/rad"))
-Along = Annotated[Literal["x", "y", "z"], Choice(("x", "y", "z"))]
+Row = TypeVar("Row")
+Rising = Annotated[
+    tuple[Row, ...],
+    Field(strict=False, min_length=2, description="a list of at least two rows, both rising; each {each}"),
+    AfterValidator(_rising),
+]
+"""A table of rows [x, y] with rising x, y that does not fall."""
+ForceOfTravel = Rising[Annotated[Two[float], Field(description="two numbers [travel mm, force kN]")]]
+ForceOfVelocity = Rising[Annotated[Two[float], Field(description="two numbers [velocity m/s, force kN]")]]
+Names = Annotated[
+    tuple[Annotated[str, text("a name")], ...],
+    Field(strict=False, min_length=1, description="the name of a body or wheelset, or a list of such names"),
+    BeforeValidator(lambda value: value if isinstance(value, (list, tuple)) else (value,)),
+]
+Place = Three[Metre]
+Stiffness = Three[Annotated[float, number(0, 1e7, "kN/m")]]
+Damping = Three[Annotated[float, number(0, 1e5, "kN s/m")]]
+Turning = Three[Annotated[float, number(0, 1e8, "kN m/rad")]]
+TurningDamping = Three[Annotated[float, number(0, 1e6, "kN m s/rad")]]
+Mirror = Annotated[List[Literal["x", "y"]], Field(description='a list of "x" (front to rear) and "y" (left to right)')]
+Along = Literal["x", "y", "z"]
 
 
 class BodyTable(Section):
@@ -131,9 +52,9 @@ class BodyTable(Section):
     header: ClassVar[str] = "[bodies.NAME]"
     aliases: ClassVar[dict[str, str]] = {"center_mm": "centre_mm", "position_mm": "centre_mm"}
 
-    mass_kg: Annotated[float, Quantity(above=0, high=1e6, example="kg")]
-    inertia_kg_m2: Annotated[tuple[float, float, float], Three(Quantity(above=0, high=1e9, example="kg m2"))]
-    centre_mm: Annotated[tuple[float, float, float], Place]
+    mass_kg: Annotated[float, positive(1e6, "kg")]
+    inertia_kg_m2: Three[Annotated[float, positive(1e9, "kg m2")]]
+    centre_mm: Place
 
     def consistency(self) -> Iterator[Fault]:
         """No principal inertia of a solid is larger than the sum of the other two."""
@@ -150,8 +71,8 @@ class MountTable(Section):
 
     header: ClassVar[str] = "[wheelsets.NAME]"
 
-    x_mm: Annotated[float, Metre]
-    type: Annotated[str, Name] | None = None
+    x_mm: Metre
+    type: Name | None = None
 
 
 class ElementTable(Section):
@@ -167,11 +88,11 @@ class ElementTable(Section):
     """Keys that hold points."""
 
     kind: str
-    name: Annotated[str, Name]
-    body: Annotated[str, Text("the name of a body")]
-    to: Annotated[tuple[str, ...], Names("the name of a body or wheelset")]
-    origin: Annotated[Literal["part", "body", "to"], Choice(("part", "body", "to"))] = "part"
-    both_sides: Annotated[bool, Switch()] = False
+    name: Name
+    body: Annotated[str, text("the name of a body")]
+    to: Names
+    origin: Literal["part", "body", "to"] = "part"
+    both_sides: Switch = False
 
 
 class SpringTable(ElementTable):
@@ -179,12 +100,13 @@ class SpringTable(ElementTable):
 
     header: ClassVar[str] = "[[elements]] with kind = spring"
 
-    at_mm: Annotated[tuple[float, float, float], Place]
-    stiffness_kN_per_m: Annotated[tuple[float, float, float], Stiffness] = NOTHING
-    damping_kNs_per_m: Annotated[tuple[float, float, float], Damping] = NOTHING
-    rotational_stiffness_kNm_per_rad: Annotated[tuple[float, float, float], Turning] = NOTHING
-    rotational_damping_kNms_per_rad: Annotated[tuple[float, float, float], TurningDamping] = NOTHING
-    preload_kN: Annotated[tuple[float, float, float], Three(Quantity(-1e4, 1e4, example="kN"))] | None = None
+    kind: Literal["spring"]
+    at_mm: Place
+    stiffness_kN_per_m: Stiffness = NOTHING
+    damping_kNs_per_m: Damping = NOTHING
+    rotational_stiffness_kNm_per_rad: Turning = NOTHING
+    rotational_damping_kNms_per_rad: TurningDamping = NOTHING
+    preload_kN: Three[Annotated[float, number(-1e4, 1e4, "kN")]] | None = None
 
 
 class ShearSpringTable(ElementTable):
@@ -193,12 +115,13 @@ class ShearSpringTable(ElementTable):
     header: ClassVar[str] = "[[elements]] with kind = shear-spring"
     POINTS: ClassVar[tuple[str, ...]] = ("body_mm", "to_mm")
 
-    body_mm: Annotated[tuple[float, float, float], Place]
-    to_mm: Annotated[tuple[float, float, float], Place]
-    stiffness_kN_per_m: Annotated[tuple[float, float, float], Stiffness]
-    bending_stiffness_kNm_per_rad: Annotated[float, Quantity(0, 1e6, example="kN m/rad, of either axis")] = 0.0
-    torsional_stiffness_kNm_per_rad: Annotated[float, Quantity(0, 1e6, example="kN m/rad")] = 0.0
-    damping_kNs_per_m: Annotated[tuple[float, float, float], Damping] = NOTHING
+    kind: Literal["shear-spring"]
+    body_mm: Place
+    to_mm: Place
+    stiffness_kN_per_m: Stiffness
+    bending_stiffness_kNm_per_rad: Annotated[float, number(0, 1e6, "kN m/rad, of either axis")] = 0.0
+    torsional_stiffness_kNm_per_rad: Annotated[float, number(0, 1e6, "kN m/rad")] = 0.0
+    damping_kNs_per_m: Damping = NOTHING
 
     def consistency(self) -> Iterator[Fault]:
         """Its axis is vertical."""
@@ -211,10 +134,11 @@ class TabulatedSpringTable(ElementTable):
 
     header: ClassVar[str] = "[[elements]] with kind = tabulated-spring"
 
-    at_mm: Annotated[tuple[float, float, float], Place]
+    kind: Literal["tabulated-spring"]
+    at_mm: Place
     direction: Along
-    travel_mm_force_kN: Annotated[tuple[tuple[float, float], ...], Pairs("travel mm, force kN")]
-    damping_kNs_per_m: Annotated[float, Quantity(0, 1e5, example="kN s/m")] = 0.0
+    travel_mm_force_kN: ForceOfTravel
+    damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
 
 
 class BumpStopTable(ElementTable):
@@ -223,10 +147,11 @@ class BumpStopTable(ElementTable):
     header: ClassVar[str] = "[[elements]] with kind = bump-stop"
     aliases: ClassVar[dict[str, str]] = {**ElementTable.aliases, "gap_mm_force_N": "travel_mm_force_kN"}
 
-    at_mm: Annotated[tuple[float, float, float], Place]
+    kind: Literal["bump-stop"]
+    at_mm: Place
     direction: Along
-    travel_mm_force_kN: Annotated[tuple[tuple[float, float], ...], Pairs("travel mm, force kN")]
-    both_ways: Annotated[bool, Switch()] = True
+    travel_mm_force_kN: ForceOfTravel
+    both_ways: Switch = True
 
     def consistency(self) -> Iterator[Fault]:
         """The table begins where the stop is met."""
@@ -241,13 +166,14 @@ class DamperTable(ElementTable):
     header: ClassVar[str] = "[[elements]] with kind = damper"
     POINTS: ClassVar[tuple[str, ...]] = ("at_mm", "body_mm", "to_mm")
 
-    at_mm: Annotated[tuple[float, float, float], Place] | None = None
+    kind: Literal["damper"]
+    at_mm: Place | None = None
     direction: Along | None = None
-    body_mm: Annotated[tuple[float, float, float], Place] | None = None
-    to_mm: Annotated[tuple[float, float, float], Place] | None = None
-    damping_kNs_per_m: Annotated[float, Quantity(above=0, high=1e5, example="kN s/m")] | None = None
-    velocity_m_per_s_force_kN: Annotated[tuple[tuple[float, float], ...], Pairs("velocity m/s, force kN")] | None = None
-    series_stiffness_kN_per_m: Annotated[float, Quantity(above=0, high=1e7, example="kN/m")] | None = None
+    body_mm: Place | None = None
+    to_mm: Place | None = None
+    damping_kNs_per_m: Annotated[float, positive(1e5, "kN s/m")] | None = None
+    velocity_m_per_s_force_kN: ForceOfVelocity | None = None
+    series_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] | None = None
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -280,10 +206,11 @@ class RodTable(ElementTable):
     header: ClassVar[str] = "[[elements]] with kind = traction-rod"
     POINTS: ClassVar[tuple[str, ...]] = ("body_mm", "to_mm")
 
-    body_mm: Annotated[tuple[float, float, float], Place]
-    to_mm: Annotated[tuple[float, float, float], Place]
-    stiffness_kN_per_m: Annotated[float, Quantity(above=0, high=1e7, example="kN/m")]
-    damping_kNs_per_m: Annotated[float, Quantity(0, 1e5, example="kN s/m")] = 0.0
+    kind: Literal["traction-rod"]
+    body_mm: Place
+    to_mm: Place
+    stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
+    damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
 
     def consistency(self) -> Iterator[Fault]:
         """A rod has a length."""
@@ -297,18 +224,14 @@ class AntiRollBarTable(ElementTable):
     header: ClassVar[str] = "[[elements]] with kind = anti-roll-bar"
     POINTS: ClassVar[tuple[str, ...]] = ()
 
-    stiffness_kNm_per_rad: Annotated[float, Quantity(above=0, high=1e6, example="kN m/rad")]
+    kind: Literal["anti-roll-bar"]
+    stiffness_kNm_per_rad: Annotated[float, positive(1e6, "kN m/rad")]
 
 
-ELEMENTS: dict[str, type[ElementTable]] = {
-    "spring": SpringTable,
-    "shear-spring": ShearSpringTable,
-    "tabulated-spring": TabulatedSpringTable,
-    "bump-stop": BumpStopTable,
-    "damper": DamperTable,
-    "traction-rod": RodTable,
-    "anti-roll-bar": AntiRollBarTable,
-}
+Element = Annotated[
+    SpringTable | ShearSpringTable | TabulatedSpringTable | BumpStopTable | DamperTable | RodTable | AntiRollBarTable,
+    Field(discriminator="kind"),
+]
 
 
 class LoadTable(Section):
@@ -316,10 +239,10 @@ class LoadTable(Section):
 
     header: ClassVar[str] = "[[loads]]"
 
-    name: Annotated[str, Name]
-    on: Annotated[str, Text("the name of a body")]
-    at_mm: Annotated[tuple[float, float, float], Place]
-    force_kN: Annotated[tuple[float, float, float], Three(Quantity(-1e4, 1e4, example="kN"))]
+    name: Name
+    on: Annotated[str, text("the name of a body")]
+    at_mm: Place
+    force_kN: Three[Annotated[float, number(-1e4, 1e4, "kN")]]
 
 
 class PointTable(Section):
@@ -327,9 +250,9 @@ class PointTable(Section):
 
     header: ClassVar[str] = "[[points]]"
 
-    name: Annotated[str, Name]
-    on: Annotated[str, Text("the name of a body")]
-    at_mm: Annotated[tuple[float, float, float], Place]
+    name: Name
+    on: Annotated[str, text("the name of a body")]
+    at_mm: Place
 
 
 class PlaceTable(Section):
@@ -337,10 +260,10 @@ class PlaceTable(Section):
 
     header: ClassVar[str] = "[[places]]"
 
-    part: Annotated[str, Text("the name of a part, as in [parts.NAME]")]
-    name: Annotated[str, Name]
-    at_mm: Annotated[tuple[float, float, float], Place]
-    mirror: Annotated[tuple[str, ...], Axes()] = ()
+    part: Annotated[str, text("the name of a part, as in [parts.NAME]")]
+    name: Name
+    at_mm: Place
+    mirror: Mirror = ()
 
 
 class PartTable(Section):
@@ -350,7 +273,7 @@ class PartTable(Section):
 
     bodies: dict[str, BodyTable] = Field(default_factory=dict)
     wheelsets: dict[str, MountTable] = Field(default_factory=dict)
-    elements: Annotated[tuple[Any, ...], TableList("kind", lambda: ELEMENTS, "[[elements]]")] = ()
-    loads: Annotated[tuple[LoadTable, ...], Tables(LoadTable)] = ()
-    points: Annotated[tuple[PointTable, ...], Tables(PointTable)] = ()
-    places: Annotated[tuple[PlaceTable, ...], Tables(PlaceTable)] = ()
+    elements: List[Element] = ()
+    loads: List[LoadTable] = ()
+    points: List[PointTable] = ()
+    places: List[PlaceTable] = ()

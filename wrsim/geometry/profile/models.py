@@ -15,13 +15,13 @@ points     a file of points beside it, read by `wrsim.geometry.profile.files` (m
 
 from __future__ import annotations
 
-import datetime
 from collections.abc import Callable, Iterator
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, cast
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
+from pydantic import Field
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, read_profile
@@ -43,24 +43,15 @@ from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.toml_files import parse_toml, read_text
-from wrsim.inputs.values import Annotation, Choice, Day, Numbers, Quantity, Switch, TableList, Text
+from wrsim.inputs.values import Day, List, Source, Switch, Two, number, positive, text
 
 MM = 1e-3
 
-Length = Annotated[float, Quantity(above=0.0, high=1e4)]
-Coordinate = Annotated[float, Quantity(-1000.0, 1000.0)]
+Length = Annotated[float, positive(1e4)]
+Coordinate = Annotated[float, number(-1000.0, 1000.0)]
 
 
-class Pair(Annotation):
-    """Two finite numbers: a point (u, height)."""
-
-    def words(self) -> str:
-        return "two numbers: [u, height]"
-
-    def check(self, value: Any) -> tuple[float, ...]:
-        if not isinstance(value, (list, tuple)) or len(value) != 2:
-            raise self.refusal()
-        return Numbers(Quantity(-1e5, 1e5)).check(value)
+Pair = Annotated[Two[Annotated[float, number(-1e5, 1e5)]], Field(description="two numbers: [u, height]")]
 
 
 class ProfileFile(Section):
@@ -69,20 +60,15 @@ class ProfileFile(Section):
     header: ClassVar[str] = "a profile file"
     aliases: ClassVar[dict[str, str]] = {"type": "kind", "title": "name", "reference": "source"}
 
-    name: Annotated[str, Text("the profile's name")]
-    body: Annotated[str, Choice(("wheel", "rail"))]
-    kind: Annotated[str, Text()]
-    date: Annotated[datetime.date, Day()]
-    source: Annotated[str, Text("where the data come from")]
+    name: Annotated[str, text("the profile's name")]
+    body: Kind
+    kind: str
+    date: Day
+    source: Source
 
     def build(self, path: Path) -> Profile:
         """Make the profile; `path` is the file, for names relative to it."""
         raise NotImplementedError
-
-    @property
-    def side(self) -> Kind:
-        """The body as a profile's kind."""
-        return cast(Kind, self.body)
 
 
 # --- kind = "sections" --------------------------------------------------------------------------------
@@ -93,10 +79,10 @@ class PolynomialSection(Section):
 
     header: ClassVar[str] = '[[sections]] with shape = "polynomial"'
 
-    shape: Annotated[str, Text()]
+    shape: Literal["polynomial"]
     from_mm: Coordinate
     to_mm: Coordinate
-    coefficients_mm: Annotated[tuple[float, ...], Numbers(Quantity())]
+    coefficients_mm: List[Annotated[float, number()]]
 
     def piece(self, down: bool) -> Piece:
         """The section in metres, up positive."""
@@ -117,12 +103,12 @@ class ArcSection(Section):
 
     header: ClassVar[str] = '[[sections]] with shape = "arc"'
 
-    shape: Annotated[str, Text()]
+    shape: Literal["arc"]
     from_mm: Coordinate
     to_mm: Coordinate
-    centre_mm: Annotated[tuple[float, float], Pair()]
+    centre_mm: Pair
     radius_mm: Length
-    half: Annotated[str, Choice(("upper", "lower"))]
+    half: Literal["upper", "lower"]
 
     def piece(self, down: bool) -> Piece:
         """The section in metres, up positive."""
@@ -145,9 +131,9 @@ class LineSection(Section):
 
     header: ClassVar[str] = '[[sections]] with shape = "line"'
 
-    shape: Annotated[str, Text()]
-    start_mm: Annotated[tuple[float, float], Pair()]
-    end_mm: Annotated[tuple[float, float], Pair()]
+    shape: Literal["line"]
+    start_mm: Pair
+    end_mm: Pair
 
     def piece(self, down: bool) -> Piece:
         """The section in metres, up positive."""
@@ -161,7 +147,7 @@ class LineSection(Section):
             yield Fault("end_mm", "must differ from start_mm")
 
 
-SHAPES: dict[str, Any] = {"polynomial": PolynomialSection, "arc": ArcSection, "line": LineSection}
+Shape = Annotated[PolynomialSection | ArcSection | LineSection, Field(discriminator="shape")]
 
 
 class SectionsFile(ProfileFile):
@@ -169,8 +155,8 @@ class SectionsFile(ProfileFile):
 
     header: ClassVar[str] = 'a profile file with kind = "sections"'
 
-    heights: Annotated[str, Choice(HEIGHTS)] = "up"
-    sections: Annotated[tuple[Any, ...], TableList("shape", lambda: SHAPES, "[[sections]]")]
+    heights: Literal[*HEIGHTS] = "up"  # type: ignore[valid-type]
+    sections: List[Shape]
 
     def build(self, path: Path) -> Profile:
         """See `ProfileFile`. Sections may be listed from either end."""
@@ -178,7 +164,7 @@ class SectionsFile(ProfileFile):
         if not pieces:
             raise InputError("sections is empty; at least one [[sections]] table is needed")
         pieces.sort(key=lambda s: float(s.evaluate(np.array([s.start]))[0][0, 0]))
-        return profile_from_sections(self.name, self.side, pieces, self.source)
+        return profile_from_sections(self.name, self.body, pieces, self.source)
 
 
 # --- kind = "chain" -----------------------------------------------------------------------------------
@@ -189,7 +175,7 @@ class ChainLine(Section):
 
     header: ClassVar[str] = '[[pieces]] with shape = "line"'
 
-    shape: Annotated[str, Text()]
+    shape: Literal["line"]
     length_mm: Length
 
 
@@ -198,12 +184,9 @@ class ChainArc(Section):
 
     header: ClassVar[str] = '[[pieces]] with shape = "arc"'
 
-    shape: Annotated[str, Text()]
+    shape: Literal["arc"]
     radius_mm: Length
-    to_angle_deg: Annotated[float, Quantity(-180.0, 180.0)]
-
-
-CHAIN_SHAPES: dict[str, Any] = {"line": ChainLine, "arc": ChainArc}
+    to_angle_deg: Annotated[float, number(-180.0, 180.0)]
 
 
 class ChainFile(ProfileFile):
@@ -212,8 +195,8 @@ class ChainFile(ProfileFile):
     header: ClassVar[str] = 'a profile file with kind = "chain"'
 
     start_mm: Coordinate
-    start_angle_deg: Annotated[float, Quantity(-180.0, 180.0)]
-    pieces: Annotated[tuple[Any, ...], TableList("shape", lambda: CHAIN_SHAPES, "[[pieces]]")]
+    start_angle_deg: Annotated[float, number(-180.0, 180.0)]
+    pieces: List[Annotated[ChainLine | ChainArc, Field(discriminator="shape")]]
 
     def build(self, path: Path) -> Profile:
         """See `ProfileFile`."""
@@ -237,7 +220,7 @@ class ChainFile(ProfileFile):
                 chain.append(Arc(place[0] + side[0], place[1] + side[1], radius, angle, last))
                 end, angle = chain[-1].evaluate(np.array([chain[-1].end]))[0][0], last
             place = end
-        profile = profile_from_sections(self.name, self.side, chain, self.source)
+        profile = profile_from_sections(self.name, self.body, chain, self.source)
         return profile.shifted(dw=-float(profile.at(profile.arclength_of(0.0))[1]))
 
 
@@ -249,9 +232,9 @@ class RailHeadFile(ProfileFile):
 
     header: ClassVar[str] = 'a profile file with kind = "rail-head"'
 
-    radii_mm: Annotated[tuple[float, ...], Numbers(Quantity(above=0.0, high=1e4))]
-    half_widths_mm: Annotated[tuple[float, ...], Numbers(Quantity(above=0.0, high=1e3))]
-    side_slope: Annotated[float, Quantity(0.0, 1.0, example="1:20 is 0.05")]
+    radii_mm: List[Annotated[float, positive(1e4)]]
+    half_widths_mm: List[Annotated[float, positive(1e3)]]
+    side_slope: Annotated[float, number(0.0, 1.0, "1:20 is 0.05")]
     depth_mm: Length
 
     def consistency(self) -> Iterator[Fault]:
@@ -278,7 +261,7 @@ class ConeFile(ProfileFile):
 
     header: ClassVar[str] = 'a profile file with kind = "cone"'
 
-    conicity: Annotated[float, Quantity(-1.0, 1.0, example="1:20 is 0.05")]
+    conicity: Annotated[float, number(-1.0, 1.0, "1:20 is 0.05")]
     from_mm: Coordinate
     to_mm: Coordinate
 
@@ -289,7 +272,7 @@ class ConeFile(ProfileFile):
 
     def build(self, path: Path) -> Profile:
         """See `ProfileFile`."""
-        return cone(self.name, self.side, self.conicity, self.from_mm * MM, self.to_mm * MM, self.source)
+        return cone(self.name, self.body, self.conicity, self.from_mm * MM, self.to_mm * MM, self.source)
 
 
 class CircleFile(ProfileFile):
@@ -297,7 +280,7 @@ class CircleFile(ProfileFile):
 
     header: ClassVar[str] = 'a profile file with kind = "circle"'
 
-    radius_mm: Annotated[float, Quantity(-1e5, 1e5, example="positive: convex upward, negative: hollow")]
+    radius_mm: Annotated[float, number(-1e5, 1e5, "positive: convex upward, negative: hollow")]
     half_width_mm: Length
 
     def consistency(self) -> Iterator[Fault]:
@@ -307,7 +290,7 @@ class CircleFile(ProfileFile):
 
     def build(self, path: Path) -> Profile:
         """See `ProfileFile`."""
-        return circle(self.name, self.side, self.radius_mm * MM, self.half_width_mm * MM, self.source)
+        return circle(self.name, self.body, self.radius_mm * MM, self.half_width_mm * MM, self.source)
 
 
 # --- kind = "worn" ------------------------------------------------------------------------------------
@@ -318,19 +301,14 @@ class BellOfWear(Section):
 
     header: ClassVar[str] = "[[removals]]"
 
-    direction: Annotated[str, Choice(("vertical", "normal"))]
-    depth_mm: Annotated[float, Quantity(-20.0, 20.0, example="negative: material that flowed there")]
+    direction: Direction
+    depth_mm: Annotated[float, number(-20.0, 20.0, "negative: material that flowed there")]
     middle_mm: Coordinate
-    half_width_mm: Annotated[float, Quantity(0.5, 500.0)]
+    half_width_mm: Annotated[float, number(0.5, 500.0)]
 
     def removal(self) -> Removal:
         """The same in metres."""
-        return Removal(
-            cast(Direction, self.direction), self.depth_mm * MM, self.middle_mm * MM, self.half_width_mm * MM
-        )
-
-
-BELLS: dict[str, Any] = {"vertical": BellOfWear, "normal": BellOfWear}
+        return Removal(self.direction, self.depth_mm * MM, self.middle_mm * MM, self.half_width_mm * MM)
 
 
 class WornFile(ProfileFile):
@@ -339,8 +317,8 @@ class WornFile(ProfileFile):
     header: ClassVar[str] = 'a profile file with kind = "worn"'
     aliases: ClassVar[dict[str, str]] = ProfileFile.aliases | {"removal": "removals", "wear": "removals"}
 
-    base: Annotated[str, Text('the file of the unworn profile, such as "S1002.toml",')]
-    removals: Annotated[tuple[Any, ...], TableList("direction", lambda: BELLS, "[[removals]]")]
+    base: Annotated[str, text('the file of the unworn profile, such as "S1002.toml",')]
+    removals: List[BellOfWear]
 
     def consistency(self) -> Iterator[Fault]:
         """Something is taken off."""
@@ -359,7 +337,7 @@ class WornFile(ProfileFile):
             raise InputError(f'base = "{self.base}": the profile would start from itself')
         token = _building.set(chain)
         try:
-            new = load_profile(base, self.side)
+            new = load_profile(base, self.body)
         finally:
             _building.reset(token)
         return worn(new, [bell.removal() for bell in self.removals], self.name, self.source)
@@ -376,16 +354,16 @@ class PointsFile(ProfileFile):
 
     header: ClassVar[str] = 'a profile file with kind = "points"'
 
-    file: Annotated[str, Text("the name of a file of points, relative to this file,")]
-    format: Annotated[str | None, Choice(tuple(PROFILE_FILES))] = None
-    measured: Annotated[bool | None, Switch()] = None
-    cutoff_mm: Annotated[float | None, Quantity(above=0.0, high=100.0)] = None
-    unit: Annotated[str | None, Choice(("mm", "m", "in"))] = None
-    heights: Annotated[str | None, Choice(HEIGHTS)] = None
-    field_side: Annotated[str | None, Choice(SIDES)] = None
-    clip_mm: Annotated[tuple[float, float] | None, Pair()] = None
-    turn_mrad: Annotated[float, Quantity(-3200.0, 3200.0)] = 0.0
-    shift_mm: Annotated[tuple[float, float], Pair()] = (0.0, 0.0)
+    file: Annotated[str, text("the name of a file of points, relative to this file,")]
+    format: Literal[*PROFILE_FILES] | None = None  # type: ignore[valid-type]
+    measured: Switch | None = None
+    cutoff_mm: Annotated[float, positive(100.0)] | None = None
+    unit: Literal["mm", "m", "in"] | None = None
+    heights: Literal[*HEIGHTS] | None = None  # type: ignore[valid-type]
+    field_side: Literal[*SIDES] | None = None  # type: ignore[valid-type]
+    clip_mm: Pair | None = None
+    turn_mrad: Annotated[float, number(-3200.0, 3200.0)] = 0.0
+    shift_mm: Pair = (0.0, 0.0)
 
     def consistency(self) -> Iterator[Fault]:
         """A cut-off is for measurements; a clip goes from left to right."""
@@ -402,7 +380,7 @@ class PointsFile(ProfileFile):
         """The points, not yet a profile."""
         return read_points(
             path.parent / self.file,
-            self.side,
+            self.body,
             format=self.format,
             name=self.name,
             source=self.source,
@@ -432,7 +410,7 @@ class _AnyFile(Section):
     """Only what decides which kind of file it is."""
 
     header: ClassVar[str] = "a profile file"
-    kind: Annotated[str, Choice(tuple(FILE_KINDS))]
+    kind: Literal[*FILE_KINDS]  # type: ignore[valid-type]
 
 
 def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:

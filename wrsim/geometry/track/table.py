@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +33,8 @@ from wrsim.errors import InputError
 from wrsim.geometry.piecewise import PiecewiseCubic
 from wrsim.geometry.track.irregularities import WEIGHTS, Disturbance, Sampled
 from wrsim.geometry.track.segments import MAX_CANT, MAX_WIDENING, Laws
-from wrsim.inputs.csv_tables import read_numbers
-from wrsim.inputs.values import Quantity
+from wrsim.inputs.csv_tables import read_columns
+from wrsim.inputs.values import number
 
 Array = NDArray[np.float64]
 
@@ -52,13 +53,13 @@ IRREGULARITIES = {
 } | ONE_RAIL
 """Columns of irregularities and their weights on both rails."""
 
-_Deviation = Quantity(-200, 200, example="mm")
+_Deviation = Annotated[float, number(-200, 200, "mm")]
 COLUMNS = {
-    "distance_m": Quantity(-1e7, 1e7),
-    "curvature_per_km": Quantity(-100, 100, example="1000 / radius in m, positive to the left"),
-    "cant_mm": Quantity(-1e3 * MAX_CANT, 1e3 * MAX_CANT, example="positive: right rail higher"),
-    "gauge_mm": Quantity(400, 2000),
-    "grade_permille": Quantity(-150, 150, example="positive: uphill"),
+    "distance_m": Annotated[float, number(-1e7, 1e7)],
+    "curvature_per_km": Annotated[float, number(-100, 100, "1000 / radius in m, positive to the left")],
+    "cant_mm": Annotated[float, number(-1e3 * MAX_CANT, 1e3 * MAX_CANT, "positive: right rail higher")],
+    "gauge_mm": Annotated[float, number(400, 2000)],
+    "grade_permille": Annotated[float, number(-150, 150, "positive: uphill")],
 } | dict.fromkeys(IRREGULARITIES, _Deviation)
 
 ROWS_A_WAVE = 2.0
@@ -77,7 +78,7 @@ class TrackTable:
     def read(cls, path: str | Path) -> TrackTable:
         """Read and check a table. Raises InputError with file, line, column and what is allowed."""
         path = Path(path)
-        columns, lines = read_numbers(path, COLUMNS, ("distance_m",))
+        columns, lines = read_columns(path, COLUMNS, ("distance_m",))
         distance = columns.pop("distance_m")
         if not columns:
             raise InputError(f"{path}: nothing but distance_m; add one of {', '.join(list(COLUMNS)[1:])}")

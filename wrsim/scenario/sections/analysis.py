@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Choice, Numbers, Quantity, Series, Switch, Text, Whole
+from wrsim.inputs.values import List, Series, Switch, number, positive, text, words
 
-Lateral = Quantity(-100, 100, example="mm, positive to the left")
-Yaw = Quantity(-200, 200, example="mrad, positive to the left")
-Load = Quantity(above=0, high=1000, example="kN, downwards")
-Roll = Quantity(-200, 200, example="mrad, positive lifts the left wheel")
+Lateral = Annotated[float, number(-100, 100, "mm, positive to the left")]
+Yaw = Annotated[float, number(-200, 200, "mrad, positive to the left")]
+Load = Annotated[float, positive(1000, "kN, downwards")]
+Roll = Annotated[float, number(-200, 200, "mrad, positive lifts the left wheel")]
 
 GRID = ("lateral_mm", "yaw_mrad", "load_kN", "roll_mrad")
 MOST_POSES = 1_000_000
@@ -41,14 +41,14 @@ class StaticSection(Section):
         "wheel": "side",
     }
 
-    target: Annotated[Literal["wheel", "wheelset"], Choice(("wheel", "wheelset"))]
-    side: Annotated[Literal["left", "right"], Choice(("left", "right"))] = "left"
-    lateral_mm: Annotated[tuple[float, ...], Series(Lateral)] = (0.0,)
-    yaw_mrad: Annotated[tuple[float, ...], Series(Yaw)] = (0.0,)
-    load_kN: Annotated[tuple[float, ...], Series(Load)] | None = None
-    roll_mrad: Annotated[tuple[float, ...], Series(Roll)] = (0.0,)
-    cases: Annotated[str, Text('a CSV file such as "poses.csv"')] | None = None
-    rolling: Annotated[bool, Switch()] = True
+    target: Literal["wheel", "wheelset"]
+    side: Literal["left", "right"] = "left"
+    lateral_mm: Series[Lateral] = (0.0,)
+    yaw_mrad: Series[Yaw] = (0.0,)
+    load_kN: Series[Load] | None = None
+    roll_mrad: Series[Roll] = (0.0,)
+    cases: Annotated[str, text('a CSV file such as "poses.csv"')] | None = None
+    rolling: Switch = True
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -57,7 +57,7 @@ class StaticSection(Section):
         if "cases" in raw and grid:
             yield Fault("cases", f"cannot stand next to {', '.join(grid)}: the poses come from one place")
         elif "cases" not in raw and "load_kN" not in raw:
-            yield Fault("load_kN", f"must be {Series(Load).words()} (or give cases)", missing=True)
+            yield Fault("load_kN", f"must be {words(Series[Load])} (or give cases)", missing=True)
         if raw.get("target") == "wheelset":
             if "side" in raw:
                 yield Fault("side", 'is for target = "wheel" only')
@@ -86,11 +86,11 @@ class RunSection(Section):
         "sampling_ms": "output_interval_ms",
     }
 
-    start_distance_m: Annotated[float, Quantity(0, 1e6, example="m along the centre line")] = 0.0
-    distance_m: Annotated[float, Quantity(0.01, 1e6, example="m from the start")] | None = None
-    time_s: Annotated[float, Quantity(0.001, 1e5, example="s from the start")] | None = None
-    step_us: Annotated[int, Whole(1, 20_000)] | None = None
-    output_interval_ms: Annotated[float, Quantity(0.01, 10_000, example="ms between two samples")] = 5.0
+    start_distance_m: Annotated[float, number(0, 1e6, "m along the centre line")] = 0.0
+    distance_m: Annotated[float, number(0.01, 1e6, "m from the start")] | None = None
+    time_s: Annotated[float, number(0.001, 1e5, "s from the start")] | None = None
+    step_us: Annotated[int, number(1, 20_000)] | None = None
+    output_interval_ms: Annotated[float, number(0.01, 10_000, "ms between two samples")] = 5.0
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -110,6 +110,4 @@ class OutputSection(Section):
     header: ClassVar[str] = "[output]"
     aliases: ClassVar[dict[str, str]] = {"snapshots_m": "patches_at_m", "patches": "patches_at_m"}
 
-    patches_at_m: Annotated[tuple[float, ...], Numbers(Quantity(0, 1e6, example="m along the centre line"))] | None = (
-        None
-    )
+    patches_at_m: List[Annotated[float, number(0, 1e6, "m along the centre line")]] | None = None

@@ -7,10 +7,9 @@ from math import radians
 from typing import Annotated, ClassVar, Literal
 
 from wrsim.inputs.section import Section
-from wrsim.inputs.values import Choice, Quantity
+from wrsim.inputs.values import number
 
 Kind = Literal["passenger", "locomotive", "freight"]
-KINDS: tuple[Kind, ...] = ("passenger", "locomotive", "freight")
 
 
 @dataclass(frozen=True)
@@ -42,12 +41,12 @@ class AssessmentSection(Section):
         "section_m": "section_length_m",
     }
 
-    vehicle_kind: Annotated[Kind, Choice(KINDS)] = "passenger"
-    axle_load_kN: Annotated[float, Quantity(1, 500, example="kN, 2 Q0 of one wheelset")] | None = None
-    friction: Annotated[float, Quantity(0.01, 2, example="for Nadal's limit; dry steel 0.3 to 0.5")] | None = None
-    flange_angle_deg: Annotated[float, Quantity(45, 89, example="degrees, S1002 70")] | None = None
-    instability_frequency_Hz: Annotated[float, Quantity(0.5, 30, example="Hz")] | None = None
-    section_length_m: Annotated[float, Quantity(5, 10_000, example="m")] | None = None
+    vehicle_kind: Kind = "passenger"
+    axle_load_kN: Annotated[float, number(1, 500, "kN, 2 Q0 of one wheelset")] | None = None
+    friction: Annotated[float, number(0.01, 2, "for Nadal's limit; dry steel 0.3 to 0.5")] | None = None
+    flange_angle_deg: Annotated[float, number(45, 89, "degrees, S1002 70")] | None = None
+    instability_frequency_Hz: Annotated[float, number(0.5, 30, "Hz")] | None = None
+    section_length_m: Annotated[float, number(5, 10_000, "m")] | None = None
 
     def settings(self) -> AssessmentSettings:
         """The same in SI units."""

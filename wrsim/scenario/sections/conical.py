@@ -7,9 +7,9 @@ from typing import Annotated, Any, ClassVar
 
 from wrsim.contact.conical import ConicalWheels
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Quantity
+from wrsim.inputs.values import number, positive
 
-CreepCoefficient = Quantity(above=0, high=1e6, example="kN per creepage of one wheel, such as 10000")
+CreepCoefficient = Annotated[float, positive(1e6, "kN per creepage of one wheel, such as 10000")]
 
 
 class ConicalSection(Section):
@@ -26,15 +26,13 @@ class ConicalSection(Section):
         "half_contact_spacing_mm": "half_spacing_mm",
     }
 
-    conicity: Annotated[float, Quantity(0, 1, example="such as 0.05")]
-    half_spacing_mm: Annotated[float, Quantity(200, 1500, example="mm from the middle of the axle to the contact")]
-    creep_longitudinal_kN: Annotated[float, CreepCoefficient]
-    creep_lateral_kN: Annotated[float, CreepCoefficient]
-    friction: (
-        Annotated[float, Quantity(above=0, high=2, example="creep forces saturate; without it they do not")] | None
-    ) = None
-    flange_clearance_mm: Annotated[float, Quantity(0, 100, example="mm of lateral shift")] | None = None
-    flange_stiffness_kN_per_m: Annotated[float, Quantity(above=0, high=1e7, example="kN/m")] | None = None
+    conicity: Annotated[float, number(0, 1, "such as 0.05")]
+    half_spacing_mm: Annotated[float, number(200, 1500, "mm from the middle of the axle to the contact")]
+    creep_longitudinal_kN: CreepCoefficient
+    creep_lateral_kN: CreepCoefficient
+    friction: Annotated[float, positive(2, "creep forces saturate; without it they do not")] | None = None
+    flange_clearance_mm: Annotated[float, number(0, 100, "mm of lateral shift")] | None = None
+    flange_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] | None = None
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
 from wrsim.inputs.section import Section
-from wrsim.inputs.values import Choice, Quantity, Series
+from wrsim.inputs.values import Series, positive
 
 Roll = Literal["none", "rail-top", "centre"]
-ROLLS: tuple[Roll, ...] = ("none", "rail-top", "centre")
 
-Amplitude = Quantity(above=0, high=30, example="mm")
+Amplitude = Annotated[float, positive(30, "mm")]
 AMPLITUDES = tuple(round(1.0 + 0.1 * i, 1) for i in range(61))
 """1 to 7 mm in steps of 0.1 mm."""
 
@@ -35,8 +34,8 @@ class ConicitySection(Section):
     header: ClassVar[str] = "[conicity]"
     aliases: ClassVar[dict[str, str]] = {"amplitudes_mm": "amplitude_mm", "y_mm": "amplitude_mm"}
 
-    amplitude_mm: Annotated[tuple[float, ...], Series(Amplitude)] = AMPLITUDES
-    roll: Annotated[Roll, Choice(ROLLS)] = "none"
+    amplitude_mm: Series[Amplitude] = AMPLITUDES
+    roll: Roll = "none"
 
     def plan(self) -> ConicityPlan:
         """The same in SI units."""

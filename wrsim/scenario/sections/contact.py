@@ -3,34 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar
 
 from wrsim.contact.settings import (
     DRY,
     FREE_STRIPS,
     MOST_FREE_STRIPS,
+    Approach,
     ContactSettings,
     Flexibility,
     HalfSpaceSettings,
+    Influence,
     Material,
     Normal,
+    Pairing,
     Tangential,
+    TractionBound,
 )
 from wrsim.core.contact.strips.layout import FEWEST_FREE_STRIPS
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.values import Choice, OrTable, Quantity, Whole
+from wrsim.inputs.values import OrTable, number, positive, words
 from wrsim.scenario.sections.conical import ConicalSection
 from wrsim.scenario.sections.friction import Coefficient, FrictionSection
 
-Modulus = Quantity(1, 1000, example="GPa, steel 210")
-Poisson = Quantity(0, 0.49, example="steel 0.28")
-FRICTION = OrTable(Coefficient, lambda: FrictionSection, "[contact.friction]")
+Modulus = Annotated[float, number(1, 1000, "GPa, steel 210")]
+Poisson = Annotated[float, number(0, 0.49, "steel 0.28")]
+FrictionValue = OrTable[Coefficient, FrictionSection]
 
-Element = Quantity(0.001, 5, example="mm; 0.1 to 0.3 for patches of rails")
+Element = Annotated[float, number(0.001, 5, "mm; 0.1 to 0.3 for patches of rails")]
 
 STEEL = Material()
 EXACT = HalfSpaceSettings()
-NEEDS_EXACT = '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
 DEFAULTS = ContactSettings()
 
 MATERIAL_ALIASES = {
@@ -51,8 +54,8 @@ class OneMaterial(Section):
     header: ClassVar[str] = "[contact.material.wheel] or [contact.material.rail]"
     aliases: ClassVar[dict[str, str]] = MATERIAL_ALIASES
 
-    youngs_modulus_GPa: Annotated[float, Modulus] | None = None
-    poisson: Annotated[float, Poisson] | None = None
+    youngs_modulus_GPa: Modulus | None = None
+    poisson: Poisson | None = None
 
 
 class MaterialSection(Section):
@@ -61,8 +64,8 @@ class MaterialSection(Section):
     header: ClassVar[str] = "[contact.material]"
     aliases: ClassVar[dict[str, str]] = MATERIAL_ALIASES
 
-    youngs_modulus_GPa: Annotated[float, Modulus] = STEEL.youngs_modulus / 1e9
-    poisson: Annotated[float, Poisson] = STEEL.poisson_ratio
+    youngs_modulus_GPa: Modulus = STEEL.youngs_modulus / 1e9
+    poisson: Poisson = STEEL.poisson_ratio
     wheel: OneMaterial = OneMaterial()
     rail: OneMaterial = OneMaterial()
 
@@ -83,13 +86,11 @@ class HalfSpaceSection(Section):
         "kernel": "influence",
     }
 
-    element_x_mm: Annotated[float, Element] | None = None
-    element_s_mm: Annotated[float, Element] | None = None
-    resolution: Annotated[int, Whole(8, 400)] = EXACT.resolution
-    influence: Annotated[Literal["half-space", "angle-corrected"], Choice(("half-space", "angle-corrected"))] = (
-        EXACT.influence
-    )
-    pairing: Annotated[Literal["opposite", "level"], Choice(("opposite", "level"))] = EXACT.pairing
+    element_x_mm: Element | None = None
+    element_s_mm: Element | None = None
+    resolution: Annotated[int, number(8, 400)] = EXACT.resolution
+    influence: Influence = EXACT.influence
+    pairing: Pairing = EXACT.pairing
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -97,7 +98,7 @@ class HalfSpaceSection(Section):
         sizes = [key for key in ("element_x_mm", "element_s_mm") if key in raw]
         if len(sizes) == 1:
             other = "element_s_mm" if "element_x_mm" in raw else "element_x_mm"
-            yield Fault(other, f"goes with {sizes[0]}: must be {Element.words()}", missing=True)
+            yield Fault(other, f"goes with {sizes[0]}: must be {words(Element)}", missing=True)
         if sizes and "resolution" in raw:
             yield Fault("resolution", f"cannot stand next to {' and '.join(sizes)}: give sizes or a number")
 
@@ -134,25 +135,23 @@ class ContactSection(Section):
         "k_S": "polach_kS",
     }
 
-    normal: Annotated[Normal, Choice(get_args(Normal))] = DEFAULTS.normal
-    approach: Annotated[Literal["projected", "constant"], Choice(("projected", "constant"))] = DEFAULTS.approach
-    tangential: Annotated[Tangential, Choice(get_args(Tangential))] | None = None
-    traction_bound: Annotated[Literal["elliptic", "parabolic"], Choice(("elliptic", "parabolic"))] = (
-        DEFAULTS.traction_bound
+    normal: Normal = DEFAULTS.normal
+    approach: Approach = DEFAULTS.approach
+    tangential: Tangential | None = None
+    traction_bound: TractionBound = DEFAULTS.traction_bound
+    flexibility: Flexibility = DEFAULTS.flexibility
+    polach_kA: Annotated[float, positive(1)] = DEFAULTS.polach_adhesion
+    polach_kS: Annotated[float, positive(1)] = DEFAULTS.polach_slip
+    friction: FrictionValue = DRY
+    friction_left: FrictionValue | None = None
+    friction_right: FrictionValue | None = None
+    strips: Annotated[int, number(5, 1000)] | None = None
+    strip_width_mm: Annotated[float, number(0.005, 2, "mm along the curved axis")] | None = None
+    cells: Annotated[int, number(2, 500)] = DEFAULTS.cells
+    damping_s_per_m: Annotated[float, number(0, 1000, "normal force times this times the rate of approach")] = (
+        DEFAULTS.damping
     )
-    flexibility: Annotated[Flexibility, Choice(get_args(Flexibility))] = DEFAULTS.flexibility
-    polach_kA: Annotated[float, Quantity(above=0, high=1)] = DEFAULTS.polach_adhesion
-    polach_kS: Annotated[float, Quantity(above=0, high=1)] = DEFAULTS.polach_slip
-    friction: Annotated[float | FrictionSection, FRICTION] = DRY
-    friction_left: Annotated[float | FrictionSection, FRICTION] | None = None
-    friction_right: Annotated[float | FrictionSection, FRICTION] | None = None
-    strips: Annotated[int, Whole(5, 1000)] | None = None
-    strip_width_mm: Annotated[float, Quantity(0.005, 2, example="mm along the curved axis")] | None = None
-    cells: Annotated[int, Whole(2, 500)] = DEFAULTS.cells
-    damping_s_per_m: Annotated[
-        float, Quantity(0, 1000, example="normal force times this times the rate of approach")
-    ] = DEFAULTS.damping
-    max_patches: Annotated[int, Whole(1, 3)] = DEFAULTS.max_patches
+    max_patches: Annotated[int, number(1, 3)] = DEFAULTS.max_patches
     material: MaterialSection = MaterialSection()
     half_space: HalfSpaceSection = HalfSpaceSection()
     conical: ConicalSection | None = None

@@ -8,10 +8,10 @@ from typing import Annotated, Any, ClassVar
 
 from wrsim.contact.settings import Friction
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Quantity
+from wrsim.inputs.values import number, words
 
-Coefficient = Quantity(0, 2, example="dry steel 0.3 to 0.5")
-Angle = Quantity(-30, 80, example="contact angle in degrees, flange side positive")
+Coefficient = Annotated[float, number(0, 2, "dry steel 0.3 to 0.5")]
+Angle = Annotated[float, number(-30, 80, "contact angle in degrees, flange side positive")]
 
 PLAIN = Friction(0.0)
 FROM_DEG, FULL_DEG = 15.0, 35.0
@@ -38,19 +38,19 @@ class FrictionSection(Section):
         "friction_right": "[contact]",
     }
 
-    static: Annotated[float, Coefficient]
-    gauge_corner: Annotated[float, Coefficient] | None = None
-    gauge_corner_from_deg: Annotated[float, Angle] = FROM_DEG
-    gauge_corner_full_deg: Annotated[float, Angle] = FULL_DEG
-    falling_ratio: Annotated[float, Quantity(0, 1, example="limit at fast slip over static, 1 does not fall")] = 1.0
-    falling_decay_s_per_m: Annotated[float, Quantity(0, 100, example="dry 0.6, wet 0.2")] = PLAIN.falling_decay
+    static: Coefficient
+    gauge_corner: Coefficient | None = None
+    gauge_corner_from_deg: Angle = FROM_DEG
+    gauge_corner_full_deg: Angle = FULL_DEG
+    falling_ratio: Annotated[float, number(0, 1, "limit at fast slip over static, 1 does not fall")] = 1.0
+    falling_decay_s_per_m: Annotated[float, number(0, 100, "dry 0.6, wet 0.2")] = PLAIN.falling_decay
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """No number without the one that it belongs to."""
         for key in ("gauge_corner_from_deg", "gauge_corner_full_deg"):
             if key in raw and "gauge_corner" not in raw:
-                yield Fault("gauge_corner", f"goes with {key}: must be {Coefficient.words()}", missing=True)
+                yield Fault("gauge_corner", f"goes with {key}: must be {words(Coefficient)}", missing=True)
                 break
         if "falling_decay_s_per_m" in raw and "falling_ratio" not in raw:
             yield Fault("falling_ratio", "goes with falling_decay_s_per_m: must be a number from 0 to 1", missing=True)

@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
+from pydantic import AfterValidator, Field
+
 from wrsim.errors import InputError
 from wrsim.geometry.track.gradient import Grade
 from wrsim.geometry.track.irregularities import CHANNELS, Bump, Channel, Disturbance, Polygon, Rail, Shape
@@ -13,47 +15,33 @@ from wrsim.geometry.track.spectra import SPECTRA, Realisation
 from wrsim.geometry.track.table import TrackTable
 from wrsim.geometry.track.track import ROUNDING
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Annotation, Choice, Quantity, Series, Text, Whole
+from wrsim.inputs.values import List, Two, number, positive, text
 
-Place = Quantity(0, 1e6, example="m along the centre line")
-DefectShape = Literal["1-cosine", "kink", "ramp"]
-SHAPES: tuple[DefectShape, ...] = ("1-cosine", "kink", "ramp")
-RAILS: tuple[Rail, ...] = ("both", "left", "right")
+Place = Annotated[float, number(0, 1e6, "m along the centre line")]
 Find = Callable[[str], Path]
 """Finds a file by the name in a scenario."""
 
 
-class Band(Annotation):
-    """Shortest and longest wavelength."""
-
-    def words(self) -> str:
-        return "two rising wavelengths in m from 0.1 to 1000, such as [3, 70]"
-
-    def check(self, value: Any) -> tuple[float, float]:
-        if not isinstance(value, (list, tuple)) or len(value) != 2:
-            raise self.refusal()
-        low, high = Series(Quantity(0.1, 1000.0, example="m")).check(list(value))
-        if not low < high:
-            raise self.refusal()
-        return low, high
+def _band(value: tuple[float, float]) -> tuple[float, float]:
+    if not value[0] < value[1]:
+        raise ValueError
+    return value
 
 
-class Words(Annotation):
-    """A list of different words out of those allowed."""
+Band = Annotated[
+    Two[Annotated[float, number(0.1, 1000, "m")]],
+    Field(description="two rising wavelengths in m from 0.1 to 1000, such as [3, 70]"),
+    AfterValidator(_band),
+]
 
-    def __init__(self, allowed: tuple[str, ...]) -> None:
-        self.allowed = allowed
 
-    def words(self) -> str:
-        return "a list of " + ", ".join(f'"{word}"' for word in self.allowed)
+def _different(value: tuple[Channel, ...]) -> tuple[Channel, ...]:
+    if len(set(value)) != len(value):
+        raise ValueError
+    return value
 
-    def check(self, value: Any) -> tuple[str, ...]:
-        if not isinstance(value, (list, tuple)) or not value:
-            raise self.refusal()
-        words = tuple(Choice(self.allowed).check(word) for word in value)
-        if len(set(words)) != len(words):
-            raise self.refusal()
-        return words
+
+Channels = Annotated[List[Channel], Field(min_length=1), AfterValidator(_different)]
 
 
 class GradeSection(Section):
@@ -62,9 +50,9 @@ class GradeSection(Section):
     header: ClassVar[str] = "[[track.grades]]"
     aliases: ClassVar[dict[str, str]] = {"at_m": "from_m", "radius_m": "vertical_radius_m", "grade": "grade_permille"}
 
-    from_m: Annotated[float, Place]
-    grade_permille: Annotated[float, Quantity(-150, 150, example="positive: uphill")]
-    vertical_radius_m: Annotated[float, Quantity(200, 1e7, example="m, of the vertical curve at the change")] = 10_000.0
+    from_m: Place
+    grade_permille: Annotated[float, number(-150, 150, "positive: uphill")]
+    vertical_radius_m: Annotated[float, number(200, 1e7, "m, of the vertical curve at the change")] = 10_000.0
 
     def to_geometry(self) -> Grade:
         """The same in SI units."""
@@ -77,15 +65,15 @@ class SpectrumSection(Section):
     header: ClassVar[str] = "[[track.irregularities]] with kind = spectrum"
     aliases: ClassVar[dict[str, str]] = {"band_m": "wavelength_m", "wavelengths_m": "wavelength_m", "name": "spectrum"}
 
-    kind: Annotated[Literal["spectrum"], Choice(("spectrum",))]
-    spectrum: Annotated[str, Choice(tuple(SPECTRA))]
-    seed: Annotated[int, Whole(0, 2**31 - 1)]
-    wavelength_m: Annotated[tuple[float, float], Band()] = (3.0, 100.0)
-    channels: Annotated[tuple[Channel, ...], Words(CHANNELS)] = CHANNELS
-    scale: Annotated[float, Quantity(above=0, high=100, example="factor on all amplitudes")] = 1.0
-    from_m: Annotated[float, Place] = 0.0
-    to_m: Annotated[float, Place] | None = None
-    fade_m: Annotated[float, Quantity(above=0, high=1000, example="m over which they begin and end")] = 20.0
+    kind: Literal["spectrum"]
+    spectrum: Literal[*SPECTRA]  # type: ignore[valid-type]
+    seed: Annotated[int, number(0, 2**31 - 1)]
+    wavelength_m: Band = (3.0, 100.0)
+    channels: Channels = CHANNELS
+    scale: Annotated[float, positive(100, "factor on all amplitudes")] = 1.0
+    from_m: Place = 0.0
+    to_m: Place | None = None
+    fade_m: Annotated[float, positive(1000, "m over which they begin and end")] = 20.0
 
     def disturbances(self, length: float, find: Find) -> tuple[Disturbance, ...]:
         """On a track of this length [m]. Raises InputError when from_m and to_m leave it no room."""
@@ -108,12 +96,12 @@ class TableSection(Section):
     header: ClassVar[str] = "[[track.irregularities]] with kind = table"
     aliases: ClassVar[dict[str, str]] = {"table": "file", "csv": "file", "band_m": "wavelength_m"}
 
-    kind: Annotated[Literal["table"], Choice(("table",))]
-    file: Annotated[str, Text('a CSV file such as "measured.csv"')]
-    wavelength_m: Annotated[tuple[float, float], Band()] | None = None
-    scale: Annotated[float, Quantity(above=0, high=100, example="factor on all amplitudes")] = 1.0
-    from_m: Annotated[float, Place] = 0.0
-    fade_m: Annotated[float, Quantity(above=0, high=1000, example="m over which they begin and end")] = 20.0
+    kind: Literal["table"]
+    file: Annotated[str, text('a CSV file such as "measured.csv"')]
+    wavelength_m: Band | None = None
+    scale: Annotated[float, positive(100, "factor on all amplitudes")] = 1.0
+    from_m: Place = 0.0
+    fade_m: Annotated[float, positive(1000, "m over which they begin and end")] = 20.0
 
     def disturbances(self, length: float, find: Find) -> tuple[Disturbance, ...]:
         """As far as the table and the track go."""
@@ -129,10 +117,10 @@ class _Defect(Section):
     channel: ClassVar[Channel]
     sign: ClassVar[float] = 1.0
 
-    at_m: Annotated[float, Place]
-    length_m: Annotated[float, Quantity(0.1, 1000, example="m")]
-    amplitude_mm: Annotated[float, Quantity(-200, 200, example="mm")]
-    shape: Annotated[DefectShape, Choice(SHAPES)] = "1-cosine"
+    at_m: Place
+    length_m: Annotated[float, number(0.1, 1000, "m")]
+    amplitude_mm: Annotated[float, number(-200, 200, "mm")]
+    shape: Literal["1-cosine", "kink", "ramp"] = "1-cosine"
 
     @property
     def meant(self) -> Rail:
@@ -165,8 +153,8 @@ class DipSection(_Defect):
     channel: ClassVar[Channel] = "level"
     sign: ClassVar[float] = -1.0
 
-    kind: Annotated[Literal["dip"], Choice(("dip",))]
-    rail: Annotated[Rail, Choice(RAILS)] = "both"
+    kind: Literal["dip"]
+    rail: Rail = "both"
 
     @property
     def meant(self) -> Rail:
@@ -180,8 +168,8 @@ class AlignmentSection(_Defect):
     header: ClassVar[str] = "[[track.irregularities]] with kind = alignment"
     channel: ClassVar[Channel] = "alignment"
 
-    kind: Annotated[Literal["alignment"], Choice(("alignment",))]
-    rail: Annotated[Rail, Choice(RAILS)] = "both"
+    kind: Literal["alignment"]
+    rail: Rail = "both"
 
     @property
     def meant(self) -> Rail:
@@ -195,7 +183,7 @@ class TwistSection(_Defect):
     header: ClassVar[str] = "[[track.irregularities]] with kind = twist"
     channel: ClassVar[Channel] = "cross-level"
 
-    kind: Annotated[Literal["twist"], Choice(("twist",))]
+    kind: Literal["twist"]
 
 
 class GaugeSection(_Defect):
@@ -204,18 +192,10 @@ class GaugeSection(_Defect):
     header: ClassVar[str] = "[[track.irregularities]] with kind = gauge"
     channel: ClassVar[Channel] = "gauge"
 
-    kind: Annotated[Literal["gauge"], Choice(("gauge",))]
+    kind: Literal["gauge"]
 
 
 IrregularitySection = SpectrumSection | TableSection | DipSection | AlignmentSection | TwistSection | GaugeSection
-IRREGULARITIES: dict[str, Any] = {
-    "spectrum": SpectrumSection,
-    "table": TableSection,
-    "dip": DipSection,
-    "alignment": AlignmentSection,
-    "twist": TwistSection,
-    "gauge": GaugeSection,
-}
 
 
 def grades_in_order(raw: Any) -> Iterator[Fault]:

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Quantity
+from wrsim.inputs.values import number
 
-Place = Quantity(-1e6, 1e6, example="m along the centre line")
+Place = Annotated[float, number(-1e6, 1e6, "m along the centre line")]
 
 
 class RideSection(Section):
@@ -17,9 +17,9 @@ class RideSection(Section):
     header: ClassVar[str] = "[ride]"
     aliases: ClassVar[dict[str, str]] = {"start_m": "from_m", "end_m": "to_m", "df_Hz": "resolution_Hz"}
 
-    from_m: Annotated[float, Place] | None = None
-    to_m: Annotated[float, Place] | None = None
-    resolution_Hz: Annotated[float, Quantity(0.001, 10, example="Hz")] = 0.1
+    from_m: Place | None = None
+    to_m: Place | None = None
+    resolution_Hz: Annotated[float, number(0.001, 10, "Hz")] = 0.1
 
     def consistency(self) -> Iterator[Fault]:
         """A stretch has a length."""

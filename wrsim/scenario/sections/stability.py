@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Quantity, Series, Switch
+from wrsim.inputs.values import Series, Switch, number
 
-Speed = Quantity(1, 1000, example="km/h")
+Speed = Annotated[float, number(1, 1000, "km/h")]
 SPEEDS = tuple(float(v) for v in range(40, 401, 20))
 MOST_SPEEDS = 1000
 
@@ -60,18 +60,18 @@ class StabilitySection(Section):
         "start_kmh": "cycle_start_kmh",
     }
 
-    speed_kmh: Annotated[tuple[float, ...], Series(Speed)] = SPEEDS
-    highest_Hz: Annotated[float, Quantity(0.1, 1000, example="Hz")] = 25.0
-    nonlinear: Annotated[bool, Switch()] = True
-    cycle_start_kmh: Annotated[float, Speed] | None = None
-    cycle_step_kmh: Annotated[float, Quantity(0.1, 100, example="km/h")] = 10.0
-    tolerance_kmh: Annotated[float, Quantity(0.01, 50, example="km/h")] = 1.0
-    lowest_kmh: Annotated[float, Speed] = 20.0
-    kick_mm: Annotated[float, Quantity(0.1, 20, example="mm of lateral shift")] = 5.0
-    small_kick_mm: Annotated[float, Quantity(0.01, 10, example="mm of lateral shift")] = 0.3
-    window_s: Annotated[float, Quantity(0.2, 20, example="s, two periods of the hunting or more")] = 1.0
-    longest_s: Annotated[float, Quantity(1, 600, example="s at one speed")] = 15.0
-    rest_mm: Annotated[float, Quantity(0.001, 2, example="mm")] = 0.1
+    speed_kmh: Series[Speed] = SPEEDS
+    highest_Hz: Annotated[float, number(0.1, 1000, "Hz")] = 25.0
+    nonlinear: Switch = True
+    cycle_start_kmh: Speed | None = None
+    cycle_step_kmh: Annotated[float, number(0.1, 100, "km/h")] = 10.0
+    tolerance_kmh: Annotated[float, number(0.01, 50, "km/h")] = 1.0
+    lowest_kmh: Speed = 20.0
+    kick_mm: Annotated[float, number(0.1, 20, "mm of lateral shift")] = 5.0
+    small_kick_mm: Annotated[float, number(0.01, 10, "mm of lateral shift")] = 0.3
+    window_s: Annotated[float, number(0.2, 20, "s, two periods of the hunting or more")] = 1.0
+    longest_s: Annotated[float, number(1, 600, "s at one speed")] = 15.0
+    rest_mm: Annotated[float, number(0.001, 2, "mm")] = 0.1
 
     def consistency(self) -> Iterator[Fault]:
         """The search goes down from a start, in steps no finer than its tolerance."""

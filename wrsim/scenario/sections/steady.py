@@ -8,14 +8,14 @@ from itertools import product
 from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Choice, Quantity, Series
+from wrsim.inputs.values import Series, number
 from wrsim.scenario.sections.track import Cant
 
 SHARPEST = 20.0
 MOST_POINTS = 100_000
 
-Radius = Quantity(-1e6, 1e6, example="m, positive curves to the left, negative to the right")
-Speed = Quantity(1, 500, example="km/h")
+Radius = Annotated[float, number(-1e6, 1e6, "m, positive curves to the left, negative to the right")]
+Speed = Annotated[float, number(1, 500, "km/h")]
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,10 @@ class SteadySection(Section):
         "superelevation_mm": "cant_mm",
     }
 
-    radius_m: Annotated[tuple[float, ...], Series(Radius)]
-    cant_mm: Annotated[tuple[float, ...], Series(Cant)] = (0.0,)
-    speed_kmh: Annotated[tuple[float, ...], Series(Speed)] | None = None
-    combine: Annotated[Literal["grid", "rows"], Choice(("grid", "rows"))] = "grid"
+    radius_m: Series[Radius]
+    cant_mm: Series[Cant] = (0.0,)
+    speed_kmh: Series[Speed] | None = None
+    combine: Literal["grid", "rows"] = "grid"
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

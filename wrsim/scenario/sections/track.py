@@ -7,51 +7,54 @@ import re
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
+from pydantic import AfterValidator, BeforeValidator, Field
+
 from wrsim.geometry.track import segments
 from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.values import (
-    Annotation,
-    AwayFromZero,
-    Choice,
-    Quantity,
-    TableList,
-    Tables,
-    Text,
-    as_float,
-    plain,
-    refuse,
-)
-from wrsim.scenario.sections.irregularities import IRREGULARITIES, GradeSection, IrregularitySection, grades_in_order
+from wrsim.inputs.values import List, limits_of, number, plain, positive, refuse, text, unpacked, words
+from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order
 
-Length = Quantity(0.01, 1e5, example="m")
-Cant = Quantity(-250, 250, example="mm, positive leans to the inside of the curve")
-Widening = Quantity(-100, 100, example="mm")
-RailName = Text('a rail profile file such as "rails/60E1.toml"')
+Length = Annotated[float, number(0.01, 1e5, "m")]
+Cant = Annotated[float, number(-250, 250, "mm, positive leans to the inside of the curve")]
+Widening = Annotated[float, number(-100, 100, "mm")]
+RailName = Annotated[str, text('a rail profile file such as "rails/60E1.toml"')]
 
 
-class Inclination(Annotation):
-    """Rail inclination: ``"1:40"``, ``"1:20"`` (any ``"1:n"``, n >= 5), ``"none"`` or the slope as a number.
+def _slope(value: Any) -> Any:
+    """The slope of a rail inclination as users write it: 1:40 is 0.025."""
+    if value == "none":
+        return 0.0
+    ratio = re.fullmatch(r"\s*1\s*([:/])\s*(\d+(?:\.\d+)?)\s*", value) if isinstance(value, str) else None
+    n = float(ratio[2]) if ratio else value
+    if ratio and ratio[1] == ":" and n >= 5.0:
+        return 1.0 / n
+    if isinstance(n, float | int) and not 0.0 <= n <= 0.2:
+        meant = f'; did you mean "1:{n:g}"?' if 5.0 <= n <= 100.0 else ""
+        raise refuse(f"must be {words(Inclination)}{meant}")
+    return value
 
-    The check returns the slope (1:40 is 0.025); the rail's top leans towards the track centre.
-    """
 
-    def words(self) -> str:
-        return '"1:40", "1:20", "none" or a slope from 0 to 0.2'
+Inclination = Annotated[
+    float, BeforeValidator(_slope), Field(description='"1:40", "1:20", "none" or a slope from 0 to 0.2')
+]
+"""``"1:n"`` with n >= 5; the rail's top leans towards the track centre."""
 
-    def check(self, value: Any) -> float:
-        if value == "none":
-            return 0.0
-        ratio = re.fullmatch(r"\s*1\s*:\s*(\d+(?:\.\d+)?)\s*", value) if isinstance(value, str) else None
-        slope = 1.0 / float(ratio[1]) if ratio and float(ratio[1]) > 0.0 else as_float(value)
-        if slope is None or not 0.0 <= slope <= 0.2:
-            hint = ""
-            if slope is not None and 5.0 <= slope <= 100.0:
-                hint = f'; did you mean "1:{slope:g}"?'
-            elif isinstance(value, str) and re.fullmatch(r"\s*1\s*/\s*\d+\s*", value):
-                hint = f'; did you mean "{value.strip().replace(" ", "").replace("/", ":")}"?'
-            raise refuse(f"must be {self.words()}{hint}")
-        return slope
+
+def _curved(radius: float) -> float:
+    if not 10.0 <= abs(radius) <= 1e6:
+        raise ValueError
+    return radius
+
+
+Radius = Annotated[
+    float,
+    AfterValidator(_curved),
+    Field(
+        description="a number of size 10 to 1000000, of either sign (m, positive curves to the left, negative to the "
+        "right)"
+    ),
+]
 
 
 class Straight(Section):
@@ -60,12 +63,12 @@ class Straight(Section):
     header: ClassVar[str] = "[[track.segments]] with kind = straight"
     aliases: ClassVar[dict[str, str]] = {"l": "length_m", "L": "length_m"}
 
-    kind: Annotated[Literal["straight"], Choice(("straight",))]
-    length_m: Annotated[float, Length]
-    cant_start_mm: Annotated[float, Cant] = 0.0
-    cant_end_mm: Annotated[float, Cant] = 0.0
-    gauge_widening_start_mm: Annotated[float, Widening] = 0.0
-    gauge_widening_end_mm: Annotated[float, Widening] = 0.0
+    kind: Literal["straight"]
+    length_m: Length
+    cant_start_mm: Cant = 0.0
+    cant_end_mm: Cant = 0.0
+    gauge_widening_start_mm: Widening = 0.0
+    gauge_widening_end_mm: Widening = 0.0
 
     def to_geometry(self) -> segments.Straight:
         """Return the segment in SI units."""
@@ -84,9 +87,9 @@ class Transition(Section):
     header: ClassVar[str] = "[[track.segments]] with kind = transition"
     aliases: ClassVar[dict[str, str]] = {"l": "length_m", "L": "length_m", "type": "form", "shape": "form"}
 
-    kind: Annotated[Literal["transition"], Choice(("transition",))]
-    length_m: Annotated[float, Length]
-    form: Annotated[Literal["clothoid", "bloss"], Choice(("clothoid", "bloss"))] = "clothoid"
+    kind: Literal["transition"]
+    length_m: Length
+    form: Literal["clothoid", "bloss"] = "clothoid"
 
     def to_geometry(self) -> segments.Transition:
         """Return the segment in SI units."""
@@ -108,12 +111,12 @@ class Arc(Section):
         "widening_mm": "gauge_widening_mm",
     }
 
-    kind: Annotated[Literal["arc"], Choice(("arc",))]
-    radius_m: Annotated[float, AwayFromZero(10, 1e6, "m, positive curves to the left, negative to the right")]
-    length_m: Annotated[float, Length] | None = None
-    angle_deg: Annotated[float, Quantity(above=0, high=36_000, example="degrees, always positive")] | None = None
-    cant_mm: Annotated[float, Cant] = 0.0
-    gauge_widening_mm: Annotated[float, Widening] = 0.0
+    kind: Literal["arc"]
+    radius_m: Radius
+    length_m: Length | None = None
+    angle_deg: Annotated[float, positive(36_000, "degrees, always positive")] | None = None
+    cant_mm: Cant = 0.0
+    gauge_widening_mm: Widening = 0.0
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -125,8 +128,9 @@ class Arc(Section):
 
     def consistency(self) -> Iterator[Fault]:
         """An angle may be right and its arc too short or too long."""
-        if not Length.holds(self.length):
-            yield Fault("angle_deg", f"makes an arc of {self.length:g} m; its length must be {Length.words()}")
+        low, high, _ = limits_of(unpacked(Length).limits)
+        if not low <= self.length <= high:
+            yield Fault("angle_deg", f"makes an arc of {self.length:g} m; its length must be {words(Length)}")
 
     @property
     def length(self) -> float:
@@ -142,11 +146,6 @@ class Arc(Section):
 
 
 Segment = Straight | Transition | Arc
-SEGMENTS: dict[str, type[Straight] | type[Transition] | type[Arc]] = {
-    "straight": Straight,
-    "transition": Transition,
-    "arc": Arc,
-}
 
 
 class ElasticitySection(Section):
@@ -155,12 +154,12 @@ class ElasticitySection(Section):
     header: ClassVar[str] = "[track.elasticity]"
     aliases: ClassVar[dict[str, str]] = {"mass_kg": "vertical_mass_kg"}
 
-    lateral_stiffness_MN_per_m: Annotated[float, Quantity(0.1, 1e5, example="20 to 50 for one rail under one wheel")]
-    vertical_stiffness_MN_per_m: Annotated[float, Quantity(0.1, 1e5, example="30 to 100")]
-    lateral_damping_kNs_per_m: Annotated[float, Quantity(0, 1e5)]
-    vertical_damping_kNs_per_m: Annotated[float, Quantity(0, 1e5)]
-    lateral_mass_kg: Annotated[float, Quantity(1, 1e5, example="of the rail and what moves with it")]
-    vertical_mass_kg: Annotated[float, Quantity(1, 1e5, example="of the rail and what moves with it")]
+    lateral_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "20 to 50 for one rail under one wheel")]
+    vertical_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "30 to 100")]
+    lateral_damping_kNs_per_m: Annotated[float, number(0, 1e5)]
+    vertical_damping_kNs_per_m: Annotated[float, number(0, 1e5)]
+    lateral_mass_kg: Annotated[float, number(1, 1e5, "of the rail and what moves with it")]
+    vertical_mass_kg: Annotated[float, number(1, 1e5, "of the rail and what moves with it")]
 
     def to_geometry(self) -> RailElasticity:
         """The same in SI units."""
@@ -194,36 +193,32 @@ class TrackSection(Section):
         "model": "file",
     }
 
-    file: Annotated[str, Text('a track file such as "tracks/mixed_line.toml"')] | None = None
+    file: Annotated[str, text('a track file such as "tracks/mixed_line.toml"')] | None = None
 
-    gauge_mm: Annotated[
-        float, Quantity(400, 2000, example="mm, 14 mm below the top of the inclined rails, such as 1435")
-    ]
-    gauge_between: Annotated[Literal["gauge points", "origins"], Choice(("gauge points", "origins"))] = "gauge points"
-    inclination: Annotated[float, Inclination()]
-    rail: Annotated[str, RailName] | None = None
-    rail_left: Annotated[str, RailName] | None = None
-    rail_right: Annotated[str, RailName] | None = None
+    gauge_mm: Annotated[float, number(400, 2000, "mm, 14 mm below the top of the inclined rails, such as 1435")]
+    gauge_between: Literal["gauge points", "origins"] = "gauge points"
+    inclination: Inclination
+    rail: RailName | None = None
+    rail_left: RailName | None = None
+    rail_right: RailName | None = None
     cant_base_mm: (
         Annotated[
             float,
-            Quantity(400, 2200, example="mm between the rail tops that cant is measured over, such as 1500"),
+            number(400, 2200, "mm between the rail tops that cant is measured over, such as 1500"),
         ]
         | None
     ) = None
-    segments: Annotated[tuple[Segment, ...], TableList("kind", lambda: SEGMENTS, "[[track.segments]]")] = ()
-    table: Annotated[str, Text('a CSV file of measured track such as "line.csv"')] | None = None
-    grades: Annotated[tuple[GradeSection, ...], Tables(GradeSection, "[[track.grades]]")] = ()
-    irregularities: Annotated[
-        tuple[IrregularitySection, ...], TableList("kind", lambda: IRREGULARITIES, "[[track.irregularities]]")
-    ] = ()
+    segments: List[Annotated[Segment, Field(discriminator="kind")]] = ()
+    table: Annotated[str, text('a CSV file of measured track such as "line.csv"')] | None = None
+    grades: List[GradeSection] = ()
+    irregularities: List[Annotated[IrregularitySection, Field(discriminator="kind")]] = ()
     elasticity: ElasticitySection | None = None
-    row_distance_m: Annotated[float, Quantity(0.01, 1, example="m between the rows of the rails' tables")] | None = None
+    row_distance_m: Annotated[float, number(0.01, 1, "m between the rows of the rails' tables")] | None = None
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """A rail for both sides or one for each; a transition lies between two arcs or straights."""
-        yield from both_or_sides(raw, "rail", "rail_left", "rail_right", needed=RailName.words())
+        yield from both_or_sides(raw, "rail", "rail_left", "rail_right", needed=words(RailName))
         if "table" in raw and "segments" in raw:
             yield Fault("table", "cannot stand next to segments: the geometry comes from one place")
         yield from grades_in_order(raw.get("grades"))

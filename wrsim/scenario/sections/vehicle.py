@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.values import Choice, Quantity, Text
+from wrsim.inputs.values import number, text
 from wrsim.vehicle.files import Radius, WheelName
 
 
@@ -33,16 +33,16 @@ class VehicleSection(Section):
         "mass_kg": "sprung_mass_kg",
     }
 
-    model: Annotated[str, Text('a vehicle file such as "vehicles/wheelset_s1002.toml"')]
-    speed_kmh: Annotated[float, Quantity(1, 500, example="km/h")] | None = None
-    wheel: Annotated[str, WheelName] | None = None
-    wheel_left: Annotated[str, WheelName] | None = None
-    wheel_right: Annotated[str, WheelName] | None = None
-    radius_mm: Annotated[float, Radius] | None = None
-    radius_left_mm: Annotated[float, Radius] | None = None
-    radius_right_mm: Annotated[float, Radius] | None = None
-    drive: Annotated[Literal["train", "wheels", "free"], Choice(("train", "wheels", "free"))] | None = None
-    sprung_mass_kg: Annotated[float, Quantity(0, 50_000, example="mass carried by this wheelset")] | None = None
+    model: Annotated[str, text('a vehicle file such as "vehicles/wheelset_s1002.toml"')]
+    speed_kmh: Annotated[float, number(1, 500, "km/h")] | None = None
+    wheel: WheelName | None = None
+    wheel_left: WheelName | None = None
+    wheel_right: WheelName | None = None
+    radius_mm: Radius | None = None
+    radius_left_mm: Radius | None = None
+    radius_right_mm: Radius | None = None
+    drive: Literal["train", "wheels", "free"] | None = None
+    sprung_mass_kg: Annotated[float, number(0, 50_000, "mass carried by this wheelset")] | None = None
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
