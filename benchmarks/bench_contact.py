@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wrsim.analysis.poses.poses import StaticBench
+from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ContactSettings, Friction
@@ -91,7 +91,7 @@ def creep_time(
     name, _, option = tangential.partition(", ")
     settings = ContactSettings(strips=strips, cells=cells, tangential=name, flexibility=option or "three")  # type: ignore[arg-type]
     model = ContactModel.build(wheel, rail, 0.46, settings, friction)
-    StaticBench([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(StaticPose("tread", 3e-3, 0.002, 55e3))
+    PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(StaticPose("tread", 3e-3, 0.002, 55e3))
     a = model.arrays
     arguments = a.arguments()
     whole = microseconds(lambda: wheel_rail(*arguments))
@@ -121,7 +121,7 @@ def strip_model(wheel: Profile, rail: Profile) -> None:
         for strips in (16, 24, 36):
             settings = ContactSettings(normal="strips", strips=strips)
             model = ContactModel.build(wheel, rail, 0.46, settings, 0.35)
-            StaticBench([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(StaticPose(name, lateral, yaw, 55e3))
+            PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(StaticPose(name, lateral, yaw, 55e3))
             a = model.arrays
             arguments = a.arguments()
             afresh = microseconds(lambda arguments=arguments: wheel_rail(*arguments), 20, 20)
@@ -149,7 +149,7 @@ def main() -> None:
     for strips, cells in ((40, 20), (25, 12)):
         settings = ContactSettings(strips=strips, cells=cells)
         model = ContactModel.build(wheel, rail, 0.46, settings, 0.35)
-        bench = StaticBench([WheelOnRail(model, 1, 0.75, origin)], True, 0.46)
+        bench = PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46)
         a = model.arrays
         arguments = a.arguments()
         call = microseconds(lambda arguments=arguments: nothing(*arguments))

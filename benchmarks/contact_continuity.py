@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from wrsim.analysis.poses.poses import StaticBench
+from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ContactSettings
@@ -29,15 +29,15 @@ STEEPEST = 12  # steps looked into
 HALVINGS = 12
 
 
-def stand(wheel: str, rail: str, inclination: int, settings: ContactSettings) -> StaticBench:
+def stand(wheel: str, rail: str, inclination: int, settings: ContactSettings) -> PoseSolver:
     """A wheel on the left rail of a track of 1435 mm."""
     profile = load_profile(MODELS / f"rails/{rail}.toml").inclined(1.0 / inclination)
     model = ContactModel.build(load_profile(MODELS / f"wheels/{wheel}.toml"), profile, 0.46, settings, 0.3)
     origin = (0.7175 - profile.gauge_point()[0], -profile.top[1])
-    return StaticBench([WheelOnRail(model, 1, 0.75, origin)], False, 0.46)
+    return PoseSolver([WheelOnRail(model, 1, 0.75, origin)], False, 0.46)
 
 
-def sweep(bench: StaticBench, heights: StaticBench, load: float, states, knots) -> str:  # type: ignore[no-untyped-def]
+def sweep(bench: PoseSolver, heights: PoseSolver, load: float, states, knots) -> str:  # type: ignore[no-untyped-def]
     """One sweep: ``states`` gives (lateral, yaw) of a number between the ends of ``knots``."""
     path = [heights.solve(StaticPose("", *states(x), load)).height for x in knots]
     good = np.isfinite(path)

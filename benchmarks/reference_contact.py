@@ -18,11 +18,10 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.poses.half_space_solver import HalfSpaceBench
-from wrsim.analysis.poses.poses import StaticBench
+from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
+from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.half_space.patch import HalfSpaceContact
-from wrsim.contact.half_space.solver import HalfSpace
+from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.settings import ContactSettings, Material, Normal, Tangential, TractionBound
 from wrsim.core.contact import layout as k
@@ -255,12 +254,12 @@ def solve(chosen: Chosen, place: Place, pose: StaticPose, spin: float = 0.0, ele
     wheel = WheelOnRail(model, 1, HALF_SPACING, place.origin)
     radius = 2.0 / spin if spin else place.radius
     if chosen.solver is None:
-        bench = StaticBench([wheel], place.rolling, radius)
+        bench = PoseSolver([wheel], place.rolling, radius)
         solved = bench.solve(pose)
         answer = answer_of_strips(model, Contact.copy_from(model.arrays, 0), place.origin[0])
     else:
         solver = replace(chosen.solver, element=(element, element)) if chosen.table_elements else chosen.solver
-        exact = HalfSpaceBench([wheel], place.rolling, radius, solver)
+        exact = HalfSpacePoseSolver([wheel], place.rolling, radius, solver)
         solved = exact.solve(pose)
         still = _model(place.wheel, place.rail, place.radius, replace(settings, tangential="none"))
         still.arrays.pose[:] = model.arrays.pose

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 
 from wrsim.contact.half_space.influence import Compliance
-from wrsim.contact.half_space.rows import solve_into
+from wrsim.contact.half_space.strips import solve_into
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ContactSettings
 from wrsim.core.contact import layout as k

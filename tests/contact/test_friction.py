@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from support.contact_bench import RADIUS, bench, pair_model, settle, strips_of
 from support.scenario_texts import CURVE, edited, faults
 
-from wrsim.contact.half_space.solver import HalfSpace
+from wrsim.contact.half_space import HalfSpace
 from wrsim.contact.settings import ContactSettings, Friction
 from wrsim.core.contact import layout as k
 from wrsim.scenario.build import build

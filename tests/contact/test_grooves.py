@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.contact_bench import HALF_SPACING, PLAIN, contact_model, settle
 
-from wrsim.analysis.poses.poses import StaticBench
+from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.core.contact import layout as k
 from wrsim.geometry.profile.sections import circle
@@ -27,7 +27,7 @@ def errors(approach):
         corner = circle("corner", "rail", CORNER, 0.98 * CORNER)
         radius = 1e-3 * r["R_roll_mm"]
         model = contact_model(hollow, corner, radius=radius, approach=approach, **PLAIN)
-        stand = StaticBench([WheelOnRail(model, 1, HALF_SPACING, (HALF_SPACING, 0.0))], False, radius)
+        stand = PoseSolver([WheelOnRail(model, 1, HALF_SPACING, (HALF_SPACING, 0.0))], False, radius)
         solved, contact = settle(stand, 1e-3 * r["y_ws_mm"], 0.0, r["Fz_req_N"])
         assert not solved.message
         (lobe,) = contact.patches

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 from support.contact_bench import HALF_SPACING, MODELS, PLAIN, contact_model, flat_rail, round_wheel, settle
 
-from wrsim.analysis.poses.poses import StaticBench
+from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import EPSILON, combined_modulus
 from wrsim.core.contact import layout as k
@@ -137,7 +137,7 @@ BODIES = {
 @pytest.mark.parametrize("bodies", BODIES.values(), ids=BODIES)
 def test_approach_and_peak_pressure_at_given_load(bodies, load):
     model = contact_model(bodies.wheel, bodies.rail, radius=bodies.radius, **PLAIN)
-    stand = StaticBench([WheelOnRail(model, 1, HALF_SPACING, (HALF_SPACING, 0.0))], False, bodies.radius)
+    stand = PoseSolver([WheelOnRail(model, 1, HALF_SPACING, (HALF_SPACING, 0.0))], False, bodies.radius)
     _, contact = settle(stand, 0.0, 0.0, load)
     (lobe,) = contact.patches
     normal = load / np.cos(bodies.angle)

@@ -15,10 +15,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.contact_bench import GAUGE, HALF_SPACING, RADIUS, contact_model, rail_profile, strips_of, wheel_profile
 
-from wrsim.analysis.poses.half_space_solver import HalfSpaceBench
-from wrsim.analysis.poses.poses import StaticBench
+from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
+from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.half_space.solver import STATUS_GRID_EDGE, STATUS_NOT_CONVERGED, STATUS_TOO_MANY
+from wrsim.contact.half_space.status import GRID_EDGE, NOT_CONVERGED, TOO_MANY
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import HalfSpaceSettings, Normal
 from wrsim.core.contact import layout as k
@@ -31,7 +31,7 @@ NORMALS = get_args(Normal)
 FAST = tuple(n for n in NORMALS if n != "half-space")
 KNOWN = (
     k.STATUS_NOT_REFINED | k.STATUS_UNSETTLED | k.STATUS_PROFILE_END | k.STATUS_TOO_DEEP
-    | STATUS_TOO_MANY | STATUS_GRID_EDGE | STATUS_NOT_CONVERGED
+    | TOO_MANY | GRID_EDGE | NOT_CONVERGED
 )  # fmt: skip
 EXAMPLES = {"half-space": 6}
 COARSE = HalfSpaceSettings(resolution=16)
@@ -363,7 +363,7 @@ def test_a_bad_pose_ends_in_numbers_or_a_status(case, normal):
     if "5 mm inside" in case:
         assert contact.status & k.STATUS_TOO_DEEP
     if "wider" in case:
-        assert contact.status & (k.STATUS_PROFILE_END | STATUS_GRID_EDGE)
+        assert contact.status & (k.STATUS_PROFILE_END | GRID_EDGE)
 
 
 @every_normal
@@ -373,7 +373,7 @@ def test_loads_from_1_newton_to_1_meganewton_are_met_or_refused(normal, load, fr
     rail = rail_profile("60E1", 40)
     origin = (0.5 * GAUGE - rail.gauge_point()[0], -rail.top[1])
     model = build(wheel_profile("S1002"), rail, normal, friction)
-    stand_of = HalfSpaceBench if normal == "half-space" else StaticBench
+    stand_of = HalfSpacePoseSolver if normal == "half-space" else PoseSolver
     stand = stand_of([WheelOnRail(model, 1, HALF_SPACING, origin)], True, RADIUS)
     for lateral, yaw in ((3e-3, 0.01), (8e-3, 0.0873)):
         solved = stand.solve(StaticPose("any", lateral, yaw, load))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.poses.poses import Solved, StaticBench
+from wrsim.analysis.poses.solver import PoseSolver, Solved
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.settings import ContactSettings, Material
@@ -75,20 +75,20 @@ def rail_origin(rail: Profile, gauge: float = GAUGE) -> tuple[float, float]:
     return 0.5 * gauge - rail.gauge_point()[0], -rail.top[1]
 
 
-def bench(model: ContactModel, *, rolling: bool = True, sides: tuple[int, ...] = (1,)) -> StaticBench:
+def bench(model: ContactModel, *, rolling: bool = True, sides: tuple[int, ...] = (1,)) -> PoseSolver:
     """One wheel (or two alike) of a wheelset on straight track."""
     origin = rail_origin(model.rail)
     wheels = [WheelOnRail(model, side, HALF_SPACING, origin) for side in sides]
-    return StaticBench(wheels, rolling, model.radius)
+    return PoseSolver(wheels, rolling, model.radius)
 
 
-def settle(stand: StaticBench, lateral: float, yaw: float, load: float, roll: float = 0.0) -> tuple[Solved, Contact]:
+def settle(stand: PoseSolver, lateral: float, yaw: float, load: float, roll: float = 0.0) -> tuple[Solved, Contact]:
     """Lower the first wheel of a bench until it carries the load."""
     solved = stand.solve(StaticPose("test", lateral, yaw, load, roll))
     return solved, contact_of(stand)
 
 
-def contact_of(stand: StaticBench, wheel: int = 0) -> Contact:
+def contact_of(stand: PoseSolver, wheel: int = 0) -> Contact:
     """What the wheel's model computed last."""
     return Contact.copy_from(stand.wheels[wheel].model.arrays, 0)
 

@@ -7,6 +7,7 @@ need different approaches for one force. With ``keep = "pose"`` the height stays
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.analysis.contacts import contact_models, wheels_on_rails
+from wrsim.analysis.poses.load import Carried, LoadNotReached, height_for_load
 from wrsim.contact.channels import (
     POSE_CHANNELS,
     ElementField,
@@ -23,7 +25,7 @@ from wrsim.contact.channels import (
     patch_channels,
     wheel_channels,
 )
-from wrsim.contact.half_space.rows import element_fields, solve_into
+from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.core.contact import layout as k
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result, assemble
@@ -41,8 +43,6 @@ Array = NDArray[np.float64]
 Keep = Literal["load", "pose"]
 
 TOLERANCE = 1e-5  # of the vertical force
-EVALUATIONS = 25
-LARGEST_MOVE = 0.3  # of the approach in one step
 DEEPEST = 1e-3  # farthest a wheel is moved [m]
 
 
@@ -121,34 +121,20 @@ def _settle(wheel: WheelOnRail, load: float) -> list[ElementField]:
     pose, total = model.arrays.pose, model.arrays.total
     found: list[list[ElementField]] = [[]]
 
-    def force(height: float) -> float:
+    def carried(height: float) -> Carried:
         pose[2] = height
         if model.settings.normal == "half-space":
             found[0] = element_fields(solve_into(model), len(model.arrays.patches))
         else:
             model.solve()
-        return float(total[k.FORCE_B])
+        approaches = model.arrays.patches[: int(total[k.COUNT]), k.APPROACH]
+        return Carried(float(total[k.FORCE_B]), float(approaches.max(initial=0.0)))
 
-    height = first = float(pose[2])
-    value = force(height)
-    if not load > 0.0:
-        return found[0]
-    # secants on force^(2/3), nearly linear in the height
-    target = load ** (2.0 / 3.0)
-    approach = max(float(model.arrays.patches[: int(total[k.COUNT]), k.APPROACH].max(initial=0.0)), 1e-6)
-    rate = -target / approach
-    excess = np.cbrt(max(value, 0.0)) ** 2 - target
-    for _ in range(EVALUATIONS):
-        if abs(value / load - 1.0) < TOLERANCE:
-            break
-        move = float(np.clip(-excess / rate, -LARGEST_MOVE * approach, LARGEST_MOVE * approach))
-        if abs(height + move - first) > DEEPEST:
-            break
-        last, height = excess, height + move
-        value = force(height)
-        excess = np.cbrt(max(value, 0.0)) ** 2 - target
-        if (excess - last) * move < 0.0:
-            rate = (excess - last) / move
+    if load > 0.0:
+        with suppress(LoadNotReached):
+            height_for_load(carried, load, float(pose[2]), tolerance=TOLERANCE, farthest=DEEPEST)
+    else:
+        carried(float(pose[2]))
     return found[0]
 
 

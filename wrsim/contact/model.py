@@ -82,7 +82,7 @@ class ContactModel:
     def solve(self) -> int:
         """Contact at the pose set in the arrays, written into them; returns the status."""
         if self.settings.normal == "half-space":
-            from wrsim.contact.half_space.rows import solve_into  # which builds on this module
+            from wrsim.contact.half_space.strips import solve_into  # which builds on this module
 
             return solve_into(self).status
         return self.arrays.call()

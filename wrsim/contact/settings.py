@@ -40,7 +40,7 @@ class Material:
 
 @dataclass(frozen=True)
 class HalfSpaceSettings:
-    """Numbers of the exact half-space solver (`wrsim.contact.half_space.solver`).
+    """Numbers of the exact half-space solver (`wrsim.contact.half_space`).
 
     element: size of the elements (along x, along s) [m]; None: so that the smallest patch that matters gets about
     ``resolution`` elements over its length and its width, across not larger than about 0.2 mm, and halved across until
@@ -48,7 +48,7 @@ class HalfSpaceSettings:
     between the normals.
     tolerance: of the gap over the approach; tractions are solved to ten times that over the largest bound.
     together, apart: distances of two zones of overlap up to which they press each other down fully, and from which on
-    not at all [m] (see contact.half_space.surface). pairing: which points of the profiles belong together,
+    not at all [m] (see contact.half_space.zones). pairing: which points of the profiles belong together,
     ``"opposite"`` ones or, as in CONTACT, those of equal arclength from two points of the same lateral place
     (``"level"``; see core.contact.half_space.surface).
     """

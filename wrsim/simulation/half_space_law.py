@@ -8,7 +8,7 @@ import numpy as np
 
 from wrsim.contact.channels import ElementField
 from wrsim.contact.half_space.patch import HalfSpaceContact
-from wrsim.contact.half_space.rows import element_fields, solve_into
+from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.core.body.kinematics import generalised_forces, kinematics
 from wrsim.core.body.wheel_pose import add_forces
 from wrsim.core.body.wheelset_forces import OFF_TRACK, S_LEFT, S_RIGHT

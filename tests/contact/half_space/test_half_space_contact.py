@@ -17,11 +17,12 @@ from support.contact_bench import (
     pair_model,
     round_wheel,
 )
-from support.half_space_bench import COMPLIANCE, Ellipse
+from support.hertz import COMPLIANCE, Ellipse
 
-from wrsim.analysis.poses.half_space_solver import HalfSpaceBench
+from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.half_space.solver import STATUS_TOO_MANY, HalfSpace
+from wrsim.contact.half_space import HalfSpace
+from wrsim.contact.half_space.status import TOO_MANY
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ContactSettings, Material
 from wrsim.core.contact import layout as k
@@ -44,11 +45,11 @@ def lowered(radius, approach, yaw=0.0, lateral=0.0, speed=0.0):
     return (0.0, lateral, radius - approach, *axle, speed, 0.0, 0.0, omega * axle[0], omega * axle[1], 0.0)
 
 
-def stand(pair="S1002/60E1 1:40", solver=HalfSpace(), **choices):  # noqa: B008
+def pose_solver(pair="S1002/60E1 1:40", solver=HalfSpace(), **choices):  # noqa: B008
     choices = EXACT | choices
     model = pair_model(pair, **choices)
     fast = bench(model, rolling=choices.get("tangential") != "none")
-    return HalfSpaceBench(fast.wheels, fast.speed > 0.0, 0.46, solver)
+    return HalfSpacePoseSolver(fast.wheels, fast.speed > 0.0, 0.46, solver)
 
 
 # Hertz
@@ -74,7 +75,7 @@ def test_a_round_wheel_on_a_plane_is_hertz():
 
 def test_force_grows_steadily_with_the_approach():
     model = pair_model("S1002/60E1 1:40", **FRICTIONLESS)
-    b = stand(**FRICTIONLESS)
+    b = pose_solver(**FRICTIONLESS)
     b.solve(StaticPose("start", 0.0, 0.0, 5e3))
     pose = b.wheels[0].model.arrays.pose.copy()
     forces = []
@@ -126,7 +127,7 @@ def test_rail_corner_in_hollow_arcs(row):
     radius = 1e-3 * row["R_roll_mm"]
     hollow = circle("hollow", "wheel", 1e-3 * row["R_wheel_mm"], 0.95e-3 * row["R_wheel_mm"])
     model = contact_model(hollow, circle("corner", "rail", 0.013, 0.98 * 0.013), radius=radius, **FRICTIONLESS)
-    b = HalfSpaceBench([WheelOnRail(model, 1, HALF_SPACING, (HALF_SPACING, 0.0))], False, radius)
+    b = HalfSpacePoseSolver([WheelOnRail(model, 1, HALF_SPACING, (HALF_SPACING, 0.0))], False, radius)
     assert not b.solve(StaticPose("", 1e-3 * row["y_ws_mm"], 0.0, row["Fz_req_N"])).message
     (patch,) = b.contacts[0].patches
     (region,) = patch.regions
@@ -154,7 +155,7 @@ def static_cases():
 
 def solve_case(row, pairing):
     element = {24000.0: 2e-4, 60000.0: 2.5e-4, 100000.0: 3e-4}[float(row["Fz_req_N"])]
-    b = stand(
+    b = pose_solver(
         solver=HalfSpace((element, element), pairing=pairing), tangential="half-space" if row["tang"] == "3" else "none"
     )
     solved = b.solve(StaticPose("", 1e-3 * float(row["y_ws_mm"]), float(row["yaw_rad"]), float(row["Fz_req_N"])))
@@ -191,7 +192,7 @@ def test_opposite_points_move_the_flange_s_normal():
 
 def test_default_elements_are_converged():
     pose = StaticPose("", 3e-3, 0.005, 60e3)
-    coarse, fine = stand(), stand(solver=HalfSpace(resolution=80))
+    coarse, fine = pose_solver(), pose_solver(solver=HalfSpace(resolution=80))
     figures = []
     for b in (coarse, fine):
         assert not b.solve(pose).message
@@ -202,7 +203,7 @@ def test_default_elements_are_converged():
 
 def test_a_narrow_peak_gets_finer_rows():
     # where the rail's radius jumps from 80 to 13 mm S1002 at 6.5 mm presses a second peak, half a millimetre wide
-    b = stand("S1002/60E1 1:20", **FRICTIONLESS)
+    b = pose_solver("S1002/60E1 1:20", **FRICTIONLESS)
     b.solve(StaticPose("", 6.5e-3, 0.0, 24e3))
     (patch,) = b.contacts[0].patches
     fine = solve(b.wheels[0].model, b.wheels[0].model.arrays.pose.copy(), HalfSpace((patch.grid.dx, 2e-5))).patches[0]
@@ -220,7 +221,7 @@ def test_planar_patch_needs_no_angle_correction():
 
 
 def test_friction_holds_and_dissipates():
-    b = stand()
+    b = pose_solver()
     b.solve(StaticPose("", 4e-3, 0.004, 60e3))
     for patch in b.contacts[0].patches:
         assert (np.hypot(*patch.q) <= 0.3 * patch.p * (1.0 + 1e-9)).all()
@@ -230,7 +231,7 @@ def test_friction_holds_and_dissipates():
 
 
 def test_forces_are_the_sum_over_the_patch():
-    b = stand()
+    b = pose_solver()
     b.solve(StaticPose("", 6e-3, 0.0, 80e3))
     contact = b.contacts[0]
     patch = contact.patches[0]
@@ -250,7 +251,7 @@ def test_forces_are_the_sum_over_the_patch():
 @pytest.mark.parametrize("lateral", [0.0, 6.6e-3])
 def test_the_other_wheel_is_the_mirror_image(lateral):
     model = pair_model("S1002/60E1 1:40", **EXACT)
-    left, right = (HalfSpaceBench(bench(model, sides=(side,)).wheels, True, 0.46) for side in (1, -1))
+    left, right = (HalfSpacePoseSolver(bench(model, sides=(side,)).wheels, True, 0.46) for side in (1, -1))
     left.solve(StaticPose("", lateral, 0.003, 50e3))
     right.solve(StaticPose("", -lateral, -0.003, 50e3))
     assert right.force * [1.0, -1.0, 1.0] == pytest.approx(left.force, rel=1e-6, abs=1e-2)
@@ -258,7 +259,7 @@ def test_the_other_wheel_is_the_mirror_image(lateral):
 
 
 def test_a_wheelset_finds_its_roll():
-    b = HalfSpaceBench(
+    b = HalfSpacePoseSolver(
         bench(pair_model("S1002/60E1 1:40", **EXACT), sides=(1, -1)).wheels, True, 0.46, HalfSpace(resolution=16)
     )
     solved = b.solve(StaticPose("", 3e-3, 0.002, 110e3))
@@ -280,7 +281,7 @@ def test_a_scaled_wheel_on_a_scaled_rail():
 
 def test_contacts_grow_together_without_jumps():
     # tread and gauge corner of S1002 on 60E1 at 5.06 mm: zones approach each other as the wheel comes down
-    b = stand(solver=HalfSpace((3e-4, 3e-4)), **FRICTIONLESS)
+    b = pose_solver(solver=HalfSpace((3e-4, 3e-4)), **FRICTIONLESS)
     b.solve(StaticPose("", 5.0e-3, 0.0, 5e3))
     pose = b.wheels[0].model.arrays.pose.copy()
     model, start = b.wheels[0].model, pose[2]
@@ -297,13 +298,13 @@ def test_contacts_grow_together_without_jumps():
 
 
 def test_before_is_a_start_not_an_answer():
-    b = stand()
+    b = pose_solver()
     b.solve(StaticPose("", 2e-3, 0.002, 50e3))
     model, contact = b.wheels[0].model, b.contacts[0]
     solver = replace(b.solver, element=(contact.patches[0].grid.dx, contact.patches[0].grid.ds))
     cold, warm = solver.solve_pose(model), solver.solve_pose(model, contact)
     assert warm.force == pytest.approx(cold.force, rel=1e-4, abs=1.0)
-    assert warm.patches[0].normal.steps < cold.patches[0].normal.steps
+    assert warm.patches[0].pressure.steps < cold.patches[0].pressure.steps
 
 
 # bad input
@@ -323,7 +324,7 @@ def test_too_deep_or_too_fine_is_said():
     assert deep.status & k.STATUS_TOO_DEEP
     assert np.isfinite(deep.force).all()
     fine = solve(model, lowered(0.46, 1e-4), HalfSpace(element=(1e-6, 1e-6)))
-    assert fine.status & STATUS_TOO_MANY
+    assert fine.status & TOO_MANY
 
 
 def test_a_patch_wider_than_the_profile_is_said():
@@ -334,16 +335,16 @@ def test_a_patch_wider_than_the_profile_is_said():
 @pytest.mark.parametrize("load", [1.0, 1e3, 1e6])
 @pytest.mark.parametrize("lateral", [-8e-3, 5.06e-3, 9e-3])
 def test_any_load_finds_its_height(load, lateral):
-    b = stand(solver=HalfSpace(resolution=20))
+    b = pose_solver(solver=HalfSpace(resolution=20))
     solved = b.solve(StaticPose("", lateral, 0.0, load))
     assert not solved.message
     assert b.force[2] == pytest.approx(load, rel=1e-4)
 
 
 def test_a_wheel_beside_its_rail_is_said():
-    solved = stand().solve(StaticPose("", 0.2, 0.0, 1e4))
+    solved = pose_solver().solve(StaticPose("", 0.2, 0.0, 1e4))
     assert "beside its rail" in solved.message
 
 
-def test_constants_of_the_bench_are_those_of_the_model():
+def test_constants_of_the_hertz_ellipses_are_those_of_the_model():
     assert COMPLIANCE.modulus == pytest.approx(STEEL.youngs_modulus / 2.0 / (1.0 - STEEL.poisson_ratio**2))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from wrsim.contact.half_space.influence import Compliance, HalfSpaceOperator
+from wrsim.contact.half_space.influence import Compliance, Operator
 from wrsim.contact.settings import Material
 from wrsim.core.contact.half_space.influence import INTEGRALS, NN, SS, XS, XX, fill_integrals
 
@@ -85,7 +85,7 @@ def dense(compliance, rows, columns, ds, dx, angles):
 def test_convolutions_equal_plain_sums(compliance, curved, forward):
     rows, columns, ds, dx = 5, 7, 3e-4, 2e-4
     angles = 0.3 * np.linspace(-1.0, 1.2, rows) ** 2 + 0.2 if curved else np.zeros(rows)
-    operator = HalfSpaceOperator(rows, columns, ds, dx, compliance, angles if curved else None)
+    operator = Operator(rows, columns, ds, dx, compliance, angles if curved else None)
     # one column more, so that the displacement one element ahead is inside
     wide = dense(compliance, rows, columns + 2, ds, dx, angles)
     random = np.random.default_rng(3)
@@ -113,7 +113,7 @@ def test_convolutions_equal_plain_sums(compliance, curved, forward):
 
 
 def test_equal_materials_on_a_plane_do_not_couple_normal_and_tangential():
-    operator = HalfSpaceOperator(4, 4, 1e-4, 1e-4, EQUAL)
+    operator = Operator(4, 4, 1e-4, 1e-4, EQUAL)
     assert not operator.coupled
     assert not operator.normal_of_tractions(np.ones((2, 4, 4))).any()
     assert not operator.slip_of_pressure(np.ones((4, 4)), 1.0).any()
@@ -123,8 +123,8 @@ def test_rows_that_do_not_know_of_each_other_act_alone():
     rows, columns = 6, 4
     first = (np.arange(rows) < 3).astype(float)[:, None]
     own = ((first, first), (1.0 - first, 1.0 - first))
-    apart = HalfSpaceOperator(rows, columns, 1e-4, 1e-4, EQUAL, shares=own)
-    alone = HalfSpaceOperator(3, columns, 1e-4, 1e-4, EQUAL)
+    apart = Operator(rows, columns, 1e-4, 1e-4, EQUAL, shares=own)
+    alone = Operator(3, columns, 1e-4, 1e-4, EQUAL)
     p = np.random.default_rng(1).uniform(size=(rows, columns))
     assert apart.normal(p)[:3] == pytest.approx(alone.normal(p[:3]), rel=1e-12)
     q = np.stack([p, -p])
@@ -136,10 +136,10 @@ def test_preconditioners_are_near_the_inverse():
     n, d = 80, 1e-4
     x = (np.arange(n) - 39.5) / 8.0
     bump = np.exp(-(x**2) - x[:, None] ** 2) * np.cos(3.0 * x)
-    operator = HalfSpaceOperator(n, n, d, d, EQUAL)
+    operator = Operator(n, n, d, d, EQUAL)
     middle = (slice(20, 60), slice(20, 60))  # towards its edges the inverse is periodic
-    assert np.abs(operator.near_pressure(operator.normal(bump)) - bump)[middle].max() < 0.03
+    assert np.abs(operator.inverse.pressure(operator.normal(bump)) - bump)[middle].max() < 0.03
     q = np.stack([bump, bump.T])
     u = operator.slip(q, 1.0)[:, :, ::-1].cumsum(axis=2)[:, :, ::-1] * d
     u -= u[:, :1, :1]
-    assert np.abs(operator.near_traction(u) - q)[:, *middle].max() < 0.15
+    assert np.abs(operator.inverse.traction(u) - q)[:, *middle].max() < 0.15

@@ -3,22 +3,20 @@
 import numpy as np
 import pytest
 from support.contact_bench import STEEL
-from support.half_space_bench import COMPLIANCE, Ellipse, EllipseGrid
+from support.hertz import COMPLIANCE, Ellipse, EllipseGrid
 
-from wrsim.contact.half_space.influence import HalfSpaceOperator
-from wrsim.contact.half_space.solvers import solve_normal
-from wrsim.core.contact.half_space.normal import summarise
+from wrsim.contact.half_space.influence import Operator
+from wrsim.contact.half_space.normal import solve_normal
+from wrsim.core.contact.half_space.patch import measure
 
 ELLIPSES = {"circle": Ellipse(4e-3, 4e-3), "wide": Ellipse(2e-3, 7e-3), "long": Ellipse(9e-3, 1.5e-3)}
 
 
 def figures(pressure, grid):
     """Area, p0 and force over Hertz'."""
-    n = grid.count
-    total = np.zeros(5)
-    summarise(pressure.p, grid.dx, grid.ds, np.zeros(n), np.zeros(n), total)
+    found = measure(pressure.p, grid.dx, grid.ds, *np.zeros((2, grid.count)))
     e = grid.ellipse
-    return total[0] / e.area, total[1] / e.p0, total[2] / e.force
+    return found.area / e.area, found.p0 / e.p0, found.force / e.force
 
 
 @pytest.mark.parametrize("shape", ELLIPSES)
@@ -99,7 +97,7 @@ def test_a_neighbour_presses_down():
     curvature = ball.curvatures[0]
     x = (np.arange(120) - 59.5) * d
     s = (np.arange(20) - 9.5)[:, None] * d
-    operator = HalfSpaceOperator(20, 120, d, d, COMPLIANCE)
+    operator = Operator(20, 120, d, d, COMPLIANCE)
 
     def force(centres):
         gap = np.min([curvature * ((x - c) ** 2 + s**2) for c in centres], axis=0)

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.half_space_bench import COMPLIANCE, Ellipse, EllipseGrid
+from support.hertz import COMPLIANCE, Ellipse, EllipseGrid
 
 from wrsim.contact.creep_coefficients import creep_coefficients
-from wrsim.contact.half_space.influence import HalfSpaceOperator
-from wrsim.contact.half_space.solvers import solve_normal, solve_rolling
+from wrsim.contact.half_space.influence import Operator
+from wrsim.contact.half_space.normal import solve_normal
+from wrsim.contact.half_space.rolling import solve_rolling
 
 MU = 0.3
 G = 82e9
@@ -39,7 +40,7 @@ def test_carter_s_strip(share):
     dx = 2.0 * a / across
     x = (np.arange(columns) - 0.5 * (columns - 1)) * dx
     p = 1e9 * np.sqrt(np.maximum(1.0 - (x / a) ** 2, 0.0)) * np.ones((rows, 1))
-    operator = HalfSpaceOperator(rows, columns, ds, dx, COMPLIANCE)
+    operator = Operator(rows, columns, ds, dx, COMPLIANCE)
     c = 1.0 - share
     xi = 2.0 * MU * 1e9 * share / COMPLIANCE.modulus
     w = np.zeros((2, rows, columns))
@@ -201,7 +202,7 @@ def test_published_rail_corner(gap, published):
     x = (np.arange(columns) - 25) * d
     s = ((np.arange(rows) - 19) * d)[:, None]
     across = 0.09089e-3 - 0.98039 * s**2 if gap == "quadratic" else 1e-3 * np.interp(abs(s), np.arange(20) * d, CORNER)
-    operator = HalfSpaceOperator(rows, columns, d, d, COMPLIANCE)
+    operator = Operator(rows, columns, d, d, COMPLIANCE)
     pressure = solve_normal(operator, across - 0.76859 * x**2, 1e-6)
     p, cell = pressure.p, d * d
     w = np.stack(np.broadcast_arrays(-4e-3 + 1.5372 * s, -9.8995e-3 - 1.5372 * (x + d / 6.0)))

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wrsim.analysis.contacts import contact_models, wheels_on_rails
-from wrsim.analysis.poses.half_space_solver import HalfSpaceBench
-from wrsim.analysis.poses.poses import StaticBench
+from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
+from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
 from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
@@ -31,7 +31,7 @@ def run_static(setup: Setup, progress: Callable[[float, float], None] | None = N
     wheelset = setup.wheelset
     radius = wheelset.mean_radius if len(wheels) == 2 else getattr(wheelset, plan.side).radius
     exact = setup.contact.normal == "half-space"
-    bench = (HalfSpaceBench if exact else StaticBench)(wheels, plan.rolling, radius)
+    bench = (HalfSpacePoseSolver if exact else PoseSolver)(wheels, plan.rolling, radius)
     n = len(plan.poses)
     raw = RawContacts.empty(n, len(wheels), setup.contact.max_patches)
     strips = StripRecorder.start(wheels)

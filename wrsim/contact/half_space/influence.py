@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import pi
 
 import numpy as np
@@ -33,15 +33,8 @@ from wrsim.core.contact.half_space.influence import INTEGRALS, NN, SN, SS, XN, X
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complexfloating]
 
-# odd in (s, x)
-_ODD = {
-    NN: (False, False),
-    XX: (False, False),
-    SS: (False, False),
-    XS: (True, True),
-    XN: (False, True),
-    SN: (True, False),
-}
+ODD_IN_S, ODD_IN_X = (XS, SN), (XS, XN)
+MARGIN = 6  # elements by which the period of the inverse is larger than the grid
 
 
 @dataclass(frozen=True)
@@ -70,11 +63,11 @@ class Compliance:
 
 
 @lru_cache(maxsize=16)
-def _integrals(ratio: float, columns: int, rows: int) -> Array:
-    """Integrals (INTEGRALS, columns, rows) at non-negative offsets, for elements 1 x ratio."""
-    out = np.zeros((INTEGRALS, columns + 1, rows + 1))
+def _integrals(ratio: float, size: int) -> Array:
+    """Integrals (INTEGRALS, x, s) at ``size`` non-negative offsets either way, for elements 1 x ratio."""
+    out = np.zeros((INTEGRALS, size + 1, size + 1))
     fill_integrals(0.0, 1.0, 0.0, ratio, out)
-    return out[:, :columns, :rows]
+    return out[:, :size, :size]
 
 
 @lru_cache(maxsize=64)
@@ -84,8 +77,8 @@ def _spectrum(kind: int, ratio: float, rows: int, columns: int, period: tuple[in
     while size <= max(rows, columns):
         size *= 2
     # one column more than the grid has: the slip looks one element ahead
-    quarter = _integrals(ratio, size, size)[kind, : columns + 1, :rows].T
-    odd_s, odd_x = _ODD[kind]
+    quarter = _integrals(ratio, size)[kind, : columns + 1, :rows].T
+    odd_s, odd_x = kind in ODD_IN_S, kind in ODD_IN_X
     full = np.zeros(period)
     full[:rows, : columns + 1] = quarter
     full[1 - rows :, : columns + 1] = quarter[:0:-1] * (-1.0 if odd_s else 1.0)
@@ -94,81 +87,48 @@ def _spectrum(kind: int, ratio: float, rows: int, columns: int, period: tuple[in
     return np.ascontiguousarray(transform.imag if odd_s != odd_x else transform.real)
 
 
-class HalfSpaceOperator:
+@dataclass(frozen=True)
+class _Fourier:
+    """Transforms of fields on (rows, columns) elements, padded to a period."""
+
+    rows: int
+    columns: int
+    period: tuple[int, int]
+
+    @classmethod
+    def at_least(cls, rows: int, columns: int, period_s: int, period_x: int) -> _Fourier:
+        """With the next periods that are quick to transform."""
+        return cls(rows, columns, (scipy.fft.next_fast_len(period_s, True), scipy.fft.next_fast_len(period_x, True)))
+
+    def to(self, field: Array) -> Spectrum:
+        along = scipy.fft.rfft(field, self.period[1], axis=-1)
+        return scipy.fft.fft(along, self.period[0], axis=-2, overwrite_x=True)
+
+    def back(self, spectrum: Spectrum) -> Array:
+        cut = scipy.fft.ifft(spectrum, axis=-2, overwrite_x=True)[..., : self.rows, :]
+        return scipy.fft.irfft(cut, self.period[1], axis=-1)[..., : self.columns]
+
+
+@dataclass(frozen=True, eq=False)
+class Operator:
     """Influence of tractions on (rows, columns) elements ds x dx upon each other.
 
     angles: of the rows' normals [rad] for the angle-corrected kernel, or None for the plain one. shares: for groups of
     rows whose mutual influence is weakened, the rows of each group and its influence on all rows, both (rows, 1).
     """
 
-    def __init__(
-        self,
-        rows: int,
-        columns: int,
-        ds: float,
-        dx: float,
-        compliance: Compliance,
-        angles: Array | None = None,
-        shares: Sequence[tuple[Array, Array]] = (),
-    ) -> None:
-        self.rows, self.columns, self.ds, self.dx = rows, columns, ds, dx
-        self.compliance = compliance
-        self._period = (scipy.fft.next_fast_len(2 * rows - 1, True), scipy.fft.next_fast_len(2 * columns + 1, True))
-        self._tangent, self._normal_of_row = _frames(angles)
-        self._curved = angles is not None
-        self._shares = tuple(shares)
-        self._spectra: dict[int, Array] = {}
-        self._near = Inverse(rows, columns, ds, dx, compliance)
+    rows: int
+    columns: int
+    ds: float
+    dx: float
+    compliance: Compliance
+    angles: Array | None = None
+    shares: Sequence[tuple[Array, Array]] = ()
 
     @property
     def coupled(self) -> bool:
         """Whether pressures make tangential, and tractions normal displacements."""
-        return self._curved or self.compliance.coupling != 0.0
-
-    def _of(self, kind: int) -> Array:
-        """Spectrum of A_nn, A_xx, A_ss, A_xs, or the imaginary part of that of A_xn, A_sn."""
-        if kind not in self._spectra:
-            c, ratio = self.compliance, round(self.ds / self.dx, 9)
-
-            def integral(k: int) -> Array:
-                return _spectrum(k, ratio, self.rows, self.columns, self._period)
-
-            if kind in (XX, SS):
-                spectrum = c.normal * integral(NN) + c.tangential * integral(kind)
-            else:
-                spectrum = {NN: c.normal, XS: c.tangential, XN: c.coupling, SN: c.coupling}[kind] * integral(kind)
-            self._spectra[kind] = self.dx * spectrum
-        return self._spectra[kind]
-
-    def _transform(self, q: Array) -> Spectrum:
-        return scipy.fft.fft(scipy.fft.rfft(q, self._period[1], axis=-1), self._period[0], axis=-2, overwrite_x=True)
-
-    def _back(self, f: Spectrum) -> Array:
-        cut = scipy.fft.ifft(f, axis=-2, overwrite_x=True)[..., : self.rows, :]
-        return scipy.fft.irfft(cut, self._period[1], axis=-1)[..., : self.columns]
-
-    def near_pressure(self, e: Array) -> Array:
-        """Roughly the pressure that makes the normal displacement e: the preconditioner of the normal problem."""
-        return self._near.pressure(e)
-
-    def near_traction(self, u: Array) -> Array:
-        """Roughly the tractions that make the tangential displacements u, (2, rows, columns)."""
-        return self._near.traction(u)
-
-    def _ahead(self, forward: float) -> Spectrum:
-        """Takes u(x) to (u(x) - u(x + forward dx)) / dx."""
-        k = 2.0 * pi * scipy.fft.rfftfreq(self._period[1])
-        ahead: Spectrum = (1.0 - np.exp(1j * forward * k)) / self.dx
-        return ahead
-
-    def _shared(self, act: Callable[[Array], Array], q: Array) -> Array:
-        """What all groups of rows do to all rows."""
-        if not self._shares:
-            return act(q)
-        total = self._shares[0][1] * act(self._shares[0][0] * q)
-        for own, influence in self._shares[1:]:
-            total += influence * act(own * q)
-        return total
+        return self._turned or self._unequal
 
     def normal(self, p: Array) -> Array:
         """Normal displacements under the pressures p [Pa], (rows, columns) [m]."""
@@ -180,9 +140,7 @@ class HalfSpaceOperator:
 
     def normal_of_tractions(self, q: Array) -> Array:
         """Normal displacements under tangential tractions (rows, columns) [m]; zero unless ``coupled``."""
-        if not self.coupled:
-            return np.zeros(q.shape[1:])
-        return self._shared(self._normal_of_tractions, q)
+        return self._shared(self._normal_of_tractions, q) if self.coupled else np.zeros(q.shape[1:])
 
     def slip_of_pressure(self, p: Array, forward: float) -> Array:
         """Slip over the rolling speed that the pressures bring about; zero unless ``coupled``."""
@@ -190,111 +148,151 @@ class HalfSpaceOperator:
             return np.zeros((2, *p.shape))
         return self._shared(lambda part: self._slip_of_pressure(part, forward), p)
 
-    def _normal(self, p: Array) -> Array:
-        if not self._curved:
-            f = self._transform(p)
-            f *= self._of(NN)
-            return self._back(f)
-        n = self._normal_of_row
-        f = self._transform(n * p)
-        f *= self._of(NN)
-        if self.compliance.coupling != 0.0:
-            f += 1j * self._of(SN) * self._transform(self._tangent * p)
-        u: Array = (n * self._back(f)).sum(axis=0)
-        return u
-
-    def _slip(self, q: Array, forward: float) -> Array:
-        if not self._curved:
-            f = self._transform(q)
-            f *= self._ahead(forward)
-            xs = self._of(XS)
-            return self._back(np.stack([self._of(XX) * f[0] + xs * f[1], xs * f[0] + self._of(SS) * f[1]]))
-        x, section = self._under_tractions(q)
-        u = self._back(np.concatenate([x[None], section]) * self._ahead(forward))
-        return np.stack([u[0], (self._tangent * u[1:]).sum(axis=0)])
-
-    def _normal_of_tractions(self, q: Array) -> Array:
-        if not self._curved:
-            f = self._transform(q)
-            return self._back(-1j * (self._of(XN) * f[0] + self._of(SN) * f[1]))
-        _, section = self._under_tractions(q)
-        u: Array = (self._normal_of_row * self._back(section)).sum(axis=0)
-        return u
-
-    def _slip_of_pressure(self, p: Array, forward: float) -> Array:
-        ahead = self._ahead(forward)
-        along = 1j * self._of(XN) * self._transform(p)
-        if not self._curved:
-            return self._back(np.stack([along, 1j * self._of(SN) * self._transform(p)]) * ahead)
-        section = self._of(NN) * self._transform(self._normal_of_row * p)
-        if self.compliance.coupling != 0.0:
-            section = section + 1j * self._of(SN) * self._transform(self._tangent * p)
-        u = self._back(np.concatenate([along[None], section]) * ahead)
-        return np.stack([u[0], (self._tangent * u[1:]).sum(axis=0)])
-
-    def _under_tractions(self, q: Array) -> tuple[Spectrum, Spectrum]:
-        """Transforms of the displacements along x, and in the section (o, b), under turned tractions."""
-        t = self._tangent
-        f = self._transform(np.concatenate([q, t * q[0], t * q[1]]))
-        x: Spectrum = self._of(XX) * f[0] + self._of(XS) * f[1]
-        section: Spectrum = self._of(XS) * f[2:4] + self._of(SS) * f[4:6]
-        if self.compliance.coupling != 0.0:
-            g = self._transform(np.concatenate([self._normal_of_row * q[0], self._normal_of_row * q[1]]))
-            section = section - 1j * (self._of(XN) * g[0:2] + self._of(SN) * g[2:4])
-        return x, section
-
     def self_slip(self) -> float:
         """Largest slip that an element's own traction brings about, over that traction [1/Pa]."""
-        own = _integrals(round(self.ds / self.dx, 9), 64, 64)[:, :2, 0]
+        own = _integrals(self._ratio, 64)[:, :2, 0]
         c = self.compliance
         along = (XX, SS)
         return max(c.normal * (own[NN, 0] - own[NN, 1]) + c.tangential * (own[k, 0] - own[k, 1]) for k in along)
 
+    @cached_property
+    def inverse(self) -> Inverse:
+        """Preconditioners."""
+        return Inverse(self)
 
-def _frames(angles: Array | None) -> tuple[Array, Array]:
-    """Tangents and normals of the rows in (o, b), (2, rows, 1)."""
-    a = np.zeros(1) if angles is None else np.asarray(angles, dtype=np.float64)
-    cos, sin = np.cos(a)[:, None], np.sin(a)[:, None]
-    return np.stack([cos, sin]), np.stack([-sin, cos])
+    @cached_property
+    def _ratio(self) -> float:
+        return round(self.ds / self.dx, 9)
+
+    @property
+    def _turned(self) -> bool:
+        return self.angles is not None
+
+    @property
+    def _unequal(self) -> bool:
+        return self.compliance.coupling != 0.0
+
+    @cached_property
+    def _fourier(self) -> _Fourier:
+        return _Fourier.at_least(self.rows, self.columns, 2 * self.rows - 1, 2 * self.columns + 1)
+
+    @cached_property
+    def _frames(self) -> tuple[Array, Array]:
+        """Tangents and normals of the rows in (o, b), (2, rows, 1)."""
+        angles = np.zeros((1, 1)) if self.angles is None else np.asarray(self.angles, dtype=np.float64)[:, None]
+        cos, sin = np.cos(angles), np.sin(angles)
+        return np.stack([cos, sin]), np.stack([-sin, cos])
+
+    @cached_property
+    def _spectra(self) -> dict[int, Array]:
+        """Of A_nn, A_xx, A_ss, A_xs, and, of unequal materials, the imaginary parts of those of A_xn, A_sn."""
+        c = self.compliance
+        factors = {NN: c.normal, XX: c.tangential, SS: c.tangential, XS: c.tangential}
+        if self._unequal:
+            factors |= {XN: c.coupling, SN: c.coupling}
+        spectra = {
+            kind: self.dx * factor * _spectrum(kind, self._ratio, self.rows, self.columns, self._fourier.period)
+            for kind, factor in factors.items()
+        }
+        for kind in (XX, SS):
+            spectra[kind] += spectra[NN]
+        return spectra
+
+    def _ahead(self, forward: float) -> Spectrum:
+        """Takes u(x) to (u(x) - u(x + forward dx)) / dx."""
+        k = 2.0 * pi * scipy.fft.rfftfreq(self._fourier.period[1])
+        ahead: Spectrum = (1.0 - np.exp(1j * forward * k)) / self.dx
+        return ahead
+
+    def _shared(self, act: Callable[[Array], Array], q: Array) -> Array:
+        """What all groups of rows do to all rows."""
+        if not self.shares:
+            return act(q)
+        total = self.shares[0][1] * act(self.shares[0][0] * q)
+        for own, influence in self.shares[1:]:
+            total += influence * act(own * q)
+        return total
+
+    def _normal(self, p: Array) -> Array:
+        a, to, back = self._spectra, self._fourier.to, self._fourier.back
+        if not self._turned:
+            return back(a[NN] * to(p))
+        return self._along_normal(self._section_under_pressures(p))
+
+    def _slip(self, q: Array, forward: float) -> Array:
+        a, to, back = self._spectra, self._fourier.to, self._fourier.back
+        if not self._turned:
+            x, s = to(q) * self._ahead(forward)
+            return back(np.stack([a[XX] * x + a[XS] * s, a[XS] * x + a[SS] * s]))
+        x, s = to(q)
+        return self._slip_of(a[XX] * x + a[XS] * s, self._section_under_tractions(q), forward)
+
+    def _normal_of_tractions(self, q: Array) -> Array:
+        a, to, back = self._spectra, self._fourier.to, self._fourier.back
+        if not self._turned:
+            x, s = to(q)
+            return back(-1j * (a[XN] * x + a[SN] * s))
+        return self._along_normal(self._section_under_tractions(q))
+
+    def _slip_of_pressure(self, p: Array, forward: float) -> Array:
+        a, to, back = self._spectra, self._fourier.to, self._fourier.back
+        f = to(p)
+        if not self._turned:
+            return back(np.stack([1j * a[XN] * f, 1j * a[SN] * f]) * self._ahead(forward))
+        x = 1j * a[XN] * f if self._unequal else np.zeros_like(f)
+        return self._slip_of(x, self._section_under_pressures(p), forward)
+
+    def _section_under_pressures(self, p: Array) -> Spectrum:
+        """Transform of the displacements (o, b) under turned pressures."""
+        t, n = self._frames
+        a, to = self._spectra, self._fourier.to
+        section: Spectrum = a[NN] * to(n * p)
+        return section + 1j * a[SN] * to(t * p) if self._unequal else section
+
+    def _section_under_tractions(self, q: Array) -> Spectrum:
+        """Transform of the displacements (o, b) under turned tractions."""
+        t, n = self._frames
+        a, to = self._spectra, self._fourier.to
+        section: Spectrum = a[XS] * to(t * q[0]) + a[SS] * to(t * q[1])
+        return section - 1j * (a[XN] * to(n * q[0]) + a[SN] * to(n * q[1])) if self._unequal else section
+
+    def _along_normal(self, section: Spectrum) -> Array:
+        lift: Array = (self._frames[1] * self._fourier.back(section)).sum(axis=0)
+        return lift
+
+    def _slip_of(self, x: Spectrum, section: Spectrum, forward: float) -> Array:
+        u = self._fourier.back(np.concatenate([x[None], section]) * self._ahead(forward))
+        return np.stack([u[0], (self._frames[0] * u[1:]).sum(axis=0)])
 
 
 class Inverse:
     """Inverse symbols of the half-space on a periodic grid hardly larger than the patch: preconditioners.
 
-    Over the wave number k a half-space yields (1 - nu)/(G |k|) normal to its surface and along k, 1/(G |k|) across.
+    Over the wave number k a half-space gives way by (1 - nu)/(G |k|) normal to its surface and along k, by 1/(G |k|)
+    across.
     """
 
-    MARGIN = 6
-
-    def __init__(self, rows: int, columns: int, ds: float, dx: float, compliance: Compliance) -> None:
-        self.rows, self.columns = rows, columns
-        self._period = tuple(scipy.fft.next_fast_len(n + self.MARGIN, True) for n in (rows, columns))
-        kx = 2.0 * pi * scipy.fft.rfftfreq(self._period[1], dx)
-        ks = 2.0 * pi * scipy.fft.fftfreq(self._period[0], ds)[:, None]
+    def __init__(self, operator: Operator) -> None:
+        o, c = operator, operator.compliance
+        self._fourier = _Fourier.at_least(o.rows, o.columns, o.rows + MARGIN, o.columns + MARGIN)
+        period_s, period_x = self._fourier.period
+        kx = 2.0 * pi * scipy.fft.rfftfreq(period_x, o.dx)
+        ks = 2.0 * pi * scipy.fft.fftfreq(period_s, o.ds)[:, None]
         k = np.hypot(kx, ks)
-        k[0, 0] = 4.0 / max(self._period[0] * ds, self._period[1] * dx)
-        along = k / (2.0 * pi * compliance.normal)
-        across = k / (2.0 * pi * (compliance.normal + compliance.tangential))
+        k[0, 0] = 4.0 / max(period_s * o.ds, period_x * o.dx)
+        along = k / (2.0 * pi * c.normal)
+        across = k / (2.0 * pi * (c.normal + c.tangential))
         self._normal = along
         self._xx = (along * kx**2 + across * ks**2) / k**2
         self._ss = (along * ks**2 + across * kx**2) / k**2
         self._xs = (along - across) * kx * ks / k**2
         self._xx[0, 0] = self._ss[0, 0] = across[0, 0]
 
-    def _transform(self, u: Array) -> Spectrum:
-        return scipy.fft.fft(scipy.fft.rfft(u, self._period[1], axis=-1), self._period[0], axis=-2, overwrite_x=True)
-
-    def _back(self, f: Spectrum) -> Array:
-        cut = scipy.fft.ifft(f, axis=-2, overwrite_x=True)[..., : self.rows, :]
-        return scipy.fft.irfft(cut, self._period[1], axis=-1)[..., : self.columns]
-
     def pressure(self, u: Array) -> Array:
-        """Pressures for normal displacements, (rows, columns)."""
-        f = self._transform(u)
-        f *= self._normal
-        return self._back(f)
+        """Roughly the pressures that make the normal displacements u, (rows, columns)."""
+        return self._fourier.back(self._normal * self._fourier.to(u))
 
     def traction(self, u: Array) -> Array:
-        """Tractions for tangential displacements, (2, rows, columns)."""
-        f = self._transform(u)
-        return self._back(np.stack([self._xx * f[0] + self._xs * f[1], self._xs * f[0] + self._ss * f[1]]))
+        """Roughly the tractions that make the tangential displacements u, (2, rows, columns)."""
+        x, s = self._fourier.to(u)
+        return self._fourier.back(np.stack([self._xx * x + self._xs * s, self._xs * x + self._ss * s]))

@@ -7,14 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.ndimage
 from numpy.typing import NDArray
 
-from wrsim.contact.half_space.solvers import Pressure, Traction
+from wrsim.contact.half_space.normal import Pressure
+from wrsim.contact.half_space.rolling import Traction
 from wrsim.contact.half_space.surface import Grid
-from wrsim.core.contact.half_space.normal import summarise
+from wrsim.core.contact.half_space.patch import Figures, measure
+from wrsim.core.contact.half_space.rolling import OUTSIDE, SLIP
 
 Array = NDArray[np.float64]
 
@@ -23,32 +26,46 @@ Array = NDArray[np.float64]
 class Region:
     """One connected region of contact.
 
-    normal_force: sum of p dA [N]; area [m2]; p0 [Pa]; s, x: extents (from, to) [m]; angle: contact angle at the
-    outer edges in s (from, to) [rad]; centre: (x, o, b) of the pressure's resultant [m]; rows, columns: of the grid;
-    p: the region's own pressures there (rows, columns) [Pa].
+    rows, columns: of the grid; p: the region's own pressures there (rows, columns) [Pa]; figures: area, p0, sum of
+    p dA and length; starts, ends: of every row along x (rows,), zero without contact; s, x: extents (from, to); angle:
+    contact angle at the outer edges in s (from, to) [rad]; centre: (x, o, b) of the pressure's resultant [m].
     """
 
-    normal_force: float
-    area: float
-    p0: float
+    rows: slice
+    columns: slice
+    p: Array
+    figures: Figures
+    starts: Array
+    ends: Array
     s: tuple[float, float]
     x: tuple[float, float]
     angle: tuple[float, float]
     centre: tuple[float, float, float]
-    rows: slice
-    columns: slice
-    p: Array
+
+    @property
+    def normal_force(self) -> float:
+        """Sum of p dA [N]."""
+        return self.figures.force
+
+    @property
+    def area(self) -> float:
+        """Contact area [m2]."""
+        return self.figures.area
+
+    @property
+    def p0(self) -> float:
+        """Largest pressure [Pa]."""
+        return self.figures.p0
 
 
 @dataclass(frozen=True)
-class HalfSpacePatch:
+class Patch:
     """All contact on one grid.
 
     p: pressures (rows, columns) over (s, x) [Pa]; q: tractions on the wheel along x and along the rows' tangents,
     outward (2, rows, columns) [Pa]; slip, rigid_slip: of the wheel over the rolling speed, alike, with and without
-    the elastic part; state: 0 outside, 1 adhesion, 2 slip; approach: largest undeformed interpenetration along the
-    normals [m]; force, moment: on the wheel (t, o, b), the moment about the wheel's profile origin [N, N m]; wear:
-    work of the creep forces on the rigid slip over the rolling speed, T-gamma [N].
+    the elastic part; state: 0 outside, 1 adhesion, 2 slip; force, moment: on the wheel (t, o, b), the moment about the
+    wheel's profile origin [N, N m]; pressure, traction: as solved for, p without damping.
     """
 
     grid: Grid
@@ -57,13 +74,36 @@ class HalfSpacePatch:
     slip: Array
     rigid_slip: Array
     state: Array
-    approach: float
     force: Array
     moment: Array
-    wear: float
-    regions: tuple[Region, ...]
-    normal: Pressure
-    rolling: Traction | None
+    pressure: Pressure
+    traction: Traction | None
+
+    @classmethod
+    def of(cls, grid: Grid, p: Array, pressure: Pressure, traction: Traction | None, rigid: Array) -> Patch:
+        """All contact on a grid. p: pressures with damping; rigid: slip of the wheel."""
+        if traction is None:
+            q, slip, state = np.zeros((2, *p.shape)), rigid, np.where(p > 0.0, SLIP, OUTSIDE)
+        else:
+            q, slip, state = traction.q, traction.slip, traction.state
+        no, nb = grid.normal.T[:, :, None]
+        forces = np.stack([q[0], p * no + q[1] * nb, p * nb - q[1] * no]) * grid.cell
+        x, (o, b) = grid.x[None, :], grid.centre.T[:, :, None]
+        origin = grid.bodies.pose.origin
+        arms = np.stack(np.broadcast_arrays(x - origin.x, o - origin.y, b - origin.z))
+        moment = np.cross(arms, forces, axis=0).sum(axis=(1, 2))
+        return cls(grid, p, q, slip, rigid, state, forces.sum(axis=(1, 2)), moment, pressure, traction)
+
+    @cached_property
+    def regions(self) -> tuple[Region, ...]:
+        """Connected regions by falling normal force."""
+        regions = [_region(self.grid, rows, columns, own) for rows, columns, own in _islands(self.p)]
+        return tuple(sorted(regions, key=lambda r: -r.normal_force))
+
+    @property
+    def approach(self) -> float:
+        """Largest undeformed interpenetration along the normals [m]."""
+        return float(self.grid.pen.max())
 
     @property
     def normal_force(self) -> float:
@@ -84,53 +124,52 @@ class HalfSpacePatch:
     def counted_area(self) -> float:
         """Number of elements in contact times their size, as CONTACT states it: too large by about half an element
         around the edge [m2]."""
-        return float(np.count_nonzero(self.p)) * self.grid.dx * self.grid.ds
+        return float(np.count_nonzero(self.p)) * self.grid.cell
 
     @property
     def creep_force(self) -> tuple[float, float]:
         """Sums of q dA along x and along the rows' tangents, on the wheel [N]."""
-        cell = self.grid.dx * self.grid.ds
-        return float(self.q[0].sum()) * cell, float(self.q[1].sum()) * cell
+        return float(self.q[0].sum()) * self.grid.cell, float(self.q[1].sum()) * self.grid.cell
+
+    @property
+    def wear(self) -> float:
+        """Work of the creep forces on the rigid slip over the rolling speed, T-gamma [N]."""
+        return -float((self.q * self.rigid_slip).sum()) * self.grid.cell
 
 
 @dataclass(frozen=True)
 class HalfSpaceContact:
     """Contact of one wheel on one rail: patches by falling normal force; totals on the wheel as in ContactModel."""
 
-    patches: tuple[HalfSpacePatch, ...]
-    force: Array
-    moment: Array
+    patches: tuple[Patch, ...]
     closest: float
     status: int
+
+    @property
+    def force(self) -> Array:
+        """On the wheel, (3,) in rail axes [N]."""
+        return sum((p.force for p in self.patches), np.zeros(3))
+
+    @property
+    def moment(self) -> Array:
+        """On the wheel about its profile origin, (3,) in rail axes [N m]."""
+        return sum((p.moment for p in self.patches), np.zeros(3))
 
     @property
     def normal_force(self) -> float:
         """Sum over all patches [N]."""
         return sum(p.normal_force for p in self.patches)
 
+    @property
+    def wear(self) -> float:
+        """T-gamma over all patches [N]."""
+        return sum(p.wear for p in self.patches)
 
-def patch_of(
-    pose: Array, grid: Grid, p: Array, pressure: Pressure, traction: Traction | None, rigid: Array
-) -> HalfSpacePatch:
-    """All contact on a grid. pose: see core.contact.layout; p: pressures with damping; rigid: slip of the wheel."""
-    if traction is None:
-        q, slip, state = np.zeros((2, *p.shape)), rigid, np.where(p > 0.0, 2.0, 0.0)
-    else:
-        q, slip, state = traction.q, traction.slip, traction.state
-    cell = grid.dx * grid.ds
-    no, nb = grid.normal.T[:, :, None]
-    lines = np.stack([q[0], p * no + q[1] * nb, p * nb - q[1] * no]) * cell
-    arms = np.stack(
-        np.broadcast_arrays(
-            grid.x[None, :] - pose[0], grid.centre[:, 0, None] - pose[1], grid.centre[:, 1, None] - pose[2]
-        )
-    )
-    moment = np.cross(arms, lines, axis=0).sum(axis=(1, 2))
-    wear = -float((q * rigid).sum()) * cell
-    return HalfSpacePatch(
-        grid, p, q, slip, rigid, state, float(grid.pen.max()), lines.sum(axis=(1, 2)), moment, wear, _regions(grid, p),
-        pressure, traction,
-    )  # fmt: skip
+    def largest(self, most: int) -> list[tuple[Patch, Region]]:
+        """The largest regions of all patches, each with its patch, by falling normal force."""
+        found = [(patch, region) for patch in self.patches for region in patch.regions]
+        found.sort(key=lambda pair: -pair[1].normal_force)
+        return found[:most]
 
 
 def _islands(p: Array) -> Iterator[tuple[slice, slice, Array]]:
@@ -140,26 +179,20 @@ def _islands(p: Array) -> Iterator[tuple[slice, slice, Array]]:
         yield rows, columns, np.where(labels[rows, columns] == number, p[rows, columns], 0.0)
 
 
-def _regions(grid: Grid, p: Array) -> tuple[Region, ...]:
-    """Connected regions by falling normal force."""
-    regions = []
-    for rows, columns, own in _islands(p):
-        starts, ends, total = np.zeros(len(own)), np.zeros(len(own)), np.zeros(5)
-        summarise(own, grid.dx, grid.ds, starts, ends, total)
-        across = own.max(axis=1)[None, :]
-        lo, hi, ignored = np.zeros(1), np.zeros(1), np.zeros(5)
-        summarise(across, grid.ds, grid.dx, lo, hi, ignored)
-        s = grid.s[rows.start] + grid.ds * (np.array([lo[0], hi[0]]) - 0.5)
-        x = grid.x[columns.start] + grid.dx * (np.array([starts.min(), ends.max()]) - 0.5)
-        weight = own / own.sum()
-        centre = weight.sum(axis=1) @ grid.centre[rows]
-        angle = np.interp(s, grid.s, grid.angle)
-        regions.append(
-            Region(
-                float(total[2]), float(total[0]), float(total[1]), (float(s[0]), float(s[1])),
-                (float(x[0]), float(x[1])), (float(angle[0]), float(angle[1])),
-                (float(weight.sum(axis=0) @ grid.x[columns]), float(centre[0]), float(centre[1])),
-                rows, columns, own,
-            )
-        )  # fmt: skip
-    return tuple(sorted(regions, key=lambda r: -r.normal_force))
+def _region(grid: Grid, rows: slice, columns: slice, own: Array) -> Region:
+    """A region from its own pressures."""
+    starts, ends = np.zeros((2, len(own)))
+    figures = measure(own, grid.dx, grid.ds, starts, ends)
+    first, last = np.zeros((2, 1))
+    measure(own.max(axis=1)[None, :], grid.ds, grid.dx, first, last)
+    s_from = float(grid.s[rows.start] + grid.ds * (first[0] - 0.5))
+    s_to = float(grid.s[rows.start] + grid.ds * (last[0] - 0.5))
+    outer = float(grid.x[columns.start]) - 0.5 * grid.dx
+    starts, ends = outer + grid.dx * starts, outer + grid.dx * ends
+    angle_from, angle_to = np.interp([s_from, s_to], grid.s, grid.angle)
+    weight = own / own.sum()
+    o, b = weight.sum(axis=1) @ grid.centre[rows]
+    return Region(
+        rows, columns, own, figures, starts, ends, (s_from, s_to), (float(starts.min()), float(ends.max())),
+        (float(angle_from), float(angle_to)), (float(weight.sum(axis=0) @ grid.x[columns]), float(o), float(b)),
+    )  # fmt: skip

@@ -25,13 +25,13 @@ c_n is 1/(pi E*). All integrals have the dimension of a length and scale with th
 
 from math import asinh, atan2, log, sqrt
 
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.compiling import kernel
 
 NN, XX, SS, XS, XN, SN = range(6)
 INTEGRALS = 6
 
 
-@inlined
+@kernel
 def _primitives(x, s):
     """(1/r, x^2/r^3, s^2/r^3, x s/r^3, x/r^2, s/r^2), each integrated over x and over s."""
     along_x = s * asinh(x / abs(s)) if s != 0.0 else 0.0
@@ -52,15 +52,10 @@ def fill_integrals(x0, dx, s0, ds, out):
     all lengths in one unit.
     """
     for i in range(out.shape[1]):
-        x = x0 + (i - 0.5) * dx
         for j in range(out.shape[2]):
-            p = _primitives(x, s0 + (j - 0.5) * ds)
-            out[NN, i, j] = p[0]
-            out[XX, i, j] = p[1]
-            out[SS, i, j] = p[2]
-            out[XS, i, j] = p[3]
-            out[XN, i, j] = p[4]
-            out[SN, i, j] = p[5]
+            corner = _primitives(x0 + (i - 0.5) * dx, s0 + (j - 0.5) * ds)
+            for k in range(INTEGRALS):
+                out[k, i, j] = corner[k]
     for k in range(INTEGRALS):
         for i in range(out.shape[1] - 1):
             for j in range(out.shape[2] - 1):

@@ -13,27 +13,38 @@ needs no shift of rows, the true surface of a yawed flange lies skewed on the gr
 
 from math import sqrt
 
+from wrsim.core.arena import record
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.patch import pair
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.search.locus import locus_point
+from wrsim.core.linalg import Vec, dot, norm, shifted
 
-# a row of the axis: s, centre (o, b), normal from rail to wheel (o, b), arclengths on wheel and rail, gap along the
-# normal of the true position (negative: interpenetration), x of the outline
-AT_S, AT_O, AT_B, AT_NO, AT_NB, AT_WHEEL, AT_RAIL, AT_GAP, AT_X, AT_RADIUS = range(10)
-AXIS_COLUMNS = 10
+AXIS = record("s x o b no nb arc_wheel arc_rail gap r_t")
+"""A row of the axis: s, centre (x of the outline, o, b), normal from rail to wheel (no, nb), arclengths on wheel and
+rail, gap along the normal of the true position (negative: interpenetration), radius of curvature along the rail."""
 
 NO_SURFACE = -1.0  # interpenetration where the normal meets no wheel or no rail [m]
 ACCURACY = 2e-10  # of the gap [m]
 REACH = 0.02  # farthest surface looked for [m]
 LEAST_FACING = 0.05  # cosine of the angle between a row's normal and a surface's
+LONGEST_STEP = 2.5e-4  # of the walk along the axis [m]
 
 
 @inlined
-def _offset(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc):
+def _outline(wheel, arc):
+    """The wheel's outline there."""
+    p, e = wheel.origin, wheel.axle
+    return locus_point(
+        wheel.profile.table, wheel.profile.step, wheel.radius, p.x, p.y, p.z, e.x, e.y, e.z, wheel.q, arc
+    )
+
+
+@inlined
+def _offset(wheel, rail, arc_wheel, arc_rail):
     """How far the wheel's point lies ahead of the rail's, along the mean tangent [m], and the wheel's shrink."""
-    _x, wo, wb, no, nb, shrink, _rt, _k = locus_point(wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc)
-    ro, rb, tu, tw, _kr = profile_point(rail, rail_step, rail_arc)
+    _x, wo, wb, no, nb, shrink, _rt, _k = _outline(wheel, arc_wheel)
+    ro, rb, tu, tw, _kr = profile_point(rail.table, rail.step, arc_rail)
     to = 0.5 * (tu - nb)
     tb = 0.5 * (tw + no)
     inverse = 1.0 / max(sqrt(to * to + tb * tb), 0.1)
@@ -41,144 +52,123 @@ def _offset(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, 
 
 
 @kernel
-def lay_axis(wheel, wheel_step, radius, rail, rail_step, pose, wheel_arc, rail_arc, level, start, step, n, axis):
-    """Rows at s = start, start + step, ... (n of them) from a pair of opposite points at s = 0.
+def _beside(wheel, rail, arc_wheel, arc_rail):
+    """Arclength on the wheel of the outline's point at the same lateral place as the rail's."""
+    u, _w, _tu, _tw, _k = profile_point(rail.table, rail.step, arc_rail)
+    for _ in range(20):
+        _x, wo, _wb, _no, nb, shrink, _rt, _k = _outline(wheel, arc_wheel)
+        arc_wheel -= (wo - u) / min(nb, -LEAST_FACING) * -shrink
+    return arc_wheel
 
-    pose: see core.contact.layout; level: pair as CONTACT does, see above; start may lie on either side of zero;
-    axis: (>= n, AXIS_COLUMNS). The way to the first row and between rows is walked in pieces of at most 0.25 mm.
+
+@kernel
+def lay_axis(wheel, rail, arc_wheel, arc_rail, level, start, step, axis):
+    """Rows at s = start, start + step, ... from a pair of opposite points at s = 0.
+
+    level: pair as CONTACT does, see above; start may lie on either side of zero; axis: (rows,) of AXIS.
     """
-    ox, oo, ob, et, eo, eb = pose[0], pose[1], pose[2], pose[3], pose[4], pose[5]
-    q = sqrt(1.0 - et * et)
     if level:
-        u, _w, _tu, _tw, _k = profile_point(rail, rail_step, rail_arc)
-        for _ in range(20):
-            _x, wo, _wb, _no, nb, shrink, _rt, _k = locus_point(
-                wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc
-            )
-            wheel_arc -= (wo - u) / min(nb, -LEAST_FACING) * -shrink
-    _e, shrink = _offset(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc)
+        arc_wheel = _beside(wheel, rail, arc_wheel, arc_rail)
+    _e, shrink = _offset(wheel, rail, arc_wheel, arc_rail)
     at = 0.0
-    for i in range(n):
+    for i in range(axis.size):
         goal = start + i * step
-        pieces = int(abs(goal - at) / 2.5e-4) + 1
+        pieces = int(abs(goal - at) / LONGEST_STEP) + 1
         piece = (goal - at) / pieces
         for _ in range(pieces):
-            wheel_arc += piece * shrink
-            rail_arc += piece
+            arc_wheel += piece * shrink
+            arc_rail += piece
             for _again in range(2):
-                e, shrink = _offset(
-                    wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc
-                )
+                e, shrink = _offset(wheel, rail, arc_wheel, arc_rail)
                 if not level:
-                    wheel_arc -= 0.5 * e * shrink
-                    rail_arc += 0.5 * e
+                    arc_wheel -= 0.5 * e * shrink
+                    arc_rail += 0.5 * e
         at = goal
-        gap, x, o, b, mo, mb, _sh, rt = pair(
-            wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc, 0.0, 0.0, 1.0
-        )
+        p, e_w = wheel.origin, wheel.axle
         row = axis[i]
-        row[AT_S] = goal
-        row[AT_O] = o
-        row[AT_B] = b
-        row[AT_NO] = mo
-        row[AT_NB] = mb
-        row[AT_WHEEL] = wheel_arc
-        row[AT_RAIL] = rail_arc
-        row[AT_GAP] = gap
-        row[AT_X] = x
-        row[AT_RADIUS] = rt
+        row.s = goal
+        row.arc_wheel = arc_wheel
+        row.arc_rail = arc_rail
+        row.gap, row.x, row.o, row.b, row.no, row.nb, _sh, row.r_t = pair(
+            wheel.profile.table, wheel.profile.step, wheel.radius, rail.table, rail.step, p.x, p.y, p.z, e_w.x, e_w.y,
+            e_w.z, wheel.q, arc_wheel, arc_rail, 0.0, 0.0, 1.0,
+        )  # fmt: skip
 
 
 @inlined
-def _meet_rail(rail, rail_step, o, b, no, nb, arc, t):
-    """Distance t along the normal from (o, b) to the rail; and whether there is one."""
+def _foot(profile, u, w, arc):
+    """One Newton step to the foot of the point (u, w): its arclength, the tangent there, the height over it [m]."""
+    pu, pw, tu, tw, k = profile_point(profile.table, profile.step, arc)
+    height = tu * (w - pw) - tw * (u - pu)
+    arc += ((u - pu) * tu + (w - pw) * tw) / max(1.0 - k * height, 0.2)
+    pu, pw, tu, tw, k = profile_point(profile.table, profile.step, arc)
+    return arc, tu, tw, tu * (w - pw) - tw * (u - pu)
+
+
+@inlined
+def _meet_rail(rail, row):
+    """Distance along a row's normal from its centre to the rail; and whether it gets there."""
+    t = -0.5 * row.gap
+    arc = row.arc_rail
     for _ in range(6):
-        po = o + t * no
-        pb = b + t * nb
-        u, w, tu, tw, k = profile_point(rail, rail_step, arc)
-        d = tu * (pb - w) - tw * (po - u)
-        arc += ((po - u) * tu + (pb - w) * tw) / max(1.0 - k * d, 0.2)
-        u, w, tu, tw, k = profile_point(rail, rail_step, arc)
-        d = tu * (pb - w) - tw * (po - u)
-        rate = tu * nb - tw * no
+        arc, tu, tw, height = _foot(rail, row.o + t * row.no, row.b + t * row.nb, arc)
+        rate = tu * row.nb - tw * row.no
         if rate < LEAST_FACING:
             return t, False
-        t -= d / rate
-        if abs(d) < ACCURACY:
+        t -= height / rate
+        if abs(height) < ACCURACY:
             break
     return t, abs(t) < REACH
 
 
 @inlined
-def _meet_wheel(wheel, wheel_step, radius, eo, eb, ne, et, px, po, pb, no, nb, arc, t):
-    """Distance t along the normal from (px, po, pb), relative to the wheel's origin, to the surface of revolution.
+def _meet_wheel(wheel, point, normal, arc, t):
+    """Distance along a normal from a point, relative to the wheel's origin, to the surface of revolution.
 
-    ne: normal times axle. Returns (t, arclength on the profile, whether there is one).
+    Returns it, the arclength on the profile, and whether the normal gets there.
     """
-    axial = px * et + po * eo + pb * eb
+    axial = dot(point, wheel.axle)
+    facing = dot(normal, wheel.axle)
     for _ in range(12):
-        along = axial + t * ne
-        rx = px - along * et
-        ro = po + t * no - along * eo
-        rb = pb + t * nb - along * eb
-        rad = sqrt(rx * rx + ro * ro + rb * rb)
-        f = radius - rad
-        u, w, tu, tw, k = profile_point(wheel, wheel_step, arc)
-        d = tu * (f - w) - tw * (along - u)
-        arc += ((along - u) * tu + (f - w) * tw) / max(1.0 - k * d, 0.2)
-        u, w, tu, tw, k = profile_point(wheel, wheel_step, arc)
-        d = tu * (f - w) - tw * (along - u)
-        rate = -tu * (ro * no + rb * nb) / rad - tw * ne
+        along = axial + t * facing
+        radial = shifted(shifted(point, t, normal), -along, wheel.axle)
+        rho = norm(radial)
+        arc, tu, tw, height = _foot(wheel.profile, along, wheel.radius - rho, arc)
+        rate = -tu * dot(radial, normal) / rho - tw * facing
         if rate < LEAST_FACING:
             return t, arc, False
-        t -= d / rate
-        if abs(d) < ACCURACY:
+        t -= height / rate
+        if abs(height) < ACCURACY:
             return t, arc, abs(t) < REACH
     return t, arc, False
 
 
 @kernel
-def fill_gap(wheel, wheel_step, radius, rail, rail_step, pose, axis, rows, x0, dx, pen, place):
+def fill_gap(wheel, rail, axis, x0, dx, pen, place):
     """Interpenetration of the undeformed bodies along the rows' normals.
 
     axis: from lay_axis; columns at x0 + i dx; pen: (rows, columns) [m], negative where a gap is open; place: the same
     shape, distance along the normal from the reference to the wheel's surface [m].
-    Returns the number of points whose normal meets no wheel or no rail.
     """
-    ox, oo, ob, et, eo, eb = pose[0], pose[1], pose[2], pose[3], pose[4], pose[5]
     columns = pen.shape[1]
-    lost = 0
-    for j in range(rows):
+    for j in range(axis.size):
         row = axis[j]
-        o, b, no, nb = row[AT_O], row[AT_B], row[AT_NO], row[AT_NB]
-        ne = no * eo + nb * eb
-        rail_t, met = _meet_rail(rail, rail_step, o, b, no, nb, row[AT_RAIL], -0.5 * row[AT_GAP])
+        normal = Vec(0.0, row.no, row.nb)
+        rail_t, on_rail = _meet_rail(rail, row)
         # from the outline's column to either side, each point foretold by the two before it
-        middle = min(max(int((row[AT_X] - x0) / dx + 0.5), 0), columns - 1)
+        middle = min(max(int((row.x - x0) / dx + 0.5), 0), columns - 1)
         for side in range(2):
-            t = 0.5 * row[AT_GAP] if side == 0 else place[j, middle]
-            arc = row[AT_WHEEL]
-            last_t = t
-            last_arc = arc
-            i = middle if side == 0 else middle - 1
-            found = met
+            step = 1 - 2 * side
+            i = middle - side
+            found = on_rail
+            t = last_t = 0.5 * row.gap if side == 0 else place[j, middle]
+            arc = last_arc = row.arc_wheel
             while 0 <= i < columns:
+                point = Vec(x0 + i * dx - wheel.origin.x, row.o - wheel.origin.y, row.b - wheel.origin.z)
                 if found:
-                    t, arc, found = _meet_wheel(
-                        wheel, wheel_step, radius, eo, eb, ne, et, x0 + i * dx - ox, o - oo, b - ob, no, nb, arc, t
-                    )
-                if found:
-                    pen[j, i] = rail_t - t
-                    place[j, i] = t
-                    guess = 2.0 * t - last_t
-                    last_t = t
-                    t = guess
-                    guess = 2.0 * arc - last_arc
-                    last_arc = arc
-                    arc = guess
-                else:
-                    lost += 1
-                    pen[j, i] = NO_SURFACE
-                    place[j, i] = 0.0
-                i += 1 if side == 0 else -1
-    return lost
+                    t, arc, found = _meet_wheel(wheel, point, normal, arc, t)
+                pen[j, i] = rail_t - t if found else NO_SURFACE
+                place[j, i] = t if found else 0.0
+                t, last_t = 2.0 * t - last_t, t
+                arc, last_arc = 2.0 * arc - last_arc, arc
+                i += step

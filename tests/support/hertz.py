@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.special import elliprd, elliprf
 
 from support.contact_bench import STEEL
-from wrsim.contact.half_space.influence import Compliance, HalfSpaceOperator
+from wrsim.contact.half_space.influence import Compliance, Operator
 
 Array = NDArray[np.float64]
 
@@ -78,8 +78,8 @@ class EllipseGrid:
     def cell(self) -> float:
         return self.dx * self.ds
 
-    def operator(self, **choices) -> HalfSpaceOperator:
-        return HalfSpaceOperator(self.count, self.count, self.ds, self.dx, COMPLIANCE, **choices)
+    def operator(self, **choices) -> Operator:
+        return Operator(self.count, self.count, self.ds, self.dx, COMPLIANCE, **choices)
 
     def penetration(self) -> Array:
         a, b = self.ellipse.curvatures

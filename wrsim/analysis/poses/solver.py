@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from wrsim.analysis.poses.load import LoadNotReached
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_pose import add_forces, set_pose
@@ -25,7 +26,6 @@ Array = NDArray[np.float64]
 
 ROLLING_SPEED = 2.0  # of the quasi-static rolling [m/s]; creepages do not depend on it
 DEEPEST = 5e-3  # approach at which the search for the load is given up [m]
-LOAD_TOLERANCE = 1e-7
 LARGEST_ROLL = 0.05  # of a wheelset that looks for its balance [rad]
 
 
@@ -43,12 +43,8 @@ class NoContact(Exception):
     """The wheel cannot be brought onto its rail at this lateral shift."""
 
 
-class LoadNotReached(Exception):
-    """The load is not met within any sensible approach."""
-
-
-class StaticBench:
-    """Wheels over their rails on straight track, for one wheel or two."""
+class PoseSolver:
+    """One wheel or two over their rails on straight track."""
 
     def __init__(self, wheels: Sequence[WheelOnRail], rolling: bool, radius: float) -> None:
         self.wheels = tuple(wheels)
@@ -65,37 +61,38 @@ class StaticBench:
         body = kinematics(q, q_t)
         self.force[:] = 0.0
         self.moment[:] = 0.0
-        for wheel in self.wheels:
+        for i, wheel in enumerate(self.wheels):
             o, b = wheel.rail_origin
             frame = (0.0, wheel.side * o, b, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
             a = wheel.model.arrays
             set_pose(body, frame, wheel.side, wheel.half_spacing, a.pose)
             # the section of the rail beside the wheel
             a.pose[0] = 0.0
-            a.call()
+            self._touch(i)
             add_forces(body, frame, wheel.side, wheel.half_spacing, a.total, self.force, self.moment)
 
     def solve(self, pose: StaticPose) -> Solved:
         """Height (and roll, with two wheels) for the pose's load. The models then hold the contact found."""
         try:
-            if len(self.wheels) == 1:
-                height = self._height(pose, pose.roll)
-                roll = pose.roll
-            else:
-                roll = self._balanced_roll(pose)
-                height = self._height(pose, roll)
+            roll = pose.roll if len(self.wheels) == 1 else self._balanced_roll(pose)
+            height = self._height(pose, roll)
         except (NoContact, LoadNotReached) as problem:
             return Solved(float("nan"), float("nan"), str(problem))
-        self.evaluate(pose.lateral, height, pose.yaw, roll)
-        missed = self.force[2] / pose.load - 1.0
-        message = ""
-        if abs(missed) > 1e-6:
-            message = f"the load lies in a jump of the force: {self.force[2]:.6g} N instead of {pose.load:.6g} N"
-        return Solved(height, roll, message)
+        return Solved(height, roll, self._remark(pose.load))
 
     def elements(self) -> list[list[ElementField]]:
         """Elements of every wheel's patches at the last pose, where the solver has any."""
         return []
+
+    def _touch(self, wheel: int) -> None:
+        """Contact of one wheel at the pose set in its model's arrays."""
+        self.wheels[wheel].model.arrays.call()
+
+    def _remark(self, load: float) -> str:
+        """What is to be said about the state that was found; nothing when all is well."""
+        if abs(self.force[2] / load - 1.0) <= 1e-6:
+            return ""
+        return f"the load lies in a jump of the force: {self.force[2]:.6g} N instead of {load:.6g} N"
 
     def _first_contact(self, pose: StaticPose, roll: float) -> float:
         """A height with contact, approached from above by the clearance between the profiles."""
@@ -112,7 +109,7 @@ class StaticBench:
         raise NoContact(f"no contact: at a lateral shift of {1e3 * pose.lateral:g} mm the wheel is beside its rail")
 
     def _height(self, pose: StaticPose, roll: float) -> float:
-        """Height at which the vertical force is the load."""
+        """Height at which the vertical force is the load. The models then hold the contact there."""
 
         def excess(height: float) -> float:
             self.evaluate(pose.lateral, height, pose.yaw, roll)
@@ -128,11 +125,13 @@ class StaticBench:
             far += sign * step
             if step > DEEPEST:
                 raise LoadNotReached(f"{pose.load:g} N are not reached within {1e3 * DEEPEST:g} mm of approach")
-        return float(brentq(excess, near, far, xtol=1e-16, rtol=8.9e-16, maxiter=200))
+        height = float(brentq(excess, near, far, xtol=1e-16, rtol=8.9e-16, maxiter=200))
+        excess(height)
+        return height
 
     def _balanced_roll(self, pose: StaticPose) -> float:
         def moment(roll: float) -> float:
-            self.evaluate(pose.lateral, self._height(pose, roll), pose.yaw, roll)
+            self._height(pose, roll)
             return float(self.moment[0])
 
         # a wheelset rolled to the left (left wheel up) loads the right wheel, whose force turns it back

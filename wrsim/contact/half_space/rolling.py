@@ -1,0 +1,101 @@
+"""Tractions of half-spaces in steady rolling: the loop around core.contact.half_space.rolling."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.contact.half_space.gmres import Gmres
+from wrsim.contact.half_space.influence import Operator
+from wrsim.core.contact.half_space import rolling
+
+Array = NDArray[np.float64]
+
+NEWTON_STEPS = 80
+KRYLOV_STEPS = 40
+MOST_WORK = 1e8  # elements times products after which rolling is given up as not converged: some 10 to 20 s
+KRYLOV_TOLERANCE = 0.05
+STEP_OF_MAP = 0.4  # rho over the inverse of an element's own slip
+CIRCLE_C11 = 4.12  # Kalker's coefficient of a circular patch, nu = 1/4
+
+
+@dataclass(frozen=True)
+class Traction:
+    """Tractions on the wheel (2, rows, columns) [Pa], slip over the rolling speed, adhesion (1) or slip (2)."""
+
+    q: Array
+    slip: Array
+    state: Array
+    steps: int
+    products: int
+    error: float
+    converged: bool
+
+
+def solve_rolling(
+    operator: Operator,
+    bound: Array,
+    rigid_slip: Array,
+    forward: float = 1.0,
+    tolerance: float = 1e-4,
+    start: Array | None = None,
+) -> Traction:
+    """Tractions of steady rolling.
+
+    bound: largest traction mu p of every element, zero outside contact, (rows, columns) [Pa]; rigid_slip: over the
+    rolling speed, (2, rows, columns), of the wheel relative to the rail; forward: +1 when rolling towards larger x;
+    tolerance: largest error of a traction over the largest bound; start: tractions to begin with.
+    """
+    shape, largest = rigid_slip.shape, float(bound.max())
+    q = np.zeros(shape)
+    state, ratio, n = np.zeros(bound.shape), np.zeros(bound.shape), np.zeros(shape)
+    if largest <= 0.0:
+        return Traction(q, rigid_slip, state, 0, 0, 0.0, True)
+    own = operator.self_slip()
+    # the sum of a run times dx over a typical compliance is a traction
+    scale = 1.0 / (np.sqrt(bound.size) * own)
+    unscale = operator.dx / scale
+    equations = rolling.Equations(bound, STEP_OF_MAP / own, scale, forward, state, n, ratio)
+    if start is not None and start.shape == shape:
+        rolling.move(q, start, 1.0, bound)
+    else:
+        rolling.march(rigid_slip, bound, _flexibility(operator, bound), operator.dx, forward, q)
+    products = 0
+
+    def correction(v: Array) -> Array:
+        """From the unknowns of the preconditioned system to a change of q."""
+        return sticking * operator.inverse.traction(sticking * v) * unscale + sliding * v
+
+    def product(flat: Array) -> Array:
+        nonlocal products
+        products += 1
+        d = correction(flat.reshape(shape))
+        rolling.derivative(equations, d, operator.slip(d, forward), out)
+        return out.reshape(-1)
+
+    rhs, out, change = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    gmres = Gmres(q.size, KRYLOV_STEPS)
+    errors: list[float] = []
+    for step in range(NEWTON_STEPS):
+        slip = operator.slip(q, forward) + rigid_slip
+        products += 1
+        errors.append(rolling.evaluate(equations, q, slip, rhs) / largest)
+        converged = errors[-1] < tolerance
+        if converged or products * bound.size > MOST_WORK:
+            return Traction(q, slip, state, step, products, errors[-1], converged)
+        sticking = (state == rolling.ADHESION).astype(np.float64)
+        sliding = (state == rolling.SLIP).astype(np.float64)
+        gmres.solve(product, rhs.reshape(-1), KRYLOV_TOLERANCE, change.reshape(-1))
+        # where a few elements swing between two states a shorter step breaks the circle
+        swinging = step > 5 and errors[-1] > 0.3 * errors[-3]
+        rolling.move(q, correction(change), (0.5 if step % 3 else 0.8) if swinging else 1.0, bound)
+    return Traction(q, slip, state, NEWTON_STEPS, products, errors[-1], False)
+
+
+def _flexibility(operator: Operator, bound: Array) -> float:
+    """Displacement over traction of a circle of the patch's area [m/Pa], after the simplified theory."""
+    radius = np.sqrt(float(np.count_nonzero(bound)) * operator.dx * operator.ds / np.pi)
+    c = operator.compliance
+    return float(8.0 * radius / (3.0 * CIRCLE_C11) * np.pi * (c.normal + c.tangential))
