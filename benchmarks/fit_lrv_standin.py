@@ -148,7 +148,7 @@ def wheel(keys: dict[str, Any]) -> Profile:
 def numbers(setup: Setup, keys: dict[str, Any]) -> Array:
     """Width over strip width, p0 [MPa] and angle variation [deg] of the four cases (4, 3)."""
     wheelset = with_wheel(setup.wheelset, "left", wheel(keys), None)
-    dataset = run_static(replace(setup, wheelset=wheelset)).dataset
+    dataset = run_static(replace(setup, wheelset=wheelset)).wheelset()
     table = ours(dataset)
     assert setup.contact.strip_width is not None
     # not the whole number of strips: a fit needs something smooth
@@ -252,7 +252,7 @@ def main() -> None:
         shape = near[int(np.argmin(costs))]
         print(f"\n{shape}\nsum of squares after rounding {min(costs):.2f}")
         FILE.write_text(text(shape), encoding="utf-8")
-    print(comparison(run(load(SCENARIO)).dataset))
+    print(comparison(run(load(SCENARIO)).wheelset()))
 
 
 if __name__ == "__main__":

@@ -175,7 +175,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
     parser.add_argument("--write", action="store_true", help="renew docs/static_paper.md and its pictures")
     arguments = parser.parse_args()
-    dataset = run(load(SCENARIO)).dataset
+    dataset = run(load(SCENARIO)).wheelset()
     print(comparison(dataset))
     print("\nEach case alone, for arcs across the patch:")
     print(each_alone(dataset))

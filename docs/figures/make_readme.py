@@ -29,7 +29,7 @@ HERE = Path(__file__).parent
 
 def main() -> None:
     """Run the scenario and draw."""
-    dataset = run(load(HERE.parents[1] / "scenarios" / "curve_r150_sharp.toml")).dataset
+    dataset = run(load(HERE.parents[1] / "scenarios" / "curve_r150_sharp.toml")).wheelset()
     with style():
         print(save(draw(dataset), HERE / "readme.png"))
 

@@ -137,7 +137,7 @@ def test_every_wheel_of_a_vehicle_is_compared():
     c = compare(load_text(text), ("file", "kik-piotrowski+strips=20+friction=0.3"))
     assert c.values["wheel"].values.tolist()[:2] == ["front.outer left", "front.outer right"]
     assert c.values.sizes["wheel"] == 8
-    vehicle = resolve(c.main.result, load_text(text), wheelset="rear.inner", moments=[0]).dataset
+    vehicle = resolve(c.main.result, load_text(text), wheelset="rear.inner", moments=[0]).wheelset()
     assert vehicle["Q"].values[0] == pytest.approx(c.values["Q"].sel(model="file").values[-1, 4:6], rel=1e-3)
-    with pytest.raises(InputError, match=r"choose one of its wheelsets, front\.outer"):
+    with pytest.raises(InputError, match=r"choose one of the wheelsets: front\.outer"):
         resolve(c.main.result, load_text(text))

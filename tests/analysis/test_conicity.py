@@ -46,7 +46,7 @@ def swing(profiles, gauge: float, radii: tuple[float, float], roll: str, amplitu
     """Dataset of a wheelset with the profile origins 1.5 m apart."""
     wheel, rail = profiles
     wheelset = Wheelset("w", 1.0, (1.0, 1.0, 1.0), 1.5, Wheel(wheel, radii[0]), Wheel(wheel, radii[1]))
-    return conicity(wheelset, (rail, rail), gauge, ConicityPlan(tuple(amplitudes), roll), "test").dataset
+    return conicity(wheelset, (rail, rail), gauge, ConicityPlan(tuple(amplitudes), roll), "test").wheelset()
 
 
 @pytest.mark.parametrize("column, right", [(1, 0.460), (2, 0.459)], ids=["E1", "E5"])
@@ -151,14 +151,14 @@ def test_mirrored_wheels_mirror_the_radius_difference():
 
 def test_the_scenario_and_the_command_tell_the_same(tmp_path):
     result = run(load(ROOT / "scenarios" / "conicity_s1002.toml"))
-    assert result.summary()["equivalent_conicity"]["3_mm"] == pytest.approx(0.174, abs=2e-3)
+    assert result.summary()["wheelsets"]["wheelset"]["equivalent_conicity"]["3_mm"] == pytest.approx(0.174, abs=2e-3)
     assert len(tables(result.dataset)["conicity"]) == 1 + result.dataset.sizes["amplitude"]
     picture, table = tmp_path / "c.png", tmp_path / "c.csv"
     files = ["--picture", str(picture), "--table", str(table)]
     told = CliRunner().invoke(app, ["conicity", "wheels/S1002.toml", "rails/60E1.toml", "--json", *files])
     assert told.exit_code == 0, told.output
     answer = json.loads(told.output)
-    values = result.dataset["equivalent_conicity"].values
+    values = result.wheelset()["equivalent_conicity"].values
     assert answer["tan_gamma_e"] == pytest.approx(values.tolist(), rel=1e-9)
     assert picture.stat().st_size > 10_000
     assert table.read_text().splitlines()[0] == "amplitude_mm,equivalent_conicity,conicity_wavelength_m"

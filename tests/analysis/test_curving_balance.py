@@ -72,7 +72,7 @@ class Curve:
 def steady(vehicle: str, radius: float, cant_mm: float, speed: float) -> Curve:
     """A moment in a full curve."""
     setup = setup_of([arc(30.0, radius, cant_mm)], speed, vehicle, start=10.0, values={"run.distance_m": 0.5})
-    dataset = run_curving(setup).dataset.isel(time=0, snapshot=0)
+    dataset = run_curving(setup).wheelset().isel(time=0, snapshot=0)
     if radius < 0.0:
         dataset = dataset.isel(wheel=[1, 0])
         for name in ("lateral_shift", "yaw", "roll", "y_contact"):
@@ -178,7 +178,7 @@ def test_curves_of_either_hand_are_alike():
 def test_a_run_through_a_transition_ends_in_the_steady_motion_found_directly():
     vehicle, radius, cant, speed = DEFICIENCY
     setup = setup_of([straight(3.0), transition(20.0), arc(40.0, radius, cant)], speed, vehicle)
-    there = run_curving(setup).dataset.isel(time=-3)
+    there = run_curving(setup).wheelset().isel(time=-3)
     curve = steady(*DEFICIENCY)
     for name in ("lateral_shift", "roll", "Q", "Y", "spin_rate"):
         found = there[name].values

@@ -18,7 +18,7 @@ def resting(**values):
     scenario = scenario.with_values({key.replace("__", "."): value for key, value in values.items()})
     result = run(scenario)
     assert (result.status, result.analysis) == ("completed", "equilibrium")
-    return build(scenario), result.dataset.isel(time=0)
+    return build(scenario), result.wheelset().isel(time=0)
 
 
 @pytest.mark.parametrize(

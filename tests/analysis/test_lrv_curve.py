@@ -16,7 +16,7 @@ SCENARIO = Path(__file__).parents[2] / "scenarios" / "lrv_curve.toml"
 @pytest.fixture(scope="module")
 def dataset() -> xr.Dataset:
     shortened = {"run.distance_m": 15.0, "output.patches_at_m": [3, 10, 15]}
-    return run(load(SCENARIO).with_values(shortened)).dataset
+    return run(load(SCENARIO).with_values(shortened)).wheelset()
 
 
 def at(dataset: xr.Dataset, distance: float) -> xr.Dataset:

@@ -25,7 +25,7 @@ def ran(text):
 
 
 def samples(result):
-    d = result.dataset
+    d = result.wheelset()
     if "pose" in d.dims:
         return np.arange(d.sizes["pose"])
     return np.searchsorted(d["time"].values, d["snapshot_time"].values - 1e-9)
@@ -36,33 +36,35 @@ def test_the_same_model_finds_the_same_contacts(text):
     before = ran(text)
     after = resolve(before, load_text(text), "file", keep="pose")
     rows = samples(before)
-    assert len(rows) == after.dataset["Q"].shape[0] > 0
+    assert len(rows) == after.wheelset()["Q"].shape[0] > 0
     for name in ("N", "Fx", "Fy", "p0", "contact_angle", "y_contact", "u_rail", "Q", "T_gamma"):
-        assert after.dataset[name].values == pytest.approx(before.dataset[name].values[rows], rel=1e-9, nan_ok=True)
+        assert after.wheelset()[name].values == pytest.approx(
+            before.wheelset()[name].values[rows], rel=1e-9, nan_ok=True
+        )
     for name in MOMENTS:
-        assert after.dataset[name].values == pytest.approx(before.dataset[name].values, rel=1e-9, nan_ok=True)
+        assert after.wheelset()[name].values == pytest.approx(before.wheelset()[name].values, rel=1e-9, nan_ok=True)
 
 
 @pytest.mark.parametrize("text", [SHORT, POSES])
 def test_the_exact_solver_takes_over_the_load(text):
     before = ran(text)
-    after = resolve(before, load_text(text)).dataset
+    after = resolve(before, load_text(text)).wheelset()
     rows = samples(before)
-    assert after["Q"].values == pytest.approx(before.dataset["Q"].values[rows], rel=1e-4)
+    assert after["Q"].values == pytest.approx(before.wheelset()["Q"].values[rows], rel=1e-4)
     # Kik-Piotrowski's peaks are too low (docs/contact.md), creepages are those of the same motion
-    assert (after["p0"].values[..., 0] > 1.03 * before.dataset["p0"].values[rows][..., 0]).all()
-    assert after["xi"].values[..., 0] == pytest.approx(before.dataset["xi"].values[rows][..., 0], abs=2e-5)
+    assert (after["p0"].values[..., 0] > 1.03 * before.wheelset()["p0"].values[rows][..., 0]).all()
+    assert after["xi"].values[..., 0] == pytest.approx(before.wheelset()["xi"].values[rows][..., 0], abs=2e-5)
     assert np.isfinite(after["element_p"].values).any()
-    moved = np.abs(after["wheel_origin"].values - before.dataset["wheel_origin"].values)
+    moved = np.abs(after["wheel_origin"].values - before.wheelset()["wheel_origin"].values)
     assert 0.0 < moved[..., 2].max() < 1e-5
     assert moved[..., :2].max() == 0.0
 
 
 def test_a_height_kept_gives_another_load():
     # at equal approach Kik-Piotrowski carries 2 to 5 % more than Hertz (docs/contact.md)
-    after = resolve(ran(POSES), load_text(POSES), keep="pose", moments=[0]).dataset
-    assert after["pose"].values.tolist() == ran(POSES).dataset["pose"].values[:1].tolist()
-    assert 0.85 < after["Q"].values[0, 0] / ran(POSES).dataset["Q"].values[0, 0] < 0.99
+    after = resolve(ran(POSES), load_text(POSES), keep="pose", moments=[0]).wheelset()
+    assert after["pose"].values.tolist() == ran(POSES).wheelset()["pose"].values[:1].tolist()
+    assert 0.85 < after["Q"].values[0, 0] / ran(POSES).wheelset()["Q"].values[0, 0] < 0.99
 
 
 def test_a_result_without_poses_says_so():

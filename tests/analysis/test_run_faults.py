@@ -86,17 +86,17 @@ def test_a_derailment_says_what_when_and_where(name):
     assert result.summary()["stop"]["reason"] == result.stop_reason
     # the samples go right up to it, and the strips of the end are kept
     assert result.dataset["time"].values[-1] == pytest.approx(time, abs=1e-9)
-    assert result.dataset["snapshot_time"].values[-1] == pytest.approx(time, abs=1e-9)
+    assert result.wheelset()["snapshot_time"].values[-1] == pytest.approx(time, abs=1e-9)
     for channel in ("lateral_shift", "Y", "Q", "roll"):
-        assert np.isfinite(result.dataset[channel].values).all()
+        assert np.isfinite(result.wheelset()[channel].values).all()
 
 
 def test_the_flange_climbs_with_the_wheel_before_it_counts_as_derailed():
-    last = derailed("climb").dataset.isel(time=-1)
+    last = derailed("climb").wheelset().isel(time=-1)
     lifted = float(derailed("climb").stop_reason.split("lifted by ")[1].split(" mm")[0])
     assert 15.0 < lifted < 30.0  # of a flange height of 28 mm
     assert last["u_wheel"].sel(wheel="right").values[0] < -45e-3  # the contact has gone down the flange to its tip
-    assert derailed("climb").dataset["Y_over_Q"].sel(wheel="right").max() > 0.7
+    assert derailed("climb").wheelset()["Y_over_Q"].sel(wheel="right").max() > 0.7
 
 
 def test_a_derailment_in_a_right_curve_is_the_mirror_image():
@@ -214,7 +214,7 @@ def test_not_a_number_in_the_law_stops_the_run_and_is_named(monkeypatch, tmp_pat
     assert (result.status, result.dataset.attrs["stop_cause"]) == ("stopped", "not-finite")
     assert result.stop_reason == "the force along roll is not a number at t = 0.3 s"
     assert result.dataset["time"].values[-1] == pytest.approx(0.2995, abs=1e-3)
-    assert np.isfinite(result.dataset["Q"].values).all()
+    assert np.isfinite(result.wheelset()["Q"].values).all()
     assert Result.load(result.save(tmp_path / "x.nc")).stop_reason == result.stop_reason
 
 

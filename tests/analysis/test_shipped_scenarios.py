@@ -42,7 +42,7 @@ def in_the_curve(name: str, arc: int = 0) -> xr.Dataset:
     result = run(scenario.with_values(values))
     assert result.status == "completed"
     assert (result.dataset["T_gamma"].values >= 0.0).all()
-    return result.dataset.isel(time=0)
+    return result.wheelset().isel(time=0)
 
 
 def of_wheels(sample: xr.Dataset, name: str, factor: float = 1.0) -> list[float]:
@@ -138,7 +138,7 @@ def test_both_curves_of_the_s_show_the_same_on_opposite_wheels():
 
 
 def test_the_static_scenario_moves_the_contact_from_field_side_to_flange():
-    dataset = run(load(SCENARIOS / "static_s1002.toml")).dataset
+    dataset = run(load(SCENARIOS / "static_s1002.toml")).wheelset()
     assert dataset.sizes["pose"] == 42
     assert (dataset["pose_message"].values == "").all()
     straight = dataset.isel(pose=np.flatnonzero(dataset["yaw"].values == 0.0))
@@ -165,7 +165,7 @@ def test_the_worn_pair_in_the_sharp_curve_touches_in_the_worn_root():
 
 
 def test_the_hollow_wheel_jumps_over_its_hollow_and_fits_the_worn_corner():
-    dataset = run(load(SCENARIOS / "static_worn.toml")).dataset
+    dataset = run(load(SCENARIOS / "static_worn.toml")).wheelset()
     assert (dataset["pose_message"].values == "").all()
     straight = dataset.isel(pose=np.flatnonzero(dataset["yaw"].values == 0.0))
     shift, angle = 1e3 * straight["lateral_shift"].values, np.degrees(straight["contact_angle"].values[:, 0, 0])
@@ -179,13 +179,13 @@ def test_the_hollow_wheel_jumps_over_its_hollow_and_fits_the_worn_corner():
 def test_bare_arcs_are_placed_by_their_origins():
     # CONTACT 25.2 on the curved surface, 0.707 mm and 17 kN: p0 891.8 MPa, resultant 23200 N, contact angle over 21.2
     # degrees. Kik-Piotrowski is 10 % low in p0 and 20 % too wide there; better models are nearer.
-    pose = run(load(SCENARIOS / "static_rail_corner.toml")).dataset.isel(pose=2, wheel=0)
+    pose = run(load(SCENARIOS / "static_rail_corner.toml")).wheelset().isel(pose=2, wheel=0)
     assert pose["load"].item() == pytest.approx(16970.563)
     assert np.hypot(pose["Y"].item(), pose["Q"].item()) == pytest.approx(23200.0, rel=0.01)
     assert 1e-6 * pose["p0"].values[0] == pytest.approx(891.8, rel=0.10)
     assert np.degrees(pose["contact_angle_variation"].values[0]) == pytest.approx(21.2, rel=0.2)
     # ball in a groove, CONTACT: approach 22.37 um, p0 530 MPa
-    pose = run(load(SCENARIOS / "static_deep_groove.toml")).dataset.isel(pose=0, wheel=0)
+    pose = run(load(SCENARIOS / "static_deep_groove.toml")).wheelset().isel(pose=0, wheel=0)
     assert 1e6 * pose["approach"].values[0] == pytest.approx(22.37, rel=0.05)
     assert 1e-6 * pose["p0"].values[0] == pytest.approx(530.0, rel=0.09)
     assert pose["contact_angle"].values[0] == pytest.approx(0.0, abs=1e-6)

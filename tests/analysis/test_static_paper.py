@@ -40,7 +40,7 @@ fit = script("fit_lrv_standin")
 
 @pytest.fixture(scope="module")
 def dataset() -> xr.Dataset:
-    return run(load(table2.SCENARIO)).dataset
+    return run(load(table2.SCENARIO)).wheelset()
 
 
 @pytest.fixture(scope="module")

@@ -19,23 +19,25 @@ from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.vehicle_state import steady_state
 
 
-def test_every_wheelset_of_the_result_reads_like_a_lone_one() -> None:
+def test_every_wheelset_of_the_result_can_be_taken_out() -> None:
     result = into_the_curve()
     assert result.status == "completed"
     dataset = result.dataset
     names = [m.name for m in manchester().wheelsets]
     assert list(dataset["wheelset"].values) == names
     assert dataset["Y"].dims == ("time", "wheelset", "wheel")
-    one = result.of_wheelset(names[1])
-    for name, variable in one.dataset.data_vars.items():
-        assert variable.dims == CHANNELS[str(name)].dims_in("time"), name
-    assert np.array_equal(one.dataset["Q"].values, dataset["Q"].values[:, 1])
-    assert np.array_equal(one.dataset["distance"].values, dataset["wheelset_distance"].values[:, 1])
-    lone = {name.removesuffix(f"_{names[1]}") for name in tables(dataset) if name.endswith(names[1])}
-    assert lone == set(tables(one.dataset))
+    one = result.wheelset(names[1])
+    for name, variable in one.data_vars.items():
+        assert variable.dims == tuple(d for d in CHANNELS[str(name)].dims_in("time") if d != "wheelset"), name
+    assert np.array_equal(one["Q"].values, dataset["Q"].values[:, 1])
+    assert np.array_equal(one["distance"].values, dataset["wheelset_distance"].values[:, 1])
+    own = {name.removesuffix(f"_{names[1]}") for name in tables(dataset) if name.endswith(names[1])}
+    assert own == set(tables(one))
     assert set(result.summary()["wheelsets"]) == set(names)
     with pytest.raises(InputError, match="did you mean 'front"):
-        result.of_wheelset("front.oter")
+        result.wheelset("front.oter")
+    with pytest.raises(InputError, match=r"choose one of the wheelsets: front\.outer, "):
+        result.wheelset()
 
 
 def test_the_wheelsets_follow_each_other_at_the_distance_of_the_vehicle() -> None:

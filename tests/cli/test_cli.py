@@ -149,7 +149,7 @@ def test_a_run_for_machines_prints_one_json_object(
     analysis_that(monkeypatch, completed)
     told = json.loads(call("run", scenario, "-o", tmp_path / "out", "--json", "--no-pictures").stdout)
     assert told["status"] == "completed"
-    assert told["summary"]["wheels"].keys() == {"left", "right"}
+    assert told["summary"]["wheelsets"]["wheelset"]["wheels"].keys() == {"left", "right"}
     assert all(Path(f).is_file() for f in told["files"])
 
 

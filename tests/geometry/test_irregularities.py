@@ -483,7 +483,7 @@ def test_rows_asked_for_too_far_apart_are_refused(tmp_path: Path) -> None:
 def test_a_wheelset_follows_a_dip_and_tells_where_its_rails_were() -> None:
     defect = '[[track.irregularities]]\nkind = "dip"\nat_m = 40\nlength_m = 20\namplitude_mm = 6\n'
     text = SCENARIO + defect + "[run]\nstart_distance_m = 25\ndistance_m = 25\n"
-    dataset = run(load_text(text)).dataset
+    dataset = run(load_text(text)).wheelset()
     distance = dataset["distance"].values
     fallen = dataset["rail_vertical"].values
     dip = np.where(np.abs(distance - 40.0) < 10.0, -3e-3 * (1.0 + np.cos(0.1 * math.pi * (distance - 40.0))), 0.0)

@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from support.synthetic_result import curve_run, static_poses
+from support import synthetic_result
 
 from wrsim.plots import (
     PatchAt,
@@ -34,6 +34,16 @@ from wrsim.plots import (
 )
 from wrsim.plots.moments import moment_title, snapshot_letter
 from wrsim.plots.style import WHEEL_COLOUR, broken, pressure_map
+from wrsim.results import Result
+
+
+def curve_run(**options) -> xr.Dataset:
+    return Result(synthetic_result.curve_run(**options)).wheelset()
+
+
+def static_poses(*options) -> xr.Dataset:
+    return Result(synthetic_result.static_poses(*options)).wheelset()
+
 
 RUN_PICTURES = ["overview", "contact_angle", "forces", "derailment", "motion", "pressure", "patches", "sections"]
 

@@ -25,6 +25,10 @@ ATTRIBUTES = {"title": "t", "analysis": "curving", "status": "completed", "scena
 EVERY = ["curve", "stopped", "static", "one wheel"]
 
 
+def the_wheelset(dataset: xr.Dataset) -> xr.Dataset:
+    return Result(dataset).wheelset()
+
+
 def dataset_of(kind: str) -> xr.Dataset:
     return {
         "curve": lambda: curve_run(),
@@ -123,7 +127,7 @@ def test_a_scalar_fills_its_channel_and_counts_become_integers():
     dataset = assemble({"time": [0.0, 1.0]}, channels, ATTRIBUTES)
     assert dataset["speed"].values.tolist() == [15.0, 15.0]
     assert dataset["n_patches"].dtype == np.int64
-    assert dataset["n_patches"].values.tolist() == [[1, 0], [2, 0]]
+    assert dataset["n_patches"].values.tolist() == [[[1, 0]], [[2, 0]]]
 
 
 def test_the_quotient_and_the_variation_of_the_contact_angle_are_derived():
@@ -134,7 +138,7 @@ def test_the_quotient_and_the_variation_of_the_contact_angle_are_derived():
         "contact_angle_min": low,
         "contact_angle_max": high,
     }
-    dataset = assemble({"time": [0.0, 1.0]}, channels, ATTRIBUTES)
+    dataset = the_wheelset(assemble({"time": [0.0, 1.0]}, channels, ATTRIBUTES))
     np.testing.assert_array_equal(dataset["Y_over_Q"], [[0.5, np.nan], [np.nan, np.nan]])
     np.testing.assert_array_equal(dataset["contact_angle_variation"], high - low)
 
@@ -143,8 +147,8 @@ def test_the_quotient_and_the_variation_of_the_contact_angle_are_derived():
     ("coords", "channels", "attributes", "words"),
     [
         ({"time": [0.0]}, {"lateral_shif": [0.0]}, {}, "did you mean 'lateral_shift'"),
-        ({"time": [0.0, 1.0]}, {"yaw": [0.0]}, {}, r"'yaw' has shape \(1,\); expected \(time 2\)"),
-        ({"time": [0.0]}, {"Q": [[1.0]]}, {}, r"expected \(time 1, wheel 2\)"),
+        ({"time": [0.0, 1.0]}, {"yaw": [0.0]}, {}, r"'yaw' has shape \(1, 1\); expected \(time 2, wheelset 1\)"),
+        ({"time": [0.0]}, {"Q": [[1.0]]}, {}, r"expected \(time 1, wheelset 1, wheel 2\)"),
         ({"time": [0.0]}, {"N": np.zeros((1, 2, 3)), "p0": np.zeros((1, 2, 2))}, {}, "patch 3"),
         ({"time": [0.0]}, {"patch": [0]}, {}, "belongs in coords"),
         ({"time": [0.0]}, {"load": [1.0]}, {}, "static poses"),
@@ -191,7 +195,7 @@ def test_a_run_that_stopped_before_its_first_sample_is_kept(tmp_path):
     result = Result(dataset)
     assert {p.name for p in write_run(result, tmp_path)} >= {"result.nc", "summary.json", "history.csv"}
     xr.testing.assert_identical(Result.load(tmp_path / "result.nc").dataset, dataset)
-    assert result.summary()["lateral_shift_max_mm"] is None
+    assert result.summary()["wheelsets"]["wheelset"]["lateral_shift_max_mm"] is None
 
 
 def test_a_long_scenario_text_survives(tmp_path):
@@ -284,7 +288,7 @@ def read_table(path: Path) -> list[dict[str, str]]:
 
 @pytest.mark.parametrize("kind", EVERY)
 def test_numbers_in_the_patch_table_are_those_of_the_dataset(kind, written):
-    dataset = dataset_of(kind)
+    dataset = the_wheelset(dataset_of(kind))
     rows = read_table(written[kind] / "patches.csv")
     sample = "time" if "time" in dataset.dims else "pose"
     labels = dataset[sample].values
@@ -317,7 +321,7 @@ def test_the_static_table_names_the_pose_and_says_why_it_failed(written):
 
 
 def test_the_history_table_has_a_column_for_every_wheel(written):
-    dataset = curve_run()
+    dataset = the_wheelset(curve_run())
     rows = read_table(written["curve"] / "history.csv")
     assert len(rows) == dataset.sizes["time"]
     for name, column, factor in (
@@ -366,7 +370,7 @@ def test_the_summary_is_plain_json_and_matches_the_dataset(kind, written):
     assert summary == json.loads(json.dumps(Result(dataset).summary()))
     assert summary["status"] == dataset.attrs["status"]
     assert summary["versions"]["wrsim"] == dataset.attrs["wrsim_version"]
-    for wheel, peaks in summary["wheels"].items():
+    for wheel, peaks in summary["wheelsets"]["wheelset"]["wheels"].items():
         of_wheel = dataset.sel(wheel=wheel)
         assert peaks["Q_max_kN"]["value"] == pytest.approx(float(of_wheel["Q"].max()) / 1e3)
         assert peaks["Q_min_kN"]["value"] == pytest.approx(float(of_wheel["Q"].min()) / 1e3)
@@ -376,18 +380,19 @@ def test_the_summary_is_plain_json_and_matches_the_dataset(kind, written):
 
 
 def test_a_peak_says_where_it_is():
-    dataset = curve_run()
-    peak = Result(dataset).summary()["wheels"]["right"]["Y_over_Q_max"]
+    dataset = the_wheelset(curve_run())
+    summary = Result(curve_run()).summary()["wheelsets"]["wheelset"]
+    peak = summary["wheels"]["right"]["Y_over_Q_max"]
     at = int(np.argmax(dataset["Y_over_Q"].sel(wheel="right").values))
     assert peak["distance_m"] == float(dataset["distance"][at])
     assert peak["time_s"] == float(dataset["time"][at])
-    shift = Result(dataset).summary()["lateral_shift_max_mm"]["value"]
+    shift = summary["lateral_shift_max_mm"]["value"]
     assert shift == pytest.approx(1e3 * float(dataset["lateral_shift"].min()))  # the left curve pushes to the right
 
 
 def test_quasi_static_values_are_medians_in_the_full_curve():
-    dataset = curve_run()
-    (curve,) = Result(dataset).summary()["full_curves"]
+    dataset = the_wheelset(curve_run())
+    (curve,) = Result(curve_run()).summary()["wheelsets"]["wheelset"]["full_curves"]
     assert curve["radius_m"] == pytest.approx(300.0)
     assert curve["cant_mm"] == pytest.approx(60.0)
     assert curve["from_m"] == pytest.approx(70.0, abs=2.0)
@@ -403,10 +408,13 @@ def test_every_hand_of_an_s_curve_is_found_and_straight_track_has_none():
     distance = np.linspace(0.0, 400.0, 801)
     curvature = np.interp(distance, [50, 80, 150, 210, 300, 330], [0.0, 1 / 200, 1 / 200, -1 / 250, -1 / 250, 0.0])
     channels = {"distance": distance, "curvature": curvature, "lateral_shift": 0.0}
-    found = summarise(assemble({"time": distance}, channels, ATTRIBUTES))["full_curves"]
+
+    def full_curves(channels: dict) -> list[dict]:
+        return summarise(assemble({"time": distance}, channels, ATTRIBUTES))["wheelsets"]["wheelset"]["full_curves"]
+
+    found = full_curves(channels)
     assert [round(c["radius_m"], 6) for c in found] == [200.0, -250.0]
-    straight = assemble({"time": distance}, channels | {"curvature": 0.0}, ATTRIBUTES)
-    assert summarise(straight)["full_curves"] == []
+    assert full_curves(channels | {"curvature": 0.0}) == []
 
 
 def test_a_stopped_run_says_when_where_and_why(written):

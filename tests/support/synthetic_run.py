@@ -50,13 +50,11 @@ def curve(radius: float, lead: float = 200.0, ramp: float = 50.0, length: float 
 
 def with_wheelsets(results: list[Result], apart: float = 0.0) -> Result:
     """One run of several wheelsets, each ``apart`` [m] behind the one before, from runs of one each."""
-    names = ["Y", "Q", "curvature", "cant"]
-    parts = [r.dataset[names].drop_vars("distance") for r in results]
-    dataset = xr.concat(parts, dim="wheelset").assign_coords(wheelset=[str(i + 1) for i in range(len(parts))])
-    own = np.stack([r.dataset["distance"].values - i * apart for i, r in enumerate(results)], axis=1)
-    dataset["wheelset_distance"] = (("time", "wheelset"), own)
-    rest = results[0].dataset.drop_vars([*names, "Y_over_Q"])
-    return Result(xr.merge([rest, dataset]).assign_attrs(results[0].dataset.attrs))
+    names = ["Y", "Q", "curvature", "cant", "wheelset_distance"]
+    parts = [r.dataset[names].assign_coords(wheelset=[str(i + 1)]) for i, r in enumerate(results)]
+    for i, part in enumerate(parts):
+        part["wheelset_distance"] = part["wheelset_distance"] - i * apart
+    return Result(xr.concat(parts, dim="wheelset", data_vars="minimal").assign_attrs(results[0].dataset.attrs))
 
 
 def with_points(result: Result, points: Mapping[str, tuple[str, float, Array, Array]]) -> Result:

@@ -20,7 +20,7 @@ from wrsim.analysis import run
 from wrsim.analysis.contacts import contact_models
 from wrsim.contact.channels import POSE_CHANNELS
 from wrsim.errors import InputError, SimulationError, suggest
-from wrsim.results.wheelsets import is_vehicle, of_wheelset, wheelsets
+from wrsim.results.wheelsets import of_wheelset, wheelsets
 from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import with_contact_model
 
@@ -120,17 +120,15 @@ def compare(
 
 
 def wheel_names(dataset: xr.Dataset) -> list[str]:
-    """Of all wheels that are compared: "left", or "front.outer left" in a whole vehicle."""
+    """Of all wheels that are compared: "left", or "front.outer left" where there are several wheelsets."""
     sides = [str(side) for side in dataset["wheel"].values]
-    return [f"{name} {side}" for name in wheelsets(dataset) for side in sides] or sides
+    names = wheelsets(dataset)
+    return [f"{name} {side}" for name in names for side in sides] if len(names) > 1 else sides
 
 
 def of_wheels(dataset: xr.Dataset) -> dict[str, Array]:
     """The quantities of ``DIFFERENCES`` (sample, wheel) in SI units, wheels as in ``wheel_names``; not-a-number
     without contact."""
-    if is_vehicle(dataset):
-        each = [of_wheels(of_wheelset(dataset, name)) for name in wheelsets(dataset)]
-        return {quantity: np.concatenate([own[quantity] for own in each], axis=1) for quantity in DIFFERENCES}
     touching = np.isfinite(dataset["N"].values).any(axis=-1)
 
     def over(name: str, fold: Callable[..., Array], empty: float) -> Array:
@@ -146,7 +144,8 @@ def of_wheels(dataset: xr.Dataset) -> dict[str, Array]:
         "contact_angle_variation": over("contact_angle_max", np.max, -np.inf)
         - over("contact_angle_min", np.min, np.inf),
     }
-    return values | {name: dataset[name].values for name in ("X", "Y", "Q", "T_gamma")}
+    values |= {name: dataset[name].values for name in ("X", "Y", "Q", "T_gamma")}
+    return {name: array.reshape(len(array), -1) for name, array in values.items()}
 
 
 def summary(comparison: Comparison, name: str) -> dict[str, dict[str, float]]:
@@ -162,12 +161,9 @@ def summary(comparison: Comparison, name: str) -> dict[str, dict[str, float]]:
 
 
 def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
-    """Time of one contact of one wheel [s]: median over some of the moments that the result keeps; nan without any.
-
-    Of a whole vehicle the first wheelset is looked at.
-    """
-    if is_vehicle(dataset):
-        dataset = of_wheelset(dataset, wheelsets(dataset)[0])
+    """Time of one contact of one wheel of the first wheelset [s]: median over some of the moments that the result
+    keeps; nan without any."""
+    dataset = of_wheelset(dataset, wheelsets(dataset)[0])
     standing = setup.static is not None and not setup.static.rolling
     models = dict(zip(("left", "right"), contact_models(setup, frictionless=standing), strict=True))
     poses = np.concatenate([dataset[name].values for name in POSE_CHANNELS], axis=-1) if _posed(dataset) else None
@@ -207,6 +203,8 @@ def _values(models: Sequence[Compared], main: Compared) -> xr.Dataset:
         variables[quantity] = (("model", sample, "wheel"), values)
         variables[f"{quantity}_difference"] = (("model", sample, "wheel"), difference)
     labels = {"model": list(tables), sample: base[sample].values, "wheel": wheel_names(base)}
+    if len(wheelsets(base)) == 1:
+        base = of_wheelset(base)
     kept = [
         n for n in ("distance", "lateral_shift", "yaw", "load") if n in base.variables and base[n].dims == (sample,)
     ]

@@ -29,14 +29,12 @@ from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.core.contact import layout as k
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result, assemble
-from wrsim.results.wheelsets import wheelsets
 from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import with_contact_model
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from wrsim.scenario.build import Setup
     from wrsim.scenario.loading import Scenario
 
 Array = NDArray[np.float64]
@@ -59,16 +57,17 @@ def resolve(
     """Solve the contacts that a result keeps (poses, snapshots) with the contact model of that name.
 
     scenario: of the result, for profiles and friction (`scenario.loading.load_text` of its ``scenario_text``); name:
-    see `scenario.contact_choice`; moments: indices of those wanted, default all; wheelset: of a whole vehicle, the one
-    wanted. Channels of track and wheelset are those of the result; those of wheels, patches and strips are new.
-    Raises InputError for a result that keeps no poses of its wheels, and when a vehicle's wheelset has to be named.
+    see `scenario.contact_choice`; moments: indices of those wanted, default all; wheelset: the one wanted where there
+    are several. Channels of track and wheelset are those of the result; those of wheels, patches and strips are new.
+    Raises InputError for a result that keeps no poses of its wheels, and when one of several wheelsets has to be named.
     """
     own = with_contact_model(scenario, name)
     # a vehicle cannot run with the exact solver, but its wheels can be looked at
     setup = replace(build(scenario), contact=own.spec.contact.settings())
-    if wheelset is not None or wheelsets(result.dataset):
-        setup, result = _one_wheelset(setup, result, wheelset)
-    dataset = result.dataset
+    dataset = result.wheelset(wheelset)
+    if setup.vehicle is not None:
+        mounted = next(m for m in setup.vehicle.wheelsets if m.name == dataset["wheelset"].item())
+        setup = replace(setup, wheelset=mounted.wheelset)
     if not all(channel in dataset for channel in POSE_CHANNELS):
         raise InputError("the result keeps no moments whose contacts could be solved again; run its scenario anew")
     frictionless = setup.static is not None and not setup.static.rolling
@@ -102,17 +101,6 @@ def resolve(
         widening = widening - (rails[:, 0, 0] - rails[:, 1, 0])
     new = {**wheel_channels(raw), **patch_channels(raw, wheels, widening, rails), **strips.channels()}
     return Result(assemble(*_kept(dataset, samples, chosen, new), _attributes(dataset, own.text, name, keep)))
-
-
-def _one_wheelset(setup: Setup, result: Result, name: str | None) -> tuple[Setup, Result]:
-    """Set-up and result of one wheelset of a whole vehicle."""
-    names = wheelsets(result.dataset)
-    if name is None:
-        raise InputError(f"the result is of a whole vehicle: choose one of its wheelsets, {', '.join(names)}")
-    one = result.of_wheelset(name)
-    assert setup.vehicle is not None
-    mounted = next(m for m in setup.vehicle.wheelsets if m.name == name)
-    return replace(setup, wheelset=mounted.wheelset), one
 
 
 def _settle(wheel: WheelOnRail, load: float) -> list[ElementField]:
@@ -159,7 +147,11 @@ def _kept(
             channels[name] = dataset[name].values[samples]
         elif dataset[name].dims == ("snapshot",):
             channels[name] = dataset[name].values[list(moments)]
-    coords = {sample: dataset[sample].values[samples], "wheel": dataset["wheel"].values}
+    coords = {
+        sample: dataset[sample].values[samples],
+        "wheel": dataset["wheel"].values,
+        "wheelset": dataset["wheelset"].item(),
+    }
     return coords, channels | new
 
 

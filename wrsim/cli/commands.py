@@ -189,28 +189,23 @@ def plot(
             "--at", metavar="PLACE", help="Patches at this distance in m, or of this pose; may be given again."
         ),
     ] = None,
-    wheelset: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Of a whole vehicle: this wheelset alone, as a lone one.")
-    ] = None,
+    wheelset: Annotated[str | None, typer.Option(metavar="NAME", help="Pictures of this wheelset alone.")] = None,
     as_json: Json = False,
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
     with told(as_json):
-        from wrsim.results.wheelsets import is_vehicle, worst_wheelset
+        from wrsim.plots import standard_pictures
+        from wrsim.results.wheelsets import worst_wheelset
 
         loaded = read(result)
+        dataset = loaded.dataset if wheelset is None else loaded.wheelset(wheelset)
         directory = output or (result if result.is_dir() else result.parent)
-        if wheelset is not None:
-            loaded = loaded.of_wheelset(wheelset)
-            directory = directory if output else directory / wheelset
-        elif at and is_vehicle(loaded.dataset):
-            loaded = loaded.of_wheelset(worst_wheelset(loaded.dataset))
+        if wheelset is not None and output is None:
+            directory /= wheelset
         if at:
-            files = patch_pictures(loaded, at, directory)
+            files = patch_pictures(loaded.wheelset(wheelset or worst_wheelset(dataset)), at, directory)
         else:
-            from wrsim.plots import standard_pictures
-
-            files = standard_pictures(loaded.dataset, directory)
+            files = standard_pictures(dataset, directory)
         print_files(files, as_json)
 
 

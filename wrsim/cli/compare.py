@@ -146,11 +146,12 @@ def _write(found: Comparison, report: dict[str, Any], directory: Path, pictures:
         main = found.main
         results = {m.name: m.result.dataset for m in (main, *(m for m in found.models if m is not main))}
         files.append(save(values_figure(found.values, found.reference, title), directory / "compare_values.png"))
-        for name in wheelsets(main.result.dataset) or ("",):
-            one = {n: of_wheelset(d, name) if name else d for n, d in results.items()}
-            if all(has_patches(d) for d in one.values()):
-                picture = f"compare_patches_{name}.png" if name else "compare_patches.png"
-                files.append(save(patches_figure(one, f"{title}: {name}" if name else title), directory / picture))
+        names = wheelsets(main.result.dataset)
+        for name in names:
+            each = {n: of_wheelset(d, name) for n, d in results.items()}
+            own, words = (f"_{name}", f"{title}: {name}") if len(names) > 1 else ("", title)
+            if all(has_patches(d) for d in each.values()):
+                files.append(save(patches_figure(each, words), directory / f"compare_patches{own}.png"))
     return files
 
 

@@ -122,13 +122,16 @@ def _files(result: Result, picture: Path | None, table: Path | None) -> list[Pat
         from wrsim.plots import save
         from wrsim.plots.conicity import conicity_figure
 
-        files.append(save(conicity_figure(result.dataset), picture))
+        files.append(save(conicity_figure(result.wheelset()), picture))
     return files
 
 
 def _numbers(result: Result) -> dict[str, Any]:
     """What --json tells."""
-    dataset, summary = result.dataset, result.summary()
+    from wrsim.results.summary import conicity_summary
+
+    dataset = result.wheelset()
+    summary = conicity_summary(dataset)
     return {
         "title": result.title,
         **{key: summary[key] for key in ("equivalent_conicity", "nonlinearity_per_mm", "equilibrium_shift_mm")},
@@ -142,7 +145,10 @@ def _print(result: Result) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    dataset, summary = result.dataset, result.summary()
+    from wrsim.results.summary import conicity_summary
+
+    dataset = result.wheelset()
+    summary = conicity_summary(dataset)
     table = Table(title=result.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
     heads = ("y mm", "tan gamma_e", "wavelength m", "delta r mm", "angle left deg", "angle right deg")
     for head in heads:

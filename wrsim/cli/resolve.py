@@ -13,7 +13,7 @@ from wrsim.cli.showing import print_json, progress_bar
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
-    from wrsim.results import Result
+    from xarray import Dataset
 
 COLUMNS = ("N", "p0", "area", "approach", "Fx", "Fy")
 
@@ -27,9 +27,7 @@ def resolve(
         list[str] | None,
         typer.Option("--at", metavar="PLACE", help="At this distance in m, or this pose, only; may be given again."),
     ] = None,
-    wheelset: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Of a whole vehicle: the wheelset that is looked at.")
-    ] = None,
+    wheelset: Annotated[str | None, typer.Option(metavar="NAME", help="Where there are several: this one.")] = None,
     same: Annotated[
         str, typer.Option(metavar="load|pose", help="What every wheel keeps: its vertical force or its height.")
     ] = "load",
@@ -53,7 +51,7 @@ def resolve(
         before = read(result)
         folder = result if result.is_dir() else result.parent
         scenario = load_text(before.dataset.attrs["scenario_text"], folder, model_files or ())
-        moments = moments_at(before, at) if at else None
+        moments = moments_at(before.dataset, at) if at else None
         with progress_bar(not (quiet or as_json)) as progress:
             after = solve(before, scenario, model, keep=same, moments=moments, wheelset=wheelset, progress=progress)  # type: ignore[call-arg, arg-type]
         directory = output or folder / "".join(c if c.isalnum() or c in "-+._" else "_" for c in model)
@@ -62,11 +60,11 @@ def resolve(
         if as_json:
             print_json({"directory": str(directory), "files": [str(f) for f in files], "summary": after.summary()})
         elif not quiet:
-            _print(before if wheelset is None else before.of_wheelset(wheelset), after)
+            _print(before.wheelset(wheelset), after.wheelset())
             print(f"{len(files)} files in {directory}")
 
 
-def _print(before: Result, after: Result) -> None:
+def _print(old: Dataset, new: Dataset) -> None:
     """Largest patch of every moment and wheel, before and after."""
     import numpy as np
     from rich.console import Console
@@ -74,7 +72,6 @@ def _print(before: Result, after: Result) -> None:
 
     from wrsim.results import CHANNELS
 
-    new, old = after.dataset, before.dataset
     sample = "time" if "time" in new.dims else "pose"
     table = Table(box=None, pad_edge=False)
     for name in ("at", "wheel", "", *(CHANNELS[c].column for c in COLUMNS)):

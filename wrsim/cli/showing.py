@@ -109,17 +109,19 @@ def print_peaks(result: Result) -> None:
         (studies.print_stability if result.analysis == "stability" else studies.print_steady)(result)
         return
     summary = result.summary()
-    if "wheelsets" in summary:
+    wheelsets = summary["wheelsets"]
+    if len(wheelsets) > 1:
         print_vehicle_peaks(result.title, summary)
         return
+    (own,) = wheelsets.values()
     table = Table(title=result.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
     table.add_column("peak")
-    for wheel in summary["wheels"]:
+    for wheel in own["wheels"]:
         table.add_column(wheel, justify="right")
         table.add_column("at", justify="left", style="dim")
-    names = list(next(iter(summary["wheels"].values()), {}))
+    names = list(next(iter(own["wheels"].values()), {}))
     for name in names:
-        peaks = [peaks.get(name) for peaks in summary["wheels"].values()]
+        peaks = [peaks.get(name) for peaks in own["wheels"].values()]
         if any(p is not None and p["value"] is not None for p in peaks):
             table.add_row(name, *(cell for p in peaks for cell in _peak(p)))
     Console(highlight=False).print(table)

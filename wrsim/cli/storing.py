@@ -9,6 +9,8 @@ from wrsim.cli.showing import complain
 from wrsim.errors import InputError, suggest
 
 if TYPE_CHECKING:
+    from xarray import Dataset
+
     from wrsim.results import Result
     from wrsim.scenario.loading import Scenario
 
@@ -91,24 +93,23 @@ def is_complete(directory: Path, scenario: Scenario) -> bool:
     return not can_go_on(result) and result.dataset.attrs["scenario_text"] == scenario.text
 
 
-def patch_pictures(result: Result, at: list[str], directory: Path) -> list[Path]:
-    """Patches and sections at the given distances [m] or poses."""
+def patch_pictures(dataset: Dataset, at: list[str], directory: Path) -> list[Path]:
+    """Patches and sections of one wheelset at the given distances [m] or poses."""
     from wrsim.plots import patch_gallery, save, section_gallery
     from wrsim.plots.cross_section import has_outlines
 
-    moments = moments_at(result, at)
+    moments = moments_at(dataset, at)
     name = "_".join("".join(c if c.isalnum() or c in "+-." else "-" for c in place) for place in at)
-    files = [save(patch_gallery(result.dataset, moments), directory / f"patches_at_{name}.png")]
-    if has_outlines(result.dataset):
-        files.append(save(section_gallery(result.dataset, moments), directory / f"sections_at_{name}.png"))
+    files = [save(patch_gallery(dataset, moments), directory / f"patches_at_{name}.png")]
+    if has_outlines(dataset):
+        files.append(save(section_gallery(dataset, moments), directory / f"sections_at_{name}.png"))
     return files
 
 
-def moments_at(result: Result, at: list[str]) -> list[int]:
+def moments_at(dataset: Dataset, at: list[str]) -> list[int]:
     """Places of the asked distances or poses among those whose patches the result holds. Raises InputError."""
     from wrsim.plots.moments import has_patches
 
-    dataset = result.dataset
     if not has_patches(dataset):
         raise InputError("--at: this result holds no contact patches; choose places with [output] patches_at_m")
     if "pose" in dataset.dims:

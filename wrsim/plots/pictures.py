@@ -24,7 +24,7 @@ from wrsim.plots.static import PANELS, static_figure
 from wrsim.plots.steady import steady_figure
 from wrsim.plots.style import save
 from wrsim.plots.vehicle_run import vehicle_figures
-from wrsim.results.wheelsets import is_vehicle, of_wheelset, worst_wheelset
+from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
 HISTORIES: dict[str, tuple[str, ...]] = {
     "forces": ("Q", "Y"),
@@ -38,40 +38,44 @@ HISTORIES: dict[str, tuple[str, ...]] = {
 def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures that suit the dataset, by file name without ending.
 
-    Runs of several instants: overview, contact_angle, forces, derailment, motion, pressure. Static analyses of
-    several poses: contact. Whole vehicles: their own histories, and all of these for the wheelset with the largest
-    Y/Q. Both: patches and sections of the snapshots or poses. Conicity analyses: conicity. Stability analyses: modes,
-    bifurcation. Steady ones: steady. What the dataset has no data for is left out.
+    Stability analyses: modes, bifurcation. Steady ones: steady. Else those of the vehicle (``vehicle_figures``) and
+    those of the wheelset with the largest Y/Q (``wheelset_figures``), under its name where there are several.
     """
-    figures: dict[str, Callable[[], Figure]] = {}
     if "mode_growth" in dataset:
-        figures["modes"] = lambda: modes_figure(dataset)
-        if "cycle" in dataset.dims:
-            figures["bifurcation"] = lambda: bifurcation_figure(dataset)
-        return figures
+        figures: dict[str, Callable[[], Figure]] = {"modes": lambda: modes_figure(dataset)}
+        return figures | ({"bifurcation": lambda: bifurcation_figure(dataset)} if "cycle" in dataset.dims else {})
     if "pose_radius" in dataset:
         return {"steady": lambda: steady_figure(dataset)}
-    if is_vehicle(dataset):
-        worst = worst_wheelset(dataset)
-        if dataset.sizes.get("time", 0) > 1:
-            figures |= vehicle_figures(dataset)
-        return figures | {f"{worst}_{k}": make for k, make in standard_figures(of_wheelset(dataset, worst)).items()}
-    if "equivalent_conicity" in dataset:
-        return {"conicity": lambda: conicity_figure(dataset)}
-    if dataset.sizes.get("time", 0) > 1 and "resolved_with" not in dataset.attrs:  # these are moments, no history
-        if set(ANGLES) <= set(dataset):
-            figures["overview"] = lambda: overview_figure(dataset)
-            figures["contact_angle"] = lambda: contact_angle_figure(dataset)
+    worst = worst_wheelset(dataset)
+    own = f"{worst}_" if len(wheelsets(dataset)) > 1 else ""
+    of_worst = wheelset_figures(of_wheelset(dataset, worst))
+    return vehicle_figures(dataset) | {f"{own}{name}": make for name, make in of_worst.items()}
+
+
+def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Makers of the pictures of one wheelset, by file name without ending.
+
+    Runs of several instants: overview, contact_angle, forces, derailment, motion, pressure. Static analyses of
+    several poses: contact. Both: patches and sections of the snapshots or poses. Conicity analyses: conicity. What
+    there are no data for is left out.
+    """
+    if "equivalent_conicity" in one:
+        return {"conicity": lambda: conicity_figure(one)}
+    figures: dict[str, Callable[[], Figure]] = {}
+    if one.sizes.get("time", 0) > 1 and "resolved_with" not in one.attrs:  # these are moments, no history
+        if set(ANGLES) <= set(one):
+            figures["overview"] = lambda: overview_figure(one)
+            figures["contact_angle"] = lambda: contact_angle_figure(one)
         for name, channels in HISTORIES.items():
-            present = tuple(c for c in channels if c in dataset)
+            present = tuple(c for c in channels if c in one)
             if present:
-                figures[name] = _channels(dataset, present)
-    elif dataset.sizes.get("pose", 0) > 1 and any(_has_values(dataset, name) for name in PANELS):
-        figures["contact"] = lambda: static_figure(dataset)
-    if has_patches(dataset):
-        figures["patches"] = lambda: patch_gallery(dataset)
-        if has_outlines(dataset):
-            figures["sections"] = lambda: section_gallery(dataset)
+                figures[name] = _channels(one, present)
+    elif one.sizes.get("pose", 0) > 1 and any(_has_values(one, name) for name in PANELS):
+        figures["contact"] = lambda: static_figure(one)
+    if has_patches(one):
+        figures["patches"] = lambda: patch_gallery(one)
+        if has_outlines(one):
+            figures["sections"] = lambda: section_gallery(one)
     return figures
 
 

@@ -21,13 +21,20 @@ COLOURS = (INK, "#0072B2", "#D55E00", "#009E73", "#9467A9", "#B8860B")
 
 
 def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
-    """Makers of the pictures of a vehicle's run, by file name without ending: guiding, loads, steering, bodies."""
-    figures: dict[str, Callable[[], Figure]] = {
-        "vehicle_guiding": lambda: wheelsets_figure(dataset, "Y"),
-        "vehicle_loads": lambda: wheelsets_figure(dataset, "Q"),
-        "vehicle_derailment": lambda: wheelsets_figure(dataset, "Y_over_Q"),
-        "vehicle_steering": lambda: together_figure(dataset, "wheelset", ("lateral_shift", "yaw")),
-    }
+    """Makers of the pictures of a vehicle's run, by file name without ending.
+
+    Of several wheelsets: guiding, loads, derailment, steering; of bodies and points: bodies, accelerations.
+    """
+    figures: dict[str, Callable[[], Figure]] = {}
+    if dataset.sizes.get("time", 0) < 2 or "resolved_with" in dataset.attrs:
+        return figures
+    if len(wheelsets(dataset)) > 1:
+        figures = {
+            "vehicle_guiding": lambda: wheelsets_figure(dataset, "Y"),
+            "vehicle_loads": lambda: wheelsets_figure(dataset, "Q"),
+            "vehicle_derailment": lambda: wheelsets_figure(dataset, "Y_over_Q"),
+            "vehicle_steering": lambda: together_figure(dataset, "wheelset", ("lateral_shift", "yaw")),
+        }
     if "body" in dataset.dims:
         figures["vehicle_bodies"] = lambda: together_figure(dataset, "body", ("body_roll", "body_yaw", "body_vertical"))
     if "point" in dataset.dims:

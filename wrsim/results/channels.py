@@ -9,9 +9,8 @@ Dimensions are written with two words that stand for another:
 - ``sample``: ``time`` in runs, ``pose`` in static analyses;
 - ``moment``: ``snapshot`` in runs (chosen instants), ``pose`` in static analyses (every pose).
 
-In the dataset of a whole vehicle everything that belongs to one wheelset or its wheels (``Channel.of_wheelset``) has
-one more dimension behind the first, ``wheelset``: Y is (time, wheelset, wheel) there. ``wrsim.results.wheelsets``
-takes one wheelset out, as the dataset of a lone one.
+Everything that belongs to a wheelset or its wheels has the dimension ``wheelset``, of size 1 for a single wheelset.
+``wrsim.results.wheelsets`` takes one wheelset out.
 """
 
 from __future__ import annotations
@@ -94,16 +93,10 @@ class Channel:
             words += f" ${self.symbol}$"
         return words if self.shown is PLAIN else f"{words} [{self.shown.symbol}]"
 
-    @property
-    def of_wheelset(self) -> bool:
-        """True if it has the dimension ``wheelset`` in the dataset of a whole vehicle."""
-        return self.name in _OF_WHEELSET or ("wheel" in self.dims and self.dims[0] in ("sample", "time", "moment"))
-
-    def dims_in(self, sample: str, wheelsets: bool = False) -> tuple[str, ...]:
-        """Dimensions in a dataset whose sample dimension is ``"time"`` or ``"pose"``; wheelsets: of a whole vehicle."""
+    def dims_in(self, sample: str) -> tuple[str, ...]:
+        """Dimensions in a dataset whose sample dimension is ``"time"`` or ``"pose"``."""
         moment = "snapshot" if sample == "time" else "pose"
-        dims = tuple({"sample": sample, "moment": moment}.get(d, d) for d in self.dims)
-        return (dims[0], "wheelset", *dims[1:]) if wheelsets and self.of_wheelset else dims
+        return tuple({"sample": sample, "moment": moment}.get(d, d) for d in self.dims)
 
 
 def _of(
@@ -119,12 +112,11 @@ def _of(
     return Channel(name, tuple(dims.split()), unit, long_name, SHOWN[shown], symbol, kind, coordinate)
 
 
-_OF_WHEELSET = ("curvature", "cant", "gauge", "grade", "lateral_shift", "vertical_shift", "yaw", "roll", "spin_rate")
-
-_WHEEL = "sample wheel"
-_PATCH = "sample wheel patch"
-_STRIP = "moment wheel patch strip"
-_ELEMENT = "moment wheel patch strip column"
+_WHEELSET = "sample wheelset"
+_WHEEL = "sample wheelset wheel"
+_PATCH = "sample wheelset wheel patch"
+_STRIP = "moment wheelset wheel patch strip"
+_ELEMENT = "moment wheelset wheel patch strip column"
 
 _ALL = (
     # labels of the dimensions
@@ -141,10 +133,10 @@ _ALL = (
     # the track under the wheelset
     _of("distance", "time", "m", "m", "distance along the track", coordinate=True),
     _of("speed", "time", "m/s", "km/h", "speed", "V"),
-    _of("curvature", "time", "1/m", "1/km", "curvature", r"\kappa"),
-    _of("cant", "time", "m", "mm", "cant"),
-    _of("gauge", "time", "m", "mm", "track gauge"),
-    _of("grade", "time", "1", "permille", "grade"),
+    _of("curvature", "time wheelset", "1/m", "1/km", "curvature", r"\kappa"),
+    _of("cant", "time wheelset", "m", "mm", "cant"),
+    _of("gauge", "time wheelset", "m", "mm", "track gauge"),
+    _of("grade", "time wheelset", "1", "permille", "grade"),
     _of("wheelset_distance", "time wheelset", "m", "m", "distance of the wheelset along the track"),
     # a whole vehicle
     _of("drive_force", "time", "N", "kN", "force that holds the speed"),
@@ -192,16 +184,16 @@ _ALL = (
     _of("cycle_frequency", "cycle", "Hz", "Hz", "frequency of the limit cycle", "f"),
     _of("cycle_amplitude", "cycle wheelset", "m", "mm", "amplitude of the wheelset's lateral motion", r"\hat y"),
     # the wheelset
-    _of("lateral_shift", "sample", "m", "mm", "lateral shift", r"\Delta y"),
-    _of("vertical_shift", "sample", "m", "mm", "vertical shift", r"\Delta z"),
-    _of("yaw", "sample", "rad", "mrad", "angle of attack", r"\psi"),
-    _of("roll", "sample", "rad", "mrad", "roll", r"\varphi"),
-    _of("spin_rate", "sample", "rad/s", "rad/s", "rotation about the axle", r"\omega"),
+    _of("lateral_shift", _WHEELSET, "m", "mm", "lateral shift", r"\Delta y"),
+    _of("vertical_shift", _WHEELSET, "m", "mm", "vertical shift", r"\Delta z"),
+    _of("yaw", _WHEELSET, "rad", "mrad", "angle of attack", r"\psi"),
+    _of("roll", _WHEELSET, "rad", "mrad", "roll", r"\varphi"),
+    _of("spin_rate", _WHEELSET, "rad/s", "rad/s", "rotation about the axle", r"\omega"),
     # rolling of undeformed profiles
-    _of("rolling_radius_difference", "pose", "m", "mm", "rolling radius difference", r"\Delta r"),
-    _of("rolling_radius", "pose wheel", "m", "mm", "rolling radius", "r"),
-    _of("equivalent_conicity", "amplitude", "1", "1", "equivalent conicity", r"\tan\gamma_e"),
-    _of("conicity_wavelength", "amplitude", "m", "m", "wavelength of the swing", r"\lambda"),
+    _of("rolling_radius_difference", "pose wheelset", "m", "mm", "rolling radius difference", r"\Delta r"),
+    _of("rolling_radius", "pose wheelset wheel", "m", "mm", "rolling radius", "r"),
+    _of("equivalent_conicity", "amplitude wheelset", "1", "1", "equivalent conicity", r"\tan\gamma_e"),
+    _of("conicity_wavelength", "amplitude wheelset", "m", "m", "wavelength of the swing", r"\lambda"),
     # a wheel
     _of("rail_lateral", _WHEEL, "m", "mm", "lateral irregularity of the rail"),
     _of("rail_vertical", _WHEEL, "m", "mm", "vertical irregularity of the rail"),
@@ -258,20 +250,20 @@ _ALL = (
     _of("strip_phi", _STRIP, "1/m", "1/m", "spin creepage", r"\phi"),
     _of("strip_friction", _STRIP, "1", "1", "coefficient of friction of the strip", r"\mu"),
     # the elements of the exact solver, rows as the strips
-    _of("element_x", "moment wheel patch column", "m", "mm", "along the track", "x"),
+    _of("element_x", "moment wheelset wheel patch column", "m", "mm", "along the track", "x"),
     _of("element_p", _ELEMENT, "Pa", "MPa", "pressure", "p"),
     _of("element_qx", _ELEMENT, "Pa", "MPa", "longitudinal traction", "q_x"),
     _of("element_qs", _ELEMENT, "Pa", "MPa", "lateral traction", "q_s"),
     # poses and motions of the wheels, for whoever looks at these contacts again
-    _of("wheel_origin", "moment wheel axis", "m", "m", "wheel's profile origin"),
-    _of("wheel_axle", "moment wheel axis", "1", "1", "direction of the axle, outward"),
-    _of("wheel_velocity", "moment wheel axis", "m/s", "m/s", "velocity of the wheel's profile origin"),
-    _of("wheel_rotation", "moment wheel axis", "rad/s", "rad/s", "angular velocity of the wheel"),
+    _of("wheel_origin", "moment wheelset wheel axis", "m", "m", "wheel's profile origin"),
+    _of("wheel_axle", "moment wheelset wheel axis", "1", "1", "direction of the axle, outward"),
+    _of("wheel_velocity", "moment wheelset wheel axis", "m/s", "m/s", "velocity of the wheel's profile origin"),
+    _of("wheel_rotation", "moment wheelset wheel axis", "rad/s", "rad/s", "angular velocity of the wheel"),
     # outlines for drawing
     _of("rail_profile_y", "wheel rail_point", "m", "mm", "rail profile, outward", "o"),
     _of("rail_profile_z", "wheel rail_point", "m", "mm", "rail profile, up", "b"),
-    _of("wheel_profile_y", "moment wheel wheel_point", "m", "mm", "outline of the wheel, outward", "o"),
-    _of("wheel_profile_z", "moment wheel wheel_point", "m", "mm", "outline of the wheel, up", "b"),
+    _of("wheel_profile_y", "moment wheelset wheel wheel_point", "m", "mm", "outline of the wheel, outward", "o"),
+    _of("wheel_profile_z", "moment wheelset wheel wheel_point", "m", "mm", "outline of the wheel, up", "b"),
 )
 
 WHEELSET, BOGIE_FRAME, CAR_BODY = "wheelset", "bogie frame", "car body"

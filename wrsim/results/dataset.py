@@ -17,10 +17,12 @@ from wrsim.errors import suggest
 from wrsim.results.channels import CHANNELS, WHEELS, Channel
 
 FORMAT = "wrsim result"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 REQUIRED_ATTRIBUTES = ("title", "analysis", "status", "scenario_text")
-OF_VEHICLES = ("wheelset", "body", "point", "suspension")
-"""Dimensions of whole vehicles, labelled by names."""
+NAMED = ("wheelset", "body", "point", "suspension")
+"""Dimensions of a vehicle, labelled by names."""
+SINGLE = "wheelset"
+"""Name of a wheelset that runs alone."""
 STATUSES = ("completed", "stopped")
 
 
@@ -52,9 +54,10 @@ def assemble(
     coords
         Either ``time`` (n,) in seconds for a run or ``pose`` (n,) names for a static analysis; ``wheel``
         (default ``("left", "right")``) names the wheels present; ``amplitude`` (m,) in metres goes with poses;
-        ``wheelset``, ``body``, ``point``, ``suspension`` (names) make it the dataset of a whole vehicle.
+        ``wheelset``, ``body``, ``point``, ``suspension`` are the names of a vehicle's parts. Where ``wheelset`` is
+        one name (default ``"wheelset"``) instead of a list, the arrays come without that dimension.
     channels
-        Arrays by channel name, in SI units, shaped as the register says (sample first, then wheel, patch,
+        Arrays by channel name, in SI units, shaped as the register says (sample first, then wheelset, wheel, patch,
         strip). The sizes of ``patch``, ``snapshot``, ``strip``, ``rail_point`` and ``wheel_point`` follow
         from the arrays. A scalar fills its channel. Counts may come as floats; not-a-number becomes 0.
     attributes
@@ -62,7 +65,8 @@ def assemble(
         adds ``stop_reason`` and, over time, ``stop_time_s`` and ``stop_distance_m``. More attributes (text or
         numbers) are kept. The versions are added here.
 
-    ``Y_over_Q`` (where Q > 0) and ``contact_angle_variation`` are derived when they are not given.
+    ``Y_over_Q`` (where Q > 0), ``contact_angle_variation`` and the ``wheelset_distance`` of a single wheelset are
+    derived when they are not given.
 
     Raises ``ValueError`` for an unknown name, a wrong shape or a missing attribute: these are mistakes of the
     calling code, not of the user.
@@ -71,6 +75,8 @@ def assemble(
         raise ValueError("coords needs either 'time' (runs) or 'pose' (static analyses)")
     sample = "time" if "time" in coords else "pose"
     arrays = _with_derived(channels)
+    if isinstance(coords.get("wheelset", SINGLE), str):
+        arrays = _of_single_wheelset(arrays)
     sizes, labels = _labels(sample, coords)
     variables: dict[str, xr.Variable] = {}
     scalars: list[tuple[Channel, NDArray[Any]]] = []
@@ -82,7 +88,7 @@ def assemble(
             continue
         variables[name] = _variable(channel, sample, array, sizes)
     for channel, array in scalars:
-        dims = channel.dims_in(sample, "wheelset" in sizes)
+        dims = channel.dims_in(sample)
         unknown = [d for d in dims if d not in sizes]
         if unknown:
             raise ValueError(f"channel '{channel.name}': the size of '{unknown[0]}' is unknown")
@@ -99,9 +105,9 @@ def assemble(
 
 
 def _labels(sample: str, coords: Mapping[str, ArrayLike]) -> tuple[dict[str, int], dict[str, NDArray[Any]]]:
-    """Sizes and labels of the dimensions that the caller names: sample and wheel."""
+    """Sizes and labels of the dimensions that the caller names: sample, wheel, parts of the vehicle."""
     for name in coords:
-        if name not in (sample, "wheel", "amplitude", *OF_VEHICLES):
+        if name not in (sample, "wheel", "amplitude", *NAMED):
             raise ValueError(f"coords: '{name}' is not a dimension that the caller labels")
     wheels = tuple(str(w) for w in np.atleast_1d(np.asarray(coords.get("wheel", WHEELS))))
     if len(set(wheels)) != len(wheels) or not wheels or not set(wheels) <= set(WHEELS):
@@ -109,8 +115,8 @@ def _labels(sample: str, coords: Mapping[str, ArrayLike]) -> tuple[dict[str, int
     labels = {sample: _typed(CHANNELS[sample], coords[sample]), "wheel": np.array(wheels)}
     if "amplitude" in coords:
         labels["amplitude"] = _typed(CHANNELS["amplitude"], coords["amplitude"])
-    for name in [n for n in OF_VEHICLES if n in coords]:
-        labels[name] = _typed(CHANNELS[name], coords[name])
+    for name in [n for n in NAMED if n in coords or n == "wheelset"]:
+        labels[name] = np.atleast_1d(_typed(CHANNELS[name], coords.get(name, SINGLE)))
         if labels[name].ndim != 1 or np.unique(labels[name]).size != labels[name].size:
             raise ValueError(f"coords: '{name}' must be a row of names, each once")
     if labels[sample].ndim != 1:
@@ -142,7 +148,7 @@ def _typed(channel: Channel, values: ArrayLike) -> NDArray[Any]:
 
 def _variable(channel: Channel, sample: str, array: NDArray[Any], sizes: dict[str, int]) -> xr.Variable:
     """Variable with its dimensions and attributes; ``sizes`` learns the dimensions met for the first time."""
-    dims = channel.dims_in(sample, "wheelset" in sizes)
+    dims = channel.dims_in(sample)
     if sample not in dims and sample == "pose" and {"time", "snapshot"} & set(dims):
         raise ValueError(f"channel '{channel.name}' belongs to runs over time, not to poses")
     if sample == "time" and "pose" in dims:
@@ -167,6 +173,17 @@ def _with_derived(channels: Mapping[str, ArrayLike]) -> dict[str, ArrayLike]:
         low, high = (np.asarray(arrays[name], dtype=float) for name in ends)
         if low.shape == high.shape:
             arrays["contact_angle_variation"] = high - low
+    return arrays
+
+
+def _of_single_wheelset(channels: Mapping[str, ArrayLike]) -> dict[str, ArrayLike]:
+    """The channels of a wheelset that runs alone, with the dimension ``wheelset``."""
+    arrays = dict(channels)
+    if "distance" in arrays:
+        arrays.setdefault("wheelset_distance", arrays["distance"])
+    for name, values in arrays.items():
+        if name in CHANNELS and "wheelset" in CHANNELS[name].dims and np.ndim(values) > 0:
+            arrays[name] = np.expand_dims(np.asarray(values), 1)
     return arrays
 
 

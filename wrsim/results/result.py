@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,10 +11,13 @@ from typing import Any
 import xarray as xr
 
 from wrsim.errors import InputError
-from wrsim.results.dataset import FORMAT, FORMAT_VERSION
+from wrsim.results.channels import CHANNELS
+from wrsim.results.dataset import FORMAT, FORMAT_VERSION, SINGLE
 from wrsim.results.files import write_atomically
 
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_CHECKED = b"wrsim CRC-32"
+"""Stands behind the HDF5 data, before the checksum of all that comes before; other readers do not look there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +37,7 @@ class Result:
 
     @property
     def analysis(self) -> str:
-        """Kind of the analysis: ``"static"``, ``"equilibrium"``, ``"curving"``."""
+        """Kind of the analysis: ``"static"``, ``"equilibrium"``, ``"curving"`` ..."""
         return str(self.dataset.attrs["analysis"])
 
     @property
@@ -46,11 +50,14 @@ class Result:
         """Why the analysis stopped early; empty when it did not."""
         return str(self.dataset.attrs.get("stop_reason", ""))
 
-    def of_wheelset(self, name: str) -> Result:
-        """Of a whole vehicle one wheelset, as the result of a lone one. Raises ``InputError`` for a wrong name."""
+    def wheelset(self, name: str | None = None) -> xr.Dataset:
+        """Channels of one wheelset, without the dimension ``wheelset``; ``distance`` is its own.
+
+        name: not needed where there is only one. Raises ``InputError`` for a wrong name, or when one is needed.
+        """
         from wrsim.results.wheelsets import of_wheelset
 
-        return Result(of_wheelset(self.dataset, name))
+        return of_wheelset(self.dataset, name)
 
     def summary(self) -> dict[str, Any]:
         """Peak and quasi-static values as plain numbers in units for readers; what ``summary.json`` holds."""
@@ -66,7 +73,8 @@ class Result:
             if variable.dtype.kind in "fi" and variable.size > 1000
         }
         content = self.dataset.to_netcdf(None, engine="h5netcdf", format="NETCDF4", encoding=encoding)
-        return write_atomically(path, bytes(content))
+        sealed = bytes(content) + _CHECKED
+        return write_atomically(path, sealed + zlib.crc32(sealed).to_bytes(4, "little"))
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
@@ -83,6 +91,9 @@ class Result:
             raise InputError(f"{path}: cannot be read: {why}") from problem
         if not content.startswith(_HDF5_SIGNATURE):
             raise InputError(f"{path}: not a wrsim result (not a NetCDF 4 file)")
+        damaged = f"{path}: the file is damaged or incomplete; run the scenario again"
+        if content[:-4].endswith(_CHECKED) and content[-4:] != zlib.crc32(content[:-4]).to_bytes(4, "little"):
+            raise InputError(damaged)
         try:
             with xr.open_dataset(
                 io.BytesIO(content), engine="h5netcdf", decode_times=False, decode_coords=True
@@ -91,7 +102,7 @@ class Result:
         except MemoryError:
             raise
         except Exception as damage:  # the HDF5 stack answers damage with whatever comes to hand
-            raise InputError(f"{path}: the file is damaged or incomplete; run the scenario again") from damage
+            raise InputError(damaged) from damage
         if dataset.attrs.get("format") != FORMAT:
             raise InputError(f"{path}: a NetCDF file, but not a wrsim result")
         if int(dataset.attrs["format_version"]) > FORMAT_VERSION:
@@ -99,7 +110,7 @@ class Result:
                 f"{path}: written by a newer wrsim ({dataset.attrs.get('wrsim_version', 'unknown version')}) "
                 f"in format {dataset.attrs['format_version']}; this one reads up to {FORMAT_VERSION}"
             )
-        return cls(_without_encoding(dataset))
+        return cls(_with_wheelset(_without_encoding(dataset)))
 
 
 def _without_encoding(dataset: xr.Dataset) -> xr.Dataset:
@@ -107,3 +118,18 @@ def _without_encoding(dataset: xr.Dataset) -> xr.Dataset:
     clean: xr.Dataset = dataset.drop_encoding()
     clean.attrs = {name: value.item() if hasattr(value, "item") else value for name, value in clean.attrs.items()}
     return clean
+
+
+def _with_wheelset(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with the dimension ``wheelset``, which a single wheelset did not have in format 1."""
+    if "wheelset" not in dataset.dims:
+        if "distance" in dataset.coords:
+            channel = CHANNELS["wheelset_distance"]
+            about = {"units": channel.unit, "long_name": channel.long_name}
+            dataset = dataset.assign(wheelset_distance=("time", dataset["distance"].values, about))
+        dataset = dataset.map(
+            lambda v: v.expand_dims(wheelset=[SINGLE], axis=1) if "wheelset" in CHANNELS[str(v.name)].dims else v,
+            keep_attrs=True,
+        )
+    dataset.attrs["format_version"] = FORMAT_VERSION
+    return dataset

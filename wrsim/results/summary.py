@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.stability import is_stability, stability_summary
 from wrsim.results.steady import is_steady, steady_summary
-from wrsim.results.wheelsets import is_vehicle, of_wheelset, wheelsets
+from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 CURVE_CHANNELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
 """Channels whose median in each full curve is reported."""
@@ -24,7 +24,7 @@ _SHORTEST = 5  # samples of a full curve that make a median worth reporting
 
 
 def summarise(dataset: xr.Dataset) -> dict[str, Any]:
-    """Plain numbers for ``summary.json``: status, versions, peaks per wheel with their place, full curves.
+    """Plain numbers for ``summary.json``: status, versions, for each wheelset peaks with their place and full curves.
 
     Every peak is ``{"value": .., "distance_m": .., "time_s": ..}``, or with ``"pose"`` in a static analysis;
     ``None`` where there is no finite value. Peaks of patch channels run over all patches of the wheel.
@@ -33,21 +33,39 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
         return _head(dataset) | stability_summary(dataset) | {"versions": _versions(dataset)}
     if is_steady(dataset):
         return _head(dataset) | steady_summary(dataset) | {"versions": _versions(dataset)}
-    if is_vehicle(dataset):
-        return _of_vehicle(dataset)
-    summary: dict[str, Any] = {
+    summary = {
         **_head(dataset),
         "extent": _extent(dataset),
-        "lateral_shift_max_mm": peak(dataset, "lateral_shift", largest_magnitude=True),
-        "angle_of_attack_max_mrad": peak(dataset, "yaw", largest_magnitude=True),
-        "wheels": {str(wheel): _wheel(dataset, str(wheel)) for wheel in dataset["wheel"].values},
+        "wheelsets": {name: _of_wheelset(of_wheelset(dataset, name)) for name in wheelsets(dataset)},
     }
-    if "time" in dataset.dims:
-        summary["full_curves"] = full_curves(dataset)
-    if "equivalent_conicity" in dataset:
-        summary |= conicity_summary(dataset)
-    summary["versions"] = _versions(dataset)
-    return summary
+    if "point" in dataset.dims:
+        summary["points"] = {str(point): _of_point(dataset.sel(point=point)) for point in dataset["point"].values}
+    if "event" in dataset.dims:
+        values = (dataset[f"event_{name}"].values for name in ("time", "distance", "label"))
+        summary["events"] = [
+            {"time_s": float(t), "distance_m": float(s), "event": str(words)}
+            for t, s, words in zip(*values, strict=True)
+        ]
+    return summary | {"versions": _versions(dataset)}
+
+
+def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
+    """Peaks of one wheelset and its wheels, values in full curves, equivalent conicity."""
+    found: dict[str, Any] = {
+        "lateral_shift_max_mm": peak(one, "lateral_shift", largest_magnitude=True),
+        "angle_of_attack_max_mrad": peak(one, "yaw", largest_magnitude=True),
+        "wheels": {str(wheel): _wheel(one, str(wheel)) for wheel in one["wheel"].values},
+    }
+    if "time" in one.dims:
+        found["full_curves"] = full_curves(one)
+    if "equivalent_conicity" in one:
+        found |= conicity_summary(one)
+    return found
+
+
+def _of_point(one: xr.Dataset) -> dict[str, Any]:
+    """Largest accelerations at one point."""
+    return {f"{name}_max_m_s2": peak(one, name, largest_magnitude=True) for name in ("point_ay", "point_az")}
 
 
 def _head(dataset: xr.Dataset) -> dict[str, Any]:
@@ -62,39 +80,6 @@ def _versions(dataset: xr.Dataset) -> dict[str, Any]:
         for name, value in dataset.attrs.items()
         if name.endswith("_version") and name != "format_version"
     }
-
-
-def _of_vehicle(dataset: xr.Dataset) -> dict[str, Any]:
-    """The summary of a whole vehicle: that of each wheelset under its name, peaks of the points, events."""
-    each = {name: summarise(of_wheelset(dataset, name)) for name in wheelsets(dataset)}
-    first = next(iter(each.values()))
-    own = ("lateral_shift_max_mm", "angle_of_attack_max_mrad", "wheels", "full_curves")
-    summary = {key: value for key, value in first.items() if key not in own}
-    summary["title"] = dataset.attrs["title"]
-    summary["extent"] = _extent(dataset)
-    versions = summary.pop("versions")
-    summary["wheelsets"] = {name: {key: s[key] for key in own if key in s} for name, s in each.items()}
-    if "point" in dataset.dims:
-        summary["points"] = {
-            str(point): {
-                f"{CHANNELS[name].column.replace('_m_s2', '')}_max_m_s2": peak(
-                    dataset.sel(point=point), name, largest_magnitude=True
-                )
-                for name in ("point_ay", "point_az")
-            }
-            for point in dataset["point"].values
-        }
-    if "event" in dataset.dims:
-        summary["events"] = [
-            {"time_s": float(t), "distance_m": float(s), "event": str(words)}
-            for t, s, words in zip(
-                dataset["event_time"].values,
-                dataset["event_distance"].values,
-                dataset["event_label"].values,
-                strict=True,
-            )
-        ]
-    return summary | {"versions": versions}
 
 
 def conicity_summary(dataset: xr.Dataset) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from wrsim.results.files import write_atomically
 from wrsim.results.result import Result
 from wrsim.results.stability import cycle_table, is_stability, mode_table
 from wrsim.results.steady import is_steady, steady_table
-from wrsim.results.wheelsets import is_vehicle, of_wheelset, wheelsets
+from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 Row = list[str]
 
@@ -33,9 +33,9 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     in contact) and ``strips.csv`` (the strips of the snapshots). Static analyses get ``patches.csv`` (one
     row per pose, wheel and patch; a wheel without contact keeps one row) and ``strips.csv``;
     conicity analyses add ``conicity.csv`` (one row per amplitude). Stability analyses get ``modes.csv`` (one row per
-    speed and mode) and ``cycles.csv`` (one row per held speed), steady
-    ones ``steady.csv`` (one row per curve, wheelset and wheel). Whole vehicles get ``vehicle.csv`` and the tables
-    of every wheelset under its name, ``history_front.outer.csv``. The dataset
+    speed and mode) and ``cycles.csv`` (one row per held speed), steady ones ``steady.csv`` (one row per curve,
+    wheelset and wheel). Where there are several wheelsets, each has tables under its name, such as
+    ``history_front.outer.csv``; bodies, points and suspension elements stand in ``vehicle.csv``. The dataset
     goes first, so that a full disk costs the tables before the numbers. A stopped analysis is written like
     any other.
     Raises ``WrsimError`` when something cannot be written.
@@ -69,19 +69,24 @@ def _each(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     if is_steady(dataset):
         yield "steady", steady_table(dataset)
         return
-    if is_vehicle(dataset):
+    names = wheelsets(dataset)
+    if "time" in dataset.dims and (len(names) > 1 or {"body", "point", "suspension"} & set(dataset.dims)):
         yield "vehicle", _in_blocks(vehicle_table, dataset)
-        for name in wheelsets(dataset):
-            yield from ((f"{table}_{name}", rows) for table, rows in _each(of_wheelset(dataset, name)))
-        return
-    if "time" in dataset.dims:
-        yield "history", _in_blocks(history_table, dataset)
-    if any("patch" in variable.dims and "strip" not in variable.dims for variable in dataset.values()):
-        yield "patches", _in_blocks(patch_table, dataset)
-    if "strip" in dataset.dims:
-        yield "strips", strip_table(dataset)
-    if "amplitude" in dataset.dims:
-        yield "conicity", conicity_table(dataset)
+    for name in names:
+        own = f"_{name}" if len(names) > 1 else ""
+        yield from ((table + own, rows) for table, rows in _of_wheelset(of_wheelset(dataset, name)))
+
+
+def _of_wheelset(one: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
+    """The tables of one wheelset."""
+    if "time" in one.dims:
+        yield "history", _in_blocks(history_table, one)
+    if any("patch" in variable.dims and "strip" not in variable.dims for variable in one.values()):
+        yield "patches", _in_blocks(patch_table, one)
+    if "strip" in one.dims:
+        yield "strips", strip_table(one)
+    if "amplitude" in one.dims:
+        yield "conicity", conicity_table(one)
 
 
 def _in_blocks(table: Callable[[xr.Dataset], list[Row]], dataset: xr.Dataset) -> Iterator[Row]:

@@ -1,4 +1,4 @@
-"""One wheelset out of the dataset of a whole vehicle, as the dataset of a lone one."""
+"""One wheelset out of the dataset of a result."""
 
 from __future__ import annotations
 
@@ -6,48 +6,44 @@ import numpy as np
 import xarray as xr
 
 from wrsim.errors import InputError, suggest
-from wrsim.results.channels import CHANNELS
-
-
-def is_vehicle(dataset: xr.Dataset) -> bool:
-    """True for the dataset of a whole vehicle."""
-    return "wheelset" in dataset.dims
 
 
 def wheelsets(dataset: xr.Dataset) -> tuple[str, ...]:
-    """Names of the wheelsets of a whole vehicle, front first; none for a lone one."""
-    return tuple(str(name) for name in dataset["wheelset"].values) if is_vehicle(dataset) else ()
+    """Names of the wheelsets, front first."""
+    return tuple(str(name) for name in np.atleast_1d(dataset["wheelset"].values))
 
 
-def of_wheelset(dataset: xr.Dataset, name: str) -> xr.Dataset:
-    """What a vehicle's dataset holds of one wheelset, with the layout that the result of a lone wheelset has.
+def of_wheelset(dataset: xr.Dataset, name: str | None = None) -> xr.Dataset:
+    """What a dataset holds of one wheelset, without the dimension ``wheelset``; of the only one without a name.
 
     ``distance`` is that of the wheelset. What belongs to bodies, points, suspension and events is left out.
-    Raises InputError for a name that is none of its wheelsets.
+    Raises InputError for a name that is none of the wheelsets, and when there are several to choose from.
     """
     names = wheelsets(dataset)
+    if name is None and len(names) == 1:
+        name = names[0]
     if name not in names:
-        there = f"there are {', '.join(names)}" if names else "this is the result of a lone wheelset"
-        raise InputError(f"no wheelset is called '{name}'{suggest(name, names)}; {there}")
-    kept = [v for v in dataset.data_vars if CHANNELS[str(v)].of_wheelset or _common(dataset[str(v)])]
-    one = dataset[[*kept, "wheelset_distance"]].sel(wheelset=name).drop_vars("wheelset")
-    one = one.drop_vars([c for c in one.coords if c in ("body", "point", "suspension")])
+        what = f"no wheelset is called '{name}'{suggest(name, names)}" if name else "choose one of the wheelsets"
+        raise InputError(f"{what}; there are {', '.join(names)}" if name else f"{what}: {', '.join(names)}")
+    if "wheelset" not in dataset.dims:
+        return dataset
+    one = dataset.sel(wheelset=name).drop_dims(["body", "point", "suspension", "event"], errors="ignore")
+    if len(names) > 1:
+        one.attrs["title"] = f"{dataset.attrs['title']}: {name}"
+    if "wheelset_distance" not in one:
+        return one
     own = one["wheelset_distance"].values
-    variable = xr.Variable(("time",), own, dict(dataset["distance"].attrs))
-    if "snapshot_distance" in one:
+    if "snapshot_distance" in one and len(names) > 1:
         at = np.interp(one["snapshot_time"].values, one["time"].values, own)
         one["snapshot_distance"] = ("snapshot", at, dict(one["snapshot_distance"].attrs))
-    one = one.drop_vars("wheelset_distance").assign_coords(distance=variable)
-    one.attrs["title"] = f"{dataset.attrs['title']}: {name}"
-    return one
+    distance = xr.Variable(("time",), own, dict(dataset["distance"].attrs))
+    return one.drop_vars("wheelset_distance").assign_coords(distance=distance)
 
 
 def worst_wheelset(dataset: xr.Dataset) -> str:
-    """The wheelset of a whole vehicle with the largest derailment quotient; the first one where there is none."""
+    """The wheelset with the largest derailment quotient; the first one where there is none."""
+    names = wheelsets(dataset)
+    if "Y_over_Q" not in dataset or len(names) == 1:
+        return names[0]
     quotient = np.nan_to_num(dataset["Y_over_Q"].values, nan=-np.inf).max(axis=(0, 2))
-    return wheelsets(dataset)[int(np.argmax(quotient))]
-
-
-def _common(variable: xr.DataArray) -> bool:
-    """True for what belongs neither to a wheelset nor to other parts of the vehicle."""
-    return not {"wheelset", "body", "point", "suspension", "event"} & set(variable.dims)
+    return names[int(np.argmax(quotient))]

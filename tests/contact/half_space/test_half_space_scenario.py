@@ -22,7 +22,7 @@ HARD = "lateral_mm = [-72, -60, 5.06, 8, 9]\nyaw_mrad = [0, -87, 87]\nload_kN = 
 @cache
 def solved(contact, poses=POSES, friction=0.3):
     text = STATIC.replace("lateral_mm = 0\nload_kN = 60\n", poses)
-    return run(load_text(f"{text}[contact]\nfriction = {friction}\n{contact}\n")).dataset
+    return run(load_text(f"{text}[contact]\nfriction = {friction}\n{contact}\n")).wheelset()
 
 
 EXACT = 'normal = "half-space"'
@@ -127,7 +127,7 @@ def test_a_run_starts_in_balance_and_keeps_it():
     # steady rolling on straight track: the exact forces carry the weight from the first stage to the last
     run_keys = "[run]\nstart_distance_m = 20\ntime_s = 0.002\n"
     text = CURVE.replace("[run]\n", run_keys).replace("_ms = 5", "_ms = 1").replace("friction", f"{EXACT}\nfriction")
-    d = run(load_text(text.replace("[contact]\n", "[contact]\nhalf_space = {resolution = 16}\n"))).dataset
+    d = run(load_text(text.replace("[contact]\n", "[contact]\nhalf_space = {resolution = 16}\n"))).wheelset()
     load = d["Q"].values
     assert d.attrs["status"] == "completed"
     assert load == pytest.approx(load[0, 0], rel=1e-5)

@@ -26,6 +26,7 @@ from wrsim.analysis.assessment.stops import stop_values
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment, Limit, Quantity, Section, Value
+from wrsim.results.wheelsets import of_wheelset, wheelsets
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
 Array = NDArray[np.float64]
@@ -84,15 +85,9 @@ def _evenly_sampled(dataset: xr.Dataset) -> xr.Dataset:
 
 def _wheelsets(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
     """Name (empty where there is only one) and channels of every wheelset."""
-    if "wheelset" not in dataset.dims:
-        yield "", dataset
-        return
-    for i in range(dataset.sizes["wheelset"]):
-        name = str(dataset["wheelset"].values[i]) if "wheelset" in dataset.coords else str(i + 1)
-        one = dataset.isel(wheelset=i)
-        if "wheelset_distance" in one:
-            one = one.assign_coords(distance=("time", one["wheelset_distance"].values))
-        yield name, one
+    names = wheelsets(dataset)
+    for name in names:
+        yield name if len(names) > 1 else "", of_wheelset(dataset, name)
 
 
 def _nadal(dataset: xr.Dataset, settings: AssessmentSettings, notes: list[str]) -> Limit | None:

@@ -110,7 +110,7 @@ def sections_of(dataset: xr.Dataset, length: float | None = None) -> tuple[Secti
 
 def _track_passed(dataset: xr.Dataset) -> tuple[Array, Array, Array, Array]:
     """Distance, curvature, cant and speed against distance, of all the track that any wheelset has passed."""
-    passed = dataset["wheelset_distance" if "wheelset_distance" in dataset else "distance"]
+    passed = dataset["wheelset_distance"]
     distance = passed.values
     speed = np.gradient(dataset["distance"].values, dataset["time"].values)
     if "speed" in dataset:

@@ -26,8 +26,7 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
     """
     dataset, section = result.dataset, section or ride_section_of(result)
     if "point_ay" not in dataset:
-        what = "is that of a lone wheelset" if "wheelset" not in dataset.dims else "has no points"
-        raise InputError(f"the result {what}: accelerations are kept at the [[points]] of a vehicle file")
+        raise InputError("the result has no points: accelerations are kept at the [[points]] of a vehicle file")
     time = dataset["time"].values
     if time.size > 2 and abs((time[-1] - time[-2]) - (time[1] - time[0])) > 1e-6 * (time[1] - time[0]):
         dataset = dataset.isel(time=slice(0, -1))  # the last one of a stopped run stands off the raster
