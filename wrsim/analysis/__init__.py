@@ -1,6 +1,6 @@
 """Analyses: from a scenario to a result.
 
-``run(scenario) -> Result`` in one call; each kind of analysis has a module of its own.
+``run(scenario) -> Result`` in one call; ``wrsim.register`` says which function runs which analysis.
 """
 
 from __future__ import annotations
@@ -9,14 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wrsim.analysis.conicity.conicity import run_conicity
-from wrsim.analysis.motion.curving import recorded_curving, run_curving
-from wrsim.analysis.motion.equilibrium import run_equilibrium
 from wrsim.analysis.motion.keeping import Keeping, recorded_setup
 from wrsim.analysis.motion.step_choice import StepTooLong
-from wrsim.analysis.poses.static import run_static
-from wrsim.analysis.stability import run_stability
-from wrsim.analysis.steady.steady import run_steady
+from wrsim.register import ANALYSES, resolved
 from wrsim.scenario.build import build
 
 if TYPE_CHECKING:
@@ -25,16 +20,6 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, float], None]
 """progress(fraction done, seconds left)"""
-
-_AT_ONCE = {
-    "static": run_static,
-    "equilibrium": run_equilibrium,
-    "conicity": run_conicity,
-    "stability": run_stability,
-    "steady": run_steady,
-}
-_IN_TIME = {"curving": run_curving, "ride": run_curving}
-_RECORDED = {"curving": recorded_curving, "ride": recorded_curving}
 
 
 def run(
@@ -49,21 +34,23 @@ def run(
     progress: called some ten times a second with the fraction done and the seconds left. A run that has to stop
     (derailment, Ctrl-C, not-a-number) returns what it computed; ``result.status`` and ``result.stop_reason`` say so.
 
-    record: a file in which a run in time is kept while it lasts, so that nothing is lost with its process; delete it
-    when the result is safe. resume: go on with the run in that file, with the same numbers as if it had never been
-    interrupted. A static analysis keeps nothing.
+    record: a file in which a run along the track is kept while it lasts, so that nothing is lost with its process;
+    delete it when the result is safe. resume: go on with the run in that file, with the same numbers as if it had never
+    been interrupted. Other analyses keep nothing.
 
     Raises InputError when the scenario's parts do not fit together, or when there is no run of this scenario to go on
     with; SimulationError when there is not even a start.
     """
     setup = build(scenario)
-    if setup.analysis in _AT_ONCE:
+    analysis = ANALYSES[setup.analysis]
+    function = resolved(analysis.run)
+    if not analysis.moves:
         if resume:
             raise scenario.fault(("analysis",), "nothing is kept of it to resume; run it without --resume")
-        return _AT_ONCE[setup.analysis](setup, progress)
+        return function(setup, progress)  # type: ignore[no-any-return]
     keeping = None if record is None else Keeping.of(scenario, setup, Path(record), resume)
     try:
-        return _IN_TIME[setup.analysis](setup, progress, keeping)
+        return function(setup, progress, keeping)  # type: ignore[no-any-return]
     except StepTooLong as fault:
         # only here are the file and the line of the key known
         raise scenario.fault(("run", "step_us"), fault.rule) from None
@@ -75,7 +62,7 @@ def recorded(record: str | Path) -> Result:
     Raises InputError when there is no such file, it is none of a run, or its models are gone or have changed.
     """
     setup = recorded_setup(Path(record))
-    return _RECORDED[setup.analysis](setup, Path(record))
+    return resolved(ANALYSES[setup.analysis].recorded)(setup, Path(record))  # type: ignore[no-any-return]
 
 
 __all__ = ["recorded", "run"]

@@ -20,6 +20,7 @@ from wrsim.analysis import run
 from wrsim.analysis.contacts import contact_models
 from wrsim.contact.channels import POSE_CHANNELS
 from wrsim.errors import InputError, SimulationError, suggest
+from wrsim.register import ANALYSES
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import with_contact_model
@@ -94,7 +95,7 @@ def compare(
     reference = names[0] if reference is None else reference
     if reference not in names:
         raise InputError(f"--reference {reference}: is none of the models{suggest(reference, list(names))}")
-    if scenario.analysis not in ("static", "curving", "equilibrium"):
+    if not ANALYSES[scenario.analysis].compared:
         raise InputError(f'analysis = "{scenario.analysis}": contact models are compared in static poses and runs')
     scenarios = [with_contact_model(scenario, name) for name in names]
     setups = [build(s) for s in scenarios]

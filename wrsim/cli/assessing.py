@@ -33,9 +33,10 @@ def assess(
         from wrsim.analysis.assessment import assess as assessed
         from wrsim.results import write_atomically
         from wrsim.scenario.loading import load
+        from wrsim.scenario.sections.assessment import AssessmentSection
 
         loaded = read(result)
-        settings = None if scenario is None else load(scenario).spec.assessment.settings()
+        settings = None if scenario is None else load(scenario).table(AssessmentSection).settings()
         found = assessed(loaded, settings)
         directory = output or (result if result.is_dir() else result.parent)
         files = [

@@ -29,9 +29,10 @@ def ride(
     with told(as_json):
         from wrsim.analysis.ride import evaluate_ride
         from wrsim.scenario.loading import load
+        from wrsim.scenario.sections.ride import RideSection
 
         loaded = read(result)
-        found = evaluate_ride(loaded, None if scenario is None else load(scenario).spec.ride)
+        found = evaluate_ride(loaded, None if scenario is None else load(scenario).table(RideSection))
         directory = output or (result if result.is_dir() else result.parent)
         files = write_ride(found, directory, pictures)
         if as_json:

@@ -15,13 +15,15 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.track import Track
+from wrsim.register import ANALYSES
 from wrsim.scenario.cases import StaticPose, static_poses
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
-from wrsim.scenario.schema import IN_TIME, STUDIES, Analysis
-from wrsim.scenario.sections.conicity import ConicityPlan
-from wrsim.scenario.sections.stability import StabilityPlan
-from wrsim.scenario.sections.steady import SteadyPoint
+from wrsim.scenario.sections.conicity import ConicityPlan, ConicitySection
+from wrsim.scenario.sections.run import OutputSection, RunSection
+from wrsim.scenario.sections.stability import StabilityPlan, StabilitySection
+from wrsim.scenario.sections.static import StaticSection
+from wrsim.scenario.sections.steady import SteadyPoint, SteadySection
 from wrsim.scenario.track_build import gauge_extremes, track_of
 from wrsim.scenario.vehicle_build import SIDES, Side, vehicle_of
 from wrsim.vehicle.vehicle import Drive, Vehicle
@@ -72,7 +74,7 @@ class Setup:
     """
 
     title: str
-    analysis: Analysis
+    analysis: str
     wheelset: Wheelset
     vehicle: Vehicle | None
     rails: tuple[Profile, Profile]
@@ -94,25 +96,25 @@ def build(scenario: Scenario) -> Setup:
     Raises InputError when a model file is missing or faulty, when the track has no unique shape, when a run
     leaves the track, and when the wheelset does not stand on the rails.
     """
-    spec = scenario.spec
+    spec, kind = scenario.spec, ANALYSES[scenario.analysis]
     files: list[Path] = []
     wheelset, vehicle = vehicle_of(scenario, files)
     if (
         vehicle is not None
         and spec.contact.normal == "half-space"
-        and spec.analysis in (*IN_TIME, *STUDIES, "equilibrium")
+        and (kind.moves or kind.own_track or kind.name == "equilibrium")
     ):
         raise scenario.fault(("contact", "normal"), "is for lone wheelsets and static poses, not for whole vehicles")
-    if spec.analysis == "ride" and (vehicle is None or not vehicle.points):
-        needed = 'analysis = "ride" needs a vehicle with [[points]], at which accelerations are kept'
+    if kind.points and (vehicle is None or not vehicle.points):
+        needed = f'analysis = "{kind.name}" needs a vehicle with [[points]], at which accelerations are kept'
         raise scenario.fault(("vehicle", "model"), needed)
-    if vehicle is None and spec.track.elasticity is not None and spec.analysis in (*IN_TIME, "equilibrium"):
+    if vehicle is None and spec.track.elasticity is not None and (kind.moves or kind.name == "equilibrium"):
         message = "is for whole vehicles: a lone wheelset runs on rigid rails (a vehicle file may hold one wheelset)"
         raise scenario.fault(("track", "elasticity"), message)
-    if spec.analysis in STUDIES and vehicle is None:
+    if kind.own_track and vehicle is None:
         needed = f'analysis = "{spec.analysis}" is for whole vehicles (docs/vehicles.md); this is a lone wheelset'
         raise scenario.fault(("vehicle", "model"), needed)
-    if spec.analysis in STUDIES and spec.vehicle.drive == "free":
+    if kind.own_track and spec.vehicle.drive == "free":
         raise scenario.fault(("vehicle", "drive"), 'must be "train" or "wheels": something has to hold the speed')
     rails = _rails(scenario, files)
     track = track_of(scenario, rails, files)
@@ -120,11 +122,12 @@ def build(scenario: Scenario) -> Setup:
         for each in dict.fromkeys(m.wheelset for m in vehicle.wheelsets) if vehicle else (wheelset,):
             _check_placement(scenario, each, rails, track)
     plan = None
-    if spec.static is not None:
+    if kind.name == "static":
+        static = scenario.table(StaticSection)
         poses = static_poses(scenario)
-        if spec.static.cases is not None:
-            files.append(scenario.find(("static", "cases"), spec.static.cases))
-        plan = StaticPlan(spec.static.target, spec.static.side, spec.static.rolling, poses)
+        if static.cases is not None:
+            files.append(scenario.find(("static", "cases"), static.cases))
+        plan = StaticPlan(static.target, static.side, static.rolling, poses)
     return Setup(
         title=spec.title,
         analysis=spec.analysis,
@@ -137,9 +140,9 @@ def build(scenario: Scenario) -> Setup:
         static=plan,
         text=scenario.text,
         files=tuple(dict.fromkeys(files)),
-        conicity=spec.conicity.plan() if spec.analysis == "conicity" else None,
-        stability=spec.stability.plan() if spec.analysis == "stability" else None,
-        steady=spec.steady.points(spec.vehicle.speed_kmh) if spec.analysis == "steady" and spec.steady else (),
+        conicity=scenario.table(ConicitySection).plan() if kind.name == "conicity" else None,
+        stability=scenario.table(StabilitySection).plan() if kind.name == "stability" else None,
+        steady=scenario.table(SteadySection).points(spec.vehicle.speed_kmh) if kind.name == "steady" else (),
         conical=None if spec.contact.conical is None else spec.contact.conical.wheels(),
     )
 
@@ -170,7 +173,7 @@ def _own(own: str | None, both: str | None, key: str, side: str) -> tuple[str, s
 
 def _run(scenario: Scenario, track: Track, vehicle: Vehicle | None) -> RunPlan:
     spec = scenario.spec
-    section = spec.run
+    section, kind = scenario.table(RunSection), ANALYSES[spec.analysis]
     speed = (spec.vehicle.speed_kmh or 0.0) / 3.6
     ahead = max((mounted.x for mounted in vehicle.wheelsets), default=0.0) if vehicle else 0.0
     last = track.length - ahead
@@ -178,10 +181,10 @@ def _run(scenario: Scenario, track: Track, vehicle: Vehicle | None) -> RunPlan:
     room = f"must lie on the track, which is {track.length:.6g} m long"
     if ahead:
         room += f", and the first wheelset is {ahead:.6g} m ahead of the vehicle's origin"
-    if start >= last and spec.analysis not in ("static", "conicity", *STUDIES):
+    if start >= last and "run" in kind.tables:
         raise scenario.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
-    patches = spec.output.patches_at_m
-    if spec.analysis in IN_TIME:
+    patches = scenario.table(OutputSection).patches_at_m
+    if kind.moves:
         key = "distance_m" if section.distance_m is not None else "time_s"
         if section.distance_m is not None:
             end = start + section.distance_m

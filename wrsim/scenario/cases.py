@@ -14,7 +14,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.toml_files import shown
 from wrsim.scenario.loading import Scenario
-from wrsim.scenario.sections.analysis import MOST_POSES, Lateral, Load, Roll, StaticSection, Yaw
+from wrsim.scenario.sections.static import MOST_POSES, Lateral, Load, Roll, StaticSection, Yaw
 
 COLUMNS: dict[str, Any] = {"id": str, "lateral_mm": Lateral, "yaw_mrad": Yaw, "load_kN": Load, "roll_mrad": Roll}
 FACTORS = {"lateral_mm": 1e-3, "yaw_mrad": 1e-3, "load_kN": 1e3, "roll_mrad": 1e-3}
@@ -37,9 +37,7 @@ def static_poses(scenario: Scenario) -> tuple[StaticPose, ...]:
 
     Raises InputError for a table that is missing or has faults, one line each with its line number.
     """
-    section = scenario.spec.static
-    if section is None:
-        return ()
+    section = scenario.table(StaticSection)
     if section.cases is not None:
         path = scenario.find(("static", "cases"), section.cases)
         return read_cases(path, with_roll=section.target == "wheel")

@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check, dotted, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import write_toml
+from wrsim.register import ANALYSES
 from wrsim.scenario.merging import Merged, from_text, read_merged
-from wrsim.scenario.schema import UNUSED, ScenarioSpec
+from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
 from wrsim.scenario.track_file import with_track_file
+
+T = TypeVar("T", bound=Section)
 
 
 @dataclass(frozen=True)
@@ -39,8 +43,15 @@ class Scenario:
 
     @property
     def analysis(self) -> str:
-        """static, equilibrium, curving or conicity."""
+        """Kind of the analysis, as in the register."""
         return self.spec.analysis
+
+    def table(self, kind: type[T]) -> T:
+        """The table of this class. Raises InputError for one that the file had to hold and does not."""
+        for name in type(self.spec).model_fields:
+            if isinstance(found := getattr(self.spec, name), kind):
+                return found
+        raise InputError(f"{self.path or 'scenario'}: has no table {kind.header}")
 
     @property
     def directories(self) -> tuple[Path, ...]:
@@ -77,7 +88,7 @@ class Scenario:
             data = _changed(data, path, value)
             owners[path] = "new value"
         merged = replace(self._merged, data=data, text=write_toml(data), owners=owners)
-        return Scenario(check(ScenarioSpec, data, merged.locate), merged.text, self.path, self.finder, merged)
+        return Scenario(check(ScenarioFile, data, merged.locate), merged.text, self.path, self.finder, merged)
 
 
 def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
@@ -90,10 +101,11 @@ def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
     Raises InputError with all faults of the file, one line each.
     """
     merged = read_merged(Path(path))
+    analysis = ANALYSES.get(str(merged.data.get("analysis")))
     unused = [
-        section
-        for section in UNUSED.get(str(merged.data.get("analysis")), ())
-        if section in merged.data and merged.owners.get((section,)) != str(merged.files[0])
+        table
+        for table in (analysis.unused if analysis else ())
+        if table in merged.data and merged.owners.get((table,)) != str(merged.files[0])
     ]
     if unused:  # inherited, and of no use to this analysis
         merged.data = {key: value for key, value in merged.data.items() if key not in unused}
@@ -118,7 +130,7 @@ def _scenario(merged: Merged, path: Path | None, models: Sequence[str | Path], f
     merged = with_track_file(merged, finder)
     if len(merged.files) > count:  # what a track file names may lie beside it
         finder = Finder(tuple(dict.fromkeys((*folders, merged.files[-1].parent))))
-    return Scenario(check(ScenarioSpec, merged.data, merged.locate), merged.text, path, finder, merged)
+    return Scenario(check(ScenarioFile, merged.data, merged.locate), merged.text, path, finder, merged)
 
 
 def _keys(dotted_key: str) -> KeyPath:

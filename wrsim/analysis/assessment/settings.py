@@ -11,13 +11,13 @@ import xarray as xr
 from wrsim.contact.settings import ContactSettings
 from wrsim.errors import InputError
 from wrsim.scenario.loading import load_text
-from wrsim.scenario.sections.assessment import AssessmentSettings
+from wrsim.scenario.sections.assessment import AssessmentSection, AssessmentSettings
 
 
 def settings_of(dataset: xr.Dataset) -> AssessmentSettings:
     """[assessment] of the scenario that the result carries; the defaults where that says nothing."""
     try:
-        section = load_text(str(dataset.attrs.get("scenario_text", ""))).spec.assessment
+        section = load_text(str(dataset.attrs.get("scenario_text", ""))).table(AssessmentSection)
     except InputError:  # a result without a scenario, or of an older wrsim
         return AssessmentSettings()
     return section.settings()

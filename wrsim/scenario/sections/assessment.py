@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from math import radians
 from typing import Annotated, ClassVar, Literal
 
-from wrsim.inputs.section import Section
 from wrsim.inputs.values import number
+from wrsim.scenario.sections.table import Table
 
 Kind = Literal["passenger", "locomotive", "freight"]
 
@@ -28,7 +28,7 @@ class AssessmentSettings:
     section_length: float | None = None
 
 
-class AssessmentSection(Section):
+class AssessmentSection(Table):
     """vehicle_kind and, where they are not to come from the result, loads, friction, flange angle."""
 
     header: ClassVar[str] = "[assessment]"

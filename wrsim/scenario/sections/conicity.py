@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal
 
-from wrsim.inputs.section import Section
 from wrsim.inputs.values import Series, positive
+from wrsim.scenario.sections.table import Table
 
 Roll = Literal["none", "rail-top", "centre"]
 
@@ -28,7 +28,7 @@ class ConicityPlan:
     roll: Roll = "none"
 
 
-class ConicitySection(Section):
+class ConicitySection(Table):
     """amplitude_mm, roll."""
 
     header: ClassVar[str] = "[conicity]"

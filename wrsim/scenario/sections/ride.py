@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Fault
 from wrsim.inputs.values import number
+from wrsim.scenario.sections.table import Table
 
 Place = Annotated[float, number(-1e6, 1e6, "m along the centre line")]
 
 
-class RideSection(Section):
+class RideSection(Table):
     """from_m and to_m leave out where a run starts and ends; resolution_Hz is that of the spectra."""
 
     header: ClassVar[str] = "[ride]"

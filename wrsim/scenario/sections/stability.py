@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, Switch, number
+from wrsim.scenario.sections.table import Table
 
 Speed = Annotated[float, number(1, 1000, "km/h")]
 SPEEDS = tuple(float(v) for v in range(40, 401, 20))
@@ -47,7 +48,7 @@ class StabilityPlan:
     cycles: CyclePlan | None
 
 
-class StabilitySection(Section):
+class StabilitySection(Table):
     """speed_kmh of the modes; nonlinear = false leaves limit cycles out; the rest: see CyclePlan."""
 
     header: ClassVar[str] = "[stability]"

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Annotated, Any, ClassVar, Literal
 
-from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Series, number
+from wrsim.inputs.section import Fault
+from wrsim.inputs.values import Series, number, words
+from wrsim.scenario.sections.table import Table
 from wrsim.scenario.sections.track import Cant
+from wrsim.scenario.sections.vehicle import VehicleSection
 
 SHARPEST = 20.0
 MOST_POINTS = 100_000
@@ -28,7 +30,7 @@ class SteadyPoint:
     speed: float
 
 
-class SteadySection(Section):
+class SteadySection(Table):
     """Every combination of radius_m, cant_mm and speed_kmh, or with combine = "rows" their first, second ... values."""
 
     header: ClassVar[str] = "[steady]"
@@ -47,9 +49,12 @@ class SteadySection(Section):
     combine: Literal["grid", "rows"] = "grid"
 
     @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """Nothing to check before the values are known."""
-        return iter(())
+    def beside(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """A speed here or in [vehicle]."""
+        own, vehicle = raw.get("steady"), raw.get("vehicle")
+        given = cls.keys_meant(own) | VehicleSection.keys_meant(vehicle)
+        if isinstance(own, dict) and "speed_kmh" not in given:
+            yield Fault(("steady", "speed_kmh"), f"must be {words(Series[Speed])}", missing=True)
 
     def consistency(self) -> Iterator[Fault]:
         """No sharper curves than any vehicle runs through; rows of one length; a countable grid."""

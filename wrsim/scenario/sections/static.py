@@ -1,12 +1,13 @@
-"""[static], [run] and [output]: what to compute with the wheelset, and what to keep."""
+"""[static]: poses of one wheel or of a wheelset."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
-from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import List, Series, Switch, number, positive, text, words
+from wrsim.inputs.section import Fault
+from wrsim.inputs.values import Series, Switch, number, positive, text, words
+from wrsim.scenario.sections.table import Table
 
 Lateral = Annotated[float, number(-100, 100, "mm, positive to the left")]
 Yaw = Annotated[float, number(-200, 200, "mrad, positive to the left")]
@@ -17,7 +18,7 @@ GRID = ("lateral_mm", "yaw_mrad", "load_kN", "roll_mrad")
 MOST_POSES = 1_000_000
 
 
-class StaticSection(Section):
+class StaticSection(Table):
     """Poses of one wheel or of a wheelset at a prescribed vertical load.
 
     The poses are every combination of lateral_mm, yaw_mrad, load_kN and roll_mrad, or the rows of the CSV
@@ -69,45 +70,3 @@ class StaticSection(Section):
         count = len(self.lateral_mm) * len(self.yaw_mrad) * len(self.load_kN or ()) * len(self.roll_mrad)
         if count > MOST_POSES:
             yield Fault((), f"describes {count} poses; must be at most {MOST_POSES}")
-
-
-class RunSection(Section):
-    """Where a run along the track starts and ends, and its steps in time."""
-
-    header: ClassVar[str] = "[run]"
-    aliases: ClassVar[dict[str, str]] = {
-        "duration_s": "time_s",
-        "t_end_s": "time_s",
-        "end_time_s": "time_s",
-        "length_m": "distance_m",
-        "dt_us": "step_us",
-        "h_us": "step_us",
-        "output_step_ms": "output_interval_ms",
-        "sampling_ms": "output_interval_ms",
-    }
-
-    start_distance_m: Annotated[float, number(0, 1e6, "m along the centre line")] = 0.0
-    distance_m: Annotated[float, number(0.01, 1e6, "m from the start")] | None = None
-    time_s: Annotated[float, number(0.001, 1e5, "s from the start")] | None = None
-    step_us: Annotated[int, number(1, 20_000)] | None = None
-    output_interval_ms: Annotated[float, number(0.01, 10_000, "ms between two samples")] = 5.0
-
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A distance or a time."""
-        if "distance_m" in raw and "time_s" in raw:
-            yield Fault("time_s", "cannot stand next to distance_m: give one of them")
-
-    def consistency(self) -> Iterator[Fault]:
-        """A sample needs at least one step."""
-        if self.step_us is not None and self.step_us > self.output_interval_ms * 1000.0 * (1.0 + 1e-9):
-            yield Fault("step_us", f"must be at most the output interval ({self.output_interval_ms:g} ms)")
-
-
-class OutputSection(Section):
-    """What is kept besides the channels."""
-
-    header: ClassVar[str] = "[output]"
-    aliases: ClassVar[dict[str, str]] = {"snapshots_m": "patches_at_m", "patches": "patches_at_m"}
-
-    patches_at_m: List[Annotated[float, number(0, 1e6, "m along the centre line")]] | None = None

@@ -1,0 +1,114 @@
+"""The register of analyses: what each kind takes of a scenario, what runs it, and what is shown of its results.
+
+A scenario names its kind with the key ``analysis``, and so does a result. Functions and classes are named as
+``package.module:name`` and imported when they are used, so that the register is known to all layers. A new kind of
+analysis is a table of the scenario (``scenario.sections``), a function that runs it (``analysis``), its summary and
+tables (``results``), its pictures (``plots``), and one entry here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """One kind of analysis.
+
+    tables: names and classes of the tables of a scenario that are its own, besides [vehicle], [track] and [contact];
+    the first makes the plan. run: a function of the set-up and of a progress function, and, for one that runs along the
+    track, of the record in which it is kept. recorded: a function of the set-up and the path of such a record.
+
+    own_track: it lays its own track, and something has to hold the speed; points: it needs points at which
+    accelerations are kept; origins: rails may be placed by the origins of their profiles; conical: wheels may be
+    conical with a prescribed creep law; compared: contact models can be compared in it.
+    """
+
+    name: str
+    tables: Mapping[str, str]
+    run: str
+    recorded: str = ""
+    own_track: bool = False
+    points: bool = False
+    origins: bool = False
+    conical: bool = False
+    compared: bool = False
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Tables of other analyses: refused in a file, dropped where they come from the file that it starts from."""
+        return tuple(name for name in TABLES if name not in self.tables)
+
+    @property
+    def moves(self) -> bool:
+        """True if it runs along the track: it needs a speed, and a run can be kept and resumed."""
+        return bool(self.recorded)
+
+
+_RUN = {
+    "run": "wrsim.scenario.sections.run:RunSection",
+    "output": "wrsim.scenario.sections.run:OutputSection",
+}
+_ASSESSED = {
+    "assessment": "wrsim.scenario.sections.assessment:AssessmentSection",
+    "ride": "wrsim.scenario.sections.ride:RideSection",
+}
+_CURVING = Analysis(
+    name="curving",
+    tables=_RUN | _ASSESSED,
+    run="wrsim.analysis.motion.curving:run_curving",
+    recorded="wrsim.analysis.motion.curving:recorded_curving",
+    compared=True,
+)
+
+ANALYSES = {
+    kind.name: kind
+    for kind in (
+        Analysis(
+            name="static",
+            tables={"static": "wrsim.scenario.sections.static:StaticSection"},
+            run="wrsim.analysis.poses.static:run_static",
+            origins=True,
+            compared=True,
+        ),
+        Analysis(
+            name="equilibrium",
+            tables=_RUN,
+            run="wrsim.analysis.motion.equilibrium:run_equilibrium",
+            compared=True,
+        ),
+        _CURVING,
+        replace(_CURVING, name="ride", points=True, compared=False),
+        Analysis(
+            name="conicity",
+            tables={"conicity": "wrsim.scenario.sections.conicity:ConicitySection"},
+            run="wrsim.analysis.conicity.conicity:run_conicity",
+        ),
+        Analysis(
+            name="stability",
+            tables={"stability": "wrsim.scenario.sections.stability:StabilitySection"},
+            run="wrsim.analysis.stability.run:run_stability",
+            own_track=True,
+            conical=True,
+        ),
+        Analysis(
+            name="steady",
+            tables={"steady": "wrsim.scenario.sections.steady:SteadySection"},
+            run="wrsim.analysis.steady.steady:run_steady",
+            own_track=True,
+        ),
+    )
+}
+"""All kinds by name."""
+
+TABLES = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.tables.items()}
+"""All tables of a scenario that belong to some analyses only, by name."""
+
+
+def resolved(name: str) -> Any:
+    """The function or class of a name of the register."""
+    module, _, attribute = name.partition(":")
+    return getattr(import_module(module), attribute)
