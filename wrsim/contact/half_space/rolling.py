@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.half_space.gmres import Gmres
 from wrsim.contact.half_space.influence import Operator
-from wrsim.core.contact.half_space import rolling
+from wrsim.core.contact.half_space import gmres, rolling
 
 Array = NDArray[np.float64]
 
@@ -75,8 +75,8 @@ def solve_rolling(
         rolling.derivative(equations, d, operator.slip(d, forward), out)
         return out.reshape(-1)
 
-    rhs, out, change = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-    gmres = Gmres(q.size, KRYLOV_STEPS)
+    rhs, out = np.zeros(shape), np.zeros(shape)
+    space = np.empty((2, KRYLOV_STEPS, q.size))
     errors: list[float] = []
     for step in range(NEWTON_STEPS):
         slip = operator.slip(q, forward) + rigid_slip
@@ -87,11 +87,23 @@ def solve_rolling(
             return Traction(q, slip, state, step, products, errors[-1], converged)
         sticking = (state == rolling.ADHESION).astype(np.float64)
         sliding = (state == rolling.SLIP).astype(np.float64)
-        gmres.solve(product, rhs.reshape(-1), KRYLOV_TOLERANCE, change.reshape(-1))
+        change = _least_residual(product, rhs.reshape(-1), *space).reshape(shape)
         # where a few elements swing between two states a shorter step breaks the circle
         swinging = step > 5 and errors[-1] > 0.3 * errors[-3]
         rolling.move(q, correction(change), (0.5 if step % 3 else 0.8) if swinging else 1.0, bound)
     return Traction(q, slip, state, NEWTON_STEPS, products, errors[-1], False)
+
+
+def _least_residual(product: Callable[[Array], Array], b: Array, z: Array, w: Array) -> Array:
+    """x with product(x) about b; b is destroyed; z, w: scratch (steps, n)."""
+    x = np.zeros_like(b)
+    first = np.sqrt((b * b).sum())
+    for k in range(len(z) if first > 0.0 else 0):
+        z[k] = w[k - 1] if k > 0 else b / first
+        w[k] = product(z[k])
+        if gmres.extend(z, w, k, x, b) <= KRYLOV_TOLERANCE * first:
+            break
+    return x
 
 
 def _flexibility(operator: Operator, bound: Array) -> float:

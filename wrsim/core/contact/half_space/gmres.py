@@ -1,81 +1,41 @@
-"""Generalised minimal residuals: one step of Arnoldi's method with Givens' rotations (Saad and Schultz 1986).
+"""Least residuals of a linear system over the vectors z whose images w = A z are orthonormal.
 
-Plain loops: a threaded library would wait for busy cores.
+Generalised minimal residuals (Saad and Schultz 1986) without rotations: "simpler GMRES" (Walker and Zhou, Numerical
+Linear Algebra with Applications 1, 1994). Plain loops: a threaded library would wait for busy cores.
 """
 
 from math import sqrt
-from typing import Any, NamedTuple
 
 from wrsim.core.compiling import kernel
 
 
-class Krylov(NamedTuple):
-    """basis: (steps + 1, n) orthonormal; columns: (steps, steps + 1) of Arnoldi's matrix, rotated to a triangle.
+@kernel
+def extend(z, w, k, x, r):
+    """Take vector k and its image into the space, both (steps, n), and go to the least residual.
 
-    cosines, sines: (steps,) of the rotations; rhs: (steps + 1,) turned right hand side; y: (steps,).
+    Makes w[k] orthogonal to those before it and of unit length, z[k] follows; x and the residual r advance along them.
+    Returns the size of the residual.
     """
-
-    basis: Any
-    columns: Any
-    cosines: Any
-    sines: Any
-    rhs: Any
-    y: Any
-
-
-@kernel
-def extend(space, k):
-    """Take row k + 1 of the basis into it (modified Gram and Schmidt). Returns the residual that then remains."""
-    h = space.columns[k]
-    w = space.basis[k + 1]
-    for j in range(k + 1):
-        v = space.basis[j]
-        product = 0.0
-        for i in range(w.size):
-            product += v[i] * w[i]
-        h[j] = product
-        for i in range(w.size):
-            w[i] -= product * v[i]
-    size = 0.0
-    for i in range(w.size):
-        size += w[i] * w[i]
-    size = sqrt(size)
+    for j in range(k):
+        share = _product(w[j], w[k])
+        for i in range(r.size):
+            w[k, i] -= share * w[j, i]
+            z[k, i] -= share * z[j, i]
+    size = sqrt(_product(w[k], w[k]))
     if size > 0.0:
-        for i in range(w.size):
-            w[i] /= size
-    h[k + 1] = size
-    return _rotate(h, k, space)
+        for i in range(r.size):
+            w[k, i] /= size
+            z[k, i] /= size
+    step = _product(w[k], r)
+    for i in range(r.size):
+        x[i] += step * z[k, i]
+        r[i] -= step * w[k, i]
+    return sqrt(_product(r, r))
 
 
 @kernel
-def _rotate(h, k, space):
-    """Turn the new column and the right hand side so that the column's last entry vanishes."""
-    cosines, sines, g = space.cosines, space.sines, space.rhs
-    for j in range(k):
-        a = cosines[j] * h[j] + sines[j] * h[j + 1]
-        h[j + 1] = -sines[j] * h[j] + cosines[j] * h[j + 1]
-        h[j] = a
-    size = sqrt(h[k] * h[k] + h[k + 1] * h[k + 1])
-    cosines[k] = h[k] / size if size > 0.0 else 1.0
-    sines[k] = h[k + 1] / size if size > 0.0 else 0.0
-    h[k] = size
-    h[k + 1] = 0.0
-    g[k + 1] = -sines[k] * g[k]
-    g[k] = cosines[k] * g[k]
-    return abs(g[k + 1])
-
-
-@kernel
-def combine(space, k, x):
-    """x = the combination of the first k vectors that leaves the least residual."""
-    y = space.y
-    for i in range(k - 1, -1, -1):
-        value = space.rhs[i]
-        for j in range(i + 1, k):
-            value -= space.columns[j, i] * y[j]
-        y[i] = value / space.columns[i, i] if space.columns[i, i] != 0.0 else 0.0
-    x[:] = 0.0
-    for j in range(k):
-        v = space.basis[j]
-        for i in range(x.size):
-            x[i] += y[j] * v[i]
+def _product(a, b):
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total
