@@ -12,8 +12,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.results.channels import CHANNELS, Channel
-from wrsim.results.stability import is_stability, stability_summary
-from wrsim.results.steady import is_steady, steady_summary
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 CURVE_CHANNELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
@@ -29,10 +27,11 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     Every peak is ``{"value": .., "distance_m": .., "time_s": ..}``, or with ``"pose"`` in a static analysis;
     ``None`` where there is no finite value. Peaks of patch channels run over all patches of the wheel.
     """
-    if is_stability(dataset):
-        return _head(dataset) | stability_summary(dataset) | {"versions": _versions(dataset)}
-    if is_steady(dataset):
-        return _head(dataset) | steady_summary(dataset) | {"versions": _versions(dataset)}
+    versions = {"versions": _versions(dataset)}
+    if "mode" in dataset.dims:
+        return _head(dataset) | _stability(dataset) | versions
+    if "pose_radius" in dataset:
+        return _head(dataset) | _steady(dataset) | versions
     summary = {
         **_head(dataset),
         "extent": _extent(dataset),
@@ -46,7 +45,7 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
             {"time_s": float(t), "distance_m": float(s), "event": str(words)}
             for t, s, words in zip(*values, strict=True)
         ]
-    return summary | {"versions": _versions(dataset)}
+    return summary | versions
 
 
 def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
@@ -79,6 +78,38 @@ def _versions(dataset: xr.Dataset) -> dict[str, Any]:
         name.removesuffix("_version"): value
         for name, value in dataset.attrs.items()
         if name.endswith("_version") and name != "format_version"
+    }
+
+
+def _stability(dataset: xr.Dataset) -> dict[str, Any]:
+    """Critical speeds with their frequency and mode; ``None`` where there are none, and a note that says why."""
+    attributes = dataset.attrs
+
+    def number(name: str, factor: float = 1.0) -> float | None:
+        value = float(attributes.get(name, np.nan))
+        return factor * value if np.isfinite(value) else None
+
+    found: dict[str, Any] = {
+        "speeds": dataset.sizes["pose"],
+        "linear_critical_speed_kmh": number("critical_speed_m_s", 3.6),
+        "critical_frequency_Hz": number("critical_frequency_Hz"),
+        "held_speeds": dataset.sizes.get("cycle", 0),
+        "nonlinear_critical_speed_kmh": number("nonlinear_critical_speed_m_s", 3.6),
+    }
+    words = ("critical_mode", "critical_note", "nonlinear_note")
+    return found | {name: str(attributes[name]) for name in words if name in attributes}
+
+
+def _steady(dataset: xr.Dataset) -> dict[str, Any]:
+    """How many curves have a steady motion, which have none, and the largest Y/Q with its place."""
+    messages = zip(dataset["pose"].values, dataset["pose_message"].values, strict=True)
+    quotient = dataset["Y_over_Q"]
+    worst = quotient.isel(quotient.argmax(dim=quotient.dims))  # type: ignore[arg-type]
+    place = {name: str(worst[name].item()) for name in ("pose", "wheelset", "wheel")}
+    return {
+        "extent": _extent(dataset),
+        "without_steady_motion": {str(name): str(message) for name, message in messages if message},
+        "Y_over_Q_max": {"value": worst.item(), **place},
     }
 
 

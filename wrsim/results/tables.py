@@ -13,14 +13,20 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.results.channels import CHANNELS, Channel
+from wrsim.results.channels import CHANNELS
 from wrsim.results.files import write_atomically
 from wrsim.results.result import Result
-from wrsim.results.stability import cycle_table, is_stability, mode_table
-from wrsim.results.steady import is_steady, steady_table
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 Row = list[str]
+
+MODES = ("pose_speed", "mode_branch", "mode_frequency", "mode_damping", "mode_growth", "mode_name")
+STEADY = (
+    "pose", "wheelset", "wheel", "pose_radius", "pose_cant", "pose_speed", "cant_deficiency", "unbalanced",
+    "lateral_shift", "yaw", "roll", "Y", "Q", "X", "Y_over_Q", "T_gamma", "n_patches",
+    "N", "contact_angle", "p0", "xi", "eta", "phi", "pose_message",
+)  # fmt: skip
+"""Columns of the table of steady motions; those of patches are of the one with the largest normal force."""
 
 BLOCK = 2000
 """Instants of a run that stand in memory as text at once."""
@@ -61,17 +67,17 @@ def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:
 
 def _each(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     """The tables one after the other; rows of runs are made while they are taken, as they outweigh the numbers."""
-    if is_stability(dataset):
-        yield "modes", mode_table(dataset)
+    if "mode" in dataset.dims:
+        yield "modes", _long(dataset, MODES, np.isfinite(dataset["mode_growth"].values), ("pose", "mode"))
         if "cycle" in dataset.dims:
-            yield "cycles", cycle_table(dataset)
+            yield "cycles", _wide(dataset, "cycle", ("wheelset",))
         return
-    if is_steady(dataset):
-        yield "steady", steady_table(dataset)
+    if "pose_radius" in dataset:
+        yield "steady", _steady_table(dataset)
         return
     names = wheelsets(dataset)
     if "time" in dataset.dims and (len(names) > 1 or {"body", "point", "suspension"} & set(dataset.dims)):
-        yield "vehicle", _in_blocks(vehicle_table, dataset)
+        yield "vehicle", _in_blocks(lambda part: _wide(part, "time", ("body", "point", "suspension")), dataset)
     for name in names:
         own = f"_{name}" if len(names) > 1 else ""
         yield from ((table + own, rows) for table, rows in _of_wheelset(of_wheelset(dataset, name)))
@@ -80,138 +86,104 @@ def _each(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
 def _of_wheelset(one: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     """The tables of one wheelset."""
     if "time" in one.dims:
-        yield "history", _in_blocks(history_table, one)
+        yield "history", _in_blocks(lambda part: _wide(part, "time", ("wheel",)), one)
     if any("patch" in variable.dims and "strip" not in variable.dims for variable in one.values()):
-        yield "patches", _in_blocks(patch_table, one)
+        yield "patches", _in_blocks(_patch_table, one)
     if "strip" in one.dims:
-        yield "strips", strip_table(one)
+        yield "strips", _strip_table(one)
     if "amplitude" in one.dims:
-        yield "conicity", conicity_table(one)
+        yield "conicity", _wide(one, "amplitude")
 
 
 def _in_blocks(table: Callable[[xr.Dataset], list[Row]], dataset: xr.Dataset) -> Iterator[Row]:
     """The rows of a table, those of a run some instants at a time."""
-    if "time" not in dataset.dims:
-        yield from table(dataset)
-        return
-    for begin in range(0, max(dataset.sizes["time"], 1), BLOCK):
-        rows = table(dataset.isel(time=slice(begin, begin + BLOCK)))
+    for begin in range(0, max(dataset.sizes.get("time", 0), 1), BLOCK):
+        rows = table(dataset.isel(time=slice(begin, begin + BLOCK), missing_dims="ignore"))
         yield from rows[1:] if begin else rows
 
 
-def vehicle_table(dataset: xr.Dataset) -> list[Row]:
-    """One row per instant: the vehicle's channels, those of its bodies as ``body_yaw_carbody_mrad`` and so on."""
-    headers, columns = ["time_s"], [_text(CHANNELS["time"], dataset["time"].values)]
-    for channel in _present(dataset, ("time",)):
-        headers.append(channel.column)
-        columns.append(_text(channel, dataset[channel.name].values))
-    for dim in ("body", "point", "suspension"):
-        for channel in _present(dataset, ("time", dim)):
-            for label in dataset[dim].values:
-                headers.append(f"{channel.name}_{label}_{channel.shown.suffix}".replace(" ", "_"))
-                columns.append(_text(channel, dataset[channel.name].sel({dim: label}).values))
-    return [headers, *(list(row) for row in zip(*columns, strict=True))]
-
-
-def conicity_table(dataset: xr.Dataset) -> list[Row]:
-    """One row per amplitude."""
-    channels = [CHANNELS["amplitude"], *_present(dataset, ("amplitude",))]
-    columns = [_text(channel, dataset[channel.name].values) for channel in channels]
-    return [[channel.column for channel in channels], *(list(row) for row in zip(*columns, strict=True))]
-
-
-def history_table(dataset: xr.Dataset) -> list[Row]:
-    """One row per instant: track and wheelset channels, then the wheels' channels as ``Y_left_kN``, ..."""
-    headers, columns = ["time_s"], [_text(CHANNELS["time"], dataset["time"].values)]
-    for channel in _present(dataset, ("time",)):
-        headers.append(channel.column)
-        columns.append(_text(channel, dataset[channel.name].values))
-    for channel in _present(dataset, ("time", "wheel")):
-        for wheel in dataset["wheel"].values:
-            suffix = f"_{channel.shown.suffix}" if channel.shown.suffix else ""
-            headers.append(f"{channel.name}_{wheel}{suffix}")
-            columns.append(_text(channel, dataset[channel.name].sel(wheel=wheel).values))
-    return [headers, *(list(row) for row in zip(*columns, strict=True))]
-
-
-def patch_table(dataset: xr.Dataset) -> list[Row]:
+def _patch_table(one: xr.Dataset) -> list[Row]:
     """One row per sample, wheel and patch in contact; every wheel keeps a row in static analyses."""
-    sample = "time" if "time" in dataset.dims else "pose"
-    channels = _present(dataset, (sample, "wheel", "patch"))
-    contact = _in_contact(dataset, sample)
+    sample = "time" if "time" in one.dims else "pose"
+    channels = _present(one, (sample, "wheel", "patch"))
+    contact = _chosen(one, channels)
     if sample == "pose":
         contact[:, :, 0] = True
-    if sample == "time":
-        context = [CHANNELS[n] for n in ("time", "distance") if n in dataset.coords]
-    else:
-        context = [CHANNELS["pose"], *_present(dataset, ("pose",)), *_present(dataset, ("pose", "wheel"))]
-    headers = [channel.column for channel in context]
-    where = headers.index("pose") + 1 if sample == "pose" else len(headers)
-    headers[where:where] = ["wheel", "patch"]
-    headers += [channel.column for channel in channels]
-    i, j, k = np.nonzero(contact)
-    cells = [_text(c, _at(dataset[c.name].values, i, j)) for c in context]
-    cells[where:where] = [
-        [str(w) for w in dataset["wheel"].values[j]],
-        [str(p) for p in dataset["patch"].values[k]],
-    ]
-    cells += [_text(c, dataset[c.name].values[i, j, k]) for c in channels]
-    return [headers, *(list(row) for row in zip(*cells, strict=True))]
+    context = ["distance"] if "distance" in one.coords else []
+    pose = [*_present(one, ("pose",)), *_present(one, ("pose", "wheel"))]
+    return _long(one, [sample, *context, "wheel", "patch", *pose, *channels], contact, (sample, "wheel", "patch"))
 
 
-def strip_table(dataset: xr.Dataset) -> list[Row]:
+def _strip_table(one: xr.Dataset) -> list[Row]:
     """One row per strip of every pose or snapshot."""
-    moment = "snapshot" if "snapshot" in dataset.dims else "pose"
+    moment = "snapshot" if "snapshot" in one.dims else "pose"
     dims = (moment, "wheel", "patch", "strip")
-    channels = _present(dataset, dims)
-    if not channels:
-        return [[moment, "wheel", "patch", "strip"]]
-    used = np.zeros(dataset[channels[0].name].shape, dtype=bool)
-    for channel in channels:
-        used |= np.isfinite(dataset[channel.name].values)
-    i, j, k, m = np.nonzero(used)
-    context = [CHANNELS[moment]]
-    if moment == "snapshot":
-        context += [CHANNELS[n] for n in ("snapshot_time", "snapshot_distance") if n in dataset]
-    headers = [c.column for c in context] + ["wheel", "patch", "strip"] + [c.column for c in channels]
-    cells = [_text(c, dataset[c.name].values[i]) for c in context]
-    cells += [
-        [str(w) for w in dataset["wheel"].values[j]],
-        [str(p) for p in dataset["patch"].values[k]],
-        [str(n) for n in m],
-    ]
-    cells += [_text(c, dataset[c.name].values[i, j, k, m]) for c in channels]
-    return [headers, *(list(row) for row in zip(*cells, strict=True))]
+    channels = _present(one, dims)
+    context = [name for name in ("snapshot_time", "snapshot_distance") if name in one]
+    return _long(one, [moment, *context, *dims[1:], *channels], _chosen(one, channels), dims)
 
 
-def _present(dataset: xr.Dataset, dims: tuple[str, ...]) -> list[Channel]:
+def _steady_table(dataset: xr.Dataset) -> list[Row]:
+    """One row per curve, wheelset and wheel; a curve without a steady motion keeps one row, with its message."""
+    solved = np.broadcast_to((dataset["pose_message"].values == "")[:, None, None], dataset["Y"].shape).copy()
+    failed = ~solved[:, 0, 0]
+    solved[failed, 0, 0] = True
+    table = _long(dataset.isel(patch=0), STEADY, solved, ("pose", "wheelset", "wheel"))
+    for row in table[1:]:
+        if row[-1]:
+            row[1:3], row[8:-1] = ["", ""], [""] * len(row[8:-1])
+    return table
+
+
+def _wide(dataset: xr.Dataset, dim: str, others: Iterable[str] = ()) -> list[Row]:
+    """One row per label of a dimension; channels with another dimension as well have a column for each of its labels,
+    such as ``Y_left_kN``."""
+    channels = [dim] if dim in CHANNELS else []
+    channels += _present(dataset, (dim,))
+    columns = [(CHANNELS[name].column, _text(name, dataset[name].values)) for name in channels]
+    for other in others:
+        for name in _present(dataset, (dim, other)):
+            for label in dataset[other].values:
+                words = [name, str(label), CHANNELS[name].shown.suffix]
+                header = "_".join(word for word in words if word).replace(" ", "_")
+                columns.append((header, _text(name, dataset[name].sel({other: label}).values)))
+    return _rows(columns)
+
+
+def _long(dataset: xr.Dataset, names: Iterable[str], chosen: NDArray[np.bool_], dims: tuple[str, ...]) -> list[Row]:
+    """One row per chosen place in these dimensions; a channel may have some of the dimensions only."""
+    at = dict(zip(dims, np.nonzero(chosen), strict=True))
+    columns = []
+    for name in names:
+        if name in CHANNELS:
+            values = dataset[name]
+            columns.append((CHANNELS[name].column, _text(name, values.values[tuple(at[str(d)] for d in values.dims)])))
+        else:
+            columns.append((name, [str(i) for i in at[name]]))
+    return _rows(columns)
+
+
+def _rows(columns: list[tuple[str, list[str]]]) -> list[Row]:
+    """Rows, the header first, from columns with their headers."""
+    return [[header for header, _ in columns], *(list(row) for row in zip(*(c for _, c in columns), strict=True))]
+
+
+def _present(dataset: xr.Dataset, dims: tuple[str, ...]) -> list[str]:
     """Channels of the dataset with exactly these dimensions, in the register's order; labels left out."""
-    return [
-        channel
-        for name, channel in CHANNELS.items()
-        if name in dataset.variables and dataset[name].dims == dims and name not in dataset.dims
-    ]
+    return [n for n in CHANNELS if n in dataset.variables and dataset[n].dims == dims and n not in dataset.dims]
 
 
-def _in_contact(dataset: xr.Dataset, sample: str) -> NDArray[np.bool_]:
-    """(sample, wheel, patch) true where some channel of the patch has a finite, non-zero value."""
-    contact = np.zeros(tuple(dataset.sizes[d] for d in (sample, "wheel", "patch")), dtype=bool)
-    for channel in _present(dataset, (sample, "wheel", "patch")):
-        values = dataset[channel.name].values
-        contact |= values > 0 if channel.kind == "count" else np.isfinite(values)
-    return contact
+def _chosen(dataset: xr.Dataset, channels: list[str]) -> NDArray[np.bool_]:
+    """True where one of these channels, alike in their dimensions, has a finite value, or a count above zero."""
+    arrays = ((CHANNELS[name].kind, dataset[name].values) for name in channels)
+    return np.any([values > 0 if kind == "count" else np.isfinite(values) for kind, values in arrays], axis=0)
 
 
-def _at(values: NDArray[Any], i: NDArray[Any], j: NDArray[Any]) -> NDArray[Any]:
-    """Values of a (sample,) or (sample, wheel) channel for every row."""
-    return values[i] if values.ndim == 1 else values[i, j]
-
-
-def _text(channel: Channel, values: NDArray[Any]) -> list[str]:
-    """Cells in the unit for readers, ten digits; empty for not-a-number."""
-    if channel.kind != "number":
+def _text(name: str, values: NDArray[Any]) -> list[str]:
+    """Cells of a channel in the unit for readers, ten digits; empty for not-a-number."""
+    if CHANNELS[name].kind != "number":
         return [str(v) for v in values]
-    return ["" if v != v else f"{v:.10g}" for v in (values * channel.shown.factor + 0.0).tolist()]
+    return ["" if v != v else f"{v:.10g}" for v in (values * CHANNELS[name].shown.factor + 0.0).tolist()]
 
 
 def _csv(rows: Iterable[Row]) -> bytes:
