@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -66,26 +67,9 @@ class Reading:
         return smoothed(self.points, self.name, self.kind, source, self.cutoff)
 
 
-def read_profile(
-    path: str | Path,
-    kind: Kind | None = None,
-    *,
-    format: str | None = None,
-    name: str | None = None,
-    source: str | None = None,
-    measured: bool | None = None,
-    cutoff: float | None = None,
-    unit: str | None = None,
-    heights: str | None = None,
-    field_side: str | None = None,
-    clip: tuple[float, float] | None = None,
-    turn: float = 0.0,
-) -> Profile:
-    """Read a file of points as a profile; parameters and errors as for `read_points`."""
-    return read_points(
-        path, kind, format=format, name=name, source=source, measured=measured, cutoff=cutoff, unit=unit,
-        heights=heights, field_side=field_side, clip=clip, turn=turn,
-    ).profile()  # fmt: skip
+def read_profile(path: str | Path, kind: Kind | None = None, **options: Any) -> Profile:
+    """Read a file of points as a profile; options and errors as for `read_points`."""
+    return read_points(path, kind, **options).profile()
 
 
 def read_points(

@@ -40,7 +40,6 @@ LINES = 16.0
 ERRI_CORNERS = (0.00028855, 0.6803895)
 """Wr^2 Wc^2 and Wr^2 + Wc^2 [pub]."""
 ERRI_CROSS = 0.4380
-ERRI_CUT = 0.8246
 ERRI = {"low": (1.440846e-7, 2.741619e-7), "high": (4.164787e-7, 7.343623e-7)}
 """b0 lateral and vertical [pub]."""
 FRA_CUT = 0.8245
