@@ -13,13 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from wrsim.analysis.contacts import contact_models
+from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.start import start_state
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.integrate import integrate
-from wrsim.simulation.system import RigidBody, System
-from wrsim.simulation.wheelset_law import WheelsetOnTrack
+from wrsim.simulation.system import System
 
 STEP = 5e-4
 STAGES = 4  # of RK44
@@ -33,11 +32,9 @@ def main() -> None:
     for strips, cells in ((40, 20), (25, 12)):
         scenario = load(file).with_values({"contact.strips": strips, "contact.cells": cells})
         setup = build(scenario)
-        law = WheelsetOnTrack(
-            setup.wheelset, setup.track, contact_models(setup), speed=setup.run.speed, start=setup.run.start
-        )
+        law = force_law(setup)
         q, q_t = start_state(setup, law)
-        system = System([RigidBody.of(setup.wheelset)], law)
+        system = System(law.bodies, law, law.dampers)
         integrate(system, q, q_t, duration=0.05, step=STEP)
         best = np.inf
         for _ in range(3):
@@ -48,7 +45,7 @@ def main() -> None:
             )
             best = min(best, time.process_time() - began)
         stage = 1e6 * best / (motion.end / STEP * STAGES)
-        out = np.zeros(6)
+        out = np.zeros(law.size)
         one = np.inf
         for i in range(0, len(motion.times), max(1, len(motion.times) // 40)):
             law.look_near(setup.run.start + setup.run.speed * motion.times[i])

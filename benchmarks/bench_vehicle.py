@@ -17,13 +17,14 @@ from pathlib import Path
 
 import numpy as np
 
-from wrsim.analysis.motion.vehicle_curving import run_vehicle_curving
-from wrsim.analysis.motion.vehicle_start import vehicle_law, vehicle_start
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.run import run_in_time
+from wrsim.analysis.motion.start import start_state
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.simulation.integrate import integrate
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import Array, ForceLaw, System
-from wrsim.simulation.vehicle_law import VehicleOnTrack
 
 SCENARIO = Path(__file__).parents[1] / "scenarios" / "manchester_r300.toml"
 STEPS_US = {"curve": (625, 500, 250), "uneven": (1000, 500, 250)}  # stable up to 0.7 ms at 60 km/h
@@ -57,7 +58,7 @@ def stage_time(setup: Setup, law: ForceLaw, vehicle: VehicleOnTrack, step: float
     system = System(vehicle.bodies, law, vehicle.dampers)
     for _ in range(REPETITIONS):
         vehicle.look_near(setup.run.start)
-        q, q_t = vehicle_start(setup, vehicle)
+        q, q_t = start_state(setup, vehicle)
         began = time.process_time()
         integrate(system, q, q_t, duration=duration, step=step, sample_interval=5e-3)
         best = min(best, (time.process_time() - began) / (duration / step * STAGES))
@@ -78,11 +79,11 @@ def call_time(call: Callable[[], object], repetitions: int = 2000) -> float:
 def split(case: str, strips: int, cells: int, step: float = 5e-4) -> None:
     """Print how fast a run is and the parts of a stage."""
     setup = setup_of(case, strips, cells, 100.0)
-    law = vehicle_law(setup)
+    law = force_law(setup)
     whole = stage_time(setup, law, law, step, setup.run.duration)
     empty = stage_time(setup, nothing, law, step, 0.5)
     law.look_near(setup.run.start)
-    q, q_t = vehicle_start(setup, law)
+    q, q_t = start_state(setup, law)
     out = np.zeros(law.size)
     bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start)
     suspension = call_time(lambda: bare(0.0, q, q_t, out))
@@ -99,7 +100,7 @@ def accuracy(case: str, strips: int, cells: int, length: float) -> None:
     for step in (*STEPS_US[case], REFERENCE_US):
         setup = setup_of(case, strips, cells, length)
         setup = replace(setup, run=replace(setup.run, step=1e-6 * step))
-        runs[step] = run_vehicle_curving(setup).dataset
+        runs[step] = run_in_time(setup).dataset
     truth = runs[REFERENCE_US]
     for step in STEPS_US[case]:
         count = min(runs[step].sizes["time"], truth.sizes["time"])

@@ -10,20 +10,20 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
 
-from wrsim.core.body.carrier import carrier_forces
-from wrsim.core.body.kinematics import generalised_forces, kinematics
-from wrsim.core.track.path import frame, locate
+from wrsim.core.body.vehicle_forces import vehicle_forces
 from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import Track
-from wrsim.simulation.carrier import carrier_parameters
 from wrsim.simulation.integrate import integrate
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import place_on_track
-from wrsim.simulation.system import RigidBody, System
-from wrsim.vehicle.wheelset import Suspension, Wheel, Wheelset
+from wrsim.simulation.system import System
+from wrsim.vehicle.vehicle import Load, single_wheelset
+from wrsim.vehicle.wheelset import Wheel, Wheelset
 
 STEPS, STEP, REPEATS = 10_000, 5e-4, 7
 
@@ -35,22 +35,11 @@ def nothing(t, q, q_t, out):
 
 
 @njit(cache=True)
-def without_rails(t, q, q_t, path, step, parameters, memory, out):
-    """All forces but those of the rails."""
-    body = kinematics(q, q_t)
-    s, status = locate(path, step, body[0], body[1], body[2], memory[0])
-    memory[0] = s
-    f = carrier_forces(t, body, frame(path, step, s), path, step, parameters)
-    generalised_forces(body, (f[0], f[1], f[2]), (f[3], f[4], f[5]), out)
-    return status
-
-
-@njit(cache=True)
-def loop(n, t, q, q_t, path, step, parameters, memory, out):
+def loop(n, q, q_t, out, buffer, index):
     """n evaluations without Python in between."""
     total = 0.0
     for _ in range(n):
-        without_rails(t, q, q_t, path, step, parameters, memory, out)
+        vehicle_forces(0.0, q, q_t, out, buffer, index)
         total += out[2]
     return total
 
@@ -69,49 +58,36 @@ def least(function: Callable[[], object]) -> float:
 def main() -> None:
     """Measure and print."""
     wheel = Wheel(profile=None, radius=0.46)  # type: ignore[arg-type]
-    wheelset = Wheelset(
-        "floor",
-        1813.0,
-        (1120.0, 112.0, 1120.0),
-        1.5,
-        wheel,
-        wheel,
-        Suspension((1e6, 1e6, 1e6), (1e4, 1e4, 1e4), 1.0),
-        # no rails: a force that carries the weight
-        constant_force=(0.0, 0.0, 1813.0 * 9.80665),
-    )
+    wheelset = Wheelset("floor", 1813.0, (1120.0, 112.0, 1120.0), 1.5, wheel, wheel)
+    vehicle = single_wheelset(wheelset, stiffness=(1e6, 1e6, 1e6), damping=(1e4, 1e4, 1e4), carried_mass=1.0)
+    # no rails: a force that carries the weight
+    lift = Load("lift", "wheelset", (0.0, 0.0, vehicle.weight), (0.0, 0.0, wheelset.mean_radius))
     track = Track.build([Arc(400.0, 300.0, cant=0.1)])
-    path, path_step = track.centre.table, track.centre.step
+    guided = VehicleOnTrack(replace(vehicle, loads=(lift,)), track, (), speed=15.0, start=10.0)
     q, q_t = place_on_track(track.centre, 10.0, speed=15.0, height=0.46, spin_rate=32.0)
-    parameters = carrier_parameters(wheelset, speed=15.0, start=10.0)
-    memory = np.array([10.0])
-    body = RigidBody.of(wheelset)
     out = np.zeros(6)
 
     def solve(law: Callable[..., object]) -> float:
-        system = System([body], law)
+        system = System(guided.bodies, law)
         return least(lambda: system.solve(q, q_t, 0.0, STEP, STEPS, lambda t: True)) / STEPS
 
     def run(law: Callable[..., object], **keys: float) -> float:
-        system = System([body], law)
+        system = System(guided.bodies, law)
         return least(lambda: integrate(system, q, q_t, duration=STEPS * STEP, step=STEP, **keys)) / STEPS
 
     def python_law(t: float, q: object, q_t: object, out: object) -> None:
         pass
 
-    def carried(t: float, q: object, q_t: object, out: object) -> None:
-        without_rails(t, q, q_t, path, path_step, parameters, memory, out)
-
     def evaluations() -> None:
-        loop(STEPS, 0.0, q, q_t, path, path_step, parameters, memory, out)
+        loop(STEPS, q, q_t, out, guided.arena.buffer, guided.arena.index)
 
     bare = 4 * least(evaluations) / STEPS
     rows = [
         ("Exudyn with an empty Python law", solve(python_law)),
         ("... the law an empty compiled function", solve(nothing)),
-        ("... kinematics, track, suspension, sprung mass", solve(carried)),
-        ("... finite check and a sample every 10th step", run(carried, sample_interval=10 * STEP)),
-        ("... a sample every step", run(carried)),
+        ("... kinematics, track, suspension, carried mass", solve(guided)),
+        ("... finite check and a sample every 10th step", run(guided, sample_interval=10 * STEP)),
+        ("... a sample every step", run(guided)),
     ]
     floor = rows[0][1]
     print(f"{'us a step':>10} {'us an evaluation':>17} {'ratio':>6}")

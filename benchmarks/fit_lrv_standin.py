@@ -147,8 +147,8 @@ def wheel(keys: dict[str, Any]) -> Profile:
 
 def numbers(setup: Setup, keys: dict[str, Any]) -> Array:
     """Width over strip width, p0 [MPa] and angle variation [deg] of the four cases (4, 3)."""
-    wheelset = with_wheel(setup.wheelset, "left", wheel(keys), None)
-    dataset = run_static(replace(setup, wheelset=wheelset)).wheelset()
+    vehicle = setup.vehicle.with_wheelsets(lambda wheelset: with_wheel(wheelset, "left", wheel(keys), None))
+    dataset = run_static(replace(setup, vehicle=vehicle)).wheelset()
     table = ours(dataset)
     assert setup.contact.strip_width is not None
     # not the whole number of strips: a fit needs something smooth

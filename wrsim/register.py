@@ -59,8 +59,8 @@ _ASSESSED = {
 _CURVING = Analysis(
     name="curving",
     tables=_RUN | _ASSESSED,
-    run="wrsim.analysis.motion.curving:run_curving",
-    recorded="wrsim.analysis.motion.curving:recorded_curving",
+    run="wrsim.analysis.motion.run:run_in_time",
+    recorded="wrsim.analysis.motion.run:recorded_run",
     compared=True,
 )
 

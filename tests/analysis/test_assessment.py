@@ -23,7 +23,7 @@ from wrsim.results import Result
 from wrsim.results.assessment import Assessment
 from wrsim.scenario.sections.assessment import AssessmentSettings
 from wrsim.vehicle.levels import bogie_mass, level_of
-from wrsim.vehicle.vehicle_files import load_whole_vehicle
+from wrsim.vehicle.vehicle_files import load_vehicle
 
 RATE = 500.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)
@@ -246,7 +246,7 @@ def test_accelerations_of_a_car_body_and_of_a_bogie_frame():
 
 
 def test_bodies_of_the_manchester_vehicle_are_told_apart():
-    vehicle = load_whole_vehicle(shipped_models() / "vehicles/manchester_1.toml", Finder((shipped_models(),)))
+    vehicle = load_vehicle(shipped_models() / "vehicles/manchester_1.toml", Finder((shipped_models(),)))
     assert level_of(vehicle, "carbody") == "car body"
     assert level_of(vehicle, "front.frame") == level_of(vehicle, "rear.frame") == "bogie frame"
     assert level_of(vehicle, vehicle.wheelsets[0].name) == "wheelset"

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 from support.runs import LEADING, STEERING, arc, setup_of, straight, transition
 
-from wrsim.analysis.motion.curving import run_curving
+from wrsim.analysis.motion.run import run_in_time
 from wrsim.scenario.build import Setup
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
@@ -39,7 +39,7 @@ class Curve:
     @property
     def masses(self) -> tuple[float, float]:
         """Of the wheelset and of what it carries [kg]."""
-        return self.setup.wheelset.mass, self.setup.wheelset.sprung.mass
+        return self.setup.wheelset.mass, self.setup.vehicle.carried[0].mass
 
     @property
     def cant_angle(self) -> float:
@@ -63,6 +63,11 @@ class Curve:
         """Of the wheelset, outward [m]."""
         return -float(self.sample["lateral_shift"])
 
+    @property
+    def held(self) -> float:
+        """What the guide frame takes of the lateral force, inward [N]."""
+        return float(self.sample["guide_force_y"])
+
     def both(self, name: str) -> np.ndarray:
         """A channel of the inner and the outer wheel."""
         return self.sample[name].values
@@ -72,10 +77,10 @@ class Curve:
 def steady(vehicle: str, radius: float, cant_mm: float, speed: float) -> Curve:
     """A moment in a full curve."""
     setup = setup_of([arc(30.0, radius, cant_mm)], speed, vehicle, start=10.0, values={"run.distance_m": 0.5})
-    dataset = run_curving(setup).wheelset().isel(time=0, snapshot=0)
+    dataset = run_in_time(setup).wheelset().isel(time=0, snapshot=0)
     if radius < 0.0:
         dataset = dataset.isel(wheel=[1, 0])
-        for name in ("lateral_shift", "yaw", "roll", "y_contact"):
+        for name in ("lateral_shift", "yaw", "roll", "y_contact", "guide_force_y"):
             dataset[name] = -dataset[name]
     strips = dataset[[name for name in dataset if str(name).startswith("strip_")]]
     return Curve(setup, speed, 1.0 / abs(radius), dataset, strips)
@@ -92,9 +97,8 @@ def test_the_wheels_carry_weight_and_centrifugal_force(case):
 def test_the_wheels_guide_what_the_cant_leaves_over(case):
     curve = steady(*case)
     inner, outer = curve.both("Y")
-    held = 2.0 * curve.setup.wheelset.suspension.stiffness[1] * curve.shift
     weight = sum(curve.masses) * STANDARD_GRAVITY
-    assert outer - inner == pytest.approx(sum(curve.masses) * curve.outward - held, abs=1e-5 * weight)
+    assert outer - inner == pytest.approx(sum(curve.masses) * curve.outward - curve.held, abs=1e-5 * weight)
 
 
 def overturning(curve: Curve) -> float:
@@ -104,14 +108,23 @@ def overturning(curve: Curve) -> float:
     and the weight at the shifted centre of mass.
     """
     wheelset = curve.setup.wheelset
-    radius, height = wheelset.mean_radius, wheelset.sprung.height
+    radius, height = wheelset.mean_radius, curve.setup.vehicle.carried[0].height
     mass, sprung = curve.masses
     return (
         (mass * radius + sprung * (radius + height)) * curve.outward
-        - 2.0 * wheelset.suspension.stiffness[1] * curve.shift * radius
+        - curve.held * radius
         + wheelset.inertia[1] * curve.speed**2 * curve.curvature / radius
         + (mass + sprung) * curve.down * curve.shift
     )
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_guide_frame_holds_by_its_springs(case):
+    curve = steady(*case)
+    stiffness = 2.0 * curve.setup.vehicle.elements[0].stiffness[1]
+    # in a bogie the springs along the axle turn with it: what holds it forward holds it sideways as well
+    across = np.sin(curve.setup.vehicle.guide_ahead * curve.curvature) * float(curve.sample["guide_force_x"])
+    assert curve.held == pytest.approx(stiffness * curve.shift - across, rel=1e-3)
 
 
 @pytest.mark.parametrize("case", [DEFICIENCY, BALANCED, EXCESS, RIGHT])
@@ -178,7 +191,7 @@ def test_curves_of_either_hand_are_alike():
 def test_a_run_through_a_transition_ends_in_the_steady_motion_found_directly():
     vehicle, radius, cant, speed = DEFICIENCY
     setup = setup_of([straight(3.0), transition(20.0), arc(40.0, radius, cant)], speed, vehicle)
-    there = run_curving(setup).wheelset().isel(time=-3)
+    there = run_in_time(setup).wheelset().isel(time=-3)
     curve = steady(*DEFICIENCY)
     for name in ("lateral_shift", "roll", "Q", "Y", "spin_rate"):
         found = there[name].values

@@ -38,7 +38,7 @@ def resting(**values):
 )
 def test_a_resting_wheelset_stands_in_the_middle_on_even_wheels(keys):
     setup, rest = resting(**keys)
-    half = 0.5 * (BARE + setup.wheelset.sprung.mass) * STANDARD_GRAVITY
+    half = 0.5 * (BARE + sum(c.mass for c in setup.vehicle.carried)) * STANDARD_GRAVITY
     assert rest.Q.values == pytest.approx([half, half], rel=1e-6)
     assert abs(rest.lateral_shift.item()) < 1e-9
     assert abs(rest.yaw.item()) < 1e-9
@@ -53,7 +53,7 @@ def test_a_resting_wheelset_stands_in_the_middle_on_even_wheels(keys):
 def test_the_axle_load_is_that_of_the_file():
     setup, rest = resting()
     assert rest.Q.values.sum() == pytest.approx((1813.0 + 9307.5) * STANDARD_GRAVITY, rel=1e-6)
-    assert setup.wheelset.static_axle_load == pytest.approx(rest.Q.values.sum(), rel=1e-6)
+    assert setup.vehicle.weight == pytest.approx(rest.Q.values.sum(), rel=1e-6)
     # S1002 on 60E1 1:40, centred: contact 3 mm outside of the tape circle (CONTACT says the same to 1 mm)
     assert rest.u_wheel.values[:, 0] == pytest.approx([3.2e-3, 3.2e-3], abs=1e-3)
     assert rest.p0.values[:, 0] == pytest.approx([510e6, 510e6], rel=0.03)
@@ -66,13 +66,13 @@ def test_a_wheelset_that_rests_in_a_canted_curve_leans_to_the_inner_rail(radius,
     segment = {"kind": "arc", "radius_m": radius, "length_m": 50.0, "cant_mm": cant, "gauge_widening_mm": widening}
     keys = {"track__segments": [segment], "run__start_distance_m": 20.0}
     setup, rest = resting(vehicle__model="vehicles/wheelset_s1002_steering.toml", **keys)
-    weight = setup.wheelset.static_axle_load
+    weight = setup.vehicle.weight
     angle = np.arcsin(1e-3 * cant / setup.track.cant_base)
     inner, outer = ("left", "right") if radius > 0.0 else ("right", "left")
     inward = np.sign(radius) * rest.lateral_shift.item()
     assert inward > 1e-3
     assert rest.Q.values.sum() == pytest.approx(weight * np.cos(angle), rel=1e-6)
     assert rest.Q.sel(wheel=inner).item() > rest.Q.sel(wheel=outer).item()
-    held = 2.0 * setup.wheelset.suspension.stiffness[1] * inward
+    held = 2.0 * setup.vehicle.elements[0].stiffness[1] * inward
     guided = rest.Y.sel(wheel=inner).item() - rest.Y.sel(wheel=outer).item()
     assert guided == pytest.approx(weight * np.sin(angle) - held, rel=1e-5)

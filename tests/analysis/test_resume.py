@@ -18,8 +18,8 @@ import pytest
 from support.runs import SCENARIOS, straight
 from typer.testing import CliRunner
 
-import wrsim.analysis.motion.curving as curving
 import wrsim.analysis.motion.keeping as keeping
+import wrsim.analysis.motion.run as run_module
 from wrsim.analysis import recorded, run
 from wrsim.cli import app
 from wrsim.errors import InputError, WrsimError
@@ -324,7 +324,7 @@ def test_ctrl_c_while_the_result_is_put_together_loses_nothing(whole, tmp_path, 
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(curving, "result_of", interrupted)
+        patch.setattr(run_module, "result_of", interrupted)
         done = command("run", whole / "short.toml", "-o", out, "-q", "--no-pictures")
     assert done.exit_code == 130
     assert f"interrupted; the run is safe in {out / 'result.nc.part'}: go on with --resume" in done.stderr
@@ -369,7 +369,7 @@ def test_another_scenario_or_a_changed_model_does_not_go_on(whole, tmp_path, mon
     file.write_text(base.with_values({"track.rail": "rail.toml"}).text)
     out = tmp_path / "out"
     with monkeypatch.context() as patch:
-        patch.setattr(curving, "result_of", lambda *a: (_ for _ in ()).throw(KeyboardInterrupt))
+        patch.setattr(run_module, "result_of", lambda *a: (_ for _ in ()).throw(KeyboardInterrupt))
         assert command("run", file, "-o", out, "-q").exit_code == 130
     arguments = ("-o", out, "-q", "--no-pictures", "--resume")
     faster = tmp_path / "faster.toml"
@@ -395,7 +395,7 @@ def test_another_scenario_or_a_changed_model_does_not_go_on(whole, tmp_path, mon
 def test_other_code_does_not_go_on_but_can_be_shown(whole, tmp_path, monkeypatch):
     out = tmp_path / "out"
     with monkeypatch.context() as patch:
-        patch.setattr(curving, "result_of", lambda *a: (_ for _ in ()).throw(KeyboardInterrupt))
+        patch.setattr(run_module, "result_of", lambda *a: (_ for _ in ()).throw(KeyboardInterrupt))
         assert command("run", whole / "short.toml", "-o", out, "-q").exit_code == 130
     monkeypatch.setattr(keeping, "code_digest", lambda: "tomorrow's")
     monkeypatch.setattr(keeping, "numbers_digest", lambda setup: "other numbers from the same files")

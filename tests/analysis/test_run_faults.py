@@ -16,14 +16,15 @@ from support.runs import LEADING, SCENARIOS, STEERING, arc, ride, setup_of, stra
 from typer.testing import CliRunner
 
 from wrsim.analysis import run
-from wrsim.analysis.motion.curving import run_curving
-from wrsim.analysis.motion.derailment import LIFT_DISTANCE, LIFT_TIME, DerailmentWatch, flange_tip, gauge_face
+from wrsim.analysis.motion.derailment import flange_tip, gauge_face
+from wrsim.analysis.motion.monitor import LIFT_DISTANCE, LIFT_TIME, Monitor
+from wrsim.analysis.motion.run import run_in_time
 from wrsim.cli import app
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import Result
 from wrsim.scenario.build import Setup
 from wrsim.scenario.loading import load
-from wrsim.simulation.wheelset_law import WheelsetOnTrack
+from wrsim.simulation.law import VehicleOnTrack
 
 CLIMB: dict[str, Any] = {
     # a leading axle on dry, sanded rails in a 100 m curve: the flange climbs
@@ -69,7 +70,7 @@ def setup(keys: dict[str, Any], **more: Any) -> Setup:
 @cache
 def derailed(name: str) -> Result:
     """The run of a case."""
-    return run_curving(setup(CASES[name]))
+    return run_in_time(setup(CASES[name]))
 
 
 # --- derailment -------------------------------------------------------------------------------------------
@@ -100,13 +101,13 @@ def test_the_flange_climbs_with_the_wheel_before_it_counts_as_derailed():
 
 
 def test_a_derailment_in_a_right_curve_is_the_mirror_image():
-    result = run_curving(setup(mirror_image(CLIMB)))
+    result = run_in_time(setup(mirror_image(CLIMB)))
     reason = derailed("climb").stop_reason
     assert result.stop_reason == reason.replace("right", "left")
 
 
 def test_a_derailment_is_noticed_no_matter_how_seldom_samples_are_kept():
-    seldom = run_curving(setup(CLIMB, **{"run.output_interval_ms": 5000.0}))
+    seldom = run_in_time(setup(CLIMB, **{"run.output_interval_ms": 5000.0}))
     assert seldom.stop_reason == derailed("climb").stop_reason
     assert seldom.dataset.sizes["time"] == 2  # start and end
 
@@ -132,14 +133,14 @@ def fast_ride(speed: float):
     """A wheelset on straight track, its watch, and its state at rest on the rails."""
     straight_run = setup_of([straight(100.0)], speed, STEERING)
     going = ride(straight_run)
-    found = going.steady(("z", "roll", "spin_rate"))
+    found = going.steady(("z", "roll", "spin"))
     return straight_run, going, found
 
 
 def watched(speed: float, lift: float, seconds: float) -> str | None:
     """What the watch says to a wheelset held ``lift`` above its rails for some time at a speed."""
-    straight_run, going, found = fast_ride(speed)
-    watch = DerailmentWatch(straight_run, going.law)
+    _, going, found = fast_ride(speed)
+    watch = Monitor(going.law, speed)
     answer = None
     for t in np.arange(0.0, seconds, watch.interval):
         q = found.q.copy()
@@ -160,16 +161,16 @@ def test_a_hop_is_no_derailment_however_fast_nor_a_slow_creep_in_the_air_however
 
 def test_the_watch_looks_at_least_every_quarter_of_a_metre():
     for speed in (1.0, 20.0, 100.0):
-        straight_run, going, _ = fast_ride(speed)
-        assert DerailmentWatch(straight_run, going.law).interval * speed <= 0.25
-        assert DerailmentWatch(straight_run, going.law).interval <= 5e-3
+        _, going, _ = fast_ride(speed)
+        assert Monitor(going.law, speed).interval * speed <= 0.25
+        assert Monitor(going.law, speed).interval <= 5e-3
 
 
 def test_wheels_deep_in_their_rails_are_a_lost_solution():
-    straight_run, going, found = fast_ride(20.0)
+    _, going, found = fast_ride(20.0)
     q = found.q.copy()
     q[0] -= 4e-3
-    answer = DerailmentWatch(straight_run, going.law)(1.0, q, found.q_t)
+    answer = Monitor(going.law, 20.0)(1.0, q, found.q_t)
     assert answer is not None
     assert answer.startswith("the contact solution is lost: the ")
     assert "overlap by 4" in answer
@@ -178,7 +179,7 @@ def test_wheels_deep_in_their_rails_are_a_lost_solution():
 
 def test_flange_tips_and_gauge_faces_are_where_the_standards_have_them():
     _, going, _ = fast_ride(20.0)
-    wheel = going.law.wheels[0].model
+    wheel = going.law.wheels[0][0].model
     tip = flange_tip(wheel.wheel)
     assert tip is not None
     assert tip == pytest.approx((-55e-3, -28e-3), abs=2e-3)  # S1002: flange 28 mm high
@@ -192,7 +193,7 @@ def test_flange_tips_and_gauge_faces_are_where_the_standards_have_them():
 
 def law_that(monkeypatch, does) -> None:
     """From 0.3 s on the force law does something else."""
-    true = WheelsetOnTrack.__call__
+    true = VehicleOnTrack.__call__
 
     def call(self, t, q, q_t, out):
         status = true(self, t, q, q_t, out)
@@ -200,7 +201,7 @@ def law_that(monkeypatch, does) -> None:
             does(out)
         return status
 
-    monkeypatch.setattr(WheelsetOnTrack, "__call__", call)
+    monkeypatch.setattr(VehicleOnTrack, "__call__", call)
 
 
 def short() -> Setup:
@@ -210,7 +211,7 @@ def short() -> Setup:
 
 def test_not_a_number_in_the_law_stops_the_run_and_is_named(monkeypatch, tmp_path):
     law_that(monkeypatch, lambda out: out.__setitem__(4, np.nan))
-    result = run_curving(short())
+    result = run_in_time(short())
     assert (result.status, result.dataset.attrs["stop_cause"]) == ("stopped", "not-finite")
     assert result.stop_reason == "the force along roll is not a number at t = 0.3 s"
     assert result.dataset["time"].values[-1] == pytest.approx(0.2995, abs=1e-3)
@@ -223,7 +224,7 @@ def test_a_lost_solution_stops_the_run_in_good_order(monkeypatch, tmp_path):
         raise SimulationError("the solution is lost at t = 0.3 s")
 
     law_that(monkeypatch, fail)
-    result = run_curving(short())
+    result = run_in_time(short())
     assert (result.status, result.dataset.attrs["stop_cause"]) == ("stopped", "forces")
     assert result.stop_reason == "the solution is lost at t = 0.3 s"
     assert 0.29 < result.dataset["time"].values[-1] < 0.3  # the state at which the law fails is left out
@@ -232,7 +233,7 @@ def test_a_lost_solution_stops_the_run_in_good_order(monkeypatch, tmp_path):
 
 def test_a_step_beyond_the_stability_limit_is_refused():
     with pytest.raises(InputError, match=r"run\.step_us = 1000: must be at most 4\d\d, where the integration becomes"):
-        run_curving(setup_of([straight(10.0)], 10.0, STEERING, values={"run.step_us": 1000}))
+        run_in_time(setup_of([straight(10.0)], 10.0, STEERING, values={"run.step_us": 1000}))
 
 
 def test_the_complaint_about_a_long_step_names_file_and_line(tmp_path):
@@ -247,22 +248,22 @@ def test_a_curve_that_nobody_can_start_in_is_told_with_its_place():
     with pytest.raises(
         SimulationError, match=r"no steady motion to start from at 3 m and 79\.2 km/h in a curve of 60 m"
     ):
-        run_curving(setup_of([arc(30.0, 60.0)], 22.0, STEERING, start=3.0))
+        run_in_time(setup_of([arc(30.0, 60.0)], 22.0, STEERING, start=3.0))
 
 
 # --- from outside -----------------------------------------------------------------------------------------------
 
 LONG_RUN = """
 import sys
-from wrsim.analysis.motion.derailment import DerailmentWatch
+from wrsim.analysis.motion.monitor import Monitor
 from wrsim.cli import main
-look = DerailmentWatch.__call__
+look = Monitor.__call__
 def looking(self, t, q, q_t):
     if t > 0.1 and not hasattr(self, "told"):
         self.told = True
         print("running", flush=True)
     return look(self, t, q, q_t)
-DerailmentWatch.__call__ = looking
+Monitor.__call__ = looking
 sys.argv[0] = "wrsim"
 main()
 """

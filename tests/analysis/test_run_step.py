@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from support.runs import LEADING, STEERING, arc, setup_of, straight, transition
 
-from wrsim.analysis.motion.curving import run_curving
+from wrsim.analysis.motion.run import run_in_time
 
 STIFF = "vehicles/wheelset_s1002.toml"
 
@@ -13,10 +13,10 @@ STIFF = "vehicles/wheelset_s1002.toml"
 def both_steps(segments, speed, vehicle, interval_ms) -> tuple[xr.Dataset, xr.Dataset, float]:
     """The run with the step that it chooses and with half of it; the chosen step [s]."""
     values = {"run.output_interval_ms": interval_ms}
-    chosen = run_curving(setup_of(segments, speed, vehicle, values=values)).wheelset()
+    chosen = run_in_time(setup_of(segments, speed, vehicle, values=values)).wheelset()
     step = chosen.attrs["step_s"]
     values["run.step_us"] = round(0.5e6 * step)
-    half = run_curving(setup_of(segments, speed, vehicle, values=values)).wheelset()
+    half = run_in_time(setup_of(segments, speed, vehicle, values=values)).wheelset()
     for dataset in (chosen, half):
         assert dataset.attrs["status"] == "completed"
         for name in ("Y", "Q", "lateral_shift", "yaw", "roll", "spin_rate", "T_gamma"):
@@ -65,13 +65,13 @@ def test_runs_of_any_speed_are_finite_and_agree_with_half_their_step(speed, way,
 
 def test_samples_are_never_farther_apart_than_asked_for():
     often = setup_of([straight(4.0)], 20.0, STEERING, values={"run.output_interval_ms": 0.3})
-    dataset = run_curving(often).wheelset()
+    dataset = run_in_time(often).wheelset()
     assert dataset.attrs["step_s"] == pytest.approx(0.25e-3)
     assert np.diff(dataset["time"].values).max() < 0.3e-3
 
 
 def test_a_run_ends_where_its_track_ends():
-    dataset = run_curving(setup_of([straight(3.0), arc(5.0, 500.0)], 13.0, STEERING)).wheelset()
+    dataset = run_in_time(setup_of([straight(3.0), arc(5.0, 500.0)], 13.0, STEERING)).wheelset()
     assert 8.0 - 13.0 * dataset.attrs["step_s"] < dataset["distance"].values[-1] < 8.0 + 1e-3
     # beyond it the track would go straight on, and the centrifugal force would be gone
     assert dataset["Q"].values[-1] == pytest.approx(dataset["Q"].values[-2], rel=1e-3)

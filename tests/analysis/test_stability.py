@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset, straight
+from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 from support.runs import SCENARIOS
 
 from wrsim.analysis import run
@@ -19,11 +19,10 @@ from wrsim.results import Result
 from wrsim.results.tables import tables
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
-from wrsim.simulation.equilibrium import find_equilibrium
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.step import SAFETY, stable_step
-from wrsim.simulation.system import RigidBody, System
+from wrsim.simulation.system import System
 
 
 def cooperrider(**values) -> Scenario:
@@ -66,11 +65,9 @@ def test_the_same_mode_is_followed_from_speed_to_speed():
 def test_eigenvalues_of_the_three_dimensional_example_are_its_growth_rates(speed, growth, frequency):
     """Of the same wheelset test_wheelset_dynamics measures these rates in time, to 0.7 %."""
     vehicle, law = example_wheelset(), KnifeEdge()
-    forces = KnifeEdgeForces(vehicle, speed, straight(), 1000.0, law, 0.0)
-    q = np.array([law.radius - law.approach(50e3), 0.0, 0.0, 0.0, 0.0, 0.0])
-    q_t = np.array([0.0, speed, 0.0, 0.0, 0.0, speed / law.radius])
-    rest = find_equilibrium(forces, q, q_t, ("z",), weight=100e3)
-    values = np.linalg.eigvals(linearise(forces, [RigidBody.of(vehicle)], rest.q, rest.q_t).state_matrix)
+    forces = KnifeEdgeForces(vehicle, speed, law=law)
+    rest = forces.rolling({"z": law.radius - law.approach(50e3)}, ("z",))
+    values = np.linalg.eigvals(linearise(forces, forces.bodies, rest.q, rest.q_t).state_matrix)
     hunting = values[np.argmin(np.abs(values - 1j * frequency))]
     # three digits of the reference; together with the test in time the two ways agree within 2 %
     assert hunting.real == pytest.approx(growth, rel=0.01)

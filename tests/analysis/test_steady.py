@@ -10,7 +10,7 @@ import pytest
 from support.runs import SCENARIOS
 
 from wrsim.analysis import run
-from wrsim.analysis.motion.vehicle_start import vehicle_law
+from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.steady.steady import BALANCED, steady_in_curve
 from wrsim.cli.showing import print_peaks
 from wrsim.errors import InputError
@@ -59,7 +59,7 @@ def test_steady_motion_is_where_a_long_time_integration_ends():
     # on a longer arc, disturbed, and left to itself for several swings of the car body
     start = found.law.start
     track = setup.track.relaid([Arc(260.0, 450.0, 0.1)])
-    law = vehicle_law(replace(setup, track=track, run=replace(setup.run, start=start, speed=found.law.speed)))
+    law = force_law(replace(setup, track=track, run=replace(setup.run, start=start, speed=found.law.speed)))
     q = found.q.copy()
     q[2 : 6 * len(law.bodies) : 6] += 1e-3
     motion = integrate(System(law.bodies, law, law.dampers), q, found.q_t, duration=6.0, step=1e-3, sample_interval=0.5)

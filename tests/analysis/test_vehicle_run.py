@@ -7,8 +7,9 @@ import pytest
 from support.vehicles import ROOT, SHORT, into_the_curve, manchester
 
 from wrsim.analysis import run
-from wrsim.analysis.motion.vehicle_run_in import run_in
-from wrsim.analysis.motion.vehicle_start import vehicle_law, vehicle_start
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.run_in import run_in
+from wrsim.analysis.motion.start import start_state
 from wrsim.core.contact.layout import FORCE_B, FORCE_O
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result
@@ -16,7 +17,7 @@ from wrsim.results.tables import tables
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.placement import poses_on_track
-from wrsim.simulation.vehicle_state import steady_state
+from wrsim.simulation.state import steady_state
 
 
 def test_every_wheelset_of_the_result_can_be_taken_out() -> None:
@@ -94,7 +95,7 @@ def test_steady_motion_in_a_curve_is_where_a_long_run_into_it_ends() -> None:
     curve = {"kind": "arc", "radius_m": 1500.0, "length_m": 200.0, "cant_mm": 60.0}
     keys = {"track.segments": [curve], "vehicle.speed_kmh": 110.0, "run.start_distance_m": 100.0}
     setup = build(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | keys))
-    law = vehicle_law(setup)
+    law = force_law(setup)
     out = np.zeros(law.size)
 
     def numbers(q: np.ndarray, q_t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -105,9 +106,9 @@ def test_steady_motion_in_a_curve_is_where_a_long_run_into_it_ends() -> None:
         poses = [poses_on_track(law.track.centre, q[None, o], q_t[None, o], 100.0) for o in own]
         return totals, np.array([[p.lateral[0], p.yaw[0]] for p in poses])
 
-    found = steady_state(law, 100.0)
+    found = steady_state(law)
     forces, places = numbers(found.q, found.q_t)
-    reached = run_in(setup, lambda there: vehicle_law(there, law.speed, "train"), vehicle_start)
+    reached = run_in(setup, start_state)
     forces_reached, places_reached = numbers(*reached)
     assert np.abs(forces[..., 1] / forces_reached[..., 1] - 1.0).max() < 0.01  # Q
     assert np.abs(forces - forces_reached)[..., 0].max() < 0.01 * np.abs(forces[..., 0]).max()  # Y

@@ -7,18 +7,17 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support.knife_edge import example_wheelset
+from support.knife_edge import bare_wheelset
 
-from wrsim.core.body import carrier
 from wrsim.core.body import kinematics as wheelset
 from wrsim.core.track import path
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.geometry.track.track import Track
-from wrsim.simulation.carrier import carrier_parameters
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import place_on_track, poses_on_track
 from wrsim.simulation.system import RigidBody, System
-from wrsim.vehicle.wheelset import SprungMass, Suspension
+from wrsim.vehicle.vehicle import single_wheelset
 
 TO_GLOBAL = [1, 2, 0]  # Exudyn's axes are (z, x, y)
 
@@ -124,27 +123,28 @@ def test_a_state_far_from_the_track_has_no_pose(curve):
         poses_on_track(curve.centre, np.full((1, 6), np.nan), np.zeros((1, 6)))
 
 
-def carried(vehicle, track, distance, speed, q, q_t, t=0.0):
-    """Force and moment of the carrier on a state, in track axes (t, n, b)."""
-    parameters = carrier_parameters(vehicle, speed=speed, start=distance)
+def pushed(vehicle, track, distance, speed, q, q_t):
+    """Force and moment on a wheelset without rails, in track axes (t, n, b)."""
+    law = VehicleOnTrack(vehicle, track, (), speed=speed, start=distance)
+    out = np.zeros(6)
+    law(0.0, q, q_t, out)
     body = wheelset.kinematics(q, q_t)
     s, _ = path.locate(track.centre.table, track.centre.step, *body[:3], distance)
-    own = path.frame(track.centre.table, track.centre.step, s)
-    result = np.array(carrier.carrier_forces(t, body, own, track.centre.table, track.centre.step, parameters))
-    axes = np.reshape(own[3:], (3, 3))
-    return axes @ result[:3], axes @ result[3:]
+    axes = np.reshape(path.frame(track.centre.table, track.centre.step, s)[3:], (3, 3))
+    moment = np.linalg.solve([(0.0, 0.0, 1.0), body[6:9], body[9:12]], out[3:])
+    return axes @ out[TO_GLOBAL], axes @ moment
 
 
-def hung(**changes):
-    """A wheelset without weight that only its suspension pushes."""
-    plain = replace(example_wheelset(), constant_force=(0.0, 0.0, 0.0), mass=1e-30)
-    return replace(plain, suspension=Suspension((5e6, 3e6, 1e6), (2e4, 3e4, 1e4), 1.0), **changes)
+def guided(stiffness=(5e6, 3e6, 1e6), **options):
+    """A wheelset without weight that only the guide frame pushes, and what it carries."""
+    bare = replace(bare_wheelset(), mass=1e-30)
+    return single_wheelset(bare, stiffness=stiffness, damping=(2e4, 3e4, 1e4), **options)
 
 
 @pytest.mark.parametrize("distance", [5.0, 41.3, 120.0])
 def test_the_undisturbed_follower_in_a_curve_meets_no_suspension_force(curve, distance):
     q, q_t = place_on_track(curve.centre, distance, speed=20.0, height=0.46, spin_rate=43.0)
-    force, moment = carried(hung(), curve, distance, 20.0, q, q_t)
+    force, moment = pushed(guided(), curve, distance, 20.0, q, q_t)
     # round-off of positions of 100 m times 1e7 N/m
     assert np.abs(force).max() < 1e-5
     assert np.abs(moment).max() < 1e-5
@@ -152,7 +152,7 @@ def test_the_undisturbed_follower_in_a_curve_meets_no_suspension_force(curve, di
 
 def test_the_suspension_pulls_a_displaced_wheelset_back(curve):
     q, q_t = place_on_track(curve.centre, 120.0, speed=20.0, height=0.461, spin_rate=43.0, lateral=2e-3, yaw=3e-3)
-    force, moment = carried(hung(), curve, 120.0, 20.0, q, q_t)
+    force, moment = pushed(guided(), curve, 120.0, 20.0, q, q_t)
     assert force == pytest.approx([0.0, -2 * 3e6 * 2e-3, -2 * 1e6 * 1e-3], rel=2e-3, abs=100.0)
     assert moment[2] == pytest.approx(-2 * 5e6 * 1.0**2 * 3e-3, rel=1e-3)
 
@@ -161,31 +161,30 @@ def test_the_suspension_pulls_a_displaced_wheelset_back(curve):
 def test_dampers_on_straight_track_only_take_power(turn, velocity, rates):
     track = Track.build([Straight(50.0)])
     q, q_t, _ = body_of((10.0, 0.01, 0.47), turn, np.add(velocity, (20.0, 0, 0)), rates)
-    vehicle = hung()
-    damped = replace(vehicle, suspension=replace(vehicle.suspension, stiffness=(0.0, 0.0, 0.0)))
-    force, moment = carried(damped, track, 10.0, 20.0, q, q_t)
+    damped = guided(stiffness=(0.0, 0.0, 0.0))
+    force, moment = pushed(damped, track, 10.0, 20.0, q, q_t)
     body = np.array(wheelset.kinematics(q, q_t))
     assert force @ (body[3:6] - [20.0, 0.0, 0.0]) + moment @ body[15:18] <= 1e-9
 
 
-def test_a_sprung_mass_presses_with_its_weight_and_its_centrifugal_force():
+def test_a_carried_mass_presses_with_its_weight_and_its_centrifugal_force():
     track = Track.build([Arc(100.0, 300.0)])
-    vehicle = hung(sprung=SprungMass(mass=1e4, height=1.3))
+    vehicle = guided(carried_mass=1e4, carried_height=1.3)
     q, q_t = place_on_track(track.centre, 50.0, speed=15.0, height=0.46, spin_rate=0.0)
-    force, moment = carried(vehicle, track, 50.0, 15.0, q, q_t)
+    force, moment = pushed(vehicle, track, 50.0, 15.0, q, q_t)
     outward = 1e4 * 15.0**2 / 300.0
     assert force == pytest.approx([0.0, -outward, -1e4 * 9.80665], rel=1e-9, abs=1e-3)
     # to the right at 1.3 m above the axle: the left wheel goes up
     assert moment == pytest.approx([1.3 * outward, 0.0, 0.0], rel=1e-9, abs=1e-3)
 
 
-def test_at_the_balanced_speed_cant_takes_the_whole_lateral_force_of_the_sprung_mass():
+def test_at_the_balanced_speed_cant_takes_the_whole_lateral_force_of_the_carried_mass():
     cant_angle = np.arcsin(0.1 / 1.5)
     speed = np.sqrt(9.80665 * 300.0 * np.tan(cant_angle))
     track = Track.build([Arc(100.0, 300.0, cant=0.1)])
-    vehicle = hung(sprung=SprungMass(mass=1e4, height=1.3))
+    vehicle = guided(carried_mass=1e4, carried_height=1.3)
     q, q_t = place_on_track(track.centre, 50.0, speed=speed, height=0.46, spin_rate=0.0)
-    force, moment = carried(vehicle, track, 50.0, speed, q, q_t)
+    force, moment = pushed(vehicle, track, 50.0, speed, q, q_t)
     assert force[1] == pytest.approx(0.0, abs=1e-2)
     assert moment[0] == pytest.approx(0.0, abs=1e-2)
     assert force[2] == pytest.approx(-1e4 * 9.80665 / np.cos(cant_angle), rel=1e-9)
@@ -193,7 +192,7 @@ def test_at_the_balanced_speed_cant_takes_the_whole_lateral_force_of_the_sprung_
 
 def test_a_wheelset_with_unequal_roll_and_yaw_inertia_is_refused():
     with pytest.raises(InputError, match=r"'example': roll inertia 900 and yaw inertia 950"):
-        RigidBody.of(replace(example_wheelset(), inertia=(900.0, 100.0, 950.0)))
+        RigidBody.of(replace(bare_wheelset(), inertia=(900.0, 100.0, 950.0)))
 
 
 @pytest.mark.parametrize("numbers", [(0.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, np.nan), (1.0, 3.0, 1.0)])

@@ -54,11 +54,12 @@ def test_overrides_of_the_vehicle_hold_for_their_side(tmp_path: Path) -> None:
         'speed_kmh = 54\nradius_left_mm = 459\nwheel_right = "wheels/cone_1in20.toml"\nsprung_mass_kg = 100',
     )
     (tmp_path / "case.toml").write_text(text)
-    wheelset = build(load(tmp_path / "case.toml")).wheelset
+    setup = build(load(tmp_path / "case.toml"))
+    wheelset = setup.wheelset
     assert (wheelset.left.radius, wheelset.right.radius) == (0.459, 0.46)
     assert wheelset.left.profile.name == "S1002"
     assert wheelset.right.profile.name != "S1002"
-    assert wheelset.sprung.mass == 100.0
+    assert setup.vehicle.carried[0].mass == 100.0
 
 
 def test_each_rail_has_its_own_profile_and_friction_and_each_body_its_own_material(tmp_path: Path) -> None:

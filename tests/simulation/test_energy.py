@@ -13,17 +13,11 @@ from support.runs import AXLE_LOAD, LEADING, STEERING, arc, cone_ride, ride, set
 
 from wrsim.analysis.motion.start import start_state
 from wrsim.contact.settings import ContactSettings
-from wrsim.core.body.carrier import carrier_forces
-from wrsim.core.body.kinematics import generalised_forces, kinematics
-from wrsim.core.body.wheelset_forces import CARRIER
 from wrsim.core.contact import layout as k
-from wrsim.core.track.path import frame, locate
 from wrsim.geometry.track.segments import Straight
-from wrsim.simulation.equilibrium import find_equilibrium
 from wrsim.simulation.integrate import integrate
-from wrsim.simulation.placement import place_on_track
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.step import SAFETY, round_step, stable_step
-from wrsim.simulation.system import System
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 PLAIN = ContactSettings(tangential="none", damping=0.0, strips=8)
@@ -38,8 +32,8 @@ class Bouncing:
     def __init__(self) -> None:
         mass = AXLE_LOAD / STANDARD_GRAVITY
         self.ride = cone_ride([Straight(100.0)], 0.0, start=10.0, settings=PLAIN, mass=mass)
-        q, self.rest = place_on_track(self.ride.track.centre, 10.0, speed=0.0, height=0.46, spin_rate=0.0)
-        self.q = find_equilibrium(self.ride.law, q, self.rest, ("z",), weight=AXLE_LOAD).q
+        found = self.ride.steady(("z",))
+        self.q, self.rest = found.q, found.q_t
         deep = self.contact(self.q)[0][0]
         heights = self.q[0] + np.linspace(0.99 * deep, -deep, 1000)
         rows = [self.contact(np.array([z, *self.q[1:]]))[0] for z in heights]
@@ -50,7 +44,7 @@ class Bouncing:
     def contact(self, q: np.ndarray) -> list[tuple[float, float]]:
         """Approach [m] and vertical force [N] of the two wheels."""
         self.ride.law(0.0, q, self.rest, np.zeros(6))
-        arrays = [wheel.model.arrays for wheel in self.ride.law.wheels]
+        arrays = [wheel.model.arrays for wheel in self.ride.law.wheels[0]]
         return [(float(a.patches[0, k.APPROACH]), float(a.total[k.FORCE_B])) for a in arrays]
 
     def potential(self, q: np.ndarray) -> float:
@@ -118,13 +112,9 @@ def test_the_frame_gives_what_the_creep_forces_dissipate(vehicle, radius, speed)
     curve = ride(setup_of([arc(30.0, radius, 60.0)], speed, vehicle, start=10.0))
     q, q_t = start_state(setup_of([arc(30.0, radius, 60.0)], speed, vehicle, start=10.0), curve.law)
     curve.law(0.0, q, q_t, np.zeros(6))
-    path, body = curve.track.centre, kinematics(q, q_t)
-    place, _ = locate(path.table, path.step, *body[:3], 10.0)
-    own = frame(path.table, path.step, place)
-    force = carrier_forces(0.0, body, own, path.table, path.step, curve.law.arena.views[CARRIER])
     given = np.zeros(6)
-    generalised_forces(body, force[:3], force[3:], given)
-    arrays = [wheel.model.arrays for wheel in curve.law.wheels]
+    VehicleOnTrack(curve.vehicle, curve.track, (), speed=speed, start=10.0)(0.0, q, q_t, given)
+    arrays = [wheel.model.arrays for wheel in curve.law.wheels[0]]
     dissipated = sum(a.total[k.WEAR] * a.pose[6] for a in arrays)
     # a long patch on the flange root shifts along the rail and is pushed a little across it: 0.3 %
     assert given @ q_t == pytest.approx(dissipated, rel=5e-3)
@@ -142,11 +132,11 @@ def test_creep_forces_never_do_positive_work_on_a_patch(vehicle, radius):
 
     def look(t, q, q_t):
         curve.law(t, q, q_t, out)
-        for wheel in curve.law.wheels:
+        for wheel in curve.law.wheels[0]:
             a = wheel.model.arrays
             seen.extend(a.patches[: int(a.total[k.COUNT]), k.DISSIPATION])
 
-    system = System([curve.body], curve.law)
+    system = curve.system
     step = round_step(SAFETY * stable_step(system, q, q_t))
     motion = integrate(system, q, q_t, duration=1.4, step=step, monitor=look, monitor_interval=1e-3)
     assert motion.status == "completed"

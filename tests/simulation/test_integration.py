@@ -6,7 +6,7 @@ import threading
 
 import numpy as np
 import pytest
-from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset, straight
+from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 
 from wrsim.errors import SimulationError
 from wrsim.simulation.integrate import integrate
@@ -239,8 +239,7 @@ def test_a_system_and_its_law_are_freed():
 @pytest.fixture(scope="module")
 def rolling() -> System:
     """The example wheelset on knife edges at 30 m/s."""
-    vehicle = example_wheelset()
-    return System([RigidBody.of(vehicle)], KnifeEdgeForces(vehicle, 30.0, straight(), 1000.0))
+    return KnifeEdgeForces(example_wheelset(), 30.0).system
 
 
 def test_rk44_converges_with_fourth_order_on_the_force_law(rolling):

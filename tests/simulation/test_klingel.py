@@ -25,7 +25,6 @@ import pytest
 from support.runs import CONICITY, CROWN, HALF_CONTACTS, HALF_TOPS, RADIUS, cone_ride
 
 from wrsim.geometry.track.segments import Arc, Straight
-from wrsim.vehicle.wheelset import Suspension
 
 KLINGEL = 2.0 * np.pi * np.sqrt(RADIUS * HALF_CONTACTS / CONICITY)
 """The textbook's wavelength, without roll [m]."""
@@ -42,7 +41,7 @@ def wave():
     """A wheelset released 2 mm beside the centre, two waves long; slow, so that its inertia shortens nothing."""
     speed = 10.0
     free = cone_ride([Straight(200.0)], speed)
-    start = free.steady(("z", "roll", "spin_rate"), lateral=2e-3)
+    start = free.steady(("z", "roll", "spin"), lateral=2e-3)
     motion = free.run(start.q, start.q_t, 35.0 / speed)
     return motion.q[:, 1], motion.q[:, 2], motion.q[:, 4]
 
@@ -75,7 +74,7 @@ def test_a_free_conical_wheelset_in_a_curve_sits_on_its_rolling_line(radius):
     speed = 20.0
     cant = 1.565 * np.sin(np.arctan(speed**2 / (9.80665 * abs(radius))))
     free = cone_ride([Arc(400.0, radius, cant=cant)], speed, start=50.0)
-    found = free.steady(("z", "y", "heading", "roll", "spin_rate"))
+    found = free.steady(("z", "y", "heading", "roll", "spin"))
     motion = free.run(found.q, found.q_t, 1e-3)
     outward = -np.sign(radius) * free.poses(motion).lateral[0]
     assert outward == pytest.approx(ROLLING_LINE * ROLL_FACTOR / abs(radius), rel=5e-3)
@@ -87,9 +86,8 @@ def test_a_free_conical_wheelset_in_a_curve_sits_on_its_rolling_line(radius):
 def test_a_conical_wheelset_driven_into_a_curve_goes_to_its_rolling_line():
     # lateral springs to the frame end Klingel's wave; without a yaw moment they leave the rolling line where it is
     radius, speed = 1500.0, 20.0
-    springs = Suspension(stiffness=(0.0, 5e5, 0.0))
-    free = cone_ride([Straight(20.0), Arc(400.0, radius)], speed, start=1.0, suspension=springs)
-    start = free.steady(("z", "roll", "spin_rate"))
+    free = cone_ride([Straight(20.0), Arc(400.0, radius)], speed, start=1.0, stiffness=(0.0, 5e5, 0.0))
+    start = free.steady(("z", "roll", "spin"))
     motion = free.run(start.q, start.q_t, 10.0)
     outward = -free.poses(motion).lateral
     assert abs(outward[0]) < 1e-9

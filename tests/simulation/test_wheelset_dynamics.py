@@ -3,12 +3,10 @@
 The contact is a law on knife edges (support.knife_edge), so that only wheelset, carrier and integrator are tested.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.optimize import curve_fit
-from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset, straight
+from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 
 from wrsim.core.body.kinematics import kinematics
 from wrsim.geometry.track.segments import Arc, Straight, Transition
@@ -16,6 +14,7 @@ from wrsim.geometry.track.track import Track
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.placement import place_on_track, poses_on_track
 from wrsim.simulation.system import RigidBody, System
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
 
@@ -69,12 +68,7 @@ def test_a_free_axle_precesses_about_its_angular_momentum():
 
 def wheelset_on_edges(vehicle, speed, track=None, law=None, start=0.0):
     """System of a wheelset on knife edges, along a track's centre line or straight ahead."""
-    law = law or KnifeEdge()
-    if track is None:
-        forces = KnifeEdgeForces(vehicle, speed, straight(), 1000.0, law, start)
-    else:
-        forces = KnifeEdgeForces(vehicle, speed, track.centre.table, track.centre.step, law, start)
-    return System([RigidBody.of(vehicle)], forces)
+    return KnifeEdgeForces(vehicle, speed, track, law, start).system
 
 
 def rest_height(law, axle_load=100e3):
@@ -147,8 +141,7 @@ def test_klingel_wavelength_with_roll_coupling(exact):
 def test_a_free_conical_wheelset_in_a_curve_sits_at_the_rolling_line(exact, radius):
     law = KnifeEdge(exact=exact)
     # lateral springs damp Klingel's wave and leave the rolling line as it is: only yaw moments could move it
-    vehicle = example_wheelset()
-    vehicle = replace(vehicle, suspension=replace(vehicle.suspension, stiffness=(0.0, 5e5, 0.0)))
+    vehicle = example_wheelset(spring=(0.0, 5e5, 0.0))
     track = Track.build([Straight(10.0), Transition(60.0), Arc(330.0, radius)])
     speed = 20.0
     q, q_t = place_on_track(track.centre, 5.0, speed=speed, height=rest_height(law), spin_rate=speed / law.radius)
@@ -192,8 +185,8 @@ def s_curve(heading=0.0, hand=1.0):
 def through(track, *, lateral=1e-3, speed=20.0, duration=4.0, law=None):
     """Poses of the damped example wheelset through a track."""
     law = law or KnifeEdge()
-    vehicle = replace(example_wheelset(spring=1e6, damping=(1e4, 2e4, 0.0)), constant_force=(0.0, 50.0, -85e3))
-    vehicle = replace(vehicle, constant_force=(0.0, np.sign(lateral) * 50.0, -85e3))
+    load = 1500.0 * STANDARD_GRAVITY + 85e3
+    vehicle = example_wheelset(1e6, (1e4, 2e4, 0.0), axle_load=load, push=np.sign(lateral) * 50.0)
     q, q_t = place_on_track(
         track.centre, 2.0, speed=speed, height=rest_height(law), spin_rate=speed / law.radius, lateral=lateral
     )

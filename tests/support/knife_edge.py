@@ -26,6 +26,7 @@ factor), the textbook one is longer by sqrt(1 + r0 lambda/l).
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import atan, cos, pi, sin, sqrt
 
@@ -33,12 +34,17 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from wrsim.core.body.carrier import SPEED, carrier_forces
+from support.held import held_state
 from wrsim.core.body.kinematics import generalised_forces, kinematics, point_velocity
 from wrsim.core.track.path import frame, locate
 from wrsim.errors import SimulationError
-from wrsim.simulation.carrier import carrier_parameters
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Suspension, Wheel, Wheelset
+from wrsim.geometry.track.segments import Straight
+from wrsim.geometry.track.track import Track
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.state import Equilibrium, design_state
+from wrsim.simulation.system import COORDINATES, System
+from wrsim.vehicle.vehicle import Load, Vehicle, single_wheelset
+from wrsim.vehicle.wheelset import Wheel, Wheelset
 
 HERTZ, DAMPING, CREEP, NORMAL0, FRICTION, R0, HALF, GAMMA, EXACT = range(9)
 
@@ -166,25 +172,27 @@ def edge_forces(body, own, side, speed, law):
 
 
 @njit(cache=True)
-def knife_edge_forces(t, q, q_t, path, step, carrier, law, memory, out):
-    """Generalised forces on the wheelset; memory: last place s, N left, N right. Returns the status of
-    ``locate``.
+def knife_edge_forces(q, q_t, path, step, speed, law, memory, out):
+    """Add the generalised forces of both edges on the wheelset; memory: last place s, N left, N right.
+
+    Returns the status of ``locate``.
     """
     body = kinematics(q, q_t)
     s, status = locate(path, step, body[0], body[1], body[2], memory[0])
     memory[0] = s
     own = frame(path, step, s)
-    c = carrier_forces(t, body, own, path, step, carrier)
-    left = edge_forces(body, own, 1.0, carrier[SPEED], law)
-    right = edge_forces(body, own, -1.0, carrier[SPEED], law)
+    left = edge_forces(body, own, 1.0, speed, law)
+    right = edge_forces(body, own, -1.0, speed, law)
     memory[1] = left[6]
     memory[2] = right[6]
+    both = np.zeros(6)
     generalised_forces(
         body,
-        (c[0] + (left[0] + right[0]), c[1] + (left[1] + right[1]), c[2] + (left[2] + right[2])),
-        (c[3] + (left[3] + right[3]), c[4] + (left[4] + right[4]), c[5] + (left[5] + right[5])),
-        out,
+        (left[0] + right[0], left[1] + right[1], left[2] + right[2]),
+        (left[3] + right[3], left[4] + right[4], left[5] + right[5]),
+        both,
     )
+    out[:6] += both
     return status
 
 
@@ -230,50 +238,66 @@ class KnifeEdge:
         return (wheel_load / cos(atan(self.conicity)) / self.hertz) ** (2 / 3)
 
 
-class KnifeEdgeForces:
-    """The force law of a wheelset on knife edges along a path (table, step)."""
+class KnifeEdgeForces(VehicleOnTrack):
+    """The force law of a single wheelset on knife edges along a track, straight ahead by default."""
 
     def __init__(
         self,
-        wheelset: Wheelset,
+        vehicle: Vehicle,
         speed: float,
-        path: NDArray[np.float64],
-        path_step: float,
+        track: Track | None = None,
         law: KnifeEdge | None = None,
         start: float = 0.0,
     ) -> None:
-        self.path, self.path_step = path, path_step
         self.law = (law or KnifeEdge()).numbers()
-        self.carrier = carrier_parameters(wheelset, speed=speed, start=start)
-        self.memory = np.array([start, 0.0, 0.0])
+        self.edge_memory = np.array([start, 0.0, 0.0])
+        super().__init__(vehicle, track or straight(), (), speed=speed, start=start)
 
     def __call__(self, t, q, q_t, out):
-        status = knife_edge_forces(t, q, q_t, self.path, self.path_step, self.carrier, self.law, self.memory, out)
-        if status:
+        status = super().__call__(t, q, q_t, out)
+        path = self.track.centre
+        if knife_edge_forces(q, q_t, path.table, path.step, self.speed, self.law, self.edge_memory, out):
             raise SimulationError(f"the wheelset cannot be placed on the track at t = {t:.6g} s")
+        return status
+
+    @property
+    def system(self) -> System:
+        """A new Exudyn system of the wheelset on its edges."""
+        return System(self.bodies, self)
+
+    def rolling(self, places: Mapping[str, float], unknowns: Sequence[str]) -> Equilibrium:
+        """Steady rolling near the places given, with a height and a roll at which both edges carry."""
+        q, q_t = design_state(self)
+        for name, value in places.items():
+            q[COORDINATES.index(name)] = value
+        return held_state(self, q, q_t, unknowns)
 
 
-def straight(length: float = 1000.0, heading: float = 0.0) -> NDArray[np.float64]:
-    """A level straight path through the origin: two rows, step = length."""
-    table = np.zeros((2, 11))
-    table[:, 3:5] = np.cos(heading), np.sin(heading)
-    table[1, :2] = length * np.cos(heading), length * np.sin(heading)
-    return table
+def straight(length: float = 1000.0, heading: float = 0.0) -> Track:
+    """A level straight track through the origin."""
+    return Track.build([Straight(length)], heading=heading)
+
+
+def bare_wheelset(mass: float = 1500.0, inertia: tuple[float, float, float] = (900.0, 100.0, 900.0)) -> Wheelset:
+    """The wheelset of the three-dimensional example."""
+    wheel = Wheel(profile=None, radius=0.46)  # type: ignore[arg-type]
+    return Wheelset("example", mass, inertia, 1.5, wheel, replace(wheel))
 
 
 def example_wheelset(
-    spring: float = 2e5, damping: tuple[float, float, float] = (0.0, 0.0, 0.0), axle_load: float = 100e3
-) -> Wheelset:
-    """The wheelset of the three-dimensional example; springs kx = ky [N/m] a side at +-1 m."""
-    mass = 1500.0
-    wheel = Wheel(profile=None, radius=0.46)  # type: ignore[arg-type]
-    return Wheelset(
-        name="example",
-        mass=mass,
-        inertia=(900.0, 100.0, 900.0),
-        profile_spacing=1.5,
-        left=wheel,
-        right=replace(wheel),
-        suspension=Suspension((spring, spring, 0.0), damping, 1.0),
-        constant_force=(0.0, 0.0, mass * STANDARD_GRAVITY - axle_load),
-    )
+    spring: float | tuple[float, float, float] = 2e5,
+    damping: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    axle_load: float = 100e3,
+    wheelset: Wheelset | None = None,
+    push: float = 0.0,
+    **options: float,
+) -> Vehicle:
+    """The vehicle of the three-dimensional example: springs kx = ky [N/m] a side at +-1 m.
+
+    push: lateral force at the centre of mass [N]; options: of ``single_wheelset``.
+    """
+    wheelset = wheelset or bare_wheelset()
+    stiffness = spring if isinstance(spring, tuple) else (spring, spring, 0.0)
+    vehicle = single_wheelset(wheelset, stiffness=stiffness, damping=damping, **options)
+    force = (0.0, push, vehicle.weight - axle_load)
+    return replace(vehicle, loads=(Load("load", "wheelset", force, (0.0, 0.0, wheelset.mean_radius)),))

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.contacts import contact_models
+from support.held import held_state
+from wrsim.analysis.motion.forces import force_law
 from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ContactSettings
 from wrsim.geometry.profile.models import load_profile
@@ -20,14 +21,15 @@ from wrsim.geometry.track.segments import Arc, Segment
 from wrsim.geometry.track.track import Track
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
-from wrsim.simulation.equilibrium import Equilibrium, find_equilibrium
 from wrsim.simulation.integrate import Motion, integrate
-from wrsim.simulation.placement import TrackPoses, place_on_track, poses_on_track
-from wrsim.simulation.steady import SteadyMotion
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.placement import TrackPoses, poses_on_track
+from wrsim.simulation.state import Equilibrium, design_state
 from wrsim.simulation.step import SAFETY, round_step, stable_step
 from wrsim.simulation.system import RigidBody, System
-from wrsim.simulation.wheelset_law import WheelsetOnTrack
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY, SprungMass, Suspension, Wheel, Wheelset
+from wrsim.vehicle.elements import Triple
+from wrsim.vehicle.vehicle import Vehicle, single_wheelset
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
 
 Array = NDArray[np.float64]
 
@@ -128,55 +130,51 @@ def crown() -> Profile:
 class Ride:
     """A wheelset on its track, ready to be placed and run."""
 
-    wheelset: Wheelset
-    track: Track
-    law: WheelsetOnTrack
-    speed: float
-    start: float
+    law: VehicleOnTrack
+
+    @property
+    def vehicle(self) -> Vehicle:
+        """The vehicle, of one wheelset."""
+        return self.law.vehicle
+
+    @property
+    def track(self) -> Track:
+        """Its track."""
+        return self.law.track
 
     @property
     def body(self) -> RigidBody:
         """The rigid body of the wheelset."""
-        return RigidBody.of(self.wheelset)
+        return RigidBody.of(self.vehicle.wheelsets[0].wheelset)
 
-    def steady(
-        self, unknowns: Sequence[str], lateral: float = 0.0, equations: Sequence[str] | None = None
-    ) -> Equilibrium:
+    @property
+    def system(self) -> System:
+        """A new Exudyn system of it."""
+        return System(self.law.bodies, self.law, self.law.dampers)
+
+    def steady(self, unknowns: Sequence[str], lateral: float = 0.0, equations: Sequence[str] = ()) -> Equilibrium:
         """The steady motion at the start, found from a pose at a lateral shift [m]."""
-        q, q_t = place_on_track(
-            self.track.centre,
-            self.start,
-            speed=self.speed,
-            height=self.wheelset.mean_radius,
-            spin_rate=self.speed / self.wheelset.mean_radius,
-            lateral=lateral,
-        )
-        law = SteadyMotion(self.law, self.body, self.track.centre, speed=self.speed, distance=self.start)
-        found = find_equilibrium(law, q, q_t, unknowns, weight=self.wheelset.static_axle_load, equations=equations)
-        q, q_t = law.state(found.q, found.q_t)
-        return replace(found, q=q, q_t=q_t)
+        q, q_t = design_state(self.law, lateral=lateral)
+        return held_state(self.law, q, q_t, unknowns, equations)
 
     def run(self, q: Array, q_t: Array, duration: float, step: float | None = None, every: float = 5e-3) -> Motion:
         """Integrate from a state at the start; the step by default as an analysis chooses it."""
-        system = System([self.body], self.law)
+        system = self.system
         if step is None:
             step = round_step(SAFETY * stable_step(system, q, q_t))
-        self.law.look_near(self.law.places(np.array([self.start]))[0])
+        self.law.look_near(self.law.start)
         motion = integrate(system, q, q_t, duration=duration, step=step, sample_interval=every)
         assert motion.status == "completed", motion.reason
         return motion
 
     def poses(self, motion: Motion) -> TrackPoses:
         """Poses of a motion against the track."""
-        return poses_on_track(self.track.centre, motion.q, motion.q_t, self.start)
+        return poses_on_track(self.track.centre, motion.q, motion.q_t, self.law.start)
 
 
 def ride(setup: Setup) -> Ride:
     """The wheelset of a set-up on its track."""
-    law = WheelsetOnTrack(
-        setup.wheelset, setup.track, contact_models(setup), speed=setup.run.speed, start=setup.run.start
-    )
-    return Ride(setup.wheelset, setup.track, law, setup.run.speed, setup.run.start)
+    return Ride(force_law(setup))
 
 
 def cone_ride(
@@ -184,7 +182,7 @@ def cone_ride(
     speed: float,
     *,
     start: float = 1.0,
-    suspension: Suspension | None = None,
+    stiffness: Triple = (0.0, 0.0, 0.0),
     mass: float = 1813.0,
     settings: ContactSettings | None = None,
 ) -> Ride:
@@ -197,11 +195,10 @@ def cone_ride(
         profile_spacing=2.0 * HALF_TOPS,
         left=wheel,
         right=wheel,
-        suspension=suspension or Suspension(),
-        sprung=SprungMass(AXLE_LOAD / STANDARD_GRAVITY - mass, 0.0),
     )
+    carried = AXLE_LOAD / STANDARD_GRAVITY - mass
+    vehicle = single_wheelset(wheelset, stiffness=stiffness, carried_mass=carried)
     track = Track.build(segments, 2.0 * HALF_TOPS)
     settings = settings or ContactSettings()
     models = [ContactModel.build(cone(), crown(), RADIUS, settings, 0.35) for _ in range(2)]
-    law = WheelsetOnTrack(wheelset, track, (models[0], models[1]), speed=speed, start=start)
-    return Ride(wheelset, track, law, speed, start)
+    return Ride(VehicleOnTrack(vehicle, track, [(models[0], models[1])], speed=speed, start=start))

@@ -16,10 +16,10 @@ from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.results import Result
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import System
-from wrsim.simulation.vehicle_law import VehicleOnTrack
 from wrsim.vehicle.vehicle import Drive, Vehicle
-from wrsim.vehicle.vehicle_files import load_whole_vehicle
+from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 ROOT = Path(__file__).parents[2]
@@ -30,7 +30,7 @@ COARSE = {"contact.strips": 15, "contact.cells": 8}
 @cache
 def manchester() -> Vehicle:
     """The shipped vehicle."""
-    return load_whole_vehicle(MANCHESTER, Finder((shipped_models(),)))
+    return load_vehicle(MANCHESTER, Finder((shipped_models(),)))
 
 
 @cache

@@ -13,7 +13,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
-from wrsim.vehicle.vehicle_files import load_whole_vehicle
+from wrsim.vehicle.vehicle_files import load_vehicle
 
 GOOD = """\
 name = "a car"
@@ -65,7 +65,7 @@ def fault(folder: Path, *changes: tuple[str, str]) -> str:
     file = folder / "car.toml"
     file.write_text(text)
     try:
-        load_whole_vehicle(file, Finder((shipped_models(),)))
+        load_vehicle(file, Finder((shipped_models(),)))
     except InputError as error:
         return str(error).replace(f"{folder}/", "")
     return ""
@@ -153,10 +153,9 @@ def test_wheels_that_do_not_fit_the_gauge_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"vehicle.sprung_mass_kg": 1000.0}, "is for a lone wheelset"),
+        ({"vehicle.sprung_mass_kg": 1000.0}, "is what a single wheelset carries"),
         ({"vehicle.drive": "wheel"}, 'did you mean "wheels"?'),
         ({"run.distance_m": 285.0}, "the first wheelset is 10.78 m ahead of the vehicle's origin"),
-        ({"vehicle.model": "vehicles/wheelset_s1002.toml"}, "is for whole vehicles"),
     ],
 )
 def test_a_scenario_that_does_not_suit_its_vehicle_is_refused(values: dict[str, object], words: str) -> None:

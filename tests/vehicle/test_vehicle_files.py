@@ -8,9 +8,10 @@ import pytest
 
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
-from wrsim.vehicle.files import load_vehicle, with_wheel
-from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_files import load_any
+from wrsim.vehicle.elements import GUIDE, Spring
+from wrsim.vehicle.files import with_wheel
+from wrsim.vehicle.vehicle import CarriedMass, Vehicle
+from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 MODELS = shipped_models()
@@ -49,16 +50,32 @@ def faults(text: str, folder: Path) -> list[str]:
 
 def test_a_vehicle_arrives_in_si_units(tmp_path: Path) -> None:
     (tmp_path / "vehicle.toml").write_text(VEHICLE)
-    w = load_vehicle(tmp_path / "vehicle.toml", FIND)
+    vehicle = load_vehicle(tmp_path / "vehicle.toml", FIND)
+    w = vehicle.wheelsets[0].wheelset
     assert (w.name, w.source, w.mass, w.inertia) == ("a wheelset", "made up", 1000.0, (600.0, 100.0, 610.0))
     assert w.profile_spacing == pytest.approx(1.5), "flange backs plus twice 70 mm"
     assert w.left.radius == w.right.radius == w.mean_radius == pytest.approx(0.45)
     assert w.left.profile.kind == "wheel"
-    assert w.suspension.stiffness == (1e3, 2e3, 3e3)
-    assert w.suspension.damping == (4e3, 5e3, 6e3)
-    assert w.suspension.half_spacing == pytest.approx(0.9)
-    assert (w.sprung.mass, w.sprung.height) == (5000.0, pytest.approx(1.2))
-    assert w.static_axle_load == pytest.approx(6000 * STANDARD_GRAVITY)
+    left, right = springs(vehicle)
+    assert left.stiffness == right.stiffness == (1e3, 2e3, 3e3)
+    assert left.damping == right.damping == (4e3, 5e3, 6e3)
+    assert (left.at, right.at) == (pytest.approx((0.0, 0.9, 0.45)), pytest.approx((0.0, -0.9, 0.45)))
+    assert vehicle.carried == (CarriedMass("wheelset", 5000.0, pytest.approx(1.2)),)
+    assert vehicle.weight == pytest.approx(6000 * STANDARD_GRAVITY)
+    assert vehicle.drive == "free"  # the guide frame runs at constant speed
+
+
+def springs(vehicle: Vehicle) -> list[Spring]:
+    """The springs to the guide frame."""
+    return [e for e in vehicle.elements if isinstance(e, Spring) and e.first == GUIDE]
+
+
+def test_the_guide_frame_holds_its_wheelset_at_the_height_of_other_wheels(tmp_path: Path) -> None:
+    (tmp_path / "vehicle.toml").write_text(VEHICLE)
+    vehicle = load_vehicle(tmp_path / "vehicle.toml", FIND)
+    turned = vehicle.with_wheelsets(lambda w: with_wheel(with_wheel(w, "left", None, 0.44), "right", None, 0.44))
+    assert turned.wheelsets[0].height == 0.44
+    assert [spring.at[2] for spring in springs(turned)] == [0.44, 0.44]
 
 
 def test_each_wheel_may_have_its_own_profile_and_radius(tmp_path: Path) -> None:
@@ -66,7 +83,7 @@ def test_each_wheel_may_have_its_own_profile_and_radius(tmp_path: Path) -> None:
     text = text.replace('wheel = "wheels/S1002.toml"', 'wheel_left = "wheels/S1002.toml"\nwheel_right = "mine.toml"')
     (tmp_path / "mine.toml").write_text((MODELS / "wheels/cone_1in20.toml").read_text())
     (tmp_path / "vehicle.toml").write_text(text)
-    w = load_vehicle(tmp_path / "vehicle.toml", FIND)
+    w = load_vehicle(tmp_path / "vehicle.toml", FIND).wheelsets[0].wheelset
     assert (w.left.radius, w.right.radius) == (0.45, 0.449)
     assert w.left.profile.name == "S1002"
     assert w.right.profile.name != "S1002", "a profile beside the vehicle file is found there"
@@ -76,15 +93,17 @@ def test_each_wheel_may_have_its_own_profile_and_radius(tmp_path: Path) -> None:
 
 def test_the_shipped_s1002_wheelset_is_that_of_manchester_vehicle_1() -> None:
     """Iwnicki 1998: wheelset 1813 kg, 1120 / 112 / 1120 kg m2, flange backs 1360 mm, R 460 mm; bodies per axle."""
-    w = load_vehicle(MODELS / "vehicles/wheelset_s1002.toml", FIND)
+    vehicle = load_vehicle(MODELS / "vehicles/wheelset_s1002.toml", FIND)
+    w = vehicle.wheelsets[0].wheelset
     assert (w.mass, w.inertia) == (1813.0, (1120.0, 112.0, 1120.0))
     assert (w.profile_spacing, w.mean_radius) == (pytest.approx(1.5), 0.46)
-    assert w.suspension.stiffness[:2] == (31.391e6, 3.884e6)
-    assert w.suspension.damping == (15e3, 2e3, 4e3)
-    assert w.suspension.half_spacing == 1.0
-    assert w.sprung.mass == 32000 / 4 + 2615 / 2
+    left = springs(vehicle)[0]
+    assert left.stiffness[:2] == (31.391e6, 3.884e6)
+    assert left.damping == (15e3, 2e3, 4e3)
+    assert left.at[1] == 1.0
+    assert vehicle.carried[0].mass == 32000 / 4 + 2615 / 2
     height = (8000 * 1.8 + 1307.5 * 0.6) / 9307.5 - 0.46
-    assert w.sprung.height == pytest.approx(height, abs=1e-3)
+    assert vehicle.carried[0].height == pytest.approx(height, abs=1e-3)
 
 
 def test_the_vertical_spring_is_left_out_because_the_load_is_prescribed() -> None:
@@ -93,8 +112,8 @@ def test_the_vertical_spring_is_left_out_because_the_load_is_prescribed() -> Non
         text = file.read_text()
         if "wheels/lrv_standin.toml" in text and not (MODELS / "wheels/lrv_standin.toml").exists():
             continue
-        vehicle = load_any(file, FIND)
-        assert isinstance(vehicle, Vehicle) or vehicle.suspension.stiffness[2] == 0.0
+        vehicle = load_vehicle(file, FIND)
+        assert all(spring.stiffness[2] == 0.0 for spring in springs(vehicle))
 
 
 def test_the_light_rail_wheelset_has_the_numbers_of_the_paper_and_its_wheel_load(tmp_path: Path) -> None:
@@ -103,9 +122,10 @@ def test_the_light_rail_wheelset_has_the_numbers_of_the_paper_and_its_wheel_load
     assert "wheels/lrv_standin.toml" in text
     assert "stand-in" in text and "[assumed]" in text
     (tmp_path / "vehicle.toml").write_text(text.replace("wheels/lrv_standin.toml", "wheels/S1002.toml"))
-    w = load_vehicle(tmp_path / "vehicle.toml", FIND)
+    vehicle = load_vehicle(tmp_path / "vehicle.toml", FIND)
+    w = vehicle.wheelsets[0].wheelset
     assert (w.profile_spacing, w.mean_radius) == (pytest.approx(1.055), 0.375)
-    assert 0.5 * w.static_axle_load == pytest.approx(24e3, rel=1e-3)
+    assert 0.5 * vehicle.weight == pytest.approx(24e3, rel=1e-3)
 
 
 ONE_FAULT = [

@@ -6,19 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.runs import arc, setup_of, straight, transition
 from support.vehicles import manchester, on_track
 
-from wrsim.analysis.contacts import contact_models
 from wrsim.core.contact.layout import COUNT, FORCE_B, O_MAIN, N
 from wrsim.geometry.track.segments import Arc, Segment
-from wrsim.simulation.placement import place_on_track, poses_on_track
-from wrsim.simulation.vehicle_law import VehicleOnTrack
-from wrsim.simulation.vehicle_state import design_state, lower_on_rails, steady_state
-from wrsim.simulation.wheelset_law import WheelsetOnTrack
-from wrsim.vehicle.elements import TRACK, Spring
-from wrsim.vehicle.vehicle import MountedWheelset, Vehicle
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY, SprungMass, Wheelset
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.placement import poses_on_track
+from wrsim.simulation.state import design_state, lower_on_rails, steady_state
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
 
 
 def wheel_loads(law: VehicleOnTrack) -> np.ndarray:
@@ -36,7 +31,7 @@ def test_mass_and_centre_are_the_sum_of_the_bodies() -> None:
 @pytest.mark.parametrize("speed", [0.0, 30.0])
 def test_wheel_loads_sum_to_the_weight_and_are_alike_on_both_sides(speed: float) -> None:
     law = on_track(manchester(), speed).law
-    found = steady_state(law, 50.0)
+    found = steady_state(law)
     law(0.0, found.q, found.q_t, np.zeros(law.size))
     loads = wheel_loads(law)
     assert loads.sum() == pytest.approx(law.vehicle.weight, rel=1e-8)
@@ -47,46 +42,12 @@ def test_wheel_loads_sum_to_the_weight_and_are_alike_on_both_sides(speed: float)
 
 def test_design_position_is_the_position_of_rest() -> None:
     law = on_track(manchester()).law
-    found = steady_state(law, 50.0)
+    found = steady_state(law)
     heights = found.q[: 6 * 7 : 6]
     design = np.array([part.centre[2] for part in law.vehicle.parts])
     sunk = design - heights
     assert np.allclose(sunk, sunk[0], atol=1e-9)  # all alike, by the approach of wheel and rail
     assert 1e-4 < sunk[0] < 4e-4  # KP at 54.5 kN
-
-
-def test_a_vehicle_of_one_wheelset_has_the_forces_of_the_lone_one() -> None:
-    """Springs to the track's frame, on a canted curve, at states anywhere near: two kernels, one physics."""
-    setup = setup_of([transition(30.0), arc(60.0, 300.0, 80.0), transition(30.0), straight(10.0)], 15.0, start=40.0)
-    lone_wheelset = replace(setup.wheelset, sprung=SprungMass())
-    models = contact_models(setup)
-    lone = WheelsetOnTrack(lone_wheelset, setup.track, models, speed=15.0, start=40.0)
-    own = lone_wheelset.suspension
-    springs = tuple(
-        Spring(
-            side, "spring", TRACK, "wheelset", (0.0, y, lone_wheelset.mean_radius), own.stiffness, own.damping,
-        )
-        for side, y in (("left", own.half_spacing), ("right", -own.half_spacing))
-    )  # fmt: skip
-    mounted = MountedWheelset("wheelset", lone_wheelset, 0.0, lone_wheelset.mean_radius)
-    vehicle = Vehicle("one wheelset", (mounted,), (), springs)
-    whole = VehicleOnTrack(vehicle, setup.track, [contact_models(setup)], speed=15.0, start=40.0, drive="free")
-    rng = np.random.default_rng(3)
-    scale = lone_wheelset.static_axle_load
-    for _ in range(20):
-        t = rng.uniform(0.0, 3.0)
-        place = 40.0 + 15.0 * t
-        lateral, roll, yaw = 3e-3 * rng.standard_normal(3)
-        q, q_t = place_on_track(
-            setup.track.centre, place + 0.2 * rng.standard_normal(), speed=15.0, height=0.4598, spin_rate=33.0,
-            lateral=lateral, roll=0.1 * roll, yaw=yaw,
-        )  # fmt: skip
-        one, other = np.zeros(6), np.zeros(6)
-        lone.look_near(lone.places(np.array([place]))[0])
-        whole.look_near(place)
-        lone(t, q, q_t, one)
-        whole(t, q, q_t, other)
-        assert np.abs(one - other).max() < 1e-9 * max(scale, np.abs(one).max())
 
 
 def curved(radius: float, cant: float) -> list[Segment]:
@@ -103,8 +64,8 @@ def mirror(q: np.ndarray, bodies: int) -> np.ndarray:
 
 def test_a_symmetric_vehicle_in_the_mirrored_curve_has_the_mirrored_forces() -> None:
     left, right = (on_track(manchester(), 25.0, curved(radius, 0.06)).law for radius in (800.0, -800.0))
-    q, q_t = design_state(left, 50.0)
-    lower_on_rails(left, q, q_t)
+    q, q_t = design_state(left)
+    q, q_t = lower_on_rails(left, q, q_t)
     n = 6 * len(left.bodies)
     rng = np.random.default_rng(5)
     q[:n] += 1e-4 * rng.standard_normal(n)
@@ -118,9 +79,9 @@ def test_a_symmetric_vehicle_in_the_mirrored_curve_has_the_mirrored_forces() -> 
 
 def test_forces_do_not_depend_on_the_heading_of_the_track() -> None:
     east, other = (on_track(manchester(), 25.0, curved(800.0, 0.06), heading=h).law for h in (0.0, 2.5))
-    q, q_t = design_state(east, 50.0)
+    q, q_t = design_state(east)
     n = 6 * len(east.bodies)
-    lower_on_rails(east, q, q_t)
+    q, q_t = lower_on_rails(east, q, q_t)
     c, s = np.cos(2.5), np.sin(2.5)
 
     def turned(state: np.ndarray, angle: float) -> np.ndarray:
@@ -145,9 +106,9 @@ def test_load_transfer_in_a_canted_curve_is_that_of_the_closed_form() -> None:
     """
     radius, cant, speed = 2500.0, 0.08, 55.0
     law = on_track(manchester(), speed, curved(radius, cant), start=200.0).law
-    q, q_t = design_state(law, 200.0)
-    lower_on_rails(law, q, q_t)
-    found = steady_state(law, 200.0, (q, q_t))
+    q, q_t = design_state(law)
+    q, q_t = lower_on_rails(law, q, q_t)
+    found = steady_state(law, (q, q_t))
     law(0.0, found.q, found.q_t, np.zeros(law.size))
     angle = float(np.arcsin(cant / law.track.cant_base))
     centrifugal = speed**2 / radius
@@ -183,7 +144,7 @@ def test_smaller_wheels_lower_the_whole_vehicle() -> None:
         )
 
     law = on_track(manchester().with_wheelsets(turned)).law
-    found = steady_state(law, 50.0)
+    found = steady_state(law)
     law(0.0, found.q, found.q_t, np.zeros(law.size))
     assert wheel_loads(law).sum() == pytest.approx(law.vehicle.weight, rel=1e-8)
     assert found.q[6 * 4] == pytest.approx(1.8 - 0.01, abs=5e-4)

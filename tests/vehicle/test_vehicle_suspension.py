@@ -15,14 +15,14 @@ from wrsim.geometry.track.track import Track
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.bodies import SolidBody
 from wrsim.simulation.integrate import integrate
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import accelerations, linearise
+from wrsim.simulation.modes import natural_modes
+from wrsim.simulation.state import design_state
 from wrsim.simulation.system import System
-from wrsim.simulation.vehicle_law import VehicleOnTrack
-from wrsim.simulation.vehicle_modes import vehicle_modes
-from wrsim.simulation.vehicle_state import design_state
 from wrsim.vehicle.elements import TRACK, Element, Spring, Strut
 from wrsim.vehicle.vehicle import Body, Vehicle
-from wrsim.vehicle.vehicle_files import load_whole_vehicle
+from wrsim.vehicle.vehicle_files import load_vehicle
 
 MASS, INERTIA, HEIGHT = 4000.0, (1000.0, 3000.0, 3500.0), 1.5
 
@@ -52,7 +52,7 @@ def spring(at: Sequence[float] = (0.0, 0.0, HEIGHT), name: str = "spring", **val
 def displaced(law: VehicleOnTrack, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
     """A state at a large heading with all bodies shifted and turned against each other, and moving."""
     rng = np.random.default_rng(seed)
-    q, q_t = design_state(law, 100.0)
+    q, q_t = design_state(law)
     n = len(law.bodies)
     turn, c, s = 2.0, np.cos(2.0), np.sin(2.0)
     for i in range(n):
@@ -69,7 +69,7 @@ def displaced(law: VehicleOnTrack, seed: int = 1) -> tuple[np.ndarray, np.ndarra
 @pytest.mark.parametrize("name", ["manchester_1", "erri_type"])
 def test_springs_have_a_potential_at_any_displacement(name: str) -> None:
     """The derivative of the generalised forces with respect to the coordinates is symmetric where nothing moves."""
-    law = hung(load_whole_vehicle(ROOT / f"models/vehicles/{name}.toml", Finder((shipped_models(),))))
+    law = hung(load_vehicle(ROOT / f"models/vehicles/{name}.toml", Finder((shipped_models(),))))
     q, q_t = displaced(law)
     q_t[: 6 * len(law.bodies)] = 0.0
     n = 6 * len(law.bodies)
@@ -106,7 +106,7 @@ def test_dampers_take_power_and_springs_in_series_store_it() -> None:
     k, c = 5e5, 2e4
     strut = Strut("d", "damper", TRACK, "box", ((0.0, 0.0, HEIGHT),) * 2, 1, damping=c, series=k)
     law = hung(box(strut, spring(stiffness=(0.0, 0.0, 1e6))))
-    q, q_t = design_state(law, 100.0)
+    q, q_t = design_state(law)
     q[6 + 2], q_t[6 + 2], q_t[12] = 0.02, 0.7, 0.005
     out = np.zeros(law.size)
     law(0.0, q, q_t, out)
@@ -119,7 +119,7 @@ def test_dampers_take_power_and_springs_in_series_store_it() -> None:
 
 def test_a_mass_on_springs_swings_at_its_natural_frequency() -> None:
     k = (2e5, 3e5, 4e5)
-    modes = vehicle_modes(box(spring(stiffness=k, turning_stiffness=(1e5, 2e5, 3e5))))
+    modes = natural_modes(box(spring(stiffness=k, turning_stiffness=(1e5, 2e5, 3e5))))
     x, y, z = np.sqrt(np.array(k) / MASS) / (2.0 * np.pi)
     roll, pitch, yaw = np.sqrt(np.array((1e5, 2e5, 3e5)) / np.array(INERTIA)) / (2.0 * np.pi)
     expected = {"longitudinal": x, "lateral": y, "vertical": z, "roll": roll, "pitch": pitch, "yaw": yaw}
@@ -135,7 +135,7 @@ def test_a_mass_on_a_spring_and_a_damper_behind_a_spring_has_the_roots_of_its_cu
     """m x_tt + k x + k_s (x - x_d) = 0, c x_d,t = k_s (x - x_d)."""
     k, series = 4e5, 6e5
     struts = Strut("d", "damper", TRACK, "box", ((0.0, 0.0, HEIGHT),) * 2, 2, damping=damping, series=series)
-    modes = vehicle_modes(box(spring(stiffness=(1e7, 2e7, k)), struts))
+    modes = natural_modes(box(spring(stiffness=(1e7, 2e7, k)), struts))
     mode = next(m for m in modes if m.name == "box vertical")
     lag = damping / series
     roots = np.roots([MASS * lag, MASS, (k + series) * lag, k])
@@ -156,7 +156,7 @@ def test_a_flexible_column_bends_like_a_cantilever() -> None:
     vehicle = box(column)
     weightless = replace(vehicle, bodies=(replace(vehicle.bodies[0], mass=1e-3),))  # a load would push the column over
     law = hung(weightless)
-    q, q_t = design_state(law, 100.0)
+    q, q_t = design_state(law)
     matrix = linearise(law, law.bodies, q, q_t).stiffness[6:12, 6:12]
     yields = np.linalg.inv(matrix)
     assert yields[2, 2] == pytest.approx(h**3 / (3.0 * stiffness), rel=1e-6)
@@ -168,7 +168,7 @@ def test_a_bump_stop_follows_its_table_both_ways_and_goes_on_beyond_it() -> None
     assert isinstance(stop, Strut)
     assert stop.limits == (-0.065, 0.065)
     law = hung(box(replace(stop, first=TRACK, second="box"), spring(stiffness=(1.0, 0.0, 1e6))))
-    q, q_t = design_state(law, 100.0)
+    q, q_t = design_state(law)
     out = np.zeros(law.size)
     for travel, force in ((0.02, 0.0), (0.03, 600.0), (0.0425, 5300.0), (0.065, 230e3), (0.066, 270160.0)):
         for side in (1.0, -1.0):

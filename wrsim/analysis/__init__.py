@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wrsim.analysis.motion.keeping import Keeping, recorded_setup
-from wrsim.analysis.motion.step_choice import StepTooLong
+from wrsim.analysis.motion.run import StepTooLong
 from wrsim.register import ANALYSES, resolved
 from wrsim.scenario.build import build
 

@@ -10,12 +10,16 @@ from wrsim.contact.model import ContactModel
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
+    from wrsim.vehicle.wheelset import Wheelset
 
 
-def contact_models(setup: Setup, frictionless: bool = False) -> tuple[ContactModel, ContactModel]:
-    """Models of the left and the right wheel on their rails."""
+def contact_models(
+    setup: Setup, frictionless: bool = False, wheelset: Wheelset | None = None
+) -> tuple[ContactModel, ContactModel]:
+    """Models of the left and the right wheel on their rails, by default of the first wheelset."""
     settings = replace(setup.contact, tangential="none") if frictionless else setup.contact
-    wheels = (setup.wheelset.left, setup.wheelset.right)
+    wheelset = wheelset or setup.wheelset
+    wheels = (wheelset.left, wheelset.right)
     left, right = (
         ContactModel.build(wheel.profile, rail, wheel.radius, settings, friction)
         for wheel, rail, friction in zip(wheels, setup.rails, settings.friction, strict=True)
@@ -23,10 +27,13 @@ def contact_models(setup: Setup, frictionless: bool = False) -> tuple[ContactMod
     return left, right
 
 
-def wheels_on_rails(setup: Setup, models: tuple[ContactModel, ContactModel]) -> tuple[WheelOnRail, WheelOnRail]:
+def wheels_on_rails(
+    setup: Setup, models: tuple[ContactModel, ContactModel], wheelset: Wheelset | None = None
+) -> tuple[WheelOnRail, WheelOnRail]:
     """The same with their places: on the wheelset and in the track's cross-section at nominal gauge."""
+    wheelset = wheelset or setup.wheelset
     left, right = (
-        WheelOnRail(model, side, 0.5 * setup.wheelset.profile_spacing, origin)
+        WheelOnRail(model, side, 0.5 * wheelset.profile_spacing, origin)
         for model, side, origin in zip(models, (1, -1), setup.track.rail_origins, strict=True)
     )
     return left, right

@@ -62,16 +62,16 @@ def resolve(
     Raises InputError for a result that keeps no poses of its wheels, and when one of several wheelsets has to be named.
     """
     own = with_contact_model(scenario, name)
-    # a vehicle cannot run with the exact solver, but its wheels can be looked at
+    # no study runs with the exact solver, but its wheels can be looked at
     setup = replace(build(scenario), contact=own.spec.contact.settings())
     dataset = result.wheelset(wheelset)
-    if setup.vehicle is not None:
-        mounted = next(m for m in setup.vehicle.wheelsets if m.name == dataset["wheelset"].item())
-        setup = replace(setup, wheelset=mounted.wheelset)
+    names = [m.name for m in setup.vehicle.wheelsets]
+    label = str(dataset["wheelset"].item())
+    mounted = setup.vehicle.wheelsets[names.index(label) if label in names else 0].wheelset
     if not all(channel in dataset for channel in POSE_CHANNELS):
         raise InputError("the result keeps no moments whose contacts could be solved again; run its scenario anew")
     frictionless = setup.static is not None and not setup.static.rolling
-    both = wheels_on_rails(setup, contact_models(setup, frictionless))
+    both = wheels_on_rails(setup, contact_models(setup, frictionless, mounted), mounted)
     wheels = [next(w for w in both if w.name == str(label)) for label in dataset["wheel"].values]
     poses = np.concatenate([dataset[channel].values for channel in POSE_CHANNELS], axis=-1)
     chosen = list(range(len(poses))) if moments is None else list(moments)

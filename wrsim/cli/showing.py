@@ -52,8 +52,6 @@ def facts(setup: Setup) -> dict[str, Any]:
 
 
 def _of_vehicle(setup: Setup) -> dict[str, Any]:
-    if setup.vehicle is None:
-        return {"vehicle": setup.wheelset.name, "axle_load_kN": setup.wheelset.static_axle_load / 1e3}
     vehicle = setup.vehicle
     return {
         "vehicle": vehicle.name,
@@ -69,7 +67,7 @@ def tell_slow(setup: Setup) -> None:
         return
     from wrsim.simulation.step import step_for_speed
 
-    step = setup.run.step or step_for_speed(setup.run.speed, setup.wheelset)
+    step = setup.run.step or step_for_speed(setup.run.speed, setup.vehicle)
     evaluations = 4.0 * setup.run.duration / step
     complain(
         f'contact.normal = "half-space" solves the exact problem at every stage of the integration: about '

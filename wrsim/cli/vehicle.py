@@ -15,7 +15,6 @@ from wrsim.errors import InputError
 if TYPE_CHECKING:
     from wrsim.plots.vehicle import VehicleSketch
     from wrsim.vehicle.vehicle import Body, Vehicle
-    from wrsim.vehicle.wheelset import Wheelset
 
 
 def vehicle(
@@ -29,8 +28,7 @@ def vehicle(
     """Print mass, centre, static wheel loads and natural modes of a vehicle; draw it."""
     with told(as_json):
         from wrsim.inputs.lookup import Finder, shipped_models, user_folders
-        from wrsim.vehicle.vehicle import Vehicle, as_vehicle
-        from wrsim.vehicle.vehicle_files import load_any
+        from wrsim.vehicle.vehicle_files import load_vehicle
 
         if picture is not None and picture.suffix.lower() not in (".png", ".svg"):
             raise InputError(f"--picture {picture}: must end in .png or .svg")
@@ -39,28 +37,24 @@ def vehicle(
             path = finder.find(file)
         except InputError as error:
             raise InputError(f"{file}: {error}") from None
-        loaded = load_any(path, finder)
-        whole = loaded if isinstance(loaded, Vehicle) else as_vehicle(loaded)
-        found = facts_of(whole, loaded)
+        loaded = load_vehicle(path, finder)
+        found = facts_of(loaded)
         if picture is not None:
             from wrsim.plots.vehicle import vehicle_picture
 
-            found["picture"] = str(vehicle_picture(sketch_of(whole), picture))
+            found["picture"] = str(vehicle_picture(sketch_of(loaded), picture))
         if as_json:
             print_json(found)
         else:
             _print(found)
 
 
-def facts_of(vehicle: Vehicle, loaded: Vehicle | Wheelset) -> dict[str, Any]:
-    """What the command prints. Of a lone wheelset the sprung mass counts for its wheel loads."""
-    from wrsim.simulation.vehicle_modes import vehicle_modes
+def facts_of(vehicle: Vehicle) -> dict[str, Any]:
+    """What the command prints."""
+    from wrsim.simulation.modes import natural_modes
     from wrsim.vehicle.wheel_loads import static_wheel_loads
-    from wrsim.vehicle.wheelset import Wheelset
 
     loads = static_wheel_loads(vehicle)
-    if isinstance(loaded, Wheelset):
-        loads = loads + 0.5 * (loaded.static_axle_load - loads.sum())
     return {
         "name": vehicle.name,
         "source": vehicle.source,
@@ -75,7 +69,7 @@ def facts_of(vehicle: Vehicle, loaded: Vehicle | Wheelset) -> dict[str, Any]:
         "weight_kN": float(loads.sum()) / 1e3,
         "modes": [
             {"frequency_Hz": mode.frequency, "damping": mode.damping, "motion": mode.name}
-            for mode in vehicle_modes(vehicle)
+            for mode in natural_modes(vehicle)
         ],
     }
 

@@ -44,7 +44,7 @@ class StaticPlan:
 class RunPlan:
     """A run along the track: from ``start`` to ``end`` [m] of the centre line at ``speed`` [m/s], 0 at rest.
 
-    drive: what holds the speed of a whole vehicle (``simulation.vehicle_law``); step: of the integration [s], None:
+    drive: what holds the speed (``simulation.law``); step: of the integration [s], None:
     chosen by speed; output_interval: between two samples [s]; patches_at: distances [m], rising, at which the strips
     of the patches are kept.
     """
@@ -67,7 +67,6 @@ class RunPlan:
 class Setup:
     """Everything an analysis needs, in SI units, and the text it came from.
 
-    wheelset: the lone one, or the first of a whole vehicle; vehicle: None for a lone wheelset.
     rails: inclined profiles of the left and right rail; static: of a static analysis only; run: also of a
     static one, then without meaning; conicity, stability, steady: of these analyses only; conical: wheels that take the
     place of profiles and contact models; files: the model files that were read.
@@ -75,8 +74,7 @@ class Setup:
 
     title: str
     analysis: str
-    wheelset: Wheelset
-    vehicle: Vehicle | None
+    vehicle: Vehicle
     rails: tuple[Profile, Profile]
     track: Track
     contact: ContactSettings
@@ -89,6 +87,11 @@ class Setup:
     steady: tuple[SteadyPoint, ...] = ()
     conical: ConicalWheels | None = None
 
+    @property
+    def wheelset(self) -> Wheelset:
+        """The first wheelset: the one that single poses are looked at of."""
+        return self.vehicle.wheelsets[0].wheelset
+
 
 def build(scenario: Scenario) -> Setup:
     """Read the models of a scenario and put everything together.
@@ -98,28 +101,19 @@ def build(scenario: Scenario) -> Setup:
     """
     spec, kind = scenario.spec, ANALYSES[scenario.analysis]
     files: list[Path] = []
-    wheelset, vehicle = vehicle_of(scenario, files)
-    if (
-        vehicle is not None
-        and spec.contact.normal == "half-space"
-        and (kind.moves or kind.own_track or kind.name == "equilibrium")
-    ):
-        raise scenario.fault(("contact", "normal"), "is for lone wheelsets and static poses, not for whole vehicles")
-    if kind.points and (vehicle is None or not vehicle.points):
+    vehicle = vehicle_of(scenario, files)
+    if kind.points and not vehicle.points:
         needed = f'analysis = "{kind.name}" needs a vehicle with [[points]], at which accelerations are kept'
         raise scenario.fault(("vehicle", "model"), needed)
-    if vehicle is None and spec.track.elasticity is not None and (kind.moves or kind.name == "equilibrium"):
-        message = "is for whole vehicles: a lone wheelset runs on rigid rails (a vehicle file may hold one wheelset)"
-        raise scenario.fault(("track", "elasticity"), message)
-    if kind.own_track and vehicle is None:
-        needed = f'analysis = "{spec.analysis}" is for whole vehicles (docs/vehicles.md); this is a lone wheelset'
-        raise scenario.fault(("vehicle", "model"), needed)
-    if kind.own_track and spec.vehicle.drive == "free":
+    if kind.own_track and spec.vehicle.drive == "free" and not vehicle.is_guided:
         raise scenario.fault(("vehicle", "drive"), 'must be "train" or "wheels": something has to hold the speed')
+    if kind.own_track and spec.contact.normal == "half-space":
+        message = f'is for poses, rest and runs: analysis = "{spec.analysis}" asks for the contacts a thousand times'
+        raise scenario.fault(("contact", "normal"), message)
     rails = _rails(scenario, files)
     track = track_of(scenario, rails, files)
     if spec.track.gauge_between == "gauge points":
-        for each in dict.fromkeys(m.wheelset for m in vehicle.wheelsets) if vehicle else (wheelset,):
+        for each in dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets):
             _check_placement(scenario, each, rails, track)
     plan = None
     if kind.name == "static":
@@ -131,7 +125,6 @@ def build(scenario: Scenario) -> Setup:
     return Setup(
         title=spec.title,
         analysis=spec.analysis,
-        wheelset=wheelset,
         vehicle=vehicle,
         rails=rails,
         track=track,
@@ -171,11 +164,11 @@ def _own(own: str | None, both: str | None, key: str, side: str) -> tuple[str, s
     return (f"{key}_{side}", own) if own is not None else (key, both)
 
 
-def _run(scenario: Scenario, track: Track, vehicle: Vehicle | None) -> RunPlan:
+def _run(scenario: Scenario, track: Track, vehicle: Vehicle) -> RunPlan:
     spec = scenario.spec
     section, kind = scenario.table(RunSection), ANALYSES[spec.analysis]
     speed = (spec.vehicle.speed_kmh or 0.0) / 3.6
-    ahead = max((mounted.x for mounted in vehicle.wheelsets), default=0.0) if vehicle else 0.0
+    ahead = max((mounted.x for mounted in vehicle.wheelsets), default=0.0)
     last = track.length - ahead
     start, end = section.start_distance_m, last
     room = f"must lie on the track, which is {track.length:.6g} m long"
@@ -201,7 +194,7 @@ def _run(scenario: Scenario, track: Track, vehicle: Vehicle | None) -> RunPlan:
         start=start,
         end=end,
         speed=speed,
-        drive=spec.vehicle.drive or "train",
+        drive=spec.vehicle.drive or vehicle.drive,
         step=None if section.step_us is None else section.step_us * 1e-6,
         output_interval=section.output_interval_ms * 1e-3,
         patches_at=tuple(sorted(set(patches))) if patches is not None else _middle_of_arcs(track, start, end),

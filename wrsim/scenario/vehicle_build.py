@@ -1,4 +1,4 @@
-"""The vehicle of a scenario: its file with what the scenario changes; a lone wheelset or a whole vehicle."""
+"""The vehicle of a scenario: its file with what the scenario changes."""
 
 from __future__ import annotations
 
@@ -10,23 +10,20 @@ from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.scenario.loading import Scenario
 from wrsim.vehicle.files import with_wheel
-from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_files import load_any
-from wrsim.vehicle.wheelset import SprungMass, Wheelset
+from wrsim.vehicle.vehicle import CarriedMass, Vehicle
+from wrsim.vehicle.vehicle_files import load_vehicle
+from wrsim.vehicle.wheelset import Wheelset
 
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 
 
-def vehicle_of(scenario: Scenario, files: list[Path]) -> tuple[Wheelset, Vehicle | None]:
-    """The lone wheelset, or the first wheelset of the whole vehicle and the vehicle. ``files`` gains what was read.
-
-    Raises InputError.
-    """
+def vehicle_of(scenario: Scenario, files: list[Path]) -> Vehicle:
+    """The vehicle with what the scenario changes. ``files`` gains what was read. Raises InputError."""
     section = scenario.spec.vehicle
     file = scenario.find(("vehicle", "model"), section.model)
     files.append(file)
-    model = load_any(file, scenario.finder)
+    vehicle = load_vehicle(file, scenario.finder)
     new: dict[Side, tuple[Profile | None, float | None]] = {}
     for side in SIDES:
         own = section.wheel_left if side == "left" else section.wheel_right
@@ -44,16 +41,12 @@ def vehicle_of(scenario: Scenario, files: list[Path]) -> tuple[Wheelset, Vehicle
             wheelset = with_wheel(wheelset, side, *new[side])
         return wheelset
 
-    if isinstance(model, Vehicle):
-        if section.sprung_mass_kg is not None:
-            message = "is for a lone wheelset; the masses of a whole vehicle stand in its file"
-            raise scenario.fault(("vehicle", "sprung_mass_kg"), message)
-        model = model.with_wheelsets(changed)
-        return model.wheelsets[0].wheelset, model
-    if section.drive is not None:
-        message = "is for whole vehicles; a lone wheelset runs in a frame of constant speed"
-        raise scenario.fault(("vehicle", "drive"), message)
-    wheelset = changed(model)
+    vehicle = vehicle.with_wheelsets(changed)
     if section.sprung_mass_kg is not None:
-        wheelset = replace(wheelset, sprung=SprungMass(section.sprung_mass_kg, wheelset.sprung.height))
-    return wheelset, None
+        if vehicle.bodies or len(vehicle.wheelsets) > 1:
+            message = "is what a single wheelset carries; the masses of a vehicle with bodies stand in its file"
+            raise scenario.fault(("vehicle", "sprung_mass_kg"), message)
+        height = vehicle.carried[0].height if vehicle.carried else 0.0
+        carried = CarriedMass(vehicle.wheelsets[0].name, section.sprung_mass_kg, height)
+        vehicle = replace(vehicle, carried=(carried,))
+    return vehicle

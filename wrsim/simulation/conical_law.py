@@ -1,4 +1,4 @@
-"""The force law of a whole vehicle on conical wheels with a prescribed creep law."""
+"""The force law of a vehicle on conical wheels with a prescribed creep law."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from wrsim.contact.conical import SUPPORT, SUPPORT_DAMPING
 from wrsim.core.body import conical as kernel
 from wrsim.errors import SimulationError
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import Array
-from wrsim.simulation.vehicle_law import VehicleOnTrack
 
 if TYPE_CHECKING:
     from wrsim.contact.conical import ConicalWheels
@@ -29,7 +29,7 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
         *,
         speed: float,
         start: float = 0.0,
-        drive: Drive = "train",
+        drive: Drive | None = None,
     ) -> None:
         """As ``VehicleOnTrack``; speed [m/s] must not be 0, for creepages are over the speed."""
         self.radii = np.array([mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])

@@ -201,14 +201,17 @@ def _motion(rows: Array, step: float, ending: Ending) -> Motion:
     )
 
 
-def recorded_motion(path: str | Path) -> Motion:
+def recorded_motion(path: str | Path, monitor: object = None) -> Motion:
     """The motion that a run file holds; of a run whose process died, up to its last flush.
 
+    monitor: is given back what it remembered then.
     The file's header must hold ``step_s`` and ``start_s``. Raises ``InputError`` when there is no whole sample.
     """
     recording = Recording.read(path)
     rows, ending, known = recording.rows, recording.ending, recording.checkpoint
     step, start = float(recording.header["step_s"]), float(recording.header["start_s"])
+    if known is not None:
+        recall((None, monitor), known.memory)
     if ending is None:
         if known is not None and (len(rows) == 0 or rows[-1, 0] < start + known.step * step):
             rows = np.vstack([rows, np.concatenate([[start + known.step * step], known.q, known.q_t])])

@@ -8,8 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
-from wrsim.simulation.equilibrium import DIFFERENCE, SMALL
+from wrsim.simulation.newton import DIFFERENCE
 from wrsim.simulation.system import COORDINATES, Array, ForceLaw
+
+SMALL = {"z": 1e-5, "x": 1e-2, "y": 1e-4, "heading": 1e-4, "roll": 1e-5, "spin": 1e-2}
+"""Change of a coordinate [m, rad], or of its rate per second, that changes the forces by a few per cent."""
 
 SMALL_EXTENSION = 1e-4
 """Change of the extension of a damper in series with a spring [m]; forces are linear in it or nearly so."""

@@ -42,9 +42,10 @@ def place_on_track(
 
 @dataclass(frozen=True)
 class TrackPoses:
-    """Poses against the track, each (n,): distance, lateral, height above the track plane [m], yaw, roll
-    [rad],
-    spin_rate about the axle [rad/s]."""
+    """Poses against the track, each (n,): distance, lateral, height above the track plane [m], yaw, roll [rad].
+
+    spin_rate: about the axle [rad/s].
+    """
 
     distance: Array
     lateral: Array
@@ -53,15 +54,24 @@ class TrackPoses:
     roll: Array
     spin_rate: Array
 
+    def first(self, n: int) -> TrackPoses:
+        """The first n of them."""
+        return TrackPoses(*(getattr(self, name)[:n] for name in self.__dataclass_fields__))
 
-def poses_on_track(path: Path, q: Array, q_t: Array, start: float = 0.0) -> TrackPoses:
-    """Poses of sampled states (n, 6) along a centre line; start: guess of the first distance [m].
 
-    Consecutive samples should lie within some metres of each other. Raises SimulationError for a state that
-    has no place on the track.
+def poses_as_far(path: Path, q: Array, q_t: Array, start: float = 0.0) -> TrackPoses:
+    """Poses of sampled states (n, 6) along a centre line, up to the first one that has no place on the track.
+
+    start: guess of the first distance [m]. Consecutive samples should lie within some metres of each other.
     """
     out = np.zeros((len(q), 6))
     bad = kernels.poses_along(np.ascontiguousarray(q), np.ascontiguousarray(q_t), path.table, path.step, start, out)
-    if bad >= 0:
-        raise SimulationError(f"sample {bad} has no place on the track")
-    return TrackPoses(*np.ascontiguousarray(out.T))
+    return TrackPoses(*np.ascontiguousarray(out[: bad if bad >= 0 else len(q)].T))
+
+
+def poses_on_track(path: Path, q: Array, q_t: Array, start: float = 0.0) -> TrackPoses:
+    """The same of states that all have a place on the track. Raises SimulationError for one that has none."""
+    poses = poses_as_far(path, q, q_t, start)
+    if len(poses.distance) < len(q):
+        raise SimulationError(f"sample {len(poses.distance)} has no place on the track")
+    return poses

@@ -22,15 +22,12 @@ from wrsim.simulation.linear import force_derivatives, rails_of
 from wrsim.simulation.system import Array, System
 
 if TYPE_CHECKING:
-    from wrsim.vehicle.wheelset import Wheelset
+    from wrsim.vehicle.vehicle import Vehicle
 
-LARGEST_STEP = 5e-4
-"""Largest step [s]: 0.7 over the angular frequency of a wheelset on its contact springs (some 1450 rad/s).
-"""
+LARGEST_STEP, LARGEST_STEP_UNEVEN = 1e-3, 5e-4
+"""Largest step on even and on uneven track [s].
 
-LARGEST_VEHICLE_STEP = 1e-3
-"""Largest step of a whole vehicle on even track [s]; on uneven track it is ``LARGEST_STEP``.
-
+A wheelset on its contact springs vibrates at some 1450 rad/s; on even track nothing keeps that up.
 *Measured* on Manchester vehicle 1 at 120 km/h from straight track into a curve of 900 m, against 0.125 ms: largest
 difference 0.16 % of the largest Q, 0.07 % of Y, 0.13 % of the accelerations. On ERRI low irregularities at 160 km/h,
 against 0.25 ms: 1.9 % of Q, 1.0 % of Y at 1 ms; 0.17 and 0.07 % at 0.5 ms.
@@ -62,16 +59,17 @@ def creep_rate(speed: float, mass: float, spin_inertia: float, radius: float, cr
     return 2.0 * creep_coefficient * (1.0 / mass + radius * radius / spin_inertia) / speed
 
 
-def step_for_speed(speed: float, wheelset: Wheelset | None = None) -> float:
+def step_for_speed(speed: float, vehicle: Vehicle | None = None) -> float:
     """Step for a speed [m/s], before anything is known of the contact: see ``round_step`` and ``SAFETY``.
 
-    For the Manchester wheelset at 50 kN a wheel: 2.6e-5 s at 1 m/s, 1.3e-4 at 5, 2.5e-4 at 10, 5e-4 from 19
-    m/s up. ``stable_step`` knows better once the law is there.
+    For the Manchester wheelset at 50 kN a wheel: 2.6e-5 s at 1 m/s, 1.3e-4 at 5, 2.5e-4 at 10. ``stable_step`` knows
+    better once the law is there.
     """
     mass, inertia, radius, load = MANCHESTER_WHEELSET
-    if wheelset is not None:
+    if vehicle is not None:
+        wheelset = vehicle.wheelsets[0].wheelset
         mass, inertia, radius = wheelset.mass, wheelset.inertia[1], wheelset.mean_radius
-        load = 0.5 * wheelset.static_axle_load
+        load = 0.5 * vehicle.weight / len(vehicle.wheelsets)
     coefficient = CREEP_COEFFICIENT * (max(load, 1e3) / CREEP_LOAD) ** (2.0 / 3.0)
     return round_step(SAFETY * RK44_LIMIT / creep_rate(max(speed, 0.1), mass, inertia, radius, coefficient))
 

@@ -188,9 +188,10 @@ class Assembly:
         return InputError(fault_line(path, message, self.locate, value))
 
 
-def _scaled(values: Triple, factor: float = 1e3) -> Triple:
+def scaled(values: Triple) -> Triple:
+    """Values in kilo-units as plain ones."""
     x, y, z = values
-    return factor * x, factor * y, factor * z
+    return 1e3 * x, 1e3 * y, 1e3 * z
 
 
 def _element(table: sections.ElementTable, name: str, first: str, second: str, place: _Place) -> Element:
@@ -203,8 +204,8 @@ def _element(table: sections.ElementTable, name: str, first: str, second: str, p
             preload = (x, y, z)
         return Spring(
             name, kind, first, second, place(table.at_mm),
-            _scaled(table.stiffness_kN_per_m), _scaled(table.damping_kNs_per_m),
-            _scaled(table.rotational_stiffness_kNm_per_rad), _scaled(table.rotational_damping_kNms_per_rad),
+            scaled(table.stiffness_kN_per_m), scaled(table.damping_kNs_per_m),
+            scaled(table.rotational_stiffness_kNm_per_rad), scaled(table.rotational_damping_kNms_per_rad),
             preload=preload,
         )  # fmt: skip
     if isinstance(table, sections.ShearSpringTable):
@@ -212,7 +213,7 @@ def _element(table: sections.ElementTable, name: str, first: str, second: str, p
         bending, torsion = 1e3 * table.bending_stiffness_kNm_per_rad, 1e3 * table.torsional_stiffness_kNm_per_rad
         return Spring(
             name, kind, first, second, place((x, y, z)),
-            _scaled(table.stiffness_kN_per_m), _scaled(table.damping_kNs_per_m), (bending, bending, torsion),
+            scaled(table.stiffness_kN_per_m), scaled(table.damping_kNs_per_m), (bending, bending, torsion),
             column=True,
         )  # fmt: skip
     if isinstance(table, sections.AntiRollBarTable):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
@@ -12,13 +11,12 @@ from pydantic import Field
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
-from wrsim.inputs.checking import check, fault_line
-from wrsim.inputs.lines import KeyPath, key_lines, line_of
+from wrsim.inputs.checking import fault_line
+from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.toml_files import parse_toml, read_text
-from wrsim.inputs.values import Day, Source, Three, number, positive, text, words
-from wrsim.vehicle.wheelset import SprungMass, Suspension, Wheel, Wheelset
+from wrsim.inputs.values import Three, number, positive, text, words
+from wrsim.vehicle.wheelset import Wheel, Wheelset
 
 Locate = Callable[[KeyPath], str]
 
@@ -111,62 +109,6 @@ class SprungTable(Section):
 
     mass_kg: Annotated[float, number(0, 50_000, "kg")] = 0.0
     height_above_axle_mm: Annotated[float, number(-1000, 5000, "mm of its centre above the axle")] = 0.0
-
-
-class VehicleFile(Section):
-    """A vehicle file as a whole."""
-
-    header: ClassVar[str] = "a vehicle file"
-    aliases: ClassVar[dict[str, str]] = {"title": "name", "vehicle": "wheelset", "sprung_mass": "sprung"}
-
-    name: Annotated[str, text("the vehicle's name")]
-    source: Source
-    date: Day
-    wheelset: WheelsetTable
-    suspension: SuspensionTable = SuspensionTable()
-    sprung: SprungTable = SprungTable()
-
-
-def load_vehicle(path: str | Path, find: Finder | None = None) -> Wheelset:
-    """Read a vehicle file and the wheel profiles it names.
-
-    find: where profiles are looked up after the folder of the vehicle file itself.
-    Raises InputError with all faults of the file at once: file, line, key, value, what is allowed.
-    """
-    path = Path(path)
-    text = read_text(path, "vehicle file")
-    lines = key_lines(text)
-
-    def locate(key: KeyPath) -> str:
-        line = line_of(lines, key)
-        return f"{path}:{line}" if line else str(path)
-
-    data = parse_toml(text, str(path))
-    if "wheelset" not in data and "body" in data:
-        raise InputError(f"{path}: is a profile file; a vehicle file with a table [wheelset] is needed here")
-    file = check(VehicleFile, data, locate)
-    finder = (find or Finder(())).beside(path)
-    profiles = tuple(load_wheel(file.wheelset, side, finder, locate) for side in ("left", "right"))
-    radii = file.wheelset.radii
-    body = file.wheelset
-    x, y, z = file.suspension.stiffness_kN_per_m
-    cx, cy, cz = file.suspension.damping_kNs_per_m
-    return Wheelset(
-        name=file.name,
-        mass=body.mass_kg,
-        inertia=(body.roll_inertia_kg_m2, body.spin_inertia_kg_m2, body.yaw_inertia_kg_m2),
-        profile_spacing=body.spacing,
-        left=Wheel(profiles[0], radii[0]),
-        right=Wheel(profiles[1], radii[1]),
-        suspension=Suspension(
-            (1e3 * x, 1e3 * y, 1e3 * z),
-            (1e3 * cx, 1e3 * cy, 1e3 * cz),
-            file.suspension.half_spacing_mm / 1000.0,
-            file.suspension.ahead_of_bogie_centre_mm / 1000.0,
-        ),
-        sprung=SprungMass(file.sprung.mass_kg, file.sprung.height_above_axle_mm / 1000.0),
-        source=file.source,
-    )
 
 
 def with_wheel(wheelset: Wheelset, side: str, profile: Profile | None, radius: float | None) -> Wheelset:

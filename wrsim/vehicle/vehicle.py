@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.vehicle.elements import GUIDE, TRACK, Element, Triple
+from wrsim.vehicle.elements import GUIDE, TRACK, ZERO, Element, Spring, Triple
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
 
 if TYPE_CHECKING:
@@ -147,17 +147,56 @@ class Vehicle:
             return 0
         return len(self.wheelsets) + int(np.argmax([body.mass for body in self.bodies]))
 
+    @property
+    def is_guided(self) -> bool:
+        """True if springs or dampers join it to a frame that follows the track."""
+        return any(name in (TRACK, GUIDE) for element in self.elements for name in (element.first, element.second))
+
     def with_wheelsets(self, change: Callable[[Wheelset], Wheelset]) -> Vehicle:
-        """The vehicle with every wheelset changed."""
-        return replace(self, wheelsets=tuple(replace(m, wheelset=change(m.wheelset)) for m in self.wheelsets))
+        """The vehicle with every wheelset changed; the guide frame holds its own at the height of the new wheels."""
+        wheelsets, elements = [], list(self.elements)
+        for mounted in self.wheelsets:
+            new = replace(mounted, wheelset=change(mounted.wheelset))
+            for i, e in enumerate(elements):
+                if isinstance(e, Spring) and (e.first, e.second) == (GUIDE, mounted.name):
+                    new = replace(new, height=new.wheelset.mean_radius)
+                    elements[i] = replace(e, at=(e.at[0], e.at[1], new.height))
+            wheelsets.append(new)
+        return replace(self, wheelsets=tuple(wheelsets), elements=tuple(elements))
 
 
-def as_vehicle(wheelset: Wheelset) -> Vehicle:
-    """A lone wheelset as a vehicle on its own: without its suspension and what it carries."""
+def single_wheelset(
+    wheelset: Wheelset,
+    *,
+    stiffness: Triple = ZERO,
+    damping: Triple = ZERO,
+    half_spacing: float = 1.0,
+    ahead: float = 0.0,
+    carried_mass: float = 0.0,
+    carried_height: float = 0.0,
+) -> Vehicle:
+    """A wheelset on its own, held to the guide frame by one set of springs and dampers on each side.
+
+    stiffness [N/m], damping [N s/m]: along x, y, z of each side, at +-half_spacing [m] from the middle of the axle. Yaw
+    and roll stiffness follow from it, 2 kx half_spacing^2 and 2 kz half_spacing^2.
+    ahead: of the centre of the bogie [m], 0 for one that steers itself. In a curve of curvature kappa the axle is held
+    at an angle of attack of -ahead kappa.
+    carried_mass [kg] at carried_height above the axle [m].
+    """
+    name, height = "wheelset", wheelset.mean_radius
+    springs: tuple[Element, ...] = ()
+    if any(stiffness) or any(damping):
+        sides = (("left", half_spacing), ("right", -half_spacing))
+        springs = tuple(
+            Spring(f"guide {side}", "spring", GUIDE, name, (0.0, y, height), stiffness, damping) for side, y in sides
+        )
     return Vehicle(
         wheelset.name,
-        (MountedWheelset("wheelset", wheelset, 0.0, wheelset.mean_radius),),
+        (MountedWheelset(name, wheelset, 0.0, height),),
         (),
-        (),
+        springs,
         source=wheelset.source,
+        carried=(CarriedMass(name, carried_mass, carried_height),) if carried_mass else (),
+        guide_ahead=ahead,
+        drive="free",
     )

@@ -1,38 +1,53 @@
-"""Files of whole vehicles (``models/vehicles/*.toml``) to plain data in SI units.
+"""Vehicle files (``models/vehicles/*.toml``) to plain data in SI units.
 
-A file with a table [suspension] or nothing but [wheelset] describes a lone wheelset (``vehicle.files``); one with
-bodies, parts, elements or [wheelsets] a whole vehicle. See docs/vehicles.md for the format.
+A file with bodies, parts, elements or [wheelsets] is put together from its parts; one with nothing but [wheelset],
+[suspension] and [sprung] is a single wheelset that its bogie guides. See docs/vehicles.md for the format.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
 from wrsim.errors import InputError
-from wrsim.inputs.checking import check
+from wrsim.inputs.checking import Locate, check
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.lookup import Finder
+from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_toml, read_text
 from wrsim.inputs.values import Day, Source, text
-from wrsim.vehicle.assembly import Assembly
-from wrsim.vehicle.elements import TRACK
-from wrsim.vehicle.files import WheelsetTable, load_vehicle, load_wheel
+from wrsim.vehicle.assembly import Assembly, scaled
+from wrsim.vehicle.elements import GUIDE, TRACK
+from wrsim.vehicle.files import SprungTable, SuspensionTable, WheelsetTable, load_wheel
 from wrsim.vehicle.preload import preloads
-from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.vehicle_sections import PartTable
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
-WHOLE = ("bodies", "wheelsets", "elements", "parts", "places", "wheelset_types")
-"""Tables that only the file of a whole vehicle has."""
+OF_PARTS = ("bodies", "wheelsets", "elements", "parts", "places", "wheelset_types")
+"""Tables of a file that puts a vehicle together from parts."""
 
 
-class WholeVehicleFile(PartTable):
-    """The file of a whole vehicle: its outermost part, and what the parts share."""
+class WheelsetFile(Section):
+    """The file of a single wheelset."""
 
-    header: ClassVar[str] = "the file of a whole vehicle"
+    header: ClassVar[str] = "a vehicle file"
+    aliases: ClassVar[dict[str, str]] = {"title": "name", "vehicle": "wheelset", "sprung_mass": "sprung"}
+
+    name: Annotated[str, text("the vehicle's name")]
+    source: Source
+    date: Day
+    wheelset: WheelsetTable
+    suspension: SuspensionTable = SuspensionTable()
+    sprung: SprungTable = SprungTable()
+
+
+class VehicleFile(PartTable):
+    """The file of a vehicle of parts: the outermost one, and what the parts share."""
+
+    header: ClassVar[str] = "a vehicle file"
     aliases: ClassVar[dict[str, str]] = {"title": "name"}
 
     name: Annotated[str, text("the vehicle's name")]
@@ -43,36 +58,43 @@ class WholeVehicleFile(PartTable):
     parts: dict[str, PartTable] = Field(default_factory=dict)
 
 
-def is_whole_vehicle(data: dict[str, Any]) -> bool:
-    """True for the tables of a whole vehicle, False for those of a lone wheelset."""
-    return any(key in data for key in WHOLE)
+def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
+    """Read a vehicle file and the wheel profiles it names; check that its springs can hold it.
 
-
-def load_any(path: str | Path, find: Finder | None = None) -> Vehicle | Wheelset:
-    """Read a vehicle file of either kind.
-
-    Raises InputError with the faults of the file: file, line, key, value, what is allowed.
+    find: where profiles are looked up after the folder of the vehicle file itself.
+    Raises InputError with all faults of the file at once: file, line, key, value, what is allowed.
     """
     path = Path(path)
-    data = parse_toml(read_text(path, "vehicle file"), str(path))
-    return load_whole_vehicle(path, find) if is_whole_vehicle(data) else load_vehicle(path, find)
-
-
-def load_whole_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
-    """Read the file of a whole vehicle and the wheel profiles it names; check that its springs can hold it.
-
-    Raises InputError as ``load_any``.
-    """
-    path = Path(path)
-    text = read_text(path, "vehicle file")
-    lines = key_lines(text)
+    content = read_text(path, "vehicle file")
+    lines = key_lines(content)
 
     def locate(key: KeyPath) -> str:
         line = line_of(lines, key)
         return f"{path}:{line}" if line else str(path)
 
-    file = check(WholeVehicleFile, parse_toml(text, str(path)), locate)
+    data = parse_toml(content, str(path))
     finder = (find or Finder(())).beside(path)
+    if any(key in data for key in OF_PARTS):
+        return _of_parts(check(VehicleFile, data, locate), path, finder, locate)
+    if "wheelset" not in data and "body" in data:
+        raise InputError(f"{path}: is a profile file; a vehicle file with a table [wheelset] is needed here")
+    return _of_one_wheelset(check(WheelsetFile, data, locate), finder, locate)
+
+
+def _of_one_wheelset(file: WheelsetFile, finder: Finder, locate: Locate) -> Vehicle:
+    suspension = file.suspension
+    return single_wheelset(
+        _wheelset(file.wheelset, ("wheelset",), file, finder, locate),
+        stiffness=scaled(suspension.stiffness_kN_per_m),
+        damping=scaled(suspension.damping_kNs_per_m),
+        half_spacing=suspension.half_spacing_mm / 1000.0,
+        ahead=suspension.ahead_of_bogie_centre_mm / 1000.0,
+        carried_mass=file.sprung.mass_kg,
+        carried_height=file.sprung.height_above_axle_mm / 1000.0,
+    )
+
+
+def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate) -> Vehicle:
     types: dict[str, Wheelset] = {}
     if file.wheelset is not None:
         types[""] = _wheelset(file.wheelset, ("wheelset",), file, finder, locate)
@@ -109,7 +131,7 @@ def check_connected(vehicle: Vehicle) -> None:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise InputError(f"elements need names of their own; these stand for more than one: {', '.join(twice)}")
-    held = {TRACK, *(mounted.name for mounted in vehicle.wheelsets)}
+    held = {TRACK, GUIDE, *(mounted.name for mounted in vehicle.wheelsets)}
     while True:
         more = {
             end
@@ -128,7 +150,9 @@ def check_connected(vehicle: Vehicle) -> None:
         )
 
 
-def _wheelset(table: WheelsetTable, path: KeyPath, file: WholeVehicleFile, finder: Finder, locate: Any) -> Wheelset:
+def _wheelset(
+    table: WheelsetTable, path: KeyPath, file: WheelsetFile | VehicleFile, finder: Finder, locate: Locate
+) -> Wheelset:
     left, right = (
         Wheel(load_wheel(table, side, finder, locate, path), radius)
         for side, radius in zip(("left", "right"), table.radii, strict=True)

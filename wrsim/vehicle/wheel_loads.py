@@ -38,6 +38,7 @@ def static_wheel_loads(vehicle: Vehicle) -> NDArray[np.float64]:
                     vertical, y = sign * force[0] * direction[2], ends[1 if sign > 0.0 else 0][1]
                 down -= vertical
                 moment -= vertical * y
+        down += sum(load.mass for load in vehicle.carried if load.body == mounted.name) * STANDARD_GRAVITY
         for load in vehicle.loads:
             if load.body == mounted.name:
                 down -= load.force[2]

@@ -131,7 +131,7 @@ def test_a_run_starts_in_balance_and_keeps_it():
     load = d["Q"].values
     assert d.attrs["status"] == "completed"
     assert load == pytest.approx(load[0, 0], rel=1e-5)
-    weight = build(load_text(text)).wheelset.static_axle_load
+    weight = build(load_text(text)).vehicle.weight
     assert load.sum(axis=1) == pytest.approx(weight, rel=1e-5)
     assert np.nansum(d["strip_N"].values[-1], axis=(-1, -2)) == pytest.approx(d["N"].values[-1, :, 0], rel=1e-4)
 

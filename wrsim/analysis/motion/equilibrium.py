@@ -1,4 +1,4 @@
-"""Equilibrium: a wheelset at rest on its track."""
+"""Equilibrium: a vehicle at rest on its track, without friction."""
 
 from __future__ import annotations
 
@@ -8,33 +8,91 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.analysis.contacts import contact_models
-from wrsim.analysis.motion.motion_result import result_of
-from wrsim.analysis.motion.standing import REST, standing
-from wrsim.analysis.motion.start import EXACT
-from wrsim.analysis.motion.vehicle_equilibrium import run_vehicle_equilibrium
-from wrsim.simulation.equilibrium import find_equilibrium
-from wrsim.simulation.half_space_law import HalfSpaceOnTrack
+from wrsim.analysis.motion.forces import force_law, held_by
+from wrsim.analysis.motion.outcomes import NoSteadyMotion
+from wrsim.analysis.motion.result import result_of
+from wrsim.analysis.motion.start import EXACT, on_the_rails, shifts
+from wrsim.analysis.motion.words import steady_words
+from wrsim.errors import SimulationError
 from wrsim.simulation.integrate import Motion
-from wrsim.simulation.wheelset_law import WheelsetOnTrack
+from wrsim.simulation.state import Equilibrium, design_state, lower_on_rails, steady_state
+from wrsim.vehicle.vehicle import single_wheelset
 
 if TYPE_CHECKING:
     from wrsim.results import Result
     from wrsim.scenario.build import Setup
+    from wrsim.simulation.law import VehicleOnTrack
+    from wrsim.simulation.system import Array
+    from wrsim.vehicle.vehicle import Vehicle
+
+ENOUGH = 1e-5
+"""Force left over, as a part of the weight, that is accepted where patches that appear and vanish stop the search."""
 
 
 def run_equilibrium(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
-    """Find the rest state; the result holds that one sample, at time 0."""
-    if setup.vehicle is not None:
-        return run_vehicle_equilibrium(setup, progress)
-    fast = replace(setup, contact=setup.contact.fast())
-    law = WheelsetOnTrack(setup.wheelset, setup.track, contact_models(fast), speed=0.0, start=setup.run.start)
-    found = standing(fast, law)
-    if setup.contact.normal == "half-space":
-        law = HalfSpaceOnTrack(setup.wheelset, setup.track, contact_models(setup), speed=0.0, start=setup.run.start)
-        weight = setup.wheelset.static_axle_load
-        found = find_equilibrium(law, found.q, found.q_t, REST, weight=weight, tolerance=EXACT)
+    """Find the rest state; the result holds that one sample, at time 0. Raises SimulationError where there is none."""
+    there = replace(setup, run=replace(setup.run, speed=0.0, patches_at=(setup.run.start,)))
+    law = force_law(there, drive=held_by(setup))
+    near = replace(there, contact=setup.contact.fast())
+    try:
+        if near.contact == setup.contact:
+            found = at_rest(there, law)
+        else:
+            fast = force_law(near, drive=held_by(setup))
+            first = at_rest(near, fast)
+            found = steady_state(law, (first.q, first.q_t), tolerance=EXACT, near=fast)
+    except NoSteadyMotion as problem:
+        raise SimulationError(steady_words(problem, setup.vehicle)) from None
     if progress is not None:
         progress(1.0, 0.0)
     rest = Motion(np.zeros(1), found.q[None], found.q_t[None], 0.0, "completed")
-    return result_of(replace(setup, run=replace(setup.run, speed=0.0, patches_at=(setup.run.start,))), law, rest)
+    return result_of(there, law, rest, [])
+
+
+def at_rest(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
+    """The vehicle at rest at the start of the run: on canted track it has slid down to its flanges.
+
+    At rest there is no rolling, so the creep forces say nothing and friction holds wheels wherever they are put; the
+    state asked for is the one that needs no friction. Raises NoSteadyMotion when there is none.
+    """
+    if not law.vehicle.bodies and len(law.vehicle.wheelsets) == 1:
+        return _wheelset_at_rest(setup, law)
+    law.look_near(law.start)
+    q, q_t = design_state(law)
+    for i in range(len(law.vehicle.wheelsets)):
+        q[6 * i : 6 * i + 6] = _seat(setup, i)
+    try:
+        return on_the_rails(law, steady_state(law, (q, q_t), tolerance=ENOUGH))
+    except NoSteadyMotion:
+        raise
+    except SimulationError as fault:
+        raise NoSteadyMotion(fault) from None
+
+
+def _wheelset_at_rest(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
+    """A wheelset looked for further and further down a canted track, where springs or a flange hold it."""
+    problems = []
+    for shift in shifts(setup, float(setup.track.cant(setup.run.start))):
+        try:
+            law.look_near(law.start)
+            return steady_state(law, lower_on_rails(law, *design_state(law, lateral=float(shift))))
+        except SimulationError as fault:
+            problems.append(fault)
+    raise NoSteadyMotion(problems[0])
+
+
+def _seat(setup: Setup, i: int) -> Array:
+    """Coordinates (6,) of wheelset i at rest with its share of the vehicle on it, free of everything else."""
+    vehicle, run = setup.vehicle, setup.run
+    mounted = vehicle.wheelsets[i]
+    share = (vehicle.mass - sum(m.mass for m in vehicle.wheelsets)) / len(vehicle.wheelsets)
+    alone = single_wheelset(mounted.wheelset, carried_mass=share, carried_height=_height(vehicle))
+    there = replace(setup, vehicle=alone, run=replace(run, start=run.start + mounted.x))
+    return _wheelset_at_rest(there, force_law(there, drive="free")).q
+
+
+def _height(vehicle: Vehicle) -> float:
+    """Height of what the wheelsets carry above their axles [m]."""
+    mass = sum(body.mass for body in vehicle.bodies)
+    axles = float(np.mean([mounted.height for mounted in vehicle.wheelsets]))
+    return sum(body.mass * body.centre[2] for body in vehicle.bodies) / mass - axles if mass > 0.0 else 0.0

@@ -10,15 +10,15 @@ When the speed falls by d all bodies lose d and the axles d over their radius: n
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from wrsim.analysis.motion.vehicle_watch import VehicleWatch
+from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.stability.rolling import PLACE, RollingVehicle
 from wrsim.simulation.integrate import integrate
-from wrsim.simulation.step import LARGEST_VEHICLE_STEP, SAFETY, round_step, stable_step
+from wrsim.simulation.step import LARGEST_STEP, SAFETY, round_step, stable_step
 from wrsim.simulation.system import System
 
 if TYPE_CHECKING:
@@ -126,7 +126,6 @@ class CycleSearch:
         plan, law = self.plan, self.rolling.law
         step = self._step_at(speed)
         law.set_speed(speed)
-        setup = replace(self.rolling.setup, run=replace(self.rolling.setup.run, speed=speed))
         q, q_t = state
         last = np.zeros(self.wheelsets)
         first, calm = 0.0, 0
@@ -136,10 +135,10 @@ class CycleSearch:
         while held < plan.longest - 1e-9:
             q = self._moved_back(q)
             law.look_near(PLACE)
-            watch = VehicleWatch(setup, law)
+            monitor = Monitor(law, speed)
             motion = integrate(
                 self.system, q, q_t, duration=plan.window, step=step, sample_interval=SAMPLES,
-                monitor=watch, monitor_interval=watch.interval,
+                monitor=monitor, monitor_interval=monitor.interval,
             )  # fmt: skip
             if motion.cause == "interrupt":
                 raise Interrupted
@@ -186,7 +185,7 @@ class CycleSearch:
         if not abs(speed - self._step_speed) < 0.1 * speed:
             q, q_t = self.rolling.state(speed)
             limit = stable_step(self.system, q, q_t)
-            self._step, self._step_speed = round_step(min(SAFETY * limit, SAMPLES), LARGEST_VEHICLE_STEP), speed
+            self._step, self._step_speed = round_step(min(SAFETY * limit, SAMPLES), LARGEST_STEP), speed
         return self._step
 
 

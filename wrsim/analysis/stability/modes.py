@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from wrsim.simulation.vehicle_modes import part_mode_name
+from wrsim.simulation.modes import part_mode_name
 
 if TYPE_CHECKING:
     from wrsim.simulation.linear import Linearised

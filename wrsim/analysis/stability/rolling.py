@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wrsim.analysis.motion.vehicle_start import vehicle_law
+from wrsim.analysis.motion.forces import force_law
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
 from wrsim.simulation.linear import Linearised, linearise
-from wrsim.simulation.vehicle_state import steady_state
+from wrsim.simulation.state import steady_state
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
+    from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
-    from wrsim.simulation.vehicle_law import VehicleOnTrack
 
 LENGTH, PLACE = 400.0, 200.0
 """Straight track, and where on it the vehicle starts [m]; behind its end it goes on straight."""
@@ -28,14 +28,13 @@ class RollingVehicle:
         """speed [m/s]: any."""
         straight = setup.track.relaid([Straight(LENGTH)])
         self.setup = replace(setup, track=straight, run=replace(setup.run, start=PLACE, speed=speed))
-        assert setup.vehicle is not None  # the scenario asks for it
         self.law: VehicleOnTrack
         if setup.conical is not None:
             self.law = ConicalVehicleOnTrack(
                 setup.vehicle, straight, setup.conical, speed=speed, start=PLACE, drive=setup.run.drive
             )
         else:
-            self.law = vehicle_law(self.setup)
+            self.law = force_law(self.setup)
         self._last: tuple[Array, Array] | None = None
 
     def state(self, speed: float) -> tuple[Array, Array]:
@@ -44,11 +43,11 @@ class RollingVehicle:
         law.set_speed(speed)
         law.look_near(PLACE)
         try:
-            found = steady_state(law, PLACE, self._last)
+            found = steady_state(law, self._last)
         except SimulationError:
             if self._last is None:
                 raise
-            found = steady_state(law, PLACE)
+            found = steady_state(law)
         self._last = found.q, found.q_t
         return found.q.copy(), found.q_t.copy()
 

@@ -44,8 +44,8 @@ def run_stability(setup: Setup, progress: Callable[[float, float], None] | None 
     first speed.
     """
     plan, vehicle = setup.stability, setup.vehicle
-    if plan is None or vehicle is None:
-        raise ValueError("the set-up has no stability plan or no vehicle")
+    if plan is None:
+        raise ValueError("the set-up has no stability plan")
     told = _Told(progress)
     found: list[Modes] = []
     cycles: list[Cycle] = []
@@ -134,7 +134,6 @@ def _result(
     outcome: Mapping[str, Any],
     reason: str,
 ) -> Result:
-    assert setup.vehicle is not None
     most = max(len(m.values) for m in found)
     growth, frequency, damping = (np.full((len(found), most), np.nan) for _ in range(3))
     branch = np.zeros((len(found), most))

@@ -1,4 +1,4 @@
-"""Steady analysis: the quasi-static equilibrium of a whole vehicle in many curves, found by Newton's method.
+"""Steady analysis: the quasi-static equilibrium of a vehicle in many curves, found by Newton's method.
 
 In a full curve nothing changes any more but the heading: the vehicle turns about the axis of the curve with poses held
 (``core.body.steady``). The search goes from curve to curve; only what it does not reach so is run in by integration.
@@ -8,29 +8,30 @@ That a motion found is stable, too, is not proved by it.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from wrsim.analysis.motion.derailment import flange_tip, gauge_face, off_the_rail
-from wrsim.analysis.motion.vehicle_start import STEADY_ENOUGH, vehicle_law, vehicle_start
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.outcomes import NoSteadyMotion, Overturned
+from wrsim.analysis.motion.start import enough, on_the_rails, start_state
+from wrsim.analysis.motion.words import steady_words
 from wrsim.contact.channels import RawContacts, patch_channels, wheel_channels
-from wrsim.core.contact import layout as k
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result, assemble
 from wrsim.scenario.sections.steady import SteadyPoint
 from wrsim.simulation.placement import TrackPoses, place_on_track, poses_on_track
-from wrsim.simulation.vehicle_state import SteadyVehicle, steady_state
+from wrsim.simulation.state import Equilibrium, SteadyMotion, steady_state
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from wrsim.contact.channels import WheelOnRail
     from wrsim.scenario.build import Setup
+    from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
-    from wrsim.simulation.vehicle_law import VehicleOnTrack
 
 MARGIN = 20.0
 """The arc goes on so far before and behind the vehicle [m]."""
@@ -57,8 +58,8 @@ def run_steady(setup: Setup, progress: Callable[[float, float], None] | None = N
     Raises SimulationError when no point has a steady motion.
     """
     vehicle, points = setup.vehicle, setup.steady
-    if vehicle is None or not points:
-        raise ValueError("the set-up has no vehicle or no points")
+    if not points:
+        raise ValueError("the set-up has no points")
     table = _Table(setup, len(points))
     began = time.perf_counter()
     done = 0
@@ -92,7 +93,6 @@ class _Table:
     """What is found, a row a point."""
 
     def __init__(self, setup: Setup, n: int) -> None:
-        assert setup.vehicle is not None
         self.setup, self.vehicle = setup, setup.vehicle
         count = len(self.vehicle.wheelsets)
         self.solved = np.zeros(n, dtype=bool)
@@ -108,13 +108,11 @@ class _Table:
         try:
             found = steady_in_curve(self.setup, point, self._found)
             law, q, q_t = found.law, found.q, found.q_t
-            law(0.0, q, q_t, np.zeros(law.size))
-            problem = next(_derailed(law), "")
-            if problem:
-                raise SimulationError(f"the steady motion found is a derailed one: {problem}")
+            on_the_rails(law, Equilibrium(q, q_t, found.left, 0))
         except SimulationError as error:
             missing = 1e3 * cant_deficiency(point, self.setup.track.cant_base)
-            self.messages[i] = f"{error} (cant deficiency {missing:.0f} mm)"
+            why = error if isinstance(error, NoSteadyMotion) else NoSteadyMotion(error)
+            self.messages[i] = f"{steady_words(why, self.vehicle)} (cant deficiency {missing:.0f} mm)"
             for raw in self.raw:
                 raw.clear(i)
             return
@@ -176,7 +174,7 @@ def steady_in_curve(setup: Setup, point: SteadyPoint, solved: Sequence[Found] = 
     """The vehicle in steady motion in the middle of a long arc; solved: curves at hand to go on from.
 
     The way goes from the nearest curve of the same hand, or from one next to straight, to this one in steps that are
-    halved where the search loses the motion; what it does not reach so is run in (``analysis.motion.vehicle_start``).
+    halved where the search loses the motion; what it does not reach so is run in (``analysis.motion.start``).
     Raises SimulationError when there is no steady motion.
     """
     _upright(setup, point)
@@ -197,7 +195,7 @@ def steady_in_curve(setup: Setup, point: SteadyPoint, solved: Sequence[Found] = 
         q = found.q.copy()
         q[6 * np.arange(len(found.law.vehicle.wheelsets)) + 2] += nudge
         try:
-            again = steady_state(found.law, found.law.start, (q, found.q_t), enough=STEADY_ENOUGH)
+            again = steady_state(found.law, (q, found.q_t), tolerance=enough(setup))
         except SimulationError:
             continue
         if again.residual < found.left:
@@ -216,17 +214,13 @@ def _better(found: Found, setup: Setup, point: SteadyPoint) -> Found:
 
 def _upright(setup: Setup, point: SteadyPoint) -> None:
     """Raise SimulationError when weight and centrifugal force together point beside the rails."""
-    assert setup.vehicle is not None
     base, height = setup.track.cant_base, float(setup.vehicle.centre[2])
     tilt = np.arcsin(point.cant / base)
     outward = np.arctan2(point.speed**2 / abs(point.radius), STANDARD_GRAVITY) - tilt
     beside = abs(height * np.tan(outward)) - 0.5 * base if abs(outward) < 0.5 * np.pi else np.inf
     if beside > 0.0:
-        side = "outer" if outward > 0.0 else "inner"
-        raise SimulationError(
-            f"the vehicle would overturn: its weight and centrifugal force together point {1e3 * beside:.0f} mm beyond "
-            f"the {side} rail"
-        )
+        side: Literal["outer", "inner"] = "outer" if outward > 0.0 else "inner"
+        raise NoSteadyMotion(Overturned(side, float(beside)))
 
 
 def _apart(a: SteadyPoint, b: SteadyPoint) -> float:
@@ -245,10 +239,10 @@ def _continued(setup: Setup, near: Found, point: SteadyPoint) -> Found:
             (1.0 - to) * start.cant + to * point.cant,
             (1.0 - to) * start.speed + to * point.speed,
         )
-        law, place = _law(setup, between)
+        law = _law(setup, between)
         try:
             guess = _carried_over(near, law)
-            found = steady_state(law, place, guess, max_iterations=MOST_ITERATIONS, enough=STEADY_ENOUGH)
+            found = steady_state(law, guess, max_iterations=MOST_ITERATIONS, tolerance=enough(setup))
         except SimulationError:
             step *= 0.5
             if step < SMALLEST_STEP:
@@ -264,26 +258,18 @@ def _continued(setup: Setup, near: Found, point: SteadyPoint) -> Found:
 
 def _from_design(setup: Setup, point: SteadyPoint) -> Found:
     """As a run starts: from the design position, or run in from straight track."""
-    law, place = _law(setup, point)
-    there = replace(setup, track=law.track, run=replace(setup.run, start=place, speed=point.speed))
-    try:
-        q, q_t = vehicle_start(there, law)
-    except SimulationError as error:
-        words = str(error).partition(" km/h: ")[2].split(". Start the run")[0]
-        raise SimulationError(words or str(error)) from None
-    steady = SteadyVehicle(law, place)
-    with law.dampers_at_rest():
-        left = float(np.max(np.abs(steady.residual(steady.unknowns(q, q_t)))))
-    return Found(point, law, q, q_t, left)
+    law = _law(setup, point)
+    there = replace(setup, track=law.track, run=replace(setup.run, start=law.start, speed=point.speed))
+    q, q_t = start_state(there, law)
+    return Found(point, law, q, q_t, SteadyMotion(law).largest(q, q_t))
 
 
-def _law(setup: Setup, point: SteadyPoint) -> tuple[VehicleOnTrack, float]:
-    """The force law of the vehicle in the middle of a long arc, and where its origin is there [m]."""
-    assert setup.vehicle is not None
+def _law(setup: Setup, point: SteadyPoint) -> VehicleOnTrack:
+    """The force law of the vehicle in the middle of a long arc."""
     places = [part.centre[0] for part in setup.vehicle.parts]
     before, behind = MARGIN - min(places), MARGIN + max(places)
     track = setup.track.relaid([Arc(before + behind, point.radius, point.cant)])
-    return vehicle_law(replace(setup, track=track, run=replace(setup.run, start=before, speed=point.speed))), before
+    return force_law(replace(setup, track=track, run=replace(setup.run, start=before, speed=point.speed)))
 
 
 def _carried_over(near: Found, law: VehicleOnTrack) -> tuple[Array, Array]:
@@ -303,16 +289,3 @@ def _carried_over(near: Found, law: VehicleOnTrack) -> tuple[Array, Array]:
             q[own.stop - 1] = near.q[own.stop - 1]
     q[6 * len(law.bodies) :] = near.q[6 * len(law.bodies) :]
     return q, q_t
-
-
-def _derailed(law: VehicleOnTrack) -> Iterator[str]:
-    """Signs that a wheel is off its rail or carries nothing, in words."""
-    for mounted, pair in zip(law.vehicle.wheelsets, law.wheels, strict=True):
-        for wheel in pair:
-            of = f" of wheelset {mounted.name}"
-            reason = off_the_rail(wheel, flange_tip(wheel.model.wheel), gauge_face(wheel.model.rail))
-            if reason:
-                yield reason.replace(" wheel", " wheel" + of, 1)
-            a = wheel.model.arrays
-            if not np.any(a.patches[: int(a.total[k.COUNT]), k.N] > 0.0):
-                yield f"the {wheel.name} wheel{of} has no contact with its rail"

@@ -25,7 +25,7 @@ from math import atan2, cos, isfinite, sin, sqrt
 
 from numba import njit
 
-from wrsim.core.track.path import frame, frame_rates, locate
+from wrsim.core.track.path import frame, locate
 
 Z, X, Y, HEADING, ROLL, SPIN = 0, 1, 2, 3, 4, 5  # places in q and q_t
 
@@ -146,43 +146,6 @@ def place(track, rates, speed, lateral, height, yaw, roll, spin, q, q_t):
     q_t[3] = heading_t
     q_t[4] = wx * cos(q[3]) + wy * sin(q[3])
     q_t[5] = spin - heading_t * az
-
-
-@njit(cache=True)
-def follow(q, q_t, path, step, guess, speed, q_to, q_t_to):
-    """Write the state that has the pose and the spin rate of (q, q_t) and follows the path steadily, pose held.
-
-    path, step: centre line; guess [m]: where to look for the wheelset; speed [m/s].
-    Returns (wx, wy, wz [rad/s], status): the angular velocity of the track frame there, status of ``locate``.
-    """
-    body = kinematics(q, q_t)
-    s, status = locate(path, step, body[0], body[1], body[2], guess)
-    own = frame(path, step, s)
-    wx, wy, wz, roll_rate = frame_rates(path, step, s)
-    lateral, height, yaw, roll = pose_in_track(body, own)
-    place(own, (wx, wy, wz, roll_rate), speed, lateral, height, yaw, roll, spin_rate(q, q_t), q_to, q_t_to)
-    return wx * speed, wy * speed, wz * speed, status
-
-
-@njit(cache=True)
-def steady_inertia(q, q_t, wx, wy, wz, mass, spin_inertia, cross_inertia, out):
-    """Generalised forces (6,) that a steady motion about a fixed axis takes, the angular velocity w [rad/s] constant.
-
-    The wheelset's pose against the turning frame is held, so its acceleration is w x v and the rate of its angular
-    momentum w x L, L = I_cross omega + (I_spin - I_cross)(omega . axle) axle: centrifugal force and gyroscopic moment.
-    """
-    body = kinematics(q, q_t)
-    along = (spin_inertia - cross_inertia) * (body[15] * body[9] + body[16] * body[10] + body[17] * body[11])
-    lx = cross_inertia * body[15] + along * body[9]
-    ly = cross_inertia * body[16] + along * body[10]
-    lz = cross_inertia * body[17] + along * body[11]
-    force = (
-        mass * (wy * body[5] - wz * body[4]),
-        mass * (wz * body[3] - wx * body[5]),
-        mass * (wx * body[4] - wy * body[3]),
-    )
-    moment = (wy * lz - wz * ly, wz * lx - wx * lz, wx * ly - wy * lx)
-    generalised_forces(body, force, moment, out)
 
 
 @njit(cache=True)

@@ -1,4 +1,4 @@
-"""[vehicle]: which wheelset runs, how fast, and what differs from its file."""
+"""[vehicle]: which vehicle runs, how fast, and what differs from its file."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from wrsim.vehicle.files import Radius, WheelName
 class VehicleSection(Section):
     """model: vehicle file; speed_kmh: needed to run along a track; the rest overrides values of the file.
 
-    drive: what holds the speed of a whole vehicle: a pull along the track ("train", the default), moments on the axles
-    ("wheels"), nothing ("free").
+    drive: what holds the speed: a pull along the track ("train", the default), moments on the axles ("wheels"), nothing
+    but springs to a frame of constant speed, if there are any ("free", the default of a single wheelset).
     """
 
     header: ClassVar[str] = "[vehicle]"

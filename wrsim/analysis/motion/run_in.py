@@ -7,19 +7,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.analysis.motion.forces import force_law, held_by
+from wrsim.analysis.motion.outcomes import NoSteadyMotion, RunInStopped
 from wrsim.core.track import path as path_kernels
-from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.simulation.integrate import integrate
-from wrsim.simulation.step import LARGEST_VEHICLE_STEP, SAFETY, round_step, stable_step
+from wrsim.simulation.step import LARGEST_STEP, SAFETY, round_step, stable_step
 from wrsim.simulation.system import System
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from wrsim.scenario.build import Setup
+    from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
-    from wrsim.simulation.vehicle_law import VehicleOnTrack
 
     State = tuple[Array, Array]
 
@@ -30,14 +31,12 @@ SETTLE = 3.0
 """... and in the full curve before the motion is taken as steady [s]."""
 
 
-def run_in(setup: Setup, law_of: Callable[[Setup], VehicleOnTrack], start_of: Callable[..., State]) -> State:
+def run_in(setup: Setup, start_of: Callable[[Setup, VehicleOnTrack], State]) -> State:
     """State (q, q_t) at the start of a run in a full curve, reached through a long transition to its curvature.
 
-    law_of: the law of a set-up's vehicle, held by a pull; start_of(setup, law): steady motion on straight track.
-    Raises SimulationError when the run into the curve does not arrive.
+    start_of(setup, law): steady motion on straight track. Raises NoSteadyMotion when the run does not arrive.
     """
     track, run, vehicle = setup.track, setup.run, setup.vehicle
-    assert vehicle is not None
     reach = max(abs(part.centre[0]) for part in vehicle.parts) + 2.0
     curvature = float(track.curvature(run.start))
     ease, settle = max(EASE * run.speed, 20.0), SETTLE * run.speed + reach
@@ -52,13 +51,13 @@ def run_in(setup: Setup, law_of: Callable[[Setup], VehicleOnTrack], start_of: Ca
         track=track.relaid([Straight(2.0 * reach), Transition(ease), bend]),
         run=replace(run, start=reach, end=2.0 * reach + ease + settle),
     )
-    law = law_of(there)
+    law = force_law(there, drive=held_by(setup))
     q, q_t = start_of(there, law)
     system = System(law.bodies, law, law.dampers)
-    step = round_step(SAFETY * stable_step(system, q, q_t), LARGEST_VEHICLE_STEP)
+    step = round_step(SAFETY * stable_step(system, q, q_t), LARGEST_STEP)
     motion = integrate(system, q, q_t, duration=there.run.duration, step=step, sample_interval=0.1)
     if motion.status != "completed":
-        raise SimulationError(f"the run into the curve stopped: {motion.reason}")
+        raise NoSteadyMotion(RunInStopped(motion.reason))
     law.look_near(there.run.end)
     law(motion.end, motion.q[-1], motion.q_t[-1], np.zeros(law.size))
     ahead = vehicle.parts[vehicle.reference].centre[0]

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
-from wrsim.simulation.vehicle_law import VehicleOnTrack
-from wrsim.simulation.vehicle_state import design_state
+from wrsim.simulation.state import design_state
 
 if TYPE_CHECKING:
     from wrsim.vehicle.elements import Triple
@@ -41,7 +41,7 @@ class Mode:
     name: str
 
 
-def vehicle_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
+def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
     """Oscillating modes in the design position, slowest first; the wheelsets are held, as by rails without compliance.
 
     Dampers and their springs in series take part.
@@ -49,8 +49,8 @@ def vehicle_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
     if not vehicle.bodies:
         return ()
     law = VehicleOnTrack(vehicle, Track.build([Straight(200.0)], 1.5), (), speed=0.0, start=100.0, drive="free")
-    q, q_t = design_state(law, 100.0)
-    linear = linearise(law, law.bodies, q, law.yielded(q, q_t))
+    q, q_t = design_state(law)
+    linear = linearise(law, law.bodies, q, law.at_rest_in_series(q, q_t))
     n, w = 6 * len(law.bodies), 6 * len(vehicle.wheelsets)
     matrix = linear.state_matrix
     kept = np.r_[w:n, n + w : len(matrix)]

@@ -1,4 +1,4 @@
-"""What bodies, points and suspension of a vehicle do: channels from sampled states."""
+"""What bodies, points and frames of a vehicle do: channels from sampled states."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from wrsim.core.body.rigid_body import turned_axes
 from wrsim.core.track import path as path_kernels
 from wrsim.simulation.bodies import mass_matrix, velocity_forces
 from wrsim.simulation.placement import poses_on_track
+from wrsim.vehicle.elements import GUIDE, TRACK, Spring, Strut
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
+    from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
-    from wrsim.simulation.vehicle_law import VehicleOnTrack
 
 
 def body_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
@@ -88,3 +89,32 @@ def _angular_acceleration(q: Array, q_t: Array, q_tt: Array) -> Array:
         ]
     )
     return np.asarray(turning @ q_tt[3:6] + rate)
+
+
+def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[str, Array]:
+    """What the track frame and the guide frame do to each wheelset by their springs and dampers, (samples, wheelsets).
+
+    Forces forward and to the left along the axes of the track, moment about its normal at the axle's middle. records:
+    forces of all elements (samples, elements, 6). Empty for a vehicle that no frame holds.
+    """
+    vehicle = law.vehicle
+    if not vehicle.is_guided:
+        return {}
+    attack = -vehicle.guide_ahead * law.track.curvature(law.start + law.speed * times)
+    found = np.zeros((3, len(times), len(vehicle.wheelsets)))
+    for record, element in zip(np.moveaxis(records, 1, 0), vehicle.elements, strict=True):
+        w = vehicle.index(element.second)
+        if element.first not in (TRACK, GUIDE) or w >= len(vehicle.wheelsets):
+            continue
+        at = np.array(element.at if isinstance(element, Spring) else element.ends[1])
+        x, y, _ = at - vehicle.parts[w].centre
+        fx, fy = record[:, 0], record[:, 1]
+        if isinstance(element, Strut) and element.axis is None:
+            line = np.array(element.ends[1]) - np.array(element.ends[0])
+            fx, fy = (-record[:, 0] * part for part in (line / np.linalg.norm(line))[:2])
+        moment = x * fy - y * fx
+        if element.first == GUIDE:
+            c, s = np.cos(attack), np.sin(attack)
+            fx, fy = c * fx - s * fy, s * fx + c * fy
+        found[:, :, w] += fx, fy, moment
+    return dict(zip(("guide_force_x", "guide_force_y", "guide_moment"), found, strict=True))

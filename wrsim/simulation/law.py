@@ -1,40 +1,70 @@
-"""The force law of a whole vehicle on its track: suspension, gravity, drive and all contacts in one numba call."""
+"""The force law of a vehicle on its track: suspension, gravity, drive and all contacts in one numba call."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.arena import pack
+from wrsim.contact.channels import ElementField, WheelOnRail
+from wrsim.contact.model import ContactModel, KernelArrays
 from wrsim.core.body import suspension, vehicle_forces
 from wrsim.core.body import wheelset_forces as wheelset_kernel
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.suspension_table import suspension_table
 from wrsim.simulation.system import Array
-from wrsim.simulation.wheelset_law import Contacts, wheels_on_track, wheelset_arrays
 from wrsim.vehicle.vehicle import Drive
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
-    from wrsim.contact.channels import WheelOnRail
     from wrsim.geometry.track.track import Track
     from wrsim.vehicle.vehicle import Vehicle
+    from wrsim.vehicle.wheelset import Wheelset
+
+Contacts = tuple[ContactModel, ContactModel]
+"""Contact models of the left and the right wheel."""
 
 DRIVES: tuple[Drive, ...] = ("free", "train", "wheels")
 """In the order of their numbers in ``core.body.vehicle_forces``."""
 
-PLACES = [wheelset_kernel.S_CENTRE, wheelset_kernel.S_LEFT, wheelset_kernel.S_RIGHT]
-"""Distances among a wheelset's scalars."""
+PLACES = [wheelset_kernel.S_LEFT, wheelset_kernel.S_RIGHT]
+"""Distances along the rails among a wheelset's scalars."""
 
 RAIL_COORDINATES = vehicle_forces.RAIL_COORDINATES
 """Displacements of the rails under one wheelset."""
 
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
+
+
+def _wheelset_arrays(wheelset: Wheelset, track: Track, contacts: Contacts) -> list[Array]:
+    """The arrays of one wheelset in the order of ``core.body.wheelset_forces``."""
+    scalars = np.zeros(wheelset_kernel.SCALAR_COUNT)
+    scalars[[wheelset_kernel.STEP_LEFT, wheelset_kernel.STEP_RIGHT]] = track.left.step, track.right.step
+    scalars[wheelset_kernel.HALF_SPACING] = 0.5 * wheelset.profile_spacing
+    left, right = (model.arrays.arguments() for model in contacts)
+    return [scalars, track.left.table, track.right.table, np.zeros(3), np.zeros(3), *left, *right]
+
+
+def _wheels(views: Sequence[Array], wheelset: Wheelset, track: Track, contacts: Contacts) -> tuple[WheelOnRail, ...]:
+    """The two wheels of a wheelset, whose models compute in the arena's views of its arrays."""
+    count = wheelset_kernel.RIGHT - wheelset_kernel.LEFT
+    return tuple(
+        WheelOnRail(
+            replace(contact, arrays=KernelArrays(*views[first : first + count])),
+            side,
+            0.5 * wheelset.profile_spacing,
+            origin,
+        )
+        for contact, side, first, origin in zip(
+            contacts, (1, -1), (wheelset_kernel.LEFT, wheelset_kernel.RIGHT), track.rail_origins, strict=True
+        )
+    )
 
 
 class VehicleOnTrack:
@@ -55,13 +85,14 @@ class VehicleOnTrack:
         *,
         speed: float,
         start: float = 0.0,
-        drive: Drive = "train",
+        drive: Drive | None = None,
         gravity: float = STANDARD_GRAVITY,
     ) -> None:
         """contacts: of every wheelset, or none at all: no rails carry the vehicle then.
 
-        speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0.
+        speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0. drive: the vehicle's own unless given.
         """
+        drive = drive or vehicle.drive
         self.vehicle, self.track, self.speed, self.start, self.drive = vehicle, track, speed, start, drive
         self.bodies: tuple[Solid, ...] = (
             *(RigidBody.of(mounted.wheelset) for mounted in vehicle.wheelsets),
@@ -75,20 +106,20 @@ class VehicleOnTrack:
         own = self._arrays(table.elements, table.tables, speed, start, drive, gravity)
         whole = list(own)
         for mounted, models in zip(vehicle.wheelsets, contacts, strict=bool(contacts)):
-            whole += wheelset_arrays(mounted.wheelset, track, models, speed=speed, start=start)
+            whole += _wheelset_arrays(mounted.wheelset, track, models)
         self.arena = pack(whole)
         views = self.arena.views
         self.scalars = views[vehicle_forces.V_SCALARS]
         self.elements = views[vehicle_forces.ELEMENTS]
         self.records = views[vehicle_forces.RECORDS]
         self._loads = views[vehicle_forces.LOADS]
-        self._views = [
+        self.wheelset_views = [
             views[first : first + wheelset_kernel.ARRAYS]
             for first in range(vehicle_forces.FIRST_WHEELSET, len(views), wheelset_kernel.ARRAYS)
         ]
         self.wheels: tuple[tuple[WheelOnRail, ...], ...] = tuple(
-            wheels_on_track(view, mounted.wheelset, track, models)
-            for view, mounted, models in zip(self._views, vehicle.wheelsets, contacts, strict=bool(contacts))
+            _wheels(view, mounted.wheelset, track, models)
+            for view, mounted, models in zip(self.wheelset_views, vehicle.wheelsets, contacts, strict=bool(contacts))
         )
         self.look_near(start)
 
@@ -98,6 +129,10 @@ class VehicleOnTrack:
         if status & wheelset_kernel.OFF_TRACK:
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
         return status
+
+    def elements_of_contacts(self) -> list[list[list[ElementField]]]:
+        """Elements of the patches of every wheel at the state asked for last, where the contact model has any."""
+        return [[] for _ in self.wheels]
 
     @property
     def distance(self) -> float:
@@ -131,8 +166,8 @@ class VehicleOnTrack:
         else:
             rows = np.asarray(origin)
         at = float(rows[0, 0]) - vehicle.wheelsets[0].x
-        for view, row in zip(self._views, rows, strict=bool(self._views)):
-            view[wheelset_kernel.SCALARS][PLACES] = row
+        for view, row in zip(self.wheelset_views, rows, strict=bool(self.wheelset_views)):
+            view[wheelset_kernel.SCALARS][PLACES] = row[1:]
         self.scalars[vehicle_forces.S_REFERENCE] = at + vehicle.parts[vehicle.reference].centre[0]
         for load in self._loads:
             load[vehicle_forces.S_LOAD] = at + vehicle.parts[int(load[0])].centre[0]
@@ -147,7 +182,7 @@ class VehicleOnTrack:
         """What the next call starts from: it decides the last bits of the answer. See ``tape.Remembers``."""
         return np.concatenate(
             [self.scalars[[vehicle_forces.S_REFERENCE]], self._loads[:, vehicle_forces.S_LOAD]]
-            + [view[wheelset_kernel.SCALARS][PLACES] for view in self._views]
+            + [view[wheelset_kernel.SCALARS][PLACES] for view in self.wheelset_views]
             + [wheel.model.arrays.memory() for wheels in self.wheels for wheel in wheels]
         )
 
@@ -157,7 +192,7 @@ class VehicleOnTrack:
         self.scalars[vehicle_forces.S_REFERENCE] = memory[0]
         self._loads[:, vehicle_forces.S_LOAD] = memory[1 : 1 + loads]
         place = 1 + loads
-        for view in self._views:
+        for view in self.wheelset_views:
             view[wheelset_kernel.SCALARS][PLACES] = memory[place : place + len(PLACES)]
             place += len(PLACES)
         for wheels in self.wheels:
@@ -166,27 +201,27 @@ class VehicleOnTrack:
 
     @contextmanager
     def dampers_at_rest(self) -> Iterator[None]:
-        """While this lasts, dampers in series with springs carry nothing: they have had time to yield."""
+        """While this lasts, dampers in series with springs carry nothing: they have had time to give way."""
         series = self.elements[:, suspension.SERIES].copy()
-        own = self._with_state()
+        own = self._with_unknown()
         try:
             self.elements[own, suspension.SERIES] = 0.0
             yield
         finally:
             self.elements[:, suspension.SERIES] = series
 
-    def yielded(self, q: Array, q_t: Array) -> Array:
+    def at_rest_in_series(self, q: Array, q_t: Array) -> Array:
         """The rates q_t with the extensions at which the dampers in series with springs carry nothing."""
         q_t = np.array(q_t, dtype=float)
         self(0.0, q, q_t, np.zeros(self.size))
-        for i in self._with_state():
+        for i in self._with_unknown():
             row = self.elements[i]
             line = int(row[suspension.KIND]) == suspension.LINE
             travel = self.records[i, 3 + (0 if line else int(row[suspension.DIRECTION]))]
             q_t[6 * len(self.bodies) + int(row[suspension.STATE])] = travel
         return q_t
 
-    def _with_state(self) -> NDArray[np.intp]:
+    def _with_unknown(self) -> NDArray[np.intp]:
         """Numbers of the elements with an unknown of their own."""
         struts = self.elements[:, suspension.KIND] >= suspension.AXIS
         return np.flatnonzero(struts & (self.elements[:, suspension.STATE] >= 0.0))

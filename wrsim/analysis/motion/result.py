@@ -1,37 +1,53 @@
-"""From the sampled states of a vehicle's run to its result: every channel of every wheelset, and of the vehicle."""
+"""From the sampled states of a run to its result: every channel of every wheelset, and of the vehicle.
+
+The contacts of each sample are computed anew from its state, so a sample is a function of the state (the strip model
+starts from those of the sample before, and ends as sharply as afresh). Strips are kept at chosen places and at the
+largest Y/Q of each wheel.
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wrsim.analysis.motion.motion_result import choose_snapshots, run_attributes
+from wrsim.analysis.motion.motions import PointMotion, body_channels, guide_channels
 from wrsim.analysis.motion.track_channels import track_channels, uneven
-from wrsim.analysis.motion.vehicle_motions import PointMotion, body_channels
+from wrsim.analysis.motion.words import event_words
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
 from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
-from wrsim.simulation.placement import TrackPoses, poses_on_track
+from wrsim.simulation.placement import TrackPoses, poses_as_far
 from wrsim.vehicle.levels import bogie_mass, level_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
+    from wrsim.analysis.motion.outcomes import Event
     from wrsim.scenario.build import Setup
     from wrsim.simulation.integrate import Motion
-    from wrsim.simulation.vehicle_law import VehicleOnTrack
+    from wrsim.simulation.law import VehicleOnTrack
 
     Array = NDArray[np.float64]
 
 RAIL_CHANNELS = ("rail_displacement_y", "rail_displacement_z")
 
-Event = tuple[float, float, str]
-"""Time [s], distance [m], what happened."""
+NEAR = 1.0
+"""Distance within which the largest Y/Q of both wheels are one moment [m]."""
 
 
-def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: list[Event]) -> Result:
+@dataclass(frozen=True)
+class Snapshot:
+    """A sample whose strips are kept, and why."""
+
+    sample: int
+    label: str
+
+
+def result_of(setup: Setup, law: VehicleOnTrack, motion: Motion, events: Sequence[Event]) -> Result:
     """All channels of a motion, from its sampled states.
 
     At the end of a stopped run the last states may have no place on the track any more; they are left out then.
@@ -67,8 +83,8 @@ def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: li
     strips = [StripRecorder.start(pair) for pair in law.wheels]
     for snapshot in snapshots:
         evaluate(snapshot.sample)
-        for recorder in strips:
-            recorder.store()
+        for recorder, elements in zip(strips, law.elements_of_contacts(), strict=True):
+            recorder.store(elements)
     kept = np.array([s.sample for s in snapshots], dtype=int)
     moved = np.zeros((n, len(vehicle.wheelsets), 2, 2))  # rails under the wheels: left and right, lateral and up
     if law.rails:
@@ -102,6 +118,7 @@ def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: li
         "snapshot_distance": reference[kept],
         "snapshot_label": np.array([s.label for s in snapshots]),
         **_stacked([recorder.channels() for recorder in strips]),
+        **guide_channels(law, motion.times, records),
     }
     coords: dict[str, Any] = {"time": motion.times, "wheelset": [m.name for m in vehicle.wheelsets]}
     if vehicle.bodies:
@@ -119,9 +136,29 @@ def vehicle_result(setup: Setup, law: VehicleOnTrack, motion: Motion, events: li
         ends = np.array([getattr(e, "limits", None) or (np.nan, np.nan) for e in vehicle.elements])
         channels |= {"suspension_stop_min": ends[:, 0], "suspension_stop_max": ends[:, 1]}
     if events:
-        times, distances, words = zip(*events, strict=True)
-        channels |= {"event_time": times, "event_distance": distances, "event_label": np.array(words)}
-    return Result(assemble(coords, channels, run_attributes(setup, motion, reference)))
+        channels |= {
+            "event_time": [event.start[0] for event in events],
+            "event_distance": [event.start[1] for event in events],
+            "event_label": np.array([event_words(event, vehicle) for event in events]),
+        }
+    return Result(assemble(coords, channels, _attributes(setup, motion, reference)))
+
+
+def _attributes(setup: Setup, motion: Motion, distance: Array) -> dict[str, str | float | int]:
+    """Attributes of the result of a run whose samples lie at these distances [m]."""
+    attributes: dict[str, str | float | int] = {
+        "title": setup.title,
+        "analysis": setup.analysis,
+        "status": motion.status,
+        "scenario_text": setup.text,
+        "step_s": motion.step,
+    }
+    if motion.status == "stopped":
+        attributes["stop_reason"] = motion.reason
+        attributes["stop_cause"] = motion.cause
+        attributes["stop_time_s"] = motion.end
+        attributes["stop_distance_m"] = float(distance[-1])
+    return attributes
 
 
 def _speeds(law: VehicleOnTrack, motion: Motion) -> Array:
@@ -132,23 +169,47 @@ def _speeds(law: VehicleOnTrack, motion: Motion) -> Array:
 
 def _placed(motion: Motion, law: VehicleOnTrack) -> tuple[Motion, list[TrackPoses]]:
     """The motion as far as all its samples have a place on the track, and the poses of every wheelset."""
-    out = np.zeros(law.size)
+    poses = []
+    for w, mounted in enumerate(law.vehicle.wheelsets):
+        own = slice(6 * w, 6 * w + 6)
+        poses.append(poses_as_far(law.track.centre, motion.q[:, own], motion.q_t[:, own], law.start + mounted.x))
+    n, out = min(len(p.distance) for p in poses), np.zeros(law.size)
     while True:
+        if n == 0 or (n < len(motion.times) and motion.status == "completed"):
+            raise SimulationError(f"sample {n} has no place on the track")
         try:
-            poses = [
-                poses_on_track(
-                    law.track.centre, motion.q[:, 6 * w : 6 * w + 6], motion.q_t[:, 6 * w : 6 * w + 6], law.start + m.x
-                )
-                for w, m in enumerate(law.vehicle.wheelsets)
-            ]
-            law.look_near(law.places(np.array([[p.distance[-1] for p in poses]]))[0])
-            law(motion.times[-1], motion.q[-1], motion.q_t[-1], out)
+            law.look_near(law.places(np.array([[p.distance[n - 1] for p in poses]]))[0])
+            law(motion.times[n - 1], motion.q[n - 1], motion.q_t[n - 1], out)
         except SimulationError:
-            if motion.status == "completed" or len(motion.times) == 1:
+            if motion.status == "completed" or n == 1:
                 raise
-            motion = replace(motion, times=motion.times[:-1], q=motion.q[:-1], q_t=motion.q_t[:-1])
+            n -= 1
         else:
-            return motion, poses
+            cut = replace(motion, times=motion.times[:n], q=motion.q[:n], q_t=motion.q_t[:n])
+            return cut, [p.first(n) for p in poses]
+
+
+def choose_snapshots(setup: Setup, distance: Array, wheel: dict[str, Array], stopped: bool) -> list[Snapshot]:
+    """Samples whose strips are kept: the distances asked for, the largest Y/Q of either wheel, the stop if any."""
+    chosen = {
+        int(np.argmin(np.abs(distance - place))): f"at {place:g} m"
+        for place in setup.run.patches_at
+        if distance[0] - 0.5 <= place <= distance[-1] + 0.5
+    }
+    q = wheel["Q"]
+    quotient = np.divide(wheel["Y"], q, out=np.full(q.shape, -np.inf), where=q > 1.0)
+    peaks = [int(np.argmax(quotient[:, side])) for side in (0, 1)]
+    if abs(distance[peaks[0]] - distance[peaks[1]]) < NEAR:
+        side = int(quotient[peaks[1], 1] > quotient[peaks[0], 0])
+        labels = {peaks[side]: "largest Y/Q"}
+    else:
+        labels = {peak: f"largest Y/Q, {name}" for peak, name in zip(peaks, ("left", "right"), strict=True)}
+    for peak, label in labels.items():
+        if np.isfinite(quotient[peak]).any():
+            chosen.setdefault(peak, label)
+    if stopped or not chosen:
+        chosen.setdefault(len(distance) - 1, "at the stop" if stopped else "end")
+    return [Snapshot(sample, label) for sample, label in sorted(chosen.items())]
 
 
 def _together(forces: list[dict[str, Array]]) -> dict[str, Array]:
@@ -167,10 +228,13 @@ def _stacked(each: list[dict[str, Array]]) -> dict[str, Array]:
             found[name] = first
             continue
         arrays = [own[name] for own in each]
-        if name.startswith("strip_"):
-            most = max(array.shape[-1] for array in arrays)
-            arrays = [
-                np.pad(a, [(0, 0)] * (a.ndim - 1) + [(0, most - a.shape[-1])], constant_values=np.nan) for a in arrays
-            ]
+        if name.startswith(("strip_", "element_")):
+            arrays = [_padded(a, np.max([b.shape for b in arrays], axis=0)) for a in arrays]
         found[name] = np.stack(arrays, axis=1)
     return found
+
+
+def _padded(array: Array, shape: Sequence[int]) -> Array:
+    """The array in a larger one, with not-a-number behind it in every dimension."""
+    more = [(0, size - own) for size, own in zip(shape, array.shape, strict=True)]
+    return np.pad(array, more, constant_values=np.nan)

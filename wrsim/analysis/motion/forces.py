@@ -1,0 +1,32 @@
+"""The force law of a set-up's vehicle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wrsim.analysis.contacts import contact_models
+from wrsim.simulation.half_space_law import HalfSpaceOnTrack
+from wrsim.simulation.law import VehicleOnTrack
+
+if TYPE_CHECKING:
+    from wrsim.scenario.build import Setup
+    from wrsim.vehicle.vehicle import Drive
+
+
+def force_law(setup: Setup, speed: float | None = None, drive: Drive | None = None) -> VehicleOnTrack:
+    """The law of the set-up's vehicle on its track; speed and drive, where given, in the place of the run's."""
+    run = setup.run
+    kind = HalfSpaceOnTrack if setup.contact.normal == "half-space" else VehicleOnTrack
+    return kind(
+        setup.vehicle,
+        setup.track,
+        [contact_models(setup, wheelset=mounted.wheelset) for mounted in setup.vehicle.wheelsets],
+        speed=run.speed if speed is None else speed,
+        start=run.start,
+        drive=run.drive if drive is None else drive,
+    )
+
+
+def held_by(setup: Setup) -> Drive:
+    """What holds the speed of a steady motion: a pull along the track, unless the frames do."""
+    return "free" if setup.run.drive == "free" and setup.vehicle.is_guided else "train"

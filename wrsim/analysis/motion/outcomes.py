@@ -1,0 +1,68 @@
+"""What may happen to a vehicle on its track, as data; ``words`` says it to people."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from wrsim.errors import SimulationError
+
+
+@dataclass(frozen=True)
+class OffRail:
+    """A wheel that has left its rail.
+
+    how: its flange has climbed over the rail, lifting it by ``amount`` [m]; it has dropped beside the rail; or it has
+    had no contact for ``amount`` [m], 0 where nothing is known of the way.
+    """
+
+    wheelset: str
+    side: str
+    how: Literal["climbed", "dropped", "no contact"]
+    amount: float = 0.0
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """A wheel so deep in its rail, ``depth`` [m], that no contact law covers it: a lost solution."""
+
+    wheelset: str
+    side: str
+    depth: float
+
+
+@dataclass(frozen=True)
+class Overturned:
+    """Weight and centrifugal force together point so far beyond the outer or the inner rail [m]."""
+
+    side: Literal["outer", "inner"]
+    beyond: float
+
+
+@dataclass(frozen=True)
+class RunInStopped:
+    """The run into the curve stopped, and why in words."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Event:
+    """A wheel without contact, or a bump stop beyond the end of its table.
+
+    part: name of the wheelset or of the stop; start, end: time [s] and distance of the vehicle [m].
+    """
+
+    kind: Literal["lift", "stop"]
+    part: str
+    start: tuple[float, float]
+    end: tuple[float, float]
+    side: str = ""
+
+
+class NoSteadyMotion(SimulationError):
+    """No steady motion was found; ``reason`` says what became of the search."""
+
+    def __init__(self, reason: OffRail | Overturned | RunInStopped | SimulationError) -> None:
+        super().__init__(str(reason))
+        self.reason = reason

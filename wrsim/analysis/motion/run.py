@@ -1,0 +1,115 @@
+"""A run along the track: time integration at speed, from steady motion at the start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing, nullcontext
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.monitor import Monitor
+from wrsim.analysis.motion.outcomes import NoSteadyMotion
+from wrsim.analysis.motion.result import result_of
+from wrsim.analysis.motion.start import start_state
+from wrsim.analysis.motion.words import start_words
+from wrsim.errors import InputError, SimulationError
+from wrsim.geometry.track.segments import Straight
+from wrsim.simulation.integrate import integrate, recorded_motion
+from wrsim.simulation.step import LARGEST_STEP, LARGEST_STEP_UNEVEN, SAFETY, round_step, stable_step
+from wrsim.simulation.system import System
+
+if TYPE_CHECKING:
+    from wrsim.analysis.motion.keeping import Keeping
+    from wrsim.results import Result
+    from wrsim.scenario.build import Setup
+    from wrsim.simulation.law import VehicleOnTrack
+    from wrsim.simulation.system import Array
+
+
+class StepTooLong(InputError):
+    """The step asked for is not stable. ``rule`` says what is allowed, without file and key."""
+
+    def __init__(self, step: float, limit: float, speed: float) -> None:
+        self.rule = (
+            f"must be at most {1e6 * limit:.0f}, where the integration becomes unstable at {3.6 * speed:g} km/h; "
+            "without step_us a good one is chosen"
+        )
+        super().__init__(f"run.step_us = {1e6 * step:g}: {self.rule}")
+
+
+def run_in_time(
+    setup: Setup,
+    progress: Callable[[float, float], None] | None = None,
+    keeping: Keeping | None = None,
+) -> Result:
+    """Integrate from the start to the end of the run; a run that has to stop returns what it has.
+
+    keeping: the file in which the run is kept while it lasts, and from which it may go on. Raises SimulationError when
+    there is no steady motion to start from.
+    """
+    law = force_law(setup)
+    system = System(law.bodies, law, law.dampers)
+    if keeping is not None and keeping.resume:
+        step = keeping.recorded_step()
+        q = q_t = np.zeros(system.size)  # the file knows better
+    else:
+        try:
+            q, q_t = start_state(setup, law)
+            step = chosen_step(setup, law, q, q_t)
+        except NoSteadyMotion as problem:
+            raise SimulationError(start_words(problem, setup)) from None
+    monitor, plan = Monitor(law, setup.run.speed), setup.run
+    with nullcontext() if keeping is None else closing(keeping.tape(step, system.size)) as tape:
+        motion = integrate(
+            system,
+            q,
+            q_t,
+            # whole steps, so that the run does not pass the end of the track
+            duration=step * max(1, int(plan.duration / step + 1e-6)),
+            step=step,
+            sample_interval=plan.output_interval,
+            monitor=monitor,
+            monitor_interval=monitor.interval,
+            progress=progress,
+            tape=tape,
+        )
+    return result_of(setup, law, motion, monitor.events())
+
+
+def recorded_run(setup: Setup, path: Path) -> Result:
+    """The result of what a file holds of a run; the process that ran it may be dead or still at work.
+
+    Events are those that the run had noted when it was last kept.
+    """
+    law = force_law(setup)
+    monitor = Monitor(law, setup.run.speed)
+    return result_of(setup, law, recorded_motion(path, monitor), monitor.events())
+
+
+def chosen_step(setup: Setup, law: VehicleOnTrack, q: Array, q_t: Array) -> float:
+    """Step [s] that the plan asks for, or one that is stable at the start (q, q_t) of the run and on straight track.
+
+    It is never longer than the time between two samples. In a curve the creep forces are near saturation and allow a
+    longer step than they do on straight track, so a run that starts in a curve must not rely on its start. The exact
+    contact solver takes the step that is stable with a fast model.
+    Raises StepTooLong for a step asked for that is not even stable at the start: its results would look like results.
+    """
+    plan = setup.run
+    near = replace(setup, contact=setup.contact.fast())
+    if near.contact != setup.contact:
+        law = force_law(near)
+    limit = stable_step(System(law.bodies, law, law.dampers), q, q_t)
+    if plan.step is not None:
+        if plan.step > limit:
+            raise StepTooLong(plan.step, limit, plan.speed)
+        return plan.step
+    if setup.track.curvature(plan.start) != 0.0:
+        level = replace(near, track=setup.track.relaid([Straight(100.0)]), run=replace(plan, start=30.0))
+        law = force_law(level)
+        limit = min(limit, stable_step(System(law.bodies, law, law.dampers), *start_state(level, law)))
+    largest = LARGEST_STEP_UNEVEN if setup.track.is_uneven else LARGEST_STEP
+    return round_step(min(SAFETY * limit, plan.output_interval), largest)

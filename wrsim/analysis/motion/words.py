@@ -1,0 +1,77 @@
+"""Outcomes of runs and searches in words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wrsim.analysis.motion.outcomes import Event, NoSteadyMotion, OffRail, Overlap, Overturned, RunInStopped
+from wrsim.core.contact.wheel_rail import DEEPEST
+from wrsim.simulation.state import Unbalanced
+
+if TYPE_CHECKING:
+    from wrsim.scenario.build import Setup
+    from wrsim.vehicle.vehicle import Vehicle
+
+
+def stop_words(outcome: OffRail | Overlap, vehicle: Vehicle, time: float, distance: float) -> str:
+    """Why a run has to stop, when [s] and where [m]."""
+    if isinstance(outcome, OffRail):
+        reason = f"derailed: {off_rail_words(outcome, vehicle)}"
+    else:
+        reason = (
+            f"the contact solution is lost: {_wheel(outcome.side, outcome.wheelset, vehicle)} and its rail overlap by "
+            f"{1e3 * outcome.depth:.2g} mm (more than {1e3 * DEEPEST:g} mm); a shorter step may help"
+        )
+    return f"{reason}, at t = {time:.4g} s, {distance:.2f} m along the track"
+
+
+def off_rail_words(outcome: OffRail, vehicle: Vehicle) -> str:
+    """How a wheel has left its rail."""
+    wheel = _wheel(outcome.side, outcome.wheelset, vehicle)
+    if outcome.how == "climbed":
+        return f"the flange of {wheel} has climbed over its rail (lifted by {1e3 * outcome.amount:.0f} mm)"
+    if outcome.how == "dropped":
+        return f"{wheel} has dropped beside its rail"
+    if outcome.amount > 0.0:
+        return f"{wheel} has had no contact with its rail for {outcome.amount:.2f} m"
+    return f"{wheel} has no contact with its rail"
+
+
+def event_words(event: Event, vehicle: Vehicle) -> str:
+    """What happened, how far and how long."""
+    way, time = event.end[1] - event.start[1], event.end[0] - event.start[0]
+    lasted = f"for {way:.2f} m, {1e3 * time:.0f} ms"
+    if event.kind == "lift":
+        return f"{_wheel(event.side, event.part, vehicle)} is lifted {lasted}"
+    return f"bump stop {event.part} is beyond the end of its table {lasted}"
+
+
+def steady_words(problem: NoSteadyMotion, vehicle: Vehicle) -> str:
+    """Why there is no steady motion."""
+    reason = problem.reason
+    if isinstance(reason, OffRail):
+        return f"the steady motion found is a derailed one: {off_rail_words(reason, vehicle)}"
+    if isinstance(reason, Overturned):
+        return (
+            f"the vehicle would overturn: its weight and centrifugal force together point {1e3 * reason.beyond:.0f} mm "
+            f"beyond the {reason.side} rail"
+        )
+    if isinstance(reason, RunInStopped):
+        return f"the run into the curve stopped: {reason.reason}"
+    return f"no steady motion found; {reason}" if isinstance(reason, Unbalanced) else str(reason)
+
+
+def start_words(problem: NoSteadyMotion, setup: Setup) -> str:
+    """Why a run has nothing to start from, with its place and advice."""
+    run, curvature = setup.run, float(setup.track.curvature(setup.run.start))
+    curve = f" in a curve of {1.0 / abs(curvature):.4g} m radius" if curvature != 0.0 else ""
+    advice = ". Start the run before the curve to see what becomes of it" if curve else ""
+    return (
+        f"the run has no steady motion to start from at {run.start:g} m and {3.6 * run.speed:g} km/h{curve}: "
+        f"{steady_words(problem, setup.vehicle)}{advice}"
+    )
+
+
+def _wheel(side: str, wheelset: str, vehicle: Vehicle) -> str:
+    """ "the left wheel", with the name of its wheelset where there are several."""
+    return f"the {side} wheel" + (f" of wheelset {wheelset}" if len(vehicle.wheelsets) > 1 else "")

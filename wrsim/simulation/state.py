@@ -1,0 +1,277 @@
+"""States of a vehicle on its track: the design position, rest, and steady motion at speed.
+
+``design_state`` puts every body where the file has it, ``lower_on_rails`` lets the rails carry the wheelsets,
+``steady_state`` finds the poses at which nothing accelerates but what the curve asks for; at speed 0 that is the
+position of rest. All of them are meant at the time 0, when the vehicle's origin is at the start of its law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wrsim.core.body import steady as kernels
+from wrsim.errors import SimulationError
+from wrsim.simulation.newton import bracket, newton
+from wrsim.simulation.placement import place_on_track
+from wrsim.simulation.system import COORDINATES, Array
+
+if TYPE_CHECKING:
+    from wrsim.simulation.law import VehicleOnTrack
+
+SMALL_WHEELSET = {"z": 1e-5, "x": 1e-3, "y": 1e-4, "heading": 1e-4, "roll": 1e-5, "spin": 1e-2}
+"""Changes of a wheelset's coordinates (its spin: rate) that change the forces by a few per cent ..."""
+
+SMALL_BODY = {"z": 1e-4, "x": 1e-3, "y": 1e-3, "heading": 1e-3, "roll": 1e-3, "spin": 1e-4}
+"""... and of another body's."""
+
+GOAL, TOLERANCE = 1e-10, 1e-9
+"""Largest force left over, as a part of the weight, that ends the search, and that is accepted; moments are divided by
+1 m."""
+
+BODIES_PLACED = 1e-6
+"""Forces left over on the bodies, as a part of the weight, with which the search goes on to the wheelsets."""
+
+SMALL_RAIL = (1e-5, 1e-5)
+"""Changes of a rail's displacement, lateral and vertical, that change the forces by a few per cent [m]."""
+
+SEARCH_HEIGHT = 0.05
+"""How far a wheelset is lowered or raised in search of the rails [m]."""
+
+SEARCH_ROLL = 0.05
+"""How far it is rolled in search of the other rail [rad]."""
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A state without acceleration: q, q_t; largest residual over the weight; Newton's iterations."""
+
+    q: Array
+    q_t: Array
+    residual: float
+    iterations: int
+
+
+class Unbalanced(SimulationError):
+    """No state without acceleration was found; ``forces``: the largest that remain, over the weight, by their names."""
+
+    def __init__(self, forces: tuple[tuple[str, float], ...]) -> None:
+        super().__init__("remaining forces over the weight: " + ", ".join(f"{name} {f:.3g}" for name, f in forces))
+        self.forces = forces
+
+
+class NotCarried(SimulationError):
+    """The rails do not carry a wheelset at any height within ``SEARCH_HEIGHT``."""
+
+    def __init__(self, wheelset: str) -> None:
+        super().__init__(
+            f"the rails do not carry wheelset '{wheelset}' anywhere within {1e3 * SEARCH_HEIGHT:g} mm of its height; "
+            "do wheels, gauge and radius fit?"
+        )
+        self.wheelset = wheelset
+
+
+def design_state(law: VehicleOnTrack, *, lateral: float = 0.0) -> tuple[Array, Array]:
+    """State (q, q_t) of a vehicle that follows the track in its design position, its origin at the start of the law.
+
+    Every body lies at its own place along the track, wheelsets ``lateral`` [m] to the left, bodies half as much, and a
+    wheelset with the yaw at which the guide frame holds it. The wheels do not touch the rails yet, or overlap them by
+    nothing.
+    """
+    q, q_t = np.zeros(law.size), np.zeros(law.size)
+    vehicle, track = law.vehicle, law.track
+    lower = np.mean([mounted.height - mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
+    for i, part in enumerate(vehicle.parts):
+        wheelset = i < len(vehicle.wheelsets)
+        radius = vehicle.wheelsets[i].wheelset.mean_radius if wheelset else np.inf
+        own = slice(6 * i, 6 * i + 6)
+        place = law.start + part.centre[0]
+        q[own], q_t[own] = place_on_track(
+            track.centre,
+            place,
+            speed=law.speed,
+            height=part.centre[2] - float(lower),
+            spin_rate=law.speed / radius,
+            lateral=part.centre[1] + (lateral if wheelset else 0.5 * lateral),
+            yaw=-vehicle.guide_ahead * float(track.curvature(place)) if wheelset else 0.0,
+        )
+    return q, q_t
+
+
+class SteadyMotion:
+    """Forces less inertia forces of a vehicle in steady motion about the axis of the curve that it is in.
+
+    Unknowns, six a body: its coordinates, of a wheelset the spin rate (over and above the turning of all) in the place
+    of the spin angle; then the displacements of the rails under the wheels, if elastic. ``residual(x)`` is what is
+    left over, ``state(x)`` the state; ``unknowns(q, q_t)`` goes back.
+    """
+
+    def __init__(self, law: VehicleOnTrack) -> None:
+        self.law = law
+        n, w = len(law.bodies), len(law.vehicle.wheelsets)
+        self.distance = law.start + law.vehicle.parts[law.vehicle.reference].centre[0]
+        self.spins = 5 + 6 * np.arange(w)
+        self.inertia = np.array([(body.mass, *body.inertia) for body in law.bodies])
+        self.small = np.array(
+            [(SMALL_WHEELSET if i < w else SMALL_BODY)[name] for i in range(n) for name in COORDINATES]
+        )
+        self.scale = np.full(6 * n, 1.0 / law.vehicle.weight)
+        self._out, self._inertia = np.zeros(law.size), np.zeros(6 * n)
+        self._states = np.zeros((n, 18))
+        self.rails = slice(law.size - law.rails, law.size)
+        if law.elastic is not None:
+            self.small = np.append(self.small, np.tile(SMALL_RAIL, law.rails // 2))
+            self.scale = np.append(self.scale, np.full(law.rails, self.scale[0]))
+            self.rail_masses = np.tile(law.elastic.mass, law.rails // 2)
+
+    def state(self, x: Array) -> tuple[Array, Array]:
+        """State (q, q_t) with these unknowns; dampers in series with springs extended by nothing."""
+        return self._state(x)[:2]
+
+    def unknowns(self, q: Array, q_t: Array) -> Array:
+        """Unknowns of a steady state near (q, q_t)."""
+        n = len(self.inertia)
+        x = np.concatenate([q[: 6 * n], q[self.rails]])
+        x[self.spins] = 0.0
+        _, rates, _ = self._state(x)
+        x[self.spins] = q_t[self.spins] - rates[self.spins]
+        return x
+
+    def _state(self, x: Array) -> tuple[Array, Array, tuple[float, float, float]]:
+        law, n = self.law, len(self.inertia)
+        q, q_t = np.zeros(law.size), np.zeros(law.size)
+        q[: 6 * n] = x[: 6 * n]
+        q[self.spins] = 0.0
+        q[self.rails] = x[6 * n :]
+        path = law.track.centre
+        wx, wy, wz, _, status = kernels.follow_together(
+            q,
+            x[self.spins],
+            len(self.spins),
+            path.table,
+            path.step,
+            law.vehicle.reference,
+            self.distance,
+            law.speed,
+            q_t[: 6 * n],
+        )
+        if status:
+            raise SimulationError(f"the vehicle has no place on the track near {self.distance:g} m")
+        return q, q_t, (wx, wy, wz)
+
+    def residual(self, x: Array) -> Array:
+        """Forces less inertia forces over the weight (6 n,), then those on the rails under the wheels."""
+        n = len(self.inertia)
+        q, q_t, turning = self._state(x)
+        self.law(0.0, q, q_t, self._out)
+        kernels.together_inertia(q, q_t, *turning, self.inertia, len(self.spins), self._states, self._inertia)
+        left = self._out[: 6 * n] - self._inertia
+        if self.law.elastic is not None:
+            left = np.append(left, self.rail_masses * self._out[self.rails])
+        left *= self.scale
+        if self.law.speed == 0.0:
+            left[self.spins] = x[self.spins]  # at rest no axle turns
+        return left
+
+    def largest(self, q: Array, q_t: Array) -> float:
+        """Largest force left over at the steady state near (q, q_t), as a part of the weight."""
+        with self.law.dampers_at_rest():
+            return float(np.max(np.abs(self.residual(self.unknowns(q, q_t)))))
+
+
+def steady_state(
+    law: VehicleOnTrack,
+    guess: tuple[Array, Array] | None = None,
+    *,
+    tolerance: float = TOLERANCE,
+    max_iterations: int = 60,
+    near: VehicleOnTrack | None = None,
+) -> Equilibrium:
+    """The steady motion of a vehicle at the start and at the speed of its law; rest at speed 0.
+
+    guess: a state near it; default the design position, wheelsets lowered until the rails carry them. tolerance:
+    largest force left over, as a part of the weight, that is accepted when the search finds no better. near: a law with
+    nearly the same forces, of which the derivatives are taken. Something must hold the speed: the law's drive, or
+    springs to a frame. Raises Unbalanced when there is no such motion near the guess, NotCarried when the rails are not
+    there.
+    """
+    law.look_near(law.start)
+    steady = SteadyMotion(law)
+    q, q_t = lower_on_rails(law, *design_state(law)) if guess is None else guess
+    x = steady.unknowns(q, q_t)
+    slope = None if near is None else SteadyMotion(near).residual
+    goal = GOAL if tolerance <= TOLERANCE or near is None else tolerance
+    with law.dampers_at_rest(), (near or law).dampers_at_rest():
+        if not np.all(np.isfinite(steady.residual(x))):
+            raise SimulationError("steady motion: the forces at its start are not finite")
+        first = _place_bodies(steady, x, max_iterations)
+        x, left, iterations = newton(steady.residual, x, steady.small, goal, max_iterations, slope)
+    largest = float(np.max(np.abs(left)))
+    if not largest <= tolerance:
+        raise Unbalanced(_largest(law, left))
+    q, q_t = steady.state(x)
+    return Equilibrium(q, law.at_rest_in_series(q, q_t), largest, first + iterations)
+
+
+def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:
+    """Let the bodies find their places in their springs while the wheelsets stay where they are; changes x.
+
+    In a curve a long body lies along the chord, far inside of the centre line. Returns the iterations.
+    """
+    bodies = slice(6 * len(steady.spins), 6 * len(steady.inertia))
+    if bodies.start == bodies.stop:
+        return 0
+    whole = x.copy()
+
+    def residual(places: Array) -> Array:
+        whole[bodies] = places
+        return steady.residual(whole)[bodies]
+
+    x[bodies], _, iterations = newton(residual, x[bodies].copy(), steady.small[bodies], BODIES_PLACED, max_iterations)
+    return iterations
+
+
+def _largest(law: VehicleOnTrack, left: Array) -> tuple[tuple[str, float], ...]:
+    """The four largest forces that remain, with the names of their coordinates."""
+    names = law.vehicle.names
+    places = [f"{name} {coordinate}" for name in names for coordinate in COORDINATES] + ["rail"] * law.rails
+    return tuple((places[i], float(left[i])) for i in np.argsort(-np.abs(left))[:4])
+
+
+def lower_on_rails(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Array]:
+    """The state with each wheelset lowered until the rails carry about what rests on it, and rolled so that both do.
+
+    Newton's method does not find its way from a wheelset in the air or on one wheel. Raises NotCarried.
+    """
+    steady = SteadyMotion(law)
+    x = steady.unknowns(q, q_t)
+    share = 1.0 / len(law.vehicle.wheelsets)
+    for i, mounted in enumerate(law.vehicle.wheelsets):
+        z, roll = 6 * i + COORDINATES.index("z"), 6 * i + COORDINATES.index("roll")
+
+        def carried(angle: float, z: int = z, roll: int = roll, name: str = mounted.name) -> float:
+            """Moment left over at this roll, with the height found."""
+            x[roll] = angle
+            if not bracket(_force(steady, x, z), float(x[z]), SMALL_WHEELSET["z"], 0.1 * share, SEARCH_HEIGHT):
+                raise NotCarried(name)
+            return float(steady.residual(x)[roll])
+
+        bracket(carried, float(x[roll]), SMALL_WHEELSET["roll"], 0.1 * share, SEARCH_ROLL)
+    if law.elastic is not None:  # everything sinks with the rails
+        sunk = 0.5 * share * law.vehicle.weight / law.elastic.stiffness[1]
+        x[: 6 * len(law.bodies) : 6] -= sunk
+        x[6 * len(law.bodies) + 1 :: 2] -= sunk
+    return steady.state(x)
+
+
+def _force(steady: SteadyMotion, x: Array, place: int) -> Callable[[float], float]:
+    """The force along one unknown as a function of it; changes x."""
+
+    def force(value: float) -> float:
+        x[place] = value
+        return float(steady.residual(x)[place])
+
+    return force
