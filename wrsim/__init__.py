@@ -1,4 +1,4 @@
-"""wrsim: railway wheelsets on curved track with conformal wheel-rail contact.
+"""wrsim: railway vehicles and wheelsets on curved track, with conformal wheel-rail contact.
 
 ::
 

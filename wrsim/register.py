@@ -21,6 +21,8 @@ class Analysis:
     tables: names and classes of the tables of a scenario that are its own, besides [vehicle], [track] and [contact];
     the first makes the plan. run: a function of the set-up and of a progress function, and, for one that runs along the
     track, of the record in which it is kept. recorded: a function of the set-up and the path of such a record.
+    printed: a function that prints the numbers of a result; further: one of a result, a folder and whether there are to
+    be pictures, which writes what a command has besides tables and standard pictures.
 
     own_track: it lays its own track, and something has to hold the speed; points: it needs points at which
     accelerations are kept; origins: rails may be placed by the origins of their profiles; conical: wheels may be
@@ -31,6 +33,8 @@ class Analysis:
     tables: Mapping[str, str]
     run: str
     recorded: str = ""
+    printed: str = "wrsim.cli.showing:print_peaks"
+    further: str = ""
     own_track: bool = False
     points: bool = False
     origins: bool = False
@@ -81,7 +85,7 @@ ANALYSES = {
             compared=True,
         ),
         _CURVING,
-        replace(_CURVING, name="ride", points=True, compared=False),
+        replace(_CURVING, name="ride", points=True, compared=False, further="wrsim.cli.riding:write_ride_of"),
         Analysis(
             name="conicity",
             tables={"conicity": "wrsim.scenario.sections.conicity:ConicitySection"},
@@ -91,6 +95,7 @@ ANALYSES = {
             name="stability",
             tables={"stability": "wrsim.scenario.sections.stability:StabilitySection"},
             run="wrsim.analysis.stability.run:run_stability",
+            printed="wrsim.cli.studies:print_stability",
             own_track=True,
             conical=True,
         ),
@@ -98,6 +103,7 @@ ANALYSES = {
             name="steady",
             tables={"steady": "wrsim.scenario.sections.steady:SteadySection"},
             run="wrsim.analysis.steady.steady:run_steady",
+            printed="wrsim.cli.studies:print_steady",
             own_track=True,
         ),
     )

@@ -26,7 +26,7 @@ from wrsim.cli.showing import (
     print_facts,
     print_files,
     print_json,
-    print_peaks,
+    print_result,
     print_smoothing,
     print_summary,
     progress_bar,
@@ -38,7 +38,7 @@ from wrsim.cli.vehicle import vehicle
 from wrsim.errors import InputError
 
 app = typer.Typer(
-    help="Railway wheelsets on curved track with conformal wheel-rail contact.",
+    help="Railway vehicles and wheelsets on curved track, with conformal wheel-rail contact.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -174,7 +174,7 @@ def show(result: ResultFile, as_json: Json = False) -> None:
         if as_json:
             print_json(loaded.summary())
             return
-        print_peaks(loaded)
+        print_result(loaded)
         if loaded.stop_reason:
             print(f"stopped: {loaded.stop_reason}")
 

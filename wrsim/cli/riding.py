@@ -9,10 +9,12 @@ import typer
 
 from wrsim.cli.ending import told
 from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures
-from wrsim.cli.showing import print_json
+from wrsim.cli.showing import complain, print_json
 from wrsim.cli.storing import read
+from wrsim.errors import InputError
 
 if TYPE_CHECKING:
+    from wrsim.results import Result
     from wrsim.results.ride import Ride
 
 
@@ -40,6 +42,17 @@ def ride(
             return
         print_ride(found)
         print(f"{len(files)} files in {directory}")
+
+
+def write_ride_of(result: Result, directory: Path, pictures: bool) -> list[Path]:
+    """The ride of a run; one that was too short for it says so."""
+    from wrsim.analysis.ride import evaluate_ride
+
+    try:
+        return write_ride(evaluate_ride(result), directory, pictures)
+    except InputError as error:
+        complain(f"no spectra: {error}")
+        return []
 
 
 def write_ride(found: Ride, directory: Path, pictures: bool) -> list[Path]:

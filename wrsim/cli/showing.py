@@ -9,18 +9,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wrsim.register import ANALYSES, resolved
+
 if TYPE_CHECKING:
     from wrsim.geometry.profile.smoothing_report import SmoothingReport
     from wrsim.results import Result
     from wrsim.scenario.build import Setup
 
 Progress = Callable[[float, float], None]
-
-STUDIES = ("stability", "steady")
-"""Analyses whose numbers are printed by ``cli.studies``."""
-
-RUNS = ("curving", "ride")
-"""Analyses that run along the track."""
 
 
 def facts(setup: Setup) -> dict[str, Any]:
@@ -42,7 +38,7 @@ def facts(setup: Setup) -> dict[str, Any]:
         facts["limit_cycles"] = "yes" if setup.stability.cycles else "no"
         if setup.conical is not None:
             facts["contact"] = f"conical wheels, {setup.conical.conicity:g}, with a prescribed creep law"
-    elif setup.analysis in RUNS:
+    elif ANALYSES[setup.analysis].moves:
         facts["segments"] = [f.label if f.label == f.kind else f"{f.kind} {f.label}" for f in setup.track.features()]
         facts["from_m"], facts["to_m"] = setup.run.start, setup.run.end
         facts["speed_kmh"] = 3.6 * setup.run.speed
@@ -63,7 +59,7 @@ def _of_vehicle(setup: Setup) -> dict[str, Any]:
 
 def tell_slow(setup: Setup) -> None:
     """Warn of a run whose forces all come from the exact contact solver."""
-    if setup.contact.normal != "half-space" or setup.analysis not in RUNS:
+    if setup.contact.normal != "half-space" or not ANALYSES[setup.analysis].moves:
         return
     from wrsim.simulation.step import step_for_speed
 
@@ -89,11 +85,16 @@ def print_facts(facts: dict[str, Any]) -> None:
 
 
 def print_summary(result: Result, directory: Path, files: list[Path]) -> None:
-    """The peaks of each wheel as a small table, and where everything is."""
+    """The numbers of a result, and where everything is."""
     from rich.console import Console
 
-    print_peaks(result)
+    print_result(result)
     Console(highlight=False).print(f"{len(files)} files in {directory}", soft_wrap=True)
+
+
+def print_result(result: Result) -> None:
+    """The numbers of a result as its analysis shows them."""
+    resolved(ANALYSES[result.analysis].printed)(result)
 
 
 def print_peaks(result: Result) -> None:
@@ -101,11 +102,6 @@ def print_peaks(result: Result) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    if result.analysis in STUDIES:
-        from wrsim.cli import studies
-
-        (studies.print_stability if result.analysis == "stability" else studies.print_steady)(result)
-        return
     summary = result.summary()
     wheelsets = summary["wheelsets"]
     if len(wheelsets) > 1:

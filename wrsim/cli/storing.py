@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wrsim.cli.showing import complain
 from wrsim.errors import InputError, suggest
+from wrsim.register import ANALYSES, resolved
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -41,25 +41,13 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
     files = [directory / "scenario.toml", *write_run(result, directory)]
     if not can_go_on(result):
         (directory / PART).unlink(missing_ok=True)
-    if result.analysis == "ride":
-        files += _ride(result, directory, pictures)
+    if further := ANALYSES[result.analysis].further:
+        files += resolved(further)(result, directory, pictures)
     if pictures:
         from wrsim.plots import standard_pictures
 
         files += standard_pictures(result.dataset, directory)
     return files
-
-
-def _ride(result: Result, directory: Path, pictures: bool) -> list[Path]:
-    """Tables and pictures of the ride; a run that was too short for them says so."""
-    from wrsim.analysis.ride import evaluate_ride
-    from wrsim.cli.riding import write_ride
-
-    try:
-        return write_ride(evaluate_ride(result), directory, pictures)
-    except InputError as error:
-        complain(f"no spectra: {error}")
-        return []
 
 
 def can_go_on(result: Result) -> bool:

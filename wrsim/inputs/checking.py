@@ -3,20 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
 from wrsim.errors import InputError
-from wrsim.inputs.lines import KeyPath
+from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.section import ABSENT, FAULT, STRICT, Section
-from wrsim.inputs.toml_files import shown
+from wrsim.inputs.toml_files import parse_toml, read_text, shown
 from wrsim.inputs.values import refusal
 
 S = TypeVar("S", bound=Section)
 
 Locate = Callable[[KeyPath], str]
 """Gives the file and line (``curve.toml:12``) for the path of a key."""
+
+
+def opened(path: Path, what: str) -> tuple[dict[str, Any], Locate]:
+    """Tables of a TOML file, and where its keys stand. what: how such a file is called. Raises InputError."""
+    text = read_text(path, what)
+    lines = key_lines(text)
+
+    def locate(key: KeyPath) -> str:
+        line = line_of(lines, key)
+        return f"{path}:{line}" if line else str(path)
+
+    return parse_toml(text, str(path)), locate
 
 
 def check(section: type[S], data: dict[str, Any], locate: Locate) -> S:

@@ -144,9 +144,7 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
     section = scenario.spec.track
     found = []
     for side in SIDES:
-        own = section.rail_left if side == "left" else section.rail_right
-        key, name = _own(own, section.rail, "rail", side)
-        assert name is not None  # the schema asks for it
+        key, name = section.rail_of(side)
         files.append(scenario.find(("track", key), name))
         rail = load_profile(files[-1], "rail").inclined(section.inclination)
         if section.gauge_between == "gauge points":
@@ -157,11 +155,6 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
                 raise scenario.fault(("track", key), str(error) + hint) from None
         found.append(rail)
     return found[0], found[1]
-
-
-def _own(own: str | None, both: str | None, key: str, side: str) -> tuple[str, str | None]:
-    """Key and name that hold for a side."""
-    return (f"{key}_{side}", own) if own is not None else (key, both)
 
 
 def _run(scenario: Scenario, track: Track, vehicle: Vehicle) -> RunPlan:

@@ -15,7 +15,7 @@ points     a file of points beside it, read by `wrsim.geometry.profile.files` (m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
@@ -38,11 +38,9 @@ from wrsim.geometry.profile.sections import (
 )
 from wrsim.geometry.profile.sections import Section as Piece
 from wrsim.geometry.profile.wear import Direction, Removal, worn
-from wrsim.inputs.checking import check
-from wrsim.inputs.lines import KeyPath, key_lines, line_of
+from wrsim.inputs.checking import check, opened
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.toml_files import parse_toml, read_text
 from wrsim.inputs.values import Day, List, Source, Switch, Two, number, positive, text
 
 MM = 1e-3
@@ -451,24 +449,12 @@ def load_points(path: str | Path, kind: Kind | None = None) -> Reading | None:
 
 def _read_toml(path: Path, kind: Kind | None) -> ProfileFile:
     """The checked content of a TOML profile file."""
-    text = read_text(path, "profile file")
-    data = parse_toml(text, str(path))
-    locate = _locator(str(path), text)
+    data, locate = opened(path, "profile file")
     file_kind = check(_AnyFile, {k: v for k, v in data.items() if k == "kind"}, locate).kind
     model = check(FILE_KINDS[file_kind], data, locate)
     if kind is not None and model.body != kind:
         raise InputError(f'{locate(("body",))}: body = "{model.body}": a {kind} profile is needed here')
     return model
-
-
-def _locator(name: str, text: str) -> Callable[[KeyPath], str]:
-    lines = key_lines(text)
-
-    def locate(path: KeyPath) -> str:
-        line = line_of(lines, path)
-        return f"{name}:{line}" if line else name
-
-    return locate
 
 
 def _extent(start: float, end: float) -> Iterator[Fault]:

@@ -137,8 +137,7 @@ class Arc(Section):
         """Length of the arc [m]."""
         if self.length_m is not None:
             return self.length_m
-        assert self.angle_deg is not None
-        return abs(self.radius_m) * math.radians(self.angle_deg)
+        return abs(self.radius_m) * math.radians(self.angle_deg or 0.0)
 
     def to_geometry(self) -> segments.Arc:
         """Return the segment in SI units."""
@@ -235,12 +234,10 @@ class TrackSection(Section):
             allowed = f"{plain(self.gauge_mm)} to {plain(self.gauge_mm + 500.0)}"
             yield Fault("cant_base_mm", f"must be from the gauge to 500 mm more ({allowed})")
 
-    @property
-    def rails(self) -> tuple[str, str]:
-        """Names of the left and right rail profile."""
-        left, right = self.rail_left or self.rail, self.rail_right or self.rail
-        assert left is not None and right is not None
-        return left, right
+    def rail_of(self, side: str) -> tuple[str, str]:
+        """Key and name of the rail profile of a side."""
+        own = self.rail_left if side == "left" else self.rail_right
+        return ("rail", self.rail or "") if own is None else (f"rail_{side}", own)
 
     @property
     def cant_base(self) -> float:
