@@ -21,8 +21,10 @@ class Analysis:
     tables: names and classes of the tables of a scenario that are its own, besides [vehicle], [track] and [contact];
     the first makes the plan. run: a function of the set-up and of a progress function, and, for one that runs along the
     track, of the record in which it is kept. recorded: a function of the set-up and the path of such a record.
-    printed: a function that prints the numbers of a result; further: one of a result, a folder and whether there are to
-    be pictures, which writes what a command has besides tables and standard pictures.
+
+    summary, csv_files, pictures: functions of the dataset of a result, which give its few numbers, its tables as text
+    and the makers of its pictures. printed: a function that prints the numbers of a result; further: one of a result, a
+    folder and whether there are to be pictures, which writes what a command leaves besides.
 
     own_track: it lays its own track, and something has to hold the speed; points: it needs points at which
     accelerations are kept; origins: rails may be placed by the origins of their profiles; conical: wheels may be
@@ -33,6 +35,9 @@ class Analysis:
     tables: Mapping[str, str]
     run: str
     recorded: str = ""
+    summary: str = "wrsim.results.summary:of_contacts"
+    csv_files: str = "wrsim.results.tables:of_contacts"
+    pictures: str = "wrsim.plots.pictures:of_contacts"
     printed: str = "wrsim.cli.showing:print_peaks"
     further: str = ""
     own_track: bool = False
@@ -50,6 +55,15 @@ class Analysis:
     def moves(self) -> bool:
         """True if it runs along the track: it needs a speed, and a run can be kept and resumed."""
         return bool(self.recorded)
+
+
+def _shown_by(room: str) -> dict[str, Any]:
+    """Functions of an analysis whose results are no contacts of wheels in poses or along the track."""
+    return {
+        "summary": f"wrsim.results.{room}:summary",
+        "csv_files": f"wrsim.results.{room}:tables",
+        "pictures": f"wrsim.plots.{room}:figures",
+    }
 
 
 _RUN = {
@@ -90,11 +104,13 @@ ANALYSES = {
             name="conicity",
             tables={"conicity": "wrsim.scenario.sections.conicity:ConicitySection"},
             run="wrsim.analysis.conicity.conicity:run_conicity",
+            **_shown_by("conicity"),
         ),
         Analysis(
             name="stability",
             tables={"stability": "wrsim.scenario.sections.stability:StabilitySection"},
             run="wrsim.analysis.stability.run:run_stability",
+            **_shown_by("stability"),
             printed="wrsim.cli.studies:print_stability",
             own_track=True,
             conical=True,
@@ -103,6 +119,7 @@ ANALYSES = {
             name="steady",
             tables={"steady": "wrsim.scenario.sections.steady:SteadySection"},
             run="wrsim.analysis.steady.steady:run_steady",
+            **_shown_by("steady"),
             printed="wrsim.cli.studies:print_steady",
             own_track=True,
         ),

@@ -128,7 +128,7 @@ def _files(result: Result, picture: Path | None, table: Path | None) -> list[Pat
 
 def _numbers(result: Result) -> dict[str, Any]:
     """What --json tells."""
-    from wrsim.results.summary import conicity_summary
+    from wrsim.results.conicity import conicity_summary
 
     dataset = result.wheelset()
     summary = conicity_summary(dataset)
@@ -145,7 +145,7 @@ def _print(result: Result) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from wrsim.results.summary import conicity_summary
+    from wrsim.results.conicity import conicity_summary
 
     dataset = result.wheelset()
     summary = conicity_summary(dataset)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -9,6 +11,7 @@ from matplotlib.figure import Figure
 
 from wrsim.plots.style import FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, broken, new_figure, shown, style, unit
 from wrsim.results import CHANNELS
+from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 JUMP = 1.5
 """Millimetres between two shifts beyond which a contact point has jumped elsewhere: the line is interrupted."""
@@ -17,6 +20,11 @@ ROLL_WORDS = {
     "rail-top": "wheelset rolled, shift at the rail tops",
     "centre": "wheelset rolled, shift of its centre",
 }
+
+
+def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Maker of the picture of a conicity analysis, by file name without ending."""
+    return {"conicity": lambda: conicity_figure(of_wheelset(dataset, wheelsets(dataset)[0]))}
 
 
 def conicity_figure(dataset: xr.Dataset) -> Figure:

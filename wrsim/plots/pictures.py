@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from wrsim.plots.conicity import conicity_figure
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.histories import (
     ANGLES,
@@ -19,11 +18,10 @@ from wrsim.plots.histories import (
 )
 from wrsim.plots.moments import has_patches
 from wrsim.plots.patches import patch_gallery
-from wrsim.plots.stability import bifurcation_figure, modes_figure
 from wrsim.plots.static import PANELS, static_figure
-from wrsim.plots.steady import steady_figure
 from wrsim.plots.style import save
 from wrsim.plots.vehicle_run import vehicle_figures
+from wrsim.register import ANALYSES, resolved
 from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
 HISTORIES: dict[str, tuple[str, ...]] = {
@@ -38,14 +36,15 @@ HISTORIES: dict[str, tuple[str, ...]] = {
 def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures that suit the dataset, by file name without ending.
 
-    Stability analyses: modes, bifurcation. Steady ones: steady. Else those of the vehicle (``vehicle_figures``) and
-    those of the wheelset with the largest Y/Q (``wheelset_figures``), under its name where there are several.
+    The register says which; those of runs and poses: ``of_contacts``.
     """
-    if "mode_growth" in dataset:
-        figures: dict[str, Callable[[], Figure]] = {"modes": lambda: modes_figure(dataset)}
-        return figures | ({"bifurcation": lambda: bifurcation_figure(dataset)} if "cycle" in dataset.dims else {})
-    if "pose_radius" in dataset:
-        return {"steady": lambda: steady_figure(dataset)}
+    figures: dict[str, Callable[[], Figure]] = resolved(ANALYSES[str(dataset.attrs["analysis"])].pictures)(dataset)
+    return figures
+
+
+def of_contacts(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Pictures of the vehicle (``vehicle_figures``) and of the wheelset with the largest Y/Q (``wheelset_figures``),
+    under its name where there are several."""
     worst = worst_wheelset(dataset)
     own = f"{worst}_" if len(wheelsets(dataset)) > 1 else ""
     of_worst = wheelset_figures(of_wheelset(dataset, worst))
@@ -56,11 +55,9 @@ def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of one wheelset, by file name without ending.
 
     Runs of several instants: overview, contact_angle, forces, derailment, motion, pressure. Static analyses of
-    several poses: contact. Both: patches and sections of the snapshots or poses. Conicity analyses: conicity. What
-    there are no data for is left out.
+    several poses: contact. Both: patches and sections of the snapshots or poses. What there are no
+    data for is left out.
     """
-    if "equivalent_conicity" in one:
-        return {"conicity": lambda: conicity_figure(one)}
     figures: dict[str, Callable[[], Figure]] = {}
     if one.sizes.get("time", 0) > 1 and "resolved_with" not in one.attrs:  # these are moments, no history
         if set(ANGLES) <= set(one):

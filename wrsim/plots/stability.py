@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,12 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#9
 NAMED = 5
 """Modes that the legend names: those that come closest to instability."""
 BRANCHES = {"from above": (STOP_COLOUR, "v"), "from below": ("#0072B2", "^")}
+
+
+def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Makers of the pictures of a stability analysis, by file name without ending: modes, bifurcation."""
+    found: dict[str, Callable[[], Figure]] = {"modes": lambda: modes_figure(dataset)}
+    return found | ({"bifurcation": lambda: bifurcation_figure(dataset)} if "cycle" in dataset.dims else {})
 
 
 def modes_figure(dataset: xr.Dataset) -> Figure:

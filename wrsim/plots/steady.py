@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import ceil
 from typing import Any
 
@@ -19,6 +20,11 @@ PANELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "T_gamma")
 FEW = 1.25
 """Largest over smallest size of a radius from which curvature is the abscissa."""
 LINES: tuple[Any, ...] = ("-", (0, (4, 1.2)), (0, (1, 1)), (0, (5, 1, 1, 1)))
+
+
+def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Maker of the picture of a steady analysis, by file name without ending."""
+    return {"steady": lambda: steady_figure(dataset)}
 
 
 def steady_figure(dataset: xr.Dataset) -> Figure:

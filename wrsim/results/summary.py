@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
@@ -27,14 +28,14 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     Every peak is ``{"value": .., "distance_m": .., "time_s": ..}``, or with ``"pose"`` in a static analysis;
     ``None`` where there is no finite value. Peaks of patch channels run over all patches of the wheel.
     """
-    versions = {"versions": _versions(dataset)}
-    if "mode" in dataset.dims:
-        return _head(dataset) | _stability(dataset) | versions
-    if "pose_radius" in dataset:
-        return _head(dataset) | _steady(dataset) | versions
-    summary = {
-        **_head(dataset),
-        "extent": _extent(dataset),
+    own = resolved(ANALYSES[str(dataset.attrs["analysis"])].summary)(dataset)
+    return _head(dataset) | own | {"versions": _versions(dataset)}
+
+
+def of_contacts(dataset: xr.Dataset) -> dict[str, Any]:
+    """The summary of a run or of poses: how much was computed, peaks of every wheelset and point, events."""
+    summary: dict[str, Any] = {
+        "extent": extent(dataset),
         "wheelsets": {name: _of_wheelset(of_wheelset(dataset, name)) for name in wheelsets(dataset)},
     }
     if "point" in dataset.dims:
@@ -45,11 +46,11 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
             {"time_s": float(t), "distance_m": float(s), "event": str(words)}
             for t, s, words in zip(*values, strict=True)
         ]
-    return summary | versions
+    return summary
 
 
 def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
-    """Peaks of one wheelset and its wheels, values in full curves, equivalent conicity."""
+    """Peaks of one wheelset and its wheels, values in full curves."""
     found: dict[str, Any] = {
         "lateral_shift_max_mm": peak(one, "lateral_shift", largest_magnitude=True),
         "angle_of_attack_max_mrad": peak(one, "yaw", largest_magnitude=True),
@@ -57,8 +58,6 @@ def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
     }
     if "time" in one.dims:
         found["full_curves"] = full_curves(one)
-    if "equivalent_conicity" in one:
-        found |= conicity_summary(one)
     return found
 
 
@@ -78,60 +77,6 @@ def _versions(dataset: xr.Dataset) -> dict[str, Any]:
         name.removesuffix("_version"): value
         for name, value in dataset.attrs.items()
         if name.endswith("_version") and name != "format_version"
-    }
-
-
-def _stability(dataset: xr.Dataset) -> dict[str, Any]:
-    """Critical speeds with their frequency and mode; ``None`` where there are none, and a note that says why."""
-    attributes = dataset.attrs
-
-    def number(name: str, factor: float = 1.0) -> float | None:
-        value = float(attributes.get(name, np.nan))
-        return factor * value if np.isfinite(value) else None
-
-    found: dict[str, Any] = {
-        "speeds": dataset.sizes["pose"],
-        "linear_critical_speed_kmh": number("critical_speed_m_s", 3.6),
-        "critical_frequency_Hz": number("critical_frequency_Hz"),
-        "held_speeds": dataset.sizes.get("cycle", 0),
-        "nonlinear_critical_speed_kmh": number("nonlinear_critical_speed_m_s", 3.6),
-    }
-    words = ("critical_mode", "critical_note", "nonlinear_note")
-    return found | {name: str(attributes[name]) for name in words if name in attributes}
-
-
-def _steady(dataset: xr.Dataset) -> dict[str, Any]:
-    """How many curves have a steady motion, which have none, and the largest Y/Q with its place."""
-    messages = zip(dataset["pose"].values, dataset["pose_message"].values, strict=True)
-    quotient = dataset["Y_over_Q"]
-    worst = quotient.isel(quotient.argmax(dim=quotient.dims))  # type: ignore[arg-type]
-    place = {name: str(worst[name].item()) for name in ("pose", "wheelset", "wheel")}
-    return {
-        "extent": _extent(dataset),
-        "without_steady_motion": {str(name): str(message) for name, message in messages if message},
-        "Y_over_Q_max": {"value": worst.item(), **place},
-    }
-
-
-def conicity_summary(dataset: xr.Dataset) -> dict[str, Any]:
-    """Equivalent conicity at 3 mm (at 5 and 1 mm as well) and where the wheelset swings about.
-
-    nonlinearity_per_mm: (tan gamma_e at 4 mm - tan gamma_e at 2 mm) / 2 mm, Polach's parameter: negative where
-    conicity falls with the amplitude, which bodes ill for running behaviour at small ones. ``None`` where one of its
-    amplitudes is missing.
-    """
-    amplitude = 1e3 * dataset["amplitude"].values
-    values = dataset["equivalent_conicity"].values
-
-    def at(millimetres: float) -> float | None:
-        near = np.flatnonzero(np.abs(amplitude - millimetres) < 1e-6)
-        return float(values[near[0]]) if near.size and np.isfinite(values[near[0]]) else None
-
-    two, four = at(2.0), at(4.0)
-    return {
-        "equivalent_conicity": {f"{mm}_mm": at(float(mm)) for mm in (1, 3, 5)},
-        "nonlinearity_per_mm": None if two is None or four is None else 0.5 * (four - two),
-        "equilibrium_shift_mm": 1e3 * float(dataset.attrs["equilibrium_shift_m"]),
     }
 
 
@@ -250,7 +195,7 @@ def _stop(dataset: xr.Dataset) -> dict[str, Any] | None:
     return stop
 
 
-def _extent(dataset: xr.Dataset) -> dict[str, Any]:
+def extent(dataset: xr.Dataset) -> dict[str, Any]:
     """How much was computed."""
     if "pose" in dataset.dims:
         solved = np.ones(dataset.sizes["pose"], dtype=bool)
