@@ -9,7 +9,7 @@ import typer
 
 from wrsim.cli.ending import told
 from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures
-from wrsim.cli.showing import print_json
+from wrsim.cli.showing import print_json, print_table
 from wrsim.cli.storing import read
 
 WIDTH = 112
@@ -56,41 +56,31 @@ def assess(
 
 def print_assessment(found: Assessment) -> None:
     """Sections, then the worst value of every quantity in every class of track, then what could not be said."""
-    from rich.console import Console
-    from rich.table import Table
-
-    console = Console(highlight=False, markup=False)
-    console.width = max(console.width, WIDTH)
-    sections = Table(title=found.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
-    for heading in ("section", "class", "from m", "to m", "km/h", "cant deficiency mm"):
-        sections.add_column(heading, justify="left" if heading == "class" else "right", no_wrap=True)
+    rows = []
     for s in found.sections:
-        note = " (short)" if s.short else ""
         numbers = (f"{s.start:z.1f}", f"{s.end:.1f}", f"{3.6 * s.speed:.0f}", f"{1e3 * s.cant_deficiency:z.0f}")
-        sections.add_row(str(s.number), s.label + note, *numbers)
-    console.print(sections)
-    table = Table(box=None, pad_edge=False)
-    numbers = ("worst", "estimate", "limit", "margin")
-    for heading in ("", "unit", "class (sections)", *numbers, "", "by", "worst in"):
-        table.add_column(heading, justify="right" if heading in numbers else "left", no_wrap=True)
+        rows.append([str(s.number), s.label + (" (short)" if s.short else ""), *numbers])
+    heads = ["section", "class", "from m", "to m", "km/h", "cant deficiency mm"]
+    print_table(heads, rows, title=found.title, left=("class",), width=WIDTH)
+    print()
     sources: dict[str, str] = {}
-    last = ""
+    rows, last = [], ""
     for row in found.zones():
         limit, quantity = row.worst.limit, row.worst.quantity
         letter = ""
         if limit is not None:
             letter = sources.setdefault(f"{limit.source} [{limit.mark}]", chr(ord("a") + len(sources) % 26))
-        table.add_row(*_cells(row, quantity.key != last, letter))
+        rows.append(_cells(row, quantity.key != last, letter))
         last = quantity.key
-    console.print()
-    console.print(table)
-    console.print()
+    heads = ["", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "worst in"]
+    print_table(heads, rows, left=("", "unit", "class (sections)", "by", "worst in"), width=WIDTH)
+    print()
     for source, letter in sources.items():
-        console.print(f"{letter}  {source}", soft_wrap=True)
+        print(f"{letter}  {source}")
     for note in found.notes:
-        console.print(f"note: {note}", soft_wrap=True)
+        print(f"note: {note}")
     verdict = "every quantity is within its limit" if found.passed else "A LIMIT IS EXCEEDED"
-    console.print(f"{verdict}; [mem]: from memory of the standard, [pub]: from a published source", soft_wrap=True)
+    print(f"{verdict}; [mem]: from memory of the standard, [pub]: from a published source")
 
 
 def _cells(row: ZoneValue, first: bool, letter: str) -> list[str]:

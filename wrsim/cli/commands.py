@@ -28,7 +28,6 @@ from wrsim.cli.showing import (
     print_json,
     print_result,
     print_smoothing,
-    print_summary,
     progress_bar,
     tell_slow,
 )
@@ -149,7 +148,8 @@ def run(
             )
         else:
             if not quiet:
-                print_summary(result, directory, files)
+                print_peaks(result)
+                print(f"{len(files)} files in {directory}")
             if code:
                 complain(f"{file}: stopped: {result.stop_reason}")
                 if not quiet:

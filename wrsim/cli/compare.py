@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
+from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,13 +10,15 @@ import typer
 
 from wrsim.cli.ending import exit_code, told
 from wrsim.cli.options import Json, ModelFiles, Pictures
-from wrsim.cli.showing import print_json, progress_bar, tell_slow
+from wrsim.cli.showing import print_json, print_table, progress_bar, tell_slow
 
 if TYPE_CHECKING:
     from wrsim.analysis.compare import Comparison
 
 SHOWN = ("p0", "area", "approach", "N", "contact_angle", "X", "Y", "T_gamma")
 """Quantities in the table on the screen."""
+UNITS = {"relative": (100.0, "percent"), "of the normal force": (100.0, "percent"), "plain": (180.0 / pi, "deg")}
+"""Factor and unit of differences, by their kind."""
 FEW = 4
 """Poses and wheels of a small comparison, whose values are printed one by one."""
 
@@ -79,8 +79,7 @@ def report_of(found: Comparison, scenario: str) -> dict[str, Any]:
     for model in found.models:
         differences = {}
         for quantity, numbers in summary(found, model.name).items():
-            plain = DIFFERENCES[quantity] == PLAIN
-            factor, unit = (57.29577951308232, "deg") if plain else (100.0, "percent")
+            factor, unit = UNITS[DIFFERENCES[quantity]]
             differences[f"{quantity}_{unit}"] = {name: factor * value for name, value in numbers.items()}
         dataset = model.result.dataset
         unsolved = int((dataset["pose_message"].values != "").sum()) if "pose_message" in dataset else 0
@@ -97,42 +96,31 @@ def report_of(found: Comparison, scenario: str) -> dict[str, Any]:
 
 def table_of(found: Comparison) -> list[list[str]]:
     """One row per sample, wheel and model; the first is the header. Differences in per cent or degrees."""
-    from wrsim.analysis.compare import DIFFERENCES, PLAIN
+    import numpy as np
+
+    from wrsim.analysis.compare import DIFFERENCES
     from wrsim.results import CHANNELS
+    from wrsim.results.rows import cells_of, number_cells, rows_of
 
     values = found.values
     sample = "time" if "time" in values.dims else "pose"
+    i, j, m = (index.ravel() for index in np.indices([values.sizes[d] for d in (sample, "wheel", "model")]))
     context = [n for n in (sample, "distance", "lateral_shift", "yaw", "load") if n in values.coords]
-    quantities = list(DIFFERENCES)
-    factors = {q: 57.29577951308232 if DIFFERENCES[q] == PLAIN else 100.0 for q in quantities}
-    header = [CHANNELS[n].column for n in context] + ["wheel", "model"] + [CHANNELS[q].column for q in quantities]
-    header += [f"{q}_difference_{'deg' if DIFFERENCES[q] == PLAIN else 'percent'}" for q in quantities]
-    rows = [header]
-    for i in range(values.sizes[sample]):
-        place = [_cell(values[n].values[i], CHANNELS[n].shown.factor) for n in context]
-        for j, wheel in enumerate(values["wheel"].values):
-            for m, model in enumerate(values["model"].values):
-                cells = [_cell(values[q].values[m, i, j], CHANNELS[q].shown.factor) for q in quantities]
-                cells += [_cell(values[f"{q}_difference"].values[m, i, j], factors[q]) for q in quantities]
-                rows.append([*place, str(wheel), str(model), *cells])
-    return rows
-
-
-def _cell(value: Any, factor: float) -> str:
-    if isinstance(value, str):
-        return str(value)
-    return "" if value != value else f"{float(value) * factor + 0.0:.10g}"
+    columns = [(CHANNELS[n].column, cells_of(n, values[n].values[i])) for n in context]
+    columns += [("wheel", list(values["wheel"].values[j])), ("model", list(values["model"].values[m]))]
+    columns += [(CHANNELS[q].column, cells_of(q, values[q].values[m, i, j])) for q in DIFFERENCES]
+    for q, kind in DIFFERENCES.items():
+        difference = values[f"{q}_difference"].values[m, i, j]
+        columns.append((f"{q}_difference_{UNITS[kind][1]}", number_cells(UNITS[kind][0] * difference)))
+    return rows_of(columns)
 
 
 def _write(found: Comparison, report: dict[str, Any], directory: Path, pictures: bool, title: str) -> list[Path]:
-    from wrsim.results import write_atomically
+    from wrsim.results.files import as_csv, as_json, write_atomically
 
-    stream = io.StringIO()
-    csv.writer(stream, lineterminator="\n").writerows(table_of(found))
-    text = json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     files = [
-        write_atomically(directory / "comparison.json", text.encode()),
-        write_atomically(directory / "comparison.csv", stream.getvalue().encode()),
+        write_atomically(directory / "comparison.json", as_json(report)),
+        write_atomically(directory / "comparison.csv", as_csv(table_of(found))),
     ]
     for model in found.models:
         folder = "".join(c if c.isalnum() or c in "-+._" else "_" for c in model.name)
@@ -157,40 +145,33 @@ def _write(found: Comparison, report: dict[str, Any], directory: Path, pictures:
 
 def _print(found: Comparison, report: dict[str, Any], directory: Path, files: int) -> None:
     """The values when they are few, differences and times; a column for every model. And where everything is."""
-    from rich.console import Console
-    from rich.table import Table
-
     from wrsim.analysis.compare import DIFFERENCES, OF_LOAD, PLAIN
     from wrsim.results import CHANNELS
 
-    console = Console(highlight=False)
     values, models = found.values, report["models"]
     sample = "time" if "time" in values.dims else "pose"
-    table = Table(box=None, pad_edge=False)
-    table.add_column("")
-    for name in models:
-        table.add_column(name, justify="right", overflow="fold")
+    rows: list[list[str]] = []
     if values.sizes[sample] * values.sizes["wheel"] <= FEW:
         for i, place in enumerate(values[sample].values):
             for j, wheel in enumerate(values["wheel"].values):
-                table.add_row(f"{place} {wheel}" if sample == "pose" else str(wheel), style="bold")
+                rows.append([f"{place} {wheel}" if sample == "pose" else str(wheel)])
                 for q in SHOWN:
                     numbers = values[q].values[:, i, j] * CHANNELS[q].shown.factor
-                    table.add_row(CHANNELS[q].column, *("-" if n != n else f"{n:.5g}" for n in numbers))
-    table.add_row("difference, median / 95 %", style="bold")
+                    rows.append([CHANNELS[q].column, *("-" if n != n else f"{n:.5g}" for n in numbers)])
+    rows.append(["difference, median / 95 %"])
     for q in SHOWN:
         unit = {PLAIN: "deg", OF_LOAD: "% of N"}.get(DIFFERENCES[q], "%")
-        key = f"{q}_{'deg' if DIFFERENCES[q] == PLAIN else 'percent'}"
-        told = [model["differences"].get(key) for model in models.values()]
-        cells = ["-" if t is None else f"{t['median']:.2g} / {t['p95']:.2g}" for t in told]
+        key = f"{q}_{UNITS[DIFFERENCES[q]][1]}"
+        known = [model["differences"].get(key) for model in models.values()]
+        cells = ["-" if t is None else f"{t['median']:.2g} / {t['p95']:.2g}" for t in known]
         cells = ["reference" if n == found.reference else c for n, c in zip(models, cells, strict=True)]
-        table.add_row(f"{q} ({unit})", *cells)
-    table.add_row("time", style="bold")
+        rows.append([f"{q} ({unit})", *cells])
     times = [model["evaluation_us"] for model in models.values()]
-    table.add_row("one contact (us)", *("-" if t is None else f"{t:.3g}" for t in times))
-    table.add_row("all (s)", *(f"{model['run_s']:.3g}" for model in models.values()))
-    console.print(table)
+    rows.append(["time"])
+    rows.append(["one contact (us)", *("-" if t is None else f"{t:.3g}" for t in times)])
+    rows.append(["all (s)", *(f"{model['run_s']:.3g}" for model in models.values())])
+    print_table(["", *models], rows, left=("",))
     for name, model in models.items():
         if model["unsolved_poses"]:
-            console.print(f"{name}: {model['unsolved_poses']} poses without a solution")
-    console.print(f"{files} files in {directory}", soft_wrap=True)
+            print(f"{name}: {model['unsolved_poses']} poses without a solution")
+    print(f"{files} files in {directory}")

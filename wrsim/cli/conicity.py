@@ -9,7 +9,7 @@ import typer
 
 from wrsim.cli.ending import told
 from wrsim.cli.options import Json, Models
-from wrsim.cli.showing import print_json
+from wrsim.cli.showing import print_json, print_table
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -142,38 +142,24 @@ def _numbers(result: Result) -> dict[str, Any]:
 
 def _print(result: Result) -> None:
     """Every half millimetre: conicity and wavelength over amplitude, and what lies at that shift."""
-    from rich.console import Console
-    from rich.table import Table
+    import numpy as np
 
     from wrsim.results.conicity import conicity_summary
 
     dataset = result.wheelset()
     summary = conicity_summary(dataset)
-    table = Table(title=result.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    shift, amplitudes = 1e3 * dataset["lateral_shift"].values, 1e3 * dataset["amplitude"].values
+    rows = []
+    for i in np.flatnonzero(np.abs(2.0 * amplitudes - np.round(2.0 * amplitudes)) < 1e-6):
+        at = int(np.abs(shift - amplitudes[i]).argmin())
+        cells = [f"{amplitudes[i]:.1f}", f"{dataset['equivalent_conicity'].values[i]:.3f}"]
+        cells += [f"{dataset['conicity_wavelength'].values[i]:.2f}"]
+        cells += [f"{1e3 * dataset['rolling_radius_difference'].values[at]:.3f}"]
+        cells += [f"{angle:.2f}" for angle in np.degrees(dataset["contact_angle"].values[at, :, 0])]
+        rows.append([cell.replace("nan", "-") for cell in cells])
     heads = ("y mm", "tan gamma_e", "wavelength m", "delta r mm", "angle left deg", "angle right deg")
-    for head in heads:
-        table.add_column(head, justify="right")
-    shift = 1e3 * dataset["lateral_shift"].values
-    columns = [1e3 * dataset["rolling_radius_difference"].values]
-    columns += [57.29577951308232 * dataset["contact_angle"].values[:, j, 0] for j in (0, 1)]
-    for amplitude, value, wavelength in zip(
-        1e3 * dataset["amplitude"].values,
-        dataset["equivalent_conicity"].values,
-        dataset["conicity_wavelength"].values,
-        strict=True,
-    ):
-        if abs(2.0 * amplitude - round(2.0 * amplitude)) > 1e-6:
-            continue
-        i = int(abs(shift - amplitude).argmin())
-        cells = [f"{amplitude:.1f}", f"{value:.3f}", f"{wavelength:.2f}"]
-        cells += [f"{c[i]:.3f}" for c in columns[:1]] + [f"{c[i]:.2f}" for c in columns[1:]]
-        table.add_row(*(cell.replace("nan", "-") for cell in cells))
-    console = Console(highlight=False)
-    console.print(table)
+    print_table(heads, rows, title=result.title)
     place = summary["equilibrium_shift_mm"]
-    console.print(
-        f"amplitudes are counted from the equilibrium at y = {place:z.3f} mm; delta r and angles at y itself",
-        soft_wrap=True,
-    )
+    print(f"amplitudes are counted from the equilibrium at y = {place:z.3f} mm; delta r and angles at y itself")
     if summary["nonlinearity_per_mm"] is not None:
-        console.print(f"nonlinearity parameter {summary['nonlinearity_per_mm']:z.4f} per mm")
+        print(f"nonlinearity parameter {summary['nonlinearity_per_mm']:z.4f} per mm")

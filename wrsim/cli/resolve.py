@@ -9,7 +9,7 @@ import typer
 
 from wrsim.cli.ending import told
 from wrsim.cli.options import Json, ModelFiles, Pictures
-from wrsim.cli.showing import print_json, progress_bar
+from wrsim.cli.showing import print_json, print_table, progress_bar
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -67,15 +67,11 @@ def resolve(
 def _print(old: Dataset, new: Dataset) -> None:
     """Largest patch of every moment and wheel, before and after."""
     import numpy as np
-    from rich.console import Console
-    from rich.table import Table
 
     from wrsim.results import CHANNELS
 
     sample = "time" if "time" in new.dims else "pose"
-    table = Table(box=None, pad_edge=False)
-    for name in ("at", "wheel", "", *(CHANNELS[c].column for c in COLUMNS)):
-        table.add_column(name, justify="left" if name in ("at", "wheel", "") else "right")
+    rows = []
     for i, place in enumerate(new[sample].values):
         j = int(np.flatnonzero(old[sample].values == place)[0])
         words = f"{float(new['distance'].values[i]):.1f} m" if sample == "time" else str(place)
@@ -83,5 +79,5 @@ def _print(old: Dataset, new: Dataset) -> None:
             for when, dataset, at in (("was", old, j), ("now", new, i)):
                 cells = [f"{dataset[c].values[at, w, 0] * CHANNELS[c].shown.factor:.4g}" for c in COLUMNS]
                 first = when == "was"
-                table.add_row(words if first and w == 0 else "", str(wheel) if first else "", when, *cells)
-    Console(highlight=False).print(table)
+                rows.append([words if first and w == 0 else "", str(wheel) if first else "", when, *cells])
+    print_table(["at", "wheel", "", *(CHANNELS[c].column for c in COLUMNS)], rows, left=("at", "wheel", ""))

@@ -9,7 +9,7 @@ import typer
 
 from wrsim.cli.ending import told
 from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures
-from wrsim.cli.showing import complain, print_json
+from wrsim.cli.showing import complain, print_json, print_table
 from wrsim.cli.storing import read
 from wrsim.errors import InputError
 
@@ -73,22 +73,14 @@ def write_ride(found: Ride, directory: Path, pictures: bool) -> list[Path]:
 
 def print_ride(found: Ride) -> None:
     """One row a point and axis."""
-    from rich.console import Console
-    from rich.table import Table
-
-    console = Console(highlight=False, markup=False)
-    stretch = f"{found.start:z.0f} to {found.end:.0f} m, {found.duration:.0f} s"
-    table = Table(title=f"{found.title}: {stretch}", title_justify="left", title_style="bold", box=None, pad_edge=False)
-    for heading in ("point", "axis", "rms m/s²", "peak m/s²", "weighted rms", "95 % of 5 s", "N_MV"):
-        table.add_column(heading, justify="left" if heading in ("point", "axis") else "right", no_wrap=True)
-    values = found.as_dict()["points"]
-    for point, of in values.items():
+    heads = ("point", "axis", "rms m/s²", "peak m/s²", "weighted rms", "95 % of 5 s", "N_MV")
+    rows = []
+    for point, of in found.as_dict()["points"].items():
         for i, axis in enumerate(("x", "y", "z")):
             row = [of[key][axis] for key in ("rms_m_s2", "peak_m_s2", "weighted_rms_m_s2", "comfort_95_m_s2")]
-            mean = "" if i or of["N_MV"] is None else f"{of['N_MV']:.3g}"
-            table.add_row("" if i else point, axis, *("" if v is None else f"{v:.3g}" for v in row), mean)
-    console.print(table)
+            row.append(None if i else of["N_MV"])
+            rows.append(["" if i else point, axis, *("" if v is None else f"{v:.3g}" for v in row)])
+    stretch = f"{found.start:z.0f} to {found.end:.0f} m, {found.duration:.0f} s"
+    print_table(heads, rows, title=f"{found.title}: {stretch}", left=("point", "axis"))
     blocks = int(found.data.attrs["blocks"])
-    console.print(
-        f"weighted: Wd along x and y, Wb along z; {blocks} blocks of 5 s (EN 12299 asks for 60)", soft_wrap=True
-    )
+    print(f"weighted: Wd along x and y, Wb along z; {blocks} blocks of 5 s (EN 12299 asks for 60)")

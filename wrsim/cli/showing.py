@@ -1,10 +1,10 @@
-"""What the user reads: facts of a scenario, progress, peaks of a result."""
+"""What the user reads: tables, facts of a scenario, progress, peaks of a result."""
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -84,12 +84,25 @@ def print_facts(facts: dict[str, Any]) -> None:
         print(f"  {name:<14} {value}")
 
 
-def print_summary(result: Result, directory: Path, files: list[Path]) -> None:
-    """The numbers of a result, and where everything is."""
-    from rich.console import Console
+def print_table(
+    heads: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "", left: Sequence[str] = (), width: int = 0
+) -> None:
+    """A table on the screen. Columns are flush right but for those in ``left``; a row of one cell is a heading in bold.
 
-    print_result(result)
-    Console(highlight=False).print(f"{len(files)} files in {directory}", soft_wrap=True)
+    width: letters that the table needs, where the terminal may be narrower.
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False, markup=False)
+    console.width = max(console.width, width)
+    table = Table(title=title or None, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    for head in heads:
+        quiet = "dim" if head == "at" else None
+        table.add_column(head, justify="left" if head in left else "right", style=quiet, no_wrap=head in left)
+    for row in rows:
+        table.add_row(*row, style="bold" if len(row) == 1 else None)
+    console.print(table)
 
 
 def print_result(result: Result) -> None:
@@ -98,61 +111,56 @@ def print_result(result: Result) -> None:
 
 
 def print_peaks(result: Result) -> None:
-    """The peaks of each wheel as a small table."""
-    from rich.console import Console
-    from rich.table import Table
-
+    """The peaks of each wheel as a table, and the events."""
     summary = result.summary()
-    wheelsets = summary["wheelsets"]
-    if len(wheelsets) > 1:
-        print_vehicle_peaks(result.title, summary)
-        return
-    (own,) = wheelsets.values()
-    table = Table(title=result.title, title_justify="left", title_style="bold", box=None, pad_edge=False)
-    table.add_column("peak")
-    for wheel in own["wheels"]:
-        table.add_column(wheel, justify="right")
-        table.add_column("at", justify="left", style="dim")
-    names = list(next(iter(own["wheels"].values()), {}))
-    for name in names:
-        peaks = [peaks.get(name) for peaks in own["wheels"].values()]
-        if any(p is not None and p["value"] is not None for p in peaks):
-            table.add_row(name, *(cell for p in peaks for cell in _peak(p)))
-    Console(highlight=False).print(table)
+    if len(summary["wheelsets"]) > 1:
+        _print_wheelsets(result.title, summary)
+    else:
+        (own,) = summary["wheelsets"].values()
+        heads = ["peak", *(head for wheel in own["wheels"] for head in (wheel, "at"))]
+        names = list(next(iter(own["wheels"].values()), {}))
+        rows = [[name, *(cell for peaks in own["wheels"].values() for cell in _peak(peaks[name]))] for name in names]
+        print_table(heads, (r for r in rows if set(r[1::2]) != {"-"}), title=result.title, left=("peak", "at"))
+    _print_events(summary.get("events", []))
 
 
-def print_vehicle_peaks(title: str, summary: dict[str, Any]) -> None:
-    """The peaks of every wheel of a vehicle, a line each, and the events."""
-    from rich.console import Console
-    from rich.table import Table
+WHEEL_PEAKS = {
+    "Y_max_kN": "Y kN",
+    "Q_min_kN": "Q min kN",
+    "Q_max_kN": "Q max kN",
+    "Y_over_Q_max": "Y/Q",
+    "T_gamma_max_N": "T gamma N",
+    "p0_max_MPa": "p0 MPa",
+}
+"""Peaks in the table of several wheelsets, and their headings."""
 
-    names = {
-        "Y_max_kN": "Y kN",
-        "Q_min_kN": "Q min kN",
-        "Q_max_kN": "Q max kN",
-        "Y_over_Q_max": "Y/Q",
-        "T_gamma_max_N": "T gamma N",
-        "p0_max_MPa": "p0 MPa",
-    }
-    table = Table(title=title, title_justify="left", title_style="bold", box=None, pad_edge=False)
-    for name in ("wheelset", "wheel"):
-        table.add_column(name, no_wrap=True)
-    for words in names.values():
-        table.add_column(words, justify="right")
-    for wheelset, own in summary["wheelsets"].items():
-        for wheel, peaks in own["wheels"].items():
-            table.add_row(wheelset, wheel, *(_peak(peaks.get(name))[0] for name in names))
-    console = Console(highlight=False)
-    console.print(table)
-    events = summary.get("events", [])
+
+def _print_wheelsets(title: str, summary: dict[str, Any]) -> None:
+    """The peaks of every wheel of several wheelsets, a line each."""
+    rows = [
+        [wheelset, wheel, *(_peak(peaks.get(name))[0] for name in WHEEL_PEAKS)]
+        for wheelset, own in summary["wheelsets"].items()
+        for wheel, peaks in own["wheels"].items()
+    ]
+    print_table(["wheelset", "wheel", *WHEEL_PEAKS.values()], rows, title=title, left=("wheelset", "wheel"))
+
+
+def _print_events(events: list[dict[str, Any]]) -> None:
     for event in events[:MOST_EVENTS]:
-        console.print(f"{event['distance_m']:.1f} m: {event['event']}", soft_wrap=True)
+        print(f"{event['distance_m']:.1f} m: {event['event']}")
     if len(events) > MOST_EVENTS:
-        console.print(f"and {len(events) - MOST_EVENTS} more events: see summary.json")
+        print(f"and {len(events) - MOST_EVENTS} more events: see summary.json")
 
 
 MOST_EVENTS = 10
 """Events that are printed."""
+
+
+def print_title(title: str) -> None:
+    """A title in bold."""
+    from typer import secho
+
+    secho(title, bold=True)
 
 
 def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:
@@ -166,43 +174,22 @@ def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:
 
 def print_smoothing(reports: Sequence[SmoothingReport]) -> None:
     """Curvature before and after, and how far smoothing moved the points, one line a cut-off."""
-    from rich.console import Console
-    from rich.table import Table
-
     first = reports[0]
     print(f"{len(first.points)} points, which scatter by {1e6 * first.scatter:.3g} um across the curve")
-    table = Table(box=None, pad_edge=False)
-    for head in (
-        "cut-off",
-        "largest curvature [1/m]",
-        "at u [mm]",
-        "RMS change [um]",
-        "largest [um]",
-        "at u [mm]",
-        "line",
-    ):
-        table.add_column(head, justify="right")
-    table.add_row("none", f"{first.curvature_before:.4g}", *[""] * 5)
+    heads = ("cut-off", "largest curvature [1/m]", "at u [mm]", "RMS change [um]", "largest [um]", "at u [mm]", "line")
+    rows = [["none", f"{first.curvature_before:.4g}", *[""] * 5]]
     for r in reports:
         most, where, line = r.largest_change
-        table.add_row(
-            f"{1e3 * r.cutoff:g} mm",
-            f"{r.curvature_after:.4g}",
-            f"{1e3 * r.sharpest:.2f}",
-            f"{1e6 * r.rms_change:.3g}",
-            f"{1e6 * most:.3g}",
-            f"{1e3 * where:.2f}",
-            str(line),
-        )
-    Console(highlight=False).print(table)
+        found = [f"{r.curvature_after:.4g}", f"{1e3 * r.sharpest:.2f}", f"{1e6 * r.rms_change:.3g}"]
+        rows.append([f"{1e3 * r.cutoff:g} mm", *found, f"{1e6 * most:.3g}", f"{1e3 * where:.2f}", str(line)])
+    print_table(heads, rows)
 
 
 def print_files(files: list[Path], as_json: bool) -> None:
     if as_json:
         print_json({"files": [str(f) for f in files]})
     else:
-        for file in files:
-            print(file)
+        print(*files, sep="\n")
 
 
 def print_json(content: dict[str, Any]) -> None:

@@ -9,7 +9,7 @@ import typer
 
 from wrsim.cli.ending import told
 from wrsim.cli.options import Json, Models
-from wrsim.cli.showing import print_json
+from wrsim.cli.showing import print_json, print_table, print_title
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -75,28 +75,17 @@ def facts_of(vehicle: Vehicle) -> dict[str, Any]:
 
 
 def _print(found: dict[str, Any]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-
-    console = Console(highlight=False)
-    console.print(f"[bold]{found['name']}[/bold]")
-    console.print(found["source"], style="dim")
+    print_title(found["name"])
+    print(found["source"])
     x, y, z = (round(c, 3) + 0.0 for c in found["centre_mm"])
-    console.print(f"mass {found['mass_kg']:.6g} kg, centre at x {x:g}, y {y:g}, z {z:g} mm")
-    wheels = Table(box=None, pad_edge=False, title="static wheel loads", title_justify="left")
-    for column in ("wheelset", "left kN", "right kN"):
-        wheels.add_column(column, justify="left" if column == "wheelset" else "right")
-    for name, load in found["wheel_loads_kN"].items():
-        wheels.add_row(name, f"{load['left']:.3f}", f"{load['right']:.3f}")
-    wheels.add_row("together", f"{found['weight_kN']:.3f}", "")
-    console.print(wheels)
-    if found["modes"]:
-        modes = Table(box=None, pad_edge=False, title="modes on its springs, wheelsets held", title_justify="left")
-        for column in ("Hz", "damping", "motion"):
-            modes.add_column(column, justify="left" if column == "motion" else "right")
-        for mode in found["modes"]:
-            modes.add_row(f"{mode['frequency_Hz']:.3f}", f"{mode['damping']:z.3f}", mode["motion"])
-        console.print(modes)
+    print(f"mass {found['mass_kg']:.6g} kg, centre at x {x:g}, y {y:g}, z {z:g} mm")
+    loads = [[name, f"{q['left']:.3f}", f"{q['right']:.3f}"] for name, q in found["wheel_loads_kN"].items()]
+    loads.append(["together", f"{found['weight_kN']:.3f}", ""])
+    print_table(("wheelset", "left kN", "right kN"), loads, title="static wheel loads", left=("wheelset",))
+    modes = [[f"{m['frequency_Hz']:.3f}", f"{m['damping']:z.3f}", m["motion"]] for m in found["modes"]]
+    if modes:
+        title = "modes on its springs, wheelsets held"
+        print_table(("Hz", "damping", "motion"), modes, title=title, left=("motion",))
     if "picture" in found:
         print(found["picture"])
 

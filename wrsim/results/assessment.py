@@ -5,9 +5,6 @@ Values are in SI units; ``Quantity.shown`` says in which unit people read them.
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -17,6 +14,7 @@ import numpy as np
 import xarray as xr
 
 from wrsim.results.channels import PLAIN, Shown
+from wrsim.results.files import as_csv, as_json
 
 SAFETY, LOADING, RIDE, INFORMATION = "running safety", "track loading", "ride characteristics", "information"
 
@@ -178,16 +176,11 @@ class Assessment:
 
     def json(self) -> bytes:
         """Content of ``assessment.json``."""
-        return (json.dumps(self.as_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
+        return as_json(self.as_dict(), indent=1)
 
     def csv(self) -> bytes:
         """Content of ``assessment.csv``: one row per value."""
-        stream = io.StringIO()
-        rows = [_flat(v) for v in self.values]
-        writer = csv.DictWriter(stream, _COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-        return stream.getvalue().encode()
+        return as_csv([_COLUMNS, *(_flat(v) for v in self.values)])
 
 
 def _zone(values: list[Value]) -> ZoneValue:
@@ -262,10 +255,10 @@ _COLUMNS = (
 )  # fmt: skip
 
 
-def _flat(v: Value) -> dict[str, Any]:
+def _flat(v: Value) -> list[str]:
     row = {**_value(v), **{k: x for k, x in _section(v.section).items() if k in _COLUMNS}}
     row |= {"unit": v.quantity.shown.symbol, "section": v.section.number}
-    return {key: _cell(row[key]) for key in _COLUMNS}
+    return [_cell(row[key]) for key in _COLUMNS]
 
 
 def _cell(value: Any) -> str:

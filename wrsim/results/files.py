@@ -1,13 +1,17 @@
-"""Writing files so that a reader never meets half of one."""
+"""Writing files so that a reader never meets half of one; tables and numbers as bytes."""
 
 from __future__ import annotations
 
+import csv
 import errno
+import io
+import json
 import os
 import secrets
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from wrsim.errors import WrsimError
 
@@ -58,3 +62,17 @@ def write_atomically(path: str | Path, content: bytes) -> Path:
             temporary.unlink(missing_ok=True)
             raise
     return path
+
+
+def as_csv(rows: Iterable[Sequence[str]]) -> bytes:
+    """Rows as comma-separated values (RFC 4180 quoting, line feeds, UTF-8)."""
+    stored = io.BytesIO()
+    stream = io.TextIOWrapper(stored, encoding="utf-8", newline="")
+    csv.writer(stream, lineterminator="\n").writerows(rows)
+    stream.flush()
+    return stored.getvalue()
+
+
+def as_json(content: Any, indent: int = 2) -> bytes:
+    """Plain numbers and texts as JSON."""
+    return (json.dumps(content, indent=indent, ensure_ascii=False, allow_nan=False) + "\n").encode()

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
+
+from wrsim.results.files import as_csv, as_json
 
 AXES = ("x", "y", "z")
 
@@ -66,7 +65,7 @@ class Ride:
 
     def json(self) -> bytes:
         """Content of ``ride.json``."""
-        return (json.dumps(self.as_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()
+        return as_json(self.as_dict(), indent=1)
 
     def bands_csv(self) -> bytes:
         """Content of ``third_octaves.csv``: a row a band, a column a point and axis, rms in m/s2."""
@@ -93,8 +92,4 @@ def _plain(value: float) -> float | None:
 
 
 def _table(head: list[str], rows: np.ndarray) -> bytes:
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(head)
-    writer.writerows([[f"{value:.6g}" for value in row] for row in rows])
-    return stream.getvalue().encode()
+    return as_csv([head, *([f"{value:.6g}" for value in row] for row in rows)])

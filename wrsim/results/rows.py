@@ -1,9 +1,7 @@
-"""Rows of tables from a labelled dataset, and rows as text: units at the end of every column name."""
+"""Rows of tables from a labelled dataset: units at the end of every column name."""
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Iterable
 from typing import Any
 
@@ -21,14 +19,14 @@ def wide(dataset: xr.Dataset, dim: str, others: Iterable[str] = ()) -> list[Row]
     such as ``Y_left_kN``."""
     channels = [dim] if dim in CHANNELS else []
     channels += present(dataset, (dim,))
-    columns = [(CHANNELS[name].column, _text(name, dataset[name].values)) for name in channels]
+    columns = [(CHANNELS[name].column, cells_of(name, dataset[name].values)) for name in channels]
     for other in others:
         for name in present(dataset, (dim, other)):
             for label in dataset[other].values:
                 words = [name, str(label), CHANNELS[name].shown.suffix]
                 header = "_".join(word for word in words if word).replace(" ", "_")
-                columns.append((header, _text(name, dataset[name].sel({other: label}).values)))
-    return _rows(columns)
+                columns.append((header, cells_of(name, dataset[name].sel({other: label}).values)))
+    return rows_of(columns)
 
 
 def long(dataset: xr.Dataset, names: Iterable[str], chosen: NDArray[np.bool_], dims: tuple[str, ...]) -> list[Row]:
@@ -38,13 +36,15 @@ def long(dataset: xr.Dataset, names: Iterable[str], chosen: NDArray[np.bool_], d
     for name in names:
         if name in CHANNELS:
             values = dataset[name]
-            columns.append((CHANNELS[name].column, _text(name, values.values[tuple(at[str(d)] for d in values.dims)])))
+            columns.append(
+                (CHANNELS[name].column, cells_of(name, values.values[tuple(at[str(d)] for d in values.dims)]))
+            )
         else:
             columns.append((name, [str(i) for i in at[name]]))
-    return _rows(columns)
+    return rows_of(columns)
 
 
-def _rows(columns: list[tuple[str, list[str]]]) -> list[Row]:
+def rows_of(columns: list[tuple[str, list[str]]]) -> list[Row]:
     """Rows, the header first, from columns with their headers."""
     return [[header for header, _ in columns], *(list(row) for row in zip(*(c for _, c in columns), strict=True))]
 
@@ -60,17 +60,13 @@ def chosen(dataset: xr.Dataset, channels: list[str]) -> NDArray[np.bool_]:
     return np.any([values > 0 if kind == "count" else np.isfinite(values) for kind, values in arrays], axis=0)
 
 
-def _text(name: str, values: NDArray[Any]) -> list[str]:
-    """Cells of a channel in the unit for readers, ten digits; empty for not-a-number."""
+def cells_of(name: str, values: NDArray[Any]) -> list[str]:
+    """Cells of a channel in the unit for readers."""
     if CHANNELS[name].kind != "number":
         return [str(v) for v in values]
-    return ["" if v != v else f"{v:.10g}" for v in (values * CHANNELS[name].shown.factor + 0.0).tolist()]
+    return number_cells(values * CHANNELS[name].shown.factor)
 
 
-def csv_of(rows: Iterable[Row]) -> bytes:
-    """Rows as comma-separated values (RFC 4180 quoting, line feeds, UTF-8)."""
-    stored = io.BytesIO()
-    stream = io.TextIOWrapper(stored, encoding="utf-8", newline="")
-    csv.writer(stream, lineterminator="\n").writerows(rows)
-    stream.flush()
-    return stored.getvalue()
+def number_cells(values: NDArray[Any]) -> list[str]:
+    """Ten digits; empty for not-a-number."""
+    return ["" if v != v else f"{v:.10g}" for v in (values + 0.0).tolist()]

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import xarray as xr
 
 from wrsim.register import ANALYSES, resolved
-from wrsim.results.files import write_atomically
+from wrsim.results.files import as_csv, as_json, write_atomically
 from wrsim.results.result import Result
-from wrsim.results.rows import Row, chosen, csv_of, long, present, wide
+from wrsim.results.rows import Row, chosen, long, present, wide
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 BLOCK = 2000
@@ -31,16 +30,15 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     """
     directory = Path(directory)
     written = [result.save(directory / "result.nc")]
-    summary = json.dumps(result.summary(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    written.append(write_atomically(directory / "summary.json", summary.encode()))
+    written.append(write_atomically(directory / "summary.json", as_json(result.summary())))
     for name, rows in _each(result.dataset):
-        written.append(write_atomically(directory / f"{name}.csv", csv_of(rows)))
+        written.append(write_atomically(directory / f"{name}.csv", as_csv(rows)))
     return written
 
 
 def write_table(dataset: xr.Dataset, name: str, path: str | Path) -> Path:
     """Write one of the `tables` of a result. Raises ``WrsimError`` when it cannot be written."""
-    return write_atomically(path, csv_of(dict(_each(dataset))[name]))
+    return write_atomically(path, as_csv(dict(_each(dataset))[name]))
 
 
 def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:
