@@ -148,7 +148,7 @@ def run(
             )
         else:
             if not quiet:
-                print_peaks(result)
+                print_result(result)
                 print(f"{len(files)} files in {directory}")
             if code:
                 complain(f"{file}: stopped: {result.stop_reason}")
