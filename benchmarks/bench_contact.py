@@ -19,13 +19,14 @@ import numpy as np
 
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.model import ContactModel
+from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings, Friction
 from wrsim.core.compiling import kernel
-from wrsim.core.contact import layout as k
+from wrsim.core.contact import records as k
 from wrsim.core.contact.normal.elliptic import strip_potential
-from wrsim.core.contact.search.points import find_contacts
 from wrsim.core.contact.tangential.fastsim import fastsim
+from wrsim.core.contact.tangential.flexibility import Creepages, Flexibilities
+from wrsim.core.contact.wheel_rail import search as search_contacts
 from wrsim.core.contact.wheel_rail import wheel_rail
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
@@ -54,18 +55,18 @@ def bare(strips, n, reps, shape, work, side_by_side, cells):  # type: ignore[no-
     total = 0.0
     for _ in range(reps):
         for i in range(n):
-            total += strip_potential(strips[i, k.A], strips[i, k.S])
+            total += strip_potential(strips[i].a, strips[i].s)
         if side_by_side:
-            fastsim(strips, n, 1.0, 1e-4, 1e-4, 1e-12, 1e-12, 1e-12, 1.0, shape, work)
+            fastsim(strips, n, 1.0, Creepages(1e-4, 1e-4, 0.0), Flexibilities(1e-12, 1e-12, 1e-12), 1.0, shape, work)
             continue
         for i in range(n):
             qx = 0.0
             qy = 0.0
-            step = strips[i, k.XI] * strips[i, k.A] * 1e10
+            step = strips[i].xi * strips[i].a * 1e10
             for j in range(cells):
                 qx -= step
                 qy -= step * (1.0 - j)
-                bound = 0.3 * strips[i, k.P] * shape[j]
+                bound = 0.3 * strips[i].p * shape[j]
                 size = np.sqrt(qx * qx + qy * qy)
                 if size > bound:
                     qx *= bound / size
@@ -75,7 +76,7 @@ def bare(strips, n, reps, shape, work, side_by_side, cells):  # type: ignore[no-
 
 
 @kernel
-def nothing(a, b, c, d, e, f, g, h, i, j, l, m, n, o):  # type: ignore[no-untyped-def]  # noqa: E741
+def nothing(buffer, index):  # type: ignore[no-untyped-def]
     """Takes what the kernel takes."""
     return 0
 
@@ -90,12 +91,12 @@ def creep_time(
     origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
     name, _, option = tangential.partition(", ")
     settings = ContactSettings(strips=strips, cells=cells, tangential=name, flexibility=option or "three")  # type: ignore[arg-type]
-    model = ContactModel.build(wheel, rail, 0.46, settings, friction)
+    model = contact_model(wheel, rail, 0.46, settings, friction)
     PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(StaticPose("tread", 3e-3, 0.002, 55e3))
     a = model.arrays
-    arguments = a.arguments()
+    arguments = a.buffer, a.index
     whole = microseconds(lambda: wheel_rail(*arguments))
-    a.settings[k.TANGENTIAL] = k.NO_CREEP_FORCES
+    a.settings["tangential"] = k.NO_CREEP_FORCES
     return whole - microseconds(lambda: wheel_rail(*arguments))
 
 
@@ -120,10 +121,10 @@ def strip_model(wheel: Profile, rail: Profile) -> None:
         last: tuple[int, float] | None = None
         for strips in (16, 24, 36):
             settings = ContactSettings(normal="strips", strips=strips)
-            model = ContactModel.build(wheel, rail, 0.46, settings, 0.35)
+            model = contact_model(wheel, rail, 0.46, settings, 0.35)
             PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(StaticPose(name, lateral, yaw, 55e3))
             a = model.arrays
-            arguments = a.arguments()
+            arguments = a.buffer, a.index
             afresh = microseconds(lambda arguments=arguments: wheel_rail(*arguments), 20, 20)
             a.follow(True)
             at_rest = microseconds(lambda arguments=arguments: wheel_rail(*arguments), 50, 30)
@@ -136,7 +137,7 @@ def strip_model(wheel: Profile, rail: Profile) -> None:
 
             moving = microseconds(move, 50, 30)
             more = f"{(moving - last[1]) / (strips - last[0]):9.2f}" if last else ""
-            print(f"  {name:22s}{strips:9d}{int(a.total[k.COUNT]):9d}{afresh:9.1f}{at_rest:9.1f}{moving:9.1f}{more}")
+            print(f"  {name:22s}{strips:9d}{a.total.lobes:9d}{afresh:9.1f}{at_rest:9.1f}{moving:9.1f}{more}")
             last = strips, moving
 
 
@@ -148,10 +149,10 @@ def main() -> None:
     print(f"{'us':24s}{'total':>8s}{'call':>8s}{'search':>8s}{'patch':>8s}{'creep':>8s}{'lobes':>7s}{'x bare':>8s}")
     for strips, cells in ((40, 20), (25, 12)):
         settings = ContactSettings(strips=strips, cells=cells)
-        model = ContactModel.build(wheel, rail, 0.46, settings, 0.35)
+        model = contact_model(wheel, rail, 0.46, settings, 0.35)
         bench = PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46)
         a = model.arrays
-        arguments = a.arguments()
+        arguments = a.buffer, a.index
         call = microseconds(lambda arguments=arguments: nothing(*arguments))
         floors: dict[str, float] = {}
         measured = min(strips, 20)  # strips in the bare loop, scaled up
@@ -162,7 +163,7 @@ def main() -> None:
                 for kind, side_by_side in (("scalar", False), ("side by side", True)):
                     floors[kind] = microseconds(
                         lambda rows=rows, s=side_by_side, a=a, n=measured, c=cells: bare(
-                            rows, n, 100, a.shape, a.work, s, c
+                            rows, n, 100, a.rows.shape, a.rows.work, s, c
                         ),
                         2, 30,
                     ) / 100 * strips / measured  # fmt: skip
@@ -170,19 +171,13 @@ def main() -> None:
                     f"{strips} strips x {cells} cells; bare arithmetic "
                     + ", ".join(f"{kind} {value:.2f}" for kind, value in floors.items())
                 )
-            s, p = a.settings, a.pose
+            s = a.settings
             total = microseconds(lambda arguments=arguments: wheel_rail(*arguments))
-            lobes = int(a.total[k.COUNT])
-            s[k.TANGENTIAL] = 0.0
+            lobes = int(a.total["lobes"])
+            s["tangential"] = k.NO_CREEP_FORCES
             normal = microseconds(lambda arguments=arguments: wheel_rail(*arguments))
-            s[k.TANGENTIAL] = k.FASTSIM
-            search = microseconds(
-                lambda a=a, s=s, p=p: find_contacts(
-                    a.wheel, s[k.WHEEL_STEP], s[k.RADIUS], a.rail, s[k.RAIL_STEP], a.field, s[k.FIELD_O],
-                    s[k.FIELD_B], s[k.FIELD_SPACING], p[0], p[1], p[2], p[3], p[4], p[5], int(s[k.STRIDE]),
-                    s[k.HOLLOW], a.found,
-                )
-            ) - 2.0 * call  # fmt: skip
+            s["tangential"] = k.FASTSIM
+            search = microseconds(lambda arguments=arguments: search_contacts(*arguments)) - call
             print(
                 f"  {name:22s}{total:8.2f}{call:8.2f}{search:8.2f}{normal - call - search:8.2f}"
                 f"{total - normal:8.2f}{lobes:7d}{total / floors['scalar']:8.2f}"

@@ -18,7 +18,7 @@ from scipy.interpolate import PchipInterpolator
 
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.model import ContactModel
+from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings
 from wrsim.geometry.profile.models import load_profile
 from wrsim.scenario.cases import StaticPose
@@ -32,7 +32,7 @@ HALVINGS = 12
 def stand(wheel: str, rail: str, inclination: int, settings: ContactSettings) -> PoseSolver:
     """A wheel on the left rail of a track of 1435 mm."""
     profile = load_profile(MODELS / f"rails/{rail}.toml").inclined(1.0 / inclination)
-    model = ContactModel.build(load_profile(MODELS / f"wheels/{wheel}.toml"), profile, 0.46, settings, 0.3)
+    model = contact_model(load_profile(MODELS / f"wheels/{wheel}.toml"), profile, 0.46, settings, 0.3)
     origin = (0.7175 - profile.gauge_point()[0], -profile.top[1])
     return PoseSolver([WheelOnRail(model, 1, 0.75, origin)], False, 0.46)
 

@@ -23,8 +23,8 @@ from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.model import Contact, ContactModel
+from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings, Material, Normal, Tangential, TractionBound
-from wrsim.core.contact import layout as k
 from wrsim.geometry.profile.files import read_profile
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
@@ -145,32 +145,32 @@ class Answer:
 
 def strip_regions(strips: Array, place: float) -> tuple[Region, ...]:
     """Connected regions of strips in contact, by falling force; strips (n, STRIP_COLUMNS) of all lobes."""
-    strips = strips[(strips[:, k.FORCE] > 0.0) & (strips[:, k.A] > 0.0)]
-    tangent = np.column_stack([strips[:, k.NB], -strips[:, k.NO]])
-    centre, half = strips[:, [k.O, k.B]], 0.5 * strips[:, k.DS, None]
+    strips = strips[(strips["N"] > 0.0) & (strips["a"] > 0.0)]
+    tangent = np.column_stack([strips["nb"], -strips["no"]])
+    centre, half = np.column_stack([strips["o"], strips["b"]]), 0.5 * strips["ds"][:, None]
     near, far = centre - half * tangent, centre + half * tangent
     apart = np.hypot(*(far[:, None] - near[None, :]).transpose(2, 0, 1))
-    joined = apart < TOUCHING * np.minimum(strips[:, None, k.DS], strips[None, :, k.DS])
+    joined = apart < TOUCHING * np.minimum(strips["ds"][:, None], strips["ds"][None, :])
     label = np.arange(len(strips))
     for i, j in np.argwhere(joined):
         label[label == label[j]] = label[i]
     found = []
     for one in np.unique(label):
         own = strips[label == one]
-        own = own[np.argsort(own[:, k.O] * own[:, k.NB].mean() - own[:, k.B] * own[:, k.NO].mean())]
-        angle = np.arctan2(-own[:, k.NO], own[:, k.NB])
+        own = own[np.argsort(own["o"] * own["nb"].mean() - own["b"] * own["no"].mean())]
+        angle = np.arctan2(-own["no"], own["nb"])
         ends = (angle[0], angle[-1])
         if len(own) > 1:  # at the outer edges of the outer strips
             ends = (1.5 * angle[0] - 0.5 * angle[1], 1.5 * angle[-1] - 0.5 * angle[-2])
-        force = own[:, k.FORCE]
+        force = own["N"]
         found.append(
             Region(
                 float(force.sum()),
-                float(own[:, k.P].max()),
-                float((2.0 * own[:, k.A] * own[:, k.DS]).sum()),
-                float(force @ own[:, k.O] / force.sum()) + place,
-                float(own[:, k.DS].sum()),
-                float((own[:, k.X] + own[:, k.A]).max() - (own[:, k.X] - own[:, k.A]).min()),
+                float(own["p"].max()),
+                float((2.0 * own["a"] * own["ds"]).sum()),
+                float(force @ own["o"] / force.sum()) + place,
+                float(own["ds"].sum()),
+                float((own["x"] + own["a"]).max() - (own["x"] - own["a"]).min()),
                 float(ends[0]),
                 float(ends[1]),
             )
@@ -180,16 +180,16 @@ def strip_regions(strips: Array, place: float) -> tuple[Region, ...]:
 
 def answer_of_strips(model: ContactModel, contact: Contact, place: float) -> Answer | None:
     """The answer of a strip model; None without contact."""
-    lobes = contact.patches[contact.patches[:, k.N] > 0.0]
+    lobes = contact.patches[contact.patches["N"] > 0.0]
     if not len(lobes):
         return None
-    groups = {g: float(lobes[lobes[:, k.GROUP] == g, k.N].sum()) for g in set(lobes[:, k.GROUP])}
-    main = lobes[lobes[:, k.GROUP] == max(groups, key=groups.__getitem__)]
+    groups = {g: float(lobes["N"][lobes["group"] == g].sum()) for g in set(lobes["group"])}
+    main = lobes[lobes["group"] == max(groups, key=groups.__getitem__)]
     return Answer(
-        float(main[:, k.N].sum()),
-        float(main[:, k.P0].max()),
-        float(main[:, k.AREA].sum()),
-        float(main[np.argmax(main[:, k.N]), k.APPROACH]),
+        float(main["N"].sum()),
+        float(main["p0"].max()),
+        float(main["area"].sum()),
+        float(main["approach"][np.argmax(main["N"])]),
         len(groups),
         contact.force,
         contact.moment,
@@ -272,7 +272,7 @@ def solve(chosen: Chosen, place: Place, pose: StaticPose, spin: float = 0.0, ele
 
 @cache
 def _model(wheel: Profile, rail: Profile, radius: float, settings: ContactSettings) -> ContactModel:
-    return ContactModel.build(wheel, rail, radius, settings, FRICTION)
+    return contact_model(wheel, rail, radius, settings, FRICTION)
 
 
 # --- cases --------------------------------------------------------------------------------------------

@@ -18,8 +18,8 @@ from scipy.special import elliprd, elliprf
 from wrsim.contact.half_space.influence import Compliance
 from wrsim.contact.half_space.strips import solve_into
 from wrsim.contact.model import ContactModel
+from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings
-from wrsim.core.contact import layout as k
 from wrsim.geometry.profile.sections import circle, cone
 
 Array = NDArray[np.float64]
@@ -48,7 +48,7 @@ def ellipse_model(settings: ContactSettings, ratio: float) -> tuple[ContactModel
     along, across, approach = curvatures(a, b)
     rail = circle("crown", "rail", 1.0 / across, 0.04)
     wheel = cone("cylinder", "wheel", 0.0, -0.05, 0.05)
-    return ContactModel.build(wheel, rail, 1.0 / along, settings, FRICTION), approach
+    return contact_model(wheel, rail, 1.0 / along, settings, FRICTION), approach
 
 
 def forces(chosen: Chosen, settings: ContactSettings, row: Row) -> Array:
@@ -67,15 +67,15 @@ def forces(chosen: Chosen, settings: ContactSettings, row: Row) -> Array:
             solve_into(model, chosen.solver, None)
         else:
             model.arrays.call()
-        return float(model.arrays.patches[: int(model.arrays.total[k.COUNT]), k.N].sum()) - target
+        return float(model.arrays.patches["N"][: int(model.arrays.total["lobes"])].sum()) - target
 
     if chosen.solver is None:
         press(float(brentq(press, 0.3 * approach, 3.0 * approach, xtol=1e-16, rtol=1e-12)))
     else:
         press(approach)  # Hertz' own
     total = model.arrays.total
-    force, moment = total[:3], total[3:6]
-    normal = float(model.arrays.patches[: int(total[k.COUNT]), k.N].sum())
+    force, moment = model.arrays.force, model.arrays.moment
+    normal = float(model.arrays.patches["N"][: int(total["lobes"])].sum())
     bound = FRICTION * normal
     return np.array([force[0] / bound, force[1] / bound, moment[2] / (bound * MEAN_RADIUS)])
 

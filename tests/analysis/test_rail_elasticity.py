@@ -9,7 +9,6 @@ import pytest
 from support.scenario_texts import CURVE
 from support.vehicles import Train, manchester, on_track
 
-from wrsim.core.contact import layout as k
 from wrsim.errors import InputError
 from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.segments import Arc
@@ -44,10 +43,7 @@ def wheel_forces(law, q, q_t) -> np.ndarray:
     """Forces of the wheels on the rails along n and b (wheelset, left and right, 2) [N]."""
     law(0.0, q, q_t, np.zeros(law.size))
     return np.array(
-        [
-            [(-w.side * w.model.arrays.total[k.FORCE_O], -w.model.arrays.total[k.FORCE_B]) for w in pair]
-            for pair in law.wheels
-        ]
+        [[(-w.side * w.model.arrays.total["Fo"], -w.model.arrays.total["Fb"]) for w in pair] for pair in law.wheels]
     )
 
 

@@ -43,7 +43,7 @@ def curves() -> Result:
 def wheel_state(law, q, q_t):
     """Y, Q (wheelsets, 2), shift and angle of attack (wheelsets,) at a state."""
     law(0.0, q, q_t, np.zeros(law.size))
-    total = np.array([[wheel.model.arrays.total[1:3] for wheel in pair] for pair in law.wheels])
+    total = np.array([[wheel.model.arrays.force[1:] for wheel in pair] for pair in law.wheels])
     poses = [
         poses_on_track(law.track.centre, q[None, 6 * w : 6 * w + 6], q_t[None, 6 * w : 6 * w + 6], law.start + m.x)
         for w, m in enumerate(law.vehicle.wheelsets)

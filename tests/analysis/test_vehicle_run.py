@@ -10,7 +10,6 @@ from wrsim.analysis import run
 from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.run_in import run_in
 from wrsim.analysis.motion.start import start_state
-from wrsim.core.contact.layout import FORCE_B, FORCE_O
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result
 from wrsim.results.tables import tables
@@ -101,7 +100,7 @@ def test_steady_motion_in_a_curve_is_where_a_long_run_into_it_ends() -> None:
     def numbers(q: np.ndarray, q_t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         law.look_near(100.0)
         law(0.0, q, q_t, out)
-        totals = np.array([[wheel.model.arrays.total[[FORCE_O, FORCE_B]] for wheel in pair] for pair in law.wheels])
+        totals = np.array([[wheel.model.arrays.force[1:] for wheel in pair] for pair in law.wheels])
         own = [slice(6 * w, 6 * w + 6) for w in range(4)]
         poses = [poses_on_track(law.track.centre, q[None, o], q_t[None, o], 100.0) for o in own]
         return totals, np.array([[p.lateral[0], p.yaw[0]] for p in poses])

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.contact_bench import bench, contact_of, pair_model, settle
+from support.contacts import bench, contact_of, pair_model, settle
 
 ROOT = Path(__file__).parents[2]
 
@@ -63,12 +63,12 @@ def test_regions_hold_all_strips_once(scoreboard, lateral):
 
 
 def test_a_region_ends_where_no_strip_touches_the_next(scoreboard):
-    from wrsim.core.contact import layout as k
+    from wrsim.core.contact import records as k
 
-    strips = np.zeros((6, k.STRIP_COLUMNS))
-    strips[:, k.O] = [0.0, 1e-3, 2e-3, 5e-3, 6e-3, 9e-3]
-    strips[:, k.DS], strips[:, k.A], strips[:, k.P], strips[:, k.FORCE], strips[:, k.NB] = 1e-3, 4e-3, 1e9, 1e3, 1.0
-    strips[5, k.FORCE] = 0.0  # not in contact
+    strips = np.zeros(6, k.STRIP)
+    strips["o"] = [0.0, 1e-3, 2e-3, 5e-3, 6e-3, 9e-3]
+    strips["ds"], strips["a"], strips["p"], strips["N"], strips["nb"] = 1e-3, 4e-3, 1e9, 1e3, 1.0
+    strips["N"][5] = 0.0  # not in contact
     first, second = sys.modules["reference_contact"].strip_regions(strips, 0.75)
     assert (first.normal_force, second.normal_force) == (3e3, 2e3)
     assert (first.width, second.width) == pytest.approx((3e-3, 2e-3))

@@ -7,9 +7,7 @@ the interval is halved until it is a few nanometres wide: what then remains of t
 import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
-from support.contact_bench import PLAIN, bench, contact_of, pair_model, settle
-
-from wrsim.core.contact import layout as k
+from support.contacts import PLAIN, bench, contact_of, pair_model, settle
 
 STEP = 10e-6
 HALVINGS = 12  # to 2.4 nm
@@ -77,7 +75,7 @@ def normal_forces(pair, lateral, yaw, depths, **choices):
     forces = []
     for depth in depths:
         stand.evaluate(lateral, touching - depth, yaw, 0.0)
-        forces.append(contact_of(stand).patches[:, k.N].sum())
+        forces.append(contact_of(stand).patches["N"].sum())
     return np.array(forces)
 
 

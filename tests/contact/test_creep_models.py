@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from support.contact_bench import bench, pair_model, settle
+from support.contacts import bench, columns, finite, pair_model, settle
 from support.ellipse import COEFFICIENTS, FORCE, MEAN_RADIUS, PEAK, SHEAR_MODULUS, ellipse, roll, total
 
-from wrsim.core.contact import layout as k
-from wrsim.core.contact.tangential.fastsim import kalker_coefficients
+from wrsim.core.contact.tangential.flexibility import kalker_coefficients
 
 FRICTION = 0.3
 MODELS = ["fastsim", "fastsim, parabolic", "fastsim, blended", "fastrip", "polach", "linear", "shen-hedrick-elkins"]
@@ -44,7 +43,7 @@ def test_full_sliding_gives_mu_n_against_the_slip(model, aspect):
     # Polach's law nears mu N as 1/creepage does not: the term in eps falls with its cube, 1e-4 at this creepage
     for xi, eta in ((0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5)):
         force = total(roll(aspect, xi, eta, model=model))[:2]
-        np.testing.assert_allclose(force, -FRICTION * ellipse(aspect)[:, k.FORCE].sum() * np.sign([xi, eta]), rtol=1e-4)
+        np.testing.assert_allclose(force, -FRICTION * ellipse(aspect)["N"].sum() * np.sign([xi, eta]), rtol=1e-4)
 
 
 @pytest.mark.parametrize(("model", "degrees"), [("fastrip", 0.5), ("polach", 1e-6), ("fastsim, blended", 1e-6)])
@@ -61,8 +60,8 @@ def test_oblique_sliding_is_opposite_to_the_slip(model, degrees):
 @example(aspect=1.0, xi=0.1, eta=0.0, phi=0.0, friction=1e-308)
 def test_no_strip_pulls_more_than_friction_allows(model, aspect, xi, eta, phi, friction):
     rows = roll(aspect, xi, eta, phi, friction=friction, model=model, **few)
-    assert np.isfinite(rows).all()
-    assert (np.hypot(rows[:, k.FX], rows[:, k.FY]) <= friction * rows[:, k.FORCE] * (1.0 + 1e-12) + 1e-300).all()
+    assert finite(rows)
+    assert (np.hypot(rows["Fx"], rows["Fy"]) <= friction * rows["N"] * (1.0 + 1e-12) + 1e-300).all()
 
 
 @EVERY
@@ -70,7 +69,7 @@ def test_no_strip_pulls_more_than_friction_allows(model, aspect, xi, eta, phi, f
 @example(aspect=30.0, xi=0.0, eta=1e-6, phi=1e-3, direction=1.0)  # spin and lateral creepage alone in slender patches
 def test_creep_forces_only_take_power(model, aspect, xi, eta, phi, direction):
     rows = roll(aspect, xi, eta, phi, model=model, direction=direction, **few)
-    powers = rows[:, [k.FX, k.FY, k.MZ]] * rows[:, [k.XI, k.ETA, k.PHI]]
+    powers = columns(rows, "Fx Fy Mz") * columns(rows, "xi eta phi")
     assert powers.sum() <= 1e-12 * np.abs(powers).sum()
 
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.contacts import finite
 from support.ellipse import COEFFICIENTS, FORCE, MEAN_RADIUS, SHEAR_MODULUS, roll, total
 
 from wrsim.contact.creep_coefficients import creep_coefficients
-from wrsim.core.contact import layout as k
-from wrsim.core.contact.tangential.fastsim import kalker_coefficients
+from wrsim.core.contact.tangential.flexibility import kalker_coefficients
 
 ASPECTS = [0.1, 0.3, 1.0, 2.5, 10.0]
 FRICTION = 0.3
@@ -55,7 +55,7 @@ def test_creep_coefficients_are_continuous_and_rise_with_length():
 def test_full_sliding_gives_mu_n_against_the_slip(aspect, parabolic):
     for xi, eta in ((0.1, 0.0), (-0.1, 0.0), (0.0, 0.1), (0.0, -0.1)):
         force = total(roll(aspect, xi, eta, model=BOUND[parabolic]))[:2]
-        weight = roll(aspect)[:, k.FORCE].sum()
+        weight = roll(aspect)["N"].sum()
         np.testing.assert_allclose(force, -FRICTION * weight * np.sign([xi, eta]), rtol=1e-12)
     force = total(roll(aspect, 0.06, -0.08, model=BOUND[parabolic]))[:2]
     assert np.hypot(*force) == pytest.approx(FRICTION * weight, rel=1e-12)
@@ -75,8 +75,8 @@ def test_oblique_sliding_is_turned_by_the_unequal_flexibilities(aspect, degrees)
 @given(aspect=aspects, xi=signed, eta=signed, phi=spins, friction=st.floats(0.0, 2.0))
 def test_no_strip_pulls_more_than_friction_allows(aspect, xi, eta, phi, friction, parabolic):
     rows = roll(aspect, xi, eta, phi, friction=friction, model=BOUND[parabolic], strips=12, cells=8)
-    assert np.isfinite(rows).all()
-    force, limit = np.hypot(rows[:, k.FX], rows[:, k.FY]), friction * rows[:, k.FORCE]
+    assert finite(rows)
+    force, limit = np.hypot(rows["Fx"], rows["Fy"]), friction * rows["N"]
     assert (force <= limit * (1.0 + 1e-12) + 1e-300).all()
 
 
@@ -84,7 +84,7 @@ def test_no_strip_pulls_more_than_friction_allows(aspect, xi, eta, phi, friction
 @given(aspect=aspects, xi=signed, eta=signed, phi=spins, direction=st.sampled_from([1.0, -1.0]))
 def test_creep_forces_only_take_power(aspect, xi, eta, phi, direction, parabolic):
     rows = roll(aspect, xi, eta, phi, model=BOUND[parabolic], direction=direction, strips=12, cells=8)
-    power = rows[:, k.FX] * rows[:, k.XI] + rows[:, k.FY] * rows[:, k.ETA] + rows[:, k.MZ] * rows[:, k.PHI]
+    power = rows["Fx"] * rows["xi"] + rows["Fy"] * rows["eta"] + rows["Mz"] * rows["phi"]
     assert power.sum() <= 1e-12 * np.abs(power).sum()
 
 

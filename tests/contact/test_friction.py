@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.contact_bench import RADIUS, bench, pair_model, settle, strips_of
+from support.contacts import RADIUS, bench, columns, pair_model, settle, strips_of
 from support.scenario_texts import CURVE, edited, faults
 
 from wrsim.contact.half_space import HalfSpace
+from wrsim.contact.models import fast_model
 from wrsim.contact.settings import ContactSettings, Friction
-from wrsim.core.contact import layout as k
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load_text
 
@@ -58,9 +58,9 @@ def test_friction_falls_from_static_to_its_limit():
 def test_strips_have_the_friction_of_their_place_and_slip(lateral, along, speed):
     model, contact = slide(BOTH, lateral, along, speed=speed)
     rows = strips_of(contact)
-    rigid = np.sqrt(rows[:, k.XI] ** 2 + rows[:, k.ETA] ** 2 + (rows[:, k.PHI] * rows[:, k.A]) ** 2 / 3.0)
-    slip = np.hypot(speed, model.arrays.settings[k.LEAST_SPEED]) * rigid
-    np.testing.assert_allclose(rows[:, k.MU], BOTH.coefficient(rows[:, [k.NO, k.NB]], slip), rtol=1e-12)
+    rigid = np.sqrt(rows["xi"] ** 2 + rows["eta"] ** 2 + (rows["phi"] * rows["a"]) ** 2 / 3.0)
+    slip = np.hypot(speed, model.arrays.settings["least_speed"]) * rigid
+    np.testing.assert_allclose(rows["mu"], BOTH.coefficient(columns(rows, "no nb"), slip), rtol=1e-12)
 
 
 @pytest.mark.parametrize("tangential", MODELS)
@@ -70,11 +70,11 @@ def test_full_sliding_gives_each_strip_its_own_mu_n(tangential):
     for lateral in (2e-3, 5.5e-3, 7e-3):
         for friction in (GREASED, FALLING, BOTH):
             rows = strips_of(slide(friction, lateral, 0.15, tangential)[1])
-            limit = rows[:, k.MU] * rows[:, k.FORCE]
-            force = np.hypot(rows[:, k.FX], rows[:, k.FY])
+            limit = rows["mu"] * rows["N"]
+            force = np.hypot(rows["Fx"], rows["Fy"])
             assert (force <= limit * (1.0 + 1e-12)).all()
             assert force.sum() == pytest.approx(limit.sum(), rel=0.025 if tangential == "polach" else 0.01)
-            assert 0.05 <= rows[:, k.MU].min() <= rows[:, k.MU].max() <= 0.4
+            assert 0.05 <= rows["mu"].min() <= rows["mu"].max() <= 0.4
 
 
 def test_friction_alike_in_both_zones_and_friction_that_does_not_fall_are_a_plain_coefficient():
@@ -96,7 +96,7 @@ def test_creep_forces_have_no_jumps_where_friction_changes(tangential):
     # the patch wanders over the ramp into the gauge corner, slip through the falling branch
     def force(lateral, along):
         contact = slide(BOTH, lateral, along, tangential)[1]
-        return np.array([lobe[[k.FX_SUM, k.FY_SUM]].sum() for lobe in contact.patches]).sum()
+        return np.array([columns(lobe, "Fx Fy").sum() for lobe in contact.patches]).sum()
 
     for along in (2e-3, 2e-2):
         steps = np.abs(np.diff([force(y, along) for y in np.linspace(6.0e-3, 6.02e-3, 21)]))
@@ -108,7 +108,7 @@ def test_creep_forces_have_no_jumps_where_friction_changes(tangential):
 def test_the_exact_solver_takes_the_same_friction():
     # creepage of 5 %: everything slides, so that the sum of the strips' mu N is the force
     stand = bench(pair_model(PAIR, friction=GREASED, normal="half-space", tangential="half-space"))
-    fast = bench(stand.wheels[0].model.fast())
+    fast = bench(fast_model(stand.wheels[0].model))
     settle(fast, 6e-3, 0.0, 60e3)
     model = stand.wheels[0].model
     pose = model.arrays.pose

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.contact_bench import HALF_SPACING, PLAIN, contact_model, settle
+from support.contacts import HALF_SPACING, PLAIN, contact_model, settle
 
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
-from wrsim.core.contact import layout as k
 from wrsim.geometry.profile.sections import circle
 
 CORNER = 0.013
@@ -31,12 +30,12 @@ def errors(approach):
         solved, contact = settle(stand, 1e-3 * r["y_ws_mm"], 0.0, r["Fz_req_N"])
         assert not solved.message
         (lobe,) = contact.patches
-        span = np.degrees(lobe[k.ANGLE_MAX] - lobe[k.ANGLE_MIN]) * lobe[k.N_STRIPS] / (lobe[k.N_STRIPS] - 1.0)
+        span = np.degrees(lobe["angle_max"] - lobe["angle_min"]) * lobe["n_strips"] / (lobe["n_strips"] - 1.0)
         rows.append(
             (
                 1e-3 * r["R_wheel_mm"],
                 span / (r["ang_at_smax_deg"] - r["ang_at_smin_deg"]) - 1.0,
-                lobe[k.P0] / (1e6 * r["pmax_MPa"]) - 1.0,
+                lobe["p0"] / (1e6 * r["pmax_MPa"]) - 1.0,
                 np.hypot(*stand.force[1:]) / r["Fres_N"] - 1.0,
                 np.arctan2(-stand.force[1], stand.force[2]) - np.radians(r["force_angle_deg"]),
             )

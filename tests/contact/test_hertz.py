@@ -13,12 +13,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
-from support.contact_bench import HALF_SPACING, MODELS, PLAIN, contact_model, flat_rail, round_wheel, settle
+from support.contacts import HALF_SPACING, MODELS, PLAIN, contact_model, flat_rail, round_wheel, settle
 
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import EPSILON, combined_modulus
-from wrsim.core.contact import layout as k
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
@@ -93,13 +92,13 @@ def test_strips_give_the_known_ratios_over_hertz(ratio):
     length = 2.0 * ratio * radius  # the unit of length in which B is 1
     exact = hertz(ratio, approach / length)
     measured = (
-        lobe[k.HALF_LENGTH] / length / exact.a,
-        0.5 * lobe[k.WIDTH] / length / exact.b,
-        lobe[k.AREA] / length**2 / exact.area,
-        lobe[k.N] / (combined_modulus(model.settings) * length**2) / exact.force,
-        lobe[k.P0] / combined_modulus(model.settings) / exact.p0,
+        lobe["half_length"] / length / exact.a,
+        0.5 * lobe["width"] / length / exact.b,
+        lobe["area"] / length**2 / exact.area,
+        lobe["N"] / (combined_modulus(model.settings) * length**2) / exact.force,
+        lobe["p0"] / combined_modulus(model.settings) / exact.p0,
     )
-    assert lobe[k.APPROACH] == pytest.approx(approach, abs=1e-13)
+    assert lobe["approach"] == pytest.approx(approach, abs=1e-13)
     assert measured == pytest.approx(RATIOS[ratio], abs=TABLE)
     assert measured == pytest.approx(over_hertz(ratio), abs=5e-4)  # 200 strips; the area converges with n^-1.5
 
@@ -141,8 +140,8 @@ def test_approach_and_peak_pressure_at_given_load(bodies, load):
     _, contact = settle(stand, 0.0, 0.0, load)
     (lobe,) = contact.patches
     normal = load / np.cos(bodies.angle)
-    assert lobe[k.ANGLE] == pytest.approx(bodies.angle, abs=1e-9)
-    assert lobe[k.N] == pytest.approx(normal, rel=1e-3)  # the patch is not quite flat
+    assert lobe["angle"] == pytest.approx(bodies.angle, abs=1e-9)
+    assert lobe["N"] == pytest.approx(normal, rel=1e-3)  # the patch is not quite flat
 
     # N ~ delta^1.5 and p0 ~ delta^0.5 in both theories: from the ratios at equal approach to those at equal load
     _, _, _, force_ratio, pressure_ratio = over_hertz(bodies.across / bodies.along)
@@ -150,5 +149,5 @@ def test_approach_and_peak_pressure_at_given_load(bodies, load):
     modulus, length = combined_modulus(model.settings), 2.0 * bodies.across
     approach = (normal / (unit.force * modulus * length**2)) ** (2.0 / 3.0)
     peak = unit.p0 * modulus * approach**0.5
-    assert lobe[k.APPROACH] / (approach * length) == pytest.approx(force_ratio ** (-2.0 / 3.0), abs=TABLE)
-    assert lobe[k.P0] / peak == pytest.approx(pressure_ratio * force_ratio ** (-1.0 / 3.0), abs=TABLE)
+    assert lobe["approach"] / (approach * length) == pytest.approx(force_ratio ** (-2.0 / 3.0), abs=TABLE)
+    assert lobe["p0"] / peak == pytest.approx(pressure_ratio * force_ratio ** (-1.0 / 3.0), abs=TABLE)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 from numba.core.runtime import _nrt_python, rtsys
-from support.contact_bench import bench, contact_of, pair_model, settle
+from support.contacts import bench, contact_of, numbers, pair_model, settle
 
 from wrsim.contact.settings import Friction
 from wrsim.core.contact.wheel_rail import wheel_rail
@@ -24,13 +24,13 @@ FRICTION = Friction(0.4, gauge_corner=0.1, falling_ratio=0.5)
 EVALUATE = """
 import numba, numpy as np
 assert numba.config.DISABLE_JIT
-from support.contact_bench import bench, contact_of, pair_model
+from support.contacts import bench, contact_of, numbers, pair_model
 from wrsim.contact.settings import Friction
 for tangential, lateral, height, yaw in {poses}:
     stand = bench(pair_model("S1002/60E1 1:40", strips=6, cells=4, tangential=tangential, friction={friction}))
     stand.evaluate(lateral, height, yaw, 0.0)
     contact = contact_of(stand)
-    print(*contact.force, *contact.moment, contact.wear_number, contact.closest, *contact.patches.ravel())
+    print(*numbers(contact))
 """
 
 
@@ -41,7 +41,7 @@ def test_kernels_give_the_same_numbers_without_the_compiler():
         solved, _ = settle(stand, lateral, yaw, 60e3)
         poses.append((tangential, lateral, solved.height, yaw))
         contact = contact_of(stand)
-        compiled.append([*contact.force, *contact.moment, contact.wear_number, contact.closest, *contact.patches.flat])
+        compiled.append(numbers(contact))
     run = subprocess.run(
         [sys.executable, "-c", EVALUATE.format(poses=poses, friction=FRICTION)],
         env=os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(Path(__file__).parents[1])},
@@ -89,7 +89,8 @@ def test_an_evaluation_allocates_nothing():
     for tangential, lateral, yaw in POSES:
         stand = bench(pair_model("S1002/60E1 1:40", tangential=tangential, friction=FRICTION))
         settle(stand, lateral, yaw, 60e3)
-        arguments = stand.wheels[0].model.arrays.arguments()
+        arrays = stand.wheels[0].model.arrays
+        arguments = arrays.buffer, arrays.index
         # what is left is one record for each Python array at the door, however many evaluations follow
         assert allocations(repeat, 1000, *arguments) == allocations(repeat, 1, *arguments) == len(arguments)
 

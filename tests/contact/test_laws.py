@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.contact_bench import GAUGE, HALF_SPACING, RADIUS, contact_model, rail_profile, strips_of, wheel_profile
+from support.contacts import GAUGE, HALF_SPACING, RADIUS, contact_model, finite, rail_profile, strips_of, wheel_profile
 
 from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
 from wrsim.analysis.poses.solver import PoseSolver
+from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space.status import GRID_EDGE, NOT_CONVERGED, TOO_MANY
-from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import HalfSpaceSettings, Normal
-from wrsim.core.contact import layout as k
+from wrsim.core.contact import records as k
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
 from wrsim.geometry.profile.wear import Removal, worn
@@ -125,9 +125,9 @@ def assert_sound(contact, friction):
     assert contact.status & ~KNOWN == 0
     strips = strips_of(contact)
     for numbers in (contact.force, contact.moment, contact.patches, strips, contact.wear_number, contact.closest):
-        assert np.isfinite(numbers).all()
-    assert (contact.patches[:, k.N] >= 0.0).all() and (strips[:, k.FORCE] >= 0.0).all()
-    tangential, limit = np.hypot(strips[:, k.FX], strips[:, k.FY]), friction * strips[:, k.FORCE]
+        assert finite(numbers)
+    assert (contact.patches["N"] >= 0.0).all() and (strips["N"] >= 0.0).all()
+    tangential, limit = np.hypot(strips["Fx"], strips["Fy"]), friction * strips["N"]
     assert (tangential <= limit * (1.0 + 1e-6) + 1e-9).all()
 
 
@@ -295,11 +295,11 @@ def test_stiffer_steel_bears_in_proportion(normal):
         hard = replace(steel, youngs_modulus=factor * steel.youngs_modulus)
         settings = replace(model.settings, wheel=hard, rail=hard)
         one = model.evaluate(*pose)
-        other = ContactModel.build(wheel, rail, RADIUS, settings, 0.0).evaluate(*pose)
+        other = models.contact_model(wheel, rail, RADIUS, settings, 0.0).evaluate(*pose)
         np.testing.assert_allclose(other.force, factor * one.force, rtol=1e-6, atol=1e-6 * factor * one.normal_force)
-        for column, power in ((k.N, 1.0), (k.P0, 1.0), (k.AREA, 0.0), (k.WIDTH, 0.0), (k.APPROACH, 0.0)):
-            expected = factor**power * one.patches[:, column]
-            np.testing.assert_allclose(other.patches[:, column], expected, rtol=1e-6)
+        for column, power in (("N", 1.0), ("p0", 1.0), ("area", 0.0), ("width", 0.0), ("approach", 0.0)):
+            expected = factor**power * one.patches[column]
+            np.testing.assert_allclose(other.patches[column], expected, rtol=1e-6)
 
     law()
 

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support.contact_bench import PLAIN, RADIUS, bench, contact_model, contact_of, pair_model, settle
+from support.contacts import PLAIN, RADIUS, bench, contact_model, contact_of, pair_model, settle
 
 from wrsim.contact.model import EPSILON, combined_modulus
-from wrsim.core.contact import layout as k
 from wrsim.core.contact.normal.kik_piotrowski import own_influence, solve_amplitudes
+from wrsim.core.contact.records import FOUND, LOBE
 from wrsim.core.contact.search.lobes import couple, select_deepest
-from wrsim.core.contact.search.points import DEPTH, FOUND_COLUMNS, SADDLE_DEPTH, SADDLE_RAIL_ARC
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import Arc, circle, cone, profile_from_sections
 
@@ -20,19 +19,19 @@ shares = st.floats(0.0, 1.0)
 
 def found_rows(depth, saddle):
     """Rows of the search from depths and the saddles between them (below zero: separated)."""
-    rows = np.zeros((8, FOUND_COLUMNS))
-    rows[: len(depth), DEPTH] = depth
-    rows[:, SADDLE_DEPTH] = -1.0
-    rows[: len(saddle), SADDLE_DEPTH] = saddle
-    rows[: len(saddle), SADDLE_RAIL_ARC] = np.arange(len(saddle))
+    rows = np.zeros(8, FOUND)
+    rows["depth"][: len(depth)] = depth
+    rows["saddle"] = -1.0
+    rows["saddle"][: len(saddle)] = saddle
+    rows["saddle_arc"][: len(saddle)] = np.arange(len(saddle))
     return rows
 
 
 def coupled(depth, saddle):
     """Couplings and partners."""
-    coupling, partner = np.zeros(8), np.zeros(8)
-    couple(found_rows(depth, saddle), len(depth), EPSILON, coupling, partner)
-    return coupling[: len(depth)], partner[: len(depth)].astype(int)
+    lobes = np.zeros(len(depth), LOBE)
+    couple(found_rows(depth, saddle), len(depth), EPSILON, lobes)
+    return lobes["coupling"], lobes["partner"]
 
 
 @given(first=depths, second=depths, share=shares)
@@ -80,12 +79,12 @@ def test_a_lobe_looks_over_its_lower_neighbour_for_a_deeper_one():
 def test_the_deepest_are_kept_in_order_with_the_saddle_between_them():
     found = found_rows([4e-5, 1e-5, 3e-5, 2e-5], [0.8e-5, 0.5e-5, 1.5e-5])
     assert select_deepest(found, 4, 3) == 3
-    assert list(found[:3, DEPTH]) == [4e-5, 3e-5, 2e-5]
-    assert list(found[:2, SADDLE_DEPTH]) == [0.5e-5, 1.5e-5]  # the deepest valley on the way
-    assert found[0, SADDLE_RAIL_ARC] == 1.0
+    assert list(found["depth"][:3]) == [4e-5, 3e-5, 2e-5]
+    assert list(found["saddle"][:2]) == [0.5e-5, 1.5e-5]  # the deepest valley on the way
+    assert found[0].saddle_arc == 1.0
     found = found_rows([4e-5, 1e-5, 3e-5], [-1.0, 0.5e-5])
     select_deepest(found, 3, 2)
-    assert found[0, SADDLE_DEPTH] < 0.0  # still apart
+    assert found[0].saddle < 0.0  # still apart
 
 
 def test_amplitudes_are_those_of_the_linear_system_or_zero():
@@ -119,12 +118,12 @@ def test_two_contacts_press_each_other_down():
     alone = contact_model(CYLINDER, circle("head", "rail", 0.3, 0.03), **PLAIN)
     (single,) = alone.evaluate((0.0, 0.0, RADIUS - depth)).patches
     assert both.shape[0] == 2
-    assert both[0, k.N] == pytest.approx(both[1, k.N], rel=1e-9)
-    assert set(both[:, k.GROUP]) == {0.0, 1.0}
-    assert (both[:, k.COUPLING] == 0.0).all()
-    lowered = both[0, k.N] / (np.pi * combined_modulus(alone.settings) * 0.05)
+    assert both["N"][0] == pytest.approx(both["N"][1], rel=1e-9)
+    assert set(both["group"]) == {0.0, 1.0}
+    assert (both["coupling"] == 0.0).all()
+    lowered = both["N"][0] / (np.pi * combined_modulus(alone.settings) * 0.05)
     # patches of 8 mm seen from 50 mm are points to (8/50)^2 / 24
-    assert both[0, k.N] / single[k.N] == pytest.approx(1.0 - lowered / depth, rel=2e-3)
+    assert both["N"][0] / single["N"] == pytest.approx(1.0 - lowered / depth, rel=2e-3)
 
 
 def test_lobes_that_grow_together_become_one_patch_without_a_step():
@@ -137,9 +136,9 @@ def test_lobes_that_grow_together_become_one_patch_without_a_step():
         lobes = model.evaluate((0.0, 0.0, RADIUS - depth)).patches
         assert len(lobes) == 2
         expected = max(1.0 - valley / (EPSILON * depth), 0.0) if depth > valley else 0.0
-        assert lobes[:, k.COUPLING] == pytest.approx([expected, expected], abs=1e-6)
-        assert (lobes[0, k.GROUP] == lobes[1, k.GROUP]) == (expected > 0.0)
-        forces.append(lobes[:, k.N].sum())
+        assert lobes["coupling"] == pytest.approx([expected, expected], abs=1e-6)
+        assert (lobes["group"][0] == lobes["group"][1]) == (expected > 0.0)
+        forces.append(lobes["N"].sum())
         couplings.append(expected)
     assert couplings[0] == 0.0
     assert couplings[-1] > 0.9
@@ -152,11 +151,11 @@ def test_one_lobe_is_equation_29():
     stand = bench(pair_model("S1002/60E1 1:40", **PLAIN), rolling=False)
     _, contact = settle(stand, 2e-3, 0.0, 60e3)
     (lobe,), (strips,) = contact.patches, contact.strips
-    integral = own_influence(strips, len(strips), lobe[k.HALF_LENGTH])
+    integral = own_influence(strips, len(strips), lobe["half_length"])
     modulus = combined_modulus(stand.wheels[0].model.settings)
-    p0 = np.pi * modulus * lobe[k.APPROACH] * lobe[k.HALF_LENGTH] / integral
-    assert lobe[k.P0] == pytest.approx(p0, rel=1e-9)
-    np.testing.assert_allclose(strips[:, k.P], p0 * strips[:, k.A] / lobe[k.HALF_LENGTH], rtol=1e-12)
+    p0 = np.pi * modulus * lobe["approach"] * lobe["half_length"] / integral
+    assert lobe["p0"] == pytest.approx(p0, rel=1e-9)
+    np.testing.assert_allclose(strips["p"], p0 * strips["a"] / lobe["half_length"], rtol=1e-12)
 
 
 def test_no_more_patches_than_wanted():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize
-from support.contact_bench import RADIUS, round_wheel, wheel_profile
+from support.contacts import RADIUS, round_wheel, wheel_at, wheel_profile
 
 from wrsim.core.contact.search.locus import locus_point
 
@@ -50,10 +50,7 @@ class Surface:
 def kernel(profile, yaw, arc):
     """locus_point with the table of the model: (x, o, b), (normal), shrink, r_t, curvature of the profile."""
     table, step = profile.table(1e-4)
-    e = axle(yaw)
-    x, o, b, no, nb, shrink, rt, curvature = locus_point(
-        table, step, RADIUS, *ORIGIN, *e, np.sqrt(1.0 - e[0] ** 2), arc
-    )
+    x, o, b, no, nb, shrink, rt, curvature = locus_point(wheel_at(table, step, RADIUS, ORIGIN, axle(yaw)), arc)
     return np.array([x, o, b]), np.array([0.0, no, nb]), shrink, rt, curvature
 
 
@@ -165,8 +162,9 @@ def k1_k2_over_kt(profile, yaw, arc, r_t, k2):
 def test_without_yaw_the_locus_is_the_profile():
     profile = WHEELS["S1002"]
     table, step = profile.table(1e-4)
+    wheel = wheel_at(table, step, RADIUS, np.array([0.0, 0.0, RADIUS]), np.array([0.0, 1.0, 0.0]))
     arc = 0.3 * profile.length
-    x, o, b, no, nb, shrink, r_t, _ = locus_point(table, step, RADIUS, 0.0, 0.0, RADIUS, 0.0, 1.0, 0.0, 1.0, arc)
+    x, o, b, no, nb, shrink, r_t, _ = locus_point(wheel, arc)
     u, w = profile.at(arc)
     tu, tw = profile.tangent(arc)
     assert (x, shrink) == (0.0, 1.0)

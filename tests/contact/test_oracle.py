@@ -15,9 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.contact_bench import bench, contact_of, pair_model, settle, strips_of
-
-from wrsim.core.contact import layout as k
+from support.contacts import bench, contact_of, pair_model, settle, strips_of
 
 FRICTION = 0.3
 JUMP = 2e-3
@@ -72,15 +70,15 @@ def reference_figures(patches):
 def our_figures(stand, contact):
     """Figures of the model: patches are groups of lobes."""
     offset = stand.wheels[0].rail_origin[0]
-    loaded = contact.patches[contact.patches[:, k.N] > 0.0]
-    groups = sorted(set(loaded[:, k.GROUP]), key=lambda g: -loaded[loaded[:, k.GROUP] == g, k.N].sum())
-    lobes, strips = loaded[loaded[:, k.GROUP] == groups[0]], strips_of(contact, groups[0])
-    deepest, weight = lobes[np.argmax(lobes[:, k.APPROACH])], strips[:, k.FORCE]
+    loaded = contact.patches[contact.patches["N"] > 0.0]
+    groups = sorted(set(loaded["group"]), key=lambda g: -loaded["N"][loaded["group"] == g].sum())
+    lobes, strips = loaded[loaded["group"] == groups[0]], strips_of(contact, groups[0])
+    deepest, weight = lobes[np.argmax(lobes["approach"])], strips["N"]
     return Figures(
-        (weight @ strips[:, k.O]) / weight.sum() + offset, deepest[k.O_MAIN] + offset,
-        np.arctan2(-weight @ strips[:, k.NO], weight @ strips[:, k.NB]), deepest[k.ANGLE],
-        lobes[:, k.ANGLE_MAX].max() - lobes[:, k.ANGLE_MIN].min(), loaded[:, k.N].sum(), -contact.force[:2],
-        lobes[:, k.P0].max(), lobes[:, k.AREA].sum(), len(groups),
+        (weight @ strips["o"]) / weight.sum() + offset, deepest["o"] + offset,
+        np.arctan2(-weight @ strips["no"], weight @ strips["nb"]), deepest["angle"],
+        lobes["angle_max"].max() - lobes["angle_min"].min(), loaded["N"].sum(), -contact.force[:2],
+        lobes["p0"].max(), lobes["area"].sum(), len(groups),
     )  # fmt: skip
 
 

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from support.contact_bench import (
+from support.contacts import (
     HALF_SPACING,
     PLAIN,
     RADIUS,
     bench,
+    columns,
     contact_model,
     flat_rail,
     pair_model,
@@ -16,7 +17,6 @@ from support.contact_bench import (
 )
 
 from wrsim.contact.model import EPSILON
-from wrsim.core.contact import layout as k
 from wrsim.geometry.profile.sections import circle
 
 POSES = [("S1002/60E1 1:40", 2e-3), ("S1002/60E1 1:40", 6e-3), ("S1002/60E1 1:40", 8e-3), ("worn/worn 1:40", 0.0)]
@@ -35,43 +35,43 @@ def patch(request):
 
 def points(model, origin, lobe, s):
     """Points of rail and wheel at arclength s from the main points, with their unit tangents; (2, n) each."""
-    rail = np.array(model.rail.at(lobe[k.ARC_RAIL] + s)), np.array(model.rail.tangent(lobe[k.ARC_RAIL] + s))
-    u, w = model.wheel.at(lobe[k.ARC_WHEEL] + s)
-    wheel = origin[:, None] + np.array([u, w - RADIUS]), np.array(model.wheel.tangent(lobe[k.ARC_WHEEL] + s))
+    rail = np.array(model.rail.at(lobe["arc_rail"] + s)), np.array(model.rail.tangent(lobe["arc_rail"] + s))
+    u, w = model.wheel.at(lobe["arc_wheel"] + s)
+    wheel = origin[:, None] + np.array([u, w - RADIUS]), np.array(model.wheel.tangent(lobe["arc_wheel"] + s))
     return rail, wheel
 
 
 def test_strips_tile_the_patch_from_edge_to_edge(patch):
     _, _, lobe, strips = patch
-    np.testing.assert_allclose(np.diff(strips[:, k.S]), strips[0, k.DS], rtol=1e-9)
-    np.testing.assert_array_equal(strips[:, k.DS], strips[0, k.DS])
-    assert strips[0, k.S] - 0.5 * strips[0, k.DS] == pytest.approx(lobe[k.START], abs=1e-15)
-    assert strips[-1, k.S] + 0.5 * strips[0, k.DS] == pytest.approx(lobe[k.END], abs=1e-15)
-    assert lobe[k.WIDTH] == pytest.approx(lobe[k.END] - lobe[k.START], abs=1e-15)
-    assert lobe[k.START] < 0.0 < lobe[k.END]
+    np.testing.assert_allclose(np.diff(strips["s"]), strips["ds"][0], rtol=1e-9)
+    np.testing.assert_array_equal(strips["ds"], strips["ds"][0])
+    assert strips["s"][0] - 0.5 * strips["ds"][0] == pytest.approx(lobe["start"], abs=1e-15)
+    assert strips["s"][-1] + 0.5 * strips["ds"][0] == pytest.approx(lobe["end"], abs=1e-15)
+    assert lobe["width"] == pytest.approx(lobe["end"] - lobe["start"], abs=1e-15)
+    assert lobe["start"] < 0.0 < lobe["end"]
 
 
 def test_strips_stand_midway_between_points_of_equal_arclength(patch):
     # 2e-8: where curvature jumps the kernel's table leaves the profile by up to 1e-8 m
     model, origin, lobe, strips = patch
-    (rail, _), (wheel, _) = points(model, origin, lobe, strips[:, k.S])
-    np.testing.assert_allclose(strips[:, [k.O, k.B]].T, 0.5 * (rail + wheel), atol=2e-8)
+    (rail, _), (wheel, _) = points(model, origin, lobe, strips["s"])
+    np.testing.assert_allclose(columns(strips, "o b").T, 0.5 * (rail + wheel), atol=2e-8)
 
 
 def test_normals_are_unit_vectors_on_the_bisector_and_across_the_midline(patch):
     model, origin, lobe, strips = patch
-    normals = strips[:, [k.NO, k.NB]]
+    normals = columns(strips, "no nb")
     # the tables' tangents are unit vectors to (step times curvature)^4; beside a join to 6e-7, turned by 2e-4
     np.testing.assert_allclose(np.hypot(*normals.T), 1.0, rtol=1e-6)
     assert np.median(np.abs(np.hypot(*normals.T) - 1.0)) < 1e-8
-    (_, rail_tangent), (_, wheel_tangent) = points(model, origin, lobe, strips[:, k.S])
+    (_, rail_tangent), (_, wheel_tangent) = points(model, origin, lobe, strips["s"])
     mean = rail_tangent + wheel_tangent
     mean /= np.hypot(*mean)
     np.testing.assert_allclose(normals.T, [-mean[1], mean[0]], atol=2e-4)
     # [S 27], the difference quotient over two strips
-    chord = strips[2:, [k.O, k.B]] - strips[:-2, [k.O, k.B]]
+    chord = columns(strips[2:], "o b") - columns(strips[:-2], "o b")
     along = np.abs((chord * normals[1:-1]).sum(axis=1)) / np.hypot(*chord.T)
-    assert along.max() < 0.25 * strips[0, k.DS] / 13e-3  # a jump of curvature from 0 to 1/13 mm within the chord
+    assert along.max() < 0.25 * strips["ds"][0] / 13e-3  # a jump of curvature from 0 to 1/13 mm within the chord
     assert (normals[:, 1] > 0.0).all()  # from rail to wheel
 
 
@@ -83,17 +83,17 @@ def test_strips_are_as_long_as_the_closed_gap_demands(approach):
     o, b = rail_origin(model.rail)
     (lobe,), (strips,) = contact.patches, contact.strips
     origin = np.array([HALF_SPACING + 6e-3 - o, solved.height - b])
-    (rail, _), (wheel, _) = points(model, origin, lobe, strips[:, k.S])
-    main, normals = lobe[[k.NO_MAIN, k.NB_MAIN]], strips[:, [k.NO, k.NB]]
-    delta = lobe[k.APPROACH]
+    (rail, _), (wheel, _) = points(model, origin, lobe, strips["s"])
+    main, normals = columns(lobe, "no nb"), columns(strips, "no nb")
+    delta = lobe["approach"]
     gap = ((wheel + delta * main[:, None] - rail) * normals.T).sum(axis=0)
     share = normals @ main if approach == "projected" else 1.0
     h = EPSILON * delta * share - gap
     # 1e-8 of the table's places over h of 50 um, more at the edges
-    np.testing.assert_allclose(strips[:, k.A] ** 2 / (2.0 * strips[:, k.RADIUS_T]), h, atol=2e-8)
-    _, w = model.wheel.at(lobe[k.ARC_WHEEL] + strips[:, k.S])
-    tu, tw = model.wheel.tangent(lobe[k.ARC_WHEEL] + strips[:, k.S])
-    np.testing.assert_allclose(strips[:, k.RADIUS_T], (RADIUS - w) * np.hypot(1.0, tw / tu), rtol=1e-3)  # [S 19]
+    np.testing.assert_allclose(strips["a"] ** 2 / (2.0 * strips["r_t"]), h, atol=2e-8)
+    _, w = model.wheel.at(lobe["arc_wheel"] + strips["s"])
+    tu, tw = model.wheel.tangent(lobe["arc_wheel"] + strips["s"])
+    np.testing.assert_allclose(strips["r_t"], (RADIUS - w) * np.hypot(1.0, tw / tu), rtol=1e-3)  # [S 19]
 
 
 def groove(wheel_radius, rail_radius, approach, strips=41):
@@ -108,7 +108,7 @@ def test_on_a_flat_pair_projected_is_constant():
     for approach in ("constant", "projected"):
         model = contact_model(round_wheel(RADIUS), flat_rail(), approach=approach, **PLAIN)
         lobes.append(model.evaluate((0.0, 0.0, RADIUS - 1e-4)).patches[0])
-    for column in (k.N, k.P0, k.AREA, k.WIDTH):
+    for column in ("N", "p0", "area", "width"):
         assert lobes[1][column] == pytest.approx(lobes[0][column], rel=2e-4)
         assert lobes[1][column] != lobes[0][column]
 
@@ -117,7 +117,7 @@ def test_in_a_groove_a_rigid_approach_closes_less_at_the_sides():
     widths = {}
     for approach in ("constant", "projected"):
         model = groove(0.0130, 0.0135, approach)
-        widths[approach] = model.evaluate((0.0, 0.0, RADIUS - 5e-5)).patches[0, k.WIDTH]
+        widths[approach] = model.evaluate((0.0, 0.0, RADIUS - 5e-5)).patches["width"][0]
     assert widths["projected"] < 0.99 * widths["constant"]
 
 
@@ -125,15 +125,15 @@ def test_in_a_groove_a_rigid_approach_closes_less_at_the_sides():
 def test_the_contact_angle_varies_by_width_over_mean_radius(wheel_radius, rail_radius):
     # the midline turns by the mean of both curvatures; the angles are those of the outer strips' centres
     lobe = groove(wheel_radius, rail_radius, "projected").evaluate((0.0, 0.0, RADIUS - 5e-5)).patches[0]
-    width = lobe[k.WIDTH] * (1.0 - 1.0 / lobe[k.N_STRIPS])
+    width = lobe["width"] * (1.0 - 1.0 / lobe["n_strips"])
     mean_curvature = 0.5 * (1.0 / wheel_radius + 1.0 / rail_radius)
-    variation = lobe[k.ANGLE_MAX] - lobe[k.ANGLE_MIN]
+    variation = lobe["angle_max"] - lobe["angle_min"]
     assert variation > 0.05
     assert variation == pytest.approx(width * mean_curvature, rel=1e-6)
     # in the middle of a symmetric groove
-    assert lobe[k.ANGLE] == pytest.approx(0.0, abs=1e-9)
-    assert lobe[k.ANGLE_MEAN] == pytest.approx(0.0, abs=1e-9)
-    assert lobe[k.ANGLE_MAX] == pytest.approx(-lobe[k.ANGLE_MIN], abs=1e-6)
+    assert lobe["angle"] == pytest.approx(0.0, abs=1e-9)
+    assert lobe["angle_mean"] == pytest.approx(0.0, abs=1e-9)
+    assert lobe["angle_max"] == pytest.approx(-lobe["angle_min"], abs=1e-6)
 
 
 @pytest.mark.parametrize("yaw", [0.005, 0.02])
@@ -142,8 +142,8 @@ def test_yaw_shifts_the_strips_along_the_rail(yaw):
     model = pair_model("S1002/60E1 1:40", **PLAIN)
     _, contact = settle(bench(model, rolling=False), 0.007, yaw, 60e3)
     lobe, strips = contact.patches[0], contact.strips[0]
-    u, w = model.wheel.at(lobe[k.ARC_WHEEL])
-    tu, tw = model.wheel.tangent(lobe[k.ARC_WHEEL])
+    u, w = model.wheel.at(lobe["arc_wheel"])
+    tu, tw = model.wheel.tangent(lobe["arc_wheel"])
     sine = tw / tu * np.tan(yaw)
-    assert lobe[k.X_MAIN] == pytest.approx(-u * np.sin(yaw) + (RADIUS - w) * sine * np.cos(yaw), rel=1e-3)
-    assert np.ptp(strips[:, k.X]) > 1e-6
+    assert lobe["x"] == pytest.approx(-u * np.sin(yaw) + (RADIUS - w) * sine * np.cos(yaw), rel=1e-3)
+    assert np.ptp(strips["x"]) > 1e-6

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.contact_bench import HALF_SPACING, PAIRS, RADIUS, bench, contact_of, pair_model, rail_origin, strips_of
+from support.contacts import HALF_SPACING, PAIRS, RADIUS, bench, contact_of, finite, pair_model, rail_origin, strips_of
 
 from wrsim.contact.settings import Friction
-from wrsim.core.contact import layout as k
+from wrsim.core.contact import records as k
 from wrsim.scenario.cases import StaticPose
 
 ALL_BITS = k.STATUS_NOT_REFINED | k.STATUS_PROFILE_END | k.STATUS_TOO_DEEP
@@ -70,19 +70,19 @@ def test_any_pose_gives_finite_forces_that_push_and_stay_within_friction(state):
     model, contact = press(state)
     assert contact.status & ~ALL_BITS == 0
     for numbers in (contact.force, contact.moment, contact.patches, contact.wear_number, contact.closest):
-        assert np.isfinite(numbers).all()
+        assert finite(numbers)
     lobes, strips = contact.patches, strips_of(contact)
-    assert np.isfinite(strips).all()
-    assert (lobes[:, k.N] >= 0.0).all() and (lobes[:, k.P0] >= 0.0).all() and (lobes[:, k.AREA] >= 0.0).all()
-    assert (strips[:, k.FORCE] >= 0.0).all()
-    assert (lobes[:, k.APPROACH] > 0.0).all()
-    tangential, limit = np.hypot(strips[:, k.FX], strips[:, k.FY]), strips[:, k.MU] * strips[:, k.FORCE]
+    assert finite(strips)
+    assert (lobes["N"] >= 0.0).all() and (lobes["p0"] >= 0.0).all() and (lobes["area"] >= 0.0).all()
+    assert (strips["N"] >= 0.0).all()
+    assert (lobes["approach"] > 0.0).all()
+    tangential, limit = np.hypot(strips["Fx"], strips["Fy"]), strips["mu"] * strips["N"]
     if state["tangential"] != "linear":  # which knows no limit
         assert (tangential <= limit * (1.0 + 1e-9) + 1e-300).all()
     assert contact.wear_number >= -1e-12 * limit.sum()
     assert len(lobes) <= model.settings.max_patches
-    assert model.arrays.total[k.PATCHES] <= model.arrays.total[k.COUNT] == len(lobes)
-    assert bool(contact.status & k.STATUS_TOO_DEEP) == bool((lobes[:, k.APPROACH] > VERY_DEEP).any())
+    assert model.arrays.total["patches"] <= model.arrays.total["lobes"] == len(lobes)
+    assert bool(contact.status & k.STATUS_TOO_DEEP) == bool((lobes["approach"] > VERY_DEEP).any())
     assert (contact.closest < 0.0) >= (len(lobes) > 0)
 
 
@@ -92,14 +92,15 @@ def test_the_same_pose_gives_the_same_numbers_whatever_came_before(state):
     # scratch arrays carry nothing over
     model, contact = press(state)
     pose = model.arrays.pose.copy()
-    for array in (model.arrays.work, model.arrays.found, model.arrays.patches, model.arrays.strips, model.arrays.total):
-        array[:] = np.nan
+    rows = model.arrays.rows
+    for array in (rows.work, rows.found, rows.patches, rows.strips, rows.total):
+        array.view(np.float64)[:] = np.nan
     again = model.evaluate(pose[:3], pose[3:6], pose[6:9], pose[9:])
     np.testing.assert_array_equal(again.force, contact.force)
     np.testing.assert_array_equal(again.moment, contact.moment)
-    # the one column that is meant to be carried over: the strip model's half lengths, for its next call in a run
-    columns = [c for c in range(k.STRIP_COLUMNS) if c != k.WARM_A]
-    np.testing.assert_array_equal(strips_of(again)[:, columns], strips_of(contact)[:, columns])
+    # the one number that is meant to be carried over: the strip model's half lengths, for its next call in a run
+    for name in set(k.STRIP.names) - {"a_last"}:
+        np.testing.assert_array_equal(strips_of(again)[name], strips_of(contact)[name])
 
 
 @settings(max_examples=60)
@@ -121,7 +122,7 @@ def test_a_load_between_1_newton_and_1_meganewton_is_carried(pair, lateral, yaw,
     assert np.isfinite([solved.height, solved.roll]).all()
     assert stand.force[2] == pytest.approx(load, rel=1e-6)
     assert contact.normal_force > 0.0
-    assert np.isfinite(contact.patches).all()
+    assert finite(contact.patches)
 
 
 def test_zero_friction_and_no_tangential_model_are_the_same():

@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from support.contact_bench import HALF_SPACING, RADIUS, pair_model, rail_origin, strips_of
-
-from wrsim.core.contact import layout as k
+from support.contacts import HALF_SPACING, RADIUS, columns, finite, pair_model, rail_origin, strips_of
 
 SPEED = 20.0
 PLACES = [(0.0, 0.0), (6e-3, 0.003), (7.5e-3, -0.01)]
@@ -25,13 +23,13 @@ def evaluate(model, lateral, yaw, depth=1e-4, extra=(0.0, 0.0, 0.0), spin=(0.0, 
 
 def centres(strips, origin):
     """Strip centres from the wheel's profile origin, (n, 3) in (t, o, b)."""
-    return strips[:, [k.X, k.O, k.B]] - origin
+    return columns(strips, "x o b") - origin
 
 
 def axes(strips):
     """Unit vectors of every strip: normal, tangent outward; (n, 3)."""
     zero = np.zeros(len(strips))
-    return np.stack([zero, strips[:, k.NO], strips[:, k.NB]], 1), np.stack([zero, strips[:, k.NB], -strips[:, k.NO]], 1)
+    return np.stack([zero, strips["no"], strips["nb"]], 1), np.stack([zero, strips["nb"], -strips["no"]], 1)
 
 
 @pytest.mark.parametrize(("lateral", "yaw"), PLACES)
@@ -39,28 +37,28 @@ def test_forces_act_at_the_centres_of_the_strips(lateral, yaw):
     contact, origin, _, _ = evaluate(pair_model("S1002/60E1 1:40"), lateral, yaw)
     strips = strips_of(contact)
     normal, outward = axes(strips)
-    force = strips[:, [k.FORCE]] * normal + strips[:, [k.FY]] * outward
-    force[:, 0] += strips[:, k.FX]
-    moment = np.cross(centres(strips, origin), force) + strips[:, [k.MZ]] * normal
+    force = strips["N"][:, None] * normal + strips["Fy"][:, None] * outward
+    force[:, 0] += strips["Fx"]
+    moment = np.cross(centres(strips, origin), force) + strips["Mz"][:, None] * normal
     np.testing.assert_allclose(contact.force, force.sum(axis=0), rtol=1e-12)
     np.testing.assert_allclose(contact.moment, moment.sum(axis=0), rtol=1e-11)
     # patches: sums, spin moment about the main point along its normal, extremes
     for lobe, rows in zip(contact.patches, contact.strips, strict=True):
-        assert lobe[k.N] == pytest.approx(rows[:, k.FORCE].sum(), rel=1e-12)
-        assert lobe[k.AREA] == pytest.approx((2.0 * rows[:, k.A] * rows[:, k.DS]).sum(), rel=1e-12)
-        assert lobe[k.LENGTH] == pytest.approx(2.0 * rows[:, k.A].max(), rel=1e-12)
-        assert lobe[k.P0] >= rows[:, k.P].max()
-        np.testing.assert_allclose(rows[:, k.FORCE], 0.5 * np.pi * rows[:, k.A] * rows[:, k.P] * rows[:, k.DS])
+        assert lobe["N"] == pytest.approx(rows["N"].sum(), rel=1e-12)
+        assert lobe["area"] == pytest.approx((2.0 * rows["a"] * rows["ds"]).sum(), rel=1e-12)
+        assert lobe["length"] == pytest.approx(2.0 * rows["a"].max(), rel=1e-12)
+        assert lobe["p0"] >= rows["p"].max()
+        np.testing.assert_allclose(rows["N"], 0.5 * np.pi * rows["a"] * rows["p"] * rows["ds"])
         n, e = axes(rows)
-        creep = rows[:, [k.FY]] * e
-        creep[:, 0] += rows[:, k.FX]
-        main = lobe[[k.X_MAIN, k.O_MAIN, k.B_MAIN]]
-        about_main = np.cross(rows[:, [k.X, k.O, k.B]] - main, creep) + rows[:, [k.MZ]] * n
-        along = about_main.sum(axis=0) @ [0.0, lobe[k.NO_MAIN], lobe[k.NB_MAIN]]
-        assert lobe[k.SPIN_MOMENT] == pytest.approx(along, rel=1e-9, abs=1e-9)
-        angles = np.arctan2(-rows[:, k.NO], rows[:, k.NB])
+        creep = rows["Fy"][:, None] * e
+        creep[:, 0] += rows["Fx"]
+        main = columns(lobe, "x o b")
+        about_main = np.cross(columns(rows, "x o b") - main, creep) + rows["Mz"][:, None] * n
+        along = about_main.sum(axis=0) @ [0.0, lobe["no"], lobe["nb"]]
+        assert lobe["Mz"] == pytest.approx(along, rel=1e-9, abs=1e-9)
+        angles = np.arctan2(-rows["no"], rows["nb"])
         # the kernel halves the angle of a normal that beside a join is a unit vector to 6e-7 only
-        assert (lobe[k.ANGLE_MIN], lobe[k.ANGLE_MAX]) == pytest.approx((angles.min(), angles.max()), abs=1e-6)
+        assert (lobe["angle_min"], lobe["angle_max"]) == pytest.approx((angles.min(), angles.max()), abs=1e-6)
 
 
 @pytest.mark.parametrize(("lateral", "yaw"), PLACES)
@@ -73,10 +71,10 @@ def test_creepages_are_the_rigid_motion_at_each_strip_over_the_speed(lateral, ya
     motion = velocity + np.cross(omega, centres(strips, origin))
     # below 50 mm/s creepages are regularised: the speed is sqrt(V^2 + 0.05^2)
     speed = np.hypot(SPEED, 0.05)
-    np.testing.assert_allclose(strips[:, k.XI], motion[:, 0] / speed, rtol=1e-9, atol=1e-14)
-    np.testing.assert_allclose(strips[:, k.ETA], (motion * outward).sum(axis=1) / speed, rtol=1e-9, atol=1e-14)
-    np.testing.assert_allclose(strips[:, k.PHI], normal @ omega / speed, rtol=1e-9)
-    assert np.ptp(strips[:, k.PHI]) > 0.0  # spin varies along a curved patch
+    np.testing.assert_allclose(strips["xi"], motion[:, 0] / speed, rtol=1e-9, atol=1e-14)
+    np.testing.assert_allclose(strips["eta"], (motion * outward).sum(axis=1) / speed, rtol=1e-9, atol=1e-14)
+    np.testing.assert_allclose(strips["phi"], normal @ omega / speed, rtol=1e-9)
+    assert np.ptp(strips["phi"]) > 0.0  # spin varies along a curved patch
 
 
 @pytest.mark.parametrize(("lateral", "yaw"), PLACES)
@@ -92,7 +90,7 @@ def test_wear_number_times_speed_is_the_power_that_creep_forces_take(lateral, ya
 
 def test_a_wheel_that_turns_too_fast_is_driven_forward():
     contact, *_ = evaluate(pair_model("S1002/60E1 1:40"), 2e-3, 0.0)
-    assert (contact.patches[:, k.XI_MAIN] < 0.0).all()  # its material at the contact moves backwards
+    assert (contact.patches["xi"] < 0.0).all()  # its material at the contact moves backwards
     assert contact.force[0] > 0.0
 
 
@@ -100,7 +98,7 @@ def test_at_standstill_everything_is_finite_and_still():
     model = pair_model("S1002/60E1 1:40")
     _, origin, _, _ = evaluate(model, 2e-3, 0.0)
     contact = model.evaluate(origin)
-    assert np.isfinite(contact.patches).all()
+    assert finite(contact.patches)
     assert contact.force[0] == 0.0
     assert contact.wear_number == 0.0
 
@@ -116,14 +114,14 @@ def test_damping_is_nothing_without_a_rate_of_approach(lateral, yaw):
     # the tangent plane may slide: velocities that leave the main point's normal velocity zero
     plain = evaluate(pair_model("S1002/60E1 1:40"), lateral, yaw)[0]
     damped, origin, velocity, omega = evaluate(pair_model("S1002/60E1 1:40", damping=DAMPING), lateral, yaw)
-    closing = damped.patches[:, k.CLOSING]
+    closing = damped.patches["closing"]
     for lobe, rate in zip(damped.patches, closing, strict=True):
-        main = lobe[[k.X_MAIN, k.O_MAIN, k.B_MAIN]] - origin
-        normal = np.array([0.0, lobe[k.NO_MAIN], lobe[k.NB_MAIN]])
+        main = columns(lobe, "x o b") - origin
+        normal = np.array([0.0, lobe["no"], lobe["nb"]])
         assert rate == pytest.approx(-(velocity + np.cross(omega, main)) @ normal, abs=1e-9)
     # a rolling wheel of revolution closes at no rate: what is left is the strip that stands for the main point
     assert np.abs(closing).max() < 1e-6 * SPEED
-    ratio = damped.patches[:, k.N] / plain.patches[:, k.N]
+    ratio = damped.patches["N"] / plain.patches["N"]
     np.testing.assert_allclose(ratio, 1.0 + DAMPING * closing, rtol=1e-12)
 
 
@@ -132,11 +130,11 @@ def test_damping_multiplies_the_force_by_one_plus_the_rate(rate):
     down = (0.0, 0.0, -rate)
     plain = evaluate(pair_model("S1002/60E1 1:40"), 2e-3, 0.0, extra=down)[0].patches[0]
     damped = evaluate(pair_model("S1002/60E1 1:40", damping=DAMPING), 2e-3, 0.0, extra=down)[0].patches[0]
-    assert damped[k.CLOSING] == pytest.approx(rate * damped[k.NB_MAIN], abs=1e-3)
-    factor = 1.0 + DAMPING * damped[k.CLOSING]
-    assert damped[k.N] / plain[k.N] == pytest.approx(factor, rel=1e-12)
-    assert damped[k.P0] / plain[k.P0] == pytest.approx(factor, rel=1e-12)
-    assert damped[k.AREA] == plain[k.AREA]
+    assert damped["closing"] == pytest.approx(rate * damped["nb"], abs=1e-3)
+    factor = 1.0 + DAMPING * damped["closing"]
+    assert damped["N"] / plain["N"] == pytest.approx(factor, rel=1e-12)
+    assert damped["p0"] / plain["p0"] == pytest.approx(factor, rel=1e-12)
+    assert damped["area"] == plain["area"]
 
 
 @pytest.mark.parametrize("rate", [-0.6, -2.0, -50.0])
@@ -144,7 +142,7 @@ def test_damping_never_pulls(rate):
     model = pair_model("S1002/60E1 1:40", damping=DAMPING)
     contact, *_ = evaluate(model, 2e-3, 0.0, extra=(0.0, 0.0, -rate))
     assert len(contact.patches) > 0
-    assert (contact.patches[:, k.N] == 0.0).all()
+    assert (contact.patches["N"] == 0.0).all()
     assert not contact.force.any() and not contact.moment.any()
     assert contact.wear_number == 0.0
-    assert model.arrays.total[k.PATCHES] == 0.0
+    assert model.arrays.total["patches"] == 0.0

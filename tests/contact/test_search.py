@@ -3,21 +3,23 @@
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
-from support.contact_bench import (
+from support.contacts import (
     HALF_SPACING,
     PAIRS,
     PLAIN,
     RADIUS,
     bench,
+    columns,
     contact_model,
     contact_of,
     pair_model,
     rail_origin,
     settle,
+    wheel_at,
 )
 
-from wrsim.core.contact import layout as k
 from wrsim.core.contact.profile import profile_point
+from wrsim.core.contact.records import Profile
 from wrsim.core.contact.search.locus import locus_point, outline
 from wrsim.geometry.profile.sections import Arc, profile_from_sections, rail_head
 
@@ -44,16 +46,14 @@ def random_poses(model, count, seed, deepest=0.4e-3):
 def wheel_point(model, origin, axle, arc):
     """(o, b) and tangent of the outline of the kernel's wheel."""
     a = model.arrays
-    _, o, b, no, nb, *_ = locus_point(
-        a.wheel, a.settings[k.WHEEL_STEP], model.radius, *origin, *axle, np.sqrt(1.0 - axle[0] ** 2), arc
-    )
-    return np.array([o, b]), np.array([-nb, no])
+    at = locus_point(wheel_at(a.wheel, a.settings.wheel_step, model.radius, origin, axle), arc)
+    return np.array([at.o, at.b]), np.array([-at.nb, at.no])
 
 
 def rail_point(model, arc):
     """(o, b) and tangent of the kernel's rail."""
-    u, w, tu, tw, _ = profile_point(model.arrays.rail, model.arrays.settings[k.RAIL_STEP], arc)
-    return np.array([u, w]), np.array([tu, tw])
+    at = profile_point(Profile(model.arrays.rail, float(model.arrays.settings.rail_step)), arc)
+    return np.array([at.u, at.w]), np.array([at.tu, at.tw])
 
 
 @pytest.mark.parametrize("pair", PAIRS)
@@ -63,13 +63,13 @@ def test_the_line_between_main_points_is_normal_to_both_bodies(pair):
     for origin, axle in random_poses(model, 400, seed=1):
         contact = model.evaluate(origin, axle)
         for lobe in contact.patches:
-            wheel, wheel_tangent = wheel_point(model, origin, axle, lobe[k.ARC_WHEEL])
-            rail, rail_tangent = rail_point(model, lobe[k.ARC_RAIL])
+            wheel, wheel_tangent = wheel_point(model, origin, axle, lobe["arc_wheel"])
+            rail, rail_tangent = rail_point(model, lobe["arc_rail"])
             line = wheel - rail
             assert abs(line @ rail_tangent) < 1e-10  # [m] demanded; 1e-11 reached
             assert abs(line @ wheel_tangent) < 1e-10
             # the normal of the rail's table is a unit vector to 6e-7 beside a join of arcs, to 1e-10 elsewhere
-            assert lobe[k.APPROACH] == pytest.approx(np.hypot(*line), rel=1e-6)
+            assert lobe["approach"] == pytest.approx(np.hypot(*line), rel=1e-6)
             found += 1
     assert found > 100
 
@@ -83,7 +83,7 @@ def test_main_points_hold_on_the_exact_profiles_too(pair):
     for origin, axle in random_poses(model, 400, seed=2):
         axle = axle_of(0.0, np.arcsin(axle[2]))
         for lobe in model.evaluate(origin, axle).patches:
-            arcs = lobe[k.ARC_WHEEL], lobe[k.ARC_RAIL]
+            arcs = lobe["arc_wheel"], lobe["arc_rail"]
             if min(np.abs(j - arc).min() for j, arc in zip(jumps, arcs, strict=True)) < 2e-4:
                 continue
             (u, w), (tu, tw) = model.wheel.at(arcs[0]), model.wheel.tangent(arcs[0])
@@ -104,7 +104,7 @@ def brute_force(model, points=4001):
     a = model.arrays
 
     def depths():
-        outline(a.wheel, a.settings[k.WHEEL_STEP], model.radius, a.pose, arc, line)
+        outline(a.wheel, a.settings["wheel_step"], model.radius, a.pose, arc, line)
         distance, near = tree.query(line.T)
         depth = -(-(line[0] - u[near]) * tw[near] + (line[1] - w[near]) * tu[near])
         beside = (near == 0) | (near == len(u) - 1) | (distance > 5e-3)
@@ -131,7 +131,7 @@ def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
     several = 0
     for origin, axle in random_poses(model, 120, seed=3):
         contact = model.evaluate(origin, axle)
-        found = contact.patches[:, [k.ARC_WHEEL, k.APPROACH]]
+        found = columns(contact.patches, "arc_wheel approach")
         zones = peaks()
         # peaks that stand out by less than 1 um are ripples on a zone (at joins of arcs), narrower than the
         # search's stride, and touch shallower than 1 um are below the brute force's own resolution
@@ -149,9 +149,9 @@ def test_tread_root_and_flange_are_found_at_once():
     model = pair_model("S1002/60E1 1:20", **PLAIN)
     o, b = rail_origin(model.rail)
     contact = model.evaluate((0.0, HALF_SPACING + 5.84e-3 - o, 0.45983 - b), axle_of(0.02, 0.00065))
-    assert contact.patches[:, k.ANGLE] == pytest.approx([1.22, 0.44, 0.116], abs=0.01)
-    assert (contact.patches[:, k.APPROACH] > 1e-6).all()
-    assert len(set(contact.patches[:, k.GROUP])) == 3
+    assert contact.patches["angle"] == pytest.approx([1.22, 0.44, 0.116], abs=0.01)
+    assert (contact.patches["approach"] > 1e-6).all()
+    assert len(set(contact.patches["group"])) == 3
 
 
 @pytest.mark.parametrize("depth", [2e-5, 1e-4, 3e-4])
@@ -162,17 +162,17 @@ def test_a_vertical_rail_side_is_touched_like_the_crown(depth):
     model = contact_model(ball, rail, **PLAIN)
     side = rail.u.min()
     (lobe,) = model.evaluate((0.0, side - 14e-3 + depth, RADIUS - 36e-3)).patches
-    assert lobe[k.APPROACH] == pytest.approx(depth, abs=1e-12)
-    assert lobe[k.ANGLE] == pytest.approx(0.5 * np.pi, abs=1e-9)
-    assert (lobe[k.O_MAIN], lobe[k.B_MAIN]) == pytest.approx((side + 0.5 * depth, -22e-3), abs=1e-7)
-    assert lobe[k.N] > 0.0
+    assert lobe["approach"] == pytest.approx(depth, abs=1e-12)
+    assert lobe["angle"] == pytest.approx(0.5 * np.pi, abs=1e-9)
+    assert (lobe["o"], lobe["b"]) == pytest.approx((side + 0.5 * depth, -22e-3), abs=1e-7)
+    assert lobe["N"] > 0.0
 
 
 @pytest.mark.parametrize("lateral", [-4e-3, 0.0, 5e-3, 8e-3])
 def test_without_contact_there_are_no_patches_but_a_distance(lateral):
     stand = bench(pair_model("S1002/60E1 1:40", **PLAIN), rolling=False)
     solved, touching = settle(stand, lateral, 0.0, 1.0)
-    lean = touching.patches[0, k.NB_MAIN]
+    lean = touching.patches["nb"][0]
     for gap in (1e-5, 1e-4, 1e-3, 0.02):
         stand.evaluate(lateral, solved.height + gap, 0.0, 0.0)
         contact = contact_of(stand)

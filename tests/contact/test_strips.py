@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from support.contact_bench import PLAIN, bench, contact_model, contact_of, flat_rail, pair_model, round_wheel, settle
-
-from wrsim.core.contact import layout as k
+from support.contacts import PLAIN, bench, contact_model, contact_of, flat_rail, pair_model, round_wheel, settle
 
 LOAD = 60e3
 
@@ -12,7 +10,7 @@ LOAD = 60e3
 def figures(contact):
     """Sum of N, largest p0, sum of areas over the lobes."""
     lobes = contact.patches
-    return np.array([lobes[:, k.N].sum(), lobes[:, k.P0].max(), lobes[:, k.AREA].sum()])
+    return np.array([lobes["N"].sum(), lobes["p0"].max(), lobes["area"].sum()])
 
 
 def coarse_over_fine(pair, lateral, yaw, approach="projected", coarse=20, fine=200):

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from support.contact_bench import bench, contact_model, rail_profile, settle, wheel_profile
+from support.contacts import bench, contact_model, rail_profile, settle, wheel_profile
 from typer.testing import CliRunner
 
 from wrsim.cli.commands import app
-from wrsim.core.contact import layout as k
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import read_points, read_profile
 from wrsim.geometry.profile.models import load_profile
@@ -53,7 +52,7 @@ def contacts(wheel: Profile, rail: Profile) -> np.ndarray:
         solved, contact = settle(stand, 1e-3 * shift, 0.0, 60e3)
         assert not solved.message
         p = contact.patches
-        rows.append((p[:, k.P0].max(), p[:, k.AREA].sum(), p[:, k.N].sum(), p[0, k.ANGLE]))
+        rows.append((p["p0"].max(), p["area"].sum(), p["N"].sum(), p["angle"][0]))
     return np.array(rows)
 
 

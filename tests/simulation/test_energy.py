@@ -13,7 +13,6 @@ from support.runs import AXLE_LOAD, LEADING, STEERING, arc, cone_ride, ride, set
 
 from wrsim.analysis.motion.start import start_state
 from wrsim.contact.settings import ContactSettings
-from wrsim.core.contact import layout as k
 from wrsim.geometry.track.segments import Straight
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.law import VehicleOnTrack
@@ -45,7 +44,7 @@ class Bouncing:
         """Approach [m] and vertical force [N] of the two wheels."""
         self.ride.law(0.0, q, self.rest, np.zeros(6))
         arrays = [wheel.model.arrays for wheel in self.ride.law.wheels[0]]
-        return [(float(a.patches[0, k.APPROACH]), float(a.total[k.FORCE_B])) for a in arrays]
+        return [(float(a.patches["approach"][0]), float(a.total["Fb"])) for a in arrays]
 
     def potential(self, q: np.ndarray) -> float:
         """Energy of both contacts and of the weight against rest [J]."""
@@ -115,7 +114,7 @@ def test_the_frame_gives_what_the_creep_forces_dissipate(vehicle, radius, speed)
     given = np.zeros(6)
     VehicleOnTrack(curve.vehicle, curve.track, (), speed=speed, start=10.0)(0.0, q, q_t, given)
     arrays = [wheel.model.arrays for wheel in curve.law.wheels[0]]
-    dissipated = sum(a.total[k.WEAR] * a.pose[6] for a in arrays)
+    dissipated = sum(a.total["wear"] * a.pose[6] for a in arrays)
     # a long patch on the flange root shifts along the rail and is pushed a little across it: 0.3 %
     assert given @ q_t == pytest.approx(dissipated, rel=5e-3)
 
@@ -134,7 +133,7 @@ def test_creep_forces_never_do_positive_work_on_a_patch(vehicle, radius):
         curve.law(t, q, q_t, out)
         for wheel in curve.law.wheels[0]:
             a = wheel.model.arrays
-            seen.extend(a.patches[: int(a.total[k.COUNT]), k.DISSIPATION])
+            seen.extend(a.patches["wear"][: int(a.total["lobes"])])
 
     system = curve.system
     step = round_step(SAFETY * stable_step(system, q, q_t))

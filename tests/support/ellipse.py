@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.contact.model import TANGENTIAL, bound_over_cells
-from wrsim.core.contact import layout as k
+from wrsim.core.contact import records as k
 from wrsim.core.contact.tangential.creep_forces import creep_forces
 
 Array = NDArray[np.float64]
@@ -22,12 +22,12 @@ FORCE = 2.0 / 3.0 * np.pi * MEAN_RADIUS**2 * PEAK  # [N]
 def ellipse(aspect: float, strips: int = 40, radius: float = MEAN_RADIUS, peak: float = PEAK) -> Array:
     """Rows of strips over the ellipse of half axes a along x and b = a / aspect; radius: sqrt(a b)."""
     a, b = radius * np.sqrt(aspect), radius / np.sqrt(aspect)
-    rows = np.zeros((strips, k.STRIP_COLUMNS))
-    rows[:, k.DS] = 2.0 * b / strips
-    rows[:, k.S] = -b + (np.arange(strips) + 0.5) * 2.0 * b / strips
-    shape = np.sqrt(1.0 - (rows[:, k.S] / b) ** 2)
-    rows[:, k.A], rows[:, k.P], rows[:, k.NB] = a * shape, peak * shape, 1.0
-    rows[:, k.FORCE] = 0.5 * np.pi * rows[:, k.A] * rows[:, k.P] * rows[:, k.DS]
+    rows = np.zeros(strips, k.STRIP)
+    rows["ds"] = 2.0 * b / strips
+    rows["s"] = -b + (np.arange(strips) + 0.5) * 2.0 * b / strips
+    shape = np.sqrt(1.0 - (rows["s"] / b) ** 2)
+    rows["a"], rows["p"], rows["nb"] = a * shape, peak * shape, 1.0
+    rows["N"] = 0.5 * np.pi * rows["a"] * rows["p"] * rows["ds"]
     return rows
 
 
@@ -50,28 +50,27 @@ def roll(
     model: a choice of ContactSettings.tangential, or "fastsim, parabolic", or "fastsim, blended".
     """
     rows = ellipse(aspect, strips, radius, peak)
-    rows[:, k.XI], rows[:, k.ETA], rows[:, k.PHI] = xi - phi * rows[:, k.S], eta, phi
-    force = rows[:, k.FORCE].sum()
-    lobe = np.zeros((1, k.PATCH_COLUMNS))
-    lobe[0, [k.N, k.N_STRIPS, k.AMPLITUDE, k.PARTNER]] = force, strips, 1.0, -1.0
-    lobe[0, k.AREA] = np.pi * radius**2
-    lobe[0, k.LENGTH], lobe[0, k.WIDTH] = 2.0 * radius * np.sqrt(aspect), 2.0 * radius / np.sqrt(aspect)
+    rows["xi"], rows["eta"], rows["phi"] = xi - phi * rows["s"], eta, phi
+    force = rows["N"].sum()
+    lobes, settings = np.zeros(1, k.LOBE), np.zeros(1, k.SETTINGS)
+    lobes["N"], lobes["n_strips"], lobes["amplitude"], lobes["partner"] = force, strips, 1.0, -1
+    lobes["area"] = np.pi * radius**2
+    lobes["length"], lobes["width"] = 2.0 * radius * np.sqrt(aspect), 2.0 * radius / np.sqrt(aspect)
     name, _, option = model.partition(", ")
-    numbers = np.zeros(k.SETTINGS)
-    numbers[k.TANGENTIAL] = TANGENTIAL[name]
-    numbers[k.PARABOLIC] = option == "parabolic"
-    numbers[k.BLENDED] = option == "blended"
-    numbers[[k.FRICTION, k.FRICTION_GAUGE]] = friction
-    numbers[k.SHEAR_MODULUS] = SHEAR_MODULUS
-    numbers[[k.FALL_RATIO, k.ADHESION_FACTOR, k.SLIP_FACTOR]] = 1.0
-    pose = np.zeros(k.POSE)
-    pose[6] = direction
+    settings["tangential"] = TANGENTIAL[name]
+    settings["parabolic"] = option == "parabolic"
+    settings["blended"] = option == "blended"
+    settings["mu"] = settings["mu_gauge"] = friction
+    settings["G"] = SHEAR_MODULUS
+    for factor in ("fall_ratio", "kA", "kS"):
+        settings[factor] = 1.0
     shape = bound_over_cells(cells, option == "parabolic")
-    creep_forces(COEFFICIENTS, shape, numbers, pose, lobe, rows[None], 1, 0, np.zeros((12, max(strips, 8))))
+    work = np.zeros((12, max(strips, 8)))
+    creep_forces(COEFFICIENTS, shape, settings[0], direction, lobes, rows[None], 1, 0, work)
     return rows
 
 
 def total(rows: Array) -> Array:
     """Fx, Fy on the wheel and their moment about the ellipse's centre."""
-    moment = rows[:, k.MZ] - rows[:, k.S] * rows[:, k.FX]
-    return np.array([rows[:, k.FX].sum(), rows[:, k.FY].sum(), moment.sum()])
+    moment = rows["Mz"] - rows["s"] * rows["Fx"]
+    return np.array([rows["Fx"].sum(), rows["Fy"].sum(), moment.sum()])

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import elliprd, elliprf
 
-from support.contact_bench import STEEL
+from support.contacts import STEEL
 from wrsim.contact.half_space.influence import Compliance, Operator
 
 Array = NDArray[np.float64]

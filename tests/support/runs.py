@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from support.held import held_state
 from wrsim.analysis.motion.forces import force_law
-from wrsim.contact.model import ContactModel
+from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
@@ -200,5 +200,5 @@ def cone_ride(
     vehicle = single_wheelset(wheelset, stiffness=stiffness, carried_mass=carried)
     track = Track.build(segments, 2.0 * HALF_TOPS)
     settings = settings or ContactSettings()
-    models = [ContactModel.build(cone(), crown(), RADIUS, settings, 0.35) for _ in range(2)]
+    models = [contact_model(cone(), crown(), RADIUS, settings, 0.35) for _ in range(2)]
     return Ride(VehicleOnTrack(vehicle, track, [(models[0], models[1])], speed=speed, start=start))

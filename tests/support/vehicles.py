@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from wrsim.analysis import run
-from wrsim.contact.model import ContactModel
+from wrsim.contact.models import contact_model
 from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.segments import Segment, Straight
 from wrsim.geometry.track.track import Track
@@ -77,7 +77,7 @@ def on_track(
     for mounted in vehicle.wheelsets:
         wheels = (mounted.wheelset.left, mounted.wheelset.right)
         models = [
-            ContactModel.build(wheel.profile, rail, wheel.radius, setup.contact, friction)
+            contact_model(wheel.profile, rail, wheel.radius, setup.contact, friction)
             for wheel, rail, friction in zip(wheels, setup.rails, setup.contact.friction, strict=True)
         ]
         contacts.append((models[0], models[1]))

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from support.vehicles import manchester, on_track
 
-from wrsim.core.contact.layout import COUNT, FORCE_B, O_MAIN, N
 from wrsim.geometry.track.segments import Arc, Segment
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
@@ -18,7 +17,7 @@ from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
 
 def wheel_loads(law: VehicleOnTrack) -> np.ndarray:
     """Vertical force of every wheel on its rail (wheelsets, 2) at the state asked for last [N]."""
-    return np.array([[wheel.model.arrays.total[FORCE_B] for wheel in pair] for pair in law.wheels])
+    return np.array([[wheel.model.arrays.total.Fb for wheel in pair] for pair in law.wheels])
 
 
 def test_mass_and_centre_are_the_sum_of_the_bodies() -> None:
@@ -128,9 +127,9 @@ def test_load_transfer_in_a_canted_curve_is_that_of_the_closed_form() -> None:
     for pair in law.wheels:
         for wheel in pair:
             a = wheel.model.arrays
-            rows = a.patches[: int(a.total[COUNT])]
-            contact = wheel.rail_origin[0] + np.average(rows[:, O_MAIN], weights=rows[:, N])
-            transfer -= wheel.side * a.total[FORCE_B] * contact
+            rows = a.patches[: a.total.lobes]
+            contact = wheel.rail_origin[0] + np.average(rows["o"], weights=rows["N"])
+            transfer -= wheel.side * a.total.Fb * contact
     assert transfer > 10e3
     assert transfer == pytest.approx(moment, rel=0.01)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
+from wrsim.contact.models import contact_model
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -21,7 +22,7 @@ def contact_models(
     wheelset = wheelset or setup.wheelset
     wheels = (wheelset.left, wheelset.right)
     left, right = (
-        ContactModel.build(wheel.profile, rail, wheel.radius, settings, friction)
+        contact_model(wheel.profile, rail, wheel.radius, settings, friction)
         for wheel, rail, friction in zip(wheels, setup.rails, settings.friction, strict=True)
     )
     return left, right

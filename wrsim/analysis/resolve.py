@@ -26,7 +26,6 @@ from wrsim.contact.channels import (
     wheel_channels,
 )
 from wrsim.contact.half_space.strips import element_fields, solve_into
-from wrsim.core.contact import layout as k
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result, assemble
 from wrsim.scenario.build import build
@@ -115,8 +114,8 @@ def _settle(wheel: WheelOnRail, load: float) -> list[ElementField]:
             found[0] = element_fields(solve_into(model), len(model.arrays.patches))
         else:
             model.solve()
-        approaches = model.arrays.patches[: int(total[k.COUNT]), k.APPROACH]
-        return Carried(float(total[k.FORCE_B]), float(approaches.max(initial=0.0)))
+        approaches = model.arrays.patches["approach"][: int(total["lobes"])]
+        return Carried(float(total["Fb"]), float(approaches.max(initial=0.0)))
 
     if load > 0.0:
         with suppress(LoadNotReached):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +20,15 @@ class Arena:
 
     buffer: Array
     index: NDArray[np.int64]
-    views: tuple[Array, ...]
+    views: tuple[NDArray[Any], ...]
+
+    def part(self, first: int, count: int) -> Arena:
+        """``count`` of the arrays as an arena of their own, in the same buffer."""
+        return Arena(self.buffer, self.index[first : first + count], self.views[first : first + count])
 
 
-def pack(arrays: Sequence[Array]) -> Arena:
-    """Copy arrays of one to three dimensions into a new arena.
+def pack(arrays: Sequence[NDArray[Any]]) -> Arena:
+    """Copy arrays of one to three dimensions, or of one or two with records, into a new arena.
 
     An array that stands in the row more than once (the same object: a table that wheels share) is copied once.
     """
@@ -31,16 +36,17 @@ def pack(arrays: Sequence[Array]) -> Arena:
     end = 0
     places: dict[int, int] = {}
     for row, array in zip(index, arrays, strict=True):
-        row[1 : 1 + array.ndim] = array.shape
+        shape = array.shape if array.dtype.names is None else (*array.shape, array.dtype.itemsize // 8)
+        row[1 : 1 + len(shape)] = shape
         if id(array) in places:
             row[0] = places[id(array)]
             continue
         row[0] = places[id(array)] = end
-        end += -(-array.size // ALIGNMENT) * ALIGNMENT
+        end += -(-array.nbytes // 8 // ALIGNMENT) * ALIGNMENT
     buffer = np.zeros(end)
     views = []
     for row, array in zip(index, arrays, strict=True):
-        view = buffer[row[0] : row[0] + array.size].reshape(array.shape)
+        view = buffer[row[0] : row[0] + array.nbytes // 8].view(array.dtype).reshape(array.shape)
         view[...] = array
         views.append(view)
     return Arena(buffer, index, tuple(views))

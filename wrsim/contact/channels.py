@@ -1,4 +1,4 @@
-"""From the kernel's columns to named channels.
+"""From the kernel's records to named channels.
 
 Raw arrays are stacked over samples and wheels, one row per lobe. Lobes that share a patch (core.contact.search.lobes)
 are joined here: forces and areas add up, extremes are taken over all, the main point is that of the deepest lobe.
@@ -13,43 +13,46 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.model import ContactModel
-from wrsim.core.contact import layout as k
+from wrsim.contact.model import ContactModel, Records
+from wrsim.core.contact import records as k
 from wrsim.core.contact.search.locus import outline
 
 Array = NDArray[np.float64]
 
-_SUMS = {"N": k.N, "Fx": k.FX_SUM, "Fy": k.FY_SUM, "area": k.AREA, "n_strips": k.N_STRIPS}
-_LARGEST = {"p0": k.P0, "contact_angle_max": k.ANGLE_MAX, "length": k.LENGTH}
+_SUMS = {"N": "N", "Fx": "Fx", "Fy": "Fy", "area": "area", "n_strips": "n_strips"}
+_LARGEST = {"p0": "p0", "contact_angle_max": "angle_max", "length": "length"}
 _OF_MAIN = {
-    "contact_angle": k.ANGLE,
-    "approach": k.APPROACH,
-    "xi": k.XI_MAIN,
-    "eta": k.ETA_MAIN,
-    "phi": k.PHI_MAIN,
-    "x_contact": k.X_MAIN,
+    "contact_angle": "angle",
+    "approach": "approach",
+    "xi": "xi",
+    "eta": "eta",
+    "phi": "phi",
+    "x_contact": "x",
 }
 _STRIP_CHANNELS = {
-    "strip_s": k.S,
-    "strip_ds": k.DS,
-    "strip_x": k.X,
-    "strip_a": k.A,
-    "strip_p": k.P,
-    "strip_y": k.O,
-    "strip_z": k.B,
-    "strip_N": k.FORCE,
-    "strip_Fx": k.FX,
-    "strip_Fy": k.FY,
-    "strip_xi": k.XI,
-    "strip_eta": k.ETA,
-    "strip_phi": k.PHI,
-    "strip_friction": k.MU,
+    "strip_s": "s",
+    "strip_ds": "ds",
+    "strip_x": "x",
+    "strip_a": "a",
+    "strip_p": "p",
+    "strip_y": "o",
+    "strip_z": "b",
+    "strip_N": "N",
+    "strip_Fx": "Fx",
+    "strip_Fy": "Fy",
+    "strip_xi": "xi",
+    "strip_eta": "eta",
+    "strip_phi": "phi",
+    "strip_friction": "mu",
 }
 POSE_CHANNELS = {"wheel_origin": 0, "wheel_axle": 3, "wheel_velocity": 6, "wheel_rotation": 9}
 """Channels that hold a wheel's pose and motion, and their first place in the kernel's pose."""
 
 OUTLINE_POINTS = 500
 MOST_FIELDS = 100
+
+
+NO_CONTACT = tuple(np.nan if k.TOTAL[name].kind == "f" else 0 for name in k.TOTAL.names)
 
 
 @dataclass(frozen=True)
@@ -73,15 +76,15 @@ class WheelOnRail:
 
 @dataclass(frozen=True)
 class RawContacts:
-    """Copies of the kernel's results over samples: patches (S, W, P, columns), totals (S, W, columns)."""
+    """Copies of the kernel's results over samples: LOBE records (S, W, P) and TOTAL records (S, W)."""
 
-    patches: Array
-    totals: Array
+    patches: Records
+    totals: Records
 
     @classmethod
     def empty(cls, samples: int, wheels: int, patches: int) -> RawContacts:
         """Zeros for that many samples."""
-        return cls(np.zeros((samples, wheels, patches, k.PATCH_COLUMNS)), np.zeros((samples, wheels, k.TOTAL)))
+        return cls(np.zeros((samples, wheels, patches), k.LOBE), np.zeros((samples, wheels), k.TOTAL))
 
     def store(self, sample: int, wheel: int, model: ContactModel) -> None:
         """Copy what the model computed last."""
@@ -90,9 +93,8 @@ class RawContacts:
 
     def clear(self, sample: int) -> None:
         """Nothing was found at this sample."""
-        self.patches[sample] = 0.0
-        self.totals[sample] = np.nan
-        self.totals[sample, :, [k.COUNT, k.PATCHES]] = 0.0
+        self.patches[sample] = np.zeros((), k.LOBE)
+        self.totals[sample] = NO_CONTACT
 
     def first(self, samples: int) -> RawContacts:
         """The first samples alone."""
@@ -110,13 +112,13 @@ class _Patches:
 
 def _patches(raw: RawContacts) -> _Patches:
     lobes = raw.patches.shape[2]
-    loaded = (np.arange(lobes) < raw.totals[..., k.COUNT, None]) & (raw.patches[..., k.N] > 0.0)
-    group = np.where(loaded, raw.patches[..., k.GROUP], -1.0)
+    loaded = (np.arange(lobes) < raw.totals["lobes"][..., None]) & (raw.patches["N"] > 0.0)
+    group = np.where(loaded, raw.patches["group"], -1.0)
     member = group[..., None, :] == np.arange(lobes)[:, None]
-    force = np.where(member, raw.patches[..., None, :, k.N], 0.0).sum(axis=-1)
+    force = np.where(member, raw.patches["N"][..., None, :], 0.0).sum(axis=-1)
     order = np.argsort(-force, axis=-1, kind="stable")
     member = np.take_along_axis(member, order[..., None], axis=2)
-    depth = np.where(member, raw.patches[..., None, :, k.APPROACH], -1.0)
+    depth = np.where(member, raw.patches["approach"][..., None, :], -1.0)
     return _Patches(member, depth.argmax(axis=-1), np.any(member, axis=-1))
 
 
@@ -124,11 +126,11 @@ def wheel_channels(raw: RawContacts) -> dict[str, Array]:
     """Channels with dimensions (sample, wheel): forces of the wheel on the rail, wear number, patches."""
     t = raw.totals
     return {
-        "Y": -t[..., k.FORCE_O],
-        "Q": t[..., k.FORCE_B],
-        "X": -t[..., k.FORCE_T],
-        "T_gamma": t[..., k.WEAR],
-        "n_patches": t[..., k.PATCHES],
+        "Y": -t["Fo"],
+        "Q": t["Fb"],
+        "X": -t["Ft"],
+        "T_gamma": t["wear"],
+        "n_patches": t["patches"].astype(float),
     }
 
 
@@ -142,30 +144,30 @@ def patch_channels(
     """
     p = _patches(raw)
 
-    def over(column: int) -> Array:
+    def over(name: str) -> Array:
         """Values of every lobe, seen from every patch: (S, W, patch, lobe)."""
-        return np.broadcast_to(raw.patches[..., None, :, column], p.member.shape)
+        return np.broadcast_to(raw.patches[name][..., None, :], p.member.shape)
 
-    def of_main(column: int) -> Array:
-        return np.take_along_axis(over(column), p.main[..., None], axis=-1)[..., 0]
+    def of_main(name: str) -> Array:
+        return np.take_along_axis(over(name), p.main[..., None], axis=-1)[..., 0]
 
     channels = {name: np.where(p.member, over(c), 0.0).sum(axis=-1) for name, c in _SUMS.items()}
     channels |= {name: np.where(p.member, over(c), -np.inf).max(axis=-1) for name, c in _LARGEST.items()}
     channels |= {name: of_main(c) for name, c in _OF_MAIN.items()}
-    channels["contact_angle_min"] = np.where(p.member, over(k.ANGLE_MIN), np.inf).min(axis=-1)
-    weight = np.where(p.member, over(k.N), 0.0)
-    mean = over(k.ANGLE_MEAN)
+    channels["contact_angle_min"] = np.where(p.member, over("angle_min"), np.inf).min(axis=-1)
+    weight = np.where(p.member, over("N"), 0.0)
+    mean = over("angle_mean")
     channels["contact_angle_mean"] = np.arctan2(
         (weight * np.sin(mean)).sum(axis=-1), (weight * np.cos(mean)).sum(axis=-1)
     )
-    place = over(k.ARC_RAIL)
-    ends = np.where(p.member, place + over(k.END), -np.inf).max(axis=-1)
-    starts = np.where(p.member, place + over(k.START), np.inf).min(axis=-1)
+    place = over("arc_rail")
+    ends = np.where(p.member, place + over("end"), -np.inf).max(axis=-1)
+    starts = np.where(p.member, place + over("start"), np.inf).min(axis=-1)
     channels["width"] = np.where(p.present, ends, 0.0) - np.where(p.present, starts, 0.0)
     # moments of the lobes about their own main points, brought to the patch's one
-    lever_s = place - of_main(k.ARC_RAIL)[..., None]
-    lever_x = over(k.X_MAIN) - of_main(k.X_MAIN)[..., None]
-    moments = over(k.SPIN_MOMENT) + lever_x * over(k.FY_SUM) - lever_s * over(k.FX_SUM)
+    lever_s = place - of_main("arc_rail")[..., None]
+    lever_x = over("x") - of_main("x")[..., None]
+    moments = over("Mz") + lever_x * over("Fy") - lever_s * over("Fx")
     channels["spin_moment"] = np.where(p.member, moments, 0.0).sum(axis=-1)
     channels |= _positions(raw, wheels, of_main, widening, uneven)
     return {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
@@ -174,16 +176,16 @@ def patch_channels(
 def _positions(
     raw: RawContacts,
     wheels: Sequence[WheelOnRail],
-    of_main: Callable[[int], Array],
+    of_main: Callable[[str], Array],
     widening: Array | float,
     uneven: Array | float,
 ) -> dict[str, Array]:
     """Main points on the profiles and in the track frame, for one wheel after the other."""
     left, up = np.moveaxis(np.broadcast_to(uneven, (*raw.patches.shape[:2], 2)), -1, 0)
     half_widening = 0.5 * np.broadcast_to(widening, raw.patches.shape[:1])
-    arcs = {"u_wheel": of_main(k.ARC_WHEEL), "u_rail": of_main(k.ARC_RAIL)}
+    arcs = {"u_wheel": of_main("arc_wheel"), "u_rail": of_main("arc_rail")}
     out = {name: np.zeros_like(arc) for name, arc in arcs.items()}
-    out["y_contact"], out["z_contact"] = of_main(k.O_MAIN).copy(), of_main(k.B_MAIN).copy()
+    out["y_contact"], out["z_contact"] = of_main("o").copy(), of_main("b").copy()
     for i, wheel in enumerate(wheels):
         for name, profile in (("u_wheel", wheel.model.wheel), ("u_rail", wheel.model.rail)):
             out[name][:, i] = profile.at(np.clip(arcs[name][:, i], 0.0, profile.length))[0]
@@ -209,7 +211,7 @@ class _Moment:
     """One moment: contacts (1, W), strips of every lobe of every wheel, outlines and poses of the wheels, elements."""
 
     raw: RawContacts
-    strips: list[list[Array]]
+    strips: list[list[Records]]
     outlines: Array
     poses: Array
     elements: list[list[ElementField]]
@@ -237,8 +239,8 @@ class StripRecorder:
         for i, wheel in enumerate(self.wheels):
             a = wheel.model.arrays
             raw.store(0, i, wheel.model)
-            count = int(a.total[k.COUNT])
-            strips.append([a.strips[j, : int(a.patches[j, k.N_STRIPS])].copy() for j in range(count)])
+            count = int(a.total.lobes)
+            strips.append([a.strips[j, : a.patches[j].n_strips].copy() for j in range(count)])
         outlines = np.stack([wheel_outline(w) for w in self.wheels])
         poses = np.stack([w.model.arrays.pose for w in self.wheels])
         kept = [list(e) for e in elements] if len(self.moments) < MOST_FIELDS else []
@@ -263,18 +265,19 @@ class StripRecorder:
             for m in self.moments
         ]
         most = max(max((len(r) for wheel in moment for r in wheel), default=1) for moment in rows)
-        table = np.full((len(rows), len(self.wheels), patches, max(most, 1), k.STRIP_COLUMNS), np.nan)
+        table = np.zeros((len(rows), len(self.wheels), patches, max(most, 1)), k.STRIP)
+        table.view(np.float64)[...] = np.nan
         for m, moment in enumerate(rows):
             for i, wheel_rows in enumerate(moment):
                 for j, r in enumerate(wheel_rows):
                     table[m, i, j, : len(r)] = r
-        result |= {name: table[..., column] for name, column in _STRIP_CHANNELS.items()}
-        result["strip_angle"] = np.arctan2(-table[..., k.NO], table[..., k.NB])
+        result |= {name: table[column] for name, column in _STRIP_CHANNELS.items()}
+        result["strip_angle"] = np.arctan2(-table["no"], table["nb"])
         result["wheel_profile_y"] = np.stack([m.outlines[:, 0] for m in self.moments])
         result["wheel_profile_z"] = np.stack([m.outlines[:, 1] for m in self.moments])
         poses = np.stack([m.poses for m in self.moments])
         result |= {name: poses[..., at : at + 3] for name, at in POSE_CHANNELS.items()}
-        return result | self._elements(table.shape[:4])
+        return result | self._elements(table.shape)
 
     def _elements(self, shape: tuple[int, ...]) -> dict[str, Array]:
         """Channels of the elements, if any were kept; shape: moments, wheels, patches, strips."""
@@ -295,17 +298,17 @@ class StripRecorder:
         return {"element_x": x} | dict(zip(("element_p", "element_qx", "element_qs"), values, strict=True))
 
 
-def _joined(raw: RawContacts, lobes: list[Array], wheel: int, patch: int) -> Array:
+def _joined(raw: RawContacts, lobes: list[Records], wheel: int, patch: int) -> Records:
     """Strips of one patch by increasing s, measured from the main point of its deepest lobe."""
     p = _patches(raw)
     members = [j for j in range(len(lobes)) if p.member[0, wheel, patch, j]]
     if not members:
-        return np.zeros((0, k.STRIP_COLUMNS))
-    arcs = raw.patches[0, wheel, :, k.ARC_RAIL]
+        return np.zeros(0, k.STRIP)
+    arcs = raw.patches["arc_rail"][0, wheel]
     parts = []
     for j in members:
         part = lobes[j].copy()
-        part[:, k.S] += arcs[j] - arcs[p.main[0, wheel, patch]]
+        part["s"] += arcs[j] - arcs[p.main[0, wheel, patch]]
         parts.append(part)
     return np.concatenate(parts)
 
@@ -315,5 +318,5 @@ def wheel_outline(wheel: WheelOnRail) -> Array:
     a = wheel.model.arrays
     arc = np.linspace(0.0, wheel.model.wheel.length, OUTLINE_POINTS)
     out = np.empty((2, OUTLINE_POINTS))
-    outline(a.wheel, a.settings[k.WHEEL_STEP], a.settings[k.RADIUS], a.pose, arc, out)
+    outline(a.wheel, a.settings.wheel_step, a.settings.radius, a.pose, arc, out)
     return out

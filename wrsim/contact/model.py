@@ -1,24 +1,31 @@
-"""The contact model of one wheel on one rail: names and checks the choices, runs the kernel, labels the results."""
+"""The contact model of one wheel on one rail: names the choices, runs the kernel, labels the results.
+
+`wrsim.contact.models` builds them and lists the normal models.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from functools import lru_cache
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from math import tan
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from wrsim.contact.arena import Arena, pack
 from wrsim.contact.creep_coefficients import creep_coefficients
-from wrsim.contact.settings import MOST_FREE_STRIPS, ContactSettings, Friction, Tangential
-from wrsim.core.contact import layout as k
-from wrsim.core.contact.search.points import FOUND_COLUMNS
-from wrsim.core.contact.strips.layout import FACTOR, FACTORS, FEWEST_FREE_STRIPS, LOBE_ROWS, MATRICES, VECTORS
-from wrsim.core.contact.wheel_rail import wheel_rail
+from wrsim.contact.settings import ContactSettings, Friction, Tangential
+from wrsim.core.contact import records as k
+from wrsim.core.contact.strips.layout import FACTOR, FACTORS, LOBE_ROWS, MATRICES, VECTORS
+from wrsim.core.contact.wheel_rail import Arrays, search, wheel_rail
 from wrsim.geometry.profile.distance_field import DistanceField, distance_field
 from wrsim.geometry.profile.profile import Profile
 
 Array = NDArray[np.float64]
+Records = NDArray[np.void]
+"""Records of core.contact.records: fields by their names."""
 
 TABLE_STEP = 0.1e-3  # of the profile tables [m]
 SEARCH_REACH = 0.75e-3  # distance of the search's samples near the rail [m]
@@ -37,11 +44,36 @@ LEAST_SPEED = 0.05  # rolling speed below which creepages are regularised [m/s]
 
 
 @dataclass(frozen=True)
+class NormalModel:
+    """What sets one normal model apart.
+
+    kernel: its number in core.contact.normal.models; recess: of a lobe's depth, where its strips begin; joint: whether
+    the lobes of a patch share recess and strips; strips: their usual number; fewest, most: their bounds on one lobe;
+    follows: whether it can start from the contact of the last call; solve: another way to solve for the contact at the
+    pose set in a model's arrays, writes it there and returns the status.
+    """
+
+    kernel: int
+    recess: float
+    joint: bool
+    strips: int
+    fewest: int
+    most: int
+    follows: bool = False
+    solve: Callable[[ContactModel], int] | None = None
+
+    def rows(self, strips: int | None) -> int:
+        """Rows to keep for the strips of one lobe, of which the user wants so many (None: as many as it takes)."""
+        return self.most if strips is None or self.solve is not None else min(max(strips, self.fewest), self.most)
+
+
+@dataclass(frozen=True)
 class ContactModel:
     """One wheel profile on one (inclined) rail profile with the chosen settings, ready for the kernel.
 
     wheel, rail: profiles, the rail already inclined; radius: of the wheel at the tape circle [m]; friction: of this
-    rail. The arrays are what the kernel takes; scratch arrays belong to the model, so one model serves one thread.
+    rail; inputs: what the kernel's arena is packed from. The arrays are what the kernel takes; scratch arrays belong to
+    the model, so one model serves one thread.
     """
 
     wheel: Profile
@@ -49,19 +81,32 @@ class ContactModel:
     radius: float
     settings: ContactSettings
     friction: Friction
-    arrays: KernelArrays = field(repr=False, compare=False)
+    normal: NormalModel
+    inputs: Arrays = field(repr=False, compare=False)
+    arena: Arena | None = field(default=None, repr=False, compare=False)
 
     @classmethod
     def build(
-        cls, wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: float | Friction
+        cls,
+        wheel: Profile,
+        rail: Profile,
+        radius: float,
+        settings: ContactSettings,
+        friction: float | Friction,
+        normal: NormalModel,
     ) -> ContactModel:
         """Prepare tables and scratch. The rail profile is given with its inclination."""
         law = Friction.of(friction)
-        return cls(wheel, rail, radius, settings, law, _arrays(wheel, rail, radius, settings, law))
+        return cls(wheel, rail, radius, settings, law, normal, _inputs(wheel, rail, radius, settings, law, normal))
 
-    def fast(self) -> ContactModel:
-        """The same wheel on the same rail with `ContactSettings.fast`, in arrays of its own."""
-        return ContactModel.build(self.wheel, self.rail, self.radius, self.settings.fast(), self.friction)
+    @cached_property
+    def arrays(self) -> KernelArrays:
+        """The kernel's arrays, in an arena of their own unless one was given."""
+        return KernelArrays(self.arena or pack(self.inputs), self.normal.follows)
+
+    def within(self, arena: Arena) -> ContactModel:
+        """The same computing in a larger arena, of which this is the part that was packed from ``inputs``."""
+        return replace(self, arena=arena)
 
     def evaluate(
         self,
@@ -75,80 +120,78 @@ class ContactModel:
         origin: wheel profile origin on the axle; axle: unit vector outward; velocity of that origin; omega: angular
         velocity; all (3,) in rail axes (t, o, b) of this side, m and rad; see docs/conventions.md.
         """
-        a = self.arrays
-        a.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
-        return Contact.copy_from(a, self.solve())
+        self.arrays.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
+        return Contact.copy_from(self.arrays, self.solve())
 
     def solve(self) -> int:
         """Contact at the pose set in the arrays, written into them; returns the status."""
-        if self.settings.normal == "half-space":
-            from wrsim.contact.half_space.strips import solve_into  # which builds on this module
-
-            return solve_into(self).status
-        return self.arrays.call()
+        return self.arrays.call() if self.normal.solve is None else self.normal.solve(self)
 
 
-@dataclass(frozen=True)
 class KernelArrays:
-    """Arguments of `core.contact.wheel_rail.wheel_rail`, in its order."""
+    """The arrays of an arena of one wheel on one rail by their names (core.contact.wheel_rail.Arrays), and the kernel
+    that computes in them."""
 
-    wheel: Array
-    rail: Array
-    field: Array
-    creep: Array
-    shape: Array
-    settings: Array
-    pose: Array
-    found: Array
-    patches: Array
-    strips: Array
-    work: Array
-    vectors: Array
-    matrices: Array
-    total: Array
+    def __init__(self, arena: Arena, follows: bool) -> None:
+        """follows: whether the normal model can start from the contact of the last call."""
+        self.buffer, self.index, self._follows = arena.buffer, arena.index, follows
+        self.rows = Arrays(*arena.views)
+        self.wheel: Array = self.rows.wheel
+        self.rail: Array = self.rows.rail
+        self.settings: Any = self.rows.settings[0]
+        self.pose: Array = self.rows.pose
+        self.found: Records = self.rows.found
+        self.patches: Records = self.rows.patches
+        self.strips: Records = self.rows.strips
+        self.total: Any = self.rows.total[0]
 
-    def arguments(self) -> tuple[Array, ...]:
-        """All arrays, in the kernel's order."""
-        return (
-            self.wheel, self.rail, self.field, self.creep, self.shape, self.settings, self.pose, self.found,
-            self.patches, self.strips, self.work, self.vectors, self.matrices, self.total,
-        )  # fmt: skip
+    @property
+    def force(self) -> Array:
+        """On the wheel (t, o, b) [N]."""
+        return np.array([self.total.Ft, self.total.Fo, self.total.Fb])
+
+    @property
+    def moment(self) -> Array:
+        """On the wheel about its profile origin (t, o, b) [N m]."""
+        return np.array([self.total.Mt, self.total.Mo, self.total.Mb])
+
+    def call(self) -> int:
+        """Run the kernel on the pose that is set; returns its status."""
+        return int(wheel_rail(self.buffer, self.index))
+
+    def search(self) -> tuple[int, int]:
+        """Look for contacts at the pose that is set, see ``found``; returns their number and the status."""
+        count, status = search(self.buffer, self.index)
+        return int(count), int(status)
 
     def follow(self, on: bool, sharp: bool = False) -> None:
         """From now on the strip model starts from the contact asked for last (in runs), or afresh each time.
 
         sharp: first afresh, then from the last one, and always as sharply as afresh.
         """
-        self.settings[k.WARM] = (2.0 if sharp else 1.0) if on else 0.0
+        self.settings.start = (k.SHARP_FROM_LAST if sharp else k.FROM_LAST) if on else k.AFRESH
         if sharp:
-            self.patches[:, k.WARM_STRIPS] = 0.0
+            self.patches["last_strips"] = 0
 
     def memory(self) -> Array:
-        """Everything that one call leaves for the next, one row: the strip model's last contact, if it follows it."""
-        if not (self.settings[k.STRIP_MODEL] and self.settings[k.WARM]):
-            return np.zeros(0)
-        return np.concatenate([part.ravel() for part in self._kept()])
+        """Everything that one call leaves for the next, one row: the last contact, if the model follows it."""
+        return np.concatenate([np.zeros(0), *(np.ravel(part) for part in self._kept())])
 
     def recall(self, memory: Array) -> int:
         """Put back what ``memory`` gave at the front of a longer row; returns how much of it that was."""
         place = 0
-        if self.settings[k.STRIP_MODEL] and self.settings[k.WARM]:
-            for part in self._kept():
-                part[...] = memory[place : place + part.size].reshape(part.shape)
-                place += part.size
+        for part in self._kept():
+            part[...] = memory[place : place + part.size].reshape(part.shape)
+            place += part.size
         return place
 
-    def _kept(self) -> tuple[Array, ...]:
-        """Views on the strip model's last contact."""
-        return (
-            self.patches[:, k.WARM_STRIPS : k.WARM_END + 1],
-            self.strips[:, :, k.WARM_A],
-            self.vectors[FACTOR, : FACTORS * len(self.patches)],
-        )
-
-    def call(self) -> int:
-        """Run the kernel on the pose that is set; returns its status."""
-        return int(wheel_rail(*self.arguments()))
+    def _kept(self) -> tuple[NDArray[Any], ...]:
+        """Views on the last contact."""
+        if not (self._follows and self.settings.start):
+            return ()
+        names = ("last_strips", "last_arc", "last_start", "last_end")
+        factors = self.rows.vectors[FACTOR, : FACTORS * len(self.patches)]
+        return (*(self.patches[name] for name in names), self.strips["a_last"], factors)
 
 
 @dataclass(frozen=True)
@@ -156,14 +199,14 @@ class Contact:
     """What one evaluation gave, copied out of the kernel.
 
     force, moment: on the wheel, (3,) in rail axes, the moment about the wheel's profile origin [N, N m];
-    patches: (n, PATCH_COLUMNS), largest approach first; strips: one (n_strips, STRIP_COLUMNS) array per patch;
+    patches: (n,) LOBE records along the profile; strips: one (n_strips,) array of STRIP records per lobe;
     wear_number: T-gamma [N]; closest: smallest distance between the profiles met, negative in contact [m].
     """
 
     force: Array
     moment: Array
-    patches: Array
-    strips: tuple[Array, ...]
+    patches: Records
+    strips: tuple[Records, ...]
     wear_number: float
     closest: float
     status: int
@@ -171,21 +214,21 @@ class Contact:
     @classmethod
     def copy_from(cls, a: KernelArrays, status: int) -> Contact:
         """Copy the present results out of the kernel's arrays."""
-        n = int(a.total[k.COUNT])
+        t = a.total
         return cls(
-            a.total[:3].copy(),
-            a.total[3:6].copy(),
-            a.patches[:n].copy(),
-            tuple(a.strips[i, : int(a.patches[i, k.N_STRIPS])].copy() for i in range(n)),
-            float(a.total[k.WEAR]),
-            float(a.total[k.CLOSEST]),
+            a.force,
+            a.moment,
+            a.patches[: t.lobes].copy(),
+            tuple(a.strips[i, : a.patches[i].n_strips].copy() for i in range(t.lobes)),
+            float(t.wear),
+            float(t.closest),
             status,
         )
 
     @property
     def normal_force(self) -> float:
         """Sum of the strips' normal forces over all patches [N]."""
-        return float(self.patches[:, k.N].sum())
+        return float(self.patches["N"].sum())
 
 
 @lru_cache(maxsize=16)
@@ -215,9 +258,9 @@ def bound_over_cells(cells: int, parabolic: bool) -> Array:
     return np.ascontiguousarray((primitive[:-1] - primitive[1:]) / (x[:-1] - x[1:]))
 
 
-def _arrays(
-    wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: Friction
-) -> KernelArrays:
+def _inputs(
+    wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: Friction, normal: NormalModel
+) -> Arrays:
     wheel_table, wheel_step = _cached_table(wheel)
     rail_table, rail_step = _cached_table(rail)
     field_ = _cached_field(rail)
@@ -226,52 +269,43 @@ def _arrays(
     # Kalker's combined elastic constants: means of the compliances
     shear_compliance = 0.5 * sum(1.0 / m.shear_modulus for m in (settings.wheel, settings.rail))
     poisson = 0.5 * sum(m.poisson_ratio / m.shear_modulus for m in (settings.wheel, settings.rail)) / shear_compliance
-    numbers = np.zeros(k.SETTINGS)
-    numbers[k.MODULUS] = combined_modulus(settings)
-    numbers[k.SHEAR_MODULUS] = 1.0 / shear_compliance
-    numbers[k.EPSILON] = EPSILON
-    numbers[k.PROJECTED] = settings.approach == "projected"
-    numbers[k.DAMPING] = settings.damping
-    numbers[k.FRICTION] = friction.static
-    numbers[k.FRICTION_GAUGE] = friction.at_corner
-    numbers[k.ZONE_START], numbers[k.ZONE_END] = (tan(0.5 * angle) for angle in friction.ramp)
-    numbers[k.FALL_RATIO] = friction.falling_ratio
-    numbers[k.FALL_DECAY] = friction.falling_decay
-    numbers[k.BLENDED] = settings.flexibility == "blended"
-    numbers[k.ADHESION_FACTOR] = settings.polach_adhesion
-    numbers[k.SLIP_FACTOR] = settings.polach_slip
-    numbers[k.PARABOLIC] = parabolic
-    numbers[k.STRIPS] = settings.strips or 0
-    numbers[k.STRIP_WIDTH] = settings.strip_width or 0.0
-    numbers[k.TANGENTIAL] = TANGENTIAL[settings.tangential]
-    numbers[k.LEAST_SPEED] = LEAST_SPEED
-    numbers[k.WHEEL_STEP] = wheel_step
-    numbers[k.RADIUS] = radius
-    numbers[k.RAIL_STEP] = rail_step
-    numbers[k.FIELD_O], numbers[k.FIELD_B] = field_.origin
-    numbers[k.FIELD_SPACING] = field_.spacing
-    numbers[k.STRIDE] = max(1, round(SEARCH_REACH / wheel_step))
     # yaw makes the outline a little more hollow than the profile, distance the rail's curves of equal distance
     hollows = max(float(-wheel_table[:, 4].min()), 0.0) + max(float(rail_table[:, 4].max()), 0.0)
-    numbers[k.HOLLOW] = max(1.5 * hollows, 1.0)
-    most = settings.strips if settings.strips is not None and settings.normal != "half-space" else MOST_STRIPS
-    if settings.normal == "strips":
-        most = min(max(most, FEWEST_FREE_STRIPS), MOST_FREE_STRIPS)
-    together = settings.max_patches * (most + FACTORS) if settings.normal == "strips" else 1
-    numbers[k.STRIP_MODEL] = settings.normal == "strips"
-    return KernelArrays(
-        wheel_table,
-        rail_table,
-        field_.values,
-        creep_coefficients(poisson),
-        bound_over_cells(settings.cells, parabolic),
-        numbers,
-        np.zeros(k.POSE),
-        np.zeros((8, FOUND_COLUMNS)),
-        np.zeros((settings.max_patches, k.PATCH_COLUMNS)),
-        np.zeros((settings.max_patches, most, k.STRIP_COLUMNS)),
-        np.zeros((12, max(most, 8))),
-        np.zeros((VECTORS + 1 + LOBE_ROWS, max(together, settings.max_patches))),
-        np.zeros((MATRICES, together, together)),
-        np.zeros(k.TOTAL),
+    numbers = np.zeros(1, k.SETTINGS)
+    n: Any = numbers[0]
+    n.E = combined_modulus(settings)
+    n.G = 1.0 / shear_compliance
+    n.eps = EPSILON
+    n.damping = settings.damping
+    n.least_speed = LEAST_SPEED
+    n.normal, n.recess, n.joint, n.fewest = normal.kernel, normal.recess, normal.joint, normal.fewest
+    n.projected = settings.approach == "projected"
+    n.strips, n.strip_width = settings.strips or 0, settings.strip_width or 0.0
+    n.tangential = TANGENTIAL[settings.tangential]
+    n.parabolic, n.blended = parabolic, settings.flexibility == "blended"
+    n.kA, n.kS = settings.polach_adhesion, settings.polach_slip
+    n.mu, n.mu_gauge = friction.static, friction.at_corner
+    n.zone_start, n.zone_end = (tan(0.5 * angle) for angle in friction.ramp)
+    n.fall_ratio, n.fall_decay = friction.falling_ratio, friction.falling_decay
+    n.wheel_step, n.radius, n.rail_step = wheel_step, radius, rail_step
+    (n.field_o, n.field_b), n.field_spacing = field_.origin, field_.spacing
+    n.stride = max(1, round(SEARCH_REACH / wheel_step))
+    n.hollow = max(1.5 * hollows, 1.0)
+    lobes, most = settings.max_patches, normal.rows(settings.strips)
+    places = lobes * (most + FACTORS) if normal.follows else 1
+    return Arrays(
+        wheel=wheel_table,
+        rail=rail_table,
+        field=field_.values,
+        creep=creep_coefficients(poisson),
+        shape=bound_over_cells(settings.cells, parabolic),
+        settings=numbers,
+        pose=np.zeros(k.POSE),
+        found=np.zeros(8, k.FOUND),
+        patches=np.zeros(lobes, k.LOBE),
+        strips=np.zeros((lobes, most), k.STRIP),
+        work=np.zeros((12, max(most, 8))),
+        vectors=np.zeros((VECTORS + 1 + LOBE_ROWS, max(places, lobes))),
+        matrices=np.zeros((MATRICES, places, places)),
+        total=np.zeros(1, k.TOTAL),
     )

@@ -8,12 +8,11 @@ import numpy as np
 
 from wrsim.contact.channels import ElementField
 from wrsim.contact.half_space.patch import HalfSpaceContact
-from wrsim.contact.half_space.strips import element_fields, solve_into
+from wrsim.contact.half_space.strips import FORCE, MOMENT, element_fields, solve_into
 from wrsim.core.body import vehicle_forces
 from wrsim.core.body.kinematics import generalised_forces, kinematics
 from wrsim.core.body.wheel_pose import add_forces
 from wrsim.core.body.wheelset_forces import S_LEFT, S_RIGHT, SCALARS
-from wrsim.core.contact.layout import FORCE_B, FORCE_O
 from wrsim.core.track.path import frame
 from wrsim.simulation.law import RAIL_COORDINATES, VehicleOnTrack
 from wrsim.simulation.system import Array
@@ -55,14 +54,15 @@ class HalfSpaceOnTrack(VehicleOnTrack):
             total = wheel.model.arrays.total
             at = frame(rail.table, rail.step, self.wheelset_views[w][SCALARS][place])
             fast = total.copy()
-            add_forces(body, at, wheel.side, wheel.half_spacing, -fast, self._force, self._moment)
             found.append(solve_into(wheel.model))
-            add_forces(body, at, wheel.side, wheel.half_spacing, total, self._force, self._moment)
+            more = total.copy()
+            for name in (*FORCE, *MOMENT):
+                more[name] -= fast[name]
+            add_forces(body, at, wheel.side, wheel.half_spacing, more, self._force, self._moment)
             if self.elastic is not None:  # the wheel's force on its piece of rail, over the rail's mass
                 own_rail = self.size - self.rails + RAIL_COORDINATES * w + 2 * i
-                more = total - fast
-                out[own_rail] -= wheel.side * more[FORCE_O] / self.scalars[vehicle_forces.RAIL_MASS]
-                out[own_rail + 1] -= more[FORCE_B] / self.scalars[vehicle_forces.RAIL_MASS + 1]
+                out[own_rail] -= wheel.side * more.Fo / self.scalars[vehicle_forces.RAIL_MASS]
+                out[own_rail + 1] -= more.Fb / self.scalars[vehicle_forces.RAIL_MASS + 1]
         generalised_forces(body, self._force, self._moment, self._exchange)
         out[own] += self._exchange
         self.contacts.append(found)

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.arena import pack
+from wrsim.contact.arena import Arena, pack
 from wrsim.contact.channels import ElementField, WheelOnRail
-from wrsim.contact.model import ContactModel, KernelArrays
+from wrsim.contact.model import ContactModel
 from wrsim.core.body import suspension, vehicle_forces
 from wrsim.core.body import wheelset_forces as wheelset_kernel
 from wrsim.errors import SimulationError
@@ -47,16 +46,16 @@ def _wheelset_arrays(wheelset: Wheelset, track: Track, contacts: Contacts) -> li
     scalars = np.zeros(wheelset_kernel.SCALAR_COUNT)
     scalars[[wheelset_kernel.STEP_LEFT, wheelset_kernel.STEP_RIGHT]] = track.left.step, track.right.step
     scalars[wheelset_kernel.HALF_SPACING] = 0.5 * wheelset.profile_spacing
-    left, right = (model.arrays.arguments() for model in contacts)
+    left, right = (model.inputs for model in contacts)
     return [scalars, track.left.table, track.right.table, np.zeros(3), np.zeros(3), *left, *right]
 
 
-def _wheels(views: Sequence[Array], wheelset: Wheelset, track: Track, contacts: Contacts) -> tuple[WheelOnRail, ...]:
-    """The two wheels of a wheelset, whose models compute in the arena's views of its arrays."""
+def _wheels(arena: Arena, wheelset: Wheelset, track: Track, contacts: Contacts) -> tuple[WheelOnRail, ...]:
+    """The two wheels of a wheelset, whose models compute in its arena."""
     count = wheelset_kernel.RIGHT - wheelset_kernel.LEFT
     return tuple(
         WheelOnRail(
-            replace(contact, arrays=KernelArrays(*views[first : first + count])),
+            contact.within(arena.part(first, count)),
             side,
             0.5 * wheelset.profile_spacing,
             origin,
@@ -113,13 +112,14 @@ class VehicleOnTrack:
         self.elements = views[vehicle_forces.ELEMENTS]
         self.records = views[vehicle_forces.RECORDS]
         self._loads = views[vehicle_forces.LOADS]
-        self.wheelset_views = [
-            views[first : first + wheelset_kernel.ARRAYS]
+        own_parts = [
+            self.arena.part(first, wheelset_kernel.ARRAYS)
             for first in range(vehicle_forces.FIRST_WHEELSET, len(views), wheelset_kernel.ARRAYS)
         ]
+        self.wheelset_views = [part.views for part in own_parts]
         self.wheels: tuple[tuple[WheelOnRail, ...], ...] = tuple(
-            _wheels(view, mounted.wheelset, track, models)
-            for view, mounted, models in zip(self.wheelset_views, vehicle.wheelsets, contacts, strict=bool(contacts))
+            _wheels(part, mounted.wheelset, track, models)
+            for part, mounted, models in zip(own_parts, vehicle.wheelsets, contacts, strict=bool(contacts))
         )
         self.look_near(start)
 

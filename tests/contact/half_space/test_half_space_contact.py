@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from support.contact_bench import (
+from support.contacts import (
     HALF_SPACING,
     STEEL,
     bench,
@@ -20,12 +20,12 @@ from support.contact_bench import (
 from support.hertz import COMPLIANCE, Ellipse
 
 from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
+from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space import HalfSpace
 from wrsim.contact.half_space.status import TOO_MANY
-from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import ContactSettings, Material
-from wrsim.core.contact import layout as k
+from wrsim.core.contact import records as k
 from wrsim.geometry.profile.sections import circle
 from wrsim.scenario.cases import StaticPose
 
@@ -101,7 +101,8 @@ def test_ball_in_a_deep_groove(groove, influence, spin, approach, p0, width, len
     # after Li 2002; CONTACT 25.2, testbank groove_li: ball 10 mm, rolling radius 420 mm, 10 kN, G 80 GPa, mu 0.3
     steel = Material(2.0 * 80e9 * 1.28, 0.28)
     ball, trough = circle("ball", "wheel", -0.010, 0.0096), circle("groove", "rail", -1e-3 * groove, 0.0098)
-    model = ContactModel.build(ball, trough, 0.42, ContactSettings(**EXACT, damping=0.0, wheel=steel, rail=steel), 0.3)
+    settings = ContactSettings(**EXACT, damping=0.0, wheel=steel, rail=steel)
+    model = models.contact_model(ball, trough, 0.42, settings, 0.3)
     solver = HalfSpace((0.0958333e-3, 0.25e-3), influence=influence)
 
     def at(depth):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.contact_bench import STEEL
+from support.contacts import STEEL
 from support.hertz import COMPLIANCE, Ellipse, EllipseGrid
 
 from wrsim.contact.half_space.influence import Operator

@@ -4,12 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.contact_bench import pair_model
+from support.contacts import pair_model
 from support.scenario_texts import CURVE, STATIC, faults
 
 from wrsim import run
 from wrsim.contact.settings import ContactSettings
-from wrsim.core.contact import layout as k
 from wrsim.errors import SimulationError
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load_text
@@ -142,6 +141,6 @@ def test_damping_multiplies_the_pressure_by_the_rate_of_approach():
     at = np.array([0.0, 0.0, 0.46 - 0.0])
     at[2] -= model.evaluate(at).closest + 60e-6
     rest, nearing, leaving = (model.evaluate(at, velocity=(0.0, 0.0, v)) for v in (0.0, -0.1, 2.0))
-    angle = rest.patches[0, k.ANGLE]
+    angle = rest.patches["angle"][0]
     assert nearing.normal_force == pytest.approx(rest.normal_force * (1.0 + 0.2 * np.cos(angle)), rel=1e-3)
     assert leaving.normal_force == 0.0

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wrsim.analysis.motion.outcomes import OffRail
-from wrsim.core.contact import layout as k
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,7 +47,7 @@ class Wheel:
     def in_contact(self) -> bool:
         """True if any patch carries a force."""
         a = self.model.arrays
-        return bool(np.any(a.patches[: int(a.total[k.COUNT]), k.N] > 0.0))
+        return bool(np.any(a.patches["N"][: int(a.total["lobes"])] > 0.0))
 
     def _outward(self, pose: Array, point: tuple[float, float]) -> float:
         """Outward coordinate o [m], in the rail's axes, of a point (u, w) of the wheel profile, below the axle."""

@@ -15,7 +15,7 @@ import numpy as np
 from wrsim.analysis.motion.derailment import Wheel, wheels_of
 from wrsim.analysis.motion.outcomes import Event, OffRail, Overlap
 from wrsim.analysis.motion.words import stop_words
-from wrsim.core.contact import layout as k
+from wrsim.core.contact import records as k
 from wrsim.vehicle.elements import Strut
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ class Monitor:
 
     def _overlap(self) -> Overlap:
         """The wheel that is deepest in its rail."""
-        depths = [-float(wheel.model.arrays.total[k.CLOSEST]) for wheel in self.wheels]
+        depths = [-float(wheel.model.arrays.total["closest"]) for wheel in self.wheels]
         deepest = int(np.argmax(depths))
         return Overlap(self.wheels[deepest].wheelset, self.wheels[deepest].side, depths[deepest])
 

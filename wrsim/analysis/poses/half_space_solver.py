@@ -13,6 +13,7 @@ from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.half_space.status import TOO_MANY, status_words
 from wrsim.contact.half_space.strips import element_fields, solve_into
+from wrsim.contact.models import fast_model
 from wrsim.core.contact.records import STATUS_TOO_DEEP
 from wrsim.scenario.cases import StaticPose
 
@@ -33,7 +34,7 @@ class HalfSpacePoseSolver(PoseSolver):
         self.solver = solver if solver is not None else HalfSpace.of(self.wheels[0].model.settings.half_space)
         self.contacts: list[HalfSpaceContact | None] = [None] * len(self.wheels)
         self._solvers = [self.solver] * len(self.wheels)
-        self._fast = PoseSolver([replace(w, model=w.model.fast()) for w in wheels], rolling, radius)
+        self._fast = PoseSolver([replace(w, model=fast_model(w.model)) for w in wheels], rolling, radius)
 
     def solve(self, pose: StaticPose) -> Solved:
         """See `PoseSolver.solve`; ``contacts`` then holds the contact found."""

@@ -19,7 +19,6 @@ from wrsim.analysis.poses.load import LoadNotReached
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_pose import add_forces, set_pose
-from wrsim.core.contact import layout as k
 from wrsim.scenario.cases import StaticPose
 
 Array = NDArray[np.float64]
@@ -100,9 +99,9 @@ class PoseSolver:
         lowest = height - 0.1
         for _ in range(400):
             self.evaluate(pose.lateral, height, pose.yaw, roll)
-            if any(w.model.arrays.total[k.COUNT] > 0 for w in self.wheels):
+            if any(w.model.arrays.total["lobes"] > 0 for w in self.wheels):
                 return height
-            clearance = min(float(w.model.arrays.total[k.CLOSEST]) for w in self.wheels)
+            clearance = min(float(w.model.arrays.total["closest"]) for w in self.wheels)
             height -= max(clearance, 1e-6)
             if height < lowest:
                 break

@@ -6,19 +6,24 @@ pressure, half its length and the middle of that along the rail. Regions beyond 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.channels import ElementField
 from wrsim.contact.half_space.patch import HalfSpaceContact, Patch, Region
 from wrsim.contact.half_space.solver import HalfSpace
-from wrsim.contact.model import ContactModel
-from wrsim.core.contact import layout as k
+from wrsim.contact.model import ContactModel, Records
+from wrsim.core.contact import records as k
+from wrsim.core.contact.records import read_pose
 from wrsim.core.contact.resultants import add_lobe, set_creepages
 from wrsim.core.contact.tangential.friction import set_friction
 from wrsim.core.contact.wheel_rail import carry
 
 Array = NDArray[np.float64]
+
+FORCE, MOMENT = ("Ft", "Fo", "Fb"), ("Mt", "Mo", "Mb")
 
 
 def solve_into(
@@ -37,34 +42,37 @@ def solve_into(
 def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
     """Write a contact into the arrays of its model."""
     a = model.arrays
+    pose, total = read_pose(a.pose), a.total
     tangential = model.settings.tangential
     regions = contact.largest(len(a.patches))
-    a.patches[:] = 0.0
-    exact = np.zeros(k.TOTAL)  # with what the strips hold of it
+    a.patches[:] = np.zeros((), k.LOBE)
+    a.rows.total[:] = np.zeros((), k.TOTAL)
     for i, (patch, region) in enumerate(regions):
         lobe, strips, n = a.patches[i], a.strips[i], len(region.p)
         _write_region(patch, region, lobe, strips[:n])
-        lobe[k.GROUP] = i
-        set_creepages(a.pose, a.settings, lobe, strips, n)
+        lobe.group = i
+        set_creepages(pose, a.settings.least_speed, lobe, strips, n)
         if tangential != "none":
-            set_friction(a.pose, a.settings, strips, n)
-        add_lobe(a.pose, lobe, strips, n, exact)
+            set_friction(pose.velocity.x, a.settings, strips, n)
+        add_lobe(pose, lobe, strips, n, total)
     force, moment, wear = contact.force, contact.moment, contact.wear
     if tangential not in ("half-space", "none"):
-        by_strips = np.zeros(k.TOTAL)
-        carry(a.creep, a.shape, a.settings, a.pose, a.patches, a.strips, len(regions), a.work, by_strips)
-        force = force + (by_strips - exact)[k.FORCE_T : k.FORCE_B + 1]
-        moment = moment + (by_strips - exact)[k.MOMENT_T : k.MOMENT_B + 1]
-        wear = float(by_strips[k.WEAR])
+        # what the strips hold without the creep forces that are added now
+        exact = total.copy()
+        a.rows.total[:] = np.zeros((), k.TOTAL)
+        carry(a.buffer, a.index, len(regions))
+        force = force + [total[name] - exact[name] for name in FORCE]
+        moment = moment + [total[name] - exact[name] for name in MOMENT]
+        wear = float(total.wear)
     for i, (_, region) in enumerate(regions):
         # from edge to edge, not from the first strip's centre to the last one's
-        a.patches[i, k.ANGLE_MIN] = min(a.patches[i, k.ANGLE_MIN], *region.angle)
-        a.patches[i, k.ANGLE_MAX] = max(a.patches[i, k.ANGLE_MAX], *region.angle)
-    a.total[k.FORCE_T : k.FORCE_B + 1] = force
-    a.total[k.MOMENT_T : k.MOMENT_B + 1] = moment
-    a.total[[k.COUNT, k.PATCHES]] = len(regions)
-    a.total[k.WEAR] = wear
-    a.total[k.CLOSEST] = contact.closest
+        lobe = a.patches[i]
+        lobe.angle_min = min(lobe.angle_min, *region.angle)
+        lobe.angle_max = max(lobe.angle_max, *region.angle)
+    for name, value in zip((*FORCE, *MOMENT), (*force, *moment), strict=True):
+        total[name] = value
+    total.lobes = total.patches = len(regions)
+    total.wear, total.closest = wear, contact.closest
 
 
 def element_fields(contact: HalfSpaceContact, most: int) -> list[ElementField]:
@@ -77,7 +85,7 @@ def element_fields(contact: HalfSpaceContact, most: int) -> list[ElementField]:
     return fields
 
 
-def _write_region(patch: Patch, region: Region, lobe: Array, strips: Array) -> None:
+def _write_region(patch: Patch, region: Region, lobe: Any, strips: Records) -> None:
     """Lobe and strips of one region; creepages and sums are left to the kernels."""
     grid, own, rows, columns = patch.grid, region.p, region.rows, region.columns
     inside = own > 0.0
@@ -85,32 +93,30 @@ def _write_region(patch: Patch, region: Region, lobe: Array, strips: Array) -> N
     middle = 0.5 * (region.starts + region.ends)
     main = grid.at_row(rows.start + _main_row(grid.pen[rows, columns]))
     axis, slope = grid.axis[rows], np.hypot(main["no"], main["nb"])
-    row = strips
-    row[:] = 0.0
-    row[:, k.S] = axis["s"] - main["s"]
-    row[:, k.DS] = grid.ds
-    row[:, k.X] = middle
-    row[:, k.A] = 0.5 * (region.ends - region.starts)
-    row[:, k.P] = own.max(axis=1)
-    row[:, k.NO], row[:, k.NB] = axis["no"], axis["nb"]
-    row[:, k.O], row[:, k.B] = axis["o"], axis["b"]
-    row[:, k.FORCE] = own.sum(axis=1) * grid.cell
-    row[:, k.FX] = qx.sum(axis=1) * grid.cell
-    row[:, k.FY] = qs.sum(axis=1) * grid.cell
-    row[:, k.MZ] = (qs * (grid.x[columns] - middle[:, None])).sum(axis=1) * grid.cell
-    row[:, k.RADIUS_T] = axis["r_t"]
-    lobe[[k.NO_MAIN, k.NB_MAIN]] = main["no"] / slope, main["nb"] / slope
-    lobe[[k.O_MAIN, k.B_MAIN, k.X_MAIN]] = main["o"], main["b"], main["x"]
-    lobe[[k.ARC_WHEEL, k.ARC_RAIL]] = main["arc_wheel"], main["arc_rail"]
-    lobe[[k.START, k.END]] = region.s[0] - main["s"], region.s[1] - main["s"]
-    lobe[k.WIDTH] = region.s[1] - region.s[0]
-    lobe[k.LENGTH] = region.figures.length
-    lobe[k.HALF_LENGTH] = 0.5 * region.figures.length
-    lobe[[k.AREA, k.P0, k.N]] = region.area, region.p0, region.normal_force
-    lobe[k.AMPLITUDE] = region.p0 / (0.5 * region.figures.length)
-    lobe[k.APPROACH] = float(grid.pen[rows, columns][inside].max())
-    lobe[k.N_STRIPS] = len(own)
-    lobe[k.PARTNER] = -1.0
+    strips[:] = np.zeros((), k.STRIP)
+    strips["s"] = axis["s"] - main["s"]
+    strips["ds"] = grid.ds
+    strips["x"] = middle
+    strips["a"] = 0.5 * (region.ends - region.starts)
+    strips["p"] = own.max(axis=1)
+    for name in ("no", "nb", "o", "b", "r_t"):
+        strips[name] = axis[name]
+    strips["N"] = own.sum(axis=1) * grid.cell
+    strips["Fx"] = qx.sum(axis=1) * grid.cell
+    strips["Fy"] = qs.sum(axis=1) * grid.cell
+    strips["Mz"] = (qs * (grid.x[columns] - middle[:, None])).sum(axis=1) * grid.cell
+    for name in ("x", "o", "b", "arc_wheel", "arc_rail"):
+        lobe[name] = main[name]
+    lobe.no, lobe.nb = main["no"] / slope, main["nb"] / slope
+    lobe.start, lobe.end = region.s[0] - main["s"], region.s[1] - main["s"]
+    lobe.width = region.s[1] - region.s[0]
+    lobe.length = region.figures.length
+    lobe.half_length = 0.5 * region.figures.length
+    lobe.area, lobe.p0, lobe.N = region.area, region.p0, region.normal_force
+    lobe.amplitude = region.p0 / (0.5 * region.figures.length)
+    lobe.approach = float(grid.pen[rows, columns][inside].max())
+    lobe.n_strips = len(own)
+    lobe.partner = -1
 
 
 def _main_row(pen: Array) -> float:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.model import KernelArrays
-from wrsim.core.contact import layout as k
 from wrsim.core.contact.half_space import surface
 from wrsim.core.contact.half_space.rigid_slip import rigid_slip
 from wrsim.core.contact.records import Pose, Profile, Wheel
@@ -33,12 +32,9 @@ class Bodies:
     def of(cls, a: KernelArrays) -> Bodies:
         """At the pose set in a model's arrays."""
         pose = Pose(*(Vec(*row) for row in a.pose.reshape(4, 3).tolist()))
-        profile, rail = (
-            Profile(a.wheel, float(a.settings[k.WHEEL_STEP])),
-            Profile(a.rail, float(a.settings[k.RAIL_STEP])),
-        )
-        q = sqrt(1.0 - pose.axle.x**2)
-        return cls(Wheel(profile, float(a.settings[k.RADIUS]), pose.origin, pose.axle, q), rail, pose)
+        s, q = a.settings, sqrt(1.0 - pose.axle.x**2)
+        wheel = Wheel(Profile(a.wheel, float(s.wheel_step)), float(s.radius), pose.origin, pose.axle, q)
+        return cls(wheel, Profile(a.rail, float(s.rail_step)), pose)
 
 
 @dataclass(frozen=True)

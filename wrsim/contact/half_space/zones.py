@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import hypot, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,6 @@ from numpy.typing import NDArray
 from wrsim.contact.half_space.surface import Axis, Bodies
 from wrsim.contact.model import KernelArrays
 from wrsim.contact.settings import HalfSpaceSettings
-from wrsim.core.contact import layout as k
-from wrsim.core.contact.search.points import DEPTH, RAIL_ARC, RELATIVE_CURVATURE, WHEEL_ARC, find_contacts
 
 Array = NDArray[np.float64]
 
@@ -107,11 +106,7 @@ class Footprint:
 
 def find_footprints(a: KernelArrays, settings: HalfSpaceSettings) -> tuple[list[Footprint], float, int]:
     """Main points at the pose that is set, deepest first, with their zones; closest distance [m]; search status."""
-    s, p = a.settings, a.pose
-    count, closest, status = find_contacts(
-        a.wheel, s[k.WHEEL_STEP], s[k.RADIUS], a.rail, s[k.RAIL_STEP], a.field, s[k.FIELD_O], s[k.FIELD_B],
-        s[k.FIELD_SPACING], p[0], p[1], p[2], p[3], p[4], p[5], int(s[k.STRIDE]), s[k.HOLLOW], a.found,
-    )  # fmt: skip
+    count, status = a.search()
     bodies = Bodies.of(a)
     footprints: list[Footprint] = []
     taken: list[tuple[float, float]] = []  # stretches of the wheel's profile
@@ -119,14 +114,14 @@ def find_footprints(a: KernelArrays, settings: HalfSpaceSettings) -> tuple[list[
     def free(start: float, end: float) -> bool:
         return all(end < lo or start > hi for lo, hi in taken)
 
-    for i in np.argsort(-a.found[:count, DEPTH]):
-        found = a.found[i].copy()
-        if free(found[WHEEL_ARC], found[WHEEL_ARC]):
-            axis = Axis(bodies, float(found[WHEEL_ARC]), float(found[RAIL_ARC]), settings.pairing == "level")
-            footprint, reached = _look(axis, float(found[DEPTH]), float(found[RELATIVE_CURVATURE]), settings, free)
+    for i in np.argsort(-a.found["depth"][:count]):
+        found: Any = a.found[i]
+        if free(found.arc_wheel, found.arc_wheel):
+            axis = Axis(bodies, float(found.arc_wheel), float(found.arc_rail), settings.pairing == "level")
+            footprint, reached = _look(axis, float(found.depth), float(found.curvature), settings, free)
             footprints.append(footprint)
             taken += reached
-    return footprints, float(closest), int(status)
+    return footprints, float(a.total.closest), status
 
 
 def _look(

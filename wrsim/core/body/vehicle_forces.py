@@ -45,11 +45,10 @@ from wrsim.core.body.wheelset_forces import (
     RAIL_NUMBERS,
     RIGHT,
     SCALARS,
-    TOTAL,
     contact_forces,
 )
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import FORCE_B, FORCE_O
+from wrsim.core.contact.wheel_rail import results
 from wrsim.core.track.path import frame, frame_rates, locate
 
 # arrays of the arena before those of the wheelsets
@@ -138,8 +137,8 @@ def vehicle_forces(t, q, q_t, out, buffer, index):
                 place = rails + RAIL_COORDINATES * w
                 _tell_rails(q, q_t, place, vector(buffer, own, SCALARS))
                 status |= contact_forces(body, buffer, own)
-                _move_rail(q, q_t, place, 1.0, vector(buffer, own, LEFT + TOTAL), scalars, out)
-                _move_rail(q, q_t, place + 2, -1.0, vector(buffer, own, RIGHT + TOTAL), scalars, out)
+                _move_rail(q, q_t, place, 1.0, results(buffer, own[LEFT:RIGHT])[0], scalars, out)
+                _move_rail(q, q_t, place + 2, -1.0, results(buffer, own[RIGHT:ARRAYS])[0], scalars, out)
             else:
                 status |= contact_forces(body, buffer, own)
             generalised_forces(body, total_force, total_moment, out[6 * i : 6 * i + 6])
@@ -161,8 +160,8 @@ def _tell_rails(q, q_t, place, scalars):
 @kernel
 def _move_rail(q, q_t, place, side, total, scalars, out):
     """Accelerations of one rail's piece, along n and b, under the force of its wheel."""
-    out[place] = -side * total[FORCE_O]
-    out[place + 1] = -total[FORCE_B]
+    out[place] = -side * total.Fo
+    out[place + 1] = -total.Fb
     for k in range(2):
         i = place + k
         springs = scalars[RAIL_STIFFNESS + k] * q[i] + scalars[RAIL_DAMPING + k] * q_t[i]

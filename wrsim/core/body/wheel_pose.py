@@ -8,7 +8,6 @@ forces to round-off.
 
 from wrsim.core.body.kinematics import point_velocity
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import FORCE_B, FORCE_O, FORCE_T, MOMENT_B, MOMENT_O, MOMENT_T
 
 
 @kernel
@@ -20,7 +19,7 @@ def wheel_origin(body, side, half_spacing):
 
 @kernel
 def set_pose(body, frame, side, half_spacing, pose):
-    """Write the pose and motion of one wheel in its rail's axes to ``pose`` (12,), see core.contact.wheel_rail.
+    """Write the pose and motion of one wheel in its rail's axes to ``pose`` (POSE,), see core.contact.records.
 
     body: from core.body.kinematics.kinematics; frame: of the rail at the section beside the wheel
     (core.track.path.frame).
@@ -49,8 +48,8 @@ def set_pose(body, frame, side, half_spacing, pose):
 def add_forces(body, frame, side, half_spacing, total, force, moment):
     """Add one wheel's contact force and moment to ``force`` and ``moment`` (3,) at the centre of mass, global axes."""
     _rx, _ry, _rz, tx, ty, tz, nx, ny, nz, bx, by, bz = frame
-    ft, fn, fb = total[FORCE_T], side * total[FORCE_O], total[FORCE_B]
-    mt, mn, mb = side * total[MOMENT_T], total[MOMENT_O], side * total[MOMENT_B]
+    ft, fn, fb = total.Ft, side * total.Fo, total.Fb
+    mt, mn, mb = side * total.Mt, total.Mo, side * total.Mb
     fx = ft * tx + fn * nx + fb * bx
     fy = ft * ty + fn * ny + fb * by
     fz = ft * tz + fn * nz + fb * bz

@@ -1,19 +1,20 @@
 """The contacts of both wheels of a wheelset.
 
-Arrays come in an arena (core.arena) in the order named below: scalars and rails, then fourteen arrays for each wheel as
-`core.contact.wheel_rail.wheel_rail` takes them.
+Arrays come in an arena (core.arena) in the order named below: scalars and rails, then those of each wheel,
+`core.contact.wheel_rail.Arrays`.
 """
 
-from wrsim.core.arena import block, matrix, vector
+from wrsim.core.arena import matrix, vector
 from wrsim.core.body.wheel_pose import add_forces, set_pose, wheel_origin
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.wheel_rail import wheel_rail
+from wrsim.core.contact.wheel_rail import ARRAYS as ARRAYS_OF_A_WHEEL
+from wrsim.core.contact.wheel_rail import results, wheel_rail
 from wrsim.core.track.path import frame, locate
 
 # arrays of the arena
-SCALARS, LEFT_RAIL, RIGHT_RAIL, FORCE, MOMENT, LEFT, RIGHT = 0, 1, 2, 3, 4, 5, 19
-ARRAYS = 33
-TOTAL = 13  # place of the resultants among those of a wheel
+SCALARS, LEFT_RAIL, RIGHT_RAIL, FORCE, MOMENT, LEFT = range(6)
+RIGHT = LEFT + ARRAYS_OF_A_WHEEL
+ARRAYS = RIGHT + ARRAYS_OF_A_WHEEL
 
 # scalars: distances along the rails (guesses, updated), steps of the rails' paths, H/2
 # and the motion of the piece of rail under the left wheel, then the right one: displacement and velocity along n and b
@@ -55,22 +56,8 @@ def _one_side(body, side, half, path, place, scalars, buffer, index, first):
     pose[2] -= scalars[rail + 1]
     pose[7] -= side * scalars[rail + 2]
     pose[8] -= scalars[rail + 3]
-    total = vector(buffer, index, first + TOTAL)
-    status = wheel_rail(
-        matrix(buffer, index, first),
-        matrix(buffer, index, first + 1),
-        block(buffer, index, first + 2),
-        matrix(buffer, index, first + 3),
-        vector(buffer, index, first + 4),
-        vector(buffer, index, first + 5),
-        pose,
-        matrix(buffer, index, first + 7),
-        matrix(buffer, index, first + 8),
-        block(buffer, index, first + 9),
-        matrix(buffer, index, first + 10),
-        matrix(buffer, index, first + 11),
-        block(buffer, index, first + 12),
-        total,
-    )
+    own = index[first : first + ARRAYS_OF_A_WHEEL]
+    status = wheel_rail(buffer, own)
+    total = results(buffer, own)[0]
     add_forces(body, rail_frame, side, half, total, vector(buffer, index, FORCE), vector(buffer, index, MOMENT))
     return status

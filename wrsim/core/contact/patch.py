@@ -13,89 +13,97 @@ lobe beside a deeper one takes part of that one's recess (see core.contact.searc
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.layout import DS, NB, NO, PENETRATION, RADIUS_T, A, B, O, S, X
-from wrsim.core.contact.profile import profile_point
+from wrsim.core.contact.profile import length, profile_point
 from wrsim.core.contact.search.locus import locus_point
 
 
-@inlined
-def pair(wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q, wheel_arc, rail_arc, delta, n0o, n0b):
-    """A pair of points of equal arclength.
+class Pair(NamedTuple):
+    """A pair of opposite points: gap [m]; strip centre (x, o, b) in rail axes; unit normal of the strip from rail to
+    wheel; the wheel's shrink (`search.locus`) and radius of curvature along t [m]."""
 
-    delta and (n0o, n0b): approach and normal (rail to wheel) at the main point.
-    Returns (gap, x, o, b, normal_o, normal_b, shrink, r_t): gap [m] with the wheel moved out by the approach; strip
-    centre in rail axes at the true position; unit normal of the strip from rail to wheel.
-    """
-    x, wo, wb, no, nb, shrink, rt, _k = locus_point(wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc)
-    ro, rb, tu, tw, _kr = profile_point(rail, rail_step, rail_arc)
+    gap: float
+    x: float
+    o: float
+    b: float
+    no: float
+    nb: float
+    shrink: float
+    r_t: float
+
+
+@inlined
+def pair(wheel, rail, arc_wheel, arc_rail, out_o, out_b):
+    """The pair of points at these arclengths; the gap with the wheel moved out by (out_o, out_b), else as it is."""
+    w = locus_point(wheel, arc_wheel)
+    r = profile_point(rail, arc_rail)
     # |n_r - n_w|^2 = 4 - |n_r + n_w|^2 and the sum is small: a series replaces root and division
-    po = no - tw
-    pb = nb + tu
+    po = w.no - r.tw
+    pb = w.nb + r.tu
     t = 0.25 * (po * po + pb * pb)
     if t < 1e-3:
         inverse = 0.5 + t * (0.25 + t * (0.1875 + t * (0.15625 + t * 0.13671875)))
     else:
         inverse = 0.5 / sqrt(1.0 - t)
-    mo = (-tw - no) * inverse
-    mb = (tu - nb) * inverse
-    gap = (wo + delta * n0o - ro) * mo + (wb + delta * n0b - rb) * mb
-    return gap, x, 0.5 * (wo + ro), 0.5 * (wb + rb), mo, mb, shrink, rt
+    no = (-r.tw - w.no) * inverse
+    nb = (r.tu - w.nb) * inverse
+    gap = (w.o + out_o - r.u) * no + (w.b + out_b - r.w) * nb
+    return Pair(gap, w.x, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w), no, nb, w.shrink, w.r_t)
+
+
+@inlined
+def _share(lobe, projected, at):
+    """c: share of the approach that closes the gap at a pair of points."""
+    return at.no * lobe.no + at.nb * lobe.nb if projected else 1.0
+
+
+@inlined
+def _opposite(wheel, rail, lobe, arc_wheel, s):
+    """The pair at s along the curved axis, with the wheel moved out by the approach."""
+    return pair(wheel, rail, arc_wheel, lobe.arc_rail + s, lobe.approach * lobe.no, lobe.approach * lobe.nb)
 
 
 @kernel
-def find_edge(
-    wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-    wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, first, direction, limit,
-):  # fmt: skip
+def find_edge(wheel, rail, lobe, projected, first, direction, limit):
     """Edge of the patch on one side of the main point: the first zero of h(s).
 
-    recess: how far the deformed surface lies behind the undeformed one [m]; first: first step along s [m];
-    direction: +1 outward, -1 towards the flange; limit: largest |s|, where a neighbouring lobe begins.
+    lobe: its main point, approach and recess; first: first step along s [m]; direction: +1.0 outward, -1.0 towards the
+    flange; limit: largest |s|, where a neighbouring lobe begins.
     Returns (s, status): status 0, or 1 when the end of a profile was reached before h vanished.
     """
+    delta = lobe.approach
     inner = 0.0
-    inner_arc = wheel_arc
-    inner_h = delta - recess
+    inner_arc = lobe.arc_wheel
+    inner_h = delta - lobe.recess
     step = first
-    wheel_end = (wheel.shape[0] - 1) * wheel_step
-    rail_end = (rail.shape[0] - 1) * rail_step
+    wheel_end = length(wheel.profile)
+    rail_end = length(rail)
     # the wheel's arclength follows that of its outline by extrapolated midpoint steps of the shrink
     shrink = 1.0
-    if et != 0.0:
-        _x, _o, _b, _no, _nb, shrink, _rt, _k = locus_point(
-            wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc
-        )
+    if wheel.axle.x != 0.0:
+        shrink = locus_point(wheel, lobe.arc_wheel).shrink
     last_shrink = shrink
     outer = 0.0
     outer_h = 0.0
     while True:
         outer = min(inner + step, limit)
-        mid = 1.5 * shrink - 0.5 * last_shrink
-        outer_arc = inner_arc + direction * step * mid
-        gap, _x, _o, _b, mo, mb, new_shrink, _rt = pair(
-            wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-            outer_arc, rail_arc + direction * outer, delta, n0o, n0b,
-        )  # fmt: skip
-        c = mo * n0o + mb * n0b if projected else 1.0
-        outer_h = (delta - recess) * c - gap
+        outer_arc = inner_arc + direction * step * (1.5 * shrink - 0.5 * last_shrink)
+        at = _opposite(wheel, rail, lobe, outer_arc, direction * outer)
+        outer_h = (delta - lobe.recess) * _share(lobe, projected, at) - at.gap
         if outer_h <= 0.0:
             break
         if outer >= limit:
             return direction * limit, 0
-        if (
-            outer_arc <= 0.0
-            or outer_arc >= wheel_end
-            or rail_arc + direction * outer <= 0.0
-            or rail_arc + direction * outer >= rail_end
-        ):
+        on_rail = lobe.arc_rail + direction * outer
+        if outer_arc <= 0.0 or outer_arc >= wheel_end or on_rail <= 0.0 or on_rail >= rail_end:
             return direction * outer, 1
         inner = outer
         inner_arc = outer_arc
         inner_h = outer_h
         last_shrink = shrink
-        shrink = new_shrink
+        shrink = at.shrink
     # Illinois' regula falsi between inner (h > 0) and outer (h <= 0), in s^2, where h is nearly linear
     lo = inner
     hi = outer
@@ -106,13 +114,8 @@ def find_edge(
     mid = 1.5 * shrink - 0.5 * last_shrink
     for _ in range(60):
         s = sqrt((lo * lo * hi_h - hi * hi * lo_h) / (hi_h - lo_h))
-        arc = inner_arc + direction * (s - inner) * mid
-        gap, _x, _o, _b, mo, mb, _sh, _rt = pair(
-            wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-            arc, rail_arc + direction * s, delta, n0o, n0b,
-        )  # fmt: skip
-        c = mo * n0o + mb * n0b if projected else 1.0
-        h = (delta - recess) * c - gap
+        at = _opposite(wheel, rail, lobe, inner_arc + direction * (s - inner) * mid, direction * s)
+        h = (delta - lobe.recess) * _share(lobe, projected, at) - at.gap
         if abs(h) < 1e-7 * delta or hi - lo < 1e-12:
             break
         if h > 0.0:
@@ -131,51 +134,42 @@ def find_edge(
 
 
 @kernel
-def lay_strips(
-    wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-    wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, start, end, n, strips,
-):  # fmt: skip
-    """Fill ``n`` strips of equal width between the edges ``start`` < 0 < ``end``.
+def lay_strips(wheel, rail, lobe, projected, n, strips):
+    """Fill ``n`` strips of equal width between the lobe's edges, start < 0 < end.
 
-    Writes per strip S (centre), DS (width), X, O, B (centre in rail axes), NO, NB (normal), RADIUS_T (radius of
-    curvature along t) and, as A, the half length sqrt(2 h r_t) of [S 25] with R_w^x = r_t [S 19, 20].
-    Returns the half length at the main point.
+    Writes per strip s, ds, x, o, b, no, nb, r_t, penetration and, as a, the half length sqrt(2 h r_t) of [S 25] with
+    R_w^x = r_t [S 19, 20]. Returns the half length at the main point.
     """
-    width = (end - start) / n
-    _x, _o, _b, _no, _nb, shrink0, rt0, _k = locus_point(
-        wheel, wheel_step, radius, ox, oo, ob, et, eo, eb, q, wheel_arc
-    )
-    main = int(-start / width)  # the strip that holds s = 0
+    delta = lobe.approach
+    width = (lobe.end - lobe.start) / n
+    main_point = locus_point(wheel, lobe.arc_wheel)
+    main = int(-lobe.start / width)  # the strip that holds s = 0
     for sweep in range(2):
         direction = 1 if sweep == 0 else -1
         i = main if sweep == 0 else main - 1
-        arc = wheel_arc
-        at = 0.0
-        shrink = shrink0
-        last = shrink0
+        arc = lobe.arc_wheel
+        at_s = 0.0
+        shrink = last = main_point.shrink
         while 0 <= i < n:
-            s = start + (i + 0.5) * width
+            s = lobe.start + (i + 0.5) * width
             # Adams-Bashforth over the shrink: second order with one evaluation a strip
-            arc += (s - at) * (1.5 * shrink - 0.5 * last)
-            at = s
-            gap, x, o, b, mo, mb, new_shrink, rt = pair(
-                wheel, wheel_step, radius, rail, rail_step, ox, oo, ob, et, eo, eb, q,
-                arc, rail_arc + s, delta, n0o, n0b,
-            )  # fmt: skip
+            arc += (s - at_s) * (1.5 * shrink - 0.5 * last)
+            at_s = s
+            at = _opposite(wheel, rail, lobe, arc, s)
             last = shrink
-            shrink = new_shrink
-            c = mo * n0o + mb * n0b if projected else 1.0
-            h = (delta - recess) * c - gap
-            row = strips[i]
-            row[PENETRATION] = delta * c - gap
-            row[S] = s
-            row[DS] = width
-            row[X] = x
-            row[A] = sqrt(2.0 * h * rt) if h > 0.0 else 0.0
-            row[O] = o
-            row[B] = b
-            row[NO] = mo
-            row[NB] = mb
-            row[RADIUS_T] = rt
+            shrink = at.shrink
+            c = _share(lobe, projected, at)
+            h = (delta - lobe.recess) * c - at.gap
+            strip = strips[i]
+            strip.penetration = delta * c - at.gap
+            strip.s = s
+            strip.ds = width
+            strip.x = at.x
+            strip.a = sqrt(2.0 * h * at.r_t) if h > 0.0 else 0.0
+            strip.o = at.o
+            strip.b = at.b
+            strip.no = at.no
+            strip.nb = at.nb
+            strip.r_t = at.r_t
             i += direction
-    return sqrt(2.0 * (delta - recess) * rt0)
+    return sqrt(2.0 * (delta - lobe.recess) * main_point.r_t)

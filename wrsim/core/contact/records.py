@@ -11,18 +11,18 @@ from wrsim.core.compiling import inlined
 from wrsim.core.linalg import Vec, read
 
 SETTINGS = record(
-    "E G eps damping kA kS strip_width least_speed"
+    "E G eps recess damping kA kS strip_width least_speed"
     # friction: on the top and on the gauge corner, the zone's ends, the fall with slip
     " mu mu_gauge zone_start zone_end fall_ratio fall_decay"
     # geometry: steps of the tables, wheel radius, grid of the rail's distances, largest hollows of both bodies
     " wheel_step radius rail_step field_o field_b field_spacing hollow",
-    # models and choices (0 or 1), start of the strip model, number of strips, nodes between two samples of the search
-    "normal tangential projected parabolic blended start strips stride",
+    # nodes between two samples of the search
+    "tangential parabolic blended stride"
+    # normal model, see `core.contact.normal.models`, and the strips that it gets
+    " normal projected joint strips fewest start",
 )
-"""Numbers of a contact model. E, G: of the pair of bodies; eps, kA, kS: Kik-Piotrowski's and Polach's."""
-
-KIK_PIOTROWSKI, FREE_STRIPS = range(2)
-"""SETTINGS.normal."""
+"""Numbers of a contact model. E, G: of the pair of bodies; eps, kA, kS: Kik-Piotrowski's and Polach's; recess: of the
+depth, where strips begin; joint: lobes of a patch share recess and strips; projected, parabolic, blended: 0 or 1."""
 
 NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6)
 """SETTINGS.tangential."""
@@ -73,6 +73,16 @@ class Pose(NamedTuple):
 
 POSE = 12
 """Numbers of a pose in an array, in this order."""
+
+
+@inlined
+def put_pose(row, pose):
+    """Write a pose to a row of 12 numbers."""
+    o, e, v, w = pose
+    row[0], row[1], row[2] = o.x, o.y, o.z
+    row[3], row[4], row[5] = e.x, e.y, e.z
+    row[6], row[7], row[8] = v.x, v.y, v.z
+    row[9], row[10], row[11] = w.x, w.y, w.z
 
 
 @inlined

@@ -2,120 +2,84 @@
 
 from math import atan, atan2, sqrt
 
-from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import (
-    ANGLE,
-    ANGLE_MAX,
-    ANGLE_MEAN,
-    ANGLE_MIN,
-    B_MAIN,
-    CLOSING,
-    DISSIPATION,
-    ETA,
-    ETA_MAIN,
-    FORCE,
-    FORCE_B,
-    FORCE_O,
-    FORCE_T,
-    FX,
-    FX_SUM,
-    FY,
-    FY_SUM,
-    LEAST_SPEED,
-    MOMENT_B,
-    MOMENT_O,
-    MOMENT_T,
-    MZ,
-    NB,
-    NB_MAIN,
-    NO,
-    NO_MAIN,
-    O_MAIN,
-    PHI,
-    PHI_MAIN,
-    SPIN_MOMENT,
-    WEAR,
-    X_MAIN,
-    XI,
-    XI_MAIN,
-    B,
-    O,
-    X,
-)  # fmt: skip
+from wrsim.core.compiling import inlined, kernel
+from wrsim.core.linalg import Vec, add, cross, dot, shifted, sub
+
+
+@inlined
+def _centre(row):
+    """Centre of a strip, or main point of a lobe."""
+    return Vec(row.x, row.o, row.b)
+
+
+@inlined
+def _normal(row):
+    """Unit normal from rail to wheel there."""
+    return Vec(0.0, row.no, row.nb)
+
+
+@inlined
+def _set_creepages(row, pose, inverse):
+    """Write xi, eta, phi of a strip or a lobe; returns the velocity there."""
+    velocity = add(pose.velocity, cross(pose.omega, sub(_centre(row), pose.origin)))
+    row.xi = velocity.x * inverse
+    row.eta = (velocity.y * row.nb - velocity.z * row.no) * inverse
+    row.phi = dot(pose.omega, _normal(row)) * inverse
+    return velocity
 
 
 @kernel
-def set_creepages(pose, settings, lobe, strips, n):
+def set_creepages(pose, least_speed, lobe, strips, n):
     """Creepages of each strip and of the main point: velocity of the wheel's material over the rolling speed.
 
     The rail rests. v = v_origin + omega x r at the strip's centre, projected on the strip's (t, t_s); spin is
-    omega . n(s). Writes XI, ETA, PHI of the strips, XI_MAIN, ETA_MAIN, PHI_MAIN and CLOSING (rate of approach) of
-    the lobe. The speed is held above LEAST_SPEED.
+    omega . n(s). Writes xi, eta, phi of the strips and the lobe, and closing (rate of approach) of the lobe. The speed
+    is held above ``least_speed`` [m/s].
     """
-    vt, vo, vb = pose[6], pose[7], pose[8]
-    wt, wo, wb = pose[9], pose[10], pose[11]
-    inverse = 1.0 / sqrt(vt * vt + settings[LEAST_SPEED] * settings[LEAST_SPEED])
-    n0o, n0b = lobe[NO_MAIN], lobe[NB_MAIN]
-    rx, ro, rb = lobe[X_MAIN] - pose[0], lobe[O_MAIN] - pose[1], lobe[B_MAIN] - pose[2]
-    uo = vo + wb * rx - wt * rb
-    ub = vb + wt * ro - wo * rx
-    lobe[CLOSING] = -(uo * n0o + ub * n0b)
-    lobe[XI_MAIN] = (vt + wo * rb - wb * ro) * inverse
-    lobe[ETA_MAIN] = (uo * n0b - ub * n0o) * inverse
-    lobe[PHI_MAIN] = (wo * n0o + wb * n0b) * inverse
+    inverse = 1.0 / sqrt(pose.velocity.x * pose.velocity.x + least_speed * least_speed)
+    lobe.closing = -dot(_set_creepages(lobe, pose, inverse), _normal(lobe))
     for i in range(n):
-        row = strips[i]
-        rx, ro, rb = row[X] - pose[0], row[O] - pose[1], row[B] - pose[2]
-        row[XI] = (vt + wo * rb - wb * ro) * inverse
-        row[ETA] = ((vo + wb * rx - wt * rb) * row[NB] - (vb + wt * ro - wo * rx) * row[NO]) * inverse
-        row[PHI] = (wo * row[NO] + wb * row[NB]) * inverse
+        _set_creepages(strips[i], pose, inverse)
 
 
 @kernel
 def add_lobe(pose, lobe, strips, n, total):
     """Sum the strips' forces at their centres: to the wheel's total and to the lobe's own figures [S 31]."""
-    ft = fo = fb = mt = mo = mb = 0.0
-    sum_x = sum_y = sum_no = sum_nb = wear = spin = 0.0
+    force = moment = main_moment = Vec(0.0, 0.0, 0.0)
+    sum_x = sum_y = sum_no = sum_nb = wear = 0.0
     least = 1e9
     most = -1e9
-    n0o, n0b = lobe[NO_MAIN], lobe[NB_MAIN]
     for i in range(n):
-        row = strips[i]
-        f, fx, fy, mz, no, nb = row[FORCE], row[FX], row[FY], row[MZ], row[NO], row[NB]
-        so = f * no + fy * nb
-        sb = f * nb - fy * no
-        rx, ro, rb = row[X] - pose[0], row[O] - pose[1], row[B] - pose[2]
-        ft += fx
-        fo += so
-        fb += sb
-        mt += ro * sb - rb * so
-        mo += rb * fx - rx * sb + mz * no
-        mb += rx * so - ro * fx + mz * nb
-        sum_x += fx
-        sum_y += fy
-        wear -= fx * row[XI] + fy * row[ETA] + mz * row[PHI]
+        strip = strips[i]
+        normal = _normal(strip)
+        own = Vec(strip.Fx, strip.N * strip.no + strip.Fy * strip.nb, strip.N * strip.nb - strip.Fy * strip.no)
+        force = add(force, own)
+        moment = add(moment, shifted(cross(sub(_centre(strip), pose.origin), own), strip.Mz, normal))
+        sum_x += strip.Fx
+        sum_y += strip.Fy
+        wear -= strip.Fx * strip.xi + strip.Fy * strip.eta + strip.Mz * strip.phi
         # tan(angle / 2) rises with the angle and needs no arcus
-        half_tangent = -no / (1.0 + nb)
-        if f > 0.0:
+        half_tangent = -strip.no / (1.0 + strip.nb)
+        if strip.N > 0.0:
             least = min(least, half_tangent)
             most = max(most, half_tangent)
-        sum_no += f * no
-        sum_nb += f * nb
-        # moment of the creep forces about the main point, along its normal
-        rx, ro, rb = row[X] - lobe[X_MAIN], row[O] - lobe[O_MAIN], row[B] - lobe[B_MAIN]
-        spin += (rb * fx + rx * fy * no + mz * no) * n0o + (rx * fy * nb - ro * fx + mz * nb) * n0b
-    lobe[FX_SUM] = sum_x
-    lobe[FY_SUM] = sum_y
-    lobe[SPIN_MOMENT] = spin
-    lobe[ANGLE] = atan2(-n0o, n0b)
-    lobe[ANGLE_MIN] = 2.0 * atan(least)
-    lobe[ANGLE_MAX] = 2.0 * atan(most)
-    lobe[ANGLE_MEAN] = atan2(-sum_no, sum_nb)
-    lobe[DISSIPATION] = wear
-    total[FORCE_T] += ft
-    total[FORCE_O] += fo
-    total[FORCE_B] += fb
-    total[MOMENT_T] += mt
-    total[MOMENT_O] += mo
-    total[MOMENT_B] += mb
-    total[WEAR] += wear
+        sum_no += strip.N * strip.no
+        sum_nb += strip.N * strip.nb
+        creep = Vec(strip.Fx, strip.Fy * strip.nb, -strip.Fy * strip.no)
+        arm = sub(_centre(strip), _centre(lobe))
+        main_moment = add(main_moment, shifted(cross(arm, creep), strip.Mz, normal))
+    lobe.Fx = sum_x
+    lobe.Fy = sum_y
+    lobe.Mz = dot(main_moment, _normal(lobe))
+    lobe.angle = atan2(-lobe.no, lobe.nb)
+    lobe.angle_min = 2.0 * atan(least)
+    lobe.angle_max = 2.0 * atan(most)
+    lobe.angle_mean = atan2(-sum_no, sum_nb)
+    lobe.wear = wear
+    total.Ft += force.x
+    total.Fo += force.y
+    total.Fb += force.z
+    total.Mt += moment.x
+    total.Mo += moment.y
+    total.Mb += moment.z
+    total.wear += wear

@@ -1,304 +1,260 @@
 """One wheel on one rail: from a pose and a motion to forces, all stages in one call.
 
-Everything is in rail axes (t, o, b): along the rail, outward, up; origin at the rail's profile origin beside the
-wheel. On the right side these axes are left-handed; a mirrored angular velocity (sign changed once more) makes every
-formula hold as it stands, so the kernel knows no side.
+On the right side the rail's axes (t, o, b) are left-handed; a mirrored angular velocity (sign changed once more) makes
+every formula hold as it stands, so the kernel knows no side.
 """
 
-from math import ceil, pi, sqrt
+from math import ceil, sqrt
+from typing import Any, NamedTuple
 
-from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import (
-    AMPLITUDE,
-    APPROACH,
-    ARC_RAIL,
-    ARC_WHEEL,
-    AREA,
-    B_MAIN,
-    CLOSEST,
-    CLOSING,
-    COUNT,
-    COUPLING,
-    DAMPING,
-    END,
-    EPSILON,
-    FIELD_B,
-    FIELD_O,
-    FIELD_SPACING,
-    GROUP,
-    HALF_LENGTH,
-    HOLLOW,
-    LENGTH,
-    MODULUS,
-    N_STRIPS,
-    NB,
-    NB_MAIN,
-    NO,
-    NO_MAIN,
-    O_MAIN,
-    P0,
-    PARTNER,
-    PATCHES,
-    PROJECTED,
-    RADIUS,
-    RAIL_STEP,
-    RECESS,
-    START,
-    STATUS_PROFILE_END,
-    STATUS_TOO_DEEP,
-    STRIDE,
-    STRIP_MODEL,
-    STRIP_WIDTH,
-    STRIPS,
-    TANGENTIAL,
-    TOTAL,
-    WHEEL_STEP,
-    WIDTH,
-    X_MAIN,
-    B,
-    N,
-    O,
-    S,
-    X,
-)  # fmt: skip
-from wrsim.core.contact.normal.kik_piotrowski import far_influence, own_influence, set_pressures, solve_amplitudes
+from wrsim.core.arena import block, matrix, record_rows, records, vector
+from wrsim.core.compiling import inlined, kernel
+from wrsim.core.contact.normal.models import press_lobes
 from wrsim.core.contact.patch import find_edge, lay_strips
 from wrsim.core.contact.profile import profile_point
-from wrsim.core.contact.resultants import add_lobe, set_creepages
-from wrsim.core.contact.search.lobes import couple, select_deepest
-from wrsim.core.contact.search.points import (
-    DEPTH,
-    RAIL_ARC,
-    RELATIVE_CURVATURE,
-    SADDLE_DEPTH,
-    SADDLE_RAIL_ARC,
-    WHEEL_ARC,
-    find_contacts,
+from wrsim.core.contact.records import (
+    FOUND,
+    LOBE,
+    NO_CREEP_FORCES,
+    SETTINGS,
+    STATUS_PROFILE_END,
+    STATUS_TOO_DEEP,
+    STRIP,
+    TOTAL,
+    Field,
+    Profile,
+    read_pose,
 )
-from wrsim.core.contact.strips.layout import FEWEST_FREE_STRIPS
-from wrsim.core.contact.strips.pressure import press_strips
+from wrsim.core.contact.resultants import add_lobe
+from wrsim.core.contact.search.lobes import couple, select_deepest
+from wrsim.core.contact.search.locus import placed
+from wrsim.core.contact.search.points import find_contacts
 from wrsim.core.contact.tangential.creep_forces import creep_forces
 
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
 WIDEST = 0.08  # half width at which the search for an edge is given up [m]
-FEWEST_STRIPS = 3
-WITHIN = 0.2  # the strip model looks for contact where the penetration is more than this part of the lobe's
+
+
+class Arrays(NamedTuple):
+    """Arrays of one wheel on one rail, in the order of the arena.
+
+    wheel, rail: profile tables, the rail's in (o, b) with its inclination; field: signed distances of the rail; creep:
+    (20, 3) Kalker coefficients; shape: (cells,) bound over the cells; settings: (1,) SETTINGS; pose: (POSE,).
+    found: (8,) FOUND, work: (12, >= strips, >= 8), vectors and matrices (core.contact.strips.model): scratch. Results:
+    patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
+    """
+
+    wheel: Any
+    rail: Any
+    field: Any
+    creep: Any
+    shape: Any
+    settings: Any
+    pose: Any
+    found: Any
+    patches: Any
+    strips: Any
+    work: Any
+    vectors: Any
+    matrices: Any
+    total: Any
+
+
+ARRAYS = len(Arrays._fields)
 
 
 @kernel
-def wheel_rail(
-    wheel, rail, field, creep, shape, settings, pose, found, patches, strips, work, vectors, matrices, total
-):
-    """Contact of one wheel and one rail.
+def arrays(buffer, index):
+    """The arrays in an arena of one wheel."""
+    first = index.shape[0] - ARRAYS  # 0; written as a literal, every helper would be compiled anew for each number
+    return Arrays(
+        matrix(buffer, index, first),
+        matrix(buffer, index, first + 1),
+        block(buffer, index, first + 2),
+        matrix(buffer, index, first + 3),
+        vector(buffer, index, first + 4),
+        records(buffer, index, first + 5, SETTINGS),
+        vector(buffer, index, first + 6),
+        records(buffer, index, first + 7, FOUND),
+        records(buffer, index, first + 8, LOBE),
+        record_rows(buffer, index, first + 9, STRIP),
+        matrix(buffer, index, first + 10),
+        matrix(buffer, index, first + 11),
+        block(buffer, index, first + 12),
+        records(buffer, index, first + 13, TOTAL),
+    )
 
-    wheel, rail: profile tables (see core.contact.profile), the rail's in (o, b) with its inclination; field: signed
-    distances of the rail; creep: (20, 3) Kalker coefficients; shape: bound over the cells; settings: (SETTINGS,);
-    pose: (POSE,); see core.contact.layout. found: (8, FOUND_COLUMNS), work: (12, >= strips, >= 8), vectors and
-    matrices (core.contact.strips.model): scratch. Writes patches (lobes, PATCH_COLUMNS), strips (lobes, n,
-    STRIP_COLUMNS) and total (TOTAL,). Forces act on the wheel; a lobe with N = 0 is none.
-    Returns a status: 0, or a sum of the STATUS bits.
+
+@inlined
+def results(buffer, index):
+    """The TOTAL record in an arena of one wheel, as an array (1,)."""
+    return records(buffer, index, index.shape[0] - 1, TOTAL)
+
+
+@kernel
+def wheel_rail(buffer, index):
+    """Contact of one wheel and one rail, the pose being set in the arena; see `Arrays`.
+
+    Forces act on the wheel; a lobe with N = 0 is none. Returns a status: 0, or a sum of the STATUS bits.
     """
-    for i in range(TOTAL):
-        total[i] = 0.0
-    count, closest, status = find_contacts(
-        wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], field, settings[FIELD_O],
-        settings[FIELD_B], settings[FIELD_SPACING], pose[0], pose[1], pose[2], pose[3], pose[4], pose[5],
-        int(settings[STRIDE]), settings[HOLLOW], found,
-    )  # fmt: skip
-    total[CLOSEST] = closest
+    a = arrays(buffer, index)
+    settings, lobes = a.settings[0], a.patches
+    pose = read_pose(a.pose)
+    wheel = placed(Profile(a.wheel, settings.wheel_step), settings.radius, pose)
+    rail = Profile(a.rail, settings.rail_step)
+    count, status = _search(a, wheel, rail)
     if count == 0:
         return status
-    count = select_deepest(found, count, patches.shape[0])
-    couple(found, count, settings[EPSILON], work[0], work[1])
+    count = select_deepest(a.found, count, lobes.shape[0])
+    couple(a.found, count, settings.eps, lobes)
     for i in range(count):
-        patches[i, COUPLING] = work[0, i]
-        patches[i, PARTNER] = work[1, i]
+        left, right = _saddles(a.found, i, count)
+        status |= _bound_lobe(wheel, rail, settings, a.found, i, left, right, lobes)
+    _group(a.found, settings.eps, lobes, count)
     for i in range(count):
-        left, right = _saddles(found, i, count)
-        status |= _bound_lobe(wheel, rail, settings, pose, found, i, left, right, patches[i])
-    _group(found, settings[EPSILON], patches, count)
-    for i in range(count):
-        _lay_lobe(wheel, rail, settings, pose, patches, count, i, strips[i])
-    if settings[STRIP_MODEL] > 0.5:
-        status |= press_strips(settings, pose, patches, strips, count, vectors, matrices)
-    else:
-        _press(settings, pose, patches, strips, count, work)
-    carry(creep, shape, settings, pose, patches, strips, count, work, total)
+        _lay_lobe(wheel, rail, settings, lobes, count, i, a.strips[i])
+    status |= press_lobes(settings, pose, lobes, a.strips, count, a.work, a.vectors, a.matrices)
+    _sum_up(a, pose, count)
     return status
 
 
 @kernel
-def carry(creep, shape, settings, pose, patches, strips, count, work, total):
-    """Creep forces of lobes whose pressures are known, and the sums over all of them; arguments as above."""
+def search(buffer, index):
+    """Contacts at the pose set in the arena, before any force, written to ``found``.
+
+    Returns their number and a status; the closest distance stands in ``total``.
+    """
+    a = arrays(buffer, index)
+    settings = a.settings[0]
+    wheel = placed(Profile(a.wheel, settings.wheel_step), settings.radius, read_pose(a.pose))
+    return _search(a, wheel, Profile(a.rail, settings.rail_step))
+
+
+@kernel
+def carry(buffer, index, count):
+    """Creep forces of ``count`` lobes whose pressures are known, and the sums over all of them."""
+    a = arrays(buffer, index)
+    _sum_up(a, read_pose(a.pose), count)
+
+
+@kernel
+def _search(a, wheel, rail):
+    """Clears the totals; returns the number of contacts found and a status."""
+    settings, total = a.settings[0], a.total[0]
+    total.Ft = total.Fo = total.Fb = 0.0
+    total.Mt = total.Mo = total.Mb = 0.0
+    total.wear = 0.0
+    total.lobes = total.patches = 0
+    field = Field(a.field, settings.field_o, settings.field_b, settings.field_spacing)
+    count, closest, status = find_contacts(wheel, rail, field, settings.stride, settings.hollow, a.found)
+    total.closest = closest
+    return count, status
+
+
+@kernel
+def _sum_up(a, pose, count):
+    """Creep forces, and the sums over all lobes."""
+    settings, lobes, total = a.settings[0], a.patches, a.total[0]
     for i in range(count):
-        if settings[TANGENTIAL] > 0.5:
-            creep_forces(creep, shape, settings, pose, patches, strips, count, i, work)
-        add_lobe(pose, patches[i], strips[i], int(patches[i, N_STRIPS]), total)
-    total[COUNT] = count
-    loaded = -1.0
+        if settings.tangential != NO_CREEP_FORCES:
+            creep_forces(a.creep, a.shape, settings, pose.velocity.x, lobes, a.strips, count, i, a.work)
+        add_lobe(pose, lobes[i], a.strips[i], lobes[i].n_strips, total)
+    total.lobes = count
+    loaded = -1
     for i in range(count):
-        if patches[i, N] > 0.0 and patches[i, GROUP] != loaded:
-            loaded = patches[i, GROUP]
-            total[PATCHES] += 1.0
+        if lobes[i].N > 0.0 and lobes[i].group != loaded:
+            loaded = lobes[i].group
+            total.patches += 1
 
 
 @kernel
 def _saddles(found, i, count):
     """Distances from a lobe's main point to the saddles beside it, where its neighbours begin."""
     left = right = WIDEST
-    if i > 0 and found[i - 1, SADDLE_DEPTH] >= 0.0:
-        left = max(found[i, RAIL_ARC] - found[i - 1, SADDLE_RAIL_ARC], 1e-7)
-    if i < count - 1 and found[i, SADDLE_DEPTH] >= 0.0:
-        right = max(found[i, SADDLE_RAIL_ARC] - found[i, RAIL_ARC], 1e-7)
+    if i > 0 and found[i - 1].saddle >= 0.0:
+        left = max(found[i].arc_rail - found[i - 1].saddle_arc, 1e-7)
+    if i < count - 1 and found[i].saddle >= 0.0:
+        right = max(found[i].saddle_arc - found[i].arc_rail, 1e-7)
     return left, right
 
 
 @kernel
-def _bound_lobe(wheel, rail, settings, pose, found, i, left, right, lobe):
-    """Main point, recess and edges of one lobe, at most ``left`` and ``right`` of the main point.
+def _bound_lobe(wheel, rail, settings, found, i, left, right, lobes):
+    """Main point, recess and edges of lobe i, at most ``left`` and ``right`` of the main point.
 
     Returns status bits; without contact the width is zero.
     """
-    delta, wheel_arc, rail_arc = found[i, DEPTH], found[i, WHEEL_ARC], found[i, RAIL_ARC]
+    lobe, own = lobes[i], found[i]
+    delta = own.depth
     status = STATUS_TOO_DEEP if delta > DEEPEST else 0
     level = delta
-    partner = int(lobe[PARTNER])
-    if partner >= 0 and found[partner, DEPTH] > delta:
-        level += lobe[COUPLING] * (found[partner, DEPTH] - delta)
-    # the strip model finds the contact within the whole penetration
-    recess = WITHIN * delta if settings[STRIP_MODEL] > 0.5 else (1.0 - settings[EPSILON]) * level
-    _u, _w, tu, tw, _k = profile_point(rail, settings[RAIL_STEP], rail_arc)
-    n0o, n0b = -tw, tu
-    lobe[APPROACH] = delta
-    lobe[ARC_WHEEL] = wheel_arc
-    lobe[ARC_RAIL] = rail_arc
-    lobe[NO_MAIN] = n0o
-    lobe[NB_MAIN] = n0b
-    lobe[RECESS] = recess
-    lobe[WIDTH] = 0.0
-    if delta <= recess:
+    if settings.joint and lobe.partner >= 0 and found[lobe.partner].depth > delta:
+        level += lobe.coupling * (found[lobe.partner].depth - delta)
+    at = profile_point(rail, own.arc_rail)
+    lobe.approach = delta
+    lobe.arc_wheel = own.arc_wheel
+    lobe.arc_rail = own.arc_rail
+    lobe.no = -at.tw
+    lobe.nb = at.tu
+    lobe.recess = settings.recess * level
+    lobe.width = 0.0
+    if delta <= lobe.recess:
         return status
     # first step: half of the half width that the relative curvature at the main point promises
-    first = 0.55 * sqrt(2.0 * (delta - recess) / max(found[i, RELATIVE_CURVATURE], 0.5))
+    first = 0.55 * sqrt(2.0 * (delta - lobe.recess) / max(own.curvature, 0.5))
     first = min(max(first, 2e-5), 4e-3)
-    q = sqrt(1.0 - pose[3] * pose[3])
-    projected = settings[PROJECTED] > 0.5
-    lobe[END], state = find_edge(
-        wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], pose[0], pose[1], pose[2], pose[3],
-        pose[4], pose[5], q, wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, first, 1, right,
-    )  # fmt: skip
-    if state:
+    lobe.end, beyond = find_edge(wheel, rail, lobe, settings.projected, first, 1.0, right)
+    lobe.start, before = find_edge(wheel, rail, lobe, settings.projected, first, -1.0, left)
+    if beyond or before:
         status |= STATUS_PROFILE_END
-    lobe[START], state = find_edge(
-        wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], pose[0], pose[1], pose[2], pose[3],
-        pose[4], pose[5], q, wheel_arc, rail_arc, delta, n0o, n0b, recess, projected, first, -1, left,
-    )  # fmt: skip
-    if state:
-        status |= STATUS_PROFILE_END
-    lobe[WIDTH] = lobe[END] - lobe[START]
+    lobe.width = lobe.end - lobe.start
     return status
 
 
 @kernel
-def _group(found, eps, patches, count):
+def _group(found, eps, lobes, count):
     """Number the patches: neighbours whose virtual penetrations overlap share one."""
     group = -1
     for i in range(count):
         joined = (
             i > 0
-            and found[i - 1, SADDLE_DEPTH] >= 0.0
-            and found[i - 1, SADDLE_DEPTH] > (1.0 - eps) * min(found[i - 1, DEPTH], found[i, DEPTH])
+            and found[i - 1].saddle >= 0.0
+            and found[i - 1].saddle > (1.0 - eps) * min(found[i - 1].depth, found[i].depth)
         )
         if not joined:
             group += 1
-        patches[i, GROUP] = group
+        lobes[i].group = group
 
 
 @kernel
-def _lay_lobe(wheel, rail, settings, pose, patches, count, i, rows):
-    """Strips of one lobe.
+def _lay_lobe(wheel, rail, settings, lobes, count, i, strips):
+    """Strips of one lobe: by their width, or by their number.
 
-    The lobes of a patch share the number of strips by their widths; in the strip model every lobe has all of them,
-    because its forces would jump, if slightly, with their number.
+    Where the model's patches are joint the lobes of a patch share the number by their widths; else every lobe has all
+    of them, because its forces would jump, if slightly, with their number.
     """
-    lobe = patches[i]
-    lobe[N_STRIPS] = 0.0
-    lobe[N] = 0.0
-    lobe[P0] = 0.0
-    lobe[AREA] = 0.0
-    lobe[LENGTH] = 0.0
-    if lobe[WIDTH] <= 0.0:
+    lobe = lobes[i]
+    lobe.n_strips = 0
+    lobe.N = lobe.p0 = lobe.area = lobe.length = 0.0
+    if lobe.width <= 0.0:
         return
-    start, end = lobe[START], lobe[END]
-    if settings[STRIP_WIDTH] > 0.0:
-        n = int(ceil((end - start) / settings[STRIP_WIDTH]))  # noqa: RUF046 (a float in compiled code)
-    elif settings[STRIP_MODEL] > 0.5:
-        n = int(settings[STRIPS])
-    else:
+    if settings.strip_width > 0.0:
+        n = int(ceil(lobe.width / settings.strip_width))  # noqa: RUF046 (a float in compiled code)
+    elif settings.joint:
         width = 0.0
         for j in range(count):
-            if patches[j, GROUP] == lobe[GROUP]:
-                width += patches[j, WIDTH]
-        n = int(ceil(settings[STRIPS] * (end - start) / width - 1e-9))  # noqa: RUF046
-    fewest = FEWEST_FREE_STRIPS if settings[STRIP_MODEL] > 0.5 else FEWEST_STRIPS
-    n = min(max(n, fewest), rows.shape[0])
-    lobe[HALF_LENGTH] = lay_strips(
-        wheel, settings[WHEEL_STEP], settings[RADIUS], rail, settings[RAIL_STEP], pose[0], pose[1], pose[2], pose[3],
-        pose[4], pose[5], sqrt(1.0 - pose[3] * pose[3]), lobe[ARC_WHEEL], lobe[ARC_RAIL], lobe[APPROACH],
-        lobe[NO_MAIN], lobe[NB_MAIN], lobe[RECESS], settings[PROJECTED] > 0.5, start, end, n, rows,
-    )  # fmt: skip
-    lobe[N_STRIPS] = n
+            if lobes[j].group == lobe.group:
+                width += lobes[j].width
+        n = int(ceil(settings.strips * lobe.width / width - 1e-9))  # noqa: RUF046
+    else:
+        n = settings.strips
+    n = min(max(n, settings.fewest), strips.shape[0])
+    lobe.half_length = lay_strips(wheel, rail, lobe, settings.projected, n, strips)
+    lobe.n_strips = n
     # the main point lies within its strip: its coordinates follow along the strip's tangent
-    main = min(max(int(-start / ((end - start) / n)), 0), n - 1)
-    row = rows[main]
-    other = rows[main - 1] if main > 0 else rows[main + 1]
-    lobe[X_MAIN] = row[X] - row[S] * (row[X] - other[X]) / (row[S] - other[S])
-    lobe[O_MAIN] = row[O] - row[S] * row[NB]
-    lobe[B_MAIN] = row[B] + row[S] * row[NO]
-
-
-@kernel
-def _press(settings, pose, patches, strips, count, work):
-    """Pressures of all lobes from the displacements at their main points (`normal.kik_piotrowski`), with damping."""
-    matrix = work[2:5]
-    rows = work[5:8]
-    amplitude = work[8]
-    stiffness = pi * settings[MODULUS]
-    for i in range(count):
-        lobe = patches[i]
-        n = int(lobe[N_STRIPS])
-        amplitude[i] = 1.0 if n > 0 else 0.0
-        for j in range(count + 1):
-            matrix[i, j] = 0.0
-        if n == 0:
-            continue
-        set_creepages(pose, settings, lobe, strips[i], n)
-        own = own_influence(strips[i], n, lobe[HALF_LENGTH])
-        if count == 1:
-            amplitude[0] = stiffness * lobe[APPROACH] / own
-            break
-        share = lobe[COUPLING]
-        for j in range(count):
-            if j != i and patches[j, N_STRIPS] > 0.0:
-                facing = lobe[NO_MAIN] * patches[j, NO_MAIN] + lobe[NB_MAIN] * patches[j, NB_MAIN]
-                if facing > 0.0:
-                    far = far_influence(strips[j], int(patches[j, N_STRIPS]), lobe[O_MAIN], lobe[B_MAIN])
-                    matrix[i, j] = (1.0 - share) * facing * far
-        matrix[i, i] = own
-        matrix[i, count] = (1.0 - share) * stiffness * lobe[APPROACH]
-        partner = int(lobe[PARTNER])
-        if partner >= 0 and patches[partner, N_STRIPS] > 0.0:
-            matrix[i, partner] -= share * own
-    if count > 1:
-        solve_amplitudes(matrix, count, rows, amplitude)
-    for i in range(count):
-        lobe = patches[i]
-        factor = max(1.0 + settings[DAMPING] * lobe[CLOSING], 0.0)
-        largest, normal, area, longest = set_pressures(strips[i], int(lobe[N_STRIPS]), amplitude[i], factor)
-        lobe[AMPLITUDE] = amplitude[i] * factor
-        lobe[P0] = max(largest, lobe[AMPLITUDE] * lobe[HALF_LENGTH])
-        lobe[N] = normal
-        if amplitude[i] == 0.0:
-            lobe[N_STRIPS] = 0.0
-        lobe[AREA] = area
-        lobe[LENGTH] = 2.0 * longest
+    main = min(max(int(-lobe.start / (lobe.width / n)), 0), n - 1)
+    strip = strips[main]
+    other = strips[main - 1] if main > 0 else strips[main + 1]
+    lobe.x = strip.x - strip.s * (strip.x - other.x) / (strip.s - other.s)
+    lobe.o = strip.o - strip.s * strip.nb
+    lobe.b = strip.b + strip.s * strip.no

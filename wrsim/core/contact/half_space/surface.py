@@ -32,32 +32,22 @@ LONGEST_STEP = 2.5e-4  # of the walk along the axis [m]
 
 
 @inlined
-def _outline(wheel, arc):
-    """The wheel's outline there."""
-    p, e = wheel.origin, wheel.axle
-    return locus_point(
-        wheel.profile.table, wheel.profile.step, wheel.radius, p.x, p.y, p.z, e.x, e.y, e.z, wheel.q, arc
-    )
-
-
-@inlined
 def _offset(wheel, rail, arc_wheel, arc_rail):
     """How far the wheel's point lies ahead of the rail's, along the mean tangent [m], and the wheel's shrink."""
-    _x, wo, wb, no, nb, shrink, _rt, _k = _outline(wheel, arc_wheel)
-    ro, rb, tu, tw, _kr = profile_point(rail.table, rail.step, arc_rail)
-    to = 0.5 * (tu - nb)
-    tb = 0.5 * (tw + no)
+    w, r = locus_point(wheel, arc_wheel), profile_point(rail, arc_rail)
+    to = 0.5 * (r.tu - w.nb)
+    tb = 0.5 * (r.tw + w.no)
     inverse = 1.0 / max(sqrt(to * to + tb * tb), 0.1)
-    return ((wo - ro) * to + (wb - rb) * tb) * inverse, shrink
+    return ((w.o - r.u) * to + (w.b - r.w) * tb) * inverse, w.shrink
 
 
 @kernel
 def _beside(wheel, rail, arc_wheel, arc_rail):
     """Arclength on the wheel of the outline's point at the same lateral place as the rail's."""
-    u, _w, _tu, _tw, _k = profile_point(rail.table, rail.step, arc_rail)
+    u = profile_point(rail, arc_rail).u
     for _ in range(20):
-        _x, wo, _wb, _no, nb, shrink, _rt, _k = _outline(wheel, arc_wheel)
-        arc_wheel -= (wo - u) / min(nb, -LEAST_FACING) * -shrink
+        w = locus_point(wheel, arc_wheel)
+        arc_wheel -= (w.o - u) / min(w.nb, -LEAST_FACING) * -w.shrink
     return arc_wheel
 
 
@@ -84,25 +74,21 @@ def lay_axis(wheel, rail, arc_wheel, arc_rail, level, start, step, axis):
                     arc_wheel -= 0.5 * e * shrink
                     arc_rail += 0.5 * e
         at = goal
-        p, e_w = wheel.origin, wheel.axle
         row = axis[i]
         row.s = goal
         row.arc_wheel = arc_wheel
         row.arc_rail = arc_rail
-        row.gap, row.x, row.o, row.b, row.no, row.nb, _sh, row.r_t = pair(
-            wheel.profile.table, wheel.profile.step, wheel.radius, rail.table, rail.step, p.x, p.y, p.z, e_w.x, e_w.y,
-            e_w.z, wheel.q, arc_wheel, arc_rail, 0.0, 0.0, 1.0,
-        )  # fmt: skip
+        row.gap, row.x, row.o, row.b, row.no, row.nb, _sh, row.r_t = pair(wheel, rail, arc_wheel, arc_rail, 0.0, 0.0)
 
 
 @inlined
 def _foot(profile, u, w, arc):
     """One Newton step to the foot of the point (u, w): its arclength, the tangent there, the height over it [m]."""
-    pu, pw, tu, tw, k = profile_point(profile.table, profile.step, arc)
-    height = tu * (w - pw) - tw * (u - pu)
-    arc += ((u - pu) * tu + (w - pw) * tw) / max(1.0 - k * height, 0.2)
-    pu, pw, tu, tw, k = profile_point(profile.table, profile.step, arc)
-    return arc, tu, tw, tu * (w - pw) - tw * (u - pu)
+    p = profile_point(profile, arc)
+    height = p.tu * (w - p.w) - p.tw * (u - p.u)
+    arc += ((u - p.u) * p.tu + (w - p.w) * p.tw) / max(1.0 - p.k * height, 0.2)
+    p = profile_point(profile, arc)
+    return arc, p.tu, p.tw, p.tu * (w - p.w) - p.tw * (u - p.u)
 
 
 @inlined

@@ -1,1 +1,1 @@
-"""Normal pressure after Kik and Piotrowski."""
+"""Normal pressure."""

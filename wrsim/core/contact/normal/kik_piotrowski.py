@@ -22,24 +22,72 @@ Yaw shifts the strips along x but is left out of I: each strip is taken centred 
 from math import log, pi, sqrt
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import DS, FORCE, A, B, O, P, S
 from wrsim.core.contact.normal.elliptic import strip_potential
+from wrsim.core.contact.resultants import set_creepages
+
+
+@kernel
+def press(settings, pose, lobes, strips, count, work):
+    """Pressures of all lobes from the displacements at their main points, with damping. work: (12, >= 8) scratch."""
+    matrix = work[:3]
+    rows = work[3:6]
+    amplitude = work[6]
+    stiffness = pi * settings.E
+    for i in range(count):
+        lobe = lobes[i]
+        n = lobe.n_strips
+        amplitude[i] = 1.0 if n > 0 else 0.0
+        for j in range(count + 1):
+            matrix[i, j] = 0.0
+        if n == 0:
+            continue
+        set_creepages(pose, settings.least_speed, lobe, strips[i], n)
+        own = own_influence(strips[i], n, lobe.half_length)
+        if count == 1:
+            amplitude[0] = stiffness * lobe.approach / own
+            break
+        share = lobe.coupling
+        for j in range(count):
+            other = lobes[j]
+            if j != i and other.n_strips > 0:
+                facing = lobe.no * other.no + lobe.nb * other.nb
+                if facing > 0.0:
+                    far = far_influence(strips[j], other.n_strips, lobe.o, lobe.b)
+                    matrix[i, j] = (1.0 - share) * facing * far
+        matrix[i, i] = own
+        matrix[i, count] = (1.0 - share) * stiffness * lobe.approach
+        partner = lobe.partner
+        if partner >= 0 and lobes[partner].n_strips > 0:
+            matrix[i, partner] -= share * own
+    if count > 1:
+        solve_amplitudes(matrix, count, rows, amplitude)
+    for i in range(count):
+        lobe = lobes[i]
+        factor = max(1.0 + settings.damping * lobe.closing, 0.0)
+        largest, normal, area, longest = set_pressures(strips[i], lobe.n_strips, amplitude[i], factor)
+        lobe.amplitude = amplitude[i] * factor
+        lobe.p0 = max(largest, lobe.amplitude * lobe.half_length)
+        lobe.N = normal
+        if amplitude[i] == 0.0:
+            lobe.n_strips = 0
+        lobe.area = area
+        lobe.length = 2.0 * longest
 
 
 @kernel
 def own_influence(strips, n, half_length):
     """The double integral I of [S 29] over n strips that include s = 0 [m2]; half_length: x_L(0)."""
     total = 0.0
-    width = strips[0, DS]
+    width = strips[0].ds
     for i in range(n):
-        s = strips[i, S]
+        s = strips[i].s
         if abs(s) < 1e-9 * half_length:
             # strip_potential + 2 a ln|s| at s -> 0
             total += width * 2.0 * half_length * (log(4.0 * half_length) - 1.0)
         else:
-            total += width * (strip_potential(strips[i, A], s) + 2.0 * half_length * log(abs(s)))
-    start = max(0.5 * width - strips[0, S], 1e-12)
-    end = max(strips[n - 1, S] + 0.5 * width, 1e-12)
+            total += width * (strip_potential(strips[i].a, s) + 2.0 * half_length * log(abs(s)))
+    start = max(0.5 * width - strips[0].s, 1e-12)
+    end = max(strips[n - 1].s + 0.5 * width, 1e-12)
     # exact integral of -2 a ln|s| over the patch
     return total - 2.0 * half_length * (end * (log(end) - 1.0) + start * (log(start) - 1.0))
 
@@ -49,9 +97,9 @@ def far_influence(strips, n, o, b):
     """The same integral over the strips of another lobe, seen from the point (o, b) [m2]."""
     total = 0.0
     for i in range(n):
-        if strips[i, A] > 0.0:
-            d = sqrt((strips[i, O] - o) ** 2 + (strips[i, B] - b) ** 2)
-            total += strips[i, DS] * strip_potential(strips[i, A], max(d, 1e-6))
+        if strips[i].a > 0.0:
+            d = sqrt((strips[i].o - o) ** 2 + (strips[i].b - b) ** 2)
+            total += strips[i].ds * strip_potential(strips[i].a, max(d, 1e-6))
     return total
 
 
@@ -102,7 +150,7 @@ def _eliminate(rows, n):
 
 @kernel
 def set_pressures(strips, n, amplitude, factor):
-    """Write P (peak pressure of each strip) and FORCE (its normal force [S 30]).
+    """Write p (peak pressure of each strip) and N (its normal force [S 30]).
 
     amplitude: Q = p0 / x_L(0) [Pa/m]; factor: multiplies the pressures (damping).
     Returns (largest pressure, sum of the strip forces, area, longest half length).
@@ -112,10 +160,11 @@ def set_pressures(strips, n, amplitude, factor):
     area = 0.0
     longest = 0.0
     for i in range(n):
-        a = strips[i, A]
-        strips[i, P] = ratio * a
-        strips[i, FORCE] = 0.5 * pi * ratio * a * a * strips[i, DS]
-        force += strips[i, FORCE]
-        area += 2.0 * a * strips[i, DS]
+        strip = strips[i]
+        a = strip.a
+        strip.p = ratio * a
+        strip.N = 0.5 * pi * ratio * a * a * strip.ds
+        force += strip.N
+        area += 2.0 * a * strip.ds
         longest = max(longest, a)
     return ratio * longest, force, area, longest

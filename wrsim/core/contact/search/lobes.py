@@ -14,7 +14,6 @@ makes both equal when the two are equally deep and vanishes when the shallower o
 """
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.search.points import DEPTH, SADDLE_DEPTH
 
 
 @kernel
@@ -26,33 +25,29 @@ def select_deepest(found, count, most):
     while count > most:
         least = 0
         for i in range(1, count):
-            if found[i, DEPTH] < found[least, DEPTH]:
+            if found[i].depth < found[least].depth:
                 least = i
         if least > 0:
-            if least == count - 1 or found[least, SADDLE_DEPTH] < 0.0:
-                found[least - 1, SADDLE_DEPTH] = -1.0
-            elif found[least - 1, SADDLE_DEPTH] >= 0.0 and (
-                found[least, SADDLE_DEPTH] < found[least - 1, SADDLE_DEPTH]
-            ):
-                for c in range(4, found.shape[1]):
-                    found[least - 1, c] = found[least, c]
+            before, after = found[least - 1], found[least]
+            if least == count - 1 or after.saddle < 0.0:
+                before.saddle = -1.0
+            elif before.saddle >= 0.0 and after.saddle < before.saddle:
+                before.saddle = after.saddle
+                before.saddle_arc = after.saddle_arc
         for i in range(least, count - 1):
-            for c in range(found.shape[1]):
-                found[i, c] = found[i + 1, c]
+            found[i] = found[i + 1]
         count -= 1
     return count
 
 
 @kernel
-def couple(found, count, eps, coupling, partner):
-    """Coupling of each lobe and the lobe it is coupled to.
-
-    Writes coupling (count,), 0 .. 1, and partner (count,), as a float index, -1 where there is none.
-    """
+def couple(found, count, eps, lobes):
+    """Write the coupling of each lobe, 0 .. 1, and the partner that it is coupled to, -1 where there is none."""
     for i in range(count):
-        partner[i] = -1.0
-        coupling[i] = 0.0
-        depth = found[i, DEPTH]
+        lobe = lobes[i]
+        lobe.partner = -1
+        lobe.coupling = 0.0
+        depth = found[i].depth
         saddle = -1.0
         # the deeper lobe over the higher saddle, on the one side and on the other
         for direction in range(2):
@@ -60,38 +55,44 @@ def couple(found, count, eps, coupling, partner):
             j = i
             while True:
                 edge = j if direction == 1 else j - 1
-                if edge < 0 or edge >= count - 1 or found[edge, SADDLE_DEPTH] < 0.0:
+                if edge < 0 or edge >= count - 1 or found[edge].saddle < 0.0:
                     break
-                low = min(low, found[edge, SADDLE_DEPTH])
+                low = min(low, found[edge].saddle)
                 j = j + 1 if direction == 1 else j - 1
-                if found[j, DEPTH] > depth or (found[j, DEPTH] == depth and j < i):
+                if found[j].depth > depth or (found[j].depth == depth and j < i):
                     if low > saddle:
                         saddle = low
-                        partner[i] = j
+                        lobe.partner = j
                     break
-        if partner[i] >= 0.0:
-            coupling[i] = _share(depth, saddle, eps)
+        if lobe.partner >= 0:
+            lobe.coupling = _share(depth, saddle, eps)
     for i in range(count):
-        if partner[i] >= 0.0:
+        lobe = lobes[i]
+        if lobe.partner >= 0:
             continue
         # the deepest lobe is coupled back to the deepest of those that couple to it
-        best = -1
-        for j in range(count):
-            if int(partner[j]) == i and coupling[j] > 0.0 and (best < 0 or found[j, DEPTH] > found[best, DEPTH]):
-                best = j
+        best = _deepest_of(i, found, count, lobes)
         if best >= 0:
-            saddle = found[best, DEPTH] * (1.0 - eps * (1.0 - coupling[best]))
-            own = (found[i, DEPTH] - saddle) / (eps * found[i, DEPTH])
-            ratio = (1.0 - coupling[best]) / own if own > 0.0 else 1.0
-            coupling[i] = _share(found[i, DEPTH], saddle, eps) * min(ratio, 1.0)
+            back = lobes[best].coupling
+            depth = found[i].depth
+            saddle = found[best].depth * (1.0 - eps * (1.0 - back))
+            own = (depth - saddle) / (eps * depth)
+            ratio = (1.0 - back) / own if own > 0.0 else 1.0
+            lobe.coupling = _share(depth, saddle, eps) * min(ratio, 1.0)
     # written last: the deepest must not look coupled while the others are judged
     for i in range(count):
-        if partner[i] < 0.0 and coupling[i] > 0.0:
-            for j in range(count):
-                if int(partner[j]) == i and coupling[j] > 0.0:
-                    k = int(partner[i])
-                    if k < 0 or found[j, DEPTH] > found[k, DEPTH]:
-                        partner[i] = j
+        if lobes[i].partner < 0 and lobes[i].coupling > 0.0:
+            lobes[i].partner = _deepest_of(i, found, count, lobes)
+
+
+@kernel
+def _deepest_of(i, found, count, lobes):
+    """The deepest of the lobes that couple to lobe i, or -1."""
+    best = -1
+    for j in range(count):
+        if lobes[j].partner == i and lobes[j].coupling > 0.0 and (best < 0 or found[j].depth > found[best].depth):
+            best = j
+    return best
 
 
 @inlined

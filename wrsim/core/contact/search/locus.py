@@ -19,98 +19,134 @@ the outline has a cusp. k_t is held at ``LEAST_ROLLING_CURVATURE`` k1 there; no 
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.profile import profile_point
+from wrsim.core.contact.profile import node, profile_point
+from wrsim.core.contact.records import Profile, Wheel, read_pose
 
 LEAST_ROLLING_CURVATURE = 0.1
 DRAWN_SINE = 0.25  # of theta: beyond, the outline is drawn as the plain section
 LARGEST_SINE = 0.7  # of theta and alpha: beyond, the point is no candidate for contact
 
 
-@inlined
-def locus_point(table, step, radius, ox, oo, ob, et, eo, eb, q, arc):
-    """Point of the locus at profile arclength ``arc``.
+class Locus(NamedTuple):
+    """Point of the locus (x, o, b) [m]; unit normal out of the wheel (towards the rail); the profile's arclength per
+    arclength of the outline; radius of curvature along t [m]; curvature of the profile [1/m]."""
 
-    (ox, oo, ob): profile origin on the axle; (et, eo, eb): unit vector of the axle, outward, all in rail axes
-    (t, o, b); q = sqrt(1 - et^2); radius: wheel radius at the tape circle [m].
-    Returns (x, o, b, normal_o, normal_b, shrink, r_t, k_profile): the point, the unit normal out of the wheel (towards
-    the rail), the profile's arclength per arclength of the outline, the radius of curvature along t [m] and the
-    curvature of the profile [1/m].
-    """
-    u, w, cu, cw, k2 = profile_point(table, step, arc)
-    rho = radius - w
-    if et == 0.0:
-        return (
-            ox,
-            oo + u * eo + rho * eb,
-            ob + u * eb - rho * eo,
-            cw * eo + cu * eb,
-            cw * eb - cu * eo,
+    x: float
+    o: float
+    b: float
+    no: float
+    nb: float
+    shrink: float
+    r_t: float
+    k: float
+
+
+class Node(NamedTuple):
+    """Point of the outline (o, b) [m], its normal, and the sine of theta."""
+
+    o: float
+    b: float
+    no: float
+    nb: float
+    sine: float
+
+
+@inlined
+def placed(profile, radius, pose):
+    """The wheel of that profile and radius in that pose."""
+    e_t = pose.axle.x
+    return Wheel(profile, radius, pose.origin, pose.axle, sqrt(1.0 - e_t * e_t))
+
+
+@inlined
+def locus_point(wheel, arc):
+    """Point of the locus at profile arclength ``arc``."""
+    origin, e, q = wheel.origin, wheel.axle, wheel.q
+    at = profile_point(wheel.profile, arc)
+    u = at.u
+    rho = wheel.radius - at.w
+    if e.x == 0.0:
+        return Locus(
+            origin.x,
+            origin.y + u * e.y + rho * e.z,
+            origin.z + u * e.z - rho * e.y,
+            at.tw * e.y + at.tu * e.z,
+            at.tw * e.z - at.tu * e.y,
             1.0,
-            rho / max(cu, 1e-3),
-            k2,
+            rho / max(at.tu, 1e-3),
+            at.k,
         )
     iq = 1.0 / q
-    inverse_c = 1.0 / max(cu, 1e-3)
-    sin_alpha = et * inverse_c
-    sine = -cw * sin_alpha * iq
+    inverse_c = 1.0 / max(at.tu, 1e-3)
+    sin_alpha = e.x * inverse_c
+    sine = -at.tw * sin_alpha * iq
     if abs(sine) > LARGEST_SINE or abs(sin_alpha) > LARGEST_SINE:
         sine = min(max(sine, -LARGEST_SINE), LARGEST_SINE)
         sin_alpha = min(max(sin_alpha, -LARGEST_SINE), LARGEST_SINE)
     s2 = sine * sine
     # the series is exact to 1e-15 where it is used
     cosine = 1.0 - s2 * (0.5 + s2 * (0.125 + s2 * 0.0625)) if s2 < 4e-4 else sqrt(1.0 - s2)
-    do = (cosine * eb - sine * et * eo) * iq
-    db = (-cosine * eo - sine * et * eb) * iq
+    do = (cosine * e.z - sine * e.x * e.y) * iq
+    db = (-cosine * e.y - sine * e.x * e.z) * iq
     r1 = rho * inverse_c
     sin2 = sin_alpha * sin_alpha
-    inverse_ratio = 1.0 / max(1.0 - sin2 + sin2 * k2 * r1, LEAST_ROLLING_CURVATURE)  # k1 / k_t
+    inverse_ratio = 1.0 / max(1.0 - sin2 + sin2 * at.k * r1, LEAST_ROLLING_CURVATURE)  # k1 / k_t
     # the normal has no t-component, so its other two make a unit vector as they stand;
     # t . circumference = cos(theta) q = cos(alpha)
-    return (
-        ox + u * et + rho * sine * q,
-        oo + u * eo + rho * do,
-        ob + u * eb + rho * db,
-        cw * eo + cu * do,
-        cw * eb + cu * db,
+    return Locus(
+        origin.x + u * e.x + rho * sine * q,
+        origin.y + u * e.y + rho * do,
+        origin.z + u * e.z + rho * db,
+        at.tw * e.y + at.tu * do,
+        at.tw * e.z + at.tu * db,
         cosine * q * inverse_ratio,
         r1 * inverse_ratio,
-        k2,
+        at.k,
     )
 
 
 @inlined
-def locus_node(table, node, radius, oo, ob, et, eo, eb, q):
-    """(o, b, normal_o, normal_b, sine) at a table node, for the search: no interpolation, no curvature.
+def locus_node(wheel, i):
+    """The outline at a node of the table, for the search: no interpolation, no curvature.
 
     Where abs(sine) is not below ``LARGEST_SINE`` the locus has no point (a nearly vertical flank of a yawed wheel
     touches nowhere) and the plain section is returned.
     """
-    u, w, cu, cw = table[node, 0], table[node, 1], table[node, 2], table[node, 3]
-    rho = radius - w
-    sine = -cw * et / (max(cu, 1e-3) * q)
+    origin, e, q = wheel.origin, wheel.axle, wheel.q
+    at = node(wheel.profile, i)
+    rho = wheel.radius - at.w
+    sine = -at.tw * e.x / (max(at.tu, 1e-3) * q)
     angle = sine if abs(sine) < LARGEST_SINE else 0.0
     cosine = sqrt(1.0 - angle * angle)
-    do = (cosine * eb - angle * et * eo) / q
-    db = (-cosine * eo - angle * et * eb) / q
-    return oo + u * eo + rho * do, ob + u * eb + rho * db, cw * eo + cu * do, cw * eb + cu * db, sine
+    do = (cosine * e.z - angle * e.x * e.y) / q
+    db = (-cosine * e.y - angle * e.x * e.z) / q
+    return Node(
+        origin.y + at.u * e.y + rho * do,
+        origin.z + at.u * e.z + rho * db,
+        at.tw * e.y + at.tu * do,
+        at.tw * e.z + at.tu * db,
+        sine,
+    )
 
 
 @kernel
 def outline(table, step, radius, pose, arc, out):
     """Outline of a wheel seen along its rail, for drawing: (o, b) at the arclengths ``arc`` to ``out`` (2, m).
 
-    pose: see core.contact.wheel_rail. Where a yawed wheel's flank is nearly vertical the locus climbs around the
-    wheel; the plain section stands there instead.
+    pose: (POSE,). Where a yawed wheel's flank is nearly vertical the locus climbs around the wheel; the plain section
+    stands there instead.
     """
-    q = sqrt(1.0 - pose[3] * pose[3])
+    wheel = placed(Profile(table, step), radius, read_pose(pose))
+    origin, e, q = wheel.origin, wheel.axle, wheel.q
     for i in range(arc.shape[0]):
-        u, w, cu, cw, _k = profile_point(table, step, arc[i])
-        rho = radius - w
-        sine = -cw * pose[3] / (max(cu, 1e-3) * q)
+        at = profile_point(wheel.profile, arc[i])
+        rho = radius - at.w
+        sine = -at.tw * e.x / (max(at.tu, 1e-3) * q)
         if abs(sine) >= DRAWN_SINE:
             sine = 0.0
         cosine = sqrt(1.0 - sine * sine)
-        out[0, i] = pose[1] + u * pose[4] + rho * (cosine * pose[5] - sine * pose[3] * pose[4]) / q
-        out[1, i] = pose[2] + u * pose[5] + rho * (-cosine * pose[4] - sine * pose[3] * pose[5]) / q
+        out[0, i] = origin.y + at.u * e.y + rho * (cosine * e.z - sine * e.x * e.y) / q
+        out[1, i] = origin.z + at.u * e.z + rho * (-cosine * e.y - sine * e.x * e.z) / q

@@ -1,7 +1,6 @@
 """The edges of a contact in the strip model: where they should be, and how they get there."""
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import N_STRIPS
 from wrsim.core.contact.strips.layout import (
     A_,
     BOUND,
@@ -45,7 +44,7 @@ def edge_shifts(patches, i, v, lobes):
     a^2 in the two outer strips tells which, and falls steadily as the edge moves out. Positive shifts go along +s.
     Writes SHIFT; returns the larger amount.
     """
-    n = int(patches[i, N_STRIPS])
+    n = patches[i].n_strips
     first = int(lobes[FIRST, i])
     left, right = _gone(v, first, n)
     width = (lobes[END_, i] - lobes[START_, i]) / n
@@ -80,7 +79,7 @@ def _gone(v, first, n):
 @kernel
 def in_contact(patches, i, v, lobes):
     """Number of strips between the first and the last one of lobe i in contact."""
-    n = int(patches[i, N_STRIPS])
+    n = patches[i].n_strips
     left, right = _gone(v, int(lobes[FIRST, i]), n)
     return n - left - right
 
@@ -88,7 +87,7 @@ def in_contact(patches, i, v, lobes):
 @kernel
 def move_edges(patches, i, v, lobes):
     """Move the edges of lobe i by SHIFT; half lengths keep their place relative to the strips in contact."""
-    n = int(patches[i, N_STRIPS])
+    n = patches[i].n_strips
     first = int(lobes[FIRST, i])
     left, right = _gone(v, first, n)
     width = (lobes[END_, i] - lobes[START_, i]) / n

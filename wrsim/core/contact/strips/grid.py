@@ -3,24 +3,6 @@
 from math import log, sqrt
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import (
-    DS,
-    N_STRIPS,
-    NB,
-    NO,
-    PENETRATION,
-    RADIUS_T,
-    WARM_A,
-    WARM_END,
-    WARM_START,
-    WARM_STRIPS,
-    A,
-    B,
-    O,
-    P,
-    S,
-    X,
-)
 from wrsim.core.contact.strips.edges import forget
 from wrsim.core.contact.strips.layout import (
     A_,
@@ -57,24 +39,24 @@ def take_places(patches, strips, count, warm, v, lobes):
     m = 0
     known = warm > 0.5
     for i in range(count):
-        n = int(patches[i, N_STRIPS])
+        n = patches[i].n_strips
         rows = strips[i]
-        half = 0.5 * rows[0, DS]
+        half = 0.5 * rows[0].ds
         lobes[FIRST, i] = m
-        lobes[LEAST, i] = rows[0, S] - half
-        lobes[MOST, i] = rows[n - 1, S] + half
-        known = known and int(patches[i, WARM_STRIPS]) == n
+        lobes[LEAST, i] = rows[0].s - half
+        lobes[MOST, i] = rows[n - 1].s + half
+        known = known and patches[i].last_strips == n
         lobes[ON, i] = 1.0
         lobes[RETURNED, i] = 0.0
         forget(i, lobes)
-        lobes[START_, i] = max(patches[i, WARM_START], lobes[LEAST, i])
-        lobes[END_, i] = min(patches[i, WARM_END], lobes[MOST, i])
+        lobes[START_, i] = max(patches[i].last_start, lobes[LEAST, i])
+        lobes[END_, i] = min(patches[i].last_end, lobes[MOST, i])
         if n == 0 or lobes[END_, i] <= lobes[START_, i]:
             lobes[ON, i] = 0.0
         for j in range(n):
             v[LOBE, m] = i
             v[LEFT, m] = 0.0
-            v[A_, m] = rows[j, WARM_A] if lobes[ON, i] > 0.5 else 0.0
+            v[A_, m] = rows[j].a_last if lobes[ON, i] > 0.5 else 0.0
             v[AT, m] = min(max((j + 0.5) / n * FACTORS - 0.5, 0.0), FACTORS - 1.0)
             m += 1
     return m, known
@@ -84,7 +66,7 @@ def take_places(patches, strips, count, warm, v, lobes):
 def first_guess(patches, strips, count, v, lobes):
     """Widest edges; within, half lengths and factors about like those of Hertz's ellipse."""
     for i in range(count):
-        n = int(patches[i, N_STRIPS])
+        n = patches[i].n_strips
         rows = strips[i]
         if n == 0:
             continue
@@ -97,18 +79,18 @@ def first_guess(patches, strips, count, v, lobes):
         deepest = 1e-12
         main = 0
         for j in range(n):
-            if rows[j, PENETRATION] > deepest:
-                deepest = rows[j, PENETRATION]
+            if rows[j].penetration > deepest:
+                deepest = rows[j].penetration
                 main = j
         # ratio of the curvatures across and along from the width at half of the depth; Hertz's factor and edges for it
         wide = 0
         for j in range(n):
-            wide += 1 if rows[j, PENETRATION] > 0.5 * deepest else 0
-        ratio = rows[main, RADIUS_T] * deepest / (0.5 * max(wide, 1) * rows[0, DS]) ** 2
+            wide += 1 if rows[j].penetration > 0.5 * deepest else 0
+        ratio = rows[main].r_t * deepest / (0.5 * max(wide, 1) * rows[0].ds) ** 2
         level = min(max(0.5 + 0.07 * log(ratio), 0.2), 0.8)
         for j in range(n):
-            share = (rows[j, PENETRATION] / deepest - level) / (1.0 - level)
-            v[A_, first + j] = 0.75 * sqrt(2.0 * rows[j, RADIUS_T] * deepest * share) if share > 0.0 else 0.0
+            share = (rows[j].penetration / deepest - level) / (1.0 - level)
+            v[A_, first + j] = 0.75 * sqrt(2.0 * rows[j].r_t * deepest * share) if share > 0.0 else 0.0
             v[LEFT, first + j] = 0.0
         for k in range(i * FACTORS, (i + 1) * FACTORS):
             v[FACTOR, k] = min(1.0 + 0.27 * ratio**0.63, 5.0)
@@ -117,13 +99,13 @@ def first_guess(patches, strips, count, v, lobes):
 @kernel
 def sample(patches, strips, i, modulus, pose, v, lobes):
     """Geometry at the present strips of lobe i, by cubic interpolation in the rows laid over the penetration."""
-    n = int(patches[i, N_STRIPS])
+    n = patches[i].n_strips
     rows = strips[i]
     first = int(lobes[FIRST, i])
     start = lobes[START_, i]
     width = (lobes[END_, i] - start) / n
-    origin = rows[0, S]
-    spacing = rows[0, DS]
+    origin = rows[0].s
+    spacing = rows[0].ds
     for j in range(n):
         k = first + j
         s = start + (j + 0.5) * width
@@ -137,17 +119,17 @@ def sample(patches, strips, i, modulus, pose, v, lobes):
         r0, r1, r2, r3 = rows[c - 1], rows[c], rows[c + 1], rows[c + 2]
         v[POS, k] = s
         v[WIDTH_, k] = width
-        v[D, k] = w0 * r0[PENETRATION] + w1 * r1[PENETRATION] + w2 * r2[PENETRATION] + w3 * r3[PENETRATION]
-        v[O_, k] = w0 * r0[O] + w1 * r1[O] + w2 * r2[O] + w3 * r3[O]
-        v[B_, k] = w0 * r0[B] + w1 * r1[B] + w2 * r2[B] + w3 * r3[B]
-        no = r1[NO] + r * (r2[NO] - r1[NO])
-        nb = r1[NB] + r * (r2[NB] - r1[NB])
+        v[D, k] = w0 * r0.penetration + w1 * r1.penetration + w2 * r2.penetration + w3 * r3.penetration
+        v[O_, k] = w0 * r0.o + w1 * r1.o + w2 * r2.o + w3 * r3.o
+        v[B_, k] = w0 * r0.b + w1 * r1.b + w2 * r2.b + w3 * r3.b
+        no = r1.no + r * (r2.no - r1.no)
+        nb = r1.nb + r * (r2.nb - r1.nb)
         inverse = 1.0 / sqrt(no * no + nb * nb)
         v[NO_, k] = no * inverse
         v[NB_, k] = nb * inverse
-        v[X_, k] = r1[X] + r * (r2[X] - r1[X])
-        lean = v[NO_, k] * pose[4] + v[NB_, k] * pose[5]
-        skew = abs(pose[3]) / sqrt(max(1.0 - lean * lean, 2.5e-3))
+        v[X_, k] = r1.x + r * (r2.x - r1.x)
+        lean = v[NO_, k] * pose.axle.y + v[NB_, k] * pose.axle.z
+        skew = abs(pose.axle.x) / sqrt(max(1.0 - lean * lean, 2.5e-3))
         v[R, k] = 1.0 / _mean_curvature(rows, n, x, skew, v[D, k])
         v[HERTZ, k] = 0.5 * modulus / v[R, k]
 
@@ -160,19 +142,19 @@ def _mean_curvature(rows, n, x, skew, d):
     e_t / cos(angle), with the angle between the strip and the axle: a curvature that jumps across the profile is felt
     as a mean over +-a times the skew.
     """
-    spacing = rows[0, DS]
+    spacing = rows[0].ds
     middle = min(max(int(x + 0.5), 0), n - 1)
-    half = 0.7 * sqrt(2.0 * rows[middle, RADIUS_T] * max(d, 0.0))
+    half = 0.7 * sqrt(2.0 * rows[middle].r_t * max(d, 0.0))
     reach = max(half * skew / spacing, 1.0)
     total = 0.0
     weights = 0.0
     for k in range(max(int(x - reach), 0), min(int(x + reach) + 2, n)):
         weight = 1.0 - abs(k - x) / reach
         if weight > 0.0:
-            total += weight / rows[k, RADIUS_T]
+            total += weight / rows[k].r_t
             weights += weight
     if weights == 0.0:
-        return 1.0 / rows[middle, RADIUS_T]
+        return 1.0 / rows[middle].r_t
     return total / weights
 
 
@@ -181,14 +163,14 @@ def leave(patches, i, v, lobes):
     """Take lobe i out of contact."""
     lobes[ON, i] = 0.0
     first = int(lobes[FIRST, i])
-    for k in range(first, first + int(patches[i, N_STRIPS])):
+    for k in range(first, first + patches[i].n_strips):
         v[A_, k] = 0.0
 
 
 @kernel
 def regrid(patches, strips, i, v, lobes, start, end):
     """Lay the strips of lobe i over ``start`` to ``end`` and what it held before; new ground gets short strips."""
-    n = int(patches[i, N_STRIPS])
+    n = patches[i].n_strips
     first = int(lobes[FIRST, i])
     on = lobes[ON, i] > 0.5
     if on:
@@ -196,8 +178,8 @@ def regrid(patches, strips, i, v, lobes, start, end):
     deepest = 0.0
     longest = 0.0
     for j in range(n):
-        deepest = max(deepest, strips[i, j, PENETRATION])
-        longest = max(longest, strips[i, j, RADIUS_T])
+        deepest = max(deepest, strips[i, j].penetration)
+        longest = max(longest, strips[i, j].r_t)
         v[OTHER, first + j] = v[A_, first + j] if on else 0.0
     short = 0.1 * sqrt(2.0 * longest * deepest)
     width = (lobes[END_, i] - lobes[START_, i]) / n
@@ -223,25 +205,25 @@ def regrid(patches, strips, i, v, lobes, start, end):
 def write_back(patches, strips, count, v, lobes):
     """The solution to the rows, and what the next call may start from."""
     for i in range(count):
-        n = int(patches[i, N_STRIPS])
+        n = patches[i].n_strips
         first = int(lobes[FIRST, i])
-        patches[i, WARM_STRIPS] = n
-        patches[i, WARM_START] = lobes[START_, i]
-        patches[i, WARM_END] = lobes[END_, i] if lobes[ON, i] > 0.5 else lobes[START_, i] - 1.0
+        patches[i].last_strips = n
+        patches[i].last_start = lobes[START_, i]
+        patches[i].last_end = lobes[END_, i] if lobes[ON, i] > 0.5 else lobes[START_, i] - 1.0
         if lobes[ON, i] < 0.5:
-            patches[i, N_STRIPS] = 0.0
+            patches[i].n_strips = 0
             continue
         for j in range(n):
             k = first + j
             row = strips[i, j]
-            row[S] = v[POS, k]
-            row[DS] = v[WIDTH_, k]
-            row[X] = v[X_, k]
-            row[A] = v[A_, k]
-            row[WARM_A] = v[A_, k]
-            row[P] = v[Q_, k] if v[A_, k] > 0.0 else 0.0
-            row[NO] = v[NO_, k]
-            row[NB] = v[NB_, k]
-            row[O] = v[O_, k]
-            row[B] = v[B_, k]
-            row[RADIUS_T] = v[R, k]
+            row.s = v[POS, k]
+            row.ds = v[WIDTH_, k]
+            row.x = v[X_, k]
+            row.a = v[A_, k]
+            row.a_last = v[A_, k]
+            row.p = v[Q_, k] if v[A_, k] > 0.0 else 0.0
+            row.no = v[NO_, k]
+            row.nb = v[NB_, k]
+            row.o = v[O_, k]
+            row.b = v[B_, k]
+            row.r_t = v[R, k]

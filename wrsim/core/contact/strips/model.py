@@ -23,7 +23,6 @@ Strips that would have to pull are let go, those where the gap has closed are ta
 from math import pi, sqrt
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import DS, N_STRIPS, NB, NO, PENETRATION, B, O, S
 from wrsim.core.contact.strips.edges import edge_shifts, forget, in_contact, move_edges
 from wrsim.core.contact.strips.grid import first_guess, leave, regrid, sample, take_places, write_back
 from wrsim.core.contact.strips.influence import assemble, displacement_at, displacement_beside
@@ -85,13 +84,12 @@ EVENNESS = 0.005  # weight with which neighbouring factors are kept alike
 def strip_model(patches, strips, count, modulus, pose, warm, v, lobes, matrices, index):
     """Half lengths and amplitudes of the strips of all lobes, and the edges of the contact.
 
-    patches (lobes, columns) and strips (lobes, rows, columns): rows laid over the penetration, wider than the contact,
+    patches (lobes,) LOBE and strips (lobes, rows) STRIP: rows laid over the penetration, wider than the contact,
     as a table of the geometry; overwritten with the strips found.
-    modulus: E* [Pa]; pose: as in core.contact.layout, whose axle yaws the strips.
-    warm: 1 to start from the solution of the last call, 2 to do so and end as sharply as afresh. v: (VECTORS, m),
+    modulus: E* [Pa]; pose: its axle yaws the strips; warm: SETTINGS.start. v: (VECTORS, m),
     lobes: (LOBE_ROWS, count), matrices: (MATRICES, m, m), index: (m,) scratch, m places plus FACTORS a lobe.
-    Writes per strip S, DS, X, A (0 out of contact), NO, NB, O, B, RADIUS_T and, as P, the amplitude Q [Pa/m]; per lobe
-    N_STRIPS (0 out of contact). Returns (iterations, largest misfit): negative iterations say that there was no
+    Writes per strip s, ds, x, a (0 out of contact), no, nb, o, b, r_t and, as p, the amplitude Q [Pa/m]; per lobe
+    n_strips (0 out of contact). Returns (iterations, largest misfit): negative iterations say that there was no
     convergence.
     """
     m, known = take_places(patches, strips, count, warm, v, lobes)
@@ -120,8 +118,8 @@ def _solve(patches, strips, count, modulus, pose, loose, most, v, lobes, m, matr
     longest = 0.0
     _sample_all(patches, strips, count, modulus, pose, v, lobes)
     for i in range(count):
-        for j in range(int(patches[i, N_STRIPS])):
-            deepest = max(deepest, strips[i, j, PENETRATION])
+        for j in range(patches[i].n_strips):
+            deepest = max(deepest, strips[i, j].penetration)
     for k in range(m):
         if lobes[ON, int(v[LOBE, k])] > 0.5:
             longest = max(longest, sqrt(2.0 * v[R, k] * max(v[D, k], 0.0)))
@@ -357,24 +355,24 @@ def _widen(patches, strips, i, v, lobes, stiffness, index, n, deepest):
     This is how a lobe comes into contact, and how a second hump of the penetration is found.
     """
     rows = strips[i]
-    places = int(patches[i, N_STRIPS])
+    places = patches[i].n_strips
     on = lobes[ON, i] > 0.5
     start, end = lobes[START_, i], lobes[END_, i]
     clear = 1.5 * (end - start) / places if on else 0.0
     first = places
     last = -1
     for j in range(places):
-        if on and start - clear < rows[j, S] < end + clear:
+        if on and start - clear < rows[j].s < end + clear:
             continue
-        if rows[j, PENETRATION] <= WIDEN * deepest:
+        if rows[j].penetration <= WIDEN * deepest:
             continue
-        u = displacement_beside(v, rows[j, O], rows[j, B], rows[j, NO], rows[j, NB], index, n)
-        if rows[j, PENETRATION] - u / stiffness > WIDEN * deepest:
+        u = displacement_beside(v, rows[j].o, rows[j].b, rows[j].no, rows[j].nb, index, n)
+        if rows[j].penetration - u / stiffness > WIDEN * deepest:
             first = min(first, j)
             last = j
     if last < 0:
         return False
-    half = 0.5 * rows[0, DS]
-    start, end = rows[first, S] - half, rows[last, S] + half
+    half = 0.5 * rows[0].ds
+    start, end = rows[first].s - half, rows[last].s + half
     regrid(patches, strips, i, v, lobes, start, end)
     return True

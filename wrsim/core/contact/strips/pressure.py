@@ -3,30 +3,7 @@
 from math import pi
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import (
-    AMPLITUDE,
-    ARC_RAIL,
-    AREA,
-    CLOSING,
-    DAMPING,
-    DS,
-    END,
-    FORCE,
-    LENGTH,
-    MODULUS,
-    N_STRIPS,
-    P0,
-    START,
-    STATUS_UNSETTLED,
-    WARM,
-    WARM_ARC,
-    WARM_STRIPS,
-    WIDTH,
-    A,
-    N,
-    P,
-    S,
-)
+from wrsim.core.contact.records import STATUS_UNSETTLED
 from wrsim.core.contact.resultants import set_creepages
 from wrsim.core.contact.strips.layout import VECTORS
 from wrsim.core.contact.strips.model import strip_model
@@ -39,34 +16,34 @@ NEARLY = 1e-4  # misfit over the penetration that the strip model may end with
 def press_strips(settings, pose, patches, strips, count, vectors, matrices):
     """Pressures of all strips from their own contact conditions (`strips.model`), with damping. Returns a status."""
     for i in range(count):
-        if abs(patches[i, ARC_RAIL] - patches[i, WARM_ARC]) > WARM_REACH:
-            patches[i, WARM_STRIPS] = 0.0
-        patches[i, WARM_ARC] = patches[i, ARC_RAIL]
+        if abs(patches[i].arc_rail - patches[i].last_arc) > WARM_REACH:
+            patches[i].last_strips = 0
+        patches[i].last_arc = patches[i].arc_rail
     iterations, misfit = strip_model(
-        patches, strips, count, settings[MODULUS], pose, settings[WARM], vectors, vectors[VECTORS + 1 :], matrices,
+        patches, strips, count, settings.E, pose, settings.start, vectors, vectors[VECTORS + 1 :], matrices,
         vectors[VECTORS],
     )  # fmt: skip
     for i in range(count):
         lobe = patches[i]
-        n = int(lobe[N_STRIPS])
-        set_creepages(pose, settings, lobe, strips[i], n)
-        factor = max(1.0 + settings[DAMPING] * lobe[CLOSING], 0.0)
+        n = lobe.n_strips
+        set_creepages(pose, settings.least_speed, lobe, strips[i], n)
+        factor = max(1.0 + settings.damping * lobe.closing, 0.0)
         largest = normal = area = longest = 0.0
         for j in range(n):
             row = strips[i, j]
-            a = row[A]
-            row[FORCE] = 0.5 * pi * row[P] * factor * a * a * row[DS]
-            row[P] *= factor * a
-            largest = max(largest, row[P])
-            normal += row[FORCE]
-            area += 2.0 * a * row[DS]
+            a = row.a
+            row.N = 0.5 * pi * row.p * factor * a * a * row.ds
+            row.p *= factor * a
+            largest = max(largest, row.p)
+            normal += row.N
+            area += 2.0 * a * row.ds
             longest = max(longest, a)
-        lobe[P0] = largest
-        lobe[N] = normal
-        lobe[START] = strips[i, 0, S] - 0.5 * strips[i, 0, DS] if n > 0 else 0.0
-        lobe[END] = strips[i, n - 1, S] + 0.5 * strips[i, 0, DS] if n > 0 else 0.0
-        lobe[WIDTH] = lobe[END] - lobe[START]
-        lobe[AREA] = area
-        lobe[LENGTH] = 2.0 * longest
-        lobe[AMPLITUDE] = largest / longest if longest > 0.0 else 0.0
+        lobe.p0 = largest
+        lobe.N = normal
+        lobe.start = strips[i, 0].s - 0.5 * strips[i, 0].ds if n > 0 else 0.0
+        lobe.end = strips[i, n - 1].s + 0.5 * strips[i, 0].ds if n > 0 else 0.0
+        lobe.width = lobe.end - lobe.start
+        lobe.area = area
+        lobe.length = 2.0 * longest
+        lobe.amplitude = largest / longest if longest > 0.0 else 0.0
     return STATUS_UNSETTLED if iterations < 0 and misfit > NEARLY else 0

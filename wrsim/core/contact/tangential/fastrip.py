@@ -34,7 +34,6 @@ rest of it.
 from math import pi, sqrt
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import DS, ETA, FX, FY, MZ, PHI, XI, A
 from wrsim.core.contact.tangential.fastsim import hold_power, largest_traction
 
 NOTHING = 1e-30  # bound below which a strip only slides [Pa]
@@ -42,10 +41,10 @@ FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken 
 
 
 @kernel
-def fastrip(strips, n, half_length, l1, l2, l3, direction, shape, work):
+def fastrip(strips, n, half_length, soft, direction, shape, work):
     """Tangential forces of n strips; arguments as in `fastsim`, bound elliptic.
 
-    half_length: a_0 of the equivalent ellipse [m]; work: (12, >= n) scratch. Writes FX, FY, MZ of each strip.
+    half_length: a_0 of the equivalent ellipse [m]; work: (12, >= n) scratch. Writes Fx, Fy, Mz of each strip.
     """
     cells = shape.shape[0]
     dx = 2.0 / cells
@@ -55,20 +54,21 @@ def fastrip(strips, n, half_length, l1, l2, l3, direction, shape, work):
     qx, qy = work[6], work[7]
     fx, fy, mz = work[8], work[9], work[10]
     bounds = work[11]
-    soft = 2.0 / (l1 + l2)
+    one = 2.0 / (soft.l1 + soft.l2)
     shift = 16.0 * half_length / (3.0 * pi * pi)
     for i in range(n):
-        a = strips[i, A]
-        bound = largest_traction(strips[i])
-        step_x[i] = -strips[i, XI] * soft * a * dx
-        step_y[i] = -strips[i, ETA] * soft * a * dx
-        turn[i] = -direction * strips[i, PHI] * soft * a * a * dx
+        strip = strips[i]
+        a = strip.a
+        bound = largest_traction(strip)
+        step_x[i] = -strip.xi * one * a * dx
+        step_y[i] = -strip.eta * one * a * dx
+        turn[i] = -direction * strip.phi * one * a * a * dx
         ax, ay, d, psi = 0.0, 0.0, 0.0, 0.0
         if bound > NOTHING:
             # all over a
-            x = -shift * strips[i, XI] / (l1 * bound)
-            y = -shift * strips[i, ETA] / (l2 * bound)
-            psi = -direction * 0.375 * half_length * strips[i, PHI] * a / (l3 * bound)
+            x = -shift * strip.xi / (soft.l1 * bound)
+            y = -shift * strip.eta / (soft.l2 * bound)
+            psi = -direction * 0.375 * half_length * strip.phi * a / (soft.l3 * bound)
             ax, ay, d = _adhesion(x, y, psi)
         along[i] = ax * bound
         across[i] = ay * bound
@@ -99,14 +99,14 @@ def fastrip(strips, n, half_length, l1, l2, l3, direction, shape, work):
             fy[i] += ty
             mz[i] += x * ty
     for i in range(n):
-        a = strips[i, A]
-        cell = dx * a * strips[i, DS]
+        strip = strips[i]
+        cell = dx * strip.a * strip.ds
         # the cells do not end where the adhesion zone does: a rest of rounding
         limit = 0.5 * pi * bounds[i] / dx
         scale = min(limit / sqrt(max(fx[i] * fx[i] + fy[i] * fy[i], 1e-300)), 1.0)
-        strips[i, FX] = scale * fx[i] * cell
-        strips[i, FY] = scale * fy[i] * cell
-        strips[i, MZ] = direction * scale * mz[i] * cell * a
+        strip.Fx = scale * fx[i] * cell
+        strip.Fy = scale * fy[i] * cell
+        strip.Mz = direction * scale * mz[i] * cell * strip.a
     hold_power(strips, n)
 
 

@@ -12,44 +12,30 @@ sliding it is the true slip. In adhesion, where the true slip is less, mu is a l
 from math import exp, sqrt
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import (
-    ETA,
-    FALL_DECAY,
-    FALL_RATIO,
-    FRICTION,
-    FRICTION_GAUGE,
-    LEAST_SPEED,
-    MU,
-    NB,
-    NO,
-    PHI,
-    XI,
-    ZONE_END,
-    ZONE_START,
-    A,
-)
 
 
 @kernel
-def set_friction(pose, settings, strips, n):
-    """Write MU of n strips, whose creepages, half lengths and normals are set. Returns the largest."""
-    top = settings[FRICTION]
-    rise = settings[FRICTION_GAUGE] - top
-    start = settings[ZONE_START]
-    ramp = 1.0 / max(settings[ZONE_END] - start, 1e-9)
-    kept = settings[FALL_RATIO]
-    decay = -settings[FALL_DECAY] * sqrt(pose[6] * pose[6] + settings[LEAST_SPEED] * settings[LEAST_SPEED])
+def set_friction(speed, settings, strips, n):
+    """Write mu of n strips, whose creepages, half lengths and normals are set; speed: of rolling [m/s].
+
+    Returns the largest.
+    """
+    rise = settings.mu_gauge - settings.mu
+    ramp = 1.0 / max(settings.zone_end - settings.zone_start, 1e-9)
+    kept = settings.fall_ratio
+    decay = -settings.fall_decay * sqrt(speed * speed + settings.least_speed * settings.least_speed)
     largest = 0.0
     for i in range(n):
-        mu = top
+        strip = strips[i]
+        mu = settings.mu
         if rise != 0.0:
             # tan(angle / 2) rises with the angle and needs no arcus
-            part = min(max((-strips[i, NO] / (1.0 + strips[i, NB]) - start) * ramp, 0.0), 1.0)
+            part = min(max((-strip.no / (1.0 + strip.nb) - settings.zone_start) * ramp, 0.0), 1.0)
             mu += rise * part * part * (3.0 - 2.0 * part)
         if kept < 1.0:
-            turn = strips[i, PHI] * strips[i, A]
-            slip = sqrt(strips[i, XI] * strips[i, XI] + strips[i, ETA] * strips[i, ETA] + turn * turn / 3.0)
+            turn = strip.phi * strip.a
+            slip = sqrt(strip.xi * strip.xi + strip.eta * strip.eta + turn * turn / 3.0)
             mu *= kept + (1.0 - kept) * exp(decay * slip)
-        strips[i, MU] = mu
+        strip.mu = mu
         largest = max(largest, mu)
     return largest

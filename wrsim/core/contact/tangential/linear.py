@@ -19,25 +19,24 @@ but not below what keeps the power of the strip from being positive.
 from math import sqrt
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.layout import DS, ETA, FORCE, FX, FY, MU, MZ, PHI, XI, A
 
 
 @kernel
-def linear_creep(strips, n, xi0, eta0, l1, l2, l3, direction, saturated):
-    """Forces of n strips; xi0, eta0: mean creepages; direction: +1 rolling along +x, -1 backwards.
+def linear_creep(strips, n, mean, soft, direction, saturated):
+    """Forces of n strips; mean, soft: mean creepages and flexibilities; direction: +1 rolling along +x, -1 backwards.
 
-    Reads A, DS, FORCE, MU, XI, ETA, PHI of each strip and writes FX, FY, MZ.
+    Reads a, ds, N, mu, xi, eta, phi of each strip and writes Fx, Fy, Mz.
     """
     for i in range(n):
-        row = strips[i]
-        area = 2.0 * row[A] * row[A] * row[DS]
-        lever = area * row[A] / (3.0 * l3)
-        fx = -area * (xi0 / l1 + (row[XI] - xi0) / l3)
-        fy = -area * (eta0 / l2 + (row[ETA] - eta0) / l3) - direction * lever * row[PHI]
-        mz = direction * lever * row[ETA]
+        strip = strips[i]
+        area = 2.0 * strip.a * strip.a * strip.ds
+        lever = area * strip.a / (3.0 * soft.l3)
+        fx = -area * (mean.xi / soft.l1 + (strip.xi - mean.xi) / soft.l3)
+        fy = -area * (mean.eta / soft.l2 + (strip.eta - mean.eta) / soft.l3) - direction * lever * strip.phi
+        mz = direction * lever * strip.eta
         if saturated:
             size = sqrt(fx * fx + fy * fy)
-            limit = row[MU] * row[FORCE]
+            limit = strip.mu * strip.N
             scale = limit / max(size, 1e-300)
             u = 3.0
             if size < 3.0 * limit:
@@ -45,10 +44,10 @@ def linear_creep(strips, n, xi0, eta0, l1, l2, l3, direction, saturated):
                 scale = 1.0 - u / 3.0 + u * u / 27.0
             fx *= scale
             fy *= scale
-            mz = restrain(fx * row[XI] + fy * row[ETA], row[PHI], scale * (1.0 - u / 3.0) * mz)
-        row[FX] = fx
-        row[FY] = fy
-        row[MZ] = mz
+            mz = restrain(fx * strip.xi + fy * strip.eta, strip.phi, scale * (1.0 - u / 3.0) * mz)
+        strip.Fx = fx
+        strip.Fy = fy
+        strip.Mz = mz
 
 
 @kernel

@@ -22,11 +22,14 @@ LARGE = 1e60  # creepages beyond are full sliding; their powers are still number
 
 
 @kernel
-def polach(xi, eta, phi, a, b, c11, c22, c23, stiffness, adhesion, slip):
+def polach(creepages, ellipse, coefficients, stiffness, adhesion, slip):
     """Fx, Fy over mu N and the moment over mu N [m], on the wheel, rolling along +x.
 
-    xi, eta, phi: creepages [1, 1, 1/m]; a, b: half axes [m]; stiffness: G / (mu N) [1/m2]; adhesion, slip: kA, kS.
+    stiffness: G / (mu N) [1/m2]; adhesion, slip: kA, kS.
     """
+    xi, eta, phi = creepages
+    a, b = ellipse.a, ellipse.b
+    c11, c22, c23 = coefficients
     turned = eta + phi * a
     if abs(turned) <= abs(eta):
         turned = eta

@@ -9,10 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.analysis.poses.solver import PoseSolver, Solved
+from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.settings import ContactSettings, Material
-from wrsim.core.contact import layout as k
+from wrsim.core.contact import records as k
+from wrsim.core.contact.records import Pose, Wheel
+from wrsim.core.contact.records import Profile as Table
+from wrsim.core.contact.search.locus import placed
+from wrsim.core.linalg import Vec
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
@@ -61,7 +66,7 @@ def contact_model(
 ) -> ContactModel:
     """Contact model without damping, in the tables' steel; choices as in ContactSettings."""
     settings = ContactSettings(**{"wheel": STEEL, "rail": STEEL, "damping": 0.0} | choices)
-    return ContactModel.build(wheel, rail, radius, settings, friction)
+    return models.contact_model(wheel, rail, radius, settings, friction)
 
 
 def pair_model(pair: str, **choices) -> ContactModel:
@@ -93,11 +98,35 @@ def contact_of(stand: PoseSolver, wheel: int = 0) -> Contact:
     return Contact.copy_from(stand.wheels[wheel].model.arrays, 0)
 
 
+def finite(values: Array) -> bool:
+    """Whether all numbers are finite, of records too."""
+    values = np.asarray(values)
+    parts = [values] if values.dtype.names is None else [values[name] for name in values.dtype.names]
+    return all(bool(np.isfinite(part).all()) for part in parts)
+
+
+def numbers(contact: Contact) -> list[float]:
+    """All numbers of a contact but its strips'."""
+    lobes = [value for lobe in contact.patches.tolist() for value in lobe]
+    return [*contact.force, *contact.moment, contact.wear_number, contact.closest, *lobes]
+
+
+def wheel_at(table: Array, step: float, radius: float, origin: Array, axle: Array) -> Wheel:
+    """A wheel as the kernels take it, from its profile's table; origin, axle: (3,) in rail axes."""
+    pose = Pose(Vec(*map(float, origin)), Vec(*map(float, axle)), Vec(0.0, 0.0, 0.0), Vec(0.0, 0.0, 0.0))
+    return placed(Table(table, float(step)), radius, pose)
+
+
+def columns(rows: Array, names: str) -> Array:
+    """Some fields of records (n,), side by side (n, names)."""
+    return np.stack([rows[name] for name in names.split()], axis=-1)
+
+
 def strips_of(contact: Contact, group: float | None = None) -> Array:
     """Strips of all lobes, or of the lobes of one patch, in one array."""
     rows = [
         strips
         for lobe, strips in zip(contact.patches, contact.strips, strict=True)
-        if group is None or lobe[k.GROUP] == group
+        if group is None or lobe["group"] == group
     ]
-    return np.concatenate(rows) if rows else np.zeros((0, k.STRIP_COLUMNS))
+    return np.concatenate(rows) if rows else np.zeros(0, k.STRIP)

@@ -1,0 +1,42 @@
+"""The contact models as one family: the register of normal models, and how a model is built.
+
+A new normal model is a kernel in core.contact.normal, its number in core.contact.normal.models, its name in
+`wrsim.contact.settings.Normal` and an entry here.
+"""
+
+from __future__ import annotations
+
+from wrsim.contact.half_space.strips import solve_into
+from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
+from wrsim.contact.settings import ContactSettings, Friction, Normal
+from wrsim.core.contact.normal.models import FREE_STRIPS, KIK_PIOTROWSKI
+from wrsim.geometry.profile.profile import Profile
+
+NORMAL_MODELS: dict[Normal, NormalModel] = {
+    "kik-piotrowski": NormalModel(
+        KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, strips=40, fewest=3, most=MOST_STRIPS
+    ),
+    # looks for contact where the penetration is more than a fifth of the lobe's; each of its strips is solved for
+    "strips": NormalModel(FREE_STRIPS, recess=0.2, joint=False, strips=24, fewest=12, most=200, follows=True),
+    "half-space": NormalModel(
+        KIK_PIOTROWSKI,
+        recess=1.0 - EPSILON,
+        joint=True,
+        strips=40,
+        fewest=3,
+        most=MOST_STRIPS,
+        solve=lambda model: solve_into(model).status,
+    ),
+}
+
+
+def contact_model(
+    wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: float | Friction
+) -> ContactModel:
+    """The model of one wheel on one rail. The rail profile is given with its inclination; radius [m]."""
+    return ContactModel.build(wheel, rail, radius, settings, friction, NORMAL_MODELS[settings.normal])
+
+
+def fast_model(model: ContactModel) -> ContactModel:
+    """The same wheel on the same rail with `ContactSettings.fast`, in arrays of its own."""
+    return contact_model(model.wheel, model.rail, model.radius, model.settings.fast(), model.friction)

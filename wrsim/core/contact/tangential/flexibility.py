@@ -1,0 +1,115 @@
+"""Flexibilities of the simplified theory on the equivalent ellipse, from Kalker's creep coefficients.
+
+L1 = 8 a / (3 C11 G),   L2 = 8 a / (3 C22 G),   L3 = pi a sqrt(a/b) / (4 C23 G).
+"""
+
+from math import pi, sqrt
+from typing import NamedTuple
+
+from wrsim.core.compiling import inlined, kernel
+
+
+class Creepages(NamedTuple):
+    """Longitudinal and lateral creepage [1], spin [1/m]."""
+
+    xi: float
+    eta: float
+    phi: float
+
+
+class Ellipse(NamedTuple):
+    """Half length a along the rail and half width b [m], and their ratio a/b."""
+
+    a: float
+    b: float
+    aspect: float
+
+
+class Coefficients(NamedTuple):
+    """Kalker's creep coefficients."""
+
+    c11: float
+    c22: float
+    c23: float
+
+
+class Flexibilities(NamedTuple):
+    """Displacement over traction for longitudinal creepage, lateral creepage and spin [m/Pa]."""
+
+    l1: float
+    l2: float
+    l3: float
+
+
+@inlined
+def ellipse_of(area, aspect):
+    """The ellipse of this area [m2] and aspect a/b."""
+    a = sqrt(area * aspect / pi)
+    return Ellipse(a, a / aspect, aspect)
+
+
+@kernel
+def kalker_coefficients(creep, aspect):
+    """C11, C22, C23 for a patch of aspect a/b.
+
+    creep: (20, 3) rows at min(a/b, b/a) = .1 ... 1, first a < b, then a > b in the same order. Beyond 0.1 the
+    coefficients go on with their asymptotic powers.
+    """
+    wide = aspect <= 1.0
+    g = aspect if wide else 1.0 / aspect
+    x = min(max(10.0 * g - 1.0, 0.0), 9.0)
+    i = min(int(x), 8)
+    r = x - i
+    row = i if wide else i + 10
+    c11 = creep[row, 0] + r * (creep[row + 1, 0] - creep[row, 0])
+    c22 = creep[row, 1] + r * (creep[row + 1, 1] - creep[row, 1])
+    c23 = creep[row, 2] + r * (creep[row + 1, 2] - creep[row, 2])
+    if g < 0.1:
+        slender = 0.1 / max(g, 1e-6)
+        if wide:
+            c23 /= sqrt(slender)
+        else:
+            c11 *= slender
+            c22 *= slender
+            c23 *= slender * sqrt(slender)
+    return Coefficients(c11, c22, c23)
+
+
+@kernel
+def flexibilities(creep, ellipse, shear_modulus):
+    """L1, L2, L3 on an ellipse."""
+    c = kalker_coefficients(creep, ellipse.aspect)
+    return Flexibilities(
+        8.0 * ellipse.a / (3.0 * c.c11 * shear_modulus),
+        8.0 * ellipse.a / (3.0 * c.c22 * shear_modulus),
+        pi * ellipse.a * sqrt(ellipse.aspect) / (4.0 * c.c23 * shear_modulus),
+    )
+
+
+@kernel
+def blended(soft, ellipse, mean, limit):
+    """L1, L2, L3 at small creepages, Kalker's one flexibility for all at large ones.
+
+    With three of them full sliding is not opposite to the slip: tractions follow (xi / L1, eta / L2). With one,
+
+        L = sqrt((xi L1)^2 + (eta L2)^2 + (phi c L3)^2) / sqrt(xi^2 + eta^2 + (phi c)^2),   c = sqrt(ab),
+
+    they are, but small creepages together do not meet the linear theory. In between by u, the size of the linear
+    force over mu N: smoothly from the three at u = 1 to the one at u = 6.
+    soft: the three; mean: mean creepages; limit: mu N [N].
+    """
+    a, aspect = ellipse.a, ellipse.aspect
+    turn = mean.phi * a / sqrt(aspect)
+    along = mean.xi / soft.l1
+    across = mean.eta / soft.l2
+    spin = 0.09375 * pi * sqrt(aspect) * turn / soft.l3  # C23 G phi c over 8 a / 3
+    linear = 8.0 / 3.0 * a * a * a / aspect * sqrt(along * along + across * across + spin * spin)
+    part = min(max((linear - limit) / (5.0 * max(limit, 1e-300)), 0.0), 1.0)
+    if part == 0.0:
+        return soft
+    part *= part * (3.0 - 2.0 * part)
+    sizes = (mean.xi * soft.l1) ** 2 + (mean.eta * soft.l2) ** 2 + (turn * soft.l3) ** 2
+    one = sqrt(sizes / (mean.xi * mean.xi + mean.eta * mean.eta + turn * turn))
+    return Flexibilities(
+        soft.l1 + part * (one - soft.l1), soft.l2 + part * (one - soft.l2), soft.l3 + part * (one - soft.l3)
+    )
