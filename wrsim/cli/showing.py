@@ -121,6 +121,9 @@ def print_peaks(result: Result) -> None:
         names = list(next(iter(own["wheels"].values()), {}))
         rows = [[name, *(cell for peaks in own["wheels"].values() for cell in _peak(peaks[name]))] for name in names]
         print_table(heads, (r for r in rows if set(r[1::2]) != {"-"}), title=result.title, left=("peak", "at"))
+        guide = own.get("guide_force_y_max_kN")
+        if guide is not None and guide["value"]:
+            print("largest lateral force of the guide frame on the wheelset: {} kN at {}".format(*_peak(guide)))
     _print_events(summary.get("events", []))
 
 

@@ -66,8 +66,8 @@ def history(axes: Axes, dataset: xr.Dataset, name: str, **options: Any) -> Axes:
                 if values.ndim == 3 and "contact_angle" in dataset:
                     line = broken(*line, ANGLE_JUMP, by=shown(dataset, "contact_angle")[:, j, k])
                 draw_line(axes, *line, **(settings | options))
-    words = CHANNELS[name].long_name
-    axes.set_ylabel(f"{words[0].upper()}{words[1:]}\n${CHANNELS[name].symbol}${unit(name)}")
+    words, symbol = CHANNELS[name].long_name, CHANNELS[name].symbol
+    axes.set_ylabel(f"{words[0].upper()}{words[1:]}\n" + (f"${symbol}$" if symbol else "") + unit(name))
     return axes
 
 

@@ -25,7 +25,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
 HISTORIES: dict[str, tuple[str, ...]] = {
-    "forces": ("Q", "Y"),
+    "forces": ("Q", "Y", "guide_force_y"),
     "derailment": ("Y_over_Q", "T_gamma"),
     "motion": ("lateral_shift", "yaw"),
     "pressure": ("p0", "area"),
@@ -64,7 +64,7 @@ def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
             figures["overview"] = lambda: overview_figure(one)
             figures["contact_angle"] = lambda: contact_angle_figure(one)
         for name, channels in HISTORIES.items():
-            present = tuple(c for c in channels if c in one)
+            present = tuple(c for c in channels if c in one and (c != "guide_force_y" or one[c].values.any()))
             if present:
                 figures[name] = _channels(one, present)
     elif one.sizes.get("pose", 0) > 1 and any(_has_values(one, name) for name in PANELS):

@@ -15,7 +15,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
-CURVE_CHANNELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
+CURVE_CHANNELS = ("lateral_shift", "yaw", "guide_force_y", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
 """Channels whose median in each full curve is reported."""
 
 _STEADY = 1e-4  # change of curvature over its largest value, per metre, below which a curve counts as full
@@ -56,6 +56,8 @@ def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
         "angle_of_attack_max_mrad": peak(one, "yaw", largest_magnitude=True),
         "wheels": {str(wheel): _wheel(one, str(wheel)) for wheel in one["wheel"].values},
     }
+    if "guide_force_y" in one:
+        found["guide_force_y_max_kN"] = peak(one, "guide_force_y", largest_magnitude=True)
     if "time" in one.dims:
         found["full_curves"] = full_curves(one)
     return found
