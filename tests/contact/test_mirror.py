@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from support.contacts import HALF_SPACING, RADIUS, pair_model, rail_origin
 
 from wrsim.core.body.kinematics import kinematics
-from wrsim.core.body.wheel_pose import add_forces, set_pose
+from wrsim.core.body.wheel_pose import set_pose, wheel_wrench
+from wrsim.core.linalg import Body, Frame, Vec
 
 MIRROR = np.array([1.0, -1.0, 1.0])  # y -> -y for vectors; pseudovectors (moments, angular velocity) get the opposite
 
@@ -27,7 +28,12 @@ poses = st.fixed_dictionaries(
 
 def frame_of(turn, origin):
     """Rail frame (r, t, n, b) from a rotation matrix with columns t, n, b."""
-    return (*origin, *turn.T.ravel())
+    return np.array([origin, *turn.T])
+
+
+def tuple_of(kind, rows):
+    """A Body or a Frame of rows of three numbers."""
+    return kind(*(Vec(*row) for row in np.asarray(rows).tolist()))
 
 
 def rotation(axis, angle):
@@ -53,29 +59,29 @@ def left_wheel(model, pose):
 
     for _ in range(400):
         body = body_at(height)
-        set_pose(body, frame, 1, HALF_SPACING, model.arrays.pose)
+        set_pose(body, tuple_of(Frame, frame), 1.0, HALF_SPACING, model.arrays.pose)
         model.arrays.call()
         if model.arrays.total["lobes"] > 0:
             break
         height -= max(model.arrays.total["closest"], 1e-6)
-    return np.array(body_at(height - pose["depth"])), np.array(frame)
+    return np.array(body_at(height - pose["depth"])), frame
 
 
 def wrench(model, body, frame, side):
     """Force and moment at the centre of mass, and the wheel's total."""
-    force, moment = np.zeros(3), np.zeros(3)
-    set_pose(tuple(body), tuple(frame), side, HALF_SPACING, model.arrays.pose)
+    body, frame, side = tuple_of(Body, body), tuple_of(Frame, frame), float(side)
+    set_pose(body, frame, side, HALF_SPACING, model.arrays.pose)
     model.arrays.call()
-    add_forces(tuple(body), tuple(frame), side, HALF_SPACING, model.arrays.total, force, moment)
-    return force, moment, model.arrays.total.copy()
+    force, moment = wheel_wrench(body, frame, side, HALF_SPACING, model.arrays.total)
+    return np.array(force), np.array(moment), model.arrays.total.copy()
 
 
 def mirrored(body, frame):
     """The same wheelset and rail behind the mirror y = 0: frames stay right-handed."""
-    position, velocity, forward, axle, up, omega = np.reshape(body, (6, 3))
-    origin, t, n, b = np.reshape(frame, (4, 3))
+    position, velocity, forward, axle, up, omega = body
+    origin, t, n, b = frame
     other = [position * MIRROR, velocity * MIRROR, forward * MIRROR, -axle * MIRROR, up * MIRROR, -omega * MIRROR]
-    return np.ravel(other), np.ravel([origin * MIRROR, t * MIRROR, -n * MIRROR, b * MIRROR])
+    return np.array(other), np.array([origin * MIRROR, t * MIRROR, -n * MIRROR, b * MIRROR])
 
 
 @settings(max_examples=40)
@@ -95,11 +101,11 @@ def test_a_right_wheel_is_the_mirror_image_of_the_left(pair, pose, friction):
 
 def moved(body, frame, turn, shift):
     """Everything turned about the origin, then shifted."""
-    turned_body = np.reshape(body, (6, 3)) @ turn.T
-    turned_frame = np.reshape(frame, (4, 3)) @ turn.T
+    turned_body = body @ turn.T
+    turned_frame = frame @ turn.T
     turned_body[0] += shift
     turned_frame[0] += shift
-    return turned_body.ravel(), turned_frame.ravel()
+    return turned_body, turned_frame
 
 
 @settings(max_examples=40)
@@ -132,7 +138,7 @@ def test_rolling_backwards_is_rolling_forwards_seen_in_a_mirror_across_the_rail(
     # the plane x = 0: lengths and velocities along t change sign, angular velocities and moments across t do
     model = pair_model("S1002/60E1 1:40")
     body, frame = left_wheel(model, pose)
-    set_pose(tuple(body), tuple(frame), 1, HALF_SPACING, model.arrays.pose)
+    set_pose(tuple_of(Body, body), tuple_of(Frame, frame), 1.0, HALF_SPACING, model.arrays.pose)
     ahead = model.arrays.pose.copy()
     along, turning = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
     contact = model.evaluate(ahead[:3], ahead[3:6], ahead[6:9], ahead[9:])

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from support.knife_edge import bare_wheelset
 
 from wrsim.core.body import kinematics as wheelset
+from wrsim.core.linalg import Body, Vec, point_velocity
 from wrsim.core.track import path
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc, Straight, Transition
@@ -25,11 +26,16 @@ angles = st.tuples(st.floats(-10.0, 10.0), st.floats(-0.3, 0.3), st.floats(-50.0
 vectors = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
 
 
+def moving(q, q_t):
+    """kinematics with arrays in the place of tuples."""
+    return Body(*map(np.array, wheelset.kinematics(q, q_t)))
+
+
 def body_of(position, turn, velocity, rates):
     """kinematics of a state given as global position, angles, velocity, rates of the angles."""
     q = np.array([position[2], position[0], position[1], *turn])
     q_t = np.array([velocity[2], velocity[0], velocity[1], *rates])
-    return q, q_t, np.array(wheelset.kinematics(q, q_t))
+    return q, q_t, moving(q, q_t)
 
 
 @given(turn=angles, rates=vectors)
@@ -41,47 +47,47 @@ def test_orientation_and_angular_velocity_are_those_of_the_exudyn_node(turn, rat
     output = exudyn.OutputVariableType
     rotation = np.reshape(system._mbs.GetNodeOutput(0, output.RotationMatrix), (3, 3))[TO_GLOBAL]
     omega = np.array(system._mbs.GetNodeOutput(0, output.AngularVelocity))[TO_GLOBAL]
-    assert body[:3] == pytest.approx(np.array(system._mbs.GetNodeOutput(0, output.Position))[TO_GLOBAL])
-    assert body[9:12] == pytest.approx(rotation[:, 2], abs=1e-12)  # body z is the axle
-    assert body[15:18] == pytest.approx(omega, abs=1e-12)
-    assert body[12:15] == pytest.approx(np.cross(body[6:9], body[9:12]), abs=1e-15)
+    assert body.position == pytest.approx(np.array(system._mbs.GetNodeOutput(0, output.Position))[TO_GLOBAL])
+    assert body.left == pytest.approx(rotation[:, 2], abs=1e-12)  # body z is the axle
+    assert body.omega == pytest.approx(omega, abs=1e-12)
+    assert body.up == pytest.approx(np.cross(body.forward, body.left), abs=1e-15)
     # without its spin the body's x is up
     up = rotation @ [np.cos(turn[2]), -np.sin(turn[2]), 0.0]
-    assert body[12:15] == pytest.approx(up, abs=1e-12)
+    assert body.up == pytest.approx(up, abs=1e-12)
 
 
 @given(turn=angles, velocity=vectors, rates=vectors, force=vectors, moment=vectors)
 def test_generalised_forces_do_the_power_of_force_and_moment(turn, velocity, rates, force, moment):
-    _, q_t, body = body_of((0.0, 0.0, 0.0), turn, velocity, rates)
+    q, q_t, body = body_of((0.0, 0.0, 0.0), turn, velocity, rates)
     out = np.zeros(6)
-    wheelset.generalised_forces(tuple(body), force, moment, out)
-    power = np.dot(force, body[3:6]) + np.dot(moment, body[15:18])
+    wheelset.add_generalised_forces(wheelset.kinematics(q, q_t), Vec(*force), Vec(*moment), out)
+    power = np.dot(force, body.velocity) + np.dot(moment, body.omega)
     assert out @ q_t == pytest.approx(power, abs=1e-11)
 
 
 @given(turn=angles, rates=vectors)
 def test_velocity_of_a_material_point_is_its_change_of_place(turn, rates):
     q, q_t, body = body_of((1.0, 2.0, 0.5), turn, (3.0, -1.0, 0.2), rates)
-    point = body[:3] + 0.7 * body[9:12] - 0.4 * body[12:15]
+    point = body.position + 0.7 * body.left - 0.4 * body.up
     h = 1e-6
 
     def carried(step):
         """The material point that is at ``point`` now, ``step`` seconds later."""
-        later = np.array(wheelset.kinematics(q + step * q_t, q_t))
+        later = moving(q + step * q_t, q_t)
         c, s = np.cos(step * q_t[5]), np.sin(step * q_t[5])
         # spin turns -up towards -forward
-        radial = -c * later[12:15] - s * later[6:9]
-        return later[:3] + 0.7 * later[9:12] + 0.4 * radial
+        radial = -c * later.up - s * later.forward
+        return later.position + 0.7 * later.left + 0.4 * radial
 
     measured = (carried(h) - carried(-h)) / (2 * h)
-    velocity = wheelset.point_velocity(tuple(body), *point)
+    velocity = point_velocity(wheelset.kinematics(q, q_t), Vec(*point))
     assert velocity == pytest.approx(measured, abs=1e-8)
 
 
 def test_rolling_forward_the_lowest_point_of_the_wheel_rests():
-    _, _, body = body_of((0.0, 0.0, 0.46), (0.3, 0.0, 2.0), (9.2 * np.cos(0.3), 9.2 * np.sin(0.3), 0.0), (0, 0, 20))
-    at = body[:3] + 0.75 * body[9:12] - 0.46 * body[12:15]
-    assert wheelset.point_velocity(tuple(body), *at) == pytest.approx([0, 0, 0], abs=1e-14)
+    q, q_t, body = body_of((0.0, 0.0, 0.46), (0.3, 0.0, 2.0), (9.2 * np.cos(0.3), 9.2 * np.sin(0.3), 0.0), (0, 0, 20))
+    at = body.position + 0.75 * body.left - 0.46 * body.up
+    assert point_velocity(wheelset.kinematics(q, q_t), Vec(*at)) == pytest.approx([0, 0, 0], abs=1e-14)
 
 
 @pytest.fixture(scope="module")
@@ -129,9 +135,9 @@ def pushed(vehicle, track, distance, speed, q, q_t):
     out = np.zeros(6)
     law(0.0, q, q_t, out)
     body = wheelset.kinematics(q, q_t)
-    s, _ = path.locate(track.centre.table, track.centre.step, *body[:3], distance)
-    axes = np.reshape(path.frame(track.centre.table, track.centre.step, s)[3:], (3, 3))
-    moment = np.linalg.solve([(0.0, 0.0, 1.0), body[6:9], body[9:12]], out[3:])
+    s, _ = path.locate(track.centre.curve, body.position, distance)
+    axes = np.array(path.frame(track.centre.curve, s))[1:]
+    moment = np.linalg.solve([(0.0, 0.0, 1.0), body.forward, body.left], out[3:])
     return axes @ out[TO_GLOBAL], axes @ moment
 
 
@@ -163,8 +169,8 @@ def test_dampers_on_straight_track_only_take_power(turn, velocity, rates):
     q, q_t, _ = body_of((10.0, 0.01, 0.47), turn, np.add(velocity, (20.0, 0, 0)), rates)
     damped = guided(stiffness=(0.0, 0.0, 0.0))
     force, moment = pushed(damped, track, 10.0, 20.0, q, q_t)
-    body = np.array(wheelset.kinematics(q, q_t))
-    assert force @ (body[3:6] - [20.0, 0.0, 0.0]) + moment @ body[15:18] <= 1e-9
+    body = moving(q, q_t)
+    assert force @ (body.velocity - [20.0, 0.0, 0.0]) + moment @ body.omega <= 1e-9
 
 
 def test_a_carried_mass_presses_with_its_weight_and_its_centrifugal_force():

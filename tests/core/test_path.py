@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 
+from wrsim.core.linalg import Vec
 from wrsim.core.track import path as core
 from wrsim.errors import InputError
 from wrsim.geometry.track.path import COLUMNS, Path
@@ -106,15 +107,15 @@ def test_path_continues_straight_at_both_ends(spiral: Path) -> None:
         assert np.abs(beyond[0] - (at[0] + sign * 7.0 * at[1])).max() < 1e-13
         assert np.abs(beyond[1:] - at[1:]).max() < 1e-15
         assert spiral.curvature(end + sign * 7.0) == 0.0
-        assert core.frame_rates(spiral.table, spiral.step, end + sign * 7.0) == (0.0, 0.0, 0.0, 0.0)
+        assert core.frame_rates(spiral.curve, end + sign * 7.0) == ((0.0, 0.0, 0.0), 0.0)
 
 
 def test_frame_rates_turn_the_frame(spiral: Path) -> None:
     h = 1e-4
     for s in (0.3, 11.11, 200.0, spiral.length - 0.2):
-        wx, wy, wz, droll = core.frame_rates(spiral.table, spiral.step, s)
+        omega, droll = core.frame_rates(spiral.curve, s)
         slope = (spiral.frame(s + h)[1:] - spiral.frame(s - h)[1:]) / (2.0 * h)
-        turned = np.cross(np.array([wx, wy, wz]), spiral.frame(s)[1:])
+        turned = np.cross(np.array(omega), spiral.frame(s)[1:])
         assert np.abs(slope - turned).max() < 1e-9  # differences of 1e-16 / 1e-4, and of the table's roll
         assert droll == pytest.approx(0.005 * np.cos(0.05 * s), abs=1e-9)
 
@@ -141,42 +142,36 @@ def test_locate_stays_on_its_turn_of_a_closed_circle() -> None:
     s = 0.0
     for k in range(1, 3000):  # follow a point that runs round the circle at 0.25 m a step, 1.2 m inside
         a = 0.25 * k / radius
-        s, status = core.locate(
-            path.table,
-            path.step,
-            (radius - 1.2) * np.sin(a),
-            radius - (radius - 1.2) * np.cos(a),
-            0.4,
-            s,
-        )
+        point = Vec((radius - 1.2) * np.sin(a), radius - (radius - 1.2) * np.cos(a), 0.4)
+        s, status = core.locate(path.curve, point, s)
         assert status == core.LOCATE_OK
         assert abs(s - 0.25 * k) < 1e-10
 
 
 def test_locate_says_when_it_has_no_answer(spiral: Path) -> None:
-    table, step = spiral.table, spiral.step
-    assert core.locate(table, step, np.nan, 0.0, 0.0, 1.0)[1] == core.LOCATE_NOT_FINITE
-    assert core.locate(table, step, 0.0, 0.0, 0.0, np.nan)[1] == core.LOCATE_NOT_FINITE
-    assert core.locate(table, step, 1.0, np.inf, 0.0, 1.0)[1] == core.LOCATE_NOT_FINITE
+    curve = spiral.curve
+    assert core.locate(curve, Vec(np.nan, 0.0, 0.0), 1.0)[1] == core.LOCATE_NOT_FINITE
+    assert core.locate(curve, Vec(0.0, 0.0, 0.0), np.nan)[1] == core.LOCATE_NOT_FINITE
+    assert core.locate(curve, Vec(1.0, np.inf, 0.0), 1.0)[1] == core.LOCATE_NOT_FINITE
     line = helix(1e9, 0.0, 1e-9, 0.25)  # hardly bent: a guess 1000 km away is out of reach
-    assert core.locate(line.table, line.step, 1e6, 0.0, 0.0, 0.0)[1] == core.LOCATE_NOT_CONVERGED
+    assert core.locate(line.curve, Vec(1e6, 0.0, 0.0), 0.0)[1] == core.LOCATE_NOT_CONVERGED
     assert np.isnan(line.locate(np.array([1e6, 0.0, 0.0]), 0.0))
 
 
 def test_not_a_number_in_gives_not_a_number_out(spiral: Path) -> None:
     assert np.isnan(spiral.position(np.nan)).all()
     assert np.isnan(spiral.curvature(np.nan))
-    assert np.isnan(core.frame_rates(spiral.table, spiral.step, np.nan)).all()
+    assert np.isnan(core.frame_rates(spiral.curve, np.nan)[0]).all()
 
 
 def test_kernels_are_plain_python_too(spiral: Path) -> None:
     """With the compiler off the same numbers come out, to the rounding of fused operations."""
     code = (
         "from test_path import helix; from wrsim.core.track import path as core\n"
-        "p = helix(30.0, 0.03, 2.0, 0.25, roll_rate=0.05); a = (p.table, p.step)\n"
+        "c = helix(30.0, 0.03, 2.0, 0.25, roll_rate=0.05).curve\n"
         "assert type(core.frame).__name__ == 'function'\n"
-        "r = core.frame(*a, 77.7)\n"
-        "print(*r, core.curvature(*a, 77.7), *core.frame_rates(*a, 77.7), core.locate(*a, *r[:3], 75.0)[0])"
+        "r, (w, d) = core.frame(c, 77.7), core.frame_rates(c, 77.7)\n"
+        "print(*(x for v in r for x in v), core.curvature(c, 77.7), *w, d, core.locate(c, r.origin, 75.0)[0])"
     )
     done = subprocess.run(
         [sys.executable, "-c", code],
@@ -187,14 +182,10 @@ def test_kernels_are_plain_python_too(spiral: Path) -> None:
         check=True,
     )
     plain = np.array(done.stdout.split(), dtype=float)
-    a = (spiral.table, spiral.step)
-    row = core.frame(*a, 77.7)
-    compiled = [
-        *row,
-        core.curvature(*a, 77.7),
-        *core.frame_rates(*a, 77.7),
-        core.locate(*a, *row[:3], 75.0)[0],
-    ]
+    c = spiral.curve
+    at, (omega, droll) = core.frame(c, 77.7), core.frame_rates(c, 77.7)
+    found = core.locate(c, at.origin, 75.0)[0]
+    compiled = [*np.ravel(at), core.curvature(c, 77.7), *omega, droll, found]
     assert np.abs(plain - compiled).max() < 1e-12
 
 

@@ -28,11 +28,11 @@ def momentum_and_energy(motion, body):
     """Angular momentum about the centre of mass (n, 3) and kinetic energy (n,)."""
     momentum, energy = [], []
     for q, q_t in zip(motion.q, motion.q_t, strict=True):
-        k = np.array(kinematics(q, q_t))
-        axle, omega = k[9:12], k[15:18]
+        state = kinematics(q, q_t)
+        axle, omega, velocity = np.array(state.left), np.array(state.omega), np.array(state.velocity)
         along = omega @ axle
         momentum.append(body.cross_inertia * omega + (body.spin_inertia - body.cross_inertia) * along * axle)
-        energy.append(0.5 * body.mass * k[3:6] @ k[3:6] + 0.5 * omega @ momentum[-1])
+        energy.append(0.5 * body.mass * velocity @ velocity + 0.5 * omega @ momentum[-1])
     return np.array(momentum), np.array(energy)
 
 
@@ -54,7 +54,7 @@ def test_a_free_axle_precesses_about_its_angular_momentum():
     momentum, _ = momentum_and_energy(motion, BODY)
     size = np.linalg.norm(momentum[0])
     axis = momentum[0] / size
-    axle = np.array([kinematics(a, b)[9:12] for a, b in zip(motion.q, motion.q_t, strict=True)])
+    axle = np.array([kinematics(a, b).left for a, b in zip(motion.q, motion.q_t, strict=True)])
     # symmetric top: the axle turns about L at |L| / I_cross
     turn = size / BODY.cross_inertia * motion.times
     parallel = (axle[0] @ axis) * axis

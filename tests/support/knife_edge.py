@@ -31,11 +31,12 @@ from dataclasses import dataclass, replace
 from math import atan, cos, pi, sin, sqrt
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from support.held import held_state
-from wrsim.core.body.kinematics import generalised_forces, kinematics, point_velocity
+from wrsim.core.body.kinematics import add_generalised_forces, kinematics
+from wrsim.core.compiling import kernel
+from wrsim.core.linalg import Vec, add, combined, components, cross, dot, mixed, point_velocity, shifted, sub
 from wrsim.core.track.path import frame, locate
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
@@ -49,150 +50,80 @@ from wrsim.vehicle.wheelset import Wheel, Wheelset
 HERTZ, DAMPING, CREEP, NORMAL0, FRICTION, R0, HALF, GAMMA, EXACT = range(9)
 
 
-@njit(cache=True)
+@kernel
 def textbook_contact(body, own, side, law):
     """Approach, contact point (global), unit vectors t, s (tangent across) and n (out of the wheel)."""
-    half = law[HALF]
-    gamma = law[GAMMA]
-    px = body[0] - own[0]
-    py = body[1] - own[1]
-    pz = body[2] - own[2]
-    shift = side * (px * own[6] + py * own[7] + pz * own[8])
-    arm = side * (half - shift)
-    radius = law[R0] + (sin(gamma) / cos(gamma)) * shift
-    x = body[0] + arm * body[9] - radius * body[12]
-    y = body[1] + arm * body[10] - radius * body[13]
-    z = body[2] + arm * body[11] - radius * body[14]
-    depth = -((x - own[0]) * own[9] + (y - own[1]) * own[10] + (z - own[2]) * own[11])
-    c = cos(gamma)
-    d = side * sin(gamma)
-    e = side * c
-    f = sin(gamma)
-    return (
-        depth * c,
-        x,
-        y,
-        z,
-        body[6],
-        body[7],
-        body[8],
-        e * body[9] + f * body[12],
-        e * body[10] + f * body[13],
-        e * body[11] + f * body[14],
-        d * body[9] - c * body[12],
-        d * body[10] - c * body[13],
-        d * body[11] - c * body[14],
-    )
+    c, sine = cos(law[GAMMA]), sin(law[GAMMA])
+    shift = side * dot(sub(body.position, own.origin), own.n)
+    radius = law[R0] + sine / c * shift
+    at = add(body.position, mixed(side * (law[HALF] - shift), body.left, -radius, body.up))
+    depth = -dot(sub(at, own.origin), own.b)
+    across = mixed(side * c, body.left, sine, body.up)
+    return depth * c, at, body.forward, across, mixed(side * sine, body.left, -c, body.up)
 
 
-@njit(cache=True)
+@kernel
 def exact_contact(body, own, side, law):
     """The same for the exact geometry. The axle and the apex are taken in (t, o, b), o outward."""
-    rx, ry, rz, tx, ty, tz, nx, ny, nz, bx, by, bz = own
     half = law[HALF]
-    c = cos(law[GAMMA])
-    sine = sin(law[GAMMA])
-    at = side * (body[9] * tx + body[10] * ty + body[11] * tz)
-    ao = body[9] * nx + body[10] * ny + body[11] * nz
-    ab = side * (body[9] * bx + body[10] * by + body[11] * bz)
-    px = body[0] - rx
-    py = body[1] - ry
-    pz = body[2] - rz
-    apex = half + law[R0] * c / sine  # along the axle
-    apex_t = px * tx + py * ty + pz * tz + apex * at
-    apex_o = side * (px * nx + py * ny + pz * nz) + apex * ao
-    apex_b = px * bx + py * by + pz * bz + apex * ab
-    q2 = ao * ao + ab * ab
+    c, sine = cos(law[GAMMA]), sin(law[GAMMA])
+    axle = components(body.left, own.t, own.n, own.b)
+    a = Vec(side * axle.x, axle.y, side * axle.z)
+    p = components(sub(body.position, own.origin), own.t, own.n, own.b)
+    apex = shifted(Vec(p.x, side * p.y, p.z), half + law[R0] * c / sine, a)  # along the axle
+    q2 = a.y * a.y + a.z * a.z
     root = sqrt(q2 - sine * sine)
-    no = (ao * sine + ab * root) / q2
-    nb = (ab * sine - ao * root) / q2
-    # generator from the apex to the rim, up to a factor: sin(gamma) n - axle
-    gt = -at
-    go = no * sine - ao
-    gb = nb * sine - ab
-    along = ((half - apex_o) * go - apex_b * gb) / (go * go + gb * gb)
-    ct = apex_t + along * gt
-    co = side * (apex_o + along * go)
-    cb = apex_b + along * gb
-    so = -side * nb
-    sb = no
-    no *= side
+    n = Vec(0.0, (a.y * sine + a.z * root) / q2, (a.z * sine - a.y * root) / q2)
+    g = mixed(sine, n, -1.0, a)  # generator from the apex to the rim, up to a factor
+    contact = shifted(apex, ((half - apex.y) * g.y - apex.z * g.z) / (g.y * g.y + g.z * g.z), g)
+    out = Vec(0.0, side * n.y, n.z)
     return (
-        (apex_o - half) * side * no + apex_b * nb,
-        rx + ct * tx + co * nx + cb * bx,
-        ry + ct * ty + co * ny + cb * by,
-        rz + ct * tz + co * nz + cb * bz,
-        tx,
-        ty,
-        tz,
-        so * nx + sb * bx,
-        so * ny + sb * by,
-        so * nz + sb * bz,
-        no * nx + nb * bx,
-        no * ny + nb * by,
-        no * nz + nb * bz,
+        (apex.y - half) * n.y + apex.z * n.z,
+        add(own.origin, combined(Vec(contact.x, side * contact.y, contact.z), own.t, own.n, own.b)),
+        own.t,
+        combined(Vec(0.0, -side * n.z, n.y), own.t, own.n, own.b),
+        combined(out, own.t, own.n, own.b),
     )
 
 
-@njit(cache=True)
+@kernel
 def edge_forces(body, own, side, speed, law):
     """Force and moment (about the centre of mass) of one edge on the wheelset, and N. side: +1 left, -1
     right.
     """
     if law[EXACT] != 0.0:
-        contact = exact_contact(body, own, side, law)
+        delta, at, t, s, n = exact_contact(body, own, side, law)
     else:
-        contact = textbook_contact(body, own, side, law)
-    delta, x, y, z, tx, ty, tz, sx, sy, sz, nx, ny, nz = contact
+        delta, at, t, s, n = textbook_contact(body, own, side, law)
     if not delta > 0.0:
         zero = 0.0 * delta
-        return zero, zero, zero, zero, zero, zero, zero
-    vx, vy, vz = point_velocity(body, x, y, z)
-    vt = vx * tx + vy * ty + vz * tz
-    vs = vx * sx + vy * sy + vz * sz
-    rate = vx * nx + vy * ny + vz * nz
-    normal = max(0.0, law[HERTZ] * delta * sqrt(delta) + law[DAMPING] * sqrt(delta) * rate)
+        return Vec(zero, zero, zero), Vec(zero, zero, zero), zero
+    v = components(point_velocity(body, at), t, s, n)
+    normal = max(0.0, law[HERTZ] * delta * sqrt(delta) + law[DAMPING] * sqrt(delta) * v.z)
     stiffness = law[CREEP] * (normal / law[NORMAL0]) ** (2.0 / 3.0) / speed
-    linear = stiffness * sqrt(vt * vt + vs * vs)
+    linear = stiffness * sqrt(v.x * v.x + v.y * v.y)
     bound = law[FRICTION] * normal
     if linear >= 3.0 * bound:
         factor = bound / linear if linear > 0.0 else 0.0
     else:
         e = linear / bound
         factor = 1.0 - e / 3.0 + e * e / 27.0
-    ft = -stiffness * factor * vt
-    fs = -stiffness * factor * vs
-    fx = ft * tx + fs * sx - normal * nx
-    fy = ft * ty + fs * sy - normal * ny
-    fz = ft * tz + fs * sz - normal * nz
-    x -= body[0]
-    y -= body[1]
-    z -= body[2]
-    return fx, fy, fz, y * fz - z * fy, z * fx - x * fz, x * fy - y * fx, normal
+    force = combined(Vec(-stiffness * factor * v.x, -stiffness * factor * v.y, -normal), t, s, n)
+    return force, cross(sub(at, body.position), force), normal
 
 
-@njit(cache=True)
-def knife_edge_forces(q, q_t, path, step, speed, law, memory, out):
+@kernel
+def knife_edge_forces(q, q_t, curve, speed, law, memory, out):
     """Add the generalised forces of both edges on the wheelset; memory: last place s, N left, N right.
 
     Returns the status of ``locate``.
     """
     body = kinematics(q, q_t)
-    s, status = locate(path, step, body[0], body[1], body[2], memory[0])
-    memory[0] = s
-    own = frame(path, step, s)
-    left = edge_forces(body, own, 1.0, speed, law)
-    right = edge_forces(body, own, -1.0, speed, law)
-    memory[1] = left[6]
-    memory[2] = right[6]
-    both = np.zeros(6)
-    generalised_forces(
-        body,
-        (left[0] + right[0], left[1] + right[1], left[2] + right[2]),
-        (left[3] + right[3], left[4] + right[4], left[5] + right[5]),
-        both,
-    )
-    out[:6] += both
+    memory[0], status = locate(curve, body.position, memory[0])
+    own = frame(curve, memory[0])
+    for i in range(2):
+        force, moment, memory[1 + i] = edge_forces(body, own, 1.0 - 2.0 * i, speed, law)
+        add_generalised_forces(body, force, moment, out[:6])
     return status
 
 
@@ -255,8 +186,7 @@ class KnifeEdgeForces(VehicleOnTrack):
 
     def __call__(self, t, q, q_t, out):
         status = super().__call__(t, q, q_t, out)
-        path = self.track.centre
-        if knife_edge_forces(q, q_t, path.table, path.step, self.speed, self.law, self.edge_memory, out):
+        if knife_edge_forces(q, q_t, self.track.centre.curve, self.speed, self.law, self.edge_memory, out):
             raise SimulationError(f"the wheelset cannot be placed on the track at t = {t:.6g} s")
         return status
 

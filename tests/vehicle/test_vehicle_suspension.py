@@ -49,6 +49,11 @@ def spring(at: Sequence[float] = (0.0, 0.0, HEIGHT), name: str = "spring", **val
     return replace(Spring(name, "spring", TRACK, "box", (x, y, z)), **values)  # type: ignore[arg-type]
 
 
+def rows(vectors: np.ndarray) -> np.ndarray:
+    """Records of vectors as (n, 3)."""
+    return np.array(vectors.tolist())
+
+
 def displaced(law: VehicleOnTrack, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
     """A state at a large heading with all bodies shifted and turned against each other, and moving."""
     rng = np.random.default_rng(seed)
@@ -91,14 +96,15 @@ def test_elements_between_bodies_keep_momentum_and_angular_momentum() -> None:
     law = hung(manchester())
     q, q_t = displaced(law)
     law(0.0, q, q_t, np.zeros(law.size))
-    views = law.arena.views
-    places, forces, moments = (views[k] for k in (vehicle_forces.STATES, vehicle_forces.FORCES, vehicle_forces.MOMENTS))
+    bodies, wrenches = (law.arena.views[k] for k in (vehicle_forces.BODIES, vehicle_forces.WRENCHES))
+    places = rows(bodies["position"])
+    forces, moments = rows(wrenches["force"]), rows(wrenches["moment"])
     n = len(law.bodies)
     largest = np.abs(forces[:n]).max()
     assert largest > 1e5
     assert np.abs(forces[:n].sum(axis=0)).max() < 1e-10 * largest
-    turning = np.cross(places[:n, :3], forces[:n]) + moments[:n]
-    assert np.abs(turning.sum(axis=0)).max() < 1e-10 * largest * np.abs(places[:n, :3]).max()
+    turning = np.cross(places[:n], forces[:n]) + moments[:n]
+    assert np.abs(turning.sum(axis=0)).max() < 1e-10 * largest * np.abs(places[:n]).max()
 
 
 def test_dampers_take_power_and_springs_in_series_store_it() -> None:

@@ -93,18 +93,15 @@ def _print(found: dict[str, Any]) -> None:
 def sketch_of(vehicle: Vehicle) -> VehicleSketch:
     """The vehicle as a drawing takes it; bodies become the boxes of equal mass and inertia."""
     from wrsim.plots.vehicle import ElementSketch, VehicleSketch, WheelSketch
-    from wrsim.vehicle.elements import Spring
+    from wrsim.vehicle.elements import KINDS
 
     wheels = [
         WheelSketch((mounted.x, side * 0.5 * mounted.wheelset.profile_spacing, mounted.height), wheel.radius)
         for mounted in vehicle.wheelsets
         for side, wheel in ((1.0, mounted.wheelset.left), (-1.0, mounted.wheelset.right))
     ]
-    elements = [
-        ElementSketch(e.kind, (e.at, e.at) if isinstance(e, Spring) else e.ends)
-        for e in vehicle.elements
-        if e.kind != "anti-roll-bar"
-    ]
+    glyphs = [(element, KINDS[element.kind].glyph) for element in vehicle.elements]
+    elements = [ElementSketch(element.kind, element.points, *glyph) for element, glyph in glyphs if glyph is not None]
     points = [point.at for point in vehicle.points]
     return VehicleSketch(vehicle.name, [_box(b) for b in vehicle.bodies], wheels, elements, points)
 

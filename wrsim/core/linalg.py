@@ -23,6 +23,9 @@ class Vec(NamedTuple):
     z: float
 
 
+ZERO = Vec(0.0, 0.0, 0.0)
+
+
 class Frame(NamedTuple):
     """Origin [m] and orthonormal axes: tangent t, n to the left, b up; in global axes."""
 
@@ -47,9 +50,9 @@ class Body(NamedTuple):
 
 
 class Curve(NamedTuple):
-    """A space curve: its table (n, 11), see ``core.track.path``, and the arclength between rows [m]."""
+    """A space curve: its nodes, (n,) records NODE of ``core.track.path``, and the arclength between them [m]."""
 
-    table: Any
+    nodes: Any
     step: float
 
 
@@ -75,6 +78,12 @@ def scale(s, a):
 def shifted(a, s, d):
     """a + s d."""
     return Vec(a.x + s * d.x, a.y + s * d.y, a.z + s * d.z)
+
+
+@inlined
+def mixed(r, a, s, b):
+    """r a + s b."""
+    return Vec(r * a.x + s * b.x, r * a.y + s * b.y, r * a.z + s * b.z)
 
 
 @inlined
@@ -121,6 +130,14 @@ def point_velocity(body, point):
 def read(row, k):
     """The vector in row[k : k + 3] of an array."""
     return Vec(row[k], row[k + 1], row[k + 2])
+
+
+@inlined
+def write(row, k, a):
+    """Write a vector to row[k : k + 3] of an array."""
+    row[k] = a.x
+    row[k + 1] = a.y
+    row[k + 2] = a.z
 
 
 @inlined

@@ -16,17 +16,6 @@ from wrsim.plots.style import FAINT, FULL_WIDTH, INK, QUIET, RAIL_FILL, WHEEL_FI
 
 Triple = tuple[float, float, float]
 
-GLYPHS = {
-    "spring": ("o", "#0072B2"),
-    "shear-spring": ("D", "#0072B2"),
-    "tabulated-spring": ("h", "#0072B2"),
-    "damper": ("s", "#D55E00"),
-    "bump-stop": ("X", "#B00020"),
-    "traction-rod": ("_", "#222222"),
-    "anti-roll-bar": ("*", "#009E73"),
-}
-"""Mark and colour of every kind of element."""
-
 MARGIN, GAP, TITLE, FOOT = 14.0, 9.0, 12.0, 14.0
 """mm."""
 
@@ -51,10 +40,13 @@ class WheelSketch:
 
 @dataclass(frozen=True)
 class ElementSketch:
-    """A suspension element: kind and its two ends [m]."""
+    """A suspension element: kind, its two ends [m], mark and its colour, whether the mark is hollow."""
 
     kind: str
     ends: tuple[Triple, Triple]
+    mark: str
+    colour: str
+    hollow: bool = False
 
 
 @dataclass(frozen=True)
@@ -96,14 +88,12 @@ def vehicle_view(axes: Axes, sketch: VehicleSketch, view: str) -> Axes:
             corner = (x - 0.5 * width, y - 0.5 * height)
             axes.add_patch(Rectangle(corner, width, height, facecolor=WHEEL_FILL, edgecolor=INK, linewidth=0.6))
     for element in sketch.elements:
-        mark, colour = GLYPHS[element.kind]
         ends = np.array(element.ends)
-        axes.plot(sign * ends[:, h], ends[:, v], color=colour, linewidth=1.0, solid_capstyle="round")
+        axes.plot(sign * ends[:, h], ends[:, v], color=element.colour, linewidth=1.0, solid_capstyle="round")
         middle = ends.mean(axis=0)
-        hollow = "spring" in element.kind
         axes.plot(
-            sign * middle[h], middle[v], marker=mark, color=colour, linestyle="none",
-            markersize=4.6 if hollow else 2.2, markerfacecolor="none" if hollow else colour, markeredgewidth=0.7,
+            sign * middle[h], middle[v], marker=element.mark, color=element.colour, linestyle="none",
+            markersize=4.6 if element.hollow else 2.2, markerfacecolor=_face(element), markeredgewidth=0.7,
         )  # fmt: skip
     for point in sketch.points:
         axes.plot(sign * point[h], point[v], marker="x", color=QUIET, markersize=3.5, markeredgewidth=0.7)
@@ -146,23 +136,22 @@ def vehicle_figure(sketch: VehicleSketch) -> Figure:
             axes.set_xticks(-ticks, [f"{t:g}" for t in ticks])
             axes.set_xlabel("y [m]")
             axes.set_ylabel("")
-    kinds = [kind for kind in GLYPHS if any(e.kind == kind for e in sketch.elements)]
+    kinds = {element.kind: element for element in reversed(sketch.elements)}
     handles = [
         Line2D(
-            [],
-            [],
-            marker=GLYPHS[kind][0],
-            color=GLYPHS[kind][1],
-            linestyle="none",
-            markersize=4.0,
-            label=kind,
-            markerfacecolor="none" if "spring" in kind else GLYPHS[kind][1],
+            [], [], marker=element.mark, color=element.colour, linestyle="none", markersize=4.0, label=kind,
+            markerfacecolor=_face(element),
         )
-        for kind in kinds
-    ]
+        for kind, element in reversed(kinds.items())
+    ]  # fmt: skip
     figure.legend(handles=handles, loc="lower right", ncols=1, frameon=False, fontsize=7.0)
     figure.suptitle(sketch.name, x=MARGIN / FULL_WIDTH, ha="left", fontsize=9.0)
     return figure
+
+
+def _face(element: ElementSketch) -> str:
+    """Colour inside of an element's mark."""
+    return "none" if element.hollow else element.colour
 
 
 def _extent(sketch: VehicleSketch) -> tuple[np.ndarray, np.ndarray]:

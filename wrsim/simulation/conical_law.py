@@ -34,26 +34,21 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
         """As ``VehicleOnTrack``; speed [m/s] must not be 0, for creepages are over the speed."""
         self.radii = np.array([mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
         self.own_places = np.zeros(len(self.radii))
-        self.parameters = np.zeros(kernel.PARAMETERS)
-        self.parameters[kernel.CONICITY] = cones.conicity
-        self.parameters[kernel.HALF] = cones.half_spacing
-        self.parameters[[kernel.CREEP_X, kernel.CREEP_Y]] = cones.creep_x, cones.creep_y
-        self.parameters[kernel.FRICTION] = cones.friction or 0.0
-        clearance = cones.flange_clearance
-        self.parameters[kernel.CLEARANCE] = np.inf if clearance is None else clearance
-        self.parameters[kernel.FLANGE] = 0.0 if clearance is None else cones.flange_stiffness
-        self.parameters[[kernel.SUPPORT, kernel.SUPPORT_DAMPING]] = SUPPORT, SUPPORT_DAMPING
-        self._force, self._moment = np.zeros(3), np.zeros(3)
+        self.law = np.zeros(1, kernel.CONICAL)
+        law = self.law[0]
+        law.conicity, law.half = cones.conicity, cones.half_spacing
+        law.creep_x, law.creep_y = cones.creep_x, cones.creep_y
+        law.friction = cones.friction or 0.0
+        law.clearance = np.inf if cones.flange_clearance is None else cones.flange_clearance
+        law.flange = 0.0 if cones.flange_clearance is None else cones.flange_stiffness
+        law.support, law.support_damping = SUPPORT, SUPPORT_DAMPING
         super().__init__(vehicle, track, (), speed=speed, start=start, drive=drive)
 
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
         """See ``ForceLaw``. Raises SimulationError off the track."""
         status = super().__call__(t, q, q_t, out)
-        path = self.track.centre
-        if kernel.conical_forces(
-            q, q_t, self.radii, self.own_places, path.table, path.step, self.speed, self.parameters,
-            self._force, self._moment, out,
-        ):  # fmt: skip
+        curve = self.track.centre.curve
+        if kernel.conical_forces(q, q_t, self.radii, self.own_places, curve, self.speed, self.law, out):
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
         return status
 

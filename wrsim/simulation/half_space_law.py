@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from wrsim.contact.channels import ElementField
 from wrsim.contact.half_space.patch import HalfSpaceContact
 from wrsim.contact.half_space.strips import FORCE, MOMENT, element_fields, solve_into
-from wrsim.core.body import vehicle_forces
-from wrsim.core.body.kinematics import generalised_forces, kinematics
-from wrsim.core.body.wheel_pose import add_forces
-from wrsim.core.body.wheelset_forces import S_LEFT, S_RIGHT, SCALARS
+from wrsim.core.body.kinematics import add_generalised_forces, kinematics
+from wrsim.core.body.wheel_pose import wheel_wrench
+from wrsim.core.body.wheelset_forces import SIDES
+from wrsim.core.linalg import Vec
 from wrsim.core.track.path import frame
 from wrsim.simulation.law import RAIL_COORDINATES, VehicleOnTrack
 from wrsim.simulation.system import Array
-
-if TYPE_CHECKING:
-    from wrsim.geometry.track.path import Path
 
 
 class HalfSpaceOnTrack(VehicleOnTrack):
@@ -32,7 +29,6 @@ class HalfSpaceOnTrack(VehicleOnTrack):
         """See `VehicleOnTrack`."""
         super().__init__(*arguments, **options)
         self.contacts: list[list[HalfSpaceContact]] = []
-        self._force, self._moment, self._exchange = np.zeros(3), np.zeros(3), np.zeros(6)
 
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
         """See ``ForceLaw``. Returns the status of the contacts; raises SimulationError off the track."""
@@ -46,25 +42,24 @@ class HalfSpaceOnTrack(VehicleOnTrack):
         """Take the fast model's forces on one wheelset out and put the exact ones in."""
         own = slice(6 * w, 6 * w + 6)
         body = kinematics(q[own], q_t[own])
-        self._force[:] = 0.0
-        self._moment[:] = 0.0
+        change = np.zeros((2, 3))  # of force and moment
         found: list[HalfSpaceContact] = []
-        rails: tuple[tuple[Path, int], ...] = ((self.track.left, S_LEFT), (self.track.right, S_RIGHT))
-        for i, (wheel, (rail, place)) in enumerate(zip(self.wheels[w], rails, strict=True)):
-            total = wheel.model.arrays.total
-            at = frame(rail.table, rail.step, self.wheelset_views[w][SCALARS][place])
+        rails = self.track.left.curve, self.track.right.curve
+        for i, (wheel, rail, place) in enumerate(
+            zip(self.wheels[w], rails, self.wheelset_views[w][SIDES], strict=True)
+        ):
+            total, at = wheel.model.arrays.total, frame(rail, place.s)
             fast = total.copy()
             found.append(solve_into(wheel.model))
             more = total.copy()
             for name in (*FORCE, *MOMENT):
                 more[name] -= fast[name]
-            add_forces(body, at, wheel.side, wheel.half_spacing, more, self._force, self._moment)
+            change += wheel_wrench(body, at, place.side, wheel.half_spacing, more)
             if self.elastic is not None:  # the wheel's force on its piece of rail, over the rail's mass
                 own_rail = self.size - self.rails + RAIL_COORDINATES * w + 2 * i
-                out[own_rail] -= wheel.side * more.Fo / self.scalars[vehicle_forces.RAIL_MASS]
-                out[own_rail + 1] -= more.Fb / self.scalars[vehicle_forces.RAIL_MASS + 1]
-        generalised_forces(body, self._force, self._moment, self._exchange)
-        out[own] += self._exchange
+                out[own_rail] -= wheel.side * more.Fo / self.elastic.mass[0]
+                out[own_rail + 1] -= more.Fb / self.elastic.mass[1]
+        add_generalised_forces(body, Vec(*change[0]), Vec(*change[1]), out[own])
         self.contacts.append(found)
         return found[0].status | found[1].status
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from wrsim.contact.arena import Arena, pack
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
+from wrsim.core.body import loads as load_kernel
 from wrsim.core.body import suspension, vehicle_forces
 from wrsim.core.body import wheelset_forces as wheelset_kernel
+from wrsim.core.linalg import BODY
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
-from wrsim.simulation.suspension_table import suspension_table
+from wrsim.simulation.suspension_table import SuspensionTable, suspension_table
 from wrsim.simulation.system import Array
 from wrsim.vehicle.vehicle import Drive
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
@@ -30,10 +32,7 @@ Contacts = tuple[ContactModel, ContactModel]
 """Contact models of the left and the right wheel."""
 
 DRIVES: tuple[Drive, ...] = ("free", "train", "wheels")
-"""In the order of their numbers in ``core.body.vehicle_forces``."""
-
-PLACES = [wheelset_kernel.S_LEFT, wheelset_kernel.S_RIGHT]
-"""Distances along the rails among a wheelset's scalars."""
+"""In the order of their numbers in ``core.body.loads``."""
 
 RAIL_COORDINATES = vehicle_forces.RAIL_COORDINATES
 """Displacements of the rails under one wheelset."""
@@ -41,18 +40,19 @@ RAIL_COORDINATES = vehicle_forces.RAIL_COORDINATES
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
-def _wheelset_arrays(wheelset: Wheelset, track: Track, contacts: Contacts) -> list[Array]:
+def _wheelset_arrays(wheelset: Wheelset, track: Track, contacts: Contacts) -> list[Any]:
     """The arrays of one wheelset in the order of ``core.body.wheelset_forces``."""
-    scalars = np.zeros(wheelset_kernel.SCALAR_COUNT)
-    scalars[[wheelset_kernel.STEP_LEFT, wheelset_kernel.STEP_RIGHT]] = track.left.step, track.right.step
-    scalars[wheelset_kernel.HALF_SPACING] = 0.5 * wheelset.profile_spacing
+    wheels = np.zeros(2, wheelset_kernel.WHEEL)
+    wheels["side"] = 1.0, -1.0
+    wheels["half_spacing"] = 0.5 * wheelset.profile_spacing
+    wheels["step"] = track.left.step, track.right.step
     left, right = (model.inputs for model in contacts)
-    return [scalars, track.left.table, track.right.table, np.zeros(3), np.zeros(3), *left, *right]
+    return [wheels, track.left.curve.nodes, track.right.curve.nodes, *left, *right]
 
 
 def _wheels(arena: Arena, wheelset: Wheelset, track: Track, contacts: Contacts) -> tuple[WheelOnRail, ...]:
     """The two wheels of a wheelset, whose models compute in its arena."""
-    count = wheelset_kernel.RIGHT - wheelset_kernel.LEFT
+    count = wheelset_kernel.ARRAYS_OF_A_WHEEL
     return tuple(
         WheelOnRail(
             contact.within(arena.part(first, count)),
@@ -61,9 +61,10 @@ def _wheels(arena: Arena, wheelset: Wheelset, track: Track, contacts: Contacts) 
             origin,
         )
         for contact, side, first, origin in zip(
-            contacts, (1, -1), (wheelset_kernel.LEFT, wheelset_kernel.RIGHT), track.rail_origins, strict=True
+            contacts, (1, -1), (wheelset_kernel.CONTACTS, wheelset_kernel.CONTACTS + count), track.rail_origins,
+            strict=True,
         )
-    )
+    )  # fmt: skip
 
 
 class VehicleOnTrack:
@@ -102,15 +103,15 @@ class VehicleOnTrack:
         self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if self.elastic else 0
         self.dampers = table.states + self.rails
         self.size = 6 * len(self.bodies) + self.dampers
-        own = self._arrays(table.elements, table.tables, speed, start, drive, gravity)
+        own = self._arrays(table, speed, start, drive, gravity)
         whole = list(own)
         for mounted, models in zip(vehicle.wheelsets, contacts, strict=bool(contacts)):
             whole += _wheelset_arrays(mounted.wheelset, track, models)
         self.arena = pack(whole)
         views = self.arena.views
-        self.scalars = views[vehicle_forces.V_SCALARS]
+        self.whole = views[vehicle_forces.WHOLE]
         self.elements = views[vehicle_forces.ELEMENTS]
-        self.records = views[vehicle_forces.RECORDS]
+        self.records = views[vehicle_forces.READINGS].view(np.float64).reshape(-1, 6)
         self._loads = views[vehicle_forces.LOADS]
         own_parts = [
             self.arena.part(first, wheelset_kernel.ARRAYS)
@@ -137,12 +138,12 @@ class VehicleOnTrack:
     @property
     def distance(self) -> float:
         """Distance of the reference body along the centre line at the state asked for last [m]."""
-        return float(self.scalars[vehicle_forces.S_REFERENCE])
+        return float(self.whole["s_reference"][0])
 
     @property
     def drive_force(self) -> float:
         """Force that holds the speed at the state asked for last, positive forward [N]."""
-        return float(self.scalars[vehicle_forces.DRIVE_FORCE])
+        return float(self.whole["drive_force"][0])
 
     def places(self, distances: Array) -> Array:
         """Rows for ``look_near`` (n, wheelsets, 3): distances of the wheelsets (n, wheelsets), and along both rails."""
@@ -153,7 +154,7 @@ class VehicleOnTrack:
     def set_speed(self, speed: float) -> None:
         """Change the speed [m/s] that the drive holds and at which the frame of the track runs on from its start."""
         self.speed = speed
-        self.scalars[vehicle_forces.SPEED] = speed
+        self.whole["speed"] = speed
 
     def look_near(self, origin: float | Array) -> None:
         """Tell where to look for the vehicle first: the distance of its origin [m], or a row of ``places``.
@@ -167,10 +168,10 @@ class VehicleOnTrack:
             rows = np.asarray(origin)
         at = float(rows[0, 0]) - vehicle.wheelsets[0].x
         for view, row in zip(self.wheelset_views, rows, strict=bool(self.wheelset_views)):
-            view[wheelset_kernel.SCALARS][PLACES] = row[1:]
-        self.scalars[vehicle_forces.S_REFERENCE] = at + vehicle.parts[vehicle.reference].centre[0]
+            view[wheelset_kernel.SIDES]["s"] = row[1:]
+        self.whole["s_reference"] = at + vehicle.parts[vehicle.reference].centre[0]
         for load in self._loads:
-            load[vehicle_forces.S_LOAD] = at + vehicle.parts[int(load[0])].centre[0]
+            load.s = at + vehicle.parts[load.body].centre[0]
 
     def follow(self, on: bool, sharp: bool = False) -> None:
         """From now on contacts start from those of the last state (in a run), or afresh. See ``Follows``."""
@@ -181,20 +182,20 @@ class VehicleOnTrack:
     def memory(self) -> Array:
         """What the next call starts from: it decides the last bits of the answer. See ``tape.Remembers``."""
         return np.concatenate(
-            [self.scalars[[vehicle_forces.S_REFERENCE]], self._loads[:, vehicle_forces.S_LOAD]]
-            + [view[wheelset_kernel.SCALARS][PLACES] for view in self.wheelset_views]
+            [self.whole["s_reference"], self._loads["s"]]
+            + [view[wheelset_kernel.SIDES]["s"] for view in self.wheelset_views]
             + [wheel.model.arrays.memory() for wheels in self.wheels for wheel in wheels]
         )
 
     def recall(self, memory: Array) -> None:
         """Put back what ``memory`` gave."""
         loads = len(self._loads)
-        self.scalars[vehicle_forces.S_REFERENCE] = memory[0]
-        self._loads[:, vehicle_forces.S_LOAD] = memory[1 : 1 + loads]
+        self.whole["s_reference"] = memory[0]
+        self._loads["s"] = memory[1 : 1 + loads]
         place = 1 + loads
         for view in self.wheelset_views:
-            view[wheelset_kernel.SCALARS][PLACES] = memory[place : place + len(PLACES)]
-            place += len(PLACES)
+            view[wheelset_kernel.SIDES]["s"] = memory[place : place + 2]
+            place += 2
         for wheels in self.wheels:
             for wheel in wheels:
                 place += wheel.model.arrays.recall(memory[place:])
@@ -202,77 +203,62 @@ class VehicleOnTrack:
     @contextmanager
     def dampers_at_rest(self) -> Iterator[None]:
         """While this lasts, dampers in series with springs carry nothing: they have had time to give way."""
-        series = self.elements[:, suspension.SERIES].copy()
+        series = self.elements["series"].copy()
         own = self._with_unknown()
         try:
-            self.elements[own, suspension.SERIES] = 0.0
+            self.elements["series"][own] = 0.0
             yield
         finally:
-            self.elements[:, suspension.SERIES] = series
+            self.elements["series"] = series
 
     def at_rest_in_series(self, q: Array, q_t: Array) -> Array:
         """The rates q_t with the extensions at which the dampers in series with springs carry nothing."""
         q_t = np.array(q_t, dtype=float)
         self(0.0, q, q_t, np.zeros(self.size))
         for i in self._with_unknown():
-            row = self.elements[i]
-            line = int(row[suspension.KIND]) == suspension.LINE
-            travel = self.records[i, 3 + (0 if line else int(row[suspension.DIRECTION]))]
-            q_t[6 * len(self.bodies) + int(row[suspension.STATE])] = travel
+            travel = self.records[i, self.vehicle.elements[i].travel_place]
+            q_t[6 * len(self.bodies) + self.elements["state"][i]] = travel
         return q_t
 
     def _with_unknown(self) -> NDArray[np.intp]:
         """Numbers of the elements with an unknown of their own."""
-        struts = self.elements[:, suspension.KIND] >= suspension.AXIS
-        return np.flatnonzero(struts & (self.elements[:, suspension.STATE] >= 0.0))
+        return np.flatnonzero(self.elements["state"] >= 0)
 
-    def _arrays(
-        self, elements: Array, tables: Array, speed: float, start: float, drive: Drive, gravity: float
-    ) -> list[Array]:
+    def _arrays(self, table: SuspensionTable, speed: float, start: float, drive: Drive, gravity: float) -> list[Any]:
         """The vehicle's own arrays in the order of ``core.body.vehicle_forces``."""
-        vehicle, n = self.vehicle, len(self.bodies)
-        scalars = np.zeros(vehicle_forces.VEHICLE_SCALARS)
-        scalars[vehicle_forces.GRAVITY] = gravity
-        scalars[vehicle_forces.START] = start
-        scalars[vehicle_forces.SPEED] = speed
-        scalars[vehicle_forces.VEHICLE_MASS] = vehicle.mass
-        scalars[vehicle_forces.DRIVE] = DRIVES.index(drive)
-        scalars[vehicle_forces.REFERENCE] = vehicle.reference
-        scalars[vehicle_forces.AHEAD] = vehicle.parts[vehicle.reference].centre[0]
-        scalars[vehicle_forces.STEP] = self.track.centre.step
-        scalars[vehicle_forces.GUIDE_AHEAD] = vehicle.guide_ahead
-        scalars[vehicle_forces.RAILS] = -1.0
+        vehicle, count = self.vehicle, len(self.bodies) + vehicle_forces.FRAMES
+        whole = np.zeros(1, vehicle_forces.VEHICLE)
+        own = whole[0]
+        own.gravity, own.start, own.speed, own.mass = gravity, start, speed, vehicle.mass
+        own.drive, own.reference = DRIVES.index(drive), vehicle.reference
+        own.ahead = vehicle.parts[vehicle.reference].centre[0]
+        own.step = self.track.centre.step
+        own.guide_ahead = vehicle.guide_ahead
+        own.rails = -1
         if self.elastic is not None:
-            scalars[vehicle_forces.RAILS] = self.size - self.rails
-            for place, pair in (
-                (vehicle_forces.RAIL_MASS, self.elastic.mass),
-                (vehicle_forces.RAIL_STIFFNESS, self.elastic.stiffness),
-                (vehicle_forces.RAIL_DAMPING, self.elastic.damping),
-            ):
-                scalars[place : place + 2] = pair
-        bodies = np.array(
-            [(body.mass, i if i < len(vehicle.wheelsets) else -1.0) for i, body in enumerate(self.bodies)]
-        )
-        loads = np.zeros((len(vehicle.loads), vehicle_forces.LOAD_COLUMNS))
+            own.rails = self.size - self.rails
+            e = self.elastic
+            own.rail_n, own.rail_b = zip(e.mass, e.stiffness, e.damping, strict=True)
+        wheelsets = len(vehicle.wheelsets)
+        parts = [(body.mass, i if i < wheelsets else -1) for i, body in enumerate(self.bodies)]
+        loads = np.zeros(len(vehicle.loads), load_kernel.LOAD)
         for row, load in zip(loads, vehicle.loads, strict=True):
-            row[0] = vehicle.index(load.body)
-            row[1:4] = np.array(load.at) - np.array(vehicle.parts[int(row[0])].centre)
-            row[4:7] = load.force
-        carried = np.array([(vehicle.index(c.body), c.mass, c.height) for c in vehicle.carried]).reshape(-1, 3)
-        axles = np.array([(i, self._holder(m.name), m.wheelset.mean_radius) for i, m in enumerate(vehicle.wheelsets)])
+            row.body, row.force = vehicle.index(load.body), load.force
+            row.at = tuple(np.array(load.at) - np.array(vehicle.parts[row.body].centre))
+        carried = [(c.mass, c.height, vehicle.index(c.body)) for c in vehicle.carried]
+        axles = [(m.wheelset.mean_radius, i, self._holder(m.name)) for i, m in enumerate(vehicle.wheelsets)]
         return [
-            scalars,
-            bodies,
-            np.zeros((n + vehicle_forces.FRAMES, 18)),
-            np.zeros((n + vehicle_forces.FRAMES, 3)),
-            np.zeros((n + vehicle_forces.FRAMES, 3)),
-            elements,
-            tables,
-            np.zeros((len(elements), suspension.RECORD)),
+            whole,
+            np.array(parts, vehicle_forces.PART),
+            np.zeros(count, BODY),
+            np.zeros(count, suspension.WRENCH),
+            table.elements,
+            table.tables,
+            np.zeros(len(table.elements), suspension.READING),
             loads,
-            carried,
-            axles,
-            self.track.centre.table,
+            np.array(carried, load_kernel.CARRIED),
+            np.array(axles, load_kernel.AXLE),
+            self.track.centre.curve.nodes,
         ]
 
     def _holder(self, wheelset: str) -> int:

@@ -32,11 +32,12 @@ def place_on_track(
     path: centre line; distance along it [m]; speed [m/s]; height of the axle above the track plane [m];
     spin_rate about the axle [rad/s]; lateral [m], yaw, roll [rad] against the track frame.
     """
-    track = path_kernels.frame(path.table, path.step, distance)
-    rates = path_kernels.frame_rates(path.table, path.step, distance)
+    track = path_kernels.frame(path.curve, distance)
+    turning, _ = path_kernels.frame_rates(path.curve, distance)
     q = np.zeros(6)
     q_t = np.zeros(6)
-    kernels.place(track, rates, speed, lateral, height, yaw, roll, spin_rate, q, q_t)
+    pose = kernels.Pose(float(lateral), float(height), float(yaw), float(roll))
+    kernels.place(track, turning, float(speed), pose, float(spin_rate), q, q_t)
     return q, q_t
 
 
@@ -64,9 +65,10 @@ def poses_as_far(path: Path, q: Array, q_t: Array, start: float = 0.0) -> TrackP
 
     start: guess of the first distance [m]. Consecutive samples should lie within some metres of each other.
     """
-    out = np.zeros((len(q), 6))
-    bad = kernels.poses_along(np.ascontiguousarray(q), np.ascontiguousarray(q_t), path.table, path.step, start, out)
-    return TrackPoses(*np.ascontiguousarray(out[: bad if bad >= 0 else len(q)].T))
+    out = np.zeros(len(q), kernels.PLACED)
+    bad = kernels.poses_along(np.ascontiguousarray(q), np.ascontiguousarray(q_t), path.curve, float(start), out)
+    placed = out[: bad if bad >= 0 else len(q)]
+    return TrackPoses(**{name: placed[name].copy() for name in kernels.PLACED.names})
 
 
 def poses_on_track(path: Path, q: Array, q_t: Array, start: float = 0.0) -> TrackPoses:

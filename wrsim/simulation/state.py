@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wrsim.core.body import steady as kernels
+from wrsim.core.linalg import Vec
 from wrsim.errors import SimulationError
 from wrsim.simulation.newton import bracket, newton
 from wrsim.simulation.placement import place_on_track
@@ -114,13 +115,12 @@ class SteadyMotion:
         n, w = len(law.bodies), len(law.vehicle.wheelsets)
         self.distance = law.start + law.vehicle.parts[law.vehicle.reference].centre[0]
         self.spins = 5 + 6 * np.arange(w)
-        self.inertia = np.array([(body.mass, *body.inertia) for body in law.bodies])
+        self.inertia = np.array([(body.mass, *body.inertia) for body in law.bodies], kernels.INERTIA)
         self.small = np.array(
             [(SMALL_WHEELSET if i < w else SMALL_BODY)[name] for i in range(n) for name in COORDINATES]
         )
         self.scale = np.full(6 * n, 1.0 / law.vehicle.weight)
         self._out, self._inertia = np.zeros(law.size), np.zeros(6 * n)
-        self._states = np.zeros((n, 18))
         self.rails = slice(law.size - law.rails, law.size)
         if law.elastic is not None:
             self.small = np.append(self.small, np.tile(SMALL_RAIL, law.rails // 2))
@@ -140,34 +140,25 @@ class SteadyMotion:
         x[self.spins] = q_t[self.spins] - rates[self.spins]
         return x
 
-    def _state(self, x: Array) -> tuple[Array, Array, tuple[float, float, float]]:
+    def _state(self, x: Array) -> tuple[Array, Array, Vec]:
         law, n = self.law, len(self.inertia)
         q, q_t = np.zeros(law.size), np.zeros(law.size)
         q[: 6 * n] = x[: 6 * n]
         q[self.spins] = 0.0
         q[self.rails] = x[6 * n :]
-        path = law.track.centre
-        wx, wy, wz, _, status = kernels.follow_together(
-            q,
-            x[self.spins],
-            len(self.spins),
-            path.table,
-            path.step,
-            law.vehicle.reference,
-            self.distance,
-            law.speed,
-            q_t[: 6 * n],
+        turning, _, status = kernels.follow_together(
+            q, x[self.spins], law.track.centre.curve, law.vehicle.reference, self.distance, law.speed, q_t[: 6 * n]
         )
         if status:
             raise SimulationError(f"the vehicle has no place on the track near {self.distance:g} m")
-        return q, q_t, (wx, wy, wz)
+        return q, q_t, turning
 
     def residual(self, x: Array) -> Array:
         """Forces less inertia forces over the weight (6 n,), then those on the rails under the wheels."""
         n = len(self.inertia)
         q, q_t, turning = self._state(x)
         self.law(0.0, q, q_t, self._out)
-        kernels.together_inertia(q, q_t, *turning, self.inertia, len(self.spins), self._states, self._inertia)
+        kernels.together_inertia(q, q_t, turning, self.inertia, len(self.spins), self._inertia)
         left = self._out[: 6 * n] - self._inertia
         if self.law.elastic is not None:
             left = np.append(left, self.rail_masses * self._out[self.rails])

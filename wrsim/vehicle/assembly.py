@@ -13,7 +13,8 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import Locate, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.vehicle import vehicle_sections as sections
-from wrsim.vehicle.elements import TRACK, ZERO, Element, Spring, Strut, Table, Triple
+from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, Triple
+from wrsim.vehicle.elements.keys import VEHICLE_AXES, Axes, Joint
 from wrsim.vehicle.vehicle import Body, Load, MountedWheelset, Point
 from wrsim.vehicle.wheelset import Wheelset
 
@@ -23,17 +24,11 @@ DEEPEST = 8
 
 @dataclass(frozen=True)
 class _Place:
-    """Where a part is: its name (with a dot behind, empty for the vehicle), origin [m], signs of its axes, depth."""
+    """Where a part is: its name (with a dot behind, empty for the vehicle), its axes, its depth."""
 
     prefix: str = ""
-    origin: Triple = ZERO
-    signs: Triple = (1.0, 1.0, 1.0)
+    axes: Axes = VEHICLE_AXES
     depth: int = 0
-
-    def __call__(self, point_mm: Triple) -> Triple:
-        """The point in the vehicle's axes [m]."""
-        x, y, z = (o + s * p / 1000.0 for o, s, p in zip(self.origin, self.signs, point_mm, strict=True))
-        return x, y, z
 
 
 @dataclass
@@ -58,7 +53,7 @@ class Assembly:
         for name, body in part.bodies.items():
             self._new(name, (*path, "bodies", name))
             self.bodies[place.prefix + name] = Body(
-                place.prefix + name, body.mass_kg, body.inertia_kg_m2, place(body.centre_mm)
+                place.prefix + name, body.mass_kg, body.inertia_kg_m2, place.axes.point(body.centre_mm)
             )
         for name, mount in part.wheelsets.items():
             self._new(name, (*path, "wheelsets", name))
@@ -70,7 +65,7 @@ class Assembly:
                 if mount.type is None:
                     raise self._fault(key, "is missing: there is no [wheelset] that all wheelsets share")
                 raise self._fault(key, words + suggest(mount.type, known), mount.type)
-            x = place((mount.x_mm, 0.0, 0.0))[0]
+            x = place.axes.point((mount.x_mm, 0.0, 0.0))[0]
             self.wheelsets[place.prefix + name] = MountedWheelset(
                 place.prefix + name, wheelset, x, wheelset.mean_radius
             )
@@ -86,11 +81,11 @@ class Assembly:
                 self.elements.append(element)
         for i, load in enumerate(part.loads):
             body = self._body(load.on, (*path, "loads", i, "on"), place)
-            force = tuple(1e3 * s * f for s, f in zip(place.signs, load.force_kN, strict=True))
-            self.loads.append(Load(place.prefix + load.name, body, force, place(load.at_mm)))  # type: ignore[arg-type]
+            force = place.axes.vector(load.force_kN)
+            self.loads.append(Load(place.prefix + load.name, body, force, place.axes.point(load.at_mm)))
         for i, point in enumerate(part.points):
             body = self._body(point.on, (*path, "points", i, "on"), place)
-            self.points.append(Point(place.prefix + point.name, body, place(point.at_mm)))
+            self.points.append(Point(place.prefix + point.name, body, place.axes.point(point.at_mm)))
         for i, inner in enumerate(part.places):
             self._elements(*self._inner(inner, (*path, "places", i), place))
 
@@ -105,8 +100,9 @@ class Assembly:
             )
         if place.depth >= DEEPEST:
             raise self._fault((*path, "part"), f"parts lie in parts more than {DEEPEST} deep", table.part)
-        x, y, z = ((-s if axis in table.mirror else s) for s, axis in zip(place.signs, ("x", "y", "z"), strict=True))
-        inner = _Place(f"{place.prefix}{table.name}.", place(table.at_mm), (x, y, z), place.depth + 1)
+        x, y, z = ((-s if axis in table.mirror else s) for s, axis in zip(place.axes.signs, "xyz", strict=True))
+        axes = Axes(place.axes.point(table.at_mm), (x, y, z))
+        inner = _Place(f"{place.prefix}{table.name}.", axes, place.depth + 1)
         return self.parts[table.part], ("parts", table.part), inner
 
     def _new(self, name: str, path: KeyPath) -> None:
@@ -138,42 +134,39 @@ class Assembly:
             return ZERO
         return self.bodies[name].centre if name in self.bodies else self.wheelsets[name].centre
 
-    def _repeated(self, table: sections.ElementTable, path: KeyPath, place: _Place) -> Iterator[Element]:
+    def _repeated(self, table: ElementTable, path: KeyPath, place: _Place) -> Iterator[Element]:
         """The elements of one table: one for every ``to`` and, where asked for, for both sides."""
         first = self._body(table.body, (*path, "body"), place)
         for to in table.to:
             second = self._body(to, (*path, "to"), place)
             if second == first:
                 raise self._fault((*path, "to"), "is the body that the element comes from", to)
-            base = place
+            base = place.axes
             if table.origin != "part":
-                centre = self._centre(first if table.origin == "body" else second)
-                base = _Place(place.prefix, centre, place.signs)
+                base = Axes(self._centre(first if table.origin == "body" else second), base.signs)
             name = table.name + (f" {to}" if len(table.to) > 1 else "")
-            point = next((p for p in (getattr(table, key) for key in table.POINTS) if p is not None), ZERO)
+            point = next(table.points(), ZERO)
             for side in (1.0, -1.0) if table.both_sides else (1.0,):
                 x, y, z = base.signs
-                there = _Place(base.prefix, base.origin, (x, side * y, z))
-                word = "" if not table.both_sides else " left" if there(point)[1] > 0.0 else " right"
-                element = _element(table, place.prefix + name + word, first, second, there)
+                axes = Axes(base.origin, (x, side * y, z))
+                word = "" if not table.both_sides else " left" if axes.point(point)[1] > 0.0 else " right"
+                element = table.element(Joint(place.prefix + name + word, table.kind, first, second), axes)
                 self._fits(element, path)
                 yield element
 
     def _fits(self, element: Element, path: KeyPath) -> None:
         """Springs join wheelsets on their axles, as the second body."""
-        if element.first in self.wheelsets and not (isinstance(element, Strut) and element.axis is None):
+        if element.first in self.wheelsets and element.turns_with_first:
             raise self._fault(
                 (*path, "body"),
                 "is a wheelset: the axes of an element cannot turn with it; exchange body and to",
                 element.first,
             )
-        turning = isinstance(element, Spring) and (*element.turning_stiffness, *element.turning_damping)
-        if turning and any(turning) and element.second in self.wheelsets:
+        if element.resists_turning and element.second in self.wheelsets:
             raise self._fault(
                 (*path, "to"), "is a wheelset, which spins: no rotational spring holds it", element.second
             )
-        ends = (element.at, element.at) if isinstance(element, Spring) else element.ends
-        for name, end in zip((element.first, element.second), ends, strict=True):
+        for name, end in zip((element.first, element.second), element.points, strict=True):
             if name not in self.wheelsets:
                 continue
             x, _, z = self._centre(name)
@@ -186,89 +179,3 @@ class Assembly:
 
     def _fault(self, path: KeyPath, message: str, value: str | None = None) -> InputError:
         return InputError(fault_line(path, message, self.locate, value))
-
-
-def scaled(values: Triple) -> Triple:
-    """Values in kilo-units as plain ones."""
-    x, y, z = values
-    return 1e3 * x, 1e3 * y, 1e3 * z
-
-
-def _element(table: sections.ElementTable, name: str, first: str, second: str, place: _Place) -> Element:
-    """One element in SI units."""
-    kind = table.kind
-    if isinstance(table, sections.SpringTable):
-        preload = table.preload_kN
-        if preload is not None:
-            x, y, z = (1e3 * s * f for s, f in zip(place.signs, preload, strict=True))
-            preload = (x, y, z)
-        return Spring(
-            name, kind, first, second, place(table.at_mm),
-            scaled(table.stiffness_kN_per_m), scaled(table.damping_kNs_per_m),
-            scaled(table.rotational_stiffness_kNm_per_rad), scaled(table.rotational_damping_kNms_per_rad),
-            preload=preload,
-        )  # fmt: skip
-    if isinstance(table, sections.ShearSpringTable):
-        x, y, z = (0.5 * (a + b) for a, b in zip(table.body_mm, table.to_mm, strict=True))
-        bending, torsion = 1e3 * table.bending_stiffness_kNm_per_rad, 1e3 * table.torsional_stiffness_kNm_per_rad
-        return Spring(
-            name, kind, first, second, place((x, y, z)),
-            scaled(table.stiffness_kN_per_m), scaled(table.damping_kNs_per_m), (bending, bending, torsion),
-            column=True,
-        )  # fmt: skip
-    if isinstance(table, sections.AntiRollBarTable):
-        return Spring(
-            name, kind, first, second, place(ZERO), turning_stiffness=(1e3 * table.stiffness_kNm_per_rad, 0.0, 0.0)
-        )
-    return _strut(table, name, first, second, place)
-
-
-def _strut(table: sections.ElementTable, name: str, first: str, second: str, place: _Place) -> Strut:
-    kind = table.kind
-    if isinstance(table, sections.RodTable):
-        ends = place(table.body_mm), place(table.to_mm)
-        return Strut(
-            name, kind, first, second, ends, None, 1e3 * table.stiffness_kN_per_m, 1e3 * table.damping_kNs_per_m
-        )
-    if isinstance(table, sections.DamperTable):
-        axis = None if table.direction is None else "xyz".index(table.direction)
-        if table.at_mm is not None:
-            ends = place(table.at_mm), place(table.at_mm)
-        else:
-            assert table.body_mm is not None and table.to_mm is not None
-            ends = place(table.body_mm), place(table.to_mm)
-        series = table.series_stiffness_kN_per_m
-        rows = tuple((v, 1e3 * f) for v, f in table.velocity_m_per_s_force_kN or ())
-        return Strut(
-            name, kind, first, second, ends, axis,  # type: ignore[arg-type]
-            damping=1e3 * (table.damping_kNs_per_m or 0.0),
-            series=None if series is None else 1e3 * series,
-            damper_table=_both_ways(rows) if rows and rows[0][0] >= 0.0 else rows,
-        )  # fmt: skip
-    assert isinstance(table, (sections.TabulatedSpringTable, sections.BumpStopTable))
-    axis = "xyz".index(table.direction)
-    rows = tuple((t / 1e3, 1e3 * f) for t, f in table.travel_mm_force_kN)
-    damping = 0.0
-    if isinstance(table, sections.BumpStopTable):
-        rows = _both_ways(rows) if table.both_ways else _one_way(rows)
-    else:
-        damping = 1e3 * table.damping_kNs_per_m
-    if place.signs[axis] < 0.0:
-        rows = tuple((-t, -f) for t, f in reversed(rows))
-    at = place(table.at_mm)
-    return Strut(name, kind, first, second, (at, at), axis, damping=damping, spring_table=rows)  # type: ignore[arg-type]
-
-
-def _both_ways(rows: Table) -> Table:
-    """The odd continuation of a table that begins at or above 0."""
-    positive = tuple(row for row in rows if row[0] > 0.0)
-    middle: Table = ((0.0, 0.0),)
-    if rows[0][0] > 0.0 and rows[0][1] == 0.0:
-        middle = ()  # free travel between the two stops
-    return (*((-t, -f) for t, f in reversed(positive)), *middle, *positive)
-
-
-def _one_way(rows: Table) -> Table:
-    """A table with nothing before its begin."""
-    start = rows[0][0]
-    return ((start - 1e-3, 0.0), *rows)

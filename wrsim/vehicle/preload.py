@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError
-from wrsim.vehicle.elements import Spring, Strut
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ ROUND_OFF = 1e-12
 
 
 def preloads(vehicle: Vehicle) -> list[Array]:
-    """Force on the second body of every element in the design position [N]: (3,) of a Spring, (1,) of a Strut.
+    """Force on the second body of every element in the design position, along its directions, (m,) each [N].
 
     Raises InputError for a body that its springs do not hold: it names the body and the direction.
     """
@@ -50,22 +49,22 @@ def preloads(vehicle: Vehicle) -> list[Array]:
     def motion(element: Element) -> Array:
         """Travel of the element per motion of the bodies, (directions, 6 n)."""
         rows = np.zeros((3, n, 6))
-        for name, end, sign in zip((element.first, element.second), _ends(element), (-1.0, 1.0), strict=True):
+        for name, end, sign in zip((element.first, element.second), element.points, (-1.0, 1.0), strict=True):
             i = vehicle.index(name) - base
             if 0 <= i < n:
                 rows[:, i] += sign * _at(np.array(end) - centres[i + base])
-        return _directions(element) @ rows.reshape(3, 6 * n)
+        return element.directions @ rows.reshape(3, 6 * n)
 
     motions = [motion(element) for element in vehicle.elements]
     stiffness = np.zeros((6 * n, 6 * n))
     right = load.ravel().copy()
     for element, travel in zip(vehicle.elements, motions, strict=True):
-        if isinstance(element, Spring) and element.preload is not None:
-            right += travel.T @ np.array(element.preload)
+        if element.given_preload is not None:
+            right += travel.T @ np.array(element.given_preload)
         else:
-            stiffness += travel.T @ np.diag(_stiffness(element)) @ travel
+            stiffness += travel.T @ np.diag(element.stiffness_at_rest) @ travel
     for element in vehicle.elements:
-        if isinstance(element, Spring) and any(element.turning_stiffness):
+        if any(element.rotational_stiffness):
             stiffness += _turning(vehicle, element, n, base)
     u = np.linalg.lstsq(stiffness, right, rcond=1e-12)[0] if n else np.zeros(0)
     left = right - stiffness @ u
@@ -77,18 +76,12 @@ def preloads(vehicle: Vehicle) -> list[Array]:
         )
     found = []
     for element, travel in zip(vehicle.elements, motions, strict=True):
-        if isinstance(element, Spring) and element.preload is not None:
-            found.append(np.array(element.preload))
+        if element.given_preload is not None:
+            found.append(np.array(element.given_preload))
         else:
-            force = -_stiffness(element) * (travel @ u)
+            force = -element.stiffness_at_rest * (travel @ u)
             found.append(np.where(np.abs(force) > ROUND_OFF * vehicle.mass * STANDARD_GRAVITY, force, 0.0))
     return found
-
-
-def _ends(element: Element) -> tuple[Array, Array]:
-    if isinstance(element, Spring):
-        return np.array(element.at), np.array(element.at)
-    return np.array(element.ends[0]), np.array(element.ends[1])
 
 
 def _at(arm: Array) -> Array:
@@ -98,38 +91,12 @@ def _at(arm: Array) -> Array:
     return np.hstack([np.eye(3), turn])
 
 
-def _directions(element: Element) -> Array:
-    """The directions in which an element has a travel, as rows."""
-    if isinstance(element, Spring):
-        return np.eye(3)
-    if element.axis is not None:
-        return np.eye(3)[element.axis][None]
-    line = np.array(element.ends[1]) - np.array(element.ends[0])
-    return np.asarray(line / np.linalg.norm(line))[None]
-
-
-def _stiffness(element: Element) -> Array:
-    """Stiffness at rest in these directions."""
-    if isinstance(element, Spring):
-        return np.array(element.stiffness)
-    return np.array([slope(element)])
-
-
-def slope(strut: Strut) -> float:
-    """Stiffness of a strut at rest [N/m]."""
-    table = strut.spring_table
-    if not table:
-        return strut.stiffness
-    i = next((k for k in range(len(table) - 2) if table[k + 1][0] >= 0.0), len(table) - 2)
-    return (table[i + 1][1] - table[i][1]) / (table[i + 1][0] - table[i][0])
-
-
-def _turning(vehicle: Vehicle, spring: Spring, n: int, base: int) -> Array:
+def _turning(vehicle: Vehicle, element: Element, n: int, base: int) -> Array:
     """Share of the rotational springs in the stiffness matrix."""
     rows = np.zeros((3, n, 6))
-    for name, sign in ((spring.first, -1.0), (spring.second, 1.0)):
+    for name, sign in ((element.first, -1.0), (element.second, 1.0)):
         i = vehicle.index(name) - base
         if 0 <= i < n:
             rows[:, i, 3:] += sign * np.eye(3)
     flat = rows.reshape(3, 6 * n)
-    return np.asarray(flat.T @ np.diag(spring.turning_stiffness) @ flat)
+    return np.asarray(flat.T @ np.diag(element.rotational_stiffness) @ flat)

@@ -18,8 +18,9 @@ from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import parse_toml, read_text
 from wrsim.inputs.values import Day, Source, text
-from wrsim.vehicle.assembly import Assembly, scaled
+from wrsim.vehicle.assembly import Assembly
 from wrsim.vehicle.elements import GUIDE, TRACK
+from wrsim.vehicle.elements.keys import scaled
 from wrsim.vehicle.files import SprungTable, SuspensionTable, WheelsetTable, load_wheel
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset

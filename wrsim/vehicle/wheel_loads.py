@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.vehicle.elements import Spring
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
@@ -29,13 +28,8 @@ def static_wheel_loads(vehicle: Vehicle) -> NDArray[np.float64]:
             for end, sign in ((element.second, 1.0), (element.first, -1.0)):
                 if end != mounted.name:
                     continue
-                if isinstance(element, Spring):
-                    vertical, y = sign * force[2], element.at[1]
-                else:
-                    ends = np.array(element.ends)
-                    line = ends[1] - ends[0]
-                    direction = np.eye(3)[element.axis] if element.axis is not None else line / np.linalg.norm(line)
-                    vertical, y = sign * force[0] * direction[2], ends[1 if sign > 0.0 else 0][1]
+                vertical = sign * float(force @ element.directions[:, 2])
+                y = element.points[1 if sign > 0.0 else 0][1]
                 down -= vertical
                 moment -= vertical * y
         down += sum(load.mass for load in vehicle.carried if load.body == mounted.name) * STANDARD_GRAVITY

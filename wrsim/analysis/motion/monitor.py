@@ -16,7 +16,6 @@ from wrsim.analysis.motion.derailment import Wheel, wheels_of
 from wrsim.analysis.motion.outcomes import Event, OffRail, Overlap
 from wrsim.analysis.motion.words import stop_words
 from wrsim.core.contact import records as k
-from wrsim.vehicle.elements import Strut
 
 if TYPE_CHECKING:
     from wrsim.simulation.law import VehicleOnTrack
@@ -52,7 +51,7 @@ class Monitor:
         self.wheels = wheels_of(law)
         self.last_contact = np.full((len(self.wheels), 2), np.nan)
         elements = law.vehicle.elements
-        self.stops = [(i, e.limits, e.axis or 0) for i, e in enumerate(elements) if isinstance(e, Strut) and e.limits]
+        self.stops = [(i, e.limits, e.travel_place) for i, e in enumerate(elements) if e.limits]
         self.notes = np.zeros((0, 6))
         """Rows (kind, which wheel or element, time, distance, last time, last distance)."""
 
@@ -67,8 +66,8 @@ class Monitor:
         ending: OffRail | Overlap | None = None
         for i, wheel in enumerate(self.wheels):
             ending = ending or self._look_at(i, wheel, t, distance)
-        for i, limits, axis in self.stops:
-            if not limits[0] <= self.law.records[i, 3 + axis] <= limits[1]:
+        for i, limits, place in self.stops:
+            if not limits[0] <= self.law.records[i, place] <= limits[1]:
                 self._note(STOP, i, t, distance)
         if status & k.STATUS_TOO_DEEP:
             ending = ending or self._overlap()

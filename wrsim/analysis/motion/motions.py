@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wrsim.core.body.kinematics import kinematics
-from wrsim.core.body.rigid_body import turned_axes
+from wrsim.core.body.rigid_body import pitched
 from wrsim.core.track import path as path_kernels
 from wrsim.simulation.bodies import mass_matrix, velocity_forces
 from wrsim.simulation.placement import poses_on_track
-from wrsim.vehicle.elements import GUIDE, TRACK, Spring, Strut
+from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -26,7 +26,6 @@ def body_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]
     names = ("body_lateral", "body_vertical", "body_yaw", "body_pitch", "body_roll")
     found = {name: np.zeros((n, len(vehicle.bodies))) for name in names}
     path = law.track.centre
-    row = np.zeros(18)
     for b, body in enumerate(vehicle.bodies):
         own = slice(6 * (first + b), 6 * (first + b) + 6)
         poses = poses_on_track(path, q[:, own], q_t[:, own], law.start + body.centre[0])
@@ -35,9 +34,9 @@ def body_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]
         found["body_yaw"][:, b] = poses.yaw
         found["body_roll"][:, b] = poses.roll
         for i in range(n):
-            turned_axes(kinematics(q[i, own], q_t[i, own]), q[i, own][5], row)
-            up = path_kernels.frame(path.table, path.step, poses.distance[i])[9:12]
-            found["body_pitch"][i, b] = -np.arcsin(np.clip(row[6:9] @ np.array(up), -1.0, 1.0))
+            forward = pitched(kinematics(q[i, own], q_t[i, own]), q[i, own][5]).forward
+            up = path_kernels.frame(path.curve, poses.distance[i]).b
+            found["body_pitch"][i, b] = -np.arcsin(np.clip(np.dot(forward, up), -1.0, 1.0))
     return found
 
 
@@ -52,7 +51,6 @@ class PointMotion:
             np.array(point.at) - np.array(vehicle.parts[i].centre)
             for point, i in zip(vehicle.points, self.bodies, strict=True)
         ]
-        self._row = np.zeros(18)
 
     def at(self, q: Array, q_t: Array, forces: Array) -> Array:
         """Accelerations (points, 3) along the body's axes [m/s2] under the generalised forces.
@@ -66,9 +64,9 @@ class PointMotion:
         found = np.zeros((len(self.bodies), 3))
         for j, (i, arm) in enumerate(zip(self.bodies, self.arms, strict=True)):
             own = slice(6 * i, 6 * i + 6)
-            turned_axes(kinematics(q[own], q_t[own]), q[own][5], self._row)
-            axes = self._row[6:15].reshape(3, 3)
-            omega = axes @ self._row[15:18]
+            state = pitched(kinematics(q[own], q_t[own]), q[own][5])
+            axes = np.array([state.forward, state.left, state.up])
+            omega = axes @ state.omega
             acceleration = axes @ (np.array([q_tt[own][1], q_tt[own][2], q_tt[own][0] + STANDARD_GRAVITY]))
             alpha = _angular_acceleration(q[own], q_t[own], q_tt[own])
             found[j] = acceleration + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
@@ -106,12 +104,8 @@ def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[st
         w = vehicle.index(element.second)
         if element.first not in (TRACK, GUIDE) or w >= len(vehicle.wheelsets):
             continue
-        at = np.array(element.at if isinstance(element, Spring) else element.ends[1])
-        x, y, _ = at - vehicle.parts[w].centre
-        fx, fy = record[:, 0], record[:, 1]
-        if isinstance(element, Strut) and element.axis is None:
-            line = np.array(element.ends[1]) - np.array(element.ends[0])
-            fx, fy = (-record[:, 0] * part for part in (line / np.linalg.norm(line))[:2])
+        x, y, _ = np.array(element.points[1]) - vehicle.parts[w].centre
+        fx, fy, _ = element.force_on_second(record).T
         moment = x * fy - y * fx
         if element.first == GUIDE:
             c, s = np.cos(attack), np.sin(attack)

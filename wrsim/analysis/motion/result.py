@@ -133,7 +133,7 @@ def result_of(setup: Setup, law: VehicleOnTrack, motion: Motion, events: Sequenc
         coords["suspension"] = [element.name for element in vehicle.elements]
         channels |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
         channels |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}
-        ends = np.array([getattr(e, "limits", None) or (np.nan, np.nan) for e in vehicle.elements])
+        ends = np.array([e.limits or (np.nan, np.nan) for e in vehicle.elements])
         channels |= {"suspension_stop_min": ends[:, 0], "suspension_stop_max": ends[:, 1]}
     if events:
         channels |= {

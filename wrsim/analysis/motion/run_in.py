@@ -67,11 +67,11 @@ def run_in(setup: Setup, start_of: Callable[[Setup, VehicleOnTrack], State]) -> 
 def _moved(law: VehicleOnTrack, distance: float, setup: Setup, q: Array, q_t: Array) -> State:
     """The state as if the vehicle's origin were at the start of the run, on another curve of equal shape."""
     frames = [
-        np.array(path_kernels.frame(path.table, path.step, s))
+        path_kernels.frame(path.curve, s)
         for path, s in ((law.track.centre, distance), (setup.track.centre, setup.run.start))
     ]
-    old, new = (frame[:3] for frame in frames)
-    headings = [np.arctan2(frame[4], frame[3]) for frame in frames]
+    old, new = (frame.origin for frame in frames)
+    headings = [np.arctan2(frame.t.y, frame.t.x) for frame in frames]
     turn = headings[1] - headings[0]
     c, s = np.cos(turn), np.sin(turn)
     q, q_t = q.copy(), q_t.copy()

@@ -18,7 +18,8 @@ from scipy.optimize import brentq
 from wrsim.analysis.poses.load import LoadNotReached
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.core.body.kinematics import kinematics
-from wrsim.core.body.wheel_pose import add_forces, set_pose
+from wrsim.core.body.wheel_pose import set_pose, wheel_wrench
+from wrsim.core.linalg import Frame, Vec
 from wrsim.scenario.cases import StaticPose
 
 Array = NDArray[np.float64]
@@ -62,13 +63,16 @@ class PoseSolver:
         self.moment[:] = 0.0
         for i, wheel in enumerate(self.wheels):
             o, b = wheel.rail_origin
-            frame = (0.0, wheel.side * o, b, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+            side = float(wheel.side)
+            rail = Frame(Vec(0.0, side * o, b), Vec(1.0, 0.0, 0.0), Vec(0.0, 1.0, 0.0), Vec(0.0, 0.0, 1.0))
             a = wheel.model.arrays
-            set_pose(body, frame, wheel.side, wheel.half_spacing, a.pose)
+            set_pose(body, rail, side, wheel.half_spacing, a.pose)
             # the section of the rail beside the wheel
             a.pose[0] = 0.0
             self._touch(i)
-            add_forces(body, frame, wheel.side, wheel.half_spacing, a.total, self.force, self.moment)
+            force, moment = wheel_wrench(body, rail, side, wheel.half_spacing, a.total)
+            self.force += force
+            self.moment += moment
 
     def solve(self, pose: StaticPose) -> Solved:
         """Height (and roll, with two wheels) for the pose's load. The models then hold the contact found."""

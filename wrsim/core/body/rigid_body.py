@@ -14,76 +14,72 @@ takes is G^T (I G_t theta_t + omega x I omega).
 
 from math import cos, sin
 
-from wrsim.core.compiling import kernel
+from wrsim.core.body.kinematics import HEADING, ROLL, SPIN
+from wrsim.core.compiling import inlined, kernel
+from wrsim.core.linalg import Body, Vec, dot, mixed
+
+PITCH = SPIN
 
 
-@kernel
-def turned_axes(body, pitch, row):
-    """Write position, velocity, axes and angular velocity of a body to ``row`` (18,), its axes turned by the pitch.
-
-    body: 18 numbers of ``core.body.kinematics.kinematics``, whose axes do not know the third angle.
-    """
+@inlined
+def pitched(body, pitch):
+    """A body whose axes are turned by the pitch; those of ``core.body.kinematics`` do not know the third angle."""
     c = cos(pitch)
     s = sin(pitch)
-    for k in range(18):
-        row[k] = body[k]
-    for k in range(3):
-        forward = body[6 + k]
-        up = body[12 + k]
-        row[6 + k] = c * forward - s * up
-        row[12 + k] = s * forward + c * up
+    forward = mixed(c, body.forward, -s, body.up)
+    up = mixed(s, body.forward, c, body.up)
+    return Body(body.position, body.velocity, forward, body.left, up, body.omega)
 
 
 @kernel
 def mass_block(q, mass, ixx, iyy, izz, out):
     """Mass matrix (6, 6) of one body at its coordinates q (6,); mass [kg], principal inertia [kg m2]."""
-    for i in range(6):
-        for j in range(6):
-            out[i, j] = 0.0
+    out[:] = 0.0
     for i in range(3):
         out[i, i] = mass
-    sr, cr = sin(q[4]), cos(q[4])
-    sp, cp = sin(q[5]), cos(q[5])
-    out[3, 3] = ixx * cr * cr * sp * sp + iyy * sr * sr + izz * cr * cr * cp * cp
-    out[4, 4] = ixx * cp * cp + izz * sp * sp
-    out[5, 5] = iyy
-    out[3, 4] = out[4, 3] = (izz - ixx) * cr * sp * cp
-    out[3, 5] = out[5, 3] = iyy * sr
+    sr, cr = sin(q[ROLL]), cos(q[ROLL])
+    sp, cp = sin(q[PITCH]), cos(q[PITCH])
+    out[HEADING, HEADING] = ixx * cr * cr * sp * sp + iyy * sr * sr + izz * cr * cr * cp * cp
+    out[ROLL, ROLL] = ixx * cp * cp + izz * sp * sp
+    out[PITCH, PITCH] = iyy
+    out[HEADING, ROLL] = out[ROLL, HEADING] = (izz - ixx) * cr * sp * cp
+    out[HEADING, PITCH] = out[PITCH, HEADING] = iyy * sr
 
 
 @kernel
 def velocity_forces(q, q_t, ixx, iyy, izz, out):
     """Quadratic velocity forces (6,): the generalised forces of a motion whose coordinates do not accelerate."""
-    sr, cr = sin(q[4]), cos(q[4])
-    sp, cp = sin(q[5]), cos(q[5])
-    h, r, p = q_t[3], q_t[4], q_t[5]
-    wx = r * cp - h * cr * sp
-    wy = h * sr + p
-    wz = r * sp + h * cr * cp
+    sr, cr = sin(q[ROLL]), cos(q[ROLL])
+    sp, cp = sin(q[PITCH]), cos(q[PITCH])
+    h, r, p = q_t[HEADING], q_t[ROLL], q_t[PITCH]
+    w = Vec(r * cp - h * cr * sp, h * sr + p, r * sp + h * cr * cp)
     # G_t theta_t
-    bx = h * (sr * sp * r - cr * cp * p) - r * sp * p
-    by = h * cr * r
-    bz = -h * (sr * cp * r + cr * sp * p) + r * cp * p
-    mx = ixx * bx + (izz - iyy) * wy * wz
-    my = iyy * by + (ixx - izz) * wz * wx
-    mz = izz * bz + (iyy - ixx) * wx * wy
-    out[0] = out[1] = out[2] = 0.0
-    out[3] = -cr * sp * mx + sr * my + cr * cp * mz
-    out[4] = cp * mx + sp * mz
-    out[5] = my
+    b = Vec(
+        h * (sr * sp * r - cr * cp * p) - r * sp * p,
+        h * cr * r,
+        -h * (sr * cp * r + cr * sp * p) + r * cp * p,
+    )
+    m = Vec(
+        ixx * b.x + (izz - iyy) * w.y * w.z,
+        iyy * b.y + (ixx - izz) * w.z * w.x,
+        izz * b.z + (iyy - ixx) * w.x * w.y,
+    )
+    out[:] = 0.0
+    out[HEADING] = -cr * sp * m.x + sr * m.y + cr * cp * m.z
+    out[ROLL] = cp * m.x + sp * m.z
+    out[PITCH] = m.y
 
 
 @kernel
-def rates_of(q, wx, wy, wz, q_t):
-    """Write the rates of the three angles, q_t[3:6], of a body that turns with a global angular velocity w [rad/s].
+def rates_of(q, omega, q_t):
+    """Write the rates of the three angles of a body that turns with a global angular velocity [rad/s] to q_t.
 
     Of a wheelset the third rate is the one that its spin adds to.
     """
-    sa, ca = sin(q[3]), cos(q[3])
-    sb, cb = sin(q[4]), cos(q[4])
-    ax, ay = -sa * cb, ca * cb
-    about_axle = wx * ax + wy * ay + wz * sb
-    heading_t = (wz - about_axle * sb) / (cb * cb)
-    q_t[3] = heading_t
-    q_t[4] = wx * ca + wy * sa
-    q_t[5] = about_axle - heading_t * sb
+    sa, ca = sin(q[HEADING]), cos(q[HEADING])
+    sb, cb = sin(q[ROLL]), cos(q[ROLL])
+    about_axle = dot(omega, Vec(-sa * cb, ca * cb, sb))
+    heading_t = (omega.z - about_axle * sb) / (cb * cb)
+    q_t[HEADING] = heading_t
+    q_t[ROLL] = omega.x * ca + omega.y * sa
+    q_t[SPIN] = about_axle - heading_t * sb

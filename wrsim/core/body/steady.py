@@ -5,65 +5,58 @@ then moves at v = V t + w x (r - r_0), turns at w (a wheelset in addition about 
 and the moment w x L. On straight track nothing accelerates. How fast w itself changes in a transition is left out.
 """
 
-from wrsim.core.body.kinematics import generalised_forces, kinematics
-from wrsim.core.body.rigid_body import rates_of, turned_axes
+from wrsim.core.arena import record
+from wrsim.core.body.kinematics import SPIN, X, Y, Z, add_generalised_forces, kinematics
+from wrsim.core.body.rigid_body import PITCH, pitched, rates_of
 from wrsim.core.compiling import kernel
+from wrsim.core.linalg import Vec, add, combined, components, cross, scale, sub
 from wrsim.core.track.path import frame, frame_rates, locate
 
+INERTIA = record("mass xx yy zz")
+"""Mass [kg] and principal inertia [kg m2] of a body."""
+
 
 @kernel
-def follow_together(q, spins, wheelsets, path, step, reference, guess, speed, q_t):
+def follow_together(q, spins, curve, reference, guess, speed, q_t):
     """Write the rates of all bodies in steady motion with the poses q.
 
-    spins: angular velocity of each wheelset about its axle [rad/s], beyond that of the turning; wheelsets: bodies
-    before this number spin; reference: body whose place counts; guess [m]: where to look for it.
-    q_t: (6 n,) to fill. Returns (wx, wy, wz [rad/s], distance, status of ``locate``).
+    spins: angular velocity about its axle of each wheelset [rad/s], beyond that of the turning; wheelsets come first
+    among the bodies. reference: body whose place counts; guess [m]: where to look for it.
+    q_t: (6 n,) to fill. Returns (angular velocity w [rad/s], distance [m], status of ``locate``).
     """
-    n = q_t.shape[0] // 6
-    i = 6 * reference
-    s, status = locate(path, step, q[i + 1], q[i + 2], q[i], guess)
-    own = frame(path, step, s)
-    rx, ry, rz, _roll = frame_rates(path, step, s)
-    wx, wy, wz = speed * rx, speed * ry, speed * rz
-    for k in range(n):
-        dx = q[6 * k + 1] - own[0]
-        dy = q[6 * k + 2] - own[1]
-        dz = q[6 * k] - own[2]
+    own = q[6 * reference : 6 * reference + 6]
+    s, status = locate(curve, Vec(own[X], own[Y], own[Z]), guess)
+    track = frame(curve, s)
+    turning, _roll = frame_rates(curve, s)
+    omega = scale(speed, turning)
+    for k in range(q_t.shape[0] // 6):
+        own = q[6 * k : 6 * k + 6]
         rates = q_t[6 * k : 6 * k + 6]
-        rates[0] = speed * own[5] + wx * dy - wy * dx
-        rates[1] = speed * own[3] + wy * dz - wz * dy
-        rates[2] = speed * own[4] + wz * dx - wx * dz
-        rates_of(q[6 * k : 6 * k + 6], wx, wy, wz, rates)
-        if k < wheelsets:
-            rates[5] += spins[k]
-    return wx, wy, wz, s, status
+        arm = sub(Vec(own[X], own[Y], own[Z]), track.origin)
+        velocity = add(scale(speed, track.t), cross(omega, arm))
+        rates[Z], rates[X], rates[Y] = velocity.z, velocity.x, velocity.y
+        rates_of(own, omega, rates)
+        if k < spins.shape[0]:
+            rates[SPIN] += spins[k]
+    return omega, s, status
 
 
 @kernel
-def together_inertia(q, q_t, wx, wy, wz, inertia, wheelsets, states, out):
+def together_inertia(q, q_t, omega, inertia, wheelsets, out):
     """Generalised forces (6 n,) that the steady motion takes.
 
-    inertia: rows (mass, Ixx, Iyy, Izz) of the n bodies; w: the turning of all [rad/s]; wheelsets: bodies before this
-    number have axes that do not spin with them; states: scratch, (n, 18) or more.
+    omega: the turning of all [rad/s]; inertia: (n,) records INERTIA; wheelsets: bodies before this number have axes
+    that do not spin with them.
     """
-    n = inertia.shape[0]
-    for k in range(n):
-        body = kinematics(q[6 * k : 6 * k + 6], q_t[6 * k : 6 * k + 6])
-        m, ixx, iyy, izz = inertia[k, 0], inertia[k, 1], inertia[k, 2], inertia[k, 3]
-        lx = ly = lz = 0.0
-        turned_axes(body, q[6 * k + 5] if k >= wheelsets else 0.0, states[k])
-        axes = states[k, 6:15]
-        for j in range(3):
-            moment_of_inertia = ixx if j == 0 else (iyy if j == 1 else izz)
-            ex, ey, ez = axes[3 * j], axes[3 * j + 1], axes[3 * j + 2]
-            along = moment_of_inertia * (body[15] * ex + body[16] * ey + body[17] * ez)
-            lx += along * ex
-            ly += along * ey
-            lz += along * ez
-        force = (
-            m * (wy * body[5] - wz * body[4]),
-            m * (wz * body[3] - wx * body[5]),
-            m * (wx * body[4] - wy * body[3]),
+    out[:] = 0.0
+    for k in range(inertia.shape[0]):
+        own = q[6 * k : 6 * k + 6]
+        body = kinematics(own, q_t[6 * k : 6 * k + 6])
+        axes = pitched(body, own[PITCH] if k >= wheelsets else 0.0)
+        turn = components(body.omega, axes.forward, axes.left, axes.up)
+        about = inertia[k]
+        momentum = combined(
+            Vec(about.xx * turn.x, about.yy * turn.y, about.zz * turn.z), axes.forward, axes.left, axes.up
         )
-        moment = (wy * lz - wz * ly, wz * lx - wx * lz, wx * ly - wy * lx)
-        generalised_forces(body, force, moment, out[6 * k : 6 * k + 6])
+        force = scale(about.mass, cross(omega, body.velocity))
+        add_generalised_forces(body, force, cross(omega, momentum), out[6 * k : 6 * k + 6])

@@ -1,7 +1,6 @@
 """Forces of all suspension elements of a vehicle, in one loop over a table of elements.
 
-Each element joins a point of a first body to a point of a second one. ``states`` holds a row of 18 numbers per body:
-position, velocity, unit vectors forward, left, up, angular velocity; the last two rows are the track frame and the
+Each element joins a point of a first body to a point of a second one. Behind the bodies stand the track frame and the
 guide frame (``core.body.vehicle_forces``).
 
 - FIELD: three springs and dampers along the axes of the first body, and rotational ones about them. With d the vector
@@ -24,24 +23,57 @@ have a stiffness in series (Maxwell): the extension x of its damping part is an 
 which the solver integrates with everything else.
 """
 
-from math import sqrt
-
+from wrsim.core.arena import record
 from wrsim.core.compiling import inlined, kernel
+from wrsim.core.linalg import (
+    VECTOR,
+    ZERO,
+    Vec,
+    accumulate,
+    add,
+    combined,
+    components,
+    cross,
+    dot,
+    get_body,
+    norm,
+    point_velocity,
+    put,
+    scale,
+    shifted,
+    sub,
+    vec,
+)
 
 FIELD, SHEAR, AXIS, LINE = range(4)
+"""Kinds of elements."""
 
-# a row of the table of elements
-KIND, FIRST, SECOND, POINT_1, POINT_2 = 0, 1, 2, 3, 6
-STIFFNESS, DAMPING, PRELOAD, TURNING, TURNING_DAMPING = 9, 12, 15, 18, 21  # FIELD and SHEAR: three each
-DIRECTION, K, C, FORCE_0, LENGTH, SERIES, STATE = range(9, 16)  # AXIS and LINE
-SPRING_TABLE, SPRING_ROWS, DAMPER_TABLE, DAMPER_ROWS = range(16, 20)
-COLUMNS = 24
+ELEMENT = record(
+    # AXIS and LINE
+    "k c force_0 length series",
+    "kind first second direction state spring_start spring_rows damper_start damper_rows",
+    point_1=VECTOR,
+    point_2=VECTOR,
+    # FIELD and SHEAR
+    stiffness=VECTOR,
+    damping=VECTOR,
+    preload=VECTOR,
+    turning=VECTOR,
+    turning_damping=VECTOR,
+)
+"""An element. first, second: its bodies; point_1, point_2: in their axes. In one direction: stiffness k, damping c,
+force at rest, length at rest, stiffness in series with the damper, axis, number of the damping part's unknown or -1,
+place and length of its tables. As a field: along and about the axes of the first body."""
 
-RECORD = 6  # force on the second body (3) and travel (3) in the first body's axes; of a LINE tension and extension in x
+WRENCH = record(force=VECTOR, moment=VECTOR)
+"""Force [N] and moment [N m] at the centre of mass of a body, in global axes."""
+
+READING = record(force=VECTOR, travel=VECTOR)
+"""Force on the second body and travel in the first body's axes; of a LINE tension and extension in x."""
 
 
 @inlined
-def _interpolate(tables, start, count, x):
+def interpolate(tables, start, count, x):
     """Piecewise linear function of the rows (x, y); beyond its ends it goes on with the slope there."""
     i = start
     while i < start + count - 2 and x > tables[i + 1, 0]:
@@ -50,200 +82,166 @@ def _interpolate(tables, start, count, x):
     return tables[i, 1] + slope * (x - tables[i, 0])
 
 
+@inlined
+def material_point(body, point):
+    """Global place of a point given in the body's axes."""
+    return add(body.position, combined(point, body.forward, body.left, body.up))
+
+
+@inlined
+def apply(wrench, body, at, force):
+    """Add a force that acts on a body at a global point."""
+    accumulate(wrench.force, force)
+    accumulate(wrench.moment, cross(sub(at, body.position), force))
+
+
+@inlined
+def own_components(body, a):
+    """Components of a vector in the body's axes."""
+    return components(a, body.forward, body.left, body.up)
+
+
+@inlined
+def _seen_from(first, second, at, point):
+    """Vector from a point of the first body to the second body's point ``at``, and the velocity of the second body's
+    material there against the first one's; in the first body's axes.
+    """
+    d = sub(at, material_point(first, point))
+    u = sub(point_velocity(second, at), point_velocity(first, at))
+    return own_components(first, d), own_components(first, u)
+
+
 @kernel
-def _one_direction(row, tables, e, rate, inner, inner_t):
-    """Restoring force of a spring and damper in one direction; e: travel [m], rate [m/s].
+def _one_direction(element, tables, travel, rate, inner, inner_t):
+    """Restoring force of a spring and damper in one direction; travel [m], rate [m/s].
 
     inner, inner_t: extension of the damping parts and where its rates go; only those of this element are touched.
     """
-    count = int(row[SPRING_ROWS])
-    force = _interpolate(tables, int(row[SPRING_TABLE]), count, e) if count > 0 else row[K] * e
-    state = int(row[STATE])
-    count = int(row[DAMPER_ROWS])
-    start = int(row[DAMPER_TABLE])
-    if state < 0:
-        force += _interpolate(tables, start, count, rate) if count > 0 else row[C] * rate
+    force = element.k * travel
+    if element.spring_rows > 0:
+        force = interpolate(tables, element.spring_start, element.spring_rows, travel)
+    start, count = element.damper_start, element.damper_rows
+    if element.state < 0:
+        force += interpolate(tables, start, count, rate) if count > 0 else element.c * rate
     else:
-        damper = row[SERIES] * (e - inner[state])
-        inner_t[state] = _interpolate(tables, start, count, damper) if count > 0 else damper / row[C]
+        damper = element.series * (travel - inner[element.state])
+        inner_t[element.state] = interpolate(tables, start, count, damper) if count > 0 else damper / element.c
         force += damper
     return force
 
 
-@kernel
-def _add(states, i, x, y, z, fx, fy, fz, force, moment):
-    """Add a force at the global point (x, y, z) to body i."""
-    force[i, 0] += fx
-    force[i, 1] += fy
-    force[i, 2] += fz
-    x -= states[i, 0]
-    y -= states[i, 1]
-    z -= states[i, 2]
-    moment[i, 0] += y * fz - z * fy
-    moment[i, 1] += z * fx - x * fz
-    moment[i, 2] += x * fy - y * fx
-
-
 @inlined
-def _point(states, i, row, first, k):
-    """Global coordinate k of the point of body i whose body coordinates begin at row[first]."""
-    return (
-        states[i, k]
-        + row[first] * states[i, 6 + k]
-        + row[first + 1] * states[i, 9 + k]
-        + row[first + 2] * states[i, 12 + k]
+def _field_force(element, share, sign, d, u):
+    """Force of a share of a field at a travel and its rate, sign of its preload."""
+    f, k, c = element.preload, element.stiffness, element.damping
+    return Vec(
+        share * (sign * f.x - k.x * d.x - c.x * u.x),
+        share * (sign * f.y - k.y * d.y - c.y * u.y),
+        share * (sign * f.z - k.z * d.z - c.z * u.z),
     )
 
 
-@inlined
-def _speed(states, i, k, x, y, z):
-    """Component k of the velocity of body i at the global point (x, y, z)."""
-    rx = x - states[i, 0]
-    ry = y - states[i, 1]
-    rz = z - states[i, 2]
-    if k == 0:
-        turning = states[i, 16] * rz - states[i, 17] * ry
-    elif k == 1:
-        turning = states[i, 17] * rx - states[i, 15] * rz
-    else:
-        turning = states[i, 15] * ry - states[i, 16] * rx
-    return states[i, 3 + k] + turning
-
-
 @kernel
-def _field(states, a, b, first, second, row, share, sign, tables, inner, inner_t, force, moment, record):
-    """A field of body a that acts on body b; share of the element, sign of its preload.
+def _field(bodies, element, sign, share, wrenches, reading):
+    """A field of the first body that acts on the second one (sign +1), or the other way round (sign -1).
 
-    Adds force and travel to ``record`` in a's axes.
+    share: of the element. Adds force and travel to the reading, in the axes of the body whose field it is.
     """
-    x = _point(states, b, row, second, 0)
-    y = _point(states, b, row, second, 1)
-    z = _point(states, b, row, second, 2)
-    dx = x - _point(states, a, row, first, 0)
-    dy = y - _point(states, a, row, first, 1)
-    dz = z - _point(states, a, row, first, 2)
-    ux = _speed(states, b, 0, x, y, z) - _speed(states, a, 0, x, y, z)
-    uy = _speed(states, b, 1, x, y, z) - _speed(states, a, 1, x, y, z)
-    uz = _speed(states, b, 2, x, y, z) - _speed(states, a, 2, x, y, z)
-    fx = 0.0
-    fy = 0.0
-    fz = 0.0
-    whole = int(row[KIND]) != AXIS
-    for k in range(3):
-        if not whole and k != int(row[DIRECTION]):
-            continue
-        ex = states[a, 6 + 3 * k]
-        ey = states[a, 7 + 3 * k]
-        ez = states[a, 8 + 3 * k]
-        d = dx * ex + dy * ey + dz * ez
-        u = ux * ex + uy * ey + uz * ez
-        if whole:
-            f = share * (sign * row[PRELOAD + k] - row[STIFFNESS + k] * d - row[DAMPING + k] * u)
-        else:
-            f = row[FORCE_0] - _one_direction(row, tables, d, u, inner, inner_t)
-        record[k] += sign * f
-        record[3 + k] += sign * share * d
-        fx += f * ex
-        fy += f * ey
-        fz += f * ez
-    _add(states, b, x, y, z, fx, fy, fz, force, moment)
-    _add(states, a, x, y, z, -fx, -fy, -fz, force, moment)
+    a, b = element.first, element.second
+    point_a, point_b = vec(element.point_1), vec(element.point_2)
+    if sign < 0.0:
+        a, b, point_a, point_b = b, a, point_b, point_a
+    first, second = get_body(bodies[a]), get_body(bodies[b])
+    at = material_point(second, point_b)
+    d, u = _seen_from(first, second, at, point_a)
+    f = _field_force(element, share, sign, d, u)
+    accumulate(reading.force, scale(sign, f))
+    accumulate(reading.travel, scale(sign * share, d))
+    force = combined(f, first.forward, first.left, first.up)
+    apply(wrenches[b], second, at, force)
+    apply(wrenches[a], first, at, scale(-1.0, force))
 
 
 @kernel
-def _turning(states, a, b, row, moment):
-    """Rotational springs and dampers about the axes of body a."""
-    half = 0.5 * (row[TURNING] + row[TURNING + 1] + row[TURNING + 2])
-    mx = 0.0
-    my = 0.0
-    mz = 0.0
-    for k in range(3):
-        ax = states[a, 6 + 3 * k]
-        ay = states[a, 7 + 3 * k]
-        az = states[a, 8 + 3 * k]
-        bx = states[b, 6 + 3 * k]
-        by = states[b, 7 + 3 * k]
-        bz = states[b, 8 + 3 * k]
-        w = half - row[TURNING + k]
-        # on the second body: w e' x e
-        mx += w * (by * az - bz * ay)
-        my += w * (bz * ax - bx * az)
-        mz += w * (bx * ay - by * ax)
-        c = row[TURNING_DAMPING + k]
-        if c != 0.0:
-            rate = (
-                (states[b, 15] - states[a, 15]) * ax
-                + (states[b, 16] - states[a, 16]) * ay
-                + (states[b, 17] - states[a, 17]) * az
-            )
-            mx -= c * rate * ax
-            my -= c * rate * ay
-            mz -= c * rate * az
-    moment[b, 0] += mx
-    moment[b, 1] += my
-    moment[b, 2] += mz
-    moment[a, 0] -= mx
-    moment[a, 1] -= my
-    moment[a, 2] -= mz
+def _axis(bodies, element, tables, inner, inner_t, wrenches, reading):
+    """A spring and damper along one axis of the first body."""
+    first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
+    at = material_point(second, element.point_2)
+    d, u = _seen_from(first, second, at, element.point_1)
+    ex, ey, ez = 1.0 * (element.direction == 0), 1.0 * (element.direction == 1), 1.0 * (element.direction == 2)
+    along = Vec(ex, ey, ez)
+    travel = dot(d, along)
+    f = element.force_0 - _one_direction(element, tables, travel, dot(u, along), inner, inner_t)
+    put(reading.force, scale(f, along))
+    put(reading.travel, scale(travel, along))
+    force = combined(scale(f, along), first.forward, first.left, first.up)
+    apply(wrenches[element.second], second, at, force)
+    apply(wrenches[element.first], first, at, scale(-1.0, force))
 
 
 @kernel
-def _line(states, a, b, row, tables, inner, inner_t, force, moment, record):
-    """A spring and damper along the line between its two points; record: tension and extension."""
-    x1 = _point(states, a, row, POINT_1, 0)
-    y1 = _point(states, a, row, POINT_1, 1)
-    z1 = _point(states, a, row, POINT_1, 2)
-    x2 = _point(states, b, row, POINT_2, 0)
-    y2 = _point(states, b, row, POINT_2, 1)
-    z2 = _point(states, b, row, POINT_2, 2)
-    dx = x2 - x1
-    dy = y2 - y1
-    dz = z2 - z1
-    length = sqrt(dx * dx + dy * dy + dz * dz)
-    dx /= length
-    dy /= length
-    dz /= length
-    rate = (
-        dx * (_speed(states, b, 0, x2, y2, z2) - _speed(states, a, 0, x1, y1, z1))
-        + dy * (_speed(states, b, 1, x2, y2, z2) - _speed(states, a, 1, x1, y1, z1))
-        + dz * (_speed(states, b, 2, x2, y2, z2) - _speed(states, a, 2, x1, y1, z1))
-    )
-    extension = length - row[LENGTH]
-    tension = _one_direction(row, tables, extension, rate, inner, inner_t) - row[FORCE_0]
-    record[0] = tension
-    record[3] = extension
-    _add(states, a, x1, y1, z1, tension * dx, tension * dy, tension * dz, force, moment)
-    _add(states, b, x2, y2, z2, -tension * dx, -tension * dy, -tension * dz, force, moment)
+def _line(bodies, element, tables, inner, inner_t, wrenches, reading):
+    """A spring and damper along the line between its two points; reading: tension and extension."""
+    first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
+    start, end = material_point(first, element.point_1), material_point(second, element.point_2)
+    d = sub(end, start)
+    length = norm(d)
+    along = scale(1.0 / length, d)
+    rate = dot(along, sub(point_velocity(second, end), point_velocity(first, start)))
+    extension = length - element.length
+    tension = _one_direction(element, tables, extension, rate, inner, inner_t) - element.force_0
+    put(reading.force, Vec(tension, 0.0, 0.0))
+    put(reading.travel, Vec(extension, 0.0, 0.0))
+    apply(wrenches[element.first], first, start, scale(tension, along))
+    apply(wrenches[element.second], second, end, scale(-tension, along))
 
 
 @kernel
-def suspension_forces(states, elements, tables, inner, inner_t, force, moment, records):
-    """Add the forces and moments (n, 3) of all elements at the centres of mass, in global axes.
+def _turning(bodies, element, wrenches):
+    """Rotational springs and dampers about the axes of the first body."""
+    first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
+    k, c = element.turning, element.turning_damping
+    half = 0.5 * (k.x + k.y + k.z)
+    # on the second body: sum of w e' x e
+    moment = scale(half - k.x, cross(second.forward, first.forward))
+    moment = shifted(moment, half - k.y, cross(second.left, first.left))
+    moment = shifted(moment, half - k.z, cross(second.up, first.up))
+    rate = own_components(first, sub(second.omega, first.omega))
+    damping = Vec(c.x * rate.x, c.y * rate.y, c.z * rate.z)
+    moment = sub(moment, combined(damping, first.forward, first.left, first.up))
+    accumulate(wrenches[element.second].moment, moment)
+    accumulate(wrenches[element.first].moment, scale(-1.0, moment))
 
-    states: (n, 18), the frames last; elements: (m, COLUMNS); tables: (., 2); inner, inner_t: extensions of the
-    damping parts in series with a spring [m] and their rates, to be filled; records: (m, RECORD) to be filled.
+
+@inlined
+def _turns(element):
+    """True if the element has rotational springs or dampers."""
+    k, c = element.turning, element.turning_damping
+    return k.x + k.y + k.z + (c.x + c.y + c.z) != 0.0
+
+
+@kernel
+def suspension_forces(bodies, elements, tables, inner, inner_t, wrenches, readings):
+    """Add the forces and moments of all elements at the centres of mass to ``wrenches``.
+
+    bodies: records BODY, the frames last; elements: records ELEMENT; tables: (., 2); inner, inner_t: extensions of the
+    damping parts in series with a spring [m] and their rates, to be filled; wrenches: a record WRENCH per body;
+    readings: a record READING per element, to be filled.
     """
     for i in range(elements.shape[0]):
-        row = elements[i]
-        record = records[i]
-        for k in range(RECORD):
-            record[k] = 0.0
-        a = int(row[FIRST])
-        b = int(row[SECOND])
-        kind = int(row[KIND])
-        if kind == LINE:
-            _line(states, a, b, row, tables, inner, inner_t, force, moment, record)
+        element, reading = elements[i], readings[i]
+        put(reading.force, ZERO)
+        put(reading.travel, ZERO)
+        if element.kind == LINE:
+            _line(bodies, element, tables, inner, inner_t, wrenches, reading)
             continue
-        share = 0.5 if kind == SHEAR else 1.0
-        _field(states, a, b, POINT_1, POINT_2, row, share, 1.0, tables, inner, inner_t, force, moment, record)
-        if kind == SHEAR:
-            _field(states, b, a, POINT_2, POINT_1, row, share, -1.0, tables, inner, inner_t, force, moment, record)
-        if (
-            kind != AXIS
-            and row[TURNING]
-            + row[TURNING + 1]
-            + row[TURNING + 2]
-            + (row[TURNING_DAMPING] + row[TURNING_DAMPING + 1] + row[TURNING_DAMPING + 2])
-            != 0.0
-        ):
-            _turning(states, a, b, row, moment)
+        if element.kind == AXIS:
+            _axis(bodies, element, tables, inner, inner_t, wrenches, reading)
+            continue
+        if element.kind == SHEAR:
+            _field(bodies, element, 1.0, 0.5, wrenches, reading)
+            _field(bodies, element, -1.0, 0.5, wrenches, reading)
+        else:
+            _field(bodies, element, 1.0, 1.0, wrenches, reading)
+        if _turns(element):
+            _turning(bodies, element, wrenches)

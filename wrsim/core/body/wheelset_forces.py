@@ -1,63 +1,72 @@
 """The contacts of both wheels of a wheelset.
 
-Arrays come in an arena (core.arena) in the order named below: scalars and rails, then those of each wheel,
+Arrays come in an arena (core.arena) in the order named below: wheels and rails, then those of each wheel's contact,
 `core.contact.wheel_rail.Arrays`.
 """
 
-from wrsim.core.arena import matrix, vector
-from wrsim.core.body.wheel_pose import add_forces, set_pose, wheel_origin
-from wrsim.core.compiling import kernel
+from wrsim.core.arena import record, records, vector
+from wrsim.core.body.wheel_pose import set_pose, wheel_origin, wheel_wrench
+from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.wheel_rail import ARRAYS as ARRAYS_OF_A_WHEEL
-from wrsim.core.contact.wheel_rail import results, wheel_rail
-from wrsim.core.track.path import frame, locate
+from wrsim.core.contact.wheel_rail import Arrays, results, wheel_rail
+from wrsim.core.linalg import ZERO, Curve, add
+from wrsim.core.track.path import NODE, frame, locate
 
-# arrays of the arena
-SCALARS, LEFT_RAIL, RIGHT_RAIL, FORCE, MOMENT, LEFT = range(6)
-RIGHT = LEFT + ARRAYS_OF_A_WHEEL
-ARRAYS = RIGHT + ARRAYS_OF_A_WHEEL
+# arrays of the arena, the left wheel first where there are two
+SIDES, RAILS, CONTACTS = 0, 1, 3
+ARRAYS = CONTACTS + 2 * ARRAYS_OF_A_WHEEL
+POSE = Arrays._fields.index("pose")
 
-# scalars: distances along the rails (guesses, updated), steps of the rails' paths, H/2
-# and the motion of the piece of rail under the left wheel, then the right one: displacement and velocity along n and b
-S_LEFT, S_RIGHT, STEP_LEFT, STEP_RIGHT, HALF_SPACING, RAIL_MOTION = range(6)
-RAIL_NUMBERS = 4  # of one rail
-SCALAR_COUNT = RAIL_MOTION + 2 * RAIL_NUMBERS
+WHEEL = record("side half_spacing s step rail_n rail_b rail_n_t rail_b_t")
+"""+1 left, -1 right; H/2 [m]; distance along the rail (a guess, updated) and step of its path [m]; the motion of the
+piece of rail under the wheel along n and b: displacement [m] and velocity [m/s]."""
 
 OK, OFF_TRACK = 0, 1024
 
 
 @kernel
 def contact_forces(body, buffer, index):
-    """Add the contacts of both wheels to the force and the moment in the arena; returns a status.
+    """Force and moment of both wheels' contacts at the centre of mass, and a status."""
+    wheels = records(buffer, index, SIDES, WHEEL)
+    force = moment = ZERO
+    status = OK
+    for i in range(2):
+        wheel = wheels[i]
+        rail = Curve(records(buffer, index, RAILS + i, NODE), wheel.step)
+        push, turn, bits = _one_wheel(body, wheel, rail, buffer, _arrays_of_wheel(index, i))
+        force, moment = add(force, push), add(moment, turn)
+        status |= bits
+    return force, moment, status
 
-    body: 18 numbers of ``core.body.kinematics.kinematics``.
-    """
-    scalars = vector(buffer, index, SCALARS)
-    half = scalars[HALF_SPACING]
-    status = _one_side(body, 1, half, matrix(buffer, index, LEFT_RAIL), S_LEFT, scalars, buffer, index, LEFT)
-    status |= _one_side(body, -1, half, matrix(buffer, index, RIGHT_RAIL), S_RIGHT, scalars, buffer, index, RIGHT)
-    return status
+
+@inlined
+def _arrays_of_wheel(index, i):
+    """The part of the index that belongs to the contact of the left (0) or the right (1) wheel."""
+    first = CONTACTS + i * ARRAYS_OF_A_WHEEL
+    return index[first : first + ARRAYS_OF_A_WHEEL]
+
+
+@inlined
+def wheel_total(buffer, index, i):
+    """Resultants of the left (0) or right (1) wheel's contact: a record TOTAL."""
+    return results(buffer, _arrays_of_wheel(index, i))[0]
 
 
 @kernel
-def _one_side(body, side, half, path, place, scalars, buffer, index, first):
-    """Contact of one wheel on its rail; adds to the arena's force and moment. Returns a status."""
-    step = scalars[place - S_LEFT + STEP_LEFT]
-    x, y, z = wheel_origin(body, side, half)
-    s, bad = locate(path, step, x, y, z, scalars[place])
+def _one_wheel(body, wheel, rail, buffer, arrays):
+    """Force, moment and status of one wheel's contact on its rail; arrays: the part of the index that is its own."""
+    s, bad = locate(rail, wheel_origin(body, wheel.side, wheel.half_spacing), wheel.s)
     if bad != 0:
-        return OFF_TRACK
-    scalars[place] = s
-    rail_frame = frame(path, step, s)
-    pose = vector(buffer, index, first + 6)
-    set_pose(body, rail_frame, side, half, pose)
+        return ZERO, ZERO, OFF_TRACK
+    wheel.s = s
+    at = frame(rail, s)
+    pose = vector(buffer, arrays, POSE)
+    set_pose(body, at, wheel.side, wheel.half_spacing, pose)
     # the rail's piece has moved away by so much, and moves with the wheel along the track
-    rail = RAIL_MOTION + (place - S_LEFT) * RAIL_NUMBERS
-    pose[1] -= side * scalars[rail]
-    pose[2] -= scalars[rail + 1]
-    pose[7] -= side * scalars[rail + 2]
-    pose[8] -= scalars[rail + 3]
-    own = index[first : first + ARRAYS_OF_A_WHEEL]
-    status = wheel_rail(buffer, own)
-    total = results(buffer, own)[0]
-    add_forces(body, rail_frame, side, half, total, vector(buffer, index, FORCE), vector(buffer, index, MOMENT))
-    return status
+    pose[1] -= wheel.side * wheel.rail_n
+    pose[2] -= wheel.rail_b
+    pose[7] -= wheel.side * wheel.rail_n_t
+    pose[8] -= wheel.rail_b_t
+    status = wheel_rail(buffer, arrays)
+    force, moment = wheel_wrench(body, at, wheel.side, wheel.half_spacing, results(buffer, arrays)[0])
+    return force, moment, status

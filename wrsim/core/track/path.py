@@ -1,20 +1,11 @@
 """A space curve with a frame on it: the centre line of a track, or one swept rail [S 7-9].
 
-``path`` is a table of shape (n, 11), n >= 2, with rows at uniform arclength ``step`` from s = 0:
+A ``Curve`` has n >= 2 nodes at uniform arclength from s = 0, each with its position [m], unit tangent dr/ds, roll
+(angle of the cross-section about t, positive: left side up [rad]), droll/ds [rad/m] and curvature vector d2r/ds2 [1/m].
 
-======  ==========  =====================================================================
-column  symbol      meaning
-======  ==========  =====================================================================
-0-2     x y z       position [m]
-3-5     tx ty tz    unit tangent, dr/ds
-6       roll        angle of the cross-section about t, positive: left side up [rad]
-7       droll/ds    [rad/m]
-8-10    kx ky kz    curvature vector d2r/ds2 [1/m]
-======  ==========  =====================================================================
-
-Between rows the curve is the quintic Hermite polynomial of position, tangent and curvature vector, so all
+Between nodes the curve is the quintic Hermite polynomial of position, tangent and curvature vector, so all
 three are continuous; roll is the cubic Hermite polynomial, continuous with its slope. Before the first and
-behind the last row the curve continues straight along the end tangent, with the roll of that end. A heading
+behind the last node the curve continues straight along the end tangent, with the roll of that end. A heading
 is never computed, so the curve may turn by any angle and pass over itself.
 
 Why quintic and not cubic, *measured* at 0.25 m rows on straight - clothoid - arc: in the cubic the curvature
@@ -32,7 +23,11 @@ Not-a-number in s or in the point gives not-a-number out; no index is ever outsi
 
 import math
 
-from numba import njit
+from wrsim.core.arena import record
+from wrsim.core.compiling import inlined, kernel
+from wrsim.core.linalg import VECTOR, Frame, Vec, add, cross, dot, mixed, norm, scale, shifted, sub, write
+
+NODE = record(position=VECTOR, tangent=VECTOR, roll="f8", roll_slope="f8", curvature=VECTOR)
 
 LOCATE_OK = 0
 LOCATE_NOT_CONVERGED = 1  # no convergence within MAX_ITERATIONS
@@ -44,25 +39,24 @@ STRIDE_TOLERANCE = 1e-9  # [m]; convergence is quadratic: the next step would be
 MIN_SLOPE = 0.1  # smallest 1 - (p - r).k used: points near the centre of curvature take shorter, safe steps
 
 
-@njit(cache=True)
-def _cell(path, step, s):
-    """Row i, local coordinate xi in [0, 1] and the distance outside of the table (0 inside, NaN for NaN)."""
-    end = (path.shape[0] - 1) * step
+@inlined
+def _cell(curve, s):
+    """First node i, local coordinate xi in [0, 1] and the distance outside of the curve (0 inside, NaN for NaN)."""
+    last = curve.nodes.shape[0] - 1
+    end = last * curve.step
     inside = s
     if not inside > 0.0:
         inside = 0.0
     if inside > end:
         inside = end
-    q = inside / step
-    i = int(q)
-    if i > path.shape[0] - 2:
-        i = path.shape[0] - 2
+    q = inside / curve.step
+    i = min(int(q), last - 1)
     return i, q - i, s - inside
 
 
-@njit(cache=True)
+@inlined
 def _quintic(xi):
-    """Quintic Hermite basis for (p0), p1 - p0, h t0, h t1, h^2 k0, h^2 k1."""
+    """Quintic Hermite basis for p1 - p0, h t0, h t1, h^2 k0, h^2 k1."""
     x2 = xi * xi
     x3 = x2 * xi
     return (
@@ -74,7 +68,7 @@ def _quintic(xi):
     )
 
 
-@njit(cache=True)
+@inlined
 def _quintic_slope(xi):
     """First derivative of `_quintic` with respect to xi."""
     x2 = xi * xi
@@ -88,7 +82,7 @@ def _quintic_slope(xi):
     )
 
 
-@njit(cache=True)
+@inlined
 def _quintic_bend(xi):
     """Second derivative of `_quintic` with respect to xi."""
     return (
@@ -100,90 +94,56 @@ def _quintic_bend(xi):
     )
 
 
-@njit(cache=True)
-def _sum(path, i, axis, step, basis):
-    """Sum of basis times data of one coordinate in cell i, without the constant p0."""
+@inlined
+def _sum(curve, i, basis):
+    """Sum of basis times data of cell i, a vector; the constant p0 is left out."""
+    start, end, h = curve.nodes[i], curve.nodes[i + 1], curve.step
     a, b, c, d, e = basis
-    return (
-        a * (path[i + 1, axis] - path[i, axis])
-        + step * (b * path[i, axis + 3] + c * path[i + 1, axis + 3])
-        + step * step * (d * path[i, axis + 8] + e * path[i + 1, axis + 8])
-    )
+    chord = sub(end.position, start.position)
+    leaning = mixed(b, start.tangent, c, end.tangent)
+    bending = mixed(d, start.curvature, e, end.curvature)
+    return add(shifted(scale(a, chord), h, leaning), scale(h * h, bending))
 
 
-@njit(cache=True)
-def _roll(path, i, xi, step):
+@inlined
+def _roll(curve, i, xi):
     """Roll in cell i: cubic Hermite [rad]."""
+    start, end = curve.nodes[i], curve.nodes[i + 1]
     x2 = xi * xi
-    rise = x2 * (3.0 - 2.0 * xi)
     y = 1.0 - xi
-    return (
-        path[i, 6] + rise * (path[i + 1, 6] - path[i, 6]) + step * (xi * y * y * path[i, 7] - x2 * y * path[i + 1, 7])
-    )
+    slopes = xi * y * y * start.roll_slope - x2 * y * end.roll_slope
+    return start.roll + x2 * (3.0 - 2.0 * xi) * (end.roll - start.roll) + curve.step * slopes
 
 
-@njit(cache=True)
-def _roll_slope(path, i, xi, step):
+@inlined
+def _roll_slope(curve, i, xi):
     """d(roll)/ds in cell i [rad/m]."""
-    rise = 6.0 * xi * (1.0 - xi)
+    start, end = curve.nodes[i], curve.nodes[i + 1]
     return (
-        rise * (path[i + 1, 6] - path[i, 6]) / step
-        + (1.0 + xi * (-4.0 + 3.0 * xi)) * path[i, 7]
-        + xi * (-2.0 + 3.0 * xi) * path[i + 1, 7]
+        6.0 * xi * (1.0 - xi) * (end.roll - start.roll) / curve.step
+        + (1.0 + xi * (-4.0 + 3.0 * xi)) * start.roll_slope
+        + xi * (-2.0 + 3.0 * xi) * end.roll_slope
     )
 
 
-@njit(cache=True)
-def frame(path, step, s):
-    """Position and orthonormal frame of the path at arclength s [S 7-9].
-
-    Returns (x, y, z, tx, ty, tz, nx, ny, nz, bx, by, bz); lengths in m.
-    """
-    i, xi, beyond = _cell(path, step, s)
-    basis = _quintic(xi)
-    slope = _quintic_slope(xi)
-
-    tx = _sum(path, i, 0, step, slope)
-    ty = _sum(path, i, 1, step, slope)
-    tz = _sum(path, i, 2, step, slope)
-    horizontal = math.sqrt(tx * tx + ty * ty)
-    scale = 1.0 / math.sqrt(tx * tx + ty * ty + tz * tz)
-    hx = -ty / horizontal
-    hy = tx / horizontal
-    tx *= scale
-    ty *= scale
-    tz *= scale
-
-    x = path[i, 0] + _sum(path, i, 0, step, basis) + beyond * tx
-    y = path[i, 1] + _sum(path, i, 1, step, basis) + beyond * ty
-    z = path[i, 2] + _sum(path, i, 2, step, basis) + beyond * tz
-
-    # v = t x h with h = (hx, hy, 0)
-    vx = -tz * hy
-    vy = tz * hx
-    vz = tx * hy - ty * hx
-
-    roll = _roll(path, i, xi, step)
+@kernel
+def frame(curve, s):
+    """Position and orthonormal frame of the curve at arclength s [S 7-9]: a ``Frame``."""
+    i, xi, beyond = _cell(curve, s)
+    along = _sum(curve, i, _quintic_slope(xi))
+    horizontal = math.sqrt(along.x * along.x + along.y * along.y)
+    t = scale(1.0 / norm(along), along)
+    h = Vec(-along.y / horizontal, along.x / horizontal, 0.0)
+    v = cross(t, h)
+    roll = _roll(curve, i, xi)
     c = math.cos(roll)
     d = math.sin(roll)
-    return (
-        x,
-        y,
-        z,
-        tx,
-        ty,
-        tz,
-        c * hx + d * vx,
-        c * hy + d * vy,
-        d * vz,
-        c * vx - d * hx,
-        c * vy - d * hy,
-        c * vz,
-    )
+    origin = add(curve.nodes[i].position, _sum(curve, i, _quintic(xi)))
+    return Frame(shifted(origin, beyond, t), t, mixed(c, h, d, v), mixed(c, v, -d, h))
 
 
-@njit(cache=True)
-def locate(path, step, px, py, pz, s_guess):
+@kernel
+def locate(curve, p, s_guess):
     """Arclength of the cross-section that holds the point p: the root of (p - r(s)).t(s) = 0 near
     ``s_guess``.
 
@@ -194,106 +154,77 @@ def locate(path, step, px, py, pz, s_guess):
     Returns (s, status): status 0 converged, 1 not converged, 2 not a number.
     """
     s = s_guess
-    if not math.isfinite(px + py + pz + s):
+    if not math.isfinite(p.x + p.y + p.z + s):
         return s, LOCATE_NOT_FINITE
     for _ in range(MAX_ITERATIONS):
-        i, xi, beyond = _cell(path, step, s)
-        basis = _quintic(xi)
-        slope = _quintic_slope(xi)
-        tx = _sum(path, i, 0, step, slope) / step
-        ty = _sum(path, i, 1, step, slope) / step
-        tz = _sum(path, i, 2, step, slope) / step
-        dx = px - path[i, 0] - _sum(path, i, 0, step, basis) - beyond * tx
-        dy = py - path[i, 1] - _sum(path, i, 1, step, basis) - beyond * ty
-        dz = pz - path[i, 2] - _sum(path, i, 2, step, basis) - beyond * tz
-        stretch = tx * tx + ty * ty + tz * tz
+        i, xi, beyond = _cell(curve, s)
+        t = scale(1.0 / curve.step, _sum(curve, i, _quintic_slope(xi)))
+        d = sub(sub(p, curve.nodes[i].position), shifted(_sum(curve, i, _quintic(xi)), beyond, t))
+        slope = dot(t, t)
         if beyond == 0.0:
-            bend = _quintic_bend(xi)
-            stretch -= (
-                dx * _sum(path, i, 0, step, bend)
-                + dy * _sum(path, i, 1, step, bend)
-                + dz * _sum(path, i, 2, step, bend)
-            ) / (step * step)
-        if stretch < MIN_SLOPE:
-            stretch = MIN_SLOPE
-        stride = (dx * tx + dy * ty + dz * tz) / stretch
-        if stride > MAX_STRIDE:
-            stride = MAX_STRIDE
-        elif stride < -MAX_STRIDE:
-            stride = -MAX_STRIDE
+            slope -= dot(d, _sum(curve, i, _quintic_bend(xi))) / (curve.step * curve.step)
+        stride = dot(d, t) / max(slope, MIN_SLOPE)
+        stride = min(max(stride, -MAX_STRIDE), MAX_STRIDE)
         s += stride
         if abs(stride) <= STRIDE_TOLERANCE:
             return s, LOCATE_OK
     return s, LOCATE_NOT_CONVERGED
 
 
-@njit(cache=True)
-def curvature(path, step, s):
-    """Curvature of the path's horizontal projection at s, positive to the left [1/m]; zero outside."""
-    i, xi, beyond = _cell(path, step, s)
+@kernel
+def curvature(curve, s):
+    """Curvature of the curve's horizontal projection at s, positive to the left [1/m]; zero outside."""
+    i, xi, beyond = _cell(curve, s)
     if beyond != 0.0:
         return 0.0 * beyond
-    slope = _quintic_slope(xi)
-    bend = _quintic_bend(xi)
-    tx = _sum(path, i, 0, step, slope)
-    ty = _sum(path, i, 1, step, slope)
-    kx = _sum(path, i, 0, step, bend)
-    ky = _sum(path, i, 1, step, bend)
-    horizontal = tx * tx + ty * ty
-    return (tx * ky - ty * kx) / (horizontal * math.sqrt(horizontal))
+    t = _sum(curve, i, _quintic_slope(xi))
+    k = _sum(curve, i, _quintic_bend(xi))
+    horizontal = t.x * t.x + t.y * t.y
+    return (t.x * k.y - t.y * k.x) / (horizontal * math.sqrt(horizontal))
 
 
-@njit(cache=True)
-def frame_rates(path, step, s):
+@kernel
+def frame_rates(curve, s):
     """Rotation of the frame per metre: the vector w with dt/ds = w x t, dn/ds = w x n, db/ds = w x b.
 
-    A frame that moves along the path at speed V turns at V w. Returns (wx, wy, wz, droll/ds) in global axes
-    [rad/m]: w = psi' z - (theta'/cos(theta)) h + roll' t with the heading psi and sin(theta) = tz. Zero
-    outside of the table.
+    A frame that moves along the curve at speed V turns at V w. Returns (w, droll/ds), w in global axes [rad/m]:
+    w = psi' z - (theta'/cos(theta)) h + roll' t with the heading psi and sin(theta) = t_z. Zero outside of the curve.
     """
-    i, xi, beyond = _cell(path, step, s)
+    i, xi, beyond = _cell(curve, s)
     if beyond != 0.0:
         zero = 0.0 * beyond
-        return zero, zero, zero, zero
-    slope = _quintic_slope(xi)
-    bend = _quintic_bend(xi)
-    tx = _sum(path, i, 0, step, slope)
-    ty = _sum(path, i, 1, step, slope)
-    tz = _sum(path, i, 2, step, slope)
-    scale = 1.0 / math.sqrt(tx * tx + ty * ty + tz * tz)
-    tx *= scale
-    ty *= scale
-    tz *= scale
-    kx = _sum(path, i, 0, step, bend) / (step * step)
-    ky = _sum(path, i, 1, step, bend) / (step * step)
-    kz = _sum(path, i, 2, step, bend) / (step * step)
-    along = kx * tx + ky * ty + kz * tz  # of the order of the interpolation error
-    kz -= along * tz
-    horizontal = tx * tx + ty * ty
-    psi = (tx * ky - ty * kx) / horizontal
-    pitch = kz / horizontal  # theta' = kz / cos(theta); h = (-ty, tx, 0) / cos(theta)
-    droll = _roll_slope(path, i, xi, step)
-    return pitch * ty + droll * tx, -pitch * tx + droll * ty, psi + droll * tz, droll
+        return Vec(zero, zero, zero), zero
+    along = _sum(curve, i, _quintic_slope(xi))
+    t = scale(1.0 / norm(along), along)
+    k = scale(1.0 / (curve.step * curve.step), _sum(curve, i, _quintic_bend(xi)))
+    across = k.z - dot(k, t) * t.z  # k.t is of the order of the interpolation error
+    horizontal = t.x * t.x + t.y * t.y
+    psi = (t.x * k.y - t.y * k.x) / horizontal
+    pitch = across / horizontal  # theta' = k_z / cos(theta); h = (-t_y, t_x, 0) / cos(theta)
+    droll = _roll_slope(curve, i, xi)
+    return shifted(Vec(pitch * t.y, -pitch * t.x, psi), droll, t), droll
 
 
-@njit(cache=True)
-def frame_many(path, step, s, out):
-    """`frame` for an array s of shape (m,); rows go to ``out`` of shape (m, 12)."""
+@kernel
+def frame_many(curve, s, out):
+    """`frame` for an array s of shape (m,); origin, t, n, b go to ``out`` of shape (m, 12)."""
     for j in range(s.shape[0]):
-        row = frame(path, step, s[j])
-        for k in range(12):
-            out[j, k] = row[k]
+        own = frame(curve, s[j])
+        write(out[j], 0, own.origin)
+        write(out[j], 3, own.t)
+        write(out[j], 6, own.n)
+        write(out[j], 9, own.b)
 
 
-@njit(cache=True)
-def curvature_many(path, step, s, out):
+@kernel
+def curvature_many(curve, s, out):
     """`curvature` for an array s of shape (m,); values go to ``out`` of shape (m,)."""
     for j in range(s.shape[0]):
-        out[j] = curvature(path, step, s[j])
+        out[j] = curvature(curve, s[j])
 
 
-@njit(cache=True)
-def locate_many(path, step, points, guess, out, status):
-    """`locate` for points (m, 3) and guesses (m,); results go to ``out`` and ``status`` (m,)."""
+@kernel
+def locate_many(curve, points, guess, out, status):
+    """`locate` for points, (m,) records VECTOR, and guesses (m,); results go to ``out`` and ``status`` (m,)."""
     for j in range(points.shape[0]):
-        out[j], status[j] = locate(path, step, points[j, 0], points[j, 1], points[j, 2], guess[j])
+        out[j], status[j] = locate(curve, points[j], guess[j])

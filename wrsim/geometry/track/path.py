@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from wrsim.core.linalg import VECTOR, Curve
 from wrsim.core.track import path as core
 from wrsim.errors import InputError
 
@@ -17,9 +19,8 @@ COLUMNS = ("x", "y", "z", "tx", "ty", "tz", "roll", "droll_ds", "kx", "ky", "kz"
 class Path:
     """A space curve with a frame, by its own arclength.
 
-    table: float64 (n, 11), rows at uniform arclength, columns as in `wrsim.core.track.path` (position, tangent,
-    roll and its slope, curvature vector). step: distance of the rows [m]. Kernels take ``path.table,
-    path.step``.
+    table: float64 (n, 11), rows at uniform arclength, columns ``COLUMNS`` (position, tangent, roll and its slope,
+    curvature vector: `wrsim.core.track.path`). step: distance of the rows [m].
     """
 
     table: NDArray[np.float64]
@@ -34,6 +35,11 @@ class Path:
             row, column = np.argwhere(~np.isfinite(self.table))[0]
             raise InputError(f"path table: {COLUMNS[column]} of row {row} is not a finite number")
 
+    @cached_property
+    def curve(self) -> Curve:
+        """The path as kernels take it."""
+        return Curve(np.ascontiguousarray(self.table).view(core.NODE).reshape(-1), self.step)
+
     @property
     def length(self) -> float:
         """Arclength from the first to the last row [m]."""
@@ -43,7 +49,7 @@ class Path:
         """Position and frame at arclength s [m]: shape (..., 4, 3) with the rows r, t, n, b."""
         s = np.asarray(s, dtype=np.float64)
         out = np.empty((s.size, 12))
-        core.frame_many(self.table, self.step, np.ascontiguousarray(s.ravel()), out)
+        core.frame_many(self.curve, np.ascontiguousarray(s.ravel()), out)
         return out.reshape((*s.shape, 4, 3))
 
     def position(self, s: ArrayLike) -> NDArray[np.float64]:
@@ -54,7 +60,7 @@ class Path:
         """Horizontal curvature at arclength s [1/m], positive to the left; shape of s."""
         s = np.asarray(s, dtype=np.float64)
         out = np.empty(s.size)
-        core.curvature_many(self.table, self.step, np.ascontiguousarray(s.ravel()), out)
+        core.curvature_many(self.curve, np.ascontiguousarray(s.ravel()), out)
         return out.reshape(s.shape)
 
     def locate(self, points: ArrayLike, guess: ArrayLike) -> NDArray[np.float64]:
@@ -69,6 +75,6 @@ class Path:
         guess = np.ascontiguousarray(np.broadcast_to(np.asarray(guess, dtype=np.float64), shape)).ravel()
         out = np.empty(points.shape[0])
         status = np.empty(points.shape[0], dtype=np.int64)
-        core.locate_many(self.table, self.step, points, guess, out, status)
+        core.locate_many(self.curve, points.view(VECTOR).reshape(-1), guess, out, status)
         out[status != core.LOCATE_OK] = np.nan
         return out.reshape(shape)

@@ -1,0 +1,24 @@
+"""A torsion spring between two bodies about the x axis: ``kind = "anti-roll-bar"``."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Literal
+
+from wrsim.inputs.values import positive
+from wrsim.vehicle.elements.element import ZERO
+from wrsim.vehicle.elements.keys import Axes, ElementTable, Joint
+from wrsim.vehicle.elements.spring import Spring
+
+
+class AntiRollBarTable(ElementTable):
+    """kind = "anti-roll-bar": a torsion spring between two bodies about the x axis."""
+
+    header: ClassVar[str] = "[[elements]] with kind = anti-roll-bar"
+
+    kind: Literal["anti-roll-bar"]
+    stiffness_kNm_per_rad: Annotated[float, positive(1e6, "kN m/rad")]
+
+    def element(self, joint: Joint, axes: Axes) -> Spring:
+        """See `ElementTable`."""
+        stiffness = (1e3 * self.stiffness_kNm_per_rad, 0.0, 0.0)
+        return Spring(*joint, axes.point(ZERO), turning_stiffness=stiffness)

@@ -1,0 +1,39 @@
+"""A stop of a given travel: ``kind = "bump-stop"``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar, Literal
+
+from wrsim.inputs.section import Fault
+from wrsim.inputs.values import Switch
+from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, ForceOfTravel, Glyph, Joint, Place
+from wrsim.vehicle.elements.strut import Strut, along_axis, both_ways
+
+
+class BumpStopTable(ElementTable):
+    """kind = "bump-stop": a stop of a given travel; force against travel, the same in both directions or in one."""
+
+    header: ClassVar[str] = "[[elements]] with kind = bump-stop"
+    aliases: ClassVar[dict[str, str]] = {**ElementTable.aliases, "gap_mm_force_N": "travel_mm_force_kN"}
+    glyph: ClassVar[Glyph | None] = Glyph("X", "#B00020")
+
+    kind: Literal["bump-stop"]
+    at_mm: Place
+    direction: Along
+    travel_mm_force_kN: ForceOfTravel
+    both_ways: Switch = True
+
+    def consistency(self) -> Iterator[Fault]:
+        """The table begins where the stop is met."""
+        travel, force = self.travel_mm_force_kN[0]
+        if travel < 0.0 or force != 0.0:
+            yield Fault("travel_mm_force_kN", "must begin at a travel not below 0, with a force of 0")
+
+    def element(self, joint: Joint, axes: Axes) -> Strut:
+        """See `ElementTable`."""
+        axis, at = AXIS[self.direction], axes.point(self.at_mm)
+        rows = self.travel_mm_force_kN
+        free = ((rows[0][0] - 1.0, 0.0), *rows)  # nothing before the stop is met
+        table = along_axis(both_ways(rows) if self.both_ways else free, axes.signs[axis])
+        return Strut(*joint, (at, at), axis, spring_table=table, limits=(table[0][0], table[-1][0]))

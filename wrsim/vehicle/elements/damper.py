@@ -1,0 +1,64 @@
+"""A viscous damper, perhaps behind a spring: ``kind = "damper"``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Literal
+
+from wrsim.inputs.section import Fault
+from wrsim.inputs.values import positive
+from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, ForceOfVelocity, Glyph, Joint, Place
+from wrsim.vehicle.elements.strut import Strut, both_ways
+
+
+class DamperTable(ElementTable):
+    """kind = "damper": viscous, along an axis (at_mm, direction) or along its line (body_mm, to_mm)."""
+
+    header: ClassVar[str] = "[[elements]] with kind = damper"
+    glyph: ClassVar[Glyph | None] = Glyph("s", "#D55E00")
+
+    kind: Literal["damper"]
+    at_mm: Place | None = None
+    direction: Along | None = None
+    body_mm: Place | None = None
+    to_mm: Place | None = None
+    damping_kNs_per_m: Annotated[float, positive(1e5, "kN s/m")] | None = None
+    velocity_m_per_s_force_kN: ForceOfVelocity | None = None
+    series_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] | None = None
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """Where it is in one of two ways, its law in one of two ways."""
+        line = [key for key in ("body_mm", "to_mm") if key in raw]
+        axis = [key for key in ("at_mm", "direction") if key in raw]
+        if line and axis:
+            yield Fault(line[0], f"cannot stand next to {' and '.join(axis)}: along a line or along an axis")
+        elif len(line) == 1 or len(axis) == 1 or not (line or axis):
+            yield Fault(
+                "at_mm", "goes with direction (along an axis); or give body_mm and to_mm (a line)", missing=True
+            )
+        laws = [key for key in ("damping_kNs_per_m", "velocity_m_per_s_force_kN") if key in raw]
+        if len(laws) != 1:
+            yield Fault(
+                "damping_kNs_per_m", "or velocity_m_per_s_force_kN must be given, one of them", missing=not laws
+            )
+
+    def consistency(self) -> Iterator[Fault]:
+        """A table of a damper behind a spring is read backwards."""
+        table = self.velocity_m_per_s_force_kN or ()
+        flat = any(b[1] <= a[1] for a, b in pairwise(table))
+        if self.series_stiffness_kN_per_m is not None and flat:
+            yield Fault("velocity_m_per_s_force_kN", "must rise everywhere next to series_stiffness_kN_per_m")
+
+    def element(self, joint: Joint, axes: Axes) -> Strut:
+        """See `ElementTable`."""
+        points = [axes.point(point) for point in self.points()]  # one on an axis, two on a line
+        series = self.series_stiffness_kN_per_m
+        rows = tuple((v, 1e3 * f) for v, f in self.velocity_m_per_s_force_kN or ())
+        return Strut(
+            *joint, (points[0], points[-1]), None if self.direction is None else AXIS[self.direction],
+            damping=1e3 * (self.damping_kNs_per_m or 0.0),
+            series=None if series is None else 1e3 * series,
+            damper_table=both_ways(rows) if rows and rows[0][0] >= 0.0 else rows,
+        )  # fmt: skip

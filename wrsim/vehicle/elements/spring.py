@@ -1,0 +1,94 @@
+"""Springs and dampers along and about three axes at one point: ``kind = "spring"``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+
+from wrsim.inputs.values import Three, number
+from wrsim.vehicle.elements.element import ZERO, Array, Element, Tables, Triple
+from wrsim.vehicle.elements.keys import Axes, Damping, ElementTable, Glyph, Joint, Place, Stiffness, scaled
+
+BLUE = "#0072B2"
+
+
+@dataclass(frozen=True)
+class Spring(Element):
+    """Springs and dampers along and about three axes, at one point in the design position.
+
+    stiffness [N/m], damping [N s/m], turning (rotational) stiffness [N m/rad] and damping [N m s/rad]: along and about
+    x, y, z. column: half of it turns with either body, as in a flexible column clamped at both ends; ``at`` is then its
+    middle. preload: force on the second body in the design position [N]; None: to be solved for.
+    """
+
+    at: Triple
+    stiffness: Triple = ZERO
+    damping: Triple = ZERO
+    turning_stiffness: Triple = ZERO
+    turning_damping: Triple = ZERO
+    column: bool = False
+    preload: Triple | None = None
+
+    @property
+    def points(self) -> tuple[Triple, Triple]:
+        """See `Element`."""
+        return self.at, self.at
+
+    @property
+    def directions(self) -> Array:
+        """See `Element`."""
+        return np.eye(3)
+
+    @property
+    def stiffness_at_rest(self) -> Array:
+        """See `Element`."""
+        return np.array(self.stiffness)
+
+    @property
+    def given_preload(self) -> Triple | None:
+        """See `Element`."""
+        return self.preload
+
+    @property
+    def rotational_stiffness(self) -> Triple:
+        """See `Element`."""
+        return self.turning_stiffness
+
+    @property
+    def resists_turning(self) -> bool:
+        """See `Element`."""
+        return any(self.turning_stiffness) or any(self.turning_damping)
+
+    def write(self, row: Any, preload: Array, tables: Tables) -> None:
+        """See `Element`."""
+        from wrsim.core.body import suspension as kernel
+
+        row.kind = kernel.SHEAR if self.column else kernel.FIELD
+        row.stiffness, row.damping, row.preload = self.stiffness, self.damping, tuple(preload)
+        row.turning, row.turning_damping = self.turning_stiffness, self.turning_damping
+
+
+class SpringTable(ElementTable):
+    """kind = "spring": springs and dampers along and about three axes at one point."""
+
+    header: ClassVar[str] = "[[elements]] with kind = spring"
+    glyph: ClassVar[Glyph | None] = Glyph("o", BLUE, hollow=True)
+
+    kind: Literal["spring"]
+    at_mm: Place
+    stiffness_kN_per_m: Stiffness = ZERO
+    damping_kNs_per_m: Damping = ZERO
+    rotational_stiffness_kNm_per_rad: Three[Annotated[float, number(0, 1e8, "kN m/rad")]] = ZERO
+    rotational_damping_kNms_per_rad: Three[Annotated[float, number(0, 1e6, "kN m s/rad")]] = ZERO
+    preload_kN: Three[Annotated[float, number(-1e4, 1e4, "kN")]] | None = None
+
+    def element(self, joint: Joint, axes: Axes) -> Spring:
+        """See `ElementTable`."""
+        return Spring(
+            *joint, axes.point(self.at_mm),
+            scaled(self.stiffness_kN_per_m), scaled(self.damping_kNs_per_m),
+            scaled(self.rotational_stiffness_kNm_per_rad), scaled(self.rotational_damping_kNms_per_rad),
+            preload=None if self.preload_kN is None else axes.vector(self.preload_kN),
+        )  # fmt: skip

@@ -1,0 +1,34 @@
+"""A spring and damper along the line between two points: ``kind = "traction-rod"``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, ClassVar, Literal
+
+from wrsim.inputs.section import Fault
+from wrsim.inputs.values import number, positive
+from wrsim.vehicle.elements.keys import Axes, ElementTable, Glyph, Joint, Place
+from wrsim.vehicle.elements.strut import Strut
+
+
+class TractionRodTable(ElementTable):
+    """kind = "traction-rod": a spring and damper along the line between two points."""
+
+    header: ClassVar[str] = "[[elements]] with kind = traction-rod"
+    glyph: ClassVar[Glyph | None] = Glyph("_", "#222222")
+
+    kind: Literal["traction-rod"]
+    body_mm: Place
+    to_mm: Place
+    stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
+    damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
+
+    def consistency(self) -> Iterator[Fault]:
+        """A rod has a length."""
+        if self.body_mm == self.to_mm:
+            yield Fault("to_mm", "is the same point as body_mm: a rod needs a length")
+
+    def element(self, joint: Joint, axes: Axes) -> Strut:
+        """See `ElementTable`."""
+        ends = axes.point(self.body_mm), axes.point(self.to_mm)
+        return Strut(*joint, ends, None, 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m)
