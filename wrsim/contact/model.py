@@ -18,7 +18,7 @@ from wrsim.contact.arena import Arena, pack
 from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.contact.settings import ContactSettings, Friction, Tangential
 from wrsim.core.contact import records as k
-from wrsim.core.contact.strips.layout import FACTOR, FACTORS, LOBE_ROWS, MATRICES, VECTORS
+from wrsim.core.contact.strips.records import FACTORS, MATRICES, PLACE, SPAN
 from wrsim.core.contact.wheel_rail import Arrays, search, wheel_rail
 from wrsim.geometry.profile.distance_field import DistanceField, distance_field
 from wrsim.geometry.profile.profile import Profile
@@ -190,8 +190,7 @@ class KernelArrays:
         if not (self._follows and self.settings.start):
             return ()
         names = ("last_strips", "last_arc", "last_start", "last_end")
-        factors = self.rows.vectors[FACTOR, : FACTORS * len(self.patches)]
-        return (*(self.patches[name] for name in names), self.strips["a_last"], factors)
+        return (*(self.patches[name] for name in names), self.strips["a_last"], self.rows.factors)
 
 
 @dataclass(frozen=True)
@@ -292,7 +291,7 @@ def _inputs(
     n.stride = max(1, round(SEARCH_REACH / wheel_step))
     n.hollow = max(1.5 * hollows, 1.0)
     lobes, most = settings.max_patches, normal.rows(settings.strips)
-    places = lobes * (most + FACTORS) if normal.follows else 1
+    unknowns = lobes * (most + FACTORS) if normal.follows else 1
     return Arrays(
         wheel=wheel_table,
         rail=rail_table,
@@ -305,7 +304,10 @@ def _inputs(
         patches=np.zeros(lobes, k.LOBE),
         strips=np.zeros((lobes, most), k.STRIP),
         work=np.zeros((12, max(most, 8))),
-        vectors=np.zeros((VECTORS + 1 + LOBE_ROWS, max(places, lobes))),
-        matrices=np.zeros((MATRICES, places, places)),
+        places=np.zeros(unknowns, PLACE),
+        spans=np.zeros(lobes, SPAN),
+        factors=np.zeros(lobes * FACTORS),
+        step=np.zeros(unknowns),
+        matrices=np.zeros((MATRICES, unknowns, unknowns)),
         total=np.zeros(1, k.TOTAL),
     )

@@ -29,6 +29,7 @@ from wrsim.core.contact.resultants import add_lobe
 from wrsim.core.contact.search.lobes import couple, select_deepest
 from wrsim.core.contact.search.locus import placed
 from wrsim.core.contact.search.points import find_contacts
+from wrsim.core.contact.strips.records import PLACE, SPAN
 from wrsim.core.contact.tangential.creep_forces import creep_forces
 
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
@@ -40,7 +41,7 @@ class Arrays(NamedTuple):
 
     wheel, rail: profile tables, the rail's in (o, b) with its inclination; field: signed distances of the rail; creep:
     (20, 3) Kalker coefficients; shape: (cells,) bound over the cells; settings: (1,) SETTINGS; pose: (POSE,).
-    found: (8,) FOUND, work: (12, >= strips, >= 8), vectors and matrices (core.contact.strips.model): scratch. Results:
+    found: (8,) FOUND, work: (12, >= strips, >= 8), places to matrices (core.contact.strips.records): scratch. Results:
     patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
     """
 
@@ -55,7 +56,10 @@ class Arrays(NamedTuple):
     patches: Any
     strips: Any
     work: Any
-    vectors: Any
+    places: Any
+    spans: Any
+    factors: Any
+    step: Any
     matrices: Any
     total: Any
 
@@ -79,9 +83,12 @@ def arrays(buffer, index):
         records(buffer, index, first + 8, LOBE),
         record_rows(buffer, index, first + 9, STRIP),
         matrix(buffer, index, first + 10),
-        matrix(buffer, index, first + 11),
-        block(buffer, index, first + 12),
-        records(buffer, index, first + 13, TOTAL),
+        records(buffer, index, first + 11, PLACE),
+        records(buffer, index, first + 12, SPAN),
+        vector(buffer, index, first + 13),
+        vector(buffer, index, first + 14),
+        block(buffer, index, first + 15),
+        records(buffer, index, first + 16, TOTAL),
     )
 
 
@@ -113,7 +120,7 @@ def wheel_rail(buffer, index):
     _group(a.found, settings.eps, lobes, count)
     for i in range(count):
         _lay_lobe(wheel, rail, settings, lobes, count, i, a.strips[i])
-    status |= press_lobes(settings, pose, lobes, a.strips, count, a.work, a.vectors, a.matrices)
+    status |= press_lobes(a, pose, count)
     _sum_up(a, pose, count)
     return status
 

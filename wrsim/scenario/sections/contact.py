@@ -20,7 +20,7 @@ from wrsim.contact.settings import (
     Tangential,
     TractionBound,
 )
-from wrsim.core.contact.strips.layout import FEWEST_FREE_STRIPS
+from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import OrTable, number, positive, words
 from wrsim.scenario.sections.conical import ConicalSection

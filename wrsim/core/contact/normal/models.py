@@ -13,9 +13,11 @@ KIK_PIOTROWSKI, FREE_STRIPS = range(2)
 
 
 @kernel
-def press_lobes(settings, pose, lobes, strips, count, work, vectors, matrices):
-    """Pressures after the model of the settings. Returns a status."""
+def press_lobes(a, pose, count):
+    """Pressures of ``count`` lobes after the model of the settings; a: Arrays of core.contact.wheel_rail. Returns a
+    status."""
+    settings = a.settings[0]
     if settings.normal == FREE_STRIPS:
-        return press_strips(settings, pose, lobes, strips, count, vectors, matrices)
-    press(settings, pose, lobes, strips, count, work)
+        return press_strips(a, pose, count)
+    press(settings, pose, a.patches, a.strips, count, a.work)
     return 0

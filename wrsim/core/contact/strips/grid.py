@@ -3,79 +3,54 @@
 from math import log, sqrt
 
 from wrsim.core.compiling import kernel
+from wrsim.core.contact.records import AFRESH
 from wrsim.core.contact.strips.edges import forget
-from wrsim.core.contact.strips.layout import (
-    A_,
-    AT,
-    B_,
-    END_,
-    FACTOR,
-    FACTORS,
-    FIRST,
-    HERTZ,
-    LEAST,
-    LEFT,
-    LOBE,
-    MOST,
-    NB_,
-    NO_,
-    O_,
-    ON,
-    OTHER,
-    POS,
-    Q_,
-    RETURNED,
-    START_,
-    WIDTH_,
-    X_,
-    D,
-    R,
-)
+from wrsim.core.contact.strips.records import FACTORS, of_span
 
 
 @kernel
-def take_places(patches, strips, count, warm, v, lobes):
+def take_places(lobes, strips, count, start, state):
     """Places for the strips of each lobe; edges and half lengths of the last call. Returns (places, all known)."""
     m = 0
-    known = warm > 0.5
+    known = start != AFRESH
     for i in range(count):
-        n = patches[i].n_strips
-        rows = strips[i]
+        lobe, rows, span = lobes[i], strips[i], state.spans[i]
+        n = lobe.n_strips
         half = 0.5 * rows[0].ds
-        lobes[FIRST, i] = m
-        lobes[LEAST, i] = rows[0].s - half
-        lobes[MOST, i] = rows[n - 1].s + half
-        known = known and patches[i].last_strips == n
-        lobes[ON, i] = 1.0
-        lobes[RETURNED, i] = 0.0
-        forget(i, lobes)
-        lobes[START_, i] = max(patches[i].last_start, lobes[LEAST, i])
-        lobes[END_, i] = min(patches[i].last_end, lobes[MOST, i])
-        if n == 0 or lobes[END_, i] <= lobes[START_, i]:
-            lobes[ON, i] = 0.0
+        span.first = m
+        span.n = n
+        span.start.limit = rows[0].s - half
+        span.end.limit = rows[n - 1].s + half
+        known = known and lobe.last_strips == n
+        span.start.at = max(lobe.last_start, span.start.limit)
+        span.end.at = min(lobe.last_end, span.end.limit)
+        span.on = n > 0 and span.end.at > span.start.at
+        span.widened = 0
+        forget(span)
         for j in range(n):
-            v[LOBE, m] = i
-            v[LEFT, m] = 0.0
-            v[A_, m] = rows[j].a_last if lobes[ON, i] > 0.5 else 0.0
-            v[AT, m] = min(max((j + 0.5) / n * FACTORS - 0.5, 0.0), FACTORS - 1.0)
+            place = state.places[m]
+            place.lobe = i
+            place.let_go = 0
+            place.a = rows[j].a_last if span.on else 0.0
+            place.at = min(max((j + 0.5) / n * FACTORS - 0.5, 0.0), FACTORS - 1.0)
             m += 1
     return m, known
 
 
 @kernel
-def first_guess(patches, strips, count, v, lobes):
+def first_guess(strips, count, state):
     """Widest edges; within, half lengths and factors about like those of Hertz's ellipse."""
     for i in range(count):
-        n = patches[i].n_strips
-        rows = strips[i]
+        rows, span = strips[i], state.spans[i]
+        own = of_span(state.places, span)
+        n = span.n
         if n == 0:
             continue
-        lobes[ON, i] = 1.0
-        lobes[RETURNED, i] = 0.0
-        forget(i, lobes)
-        lobes[START_, i] = lobes[LEAST, i]
-        lobes[END_, i] = lobes[MOST, i]
-        first = int(lobes[FIRST, i])
+        span.on = 1
+        span.widened = 0
+        forget(span)
+        span.start.at = span.start.limit
+        span.end.at = span.end.limit
         deepest = 1e-12
         main = 0
         for j in range(n):
@@ -90,26 +65,22 @@ def first_guess(patches, strips, count, v, lobes):
         level = min(max(0.5 + 0.07 * log(ratio), 0.2), 0.8)
         for j in range(n):
             share = (rows[j].penetration / deepest - level) / (1.0 - level)
-            v[A_, first + j] = 0.75 * sqrt(2.0 * rows[j].r_t * deepest * share) if share > 0.0 else 0.0
-            v[LEFT, first + j] = 0.0
-        for k in range(i * FACTORS, (i + 1) * FACTORS):
-            v[FACTOR, k] = min(1.0 + 0.27 * ratio**0.63, 5.0)
+            own[j].a = 0.75 * sqrt(2.0 * rows[j].r_t * deepest * share) if share > 0.0 else 0.0
+            own[j].let_go = 0
+        state.factors[i * FACTORS : (i + 1) * FACTORS] = min(1.0 + 0.27 * ratio**0.63, 5.0)
 
 
 @kernel
-def sample(patches, strips, i, modulus, pose, v, lobes):
-    """Geometry at the present strips of lobe i, by cubic interpolation in the rows laid over the penetration."""
-    n = patches[i].n_strips
-    rows = strips[i]
-    first = int(lobes[FIRST, i])
-    start = lobes[START_, i]
-    width = (lobes[END_, i] - start) / n
-    origin = rows[0].s
-    spacing = rows[0].ds
+def sample(rows, span, own, modulus, axle):
+    """Geometry at the present strips of a lobe, by cubic interpolation in the rows laid over the penetration.
+
+    axle: of the wheel (t, o, b); it yaws the strips.
+    """
+    n = span.n
+    width = (span.end.at - span.start.at) / n
     for j in range(n):
-        k = first + j
-        s = start + (j + 0.5) * width
-        x = (s - origin) / spacing
+        s = span.start.at + (j + 0.5) * width
+        x = (s - rows[0].s) / rows[0].ds
         c = min(max(int(x), 1), n - 3)
         r = x - c
         w0 = -r * (r - 1.0) * (r - 2.0) / 6.0
@@ -117,21 +88,22 @@ def sample(patches, strips, i, modulus, pose, v, lobes):
         w2 = -(r + 1.0) * r * (r - 2.0) / 2.0
         w3 = (r + 1.0) * r * (r - 1.0) / 6.0
         r0, r1, r2, r3 = rows[c - 1], rows[c], rows[c + 1], rows[c + 2]
-        v[POS, k] = s
-        v[WIDTH_, k] = width
-        v[D, k] = w0 * r0.penetration + w1 * r1.penetration + w2 * r2.penetration + w3 * r3.penetration
-        v[O_, k] = w0 * r0.o + w1 * r1.o + w2 * r2.o + w3 * r3.o
-        v[B_, k] = w0 * r0.b + w1 * r1.b + w2 * r2.b + w3 * r3.b
+        place = own[j]
+        place.s = s
+        place.ds = width
+        place.d = w0 * r0.penetration + w1 * r1.penetration + w2 * r2.penetration + w3 * r3.penetration
+        place.o = w0 * r0.o + w1 * r1.o + w2 * r2.o + w3 * r3.o
+        place.b = w0 * r0.b + w1 * r1.b + w2 * r2.b + w3 * r3.b
+        place.x = r1.x + r * (r2.x - r1.x)
         no = r1.no + r * (r2.no - r1.no)
         nb = r1.nb + r * (r2.nb - r1.nb)
         inverse = 1.0 / sqrt(no * no + nb * nb)
-        v[NO_, k] = no * inverse
-        v[NB_, k] = nb * inverse
-        v[X_, k] = r1.x + r * (r2.x - r1.x)
-        lean = v[NO_, k] * pose.axle.y + v[NB_, k] * pose.axle.z
-        skew = abs(pose.axle.x) / sqrt(max(1.0 - lean * lean, 2.5e-3))
-        v[R, k] = 1.0 / _mean_curvature(rows, n, x, skew, v[D, k])
-        v[HERTZ, k] = 0.5 * modulus / v[R, k]
+        place.no = no * inverse
+        place.nb = nb * inverse
+        lean = place.no * axle.y + place.nb * axle.z
+        skew = abs(axle.x) / sqrt(max(1.0 - lean * lean, 2.5e-3))
+        place.r_t = 1.0 / _mean_curvature(rows, n, x, skew, place.d)
+        place.hertz = 0.5 * modulus / place.r_t
 
 
 @kernel
@@ -142,10 +114,9 @@ def _mean_curvature(rows, n, x, skew, d):
     e_t / cos(angle), with the angle between the strip and the axle: a curvature that jumps across the profile is felt
     as a mean over +-a times the skew.
     """
-    spacing = rows[0].ds
     middle = min(max(int(x + 0.5), 0), n - 1)
     half = 0.7 * sqrt(2.0 * rows[middle].r_t * max(d, 0.0))
-    reach = max(half * skew / spacing, 1.0)
+    reach = max(half * skew / rows[0].ds, 1.0)
     total = 0.0
     weights = 0.0
     for k in range(max(int(x - reach), 0), min(int(x + reach) + 2, n)):
@@ -159,71 +130,70 @@ def _mean_curvature(rows, n, x, skew, d):
 
 
 @kernel
-def leave(patches, i, v, lobes):
-    """Take lobe i out of contact."""
-    lobes[ON, i] = 0.0
-    first = int(lobes[FIRST, i])
-    for k in range(first, first + patches[i].n_strips):
-        v[A_, k] = 0.0
+def leave(span, own):
+    """Take a lobe out of contact."""
+    span.on = 0
+    for j in range(span.n):
+        own[j].a = 0.0
 
 
 @kernel
-def regrid(patches, strips, i, v, lobes, start, end):
-    """Lay the strips of lobe i over ``start`` to ``end`` and what it held before; new ground gets short strips."""
-    n = patches[i].n_strips
-    first = int(lobes[FIRST, i])
-    on = lobes[ON, i] > 0.5
+def regrid(rows, span, own, factors, start, end):
+    """Lay the strips of a lobe over ``start`` to ``end`` and what it held before; new ground gets short strips.
+
+    factors: all of the lobe's.
+    """
+    n = span.n
+    on = span.on != 0
+    old_start, old_end = span.start.at, span.end.at
     if on:
-        start, end = min(start, lobes[START_, i]), max(end, lobes[END_, i])
+        start, end = min(start, old_start), max(end, old_end)
     deepest = 0.0
     longest = 0.0
     for j in range(n):
-        deepest = max(deepest, strips[i, j].penetration)
-        longest = max(longest, strips[i, j].r_t)
-        v[OTHER, first + j] = v[A_, first + j] if on else 0.0
+        deepest = max(deepest, rows[j].penetration)
+        longest = max(longest, rows[j].r_t)
+        own[j].a_before = own[j].a if on else 0.0
     short = 0.1 * sqrt(2.0 * longest * deepest)
-    width = (lobes[END_, i] - lobes[START_, i]) / n
+    width = (old_end - old_start) / n
     for j in range(n):
         s = start + (j + 0.5) / n * (end - start)
-        v[LEFT, first + j] = 0.0
-        v[A_, first + j] = short
-        if on and lobes[START_, i] < s < lobes[END_, i]:
-            x = (s - lobes[START_, i]) / width - 0.5
+        own[j].let_go = 0
+        own[j].a = short
+        if on and old_start < s < old_end:
+            x = (s - old_start) / width - 0.5
             c = min(max(int(x), 0), n - 2)
             r = min(max(x - c, 0.0), 1.0)
-            v[A_, first + j] = v[OTHER, first + c] * (1.0 - r) + v[OTHER, first + c + 1] * r
+            own[j].a = own[c].a_before * (1.0 - r) + own[c + 1].a_before * r
     if not on:
-        for k in range(i * FACTORS, (i + 1) * FACTORS):
-            v[FACTOR, k] = 1.0
-    lobes[ON, i] = 1.0
-    lobes[START_, i] = start
-    lobes[END_, i] = end
-    forget(i, lobes)
+        factors[:] = 1.0
+    span.on = 1
+    span.start.at = start
+    span.end.at = end
+    forget(span)
 
 
 @kernel
-def write_back(patches, strips, count, v, lobes):
+def write_back(lobes, strips, count, state):
     """The solution to the rows, and what the next call may start from."""
     for i in range(count):
-        n = patches[i].n_strips
-        first = int(lobes[FIRST, i])
-        patches[i].last_strips = n
-        patches[i].last_start = lobes[START_, i]
-        patches[i].last_end = lobes[END_, i] if lobes[ON, i] > 0.5 else lobes[START_, i] - 1.0
-        if lobes[ON, i] < 0.5:
-            patches[i].n_strips = 0
+        lobe, span = lobes[i], state.spans[i]
+        own = of_span(state.places, span)
+        lobe.last_strips = span.n
+        lobe.last_start = span.start.at
+        lobe.last_end = span.end.at if span.on else span.start.at - 1.0
+        if not span.on:
+            lobe.n_strips = 0
             continue
-        for j in range(n):
-            k = first + j
-            row = strips[i, j]
-            row.s = v[POS, k]
-            row.ds = v[WIDTH_, k]
-            row.x = v[X_, k]
-            row.a = v[A_, k]
-            row.a_last = v[A_, k]
-            row.p = v[Q_, k] if v[A_, k] > 0.0 else 0.0
-            row.no = v[NO_, k]
-            row.nb = v[NB_, k]
-            row.o = v[O_, k]
-            row.b = v[B_, k]
-            row.r_t = v[R, k]
+        for j in range(span.n):
+            row, place = strips[i, j], own[j]
+            row.s = place.s
+            row.ds = place.ds
+            row.x = place.x
+            row.a = row.a_last = place.a
+            row.p = place.q if place.a > 0.0 else 0.0
+            row.no = place.no
+            row.nb = place.nb
+            row.o = place.o
+            row.b = place.b
+            row.r_t = place.r_t

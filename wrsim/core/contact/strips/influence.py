@@ -8,21 +8,7 @@ fa at its middle, besides the logarithm that f has at s = 0.
 from math import log, sqrt
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.strips.layout import (
-    A_,
-    A_MATRIX,
-    B_,
-    B_MATRIX,
-    DA_MATRIX,
-    DB_MATRIX,
-    LOBE,
-    NB_,
-    NO_,
-    O_,
-    Q_,
-    SLOT,
-    WIDTH_,
-)
+from wrsim.core.contact.strips.records import touching
 
 NEAR = 4  # neighbours over which the bend of f counts
 # Gauss-Legendre on 0..1
@@ -114,94 +100,106 @@ def own(a, w):
     return u, c, ua, ca
 
 
+@inlined
+def _from_afar(a, s, w):
+    """The same integrals where f hardly bends over the strip."""
+    f, fa = potentials(a, s)
+    r2 = 1.0 / (a * a + s * s)
+    return w * f, w * f * r2, w * fa, w * (fa - 2.0 * a * a * f * r2) * r2
+
+
+@inlined
+def _write(state, i, j, factor, integrals):
+    """The influence of the j-th strip in contact on the i-th."""
+    u, c, ua, ca = integrals
+    state.u[i, j], state.c[i, j], state.du[i, j], state.dc[i, j] = factor * u, factor * c, factor * ua, factor * ca
+
+
+@inlined
+def _facing(one, other):
+    """Cosine of the angle between two normals, not negative."""
+    return max(one.no * other.no + one.nb * other.nb, 0.0)
+
+
+@inlined
+def _distance(one, other):
+    """Between two centres [m]."""
+    return sqrt((one.o - other.o) ** 2 + (one.b - other.b) ** 2)
+
+
 @kernel
-def assemble(v, index, n, m, matrices):
+def assemble(state, n, m):
     """Influence of strip j on the centre of strip i, for displacement and curvature, with derivatives by ln a_j.
 
-    index (n,): places of the strips in contact; m: places. Within a lobe the strips stand at equal distances, so the
-    two neighbours at the same distance share a value; strips of other lobes act over their straight distance, with
-    the cosine of the angle between the normals.
+    n: strips in contact; m: places. Within a lobe the strips stand at equal distances, so the two neighbours at the
+    same distance share a value; strips of other lobes act over their straight distance, with the cosine of the angle
+    between the normals.
     """
-    am, bm, da, db = matrices[A_MATRIX], matrices[B_MATRIX], matrices[DA_MATRIX], matrices[DB_MATRIX]
-    slot = v[SLOT]
+    places = state.places
     for k in range(m):
-        slot[k] = -1.0
+        places[k].slot = -1
     for i in range(n):
-        slot[int(index[i])] = i
-    several = v[LOBE, 0] != v[LOBE, m - 1]
+        touching(places, i).slot = i
+    several = places[0].lobe != places[m - 1].lobe
     for j in range(n):
-        kj = int(index[j])
-        a, w, lobe = v[A_, kj], v[WIDTH_, kj], v[LOBE, kj]
-        a2 = a * a
-        am[j, j], bm[j, j], da[j, j], db[j, j] = own(a, w)
+        source = touching(places, j)
+        k, a, w = places[j].touching, source.a, source.ds
+        _write(state, j, j, 1.0, own(a, w))
         for distance in range(1, m):
-            up, down = kj + distance, kj - distance
-            above = up < m and v[LOBE, up] == lobe
-            below = down >= 0 and v[LOBE, down] == lobe
+            up, down = k + distance, k - distance
+            above = up < m and places[up].lobe == source.lobe
+            below = down >= 0 and places[down].lobe == source.lobe
             if not above and not below:
                 break
-            iu = int(slot[up]) if above else -1
-            il = int(slot[down]) if below else -1
-            if iu < 0 and il < 0:
+            upper = places[up].slot if above else -1
+            lower = places[down].slot if below else -1
+            if upper < 0 and lower < 0:
                 continue
-            s = distance * w
-            if distance <= NEAR:
-                u, c, ua, ca = over_strip(a, s, w)
-            else:
-                f, fa = potentials(a, s)
-                r2 = 1.0 / (a2 + s * s)
-                u, c, ua, ca = w * f, w * f * r2, w * fa, w * (fa - 2.0 * a2 * f * r2) * r2
-            if iu >= 0:
-                am[iu, j], da[iu, j], bm[iu, j], db[iu, j] = u, ua, c, ca
-            if il >= 0:
-                am[il, j], da[il, j], bm[il, j], db[il, j] = u, ua, c, ca
+            integrals = over_strip(a, distance * w, w) if distance <= NEAR else _from_afar(a, distance * w, w)
+            if upper >= 0:
+                _write(state, upper, j, 1.0, integrals)
+            if lower >= 0:
+                _write(state, lower, j, 1.0, integrals)
         if not several:
             continue
         for i in range(n):
-            ki = int(index[i])
-            if v[LOBE, ki] == lobe:
+            target = touching(places, i)
+            if target.lobe == source.lobe:
                 continue
-            facing = max(v[NO_, ki] * v[NO_, kj] + v[NB_, ki] * v[NB_, kj], 0.0)
-            s = sqrt((v[O_, ki] - v[O_, kj]) ** 2 + (v[B_, ki] - v[B_, kj]) ** 2)
-            if s > NEAR * w:
-                f, fa = potentials(a, s)
-                r2 = 1.0 / (a2 + s * s)
-                u, c, ua, ca = w * f, w * f * r2, w * fa, w * (fa - 2.0 * a2 * f * r2) * r2
-            else:
-                u, c, ua, ca = over_strip(a, max(s, 0.75 * w), w)
-            am[i, j], da[i, j], bm[i, j], db[i, j] = facing * u, facing * ua, facing * c, facing * ca
+            s = _distance(target, source)
+            integrals = _from_afar(a, s, w) if s > NEAR * w else over_strip(a, max(s, 0.75 * w), w)
+            _write(state, i, j, _facing(target, source), integrals)
 
 
 @kernel
-def displacement_at(v, k, index, n):
+def displacement_at(places, k, n):
     """Displacement (times pi E*) that the strips in contact cause at place k, which is not one of them."""
     total = 0.0
+    target = places[k]
     for j in range(n):
-        kj = int(index[j])
-        a, w = v[A_, kj], v[WIDTH_, kj]
-        if v[LOBE, kj] == v[LOBE, k]:
+        source = touching(places, j)
+        w = source.ds
+        if source.lobe == target.lobe:
             facing = 1.0
-            s = abs(k - kj) * w
+            s = abs(k - places[j].touching) * w
         else:
-            facing = max(v[NO_, k] * v[NO_, kj] + v[NB_, k] * v[NB_, kj], 0.0)
-            s = max(sqrt((v[O_, k] - v[O_, kj]) ** 2 + (v[B_, k] - v[B_, kj]) ** 2), 0.75 * w)
+            facing = _facing(target, source)
+            s = max(_distance(target, source), 0.75 * w)
         if s > (NEAR + 0.5) * w:
-            f, _fa = potentials(a, s)
-            total += facing * v[Q_, kj] * w * f
+            f, _fa = potentials(source.a, s)
+            total += facing * source.q * w * f
         else:
-            u, _c, _ua, _ca = over_strip(a, s, w)
-            total += facing * v[Q_, kj] * u
+            u, _c, _ua, _ca = over_strip(source.a, s, w)
+            total += facing * source.q * u
     return total
 
 
 @kernel
-def displacement_beside(v, o, b, no, nb, index, n):
-    """Displacement (times pi E*) that the strips in contact cause at a point (o, b) with normal (no, nb) off them."""
+def displacement_beside(places, row, n):
+    """Displacement (times pi E*) that the strips in contact cause at a row of the table, which is none of them."""
     total = 0.0
     for j in range(n):
-        k = int(index[j])
-        facing = max(v[NO_, k] * no + v[NB_, k] * nb, 0.0)
-        s = max(sqrt((v[O_, k] - o) ** 2 + (v[B_, k] - b) ** 2), 0.5 * v[WIDTH_, k])
-        f, _fa = potentials(v[A_, k], s)
-        total += facing * v[Q_, k] * v[WIDTH_, k] * f
+        source = touching(places, j)
+        f, _fa = potentials(source.a, max(_distance(source, row), 0.5 * source.ds))
+        total += _facing(source, row) * source.q * source.ds * f
     return total

@@ -5,26 +5,29 @@ from math import pi
 from wrsim.core.compiling import kernel
 from wrsim.core.contact.records import STATUS_UNSETTLED
 from wrsim.core.contact.resultants import set_creepages
-from wrsim.core.contact.strips.layout import VECTORS
 from wrsim.core.contact.strips.model import strip_model
+from wrsim.core.contact.strips.records import Unknowns
 
 WARM_REACH = 1e-3  # how far a main point may have moved for the last contact to be a first guess [m]
 NEARLY = 1e-4  # misfit over the penetration that the strip model may end with
 
 
 @kernel
-def press_strips(settings, pose, patches, strips, count, vectors, matrices):
-    """Pressures of all strips from their own contact conditions (`strips.model`), with damping. Returns a status."""
+def press_strips(a, pose, count):
+    """Pressures of all strips from their own contact conditions (`strips.model`), with damping. Returns a status.
+
+    a: Arrays of core.contact.wheel_rail.
+    """
+    settings, lobes, strips, m = a.settings[0], a.patches, a.strips, a.matrices
     for i in range(count):
-        if abs(patches[i].arc_rail - patches[i].last_arc) > WARM_REACH:
-            patches[i].last_strips = 0
-        patches[i].last_arc = patches[i].arc_rail
-    iterations, misfit = strip_model(
-        patches, strips, count, settings.E, pose, settings.start, vectors, vectors[VECTORS + 1 :], matrices,
-        vectors[VECTORS],
-    )  # fmt: skip
+        lobe = lobes[i]
+        if abs(lobe.arc_rail - lobe.last_arc) > WARM_REACH:
+            lobe.last_strips = 0
+        lobe.last_arc = lobe.arc_rail
+    state = Unknowns(a.places, a.spans, a.factors, a.step, m[0], m[1], m[2], m[3], m[4])
+    iterations, misfit = strip_model(lobes, strips, count, settings.E, pose.axle, settings.start, state)
     for i in range(count):
-        lobe = patches[i]
+        lobe = lobes[i]
         n = lobe.n_strips
         set_creepages(pose, settings.least_speed, lobe, strips[i], n)
         factor = max(1.0 + settings.damping * lobe.closing, 0.0)
