@@ -198,11 +198,11 @@ class Operator:
             spectra[kind] += spectra[NN]
         return spectra
 
-    def _ahead(self, forward: float) -> Spectrum:
-        """Takes u(x) to (u(x) - u(x + forward dx)) / dx."""
-        k = 2.0 * pi * scipy.fft.rfftfreq(self._fourier.period[1])
-        ahead: Spectrum = (1.0 - np.exp(1j * forward * k)) / self.dx
-        return ahead
+    @cached_property
+    def _differences(self) -> tuple[Spectrum, Spectrum]:
+        """Take u(x) to (u(x) - u(x + forward dx)) / dx, for forward = 1 and -1."""
+        ahead = (1.0 - np.exp(2j * pi * scipy.fft.rfftfreq(self._fourier.period[1]))) / self.dx
+        return ahead, ahead.conj()
 
     def _shared(self, act: Callable[[Array], Array], q: Array) -> Array:
         """What all groups of rows do to all rows."""
@@ -214,55 +214,61 @@ class Operator:
         return total
 
     def _normal(self, p: Array) -> Array:
-        a, to, back = self._spectra, self._fourier.to, self._fourier.back
-        if not self._turned:
-            return back(a[NN] * to(p))
-        return self._along_normal(self._section_under_pressures(p))
+        if self._turned:
+            return self._along_normal(self._section_under_pressures(p))
+        f = self._fourier.to(p)
+        f *= self._spectra[NN]
+        return self._fourier.back(f)
 
     def _slip(self, q: Array, forward: float) -> Array:
-        a, to, back = self._spectra, self._fourier.to, self._fourier.back
-        if not self._turned:
-            x, s = to(q) * self._ahead(forward)
-            return back(np.stack([a[XX] * x + a[XS] * s, a[XS] * x + a[SS] * s]))
-        x, s = to(q)
-        return self._slip_of(a[XX] * x + a[XS] * s, self._section_under_tractions(q), forward)
+        if self._turned:
+            return self._slip_of(self._under_tractions(q), forward)
+        a, (x, s) = self._spectra, self._fourier.to(q)
+        return self._difference(np.stack([a[XX] * x + a[XS] * s, a[XS] * x + a[SS] * s]), forward)
 
     def _normal_of_tractions(self, q: Array) -> Array:
-        a, to, back = self._spectra, self._fourier.to, self._fourier.back
-        if not self._turned:
-            x, s = to(q)
-            return back(-1j * (a[XN] * x + a[SN] * s))
-        return self._along_normal(self._section_under_tractions(q))
+        if self._turned:
+            return self._along_normal(self._under_tractions(q)[1:])
+        x, s = self._fourier.to(q)
+        return self._fourier.back(-1j * (self._spectra[XN] * x + self._spectra[SN] * s))
 
     def _slip_of_pressure(self, p: Array, forward: float) -> Array:
-        a, to, back = self._spectra, self._fourier.to, self._fourier.back
-        f = to(p)
-        if not self._turned:
-            return back(np.stack([1j * a[XN] * f, 1j * a[SN] * f]) * self._ahead(forward))
-        x = 1j * a[XN] * f if self._unequal else np.zeros_like(f)
-        return self._slip_of(x, self._section_under_pressures(p), forward)
+        f = 1j * self._fourier.to(p)
+        along = self._spectra[XN] * f if self._unequal else np.zeros_like(f)
+        if self._turned:
+            return self._slip_of(np.concatenate([along[None], self._section_under_pressures(p)]), forward)
+        return self._difference(np.stack([along, self._spectra[SN] * f]), forward)
 
     def _section_under_pressures(self, p: Array) -> Spectrum:
         """Transform of the displacements (o, b) under turned pressures."""
         t, n = self._frames
-        a, to = self._spectra, self._fourier.to
-        section: Spectrum = a[NN] * to(n * p)
-        return section + 1j * a[SN] * to(t * p) if self._unequal else section
+        section: Spectrum = self._spectra[NN] * self._fourier.to(n * p)
+        if self._unequal:
+            section += 1j * self._spectra[SN] * self._fourier.to(t * p)
+        return section
 
-    def _section_under_tractions(self, q: Array) -> Spectrum:
-        """Transform of the displacements (o, b) under turned tractions."""
+    def _under_tractions(self, q: Array) -> Spectrum:
+        """Transform of the displacements (x, o, b) under turned tractions."""
         t, n = self._frames
-        a, to = self._spectra, self._fourier.to
-        section: Spectrum = a[XS] * to(t * q[0]) + a[SS] * to(t * q[1])
-        return section - 1j * (a[XN] * to(n * q[0]) + a[SN] * to(n * q[1])) if self._unequal else section
+        a, f = self._spectra, self._fourier.to(np.concatenate([q, t * q[0], t * q[1]]))
+        u: Spectrum = np.concatenate([[a[XX] * f[0] + a[XS] * f[1]], a[XS] * f[2:4] + a[SS] * f[4:6]])
+        if self._unequal:
+            g = self._fourier.to(np.concatenate([n * q[0], n * q[1]]))
+            u[1:] -= 1j * (a[XN] * g[0:2] + a[SN] * g[2:4])
+        return u
 
     def _along_normal(self, section: Spectrum) -> Array:
         lift: Array = (self._frames[1] * self._fourier.back(section)).sum(axis=0)
         return lift
 
-    def _slip_of(self, x: Spectrum, section: Spectrum, forward: float) -> Array:
-        u = self._fourier.back(np.concatenate([x[None], section]) * self._ahead(forward))
-        return np.stack([u[0], (self._frames[0] * u[1:]).sum(axis=0)])
+    def _slip_of(self, u: Spectrum, forward: float) -> Array:
+        x, *section = self._difference(u, forward)
+        return np.stack([x, (self._frames[0] * section).sum(axis=0)])
+
+    def _difference(self, u: Spectrum, forward: float) -> Array:
+        """Slip from the transforms of displacements."""
+        u *= self._differences[0 if forward > 0.0 else 1]
+        return self._fourier.back(u)
 
 
 class Inverse:
@@ -290,7 +296,9 @@ class Inverse:
 
     def pressure(self, u: Array) -> Array:
         """Roughly the pressures that make the normal displacements u, (rows, columns)."""
-        return self._fourier.back(self._normal * self._fourier.to(u))
+        f = self._fourier.to(u)
+        f *= self._normal
+        return self._fourier.back(f)
 
     def traction(self, u: Array) -> Array:
         """Roughly the tractions that make the tangential displacements u, (2, rows, columns)."""

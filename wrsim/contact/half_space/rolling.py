@@ -66,7 +66,7 @@ def solve_rolling(
 
     def correction(v: Array) -> Array:
         """From the unknowns of the preconditioned system to a change of q."""
-        return sticking * operator.inverse.traction(sticking * v) * unscale + sliding * v
+        return unscale * sticking * operator.inverse.traction(sticking * v) + sliding * v
 
     def product(flat: Array) -> Array:
         nonlocal products
