@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from numba import njit
-from numba.core.runtime import _nrt_python, rtsys
+from support.allocations import allocations
 from support.contacts import bench, contact_of, numbers, pair_model, settle
 
 from wrsim.contact.settings import Friction
@@ -72,17 +72,6 @@ def allocate(n):
     for i in range(n):
         total += np.full(3, float(i))[1]
     return total
-
-
-def allocations(function, n, *arguments):
-    """Number of allocations that numba's run time counts during one call."""
-    function(n, *arguments)
-    _nrt_python.memsys_enable_stats()
-    before = rtsys.get_allocation_stats().alloc
-    function(n, *arguments)
-    after = rtsys.get_allocation_stats().alloc
-    _nrt_python.memsys_disable_stats()
-    return after - before
 
 
 def test_an_evaluation_allocates_nothing():

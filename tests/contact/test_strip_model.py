@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numba import njit
+from support.allocations import allocations
 from support.contacts import PLAIN, bench, contact_model, flat_rail, pair_model, round_wheel, settle
 from test_continuity import jumps, normal_forces
 from test_hertz import hertz
@@ -12,6 +14,7 @@ from test_hertz import hertz
 from wrsim.contact.model import combined_modulus
 from wrsim.core.contact.normal.elliptic import k_minus_e
 from wrsim.core.contact.strips.influence import over_strip, own, potentials
+from wrsim.core.contact.wheel_rail import wheel_rail
 
 DATA = Path(__file__).parents[1] / "data"
 STRIPS = {"normal": "strips", "strips": 24}
@@ -113,6 +116,23 @@ def test_two_answers_from_two_first_guesses_are_the_same():
     model.arrays.pose[:] = pose
     model.arrays.call()
     assert force[-1] == pytest.approx(model.arrays.force, rel=2e-3)
+
+
+@njit
+def repeat(n, *arguments):
+    """Evaluations in a loop within compiled code."""
+    for _ in range(n):
+        wheel_rail(*arguments)
+
+
+def test_an_evaluation_allocates_nothing():
+    for follow in (False, True):
+        stand = bench(pair_model("S1002/60E1 1:40", **STRIPS))
+        settle(stand, 4e-3, 0.004, 60e3)
+        arrays = stand.wheels[0].model.arrays
+        arrays.follow(follow)
+        arguments = arrays.buffer, arrays.index
+        assert allocations(repeat, 100, *arguments) == allocations(repeat, 1, *arguments) == len(arguments)
 
 
 def test_what_a_run_remembers_gives_the_same_bits():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +11,8 @@ from numpy.typing import NDArray
 from wrsim.contact.model import KernelArrays
 from wrsim.core.contact.half_space import surface
 from wrsim.core.contact.half_space.rigid_slip import rigid_slip
-from wrsim.core.contact.records import Pose, Profile, Wheel
-from wrsim.core.linalg import Vec
+from wrsim.core.contact.records import Pose, Profile, Wheel, read_pose
+from wrsim.core.contact.search.locus import placed
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.void]
@@ -31,9 +30,8 @@ class Bodies:
     @classmethod
     def of(cls, a: KernelArrays) -> Bodies:
         """At the pose set in a model's arrays."""
-        pose = Pose(*(Vec(*row) for row in a.pose.reshape(4, 3).tolist()))
-        s, q = a.settings, sqrt(1.0 - pose.axle.x**2)
-        wheel = Wheel(Profile(a.wheel, float(s.wheel_step)), float(s.radius), pose.origin, pose.axle, q)
+        pose, s = read_pose(a.pose), a.settings
+        wheel = placed(Profile(a.wheel, float(s.wheel_step)), float(s.radius), pose)
         return cls(wheel, Profile(a.rail, float(s.rail_step)), pose)
 
 
