@@ -12,7 +12,7 @@ pydantic checks the fields; on top of it a Section
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, ClassVar, NamedTuple, Self, get_args
+from typing import Any, ClassVar, NamedTuple, Self, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ModelWrapValidatorHandler, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
@@ -145,6 +145,9 @@ class Section(BaseModel):
         return f"unknown key; {cls.header} takes " + ", ".join(allowed), None
 
 
+T = TypeVar("T")
+
+
 def both_or_sides(
     raw: dict[str, Any], both: str, left: str, right: str, *, needed: str = "", complete: bool = False
 ) -> Iterator[Fault]:
@@ -161,6 +164,11 @@ def both_or_sides(
         yield Fault(both, f"must be {needed} (or give {left} and {right})", missing=True)
     elif len(sides) == 1 and (complete or needed):
         yield Fault(left if right in raw else right, f"goes with {sides[0]} (or give {both})", missing=True)
+
+
+def given(*values: T | None) -> T:
+    """The first value that is given; for keys of which the rules of their section ask for one."""
+    return next(value for value in values if value is not None)
 
 
 def _detail(kind: str, message: str, loc: tuple[str | int, ...], value: Any) -> InitErrorDetails:

@@ -14,7 +14,7 @@ from wrsim.geometry.profile.profile import Profile
 from wrsim.inputs.checking import fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder
-from wrsim.inputs.section import Fault, Section, both_or_sides
+from wrsim.inputs.section import Fault, Section, both_or_sides, given
 from wrsim.inputs.values import Three, number, positive, text, words
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
@@ -74,17 +74,14 @@ class WheelsetTable(Section):
     @property
     def spacing(self) -> float:
         """Distance between the two profile origins [m]."""
-        if self.profile_spacing_mm is not None:
-            return self.profile_spacing_mm / 1000.0
-        assert self.flange_back_mm is not None
-        return (self.flange_back_mm + 2.0 * self.back_to_tape_circle_mm) / 1000.0
+        if self.flange_back_mm is not None:
+            return (self.flange_back_mm + 2.0 * self.back_to_tape_circle_mm) / 1000.0
+        return given(self.profile_spacing_mm) / 1000.0
 
     @property
     def radii(self) -> tuple[float, float]:
         """Radii of the left and right wheel at the tape circle [m]."""
-        left = self.radius_mm if self.radius_left_mm is None else self.radius_left_mm
-        right = self.radius_mm if self.radius_right_mm is None else self.radius_right_mm
-        assert left is not None and right is not None
+        left, right = (given(own, self.radius_mm) for own in (self.radius_left_mm, self.radius_right_mm))
         return left / 1000.0, right / 1000.0
 
 
@@ -124,8 +121,7 @@ def load_wheel(
     """Read the profile of one wheel of a [wheelset] that stands at ``path`` of its file. Raises InputError."""
     own = table.wheel_left if side == "left" else table.wheel_right
     key = "wheel" if own is None else f"wheel_{side}"
-    name = own or table.wheel
-    assert name is not None
+    name = given(own, table.wheel)
     try:
         file = finder.find(name)
     except InputError as error:

@@ -1,6 +1,6 @@
 """Preload: the forces in the springs that hold a vehicle in its design position.
 
-The springs of a vehicle at rest carry what an elastic structure on fixed wheelsets carries: let the bodies yield to
+The springs of a vehicle at rest carry what an elastic structure on fixed wheelsets carries: let the bodies move under
 their weight and the loads, K u = f, then each spring holds its share -k d(u). With these forces built in, the design
 position is the position of rest, whichever way the springs share the load. Springs whose preload the file gives are
 left out of K and add their force to f.
