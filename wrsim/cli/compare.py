@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import exit_code, told
-from wrsim.cli.options import Json, ModelFiles, Pictures
+from wrsim.cli.options import Json, ModelFiles, Pictures, Quiet
 from wrsim.cli.showing import print_json, print_table, progress_bar, tell_slow
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def compare(
     model_files: ModelFiles = None,
     pictures: Pictures = True,
     as_json: Json = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
     with told(as_json):

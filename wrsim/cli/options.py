@@ -16,6 +16,11 @@ Pictures = Annotated[bool, typer.Option(help="Draw the pictures.")]
 ModelFiles = Annotated[
     list[Path] | None, typer.Option("--model-files", metavar="DIR", help="Folder with model files of your own.")
 ]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")]
+SectionsOf = Annotated[
+    Path | None,
+    typer.Option("--scenario", metavar="FILE", help="Take the settings from this scenario instead."),
+]
 AnyResult = Annotated[
     Path, typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off.")
 ]

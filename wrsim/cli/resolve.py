@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wrsim.cli.ending import told
-from wrsim.cli.options import Json, ModelFiles, Pictures
+from wrsim.cli.options import Json, ModelFiles, Pictures, Quiet
 from wrsim.cli.showing import print_json, print_table, progress_bar
 from wrsim.errors import InputError
 
@@ -37,7 +37,7 @@ def resolve(
     model_files: ModelFiles = None,
     pictures: Pictures = True,
     as_json: Json = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Solve the contacts at the kept moments of a result again, by the exact solver or any other contact model."""
     with told(as_json):

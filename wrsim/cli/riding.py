@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from wrsim.cli.ending import told
-from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures
+from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures, SectionsOf
 from wrsim.cli.showing import complain, print_json, print_table
 from wrsim.cli.storing import read
 from wrsim.errors import InputError
@@ -21,9 +19,7 @@ if TYPE_CHECKING:
 def ride(
     result: AnyResult,
     output: BesideResult = None,
-    scenario: Annotated[
-        Path | None, typer.Option("--scenario", metavar="FILE", help="Take [ride] from this scenario instead.")
-    ] = None,
+    scenario: SectionsOf = None,
     pictures: Pictures = True,
     as_json: Json = False,
 ) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,6 +21,8 @@ from wrsim.plots.style import (
     STOP_COLOUR,
     WHEEL_COLOUR,
     new_figure,
+    note,
+    note_above,
     save,
     style,
 )
@@ -68,11 +71,9 @@ def used_of(axes: Axes, rows: Sequence[tuple[str, Sequence[Value]]]) -> Axes:
         colour = BEYOND if worst > 1.0 else WITHIN
         axes.barh(i, min(worst, MOST), height=0.62, color=colour, alpha=0.35, linewidth=0.0, zorder=2.0)
         axes.plot(np.clip(used, 0.0, MOST), np.full(used.size, i), ".", color=colour, markersize=3.0, zorder=3.0)
-        axes.annotate(
-            label, (min(worst, MOST), i), xytext=(4.0, 0.0), textcoords="offset points", va="center", fontsize=6.3,
-            color=STOP_COLOUR if worst > 1.0 else QUIET,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
-        )  # fmt: skip
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
+        colour = STOP_COLOUR if worst > 1.0 else QUIET
+        note(axes, label, (min(worst, MOST), i), (4.0, 0.0), va="center", fontsize=6.3, color=colour, bbox=box)
     names = [f"{values[0].quantity.symbol}   {values[0].section.zone}" for _, values in rows]
     axes.set_yticks(range(len(rows)), names)
     axes.axvline(1.0, color=INK, linewidth=0.9, zorder=2.5)
@@ -146,23 +147,19 @@ def _finite(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def limit_of(axes: Axes, values: Sequence[Value], factor: float, *, both: bool) -> Axes:
     """Limits as red lines over their sections, where the picture stays readable with them; else in words."""
-    limited = [v for v in values if v.limit is not None]
-    if not limited:
+    limits = [(v.section, v.limit.value * factor) for v in values if v.limit is not None]
+    if not limits:
         return axes
     low, high = axes.get_ylim()
     reach = max(abs(low), abs(high))
-    least = min(v.limit.value for v in limited if v.limit is not None) * factor
+    least = min(limit for _, limit in limits)
     if least > 6.0 * reach:
-        axes.annotate(
-            f"limit {'±' if both else ''}{least:.3g}", (1.0, 1.0), xycoords="axes fraction", xytext=(0.0, 1.5),
-            textcoords="offset points", ha="right", va="bottom", color=STOP_COLOUR, fontsize=6.3,
-        )  # fmt: skip
+        corner: Any = {"xycoords": "axes fraction", "ha": "right", "va": "bottom", "color": STOP_COLOUR}
+        note(axes, f"limit {'±' if both else ''}{least:.3g}", (1.0, 1.0), (0.0, 1.5), **corner)
         return axes
-    for v in limited:
-        assert v.limit is not None
-        for sign in (1.0, -1.0) if both else (1.0,):
-            y = sign * v.limit.value * factor
-            axes.plot([v.section.start, v.section.end], [y, y], color=STOP_COLOUR, linewidth=0.9, zorder=2.2)
+    for section, limit in limits:
+        for y in (limit, -limit) if both else (limit,):
+            axes.plot([section.start, section.end], [y, y], color=STOP_COLOUR, linewidth=0.9, zorder=2.2)
     return axes
 
 
@@ -184,10 +181,7 @@ def _number_sections(axes: Axes, sections: Sequence[Section]) -> None:
         if middle - last < 0.02 * whole:
             continue
         last = middle
-        axes.annotate(
-            str(s.number), (middle, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 1.5),
-            textcoords="offset points", ha="center", va="bottom", color=QUIET, fontsize=6.3,
-        )  # fmt: skip
+        note_above(axes, str(s.number), middle)
 
 
 def _legend(found: Assessment) -> list[Line2D]:

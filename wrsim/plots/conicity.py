@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wrsim.plots.style import FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, broken, new_figure, shown, style, unit
+from wrsim.plots.style import FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, broken, new_figure, note, shown, style, unit
 from wrsim.results import CHANNELS
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
@@ -56,13 +56,7 @@ def radius_difference(axes: Axes, dataset: xr.Dataset) -> Axes:
     place = 1e3 * float(dataset.attrs["equilibrium_shift_m"])
     axes.plot([place], [0.0], "o", markerfacecolor="white", markeredgecolor=INK, markersize=4.0, zorder=3.0)
     if abs(place) > 5e-3:
-        axes.annotate(
-            f"{place:.2f} mm".replace("-", "\N{MINUS SIGN}"),
-            (place, 0.0),
-            xytext=(6.0, -10.0),
-            textcoords="offset points",
-            fontsize=6.5,
-        )
+        note(axes, f"{place:.2f} mm", (place, 0.0), (6.0, -10.0), color=INK)
     axes.set_xlabel(CHANNELS["lateral_shift"].label)
     axes.set_ylabel(f"Rolling radius difference $\\Delta r${unit('rolling_radius_difference')}")
     axes.set_title("left minus right", fontsize=6.5, color=QUIET, pad=2.0)
@@ -76,10 +70,7 @@ def conicity_curve(axes: Axes, dataset: xr.Dataset) -> Axes:
     at = np.flatnonzero((np.abs(amplitude - 3.0) < 1e-6) & np.isfinite(values))
     for i in at:
         axes.plot([amplitude[i]], [values[i]], "o", color=INK, markersize=3.5)
-        axes.annotate(
-            f"{values[i]:.3f}", (amplitude[i], values[i]), xytext=(0.0, 6.0), textcoords="offset points",
-            fontsize=7.0, ha="center",
-        )  # fmt: skip
+        note(axes, f"{values[i]:.3f}", (amplitude[i], values[i]), (0.0, 6.0), fontsize=7.0, ha="center", color=INK)
     axes.set_ylim(0.0, 1.12 * max(float(np.nanmax(values, initial=0.0)), 1e-3))
     axes.set_xlabel(CHANNELS["amplitude"].label)
     axes.set_ylabel(r"Equivalent conicity $\tan\gamma_e$")

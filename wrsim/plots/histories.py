@@ -31,6 +31,7 @@ from wrsim.plots.style import (
     draw_line,
     headline,
     new_figure,
+    note_above,
     shown,
     style,
     unit,
@@ -157,11 +158,7 @@ def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> 
     if letters:
         close = np.diff(places, prepend=-np.inf) <= CLOSE * np.ptp(x)
         for group in np.split(np.arange(places.size), np.flatnonzero(~close))[1:]:
-            axes.annotate(
-                " ".join(snapshot_letter(int(i)) for i in group), (float(places[group].mean()), 1.0),
-                xycoords=("data", "axes fraction"), xytext=(0, 1.5), textcoords="offset points",
-                ha="center", va="bottom", color=QUIET, fontsize=6.5,
-            )  # fmt: skip
+            note_above(axes, " ".join(snapshot_letter(int(i)) for i in group), float(places[group].mean()))
     return axes
 
 

@@ -14,7 +14,19 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, Multiple
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import GAUGE_DEPTH, Profile
 from wrsim.geometry.profile.smoothing_report import SmoothingReport
-from wrsim.plots.style import FULL_WIDTH, INK, QUIET, RAIL_FILL, WHEEL_FILL, headline, new_figure, place, save, style
+from wrsim.plots.style import (
+    FULL_WIDTH,
+    INK,
+    QUIET,
+    RAIL_FILL,
+    WHEEL_FILL,
+    headline,
+    new_figure,
+    note,
+    place,
+    save,
+    style,
+)
 
 LINE = "#0072B2"
 CUTOFF_COLOURS = (LINE, "#D55E00", "#009E73", "#CC79A7")
@@ -151,15 +163,8 @@ def _gauge(profile: Profile, axes: Axes) -> None:
         axes.plot([1e3 * x], [1e3 * y], "o", color=LINE, markersize=3.5, zorder=3.0)
     axes.plot([1e3 * u, 1e3 * u], [1e3 * w, 1e3 * top_w], color=LINE, linewidth=0.6, linestyle=(0, (4, 2)))
     axes.plot([1e3 * u, 1e3 * top_u], [1e3 * top_w] * 2, color=LINE, linewidth=0.6, linestyle=(0, (4, 2)))
-    axes.annotate(
-        f"gauge point, {1e3 * GAUGE_DEPTH:g} mm below\nand {1e3 * (top_u - u):.3f} mm inside of the top",
-        (1e3 * u, 1e3 * w),
-        xytext=(6.0, 0.0),
-        textcoords="offset points",
-        va="center",
-        fontsize=6.5,
-        color=LINE,
-    )
+    words = f"gauge point, {1e3 * GAUGE_DEPTH:g} mm below\nand {1e3 * (top_u - u):.3f} mm inside of the top"
+    note(axes, words, (1e3 * u, 1e3 * w), (6.0, 0.0), va="center", color=LINE)
 
 
 def draw_slope(profile: Profile, axes: Axes) -> Axes:

@@ -12,7 +12,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 
-from wrsim.plots.style import FULL_WIDTH, INK, QUIET, STOP_COLOUR, new_figure, pressure_map, shown, style
+from wrsim.plots.style import FULL_WIDTH, INK, QUIET, STOP_COLOUR, new_figure, note, pressure_map, shown, style
 from wrsim.results import CHANNELS
 
 DAMPED = 0.5
@@ -142,10 +142,7 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:
         value = 3.6 * float(dataset.attrs.get(name, np.nan))
         if np.isfinite(value) and speed.min() - 50.0 <= value <= speed.max() + 50.0:
             axes.axvline(value, color=QUIET, linewidth=0.8, linestyle=(0, (3, 2)))
-            axes.annotate(
-                f"{words} {value:.1f}", (value, height * top), xytext=(3.0, 0.0), textcoords="offset points",
-                fontsize=6.5, color=QUIET, va="top",
-            )  # fmt: skip
+            note(axes, f"{words} {value:.1f}", (value, height * top), (3.0, 0.0), va="top")
     axes.set_ylim(bottom=-0.03 * top, top=top)
     axes.set_xlabel(CHANNELS["cycle_speed"].label)
     axes.set_ylabel("Amplitude of the wheelset that moves most [mm]")

@@ -147,21 +147,25 @@ def unit(name: str) -> str:
     return "" if symbol == "1" else f" [{symbol}]"
 
 
+def note(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **options: Any) -> None:
+    """Small words beside a point of the data; offset: from the point, in points."""
+    settings: dict[str, Any] = {"textcoords": "offset points", "fontsize": 6.5, "color": QUIET} | options
+    axes.annotate(text.replace("-", "\N{MINUS SIGN}"), at, xytext=offset, **settings)
+
+
+def note_above(axes: Axes, text: str, x: float, lift: float = 1.5, **options: Any) -> None:
+    """Small words above the axes, over x."""
+    note(axes, text, (x, 1.0), (0.0, lift), xycoords=("data", "axes fraction"), ha="center", va="bottom", **options)
+
+
 def draw_line(axes: Axes, x: NDArray[Any], y: NDArray[Any], **options: Any) -> None:
     """Line through the finite values; a value without neighbours becomes a dot, so that none goes unseen."""
     (line,) = axes.plot(x, y, **options)
     finite = np.concatenate(([False], np.isfinite(x) & np.isfinite(y), [False]))
     alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
     if alone.any() and line.get_marker() in ("None", None, "", " "):
-        axes.plot(
-            x[alone],
-            y[alone],
-            "o",
-            color=line.get_color(),
-            markersize=1.8,
-            zorder=line.get_zorder(),
-            label="_dots",
-        )
+        options = {"color": line.get_color(), "markersize": 1.8, "zorder": line.get_zorder(), "label": "_dots"}
+        axes.plot(x[alone], y[alone], "o", **options)
 
 
 def abscissa(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str]:

@@ -15,7 +15,9 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from wrsim.geometry.track.track import Feature, Track
-from wrsim.plots.style import CANT_COLOUR, FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, new_figure, style
+from wrsim.plots.style import CANT_COLOUR, FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, new_figure, note, note_above, style
+
+Law = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 KIND_COLOUR = {"straight": INK, "transition": "#E69F00", "arc": "#009E73", "table": INK}
 """Line of a segment in the plan view; Okabe and Ito's set, as all pictures."""
@@ -75,25 +77,10 @@ def plan_view(axes: Axes, track: Track) -> Axes:
 
     ticks = _round_distances(track.length)
     for s, (x, y, _), turn in zip(ticks, track.centre_line.position(ticks), track.heading(ticks), strict=True):
-        across = (-float(np.sin(turn)), float(np.cos(turn)))
-        axes.annotate(
-            f"{s:g} m" if s == 0.0 else f"{s:g}",
-            xy=(x, y),
-            xytext=(9.0 * across[0], 9.0 * across[1]),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            color=QUIET,
-            fontsize=6.5,
-        )
-        axes.annotate(
-            "",
-            xy=(x, y),
-            xytext=(4.5 * across[0], 4.5 * across[1]),
-            textcoords="offset points",
-            arrowprops=_TICK,
-            zorder=2.0,
-        )
+        across = np.array((-np.sin(turn), np.cos(turn)))
+        words = f"{s:g} m" if s == 0.0 else f"{s:g}"
+        note(axes, words, (x, y), tuple(9.0 * across), ha="center", va="center")
+        note(axes, "", (x, y), tuple(4.5 * across), arrowprops=_TICK, zorder=2.0)
 
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.06, 0.2)
@@ -105,29 +92,26 @@ def plan_view(axes: Axes, track: Track) -> Axes:
 
 def curvature(axes: Axes, track: Track) -> Axes:
     """Curvature of the centre line, positive to the left; a jump is a vertical line."""
-    _against_distance(axes, track, lambda s: 1e3 * track.curvature(s), INK)
-    _limits(axes, 1.0)
-    axes.axhline(0.0, color=QUIET, linewidth=0.5, zorder=1.5)
-    axes.set_ylabel("Curvature\n[1/km]")
-    return axes
+    return _law(axes, track, lambda s: 1e3 * track.curvature(s), INK, 1.0, 0.0, "Curvature\n[1/km]")
 
 
 def cant(axes: Axes, track: Track) -> Axes:
     """Cant, positive with the right rail higher."""
-    _against_distance(axes, track, lambda s: 1e3 * track.cant(s), CANT_COLOUR)
-    _limits(axes, 20.0)
-    axes.axhline(0.0, color=QUIET, linewidth=0.5, zorder=1.5)
-    axes.set_ylabel("Cant [mm]\n(+ right rail up)")
-    return axes
+    return _law(axes, track, lambda s: 1e3 * track.cant(s), CANT_COLOUR, 20.0, 0.0, "Cant [mm]\n(+ right rail up)")
 
 
 def gauge(axes: Axes, track: Track) -> Axes:
     """Gauge with its widening; the nominal gauge is the thin line."""
-    _against_distance(axes, track, lambda s: 1e3 * track.gauge(s), INK)
-    _limits(axes, 10.0)
-    axes.axhline(1e3 * track.nominal_gauge, color=QUIET, linewidth=0.5, zorder=1.5)
+    return _law(axes, track, lambda s: 1e3 * track.gauge(s), INK, 10.0, 1e3 * track.nominal_gauge, "Gauge\n[mm]")
+
+
+def _law(axes: Axes, track: Track, law: Law, colour: str, least: float, usual: float, label: str) -> Axes:
+    """A law of the track against distance, a thin line at its usual value; least: smallest span of the axis."""
+    _against_distance(axes, track, law, colour)
+    _limits(axes, least)
+    axes.axhline(usual, color=QUIET, linewidth=0.5, zorder=1.5)
     axes.ticklabel_format(axis="y", useOffset=False)
-    axes.set_ylabel("Gauge\n[mm]")
+    axes.set_ylabel(label)
     return axes
 
 
@@ -139,15 +123,8 @@ def height(axes: Axes, track: Track) -> Axes:
     for start, length, row in zip(law.starts, law.lengths, law.coefficients, strict=True):
         if abs(row[1]) < 1e-12 and length > 0.06 * track.length:
             middle = start + 0.5 * length
-            axes.annotate(
-                f"{1e3 * float(np.tan(row[0])):+.3g} ‰".replace("-", "\N{MINUS SIGN}"),
-                xy=(middle, float(track.centre_line.position(middle)[2])),
-                xytext=(0.0, 7.0),
-                textcoords="offset points",
-                ha="center",
-                color=QUIET,
-                fontsize=6.5,
-            )
+            at = middle, float(track.centre_line.position(middle)[2])
+            note(axes, f"{1e3 * float(np.tan(row[0])):+.3g} ‰", at, (0.0, 7.0), ha="center")
     axes.set_ylabel("Height\n[m]")
     return axes
 
@@ -180,17 +157,7 @@ def segment_labels(axes: Axes, track: Track) -> Axes:
         share = (feature.end - feature.start) / track.length
         # a letter is about 0.85 % of the panel's width
         if share > 0.0085 * len(feature.label):
-            axes.annotate(
-                feature.label,
-                xy=(0.5 * (feature.start + feature.end), 1.0),
-                xycoords=("data", "axes fraction"),
-                xytext=(0.0, 3.0),
-                textcoords="offset points",
-                ha="center",
-                va="bottom",
-                color=QUIET,
-                fontsize=6.5,
-            )
+            note_above(axes, feature.label, 0.5 * (feature.start + feature.end), lift=3.0)
     return axes
 
 
@@ -211,9 +178,7 @@ def _round_distances(length: float) -> NDArray[np.float64]:
     return np.asarray(ticks[(ticks >= 0.0) & (ticks <= length)])
 
 
-def _against_distance(
-    axes: Axes, track: Track, function: Callable[[NDArray[np.float64]], NDArray[np.float64]], colour: str
-) -> None:
+def _against_distance(axes: Axes, track: Track, function: Law, colour: str) -> None:
     """Line of a function of distance above the shaded segments."""
     for feature in track.features():
         axes.axvspan(feature.start, feature.end, color=KIND_SHADE[feature.kind], linewidth=0.0, zorder=0.0)

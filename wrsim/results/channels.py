@@ -140,9 +140,9 @@ _ALL = (
     _of("wheelset_distance", "time wheelset", "m", "m", "distance of the wheelset along the track"),
     # a whole vehicle
     _of("drive_force", "time", "N", "kN", "force that holds the speed"),
-    _of("guide_force_x", "time wheelset", "N", "kN", "force of the guide frame, forward", "F_{gx}"),
-    _of("guide_force_y", "time wheelset", "N", "kN", "force of the guide frame, to the left", "F_{gy}"),
-    _of("guide_moment", "time wheelset", "N m", "N m", "moment of the guide frame in yaw", "M_{gz}"),
+    _of("guide_force_x", "time wheelset", "N", "kN", "longitudinal guide force", "F_{gx}"),
+    _of("guide_force_y", "time wheelset", "N", "kN", "lateral guide force", "F_{gy}"),
+    _of("guide_moment", "time wheelset", "N m", "N m", "yaw moment of the guide frame", "M_{gz}"),
     _of("body_lateral", "time body", "m", "mm", "lateral displacement of the body"),
     _of("body_vertical", "time body", "m", "mm", "vertical displacement of the body"),
     _of("body_yaw", "time body", "rad", "mrad", "yaw of the body"),
