@@ -224,6 +224,23 @@ def test_a_file_with_damage_inside_gives_one_sentence(written, tmp_path):
         Result.load(path)
 
 
+@pytest.mark.parametrize("kind", EVERY)
+def test_a_file_of_the_first_format_is_read_with_the_dimension_wheelset(kind, tmp_path):
+    dataset = dataset_of(kind)
+    old = dataset.isel(wheelset=0, drop=True).drop_vars("wheelset_distance", errors="ignore")
+    old.assign_attrs(format_version=1).to_netcdf(tmp_path / "old.nc", engine="h5netcdf")
+    xr.testing.assert_identical(Result.load(tmp_path / "old.nc").dataset, dataset)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.2, 0.5, 0.999])
+def test_a_single_wrong_bit_is_found(share, written, tmp_path):
+    content = bytearray((written["static"] / "result.nc").read_bytes())
+    content[int(share * len(content))] ^= 4
+    (tmp_path / "result.nc").write_bytes(bytes(content))
+    with pytest.raises(InputError, match="damaged"):
+        Result.load(tmp_path)
+
+
 def test_files_that_are_not_ours_are_refused(tmp_path):
     with pytest.raises(InputError, match="no such result file"):
         Result.load(tmp_path / "missing.nc")

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from wrsim.errors import InputError
@@ -124,12 +125,17 @@ def _with_wheelset(dataset: xr.Dataset) -> xr.Dataset:
     """The dataset with the dimension ``wheelset``, which a single wheelset did not have in format 1."""
     if "wheelset" not in dataset.dims:
         if "distance" in dataset.coords:
-            channel = CHANNELS["wheelset_distance"]
-            about = {"units": channel.unit, "long_name": channel.long_name}
-            dataset = dataset.assign(wheelset_distance=("time", dataset["distance"].values, about))
+            dataset = dataset.assign(
+                wheelset_distance=("time", dataset["distance"].values, _about("wheelset_distance"))
+            )
         dataset = dataset.map(
-            lambda v: v.expand_dims(wheelset=[SINGLE], axis=1) if "wheelset" in CHANNELS[str(v.name)].dims else v,
+            lambda v: v.expand_dims("wheelset", axis=1) if "wheelset" in CHANNELS[str(v.name)].dims else v,
             keep_attrs=True,
-        )
+        ).assign_coords(wheelset=("wheelset", np.array([SINGLE]), _about("wheelset")))
     dataset.attrs["format_version"] = FORMAT_VERSION
     return dataset
+
+
+def _about(name: str) -> dict[str, str]:
+    """Attributes of a channel's variable."""
+    return {"units": CHANNELS[name].unit, "long_name": CHANNELS[name].long_name}
