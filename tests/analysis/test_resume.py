@@ -18,7 +18,7 @@ import pytest
 from support.runs import SCENARIOS, straight
 from typer.testing import CliRunner
 
-import wrsim.analysis.motion.keeping as keeping
+import wrsim.analysis.motion.record as record_module
 import wrsim.analysis.motion.run as run_module
 from wrsim.analysis import recorded, run
 from wrsim.cli import app
@@ -26,10 +26,10 @@ from wrsim.errors import InputError, WrsimError
 from wrsim.results import Result
 from wrsim.results.run_file import RunFile, is_running, read_run_file
 from wrsim.scenario.loading import load
-from wrsim.simulation import tape as tapes
+from wrsim.simulation import recorder as recorders
 from wrsim.simulation.integrate import Motion, integrate, recorded_motion
+from wrsim.simulation.recorder import FileRecorder, Recording
 from wrsim.simulation.system import RigidBody, System
-from wrsim.simulation.tape import FileTape, Recording
 
 BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
 Q0 = np.array([0.46, 0.0, 0.01, 0.0, 0.0, 0.0])
@@ -66,9 +66,11 @@ class Forgetful(Play):
         pass
 
 
-def play(tape: tapes.Tape | None = None, law: type[Play] = Play, seconds: float = 0.5) -> Motion:
+def play(recorder: recorders.Recorder | None = None, law: type[Play] = Play, seconds: float = 0.5) -> Motion:
     """A run of the body on that spring."""
-    return integrate(System([BODY], law()), Q0, V0, duration=seconds, step=STEP, sample_interval=2 * STEP, tape=tape)
+    return integrate(
+        System([BODY], law()), Q0, V0, duration=seconds, step=STEP, sample_interval=2 * STEP, recorder=recorder
+    )
 
 
 def same(a: Motion, b: Motion) -> bool:
@@ -80,21 +82,21 @@ def same(a: Motion, b: Motion) -> bool:
 @pytest.fixture
 def often(monkeypatch: pytest.MonkeyPatch) -> None:
     """Flush every millisecond."""
-    monkeypatch.setattr(tapes, "FLUSH_INTERVAL", 1e-3)
+    monkeypatch.setattr(recorders, "FLUSH_INTERVAL", 1e-3)
 
 
 @pytest.fixture
 def kept(tmp_path: Path, often: None) -> Iterator[Path]:
     """The file of a whole run."""
     path = tmp_path / "x.part"
-    with closing(FileTape.create(path, {"step_s": STEP, "start_s": 0.0}, 6)) as tape:
-        assert same(play(tape), play())
+    with closing(FileRecorder.create(path, {"step_s": STEP, "start_s": 0.0}, 6)) as recorder:
+        assert same(play(recorder), play())
     yield path
 
 
 def resumed(path: Path, law: type[Play] = Play) -> Motion:
-    with closing(FileTape.continued(path)) as tape:
-        return play(tape, law)
+    with closing(FileRecorder.continued(path)) as recorder:
+        return play(recorder, law)
 
 
 def test_a_file_cut_anywhere_is_read_as_far_as_it_is_whole_and_goes_on_to_the_same_end(kept):
@@ -144,36 +146,36 @@ def test_a_whole_file_is_played_back_without_a_step(kept, monkeypatch):
 
 @pytest.mark.parametrize("after", [0.02, 0.1, 0.25])
 def test_a_killed_process_loses_less_than_a_second_and_goes_on_to_the_bit(tmp_path, after, monkeypatch):
-    monkeypatch.setattr(tapes, "FLUSH_INTERVAL", 0.02)
+    monkeypatch.setattr(recorders, "FLUSH_INTERVAL", 0.02)
     path = tmp_path / "x.part"
     child = os.fork()
     if child == 0:
-        play(FileTape.create(path, {"step_s": STEP, "start_s": 0.0}, 6), seconds=600.0)
+        play(FileRecorder.create(path, {"step_s": STEP, "start_s": 0.0}, 6), seconds=600.0)
         os._exit(0)
     while not path.exists():
         time.sleep(0.001)
     time.sleep(after)
     assert is_running(path)
     with pytest.raises(InputError, match="another run is writing to it"):
-        FileTape.continued(path)
+        FileRecorder.continued(path)
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     assert not is_running(path)
     reached = recorded_motion(path).end if Recording.read(path).checkpoint else 0.0
-    with closing(FileTape.continued(path)) as tape:
-        motion = play(tape, seconds=max(1.0, reached + 0.1))
+    with closing(FileRecorder.continued(path)) as recorder:
+        motion = play(recorder, seconds=max(1.0, reached + 0.1))
     assert same(motion, play(seconds=max(1.0, reached + 0.1)))
 
 
 def test_the_memory_of_sampling_does_not_grow_with_the_run(tmp_path):
-    with closing(FileTape.create(tmp_path / "x.part", {}, 6)) as tape:
+    with closing(FileRecorder.create(tmp_path / "x.part", {}, 6)) as recorder:
         for i in range(20_000):
-            tape.sample(1e-3 * i, Q0, V0)
-            if tape.due():
-                tape.flush(tapes.Checkpoint(i, Q0, V0, np.zeros(0)))
-        assert not tape._kept
-        assert tape._block.shape[0] == tapes.BLOCK
-        assert tape.rows().shape == (20_000, 13)
+            recorder.sample(1e-3 * i, Q0, V0)
+            if recorder.due():
+                recorder.flush(recorders.Checkpoint(i, Q0, V0, np.zeros(0)))
+        assert not recorder._kept
+        assert recorder._block.shape[0] == recorders.BLOCK
+        assert recorder.rows().shape == (20_000, 13)
 
 
 def test_a_full_disk_ends_the_run_with_one_sentence_and_a_readable_file(kept):
@@ -218,22 +220,24 @@ class Crossings:
 
 @pytest.mark.parametrize("most", [100, 4])
 def test_what_the_monitor_has_noted_survives_a_death_in_the_run_and_behind_it(tmp_path, often, most):
-    def watched(tape: tapes.Tape | None) -> tuple[Motion, list[float]]:
+    def watched(recorder: recorders.Recorder | None) -> tuple[Motion, list[float]]:
         watch = Crossings(most)
         system = System([BODY], Play())
-        motion = integrate(system, Q0, V0, duration=1.0, step=STEP, sample_interval=STEP, monitor=watch, tape=tape)
+        motion = integrate(
+            system, Q0, V0, duration=1.0, step=STEP, sample_interval=STEP, monitor=watch, recorder=recorder
+        )
         return motion, watch.times
 
     whole, times = watched(None)
     assert 4 <= len(times) < 100
     path = tmp_path / "x.part"
-    with closing(FileTape.create(path, {"step_s": STEP, "start_s": 0.0}, 6)) as tape:
-        watched(tape)
+    with closing(FileRecorder.create(path, {"step_s": STEP, "start_s": 0.0}, 6)) as recorder:
+        watched(recorder)
     data = path.read_bytes()
     for part in (0.3, 0.6, 1.0):
         path.write_bytes(data[: int(part * len(data))])
-        with closing(FileTape.continued(path)) as tape:
-            again, noted = watched(tape)
+        with closing(FileRecorder.continued(path)) as recorder:
+            again, noted = watched(recorder)
         assert same(again, whole)
         assert noted == times
 
@@ -268,8 +272,8 @@ KEYS: dict[str, Any] = {
 CHILD = """
 import sys
 sys.exudynFast = False
-import wrsim.simulation.tape as tapes
-tapes.FLUSH_INTERVAL = 0.01
+import wrsim.simulation.recorder as recorders
+recorders.FLUSH_INTERVAL = 0.01
 from wrsim.cli import main
 sys.argv[0] = "wrsim"
 main()
@@ -397,8 +401,8 @@ def test_other_code_does_not_go_on_but_can_be_shown(whole, tmp_path, monkeypatch
     with monkeypatch.context() as patch:
         patch.setattr(run_module, "result_of", lambda *a: (_ for _ in ()).throw(KeyboardInterrupt))
         assert command("run", whole / "short.toml", "-o", out, "-q").exit_code == 130
-    monkeypatch.setattr(keeping, "code_digest", lambda: "tomorrow's")
-    monkeypatch.setattr(keeping, "numbers_digest", lambda setup: "other numbers from the same files")
+    monkeypatch.setattr(record_module, "code_digest", lambda: "tomorrow's")
+    monkeypatch.setattr(record_module, "numbers_digest", lambda setup: "other numbers from the same files")
     refused = command("run", whole / "short.toml", "-o", out, "-q", "--resume")
     assert refused.exit_code == 2
     assert "another state of wrsim's code: the numbers may differ; run it without --resume" in refused.stderr

@@ -147,7 +147,6 @@ def test_an_interrupted_study_keeps_the_speeds_it_has():
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"vehicle.model": "vehicles/wheelset_s1002.toml"}, "is for whole vehicles"),
         ({"vehicle.drive": "free"}, "something has to hold the speed"),
         ({"track.segments": [{"kind": "straight", "length_m": 100}]}, "lays its own track"),
         ({"stability.rest_mm": 0.5}, "small_kick_mm.*must be above rest_mm"),

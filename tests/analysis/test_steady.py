@@ -1,4 +1,4 @@
-"""Steady curving of whole vehicles against time integration, closed forms and symmetry."""
+"""Steady curving against time integration, closed forms and symmetry."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def test_an_interrupted_study_keeps_the_curves_it_has():
         ({"steady.combine": "rows", "steady.cant_mm": [0, 50]}, "must be equally many"),
         ({"steady.speed_kmh": []}, "list is empty"),
         ({"steady.cant": 3}, "did you mean 'cant_mm'|'cant_mm'"),
-        ({"vehicle.model": "vehicles/wheelset_s1002.toml"}, "is for whole vehicles"),
+        ({"contact.normal": "half-space"}, "is for poses, rest and runs"),
         ({"track.grades": [{"start_m": 0}]}, "lays its own track"),
     ],
 )

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wrsim.analysis.motion.keeping import Keeping, recorded_setup
+from wrsim.analysis.motion.record import RunRecord, recorded_setup
 from wrsim.analysis.motion.run import StepTooLong
 from wrsim.register import ANALYSES, resolved
 from wrsim.scenario.build import build
@@ -48,9 +48,9 @@ def run(
         if resume:
             raise scenario.fault(("analysis",), "nothing is kept of it to resume; run it without --resume")
         return function(setup, progress)  # type: ignore[no-any-return]
-    keeping = None if record is None else Keeping.of(scenario, setup, Path(record), resume)
+    kept = None if record is None else RunRecord.of(scenario, setup, Path(record), resume)
     try:
-        return function(setup, progress, keeping)  # type: ignore[no-any-return]
+        return function(setup, progress, kept)  # type: ignore[no-any-return]
     except StepTooLong as fault:
         # only here are the file and the line of the key known
         raise scenario.fault(("run", "step_us"), fault.rule) from None

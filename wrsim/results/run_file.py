@@ -2,7 +2,7 @@
 
 A process may die at any byte. Every record carries its length and a checksum, so a reader takes the records that are
 whole and sees nothing of a torn one; who continues the run cuts the torn one off. What a record means is for its
-writer to say (``wrsim.simulation.tape``).
+writer to say (``wrsim.simulation.recorder``).
 
 Layout, little-endian: the signature; then for each record its kind (4 bytes), the length of its content (uint64), the
 CRC-32 of kind and content (uint32), the content. The first record is the header, a JSON object.

@@ -105,7 +105,7 @@ def build(scenario: Scenario) -> Setup:
     if kind.points and not vehicle.points:
         needed = f'analysis = "{kind.name}" needs a vehicle with [[points]], at which accelerations are kept'
         raise scenario.fault(("vehicle", "model"), needed)
-    if kind.own_track and spec.vehicle.drive == "free" and not vehicle.is_guided:
+    if kind.own_track and spec.vehicle.drive == "free" and not vehicle.runs_with_frame:
         raise scenario.fault(("vehicle", "drive"), 'must be "train" or "wheels": something has to hold the speed')
     if kind.own_track and spec.contact.normal == "half-space":
         message = f'is for poses, rest and runs: analysis = "{spec.analysis}" asks for the contacts a thousand times'

@@ -21,8 +21,8 @@ from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
 from wrsim.simulation.linear import rails_of
+from wrsim.simulation.recorder import Cause, Checkpoint, Ending, Recorder, Recording, memory_of, recall
 from wrsim.simulation.system import COORDINATES, Array, Follows, System
-from wrsim.simulation.tape import Cause, Checkpoint, Ending, Recording, Tape, memory_of, recall
 
 Monitor = Callable[[float, Array, Array], str | None]
 Progress = Callable[[float, float], None]
@@ -91,7 +91,7 @@ def _interruptible() -> Iterator[_Interrupt]:
         signal.signal(signal.SIGINT, before)
 
 
-class _Recorder:
+class _AfterStep:
     """Called after every step: looks at the numbers, samples, asks the monitor, reports progress."""
 
     def __init__(
@@ -105,7 +105,7 @@ class _Recorder:
         monitor_every: int,
         progress: Progress | None,
         interrupt: _Interrupt,
-        tape: Tape,
+        recorder: Recorder,
         begin: Checkpoint,
     ) -> None:
         self.system = system
@@ -117,7 +117,7 @@ class _Recorder:
         self.monitor_every = monitor_every
         self.progress = progress
         self.interrupt = interrupt
-        self.tape = tape
+        self.recorder = recorder
         self.things = (system.forces, monitor)
         self.first = self.last_step = begin.step
         self.last_q = begin.q.copy()
@@ -158,13 +158,13 @@ class _Recorder:
         self.last_q[:] = q
         self.last_q_t[:] = q_t
         if k % self.every == 0 or k == self.steps:
-            self.tape.sample(self.time_of(k), q, q_t)
+            self.recorder.sample(self.time_of(k), q, q_t)
         if self.monitor is not None and (k % self.monitor_every == 0 or k == self.steps):
             reason = self.monitor(self.time_of(k), q, q_t)
             if reason:
                 return self.stop("monitor", reason)
-        if self.tape.due():
-            self.tape.flush(self.checkpoint())
+        if self.recorder.due():
+            self.recorder.flush(self.checkpoint())
         if self.progress is not None:
             now = time.perf_counter()
             if now - self.reported >= PROGRESS_INTERVAL:
@@ -181,14 +181,14 @@ class _Recorder:
         then the law remembers a state that is not the last one.
         """
         if not self.broken_off:
-            self.tape.flush(self.checkpoint())
+            self.recorder.flush(self.checkpoint())
         if self.last_step % self.every and self.last_step != self.steps:
-            self.tape.sample(self.time_of(self.last_step), self.last_q, self.last_q_t)
-        self.tape.end(Ending(self.cause, self.reason))
+            self.recorder.sample(self.time_of(self.last_step), self.last_q, self.last_q_t)
+        self.recorder.end(Ending(self.cause, self.reason))
 
 
 def _motion(rows: Array, step: float, ending: Ending) -> Motion:
-    """A motion from the rows of a tape."""
+    """A motion from the rows of a recorder."""
     size = rows.shape[1] // 2
     return Motion(
         times=rows[:, 0].copy(),
@@ -222,7 +222,7 @@ def recorded_motion(path: str | Path, monitor: object = None) -> Motion:
     return _motion(rows, step, ending)
 
 
-def _blame(system: System, recorder: _Recorder) -> str:
+def _blame(system: System, after: _AfterStep) -> str:
     """Take the step that broke once more and say which force broke first; an empty string if none did.
 
     In the state the fault has spread to every coordinate through the mass matrix.
@@ -230,16 +230,16 @@ def _blame(system: System, recorder: _Recorder) -> str:
     law = system.forces
     found: list[str] = []
 
-    def watch(t: float, q: Array, q_t: Array, out: Array) -> None:
+    def looking(t: float, q: Array, q_t: Array, out: Array) -> None:
         law(t, q, q_t, out)
         bad = first_not_finite(out, out)
         if bad >= 0 and not found:
             found.append(f"the force along {_name(bad, system)} is not a number at t = {t:.6g} s")
 
-    system.forces = watch
+    system.forces = looking
     try:
-        k = recorder.last_step
-        system.solve(recorder.last_q, recorder.last_q_t, recorder.start, recorder.step, 1, lambda t: True, first=k)
+        k = after.last_step
+        system.solve(after.last_q, after.last_q_t, after.start, after.step, 1, lambda t: True, first=k)
     except SimulationError:
         pass
     finally:
@@ -272,14 +272,14 @@ def integrate(
     monitor: Monitor | None = None,
     monitor_interval: float | None = None,
     progress: Progress | None = None,
-    tape: Tape | None = None,
+    recorder: Recorder | None = None,
 ) -> Motion:
     """Integrate a system from the state (q, q_t) at time ``start`` for ``duration`` seconds.
 
     q, q_t: (6 per body,); step [s]; sample_interval [s]: rounded to whole steps, default every step; the
     start and the end are always among the samples. monitor(t, q, q_t): asked every ``monitor_interval`` [s],
     by default at each sample, ends the run by returning the reason. progress(fraction, seconds_left): called
-    some ten times a second, and with (1, 0) at the end of a completed run. tape: takes the samples, by default in
+    some ten times a second, and with (1, 0) at the end of a completed run. recorder: takes the samples, by default in
     memory; one that holds a checkpoint makes the run go on from there, whatever (q, q_t), and one that holds the
     whole run only plays it back.
 
@@ -299,40 +299,40 @@ def integrate(
     steps = max(1, int(np.ceil(duration / step - 1e-9)))
     every = 1 if sample_interval is None else max(1, round(sample_interval / step))
     monitor_every = every if monitor_interval is None else max(1, round(monitor_interval / step))
-    tape = Tape(system.size) if tape is None else tape
-    if tape.ending is not None:
-        if tape.checkpoint is not None:
+    recorder = Recorder(system.size) if recorder is None else recorder
+    if recorder.ending is not None:
+        if recorder.checkpoint is not None:
             with _following(system.forces):
-                recall((system.forces, monitor), tape.checkpoint.memory)
-        return _motion(tape.rows(), step, tape.ending)
-    begin = tape.checkpoint
+                recall((system.forces, monitor), recorder.checkpoint.memory)
+        return _motion(recorder.rows(), step, recorder.ending)
+    begin = recorder.checkpoint
     with _interruptible() as interrupt, _following(system.forces):
         if begin is None:
             begin = Checkpoint(0, q, q_t, memory_of((system.forces, monitor)))
-            tape.sample(start, q, q_t)
-            tape.flush(begin)
+            recorder.sample(start, q, q_t)
+            recorder.flush(begin)
         else:
             recall((system.forces, monitor), begin.memory)
-        recorder = _Recorder(
-            system, start, step, steps, every, monitor, monitor_every, progress, interrupt, tape, begin
+        after = _AfterStep(
+            system, start, step, steps, every, monitor, monitor_every, progress, interrupt, recorder, begin
         )
         try:
             left = steps - begin.step
-            system.solve(begin.q, begin.q_t, start, step, left, recorder.after_step, first=begin.step)
+            system.solve(begin.q, begin.q_t, start, step, left, after.after_step, first=begin.step)
         except KeyboardInterrupt:
-            at = recorder.time_of(recorder.last_step)
-            recorder.broken_off = True
-            recorder.stop("interrupt", f"interrupted by the user at t = {at:.6g} s")
+            at = after.time_of(after.last_step)
+            after.broken_off = True
+            after.stop("interrupt", f"interrupted by the user at t = {at:.6g} s")
         except SimulationError as error:
-            recorder.stop("forces", str(error))
-    if recorder.cause == "not-finite":
-        recorder.reason = _blame(system, recorder) or recorder.reason
-    if not recorder.cause and recorder.last_step < steps:
-        at = recorder.time_of(recorder.last_step)
+            after.stop("forces", str(error))
+    if after.cause == "not-finite":
+        after.reason = _blame(system, after) or after.reason
+    if not after.cause and after.last_step < steps:
+        at = after.time_of(after.last_step)
         raise SimulationError(
-            f"Exudyn ended the run at t = {at:.6g} s of {recorder.time_of(steps):.6g} s without a reason"
+            f"Exudyn ended the run at t = {at:.6g} s of {after.time_of(steps):.6g} s without a reason"
         )
-    if progress is not None and not recorder.cause:
+    if progress is not None and not after.cause:
         progress(1.0, 0.0)
-    recorder.end()
-    return _motion(tape.rows(), step, Ending(recorder.cause, recorder.reason))
+    after.end()
+    return _motion(recorder.rows(), step, Ending(after.cause, after.reason))

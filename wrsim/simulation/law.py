@@ -180,7 +180,7 @@ class VehicleOnTrack:
                 wheel.model.arrays.follow(on, sharp)
 
     def memory(self) -> Array:
-        """What the next call starts from: it decides the last bits of the answer. See ``tape.Remembers``."""
+        """What the next call starts from: it decides the last bits of the answer. See ``recorder.Remembers``."""
         return np.concatenate(
             [self.whole["s_reference"], self._loads["s"]]
             + [view[wheelset_kernel.SIDES]["s"] for view in self.wheelset_views]

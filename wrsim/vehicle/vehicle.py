@@ -148,9 +148,19 @@ class Vehicle:
         return len(self.wheelsets) + int(np.argmax([body.mass for body in self.bodies]))
 
     @property
-    def is_guided(self) -> bool:
-        """True if springs or dampers join it to a frame that follows the track."""
-        return any(name in (TRACK, GUIDE) for element in self.elements for name in (element.first, element.second))
+    def runs_with_frame(self) -> bool:
+        """True if springs or dampers to a frame of constant speed hold it along the track."""
+        to_frame = (e for e in self.elements if isinstance(e, Spring) and e.first in (TRACK, GUIDE))
+        return any(e.stiffness[0] > 0.0 or e.damping[0] > 0.0 for e in to_frame)
+
+    @property
+    def centre_of_load(self) -> Array:
+        """Centre of all parts and of what they carry (3,) [m]: where weight and centrifugal force act."""
+        loads = [(part.mass, np.array(part.centre)) for part in self.parts]
+        for carried in self.carried:
+            at = np.array(self.parts[self.index(carried.body)].centre)
+            loads.append((carried.mass, at + np.array((0.0, 0.0, carried.height))))
+        return np.asarray(sum(mass * at for mass, at in loads) / sum(mass for mass, _ in loads))
 
     def with_wheelsets(self, change: Callable[[Wheelset], Wheelset]) -> Vehicle:
         """The vehicle with every wheelset changed; the guide frame holds its own at the height of the new wheels."""

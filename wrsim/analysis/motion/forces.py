@@ -29,4 +29,4 @@ def force_law(setup: Setup, speed: float | None = None, drive: Drive | None = No
 
 def held_by(setup: Setup) -> Drive:
     """What holds the speed of a steady motion: a pull along the track, unless the frames do."""
-    return "free" if setup.run.drive == "free" and setup.vehicle.is_guided else "train"
+    return "free" if setup.run.drive == "free" and setup.vehicle.runs_with_frame else "train"

@@ -115,7 +115,7 @@ class Monitor:
         return sorted(found, key=lambda event: (event.start, event.part, event.side))
 
     def memory(self) -> Array:
-        """What has been seen so far. See ``simulation.tape.Remembers``."""
+        """What has been seen so far. See ``simulation.recorder.Remembers``."""
         return np.concatenate([self.last_contact.ravel(), self.notes.ravel()])
 
     def recall(self, memory: Array) -> None:

@@ -63,12 +63,14 @@ class PointMotion:
         q_tt = np.asarray(np.linalg.solve(mass, forces - velocity_forces(law.bodies, q, q_t)), dtype=np.float64)
         found = np.zeros((len(self.bodies), 3))
         for j, (i, arm) in enumerate(zip(self.bodies, self.arms, strict=True)):
-            own = slice(6 * i, 6 * i + 6)
-            state = pitched(kinematics(q[own], q_t[own]), q[own][5])
+            at, rates, changes = (state[6 * i : 6 * i + 6].copy() for state in (q, q_t, q_tt))
+            if i < len(law.vehicle.wheelsets):  # an axle box does not spin
+                at[5] = rates[5] = changes[5] = 0.0
+            state = pitched(kinematics(at, rates), at[5])
             axes = np.array([state.forward, state.left, state.up])
             omega = axes @ state.omega
-            acceleration = axes @ (np.array([q_tt[own][1], q_tt[own][2], q_tt[own][0] + STANDARD_GRAVITY]))
-            alpha = _angular_acceleration(q[own], q_t[own], q_tt[own])
+            acceleration = axes @ (np.array([changes[1], changes[2], changes[0] + STANDARD_GRAVITY]))
+            alpha = _angular_acceleration(at, rates, changes)
             found[j] = acceleration + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
             found[j, 2] -= STANDARD_GRAVITY
         return found
@@ -93,17 +95,18 @@ def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[st
     """What the track frame and the guide frame do to each wheelset by their springs and dampers, (samples, wheelsets).
 
     Forces forward and to the left along the axes of the track, moment about its normal at the axle's middle. records:
-    forces of all elements (samples, elements, 6). Empty for a vehicle that no frame holds.
+    forces of all elements (samples, elements, 6). Empty where no frame holds a wheelset.
     """
     vehicle = law.vehicle
-    if not vehicle.is_guided:
+    wheelsets = {mounted.name for mounted in vehicle.wheelsets}
+    if not any(e.first in (TRACK, GUIDE) and e.second in wheelsets for e in vehicle.elements):
         return {}
     attack = -vehicle.guide_ahead * law.track.curvature(law.start + law.speed * times)
     found = np.zeros((3, len(times), len(vehicle.wheelsets)))
     for record, element in zip(np.moveaxis(records, 1, 0), vehicle.elements, strict=True):
-        w = vehicle.index(element.second)
-        if element.first not in (TRACK, GUIDE) or w >= len(vehicle.wheelsets):
+        if element.first not in (TRACK, GUIDE) or element.second not in wheelsets:
             continue
+        w = vehicle.index(element.second)
         x, y, _ = np.array(element.points[1]) - vehicle.parts[w].centre
         fx, fy, _ = element.force_on_second(record).T
         moment = x * fy - y * fx

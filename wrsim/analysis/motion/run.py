@@ -23,7 +23,7 @@ from wrsim.simulation.step import LARGEST_STEP, LARGEST_STEP_UNEVEN, SAFETY, rou
 from wrsim.simulation.system import System
 
 if TYPE_CHECKING:
-    from wrsim.analysis.motion.keeping import Keeping
+    from wrsim.analysis.motion.record import RunRecord
     from wrsim.results import Result
     from wrsim.scenario.build import Setup
     from wrsim.simulation.law import VehicleOnTrack
@@ -44,17 +44,17 @@ class StepTooLong(InputError):
 def run_in_time(
     setup: Setup,
     progress: Callable[[float, float], None] | None = None,
-    keeping: Keeping | None = None,
+    record: RunRecord | None = None,
 ) -> Result:
     """Integrate from the start to the end of the run; a run that has to stop returns what it has.
 
-    keeping: the file in which the run is kept while it lasts, and from which it may go on. Raises SimulationError when
+    record: the file in which the run is kept while it lasts, and from which it may go on. Raises SimulationError when
     there is no steady motion to start from.
     """
     law = force_law(setup)
     system = System(law.bodies, law, law.dampers)
-    if keeping is not None and keeping.resume:
-        step = keeping.recorded_step()
+    if record is not None and record.resume:
+        step = record.recorded_step()
         q = q_t = np.zeros(system.size)  # the file knows better
     else:
         try:
@@ -63,7 +63,7 @@ def run_in_time(
         except NoSteadyMotion as problem:
             raise SimulationError(start_words(problem, setup)) from None
     monitor, plan = Monitor(law, setup.run.speed), setup.run
-    with nullcontext() if keeping is None else closing(keeping.tape(step, system.size)) as tape:
+    with nullcontext() if record is None else closing(record.recorder(step, system.size)) as recorder:
         motion = integrate(
             system,
             q,
@@ -75,7 +75,7 @@ def run_in_time(
             monitor=monitor,
             monitor_interval=monitor.interval,
             progress=progress,
-            tape=tape,
+            recorder=recorder,
         )
     return result_of(setup, law, motion, monitor.events())
 

@@ -70,11 +70,11 @@ class Interrupted(Exception):
 
 
 class CycleSearch:
-    """Holds speeds; ``found`` keeps every cycle, in the order of the search. ``progress`` is told after each."""
+    """Holds speeds; ``found`` keeps every cycle, in the order of the search. ``report`` is called after each."""
 
-    def __init__(self, rolling: RollingVehicle, plan: CyclePlan, told: Callable[[float], None]) -> None:
-        """told: called with the speed [m/s] whenever one has been held."""
-        self.rolling, self.plan, self.told = rolling, plan, told
+    def __init__(self, rolling: RollingVehicle, plan: CyclePlan, report: Callable[[float], None]) -> None:
+        """report: called with the speed [m/s] whenever one has been held."""
+        self.rolling, self.plan, self.report = rolling, plan, report
         law = rolling.law
         self.system = System(law.bodies, law, law.dampers)
         self.wheelsets = len(law.vehicle.wheelsets)
@@ -168,7 +168,7 @@ class CycleSearch:
         frequency = _frequency(motion.times, lateral[:, most]) if ending in ("cycle", "unsettled") else float("nan")
         cycle = Cycle(speed, branch, amplitudes, frequency, held, ending, message)
         self.found.append(cycle)
-        self.told(speed)
+        self.report(speed)
         return cycle, (q, q_t)
 
     def _moved_back(self, q: Array) -> Array:

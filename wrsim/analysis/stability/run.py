@@ -25,7 +25,7 @@ SHARE_OF_MODES = 0.3
 """What the modes count for in the progress when limit cycles follow."""
 
 
-class _Told:
+class _Report:
     """Progress of a study whose length is not known beforehand."""
 
     def __init__(self, progress: Callable[[float, float], None] | None) -> None:
@@ -46,7 +46,7 @@ def run_stability(setup: Setup, progress: Callable[[float, float], None] | None 
     plan, vehicle = setup.stability, setup.vehicle
     if plan is None:
         raise ValueError("the set-up has no stability plan")
-    told = _Told(progress)
+    report = _Report(progress)
     found: list[Modes] = []
     cycles: list[Cycle] = []
     outcome: dict[str, Any] = {}
@@ -60,18 +60,18 @@ def run_stability(setup: Setup, progress: Callable[[float, float], None] | None 
         share = SHARE_OF_MODES if plan.cycles else 1.0
         for i, speed in enumerate(plan.speeds):
             found.append(at(speed))
-            told(share * 0.8 * (i + 1) / len(plan.speeds))
+            report(share * 0.8 * (i + 1) / len(plan.speeds))
         worst = critical(at, found)
         outcome |= _critical_words(worst, found, vehicle)
-        told(share)
+        report(share)
         if plan.cycles is not None:
-            outcome |= _cycles(rolling, plan, plan.cycles, worst, cycles, told)
+            outcome |= _cycles(rolling, plan, plan.cycles, worst, cycles, report)
     except (KeyboardInterrupt, Interrupted):
         if not found:
             raise KeyboardInterrupt from None
         reason = f"interrupted by the user after modes at {len(found)} speeds and {len(cycles)} held speeds"
     else:
-        told(1.0)
+        report(1.0)
     return _result(setup, plan, found, cycles, outcome, reason)
 
 
@@ -81,7 +81,7 @@ def _cycles(
     cycle_plan: CyclePlan,
     worst: Modes | None,
     kept: list[Cycle],
-    told: Callable[[float], None],
+    report: Callable[[float], None],
 ) -> dict[str, Any]:
     """Limit cycles from above and from below; ``kept`` gains them one by one. Returns what came out."""
     start = cycle_plan.start
@@ -90,7 +90,7 @@ def _cycles(
     expected = 2.0 * (start - cycle_plan.lowest) / cycle_plan.step
 
     def one_more(speed: float) -> None:
-        told(min(SHARE_OF_MODES + (1.0 - SHARE_OF_MODES) * len(kept) / expected, 0.99))
+        report(min(SHARE_OF_MODES + (1.0 - SHARE_OF_MODES) * len(kept) / expected, 0.99))
 
     search = CycleSearch(rolling, cycle_plan, one_more)
     search.found = kept

@@ -214,7 +214,7 @@ def _better(found: Found, setup: Setup, point: SteadyPoint) -> Found:
 
 def _upright(setup: Setup, point: SteadyPoint) -> None:
     """Raise SimulationError when weight and centrifugal force together point beside the rails."""
-    base, height = setup.track.cant_base, float(setup.vehicle.centre[2])
+    base, height = setup.track.cant_base, float(setup.vehicle.centre_of_load[2])
     tilt = np.arcsin(point.cant / base)
     outward = np.arctan2(point.speed**2 / abs(point.radius), STANDARD_GRAVITY) - tilt
     beside = abs(height * np.tan(outward)) - 0.5 * base if abs(outward) < 0.5 * np.pi else np.inf

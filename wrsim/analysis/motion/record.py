@@ -1,8 +1,8 @@
-"""Keeping a run in a file while it lasts, and going on with one that was cut off.
+"""RunRecord a run in a file while it lasts, and going on with one that was cut off.
 
 The file stands beside the result that it becomes (``result.nc.part``) and holds, next to samples and checkpoints
-(``wrsim.simulation.tape``), what the run was: the scenario as text, a digest of every number that the scenario's files
-came to, and the versions that shape the numbers. A run goes on only where all of that is the same.
+(``wrsim.simulation.recorder``), what the run was: the scenario as text, a digest of every number that the scenario's
+files came to, and the versions that shape the numbers. A run goes on only where all of that is the same.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from wrsim.errors import InputError
 from wrsim.results import versions
 from wrsim.results.run_file import read_run_file
 from wrsim.scenario.loading import load_text
-from wrsim.simulation.tape import FileTape
+from wrsim.simulation.recorder import FileRecorder
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Keeping:
+class RunRecord:
     """Where a run is kept while it lasts, whether it goes on with what is there, and what the file says of it."""
 
     path: Path
@@ -37,7 +37,7 @@ class Keeping:
     header: dict[str, Any]
 
     @classmethod
-    def of(cls, scenario: Scenario, setup: Setup, path: Path, resume: bool = False) -> Keeping:
+    def of(cls, scenario: Scenario, setup: Setup, path: Path, resume: bool = False) -> RunRecord:
         """For a scenario. With ``resume``, raises ``InputError`` when the file is that of another run."""
         header = {
             "title": scenario.title,
@@ -57,11 +57,11 @@ class Keeping:
         """Time step of the run that goes on [s]."""
         return float(read_run_file(self.path)[0]["step_s"])
 
-    def tape(self, step: float, size: int) -> FileTape:
+    def recorder(self, step: float, size: int) -> FileRecorder:
         """The file, to be written on: from its last checkpoint, or anew. step [s]; size: number of coordinates."""
         if self.resume:
-            return FileTape.continued(self.path)
-        return FileTape.create(self.path, self.header | {"step_s": step, "start_s": 0.0}, size)
+            return FileRecorder.continued(self.path)
+        return FileRecorder.create(self.path, self.header | {"step_s": step, "start_s": 0.0}, size)
 
 
 def _same_run(path: Path, now: dict[str, Any]) -> None:

@@ -1,6 +1,6 @@
 """Where the samples of a run go: into memory, or into a file from which a run that died goes on.
 
-The integrator hands over one row per sample. A ``FileTape`` writes them out whenever its block is full or
+The integrator hands over one row per sample. A ``FileRecorder`` writes them out whenever its block is full or
 ``FLUSH_INTERVAL`` has passed, together with a checkpoint: step number, state, and what the force law and the monitor
 remember. So a process that dies loses that much of wall time and no more, and the memory that sampling needs does not
 grow with the run.
@@ -83,7 +83,7 @@ class Ending:
     reason: str
 
 
-class Tape:
+class Recorder:
     """Samples in memory. Rows are (time, q, q_t)."""
 
     checkpoint: Checkpoint | None = None
@@ -129,7 +129,7 @@ class Tape:
         return np.concatenate(self._kept) if self._kept else np.zeros((0, 1 + 2 * self.size))
 
 
-class FileTape(Tape):
+class FileRecorder(Recorder):
     """Samples and checkpoints in a file; see the module."""
 
     def __init__(self, file: RunFile, size: int) -> None:
@@ -138,12 +138,12 @@ class FileTape(Tape):
         self._flushed = time.perf_counter()
 
     @classmethod
-    def create(cls, path: str | Path, header: dict[str, Any], size: int) -> FileTape:
+    def create(cls, path: str | Path, header: dict[str, Any], size: int) -> FileRecorder:
         """Start the file of a new run; header: what the reader needs to know of it."""
         return cls(RunFile.create(path, header | {"size": size}), size)
 
     @classmethod
-    def continued(cls, path: str | Path) -> FileTape:
+    def continued(cls, path: str | Path) -> FileRecorder:
         """Go on with a file: from its last checkpoint, or with nothing but its ``ending`` to tell.
 
         A run that the user has interrupted goes on. Raises ``InputError`` when there is nothing to go on from.
@@ -153,13 +153,13 @@ class FileTape(Tape):
         if recorded.checkpoint is None:
             raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
         end = recorded.end if over else recorded.checkpoint_end
-        tape = cls(RunFile.continued(path, end), recorded.size)
-        tape.checkpoint = recorded.checkpoint
-        tape.ending = recorded.ending if over else None
-        return tape
+        recorder = cls(RunFile.continued(path, end), recorded.size)
+        recorder.checkpoint = recorded.checkpoint
+        recorder.ending = recorded.ending if over else None
+        return recorder
 
     def due(self) -> bool:
-        """See ``Tape``."""
+        """See ``Recorder``."""
         return self._used == BLOCK or time.perf_counter() - self._flushed >= FLUSH_INTERVAL
 
     def flush(self, checkpoint: Checkpoint | None) -> None:
@@ -176,12 +176,12 @@ class FileTape(Tape):
         self._flushed = time.perf_counter()
 
     def end(self, ending: Ending) -> None:
-        """See ``Tape``."""
+        """See ``Recorder``."""
         self.flush(None)
         self._file.append(_END, ending.cause.encode() + b"\0" + ending.reason.encode())
 
     def rows(self) -> Array:
-        """See ``Tape``."""
+        """See ``Recorder``."""
         self.flush(None)
         return Recording.read(self._file.path).rows
 
