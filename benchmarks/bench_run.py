@@ -38,17 +38,17 @@ def main() -> None:
         integrate(system, q, q_t, duration=0.05, step=STEP)
         best = np.inf
         for _ in range(3):
-            law.look_near(setup.run.start)
+            law.look_near(setup.plan.start)
             began = time.process_time()
             motion = integrate(
-                system, q, q_t, duration=setup.run.duration, step=STEP, sample_interval=setup.run.output_interval
+                system, q, q_t, duration=setup.plan.duration, step=STEP, sample_interval=setup.plan.output_interval
             )
             best = min(best, time.process_time() - began)
         stage = 1e6 * best / (motion.end / STEP * STAGES)
         out = np.zeros(law.size)
         one = np.inf
         for i in range(0, len(motion.times), max(1, len(motion.times) // 40)):
-            law.look_near(setup.run.start + setup.run.speed * motion.times[i])
+            law.look_near(setup.plan.start + setup.plan.speed * motion.times[i])
             began = time.process_time()
             for _ in range(200):
                 law(motion.times[i], motion.q[i], motion.q_t[i], out)

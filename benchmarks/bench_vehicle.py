@@ -57,7 +57,7 @@ def stage_time(setup: Setup, law: ForceLaw, vehicle: VehicleOnTrack, step: float
     best = np.inf
     system = System(vehicle.bodies, law, vehicle.dampers)
     for _ in range(REPETITIONS):
-        vehicle.look_near(setup.run.start)
+        vehicle.look_near(setup.plan.start)
         q, q_t = start_state(setup, vehicle)
         began = time.process_time()
         integrate(system, q, q_t, duration=duration, step=step, sample_interval=5e-3)
@@ -80,9 +80,9 @@ def split(case: str, strips: int, cells: int, step: float = 5e-4) -> None:
     """Print how fast a run is and the parts of a stage."""
     setup = setup_of(case, strips, cells, 100.0)
     law = force_law(setup)
-    whole = stage_time(setup, law, law, step, setup.run.duration)
+    whole = stage_time(setup, law, law, step, setup.plan.duration)
     empty = stage_time(setup, nothing, law, step, 0.5)
-    law.look_near(setup.run.start)
+    law.look_near(setup.plan.start)
     q, q_t = start_state(setup, law)
     out = np.zeros(law.size)
     bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start)
@@ -99,7 +99,7 @@ def accuracy(case: str, strips: int, cells: int, length: float) -> None:
     runs = {}
     for step in (*STEPS_US[case], REFERENCE_US):
         setup = setup_of(case, strips, cells, length)
-        setup = replace(setup, run=replace(setup.run, step=1e-6 * step))
+        setup = replace(setup, plan=replace(setup.plan, step=1e-6 * step))
         runs[step] = run_in_time(setup).dataset
     truth = runs[REFERENCE_US]
     for step in STEPS_US[case]:

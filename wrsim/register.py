@@ -52,6 +52,11 @@ class Analysis:
         return tuple(name for name in TABLES if name not in self.tables)
 
     @property
+    def plan_table(self) -> str:
+        """The class of the table that makes its plan."""
+        return next(iter(self.tables.values()))
+
+    @property
     def moves(self) -> bool:
         """True if it runs along the track: it needs a speed, and a run can be kept and resumed."""
         return bool(self.recorded)

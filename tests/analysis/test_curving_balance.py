@@ -44,7 +44,7 @@ class Curve:
     @property
     def cant_angle(self) -> float:
         """[rad]"""
-        return float(np.arcsin(abs(self.setup.track.cant(self.setup.run.start)) / self.setup.track.cant_base))
+        return float(np.arcsin(abs(self.setup.track.cant(self.setup.plan.start)) / self.setup.track.cant_base))
 
     @property
     def outward(self) -> float:

@@ -99,7 +99,7 @@ def test_growth_in_time_is_the_eigenvalue_s_for_a_whole_bogie():
 def test_below_the_linear_critical_speed_a_small_kick_dies_and_a_limit_cycle_lives_on():
     above, between, below = 262.0 / 3.6, 242.0 / 3.6, 215.0 / 3.6
     setup = build(cooperrider())
-    search = CycleSearch(RollingVehicle(setup, above), setup.stability.cycles, lambda v: None)
+    search = CycleSearch(RollingVehicle(setup, above), setup.plan.cycles, lambda v: None)
     first, state = search.hold(above, "from above", search.kicked(above, 9e-3))
     large, later = search.hold(between, "from above", search.slowed(state, above - between))
     small, _ = search.hold(between, "from below", search.kicked(between, 0.3e-3))

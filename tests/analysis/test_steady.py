@@ -20,6 +20,7 @@ from wrsim.results import Result
 from wrsim.results.tables import tables
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
+from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.system import System
@@ -53,13 +54,13 @@ def wheel_state(law, q, q_t):
 
 def test_steady_motion_is_where_a_long_time_integration_ends():
     setup = build(manchester(radius_m=450, speed_kmh=70))
-    found = steady_in_curve(setup, setup.steady[0])
+    found = steady_in_curve(setup, setup.plan.points[0])
     assert found.left < BALANCED
     expected = wheel_state(found.law, found.q, found.q_t)
     # on a longer arc, disturbed, and left to itself for several swings of the car body
     start = found.law.start
     track = setup.track.relaid([Arc(260.0, 450.0, 0.1)])
-    law = force_law(replace(setup, track=track, run=replace(setup.run, start=start, speed=found.law.speed)))
+    law = force_law(replace(setup, track=track, plan=RunPlan(start, start, found.law.speed)))
     q = found.q.copy()
     q[2 : 6 * len(law.bodies) : 6] += 1e-3
     motion = integrate(System(law.bodies, law, law.dampers), q, found.q_t, duration=6.0, step=1e-3, sample_interval=0.5)

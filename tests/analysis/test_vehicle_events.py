@@ -27,7 +27,7 @@ def monitored() -> tuple[Monitor, np.ndarray, np.ndarray]:
     law = force_law(setup)
     q, q_t = design_state(law)
     q, q_t = lower_on_rails(law, q, q_t)
-    monitor = Monitor(law, setup.run.speed)
+    monitor = Monitor(law, setup.plan.speed)
     assert monitor(0.0, q, q_t) is None
     assert monitor.events() == []
     return monitor, q, q_t

@@ -15,7 +15,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.checking import check_value
 from wrsim.inputs.values import Series
 from wrsim.scenario.build import build
-from wrsim.scenario.cases import read_cases, static_poses
+from wrsim.scenario.cases import read_cases
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.placement import stand
 
@@ -27,11 +27,11 @@ SCENARIOS = Path(__file__).parents[2] / "scenarios"
 def test_everything_is_si_behind_build(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(CURVE + "step_us = 500\n")
     setup = build(load(tmp_path / "case.toml"))
-    assert setup.run.speed == pytest.approx(15.0)
-    assert (setup.run.start, setup.run.end) == (0.0, pytest.approx(190.0))
-    assert setup.run.duration == pytest.approx(190.0 / 15.0)
-    assert (setup.run.step, setup.run.output_interval) == (pytest.approx(5e-4), pytest.approx(5e-3))
-    assert setup.run.patches_at == (pytest.approx(130.0),), "the middle of the arc unless told otherwise"
+    assert setup.plan.speed == pytest.approx(15.0)
+    assert (setup.plan.start, setup.plan.end) == (0.0, pytest.approx(190.0))
+    assert setup.plan.duration == pytest.approx(190.0 / 15.0)
+    assert (setup.plan.step, setup.plan.output_interval) == (pytest.approx(5e-4), pytest.approx(5e-3))
+    assert setup.plan.patches_at == (pytest.approx(130.0),), "the middle of the arc unless told otherwise"
     assert setup.track.nominal_gauge == pytest.approx(1.435)
     assert float(setup.track.curvature(130.0)) == pytest.approx(1 / 300)
     assert float(setup.track.cant(130.0)) == pytest.approx(0.060)
@@ -104,7 +104,7 @@ def test_values_can_be_changed_from_python_and_are_checked_again(tmp_path: Path)
 def test_a_grid_gives_every_combination_with_names_that_differ(tmp_path: Path) -> None:
     text = edited(STATIC, "lateral_mm = 0", "lateral_mm = {from = -1, to = 1, step = 0.1}\nyaw_mrad = [0, 12]")
     (tmp_path / "case.toml").write_text(text)
-    poses = static_poses(load(tmp_path / "case.toml"))
+    poses = build(load(tmp_path / "case.toml")).plan.poses
     assert len(poses) == len({p.name for p in poses}) == 42
     assert poses[0].lateral == pytest.approx(-1e-3)
     assert poses[-1].lateral == 1e-3
@@ -129,10 +129,9 @@ def test_a_table_gives_its_rows_with_their_names(tmp_path: Path) -> None:
     text = edited(STATIC, "lateral_mm = 0\nload_kN = 60", 'cases = "poses.csv"')
     (tmp_path / "case.toml").write_text(text)
     setup = build(load(tmp_path / "case.toml"))
-    assert setup.static is not None
-    assert [p.name for p in setup.static.poses] == ["straight", "flange"]
-    assert setup.static.poses[1].lateral == pytest.approx(9.5e-3)
-    assert setup.static.poses[1].yaw == pytest.approx(12e-3)
+    assert [p.name for p in setup.plan.poses] == ["straight", "flange"]
+    assert setup.plan.poses[1].lateral == pytest.approx(9.5e-3)
+    assert setup.plan.poses[1].yaw == pytest.approx(12e-3)
     assert tmp_path / "poses.csv" in setup.files
 
 

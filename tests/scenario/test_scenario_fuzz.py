@@ -167,4 +167,4 @@ def test_no_combination_of_sensible_values_gives_anything_but_a_setup_or_an_inpu
     except InputError as error:
         assert str(error)
     else:
-        assert 0.0 <= setup.run.start < setup.run.end <= setup.track.length
+        assert 0.0 <= setup.plan.start < setup.plan.end <= setup.track.length

@@ -17,7 +17,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.analysis import run
-from wrsim.analysis.contacts import contact_models
+from wrsim.analysis.contacts import contact_models, is_frictionless
 from wrsim.contact.channels import POSE_CHANNELS
 from wrsim.errors import InputError, SimulationError, suggest
 from wrsim.register import ANALYSES
@@ -165,7 +165,7 @@ def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
     """Time of one contact of one wheel of the first wheelset [s]: median over some of the moments that the result
     keeps; nan without any."""
     dataset = of_wheelset(dataset, wheelsets(dataset)[0])
-    standing = setup.static is not None and not setup.static.rolling
+    standing = is_frictionless(setup)
     models = dict(zip(("left", "right"), contact_models(setup, frictionless=standing), strict=True))
     poses = np.concatenate([dataset[name].values for name in POSE_CHANNELS], axis=-1) if _posed(dataset) else None
     if poses is None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
+from wrsim.scenario.sections.static import StaticPlan
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -38,3 +39,8 @@ def wheels_on_rails(
         for model, side, origin in zip(models, (1, -1), setup.track.rail_origins, strict=True)
     )
     return left, right
+
+
+def is_frictionless(setup: Setup) -> bool:
+    """True for poses that are solved without rolling."""
+    return isinstance(setup.plan, StaticPlan) and not setup.plan.rolling

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.contacts import contact_models, wheels_on_rails
+from wrsim.analysis.contacts import contact_models, is_frictionless, wheels_on_rails
 from wrsim.analysis.poses.load import Carried, LoadNotReached, height_for_load
 from wrsim.contact.channels import (
     POSE_CHANNELS,
@@ -69,7 +69,7 @@ def resolve(
     mounted = setup.vehicle.wheelsets[names.index(label) if label in names else 0].wheelset
     if not all(channel in dataset for channel in POSE_CHANNELS):
         raise InputError("the result keeps no moments whose contacts could be solved again; run its scenario anew")
-    frictionless = setup.static is not None and not setup.static.rolling
+    frictionless = is_frictionless(setup)
     both = wheels_on_rails(setup, contact_models(setup, frictionless, mounted), mounted)
     wheels = [next(w for w in both if w.name == str(label)) for label in dataset["wheel"].values]
     poses = np.concatenate([dataset[channel].values for channel in POSE_CHANNELS], axis=-1)

@@ -29,22 +29,11 @@ def facts(setup: Setup) -> dict[str, Any]:
         "rails": [rail.name for rail in setup.rails],
         "files": [str(f) for f in setup.files],
     }
-    if setup.static is not None:
-        facts["poses"] = len(setup.static.poses)
-    elif setup.steady:
-        facts["curves"] = len(setup.steady)
-    elif setup.stability is not None:
-        facts["speeds_kmh"] = [3.6 * v for v in setup.stability.speeds]
-        facts["limit_cycles"] = "yes" if setup.stability.cycles else "no"
-        if setup.conical is not None:
-            facts["contact"] = f"conical wheels, {setup.conical.conicity:g}, with a prescribed creep law"
-    elif ANALYSES[setup.analysis].moves:
+    if setup.conical is not None:
+        facts["contact"] = f"conical wheels, {setup.conical.conicity:g}, with a prescribed creep law"
+    if ANALYSES[setup.analysis].moves:
         facts["segments"] = [f.label if f.label == f.kind else f"{f.kind} {f.label}" for f in setup.track.features()]
-        facts["from_m"], facts["to_m"] = setup.run.start, setup.run.end
-        facts["speed_kmh"] = 3.6 * setup.run.speed
-        facts["duration_s"] = setup.run.duration
-        facts["patches_at_m"] = list(setup.run.patches_at)
-    return facts
+    return facts | setup.plan.facts()
 
 
 def _of_vehicle(setup: Setup) -> dict[str, Any]:
@@ -53,7 +42,7 @@ def _of_vehicle(setup: Setup) -> dict[str, Any]:
         "vehicle": vehicle.name,
         "wheelsets": [mounted.name for mounted in vehicle.wheelsets],
         "axle_load_kN": vehicle.weight / len(vehicle.wheelsets) / 1e3,
-        "drive": setup.run.drive,
+        "drive": setup.drive,
     }
 
 
@@ -63,8 +52,8 @@ def tell_slow(setup: Setup) -> None:
         return
     from wrsim.simulation.step import step_for_speed
 
-    step = setup.run.step or step_for_speed(setup.run.speed, setup.vehicle)
-    evaluations = 4.0 * setup.run.duration / step
+    step = setup.plan.step or step_for_speed(setup.plan.speed, setup.vehicle)
+    evaluations = 4.0 * setup.plan.duration / step
     complain(
         f'contact.normal = "half-space" solves the exact problem at every stage of the integration: about '
         f"{evaluations:.0f} times for each wheel, some {_duration(EXACT_TIME * evaluations).removesuffix(' left')}. "

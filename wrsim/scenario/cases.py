@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from wrsim.errors import InputError
 from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.toml_files import shown
-from wrsim.scenario.loading import Scenario
-from wrsim.scenario.sections.static import MOST_POSES, Lateral, Load, Roll, StaticSection, Yaw
+from wrsim.inputs.values import number, positive
+
+Lateral = Annotated[float, number(-100, 100, "mm, positive to the left")]
+Yaw = Annotated[float, number(-200, 200, "mrad, positive to the left")]
+Load = Annotated[float, positive(1000, "kN, downwards")]
+Roll = Annotated[float, number(-200, 200, "mrad, positive lifts the left wheel")]
+
+MOST_POSES = 1_000_000
 
 COLUMNS: dict[str, Any] = {"id": str, "lateral_mm": Lateral, "yaw_mrad": Yaw, "load_kN": Load, "roll_mrad": Roll}
 FACTORS = {"lateral_mm": 1e-3, "yaw_mrad": 1e-3, "load_kN": 1e3, "roll_mrad": 1e-3}
@@ -32,25 +38,8 @@ class StaticPose:
     roll: float = 0.0
 
 
-def static_poses(scenario: Scenario) -> tuple[StaticPose, ...]:
-    """Return the poses of [static] in the order of the file; names are unique.
-
-    Raises InputError for a table that is missing or has faults, one line each with its line number.
-    """
-    section = scenario.table(StaticSection)
-    if section.cases is not None:
-        path = scenario.find(("static", "cases"), section.cases)
-        return read_cases(path, with_roll=section.target == "wheel")
-    return tuple(_grid(section))
-
-
-def _grid(section: StaticSection) -> Iterator[StaticPose]:
-    axes = {
-        "y": section.lateral_mm,
-        "yaw": section.yaw_mrad,
-        "load": section.load_kN or (),
-        "roll": section.roll_mrad,
-    }
+def grid_of_poses(axes: Mapping[str, Sequence[float]]) -> Iterator[StaticPose]:
+    """Every combination of ``y`` [mm], ``yaw`` [mrad], ``load`` [kN] and ``roll`` [mrad]; names are unique."""
     seen: dict[str, int] = {}
     for values in product(*axes.values()):
         varied = [

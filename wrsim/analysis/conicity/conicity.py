@@ -29,12 +29,10 @@ KEPT = 4
 """One shift out of so many is kept in the result."""
 
 
-def run_conicity(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
+def run_conicity(setup: Setup[ConicityPlan], progress: Callable[[float, float], None] | None = None) -> Result:
     """The conicity of a scenario's wheelset on its track at nominal gauge."""
-    if setup.conicity is None:
-        raise ValueError("the set-up has no conicity plan")
     gauge = setup.track.nominal_gauge
-    result = conicity(setup.wheelset, setup.rails, gauge, setup.conicity, setup.title, setup.text)
+    result = conicity(setup.wheelset, setup.rails, gauge, setup.plan, setup.title, setup.text)
     if progress is not None:
         progress(1.0, 0.0)
     return result

@@ -31,12 +31,11 @@ ENOUGH = 1e-5
 
 def run_equilibrium(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
     """Find the rest state; the result holds that one sample, at time 0. Raises SimulationError where there is none."""
-    there = replace(setup, run=replace(setup.run, speed=0.0, patches_at=(setup.run.start,)))
-    law = force_law(there, drive=held_by(setup))
-    near = replace(there, contact=setup.contact.fast())
+    law = force_law(setup, drive=held_by(setup))
+    near = replace(setup, contact=setup.contact.fast())
     try:
         if near.contact == setup.contact:
-            found = at_rest(there, law)
+            found = at_rest(setup, law)
         else:
             fast = force_law(near, drive=held_by(setup))
             first = at_rest(near, fast)
@@ -46,7 +45,7 @@ def run_equilibrium(setup: Setup, progress: Callable[[float, float], None] | Non
     if progress is not None:
         progress(1.0, 0.0)
     rest = Motion(np.zeros(1), found.q[None], found.q_t[None], 0.0, "completed")
-    return result_of(there, law, rest, [])
+    return result_of(setup, law, rest, [])
 
 
 def at_rest(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
@@ -72,7 +71,7 @@ def at_rest(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
 def _wheelset_at_rest(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
     """A wheelset looked for further and further down a canted track, where springs or a flange hold it."""
     problems = []
-    for shift in shifts(setup, float(setup.track.cant(setup.run.start))):
+    for shift in shifts(setup, float(setup.track.cant(setup.plan.start))):
         try:
             law.look_near(law.start)
             return steady_state(law, lower_on_rails(law, *design_state(law, lateral=float(shift))))
@@ -83,11 +82,11 @@ def _wheelset_at_rest(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
 
 def _seat(setup: Setup, i: int) -> Array:
     """Coordinates (6,) of wheelset i at rest with its share of the vehicle on it, free of everything else."""
-    vehicle, run = setup.vehicle, setup.run
+    vehicle, run = setup.vehicle, setup.plan
     mounted = vehicle.wheelsets[i]
     share = (vehicle.mass - sum(m.mass for m in vehicle.wheelsets)) / len(vehicle.wheelsets)
     alone = single_wheelset(mounted.wheelset, carried_mass=share, carried_height=_height(vehicle))
-    there = replace(setup, vehicle=alone, run=replace(run, start=run.start + mounted.x))
+    there = replace(setup, vehicle=alone, plan=replace(run, start=run.start + mounted.x))
     return _wheelset_at_rest(there, force_law(there, drive="free")).q
 
 

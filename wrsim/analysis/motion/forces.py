@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def force_law(setup: Setup, speed: float | None = None, drive: Drive | None = None) -> VehicleOnTrack:
     """The law of the set-up's vehicle on its track; speed and drive, where given, in the place of the run's."""
-    run = setup.run
+    run = setup.plan
     kind = HalfSpaceOnTrack if setup.contact.normal == "half-space" else VehicleOnTrack
     return kind(
         setup.vehicle,
@@ -29,4 +29,4 @@ def force_law(setup: Setup, speed: float | None = None, drive: Drive | None = No
 
 def held_by(setup: Setup) -> Drive:
     """What holds the speed of a steady motion: a pull along the track, unless the frames do."""
-    return "free" if setup.run.drive == "free" and setup.vehicle.runs_with_frame else "train"
+    return "free" if setup.drive == "free" and setup.vehicle.runs_with_frame else "train"

@@ -193,7 +193,7 @@ def choose_snapshots(setup: Setup, distance: Array, wheel: dict[str, Array], sto
     """Samples whose strips are kept: the distances asked for, the largest Y/Q of either wheel, the stop if any."""
     chosen = {
         int(np.argmin(np.abs(distance - place))): f"at {place:g} m"
-        for place in setup.run.patches_at
+        for place in setup.plan.patches_at
         if distance[0] - 0.5 <= place <= distance[-1] + 0.5
     }
     q = wheel["Q"]

@@ -62,7 +62,7 @@ def run_in_time(
             step = chosen_step(setup, law, q, q_t)
         except NoSteadyMotion as problem:
             raise SimulationError(start_words(problem, setup)) from None
-    monitor, plan = Monitor(law, setup.run.speed), setup.run
+    monitor, plan = Monitor(law, setup.plan.speed), setup.plan
     with nullcontext() if record is None else closing(record.recorder(step, system.size)) as recorder:
         motion = integrate(
             system,
@@ -86,7 +86,7 @@ def recorded_run(setup: Setup, path: Path) -> Result:
     Events are those that the run had noted when it was last kept.
     """
     law = force_law(setup)
-    monitor = Monitor(law, setup.run.speed)
+    monitor = Monitor(law, setup.plan.speed)
     return result_of(setup, law, recorded_motion(path, monitor), monitor.events())
 
 
@@ -98,7 +98,7 @@ def chosen_step(setup: Setup, law: VehicleOnTrack, q: Array, q_t: Array) -> floa
     contact solver takes the step that is stable with a fast model.
     Raises StepTooLong for a step asked for that is not even stable at the start: its results would look like results.
     """
-    plan = setup.run
+    plan = setup.plan
     near = replace(setup, contact=setup.contact.fast())
     if near.contact != setup.contact:
         law = force_law(near)
@@ -108,7 +108,7 @@ def chosen_step(setup: Setup, law: VehicleOnTrack, q: Array, q_t: Array) -> floa
             raise StepTooLong(plan.step, limit, plan.speed)
         return plan.step
     if setup.track.curvature(plan.start) != 0.0:
-        level = replace(near, track=setup.track.relaid([Straight(100.0)]), run=replace(plan, start=30.0))
+        level = replace(near, track=setup.track.relaid([Straight(100.0)]), plan=replace(plan, start=30.0))
         law = force_law(level)
         limit = min(limit, stable_step(System(law.bodies, law, law.dampers), *start_state(level, law)))
     largest = LARGEST_STEP_UNEVEN if setup.track.is_uneven else LARGEST_STEP

@@ -36,7 +36,7 @@ def run_in(setup: Setup, start_of: Callable[[Setup, VehicleOnTrack], State]) -> 
 
     start_of(setup, law): steady motion on straight track. Raises NoSteadyMotion when the run does not arrive.
     """
-    track, run, vehicle = setup.track, setup.run, setup.vehicle
+    track, run, vehicle = setup.track, setup.plan, setup.vehicle
     reach = max(abs(part.centre[0]) for part in vehicle.parts) + 2.0
     curvature = float(track.curvature(run.start))
     ease, settle = max(EASE * run.speed, 20.0), SETTLE * run.speed + reach
@@ -49,16 +49,16 @@ def run_in(setup: Setup, start_of: Callable[[Setup, VehicleOnTrack], State]) -> 
     there = replace(
         setup,
         track=track.relaid([Straight(2.0 * reach), Transition(ease), bend]),
-        run=replace(run, start=reach, end=2.0 * reach + ease + settle),
+        plan=replace(run, start=reach, end=2.0 * reach + ease + settle),
     )
     law = force_law(there, drive=held_by(setup))
     q, q_t = start_of(there, law)
     system = System(law.bodies, law, law.dampers)
     step = round_step(SAFETY * stable_step(system, q, q_t), LARGEST_STEP)
-    motion = integrate(system, q, q_t, duration=there.run.duration, step=step, sample_interval=0.1)
+    motion = integrate(system, q, q_t, duration=there.plan.duration, step=step, sample_interval=0.1)
     if motion.status != "completed":
         raise NoSteadyMotion(RunInStopped(motion.reason))
-    law.look_near(there.run.end)
+    law.look_near(there.plan.end)
     law(motion.end, motion.q[-1], motion.q_t[-1], np.zeros(law.size))
     ahead = vehicle.parts[vehicle.reference].centre[0]
     return _moved(law, law.distance - ahead, setup, motion.q[-1], motion.q_t[-1])
@@ -68,7 +68,7 @@ def _moved(law: VehicleOnTrack, distance: float, setup: Setup, q: Array, q_t: Ar
     """The state as if the vehicle's origin were at the start of the run, on another curve of equal shape."""
     frames = [
         path_kernels.frame(path.curve, s)
-        for path, s in ((law.track.centre, distance), (setup.track.centre, setup.run.start))
+        for path, s in ((law.track.centre, distance), (setup.track.centre, setup.plan.start))
     ]
     old, new = (frame.origin for frame in frames)
     headings = [np.arctan2(frame.t.y, frame.t.x) for frame in frames]

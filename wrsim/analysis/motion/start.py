@@ -45,7 +45,7 @@ def shifts(setup: Setup, direction: float) -> Array:
     """
     if direction == 0.0:
         return np.zeros(1)
-    widening = float(setup.track.gauge(setup.run.start)) - setup.track.nominal_gauge
+    widening = float(setup.track.gauge(setup.plan.start)) - setup.track.nominal_gauge
     return np.copysign(np.arange(0.0, PLAY + 0.5 * max(widening, 0.0), SHIFT), direction)
 
 
@@ -72,7 +72,7 @@ def start_state(setup: Setup, law: VehicleOnTrack) -> State:
 
 
 def _found(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
-    curvature = float(setup.track.curvature(setup.run.start))
+    curvature = float(setup.track.curvature(setup.plan.start))
     problems = []
     for shift in shifts(setup, -curvature):
         try:

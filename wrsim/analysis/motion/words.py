@@ -63,7 +63,7 @@ def steady_words(problem: NoSteadyMotion, vehicle: Vehicle) -> str:
 
 def start_words(problem: NoSteadyMotion, setup: Setup) -> str:
     """Why a run has nothing to start from, with its place and advice."""
-    run, curvature = setup.run, float(setup.track.curvature(setup.run.start))
+    run, curvature = setup.plan, float(setup.track.curvature(setup.plan.start))
     curve = f" in a curve of {1.0 / abs(curvature):.4g} m radius" if curvature != 0.0 else ""
     advice = ". Start the run before the curve to see what becomes of it" if curve else ""
     return (

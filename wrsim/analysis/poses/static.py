@@ -17,15 +17,14 @@ from wrsim.results import Result, assemble
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
+    from wrsim.scenario.sections.static import StaticPlan
 
 REPORT_INTERVAL = 0.1  # between two calls of the progress function [s]
 
 
-def run_static(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
+def run_static(setup: Setup[StaticPlan], progress: Callable[[float, float], None] | None = None) -> Result:
     """Solve every pose of the plan. Poses without a solution carry a message; Ctrl-C keeps those already solved."""
-    plan = setup.static
-    if plan is None:
-        raise ValueError("the set-up has no static plan")
+    plan = setup.plan
     both = wheels_on_rails(setup, contact_models(setup, frictionless=not plan.rolling))
     wheels = both if plan.target == "wheelset" else tuple(w for w in both if w.name == plan.side)
     wheelset = setup.wheelset

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from wrsim.analysis.motion.forces import force_law
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
+from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
 from wrsim.simulation.linear import Linearised, linearise
 from wrsim.simulation.state import steady_state
@@ -27,11 +28,11 @@ class RollingVehicle:
     def __init__(self, setup: Setup, speed: float) -> None:
         """speed [m/s]: any."""
         straight = setup.track.relaid([Straight(LENGTH)])
-        self.setup = replace(setup, track=straight, run=replace(setup.run, start=PLACE, speed=speed))
+        self.setup = replace(setup, track=straight, plan=RunPlan(PLACE, PLACE, speed))
         self.law: VehicleOnTrack
         if setup.conical is not None:
             self.law = ConicalVehicleOnTrack(
-                setup.vehicle, straight, setup.conical, speed=speed, start=PLACE, drive=setup.run.drive
+                setup.vehicle, straight, setup.conical, speed=speed, start=PLACE, drive=setup.drive
             )
         else:
             self.law = force_law(self.setup)

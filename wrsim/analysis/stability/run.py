@@ -43,7 +43,7 @@ def run_stability(setup: Setup, progress: Callable[[float, float], None] | None 
     Ctrl-C ends the study with what it has. Raises SimulationError when the vehicle does not even roll straight at the
     first speed.
     """
-    plan, vehicle = setup.stability, setup.vehicle
+    plan, vehicle = setup.plan, setup.vehicle
     if plan is None:
         raise ValueError("the set-up has no stability plan")
     report = _Report(progress)

@@ -22,6 +22,7 @@ from wrsim.contact.channels import RawContacts, patch_channels, wheel_channels
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result, assemble
+from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.steady import SteadyPoint
 from wrsim.simulation.placement import TrackPoses, place_on_track, poses_on_track
 from wrsim.simulation.state import Equilibrium, SteadyMotion, steady_state
@@ -57,9 +58,7 @@ def run_steady(setup: Setup, progress: Callable[[float, float], None] | None = N
 
     Raises SimulationError when no point has a steady motion.
     """
-    vehicle, points = setup.vehicle, setup.steady
-    if not points:
-        raise ValueError("the set-up has no points")
+    vehicle, points = setup.vehicle, setup.plan.points
     table = _Table(setup, len(points))
     began = time.perf_counter()
     done = 0
@@ -259,7 +258,7 @@ def _continued(setup: Setup, near: Found, point: SteadyPoint) -> Found:
 def _from_design(setup: Setup, point: SteadyPoint) -> Found:
     """As a run starts: from the design position, or run in from straight track."""
     law = _law(setup, point)
-    there = replace(setup, track=law.track, run=replace(setup.run, start=law.start, speed=point.speed))
+    there = replace(setup, track=law.track, plan=RunPlan(law.start, law.start, point.speed))
     q, q_t = start_state(there, law)
     return Found(point, law, q, q_t, SteadyMotion(law).largest(q, q_t))
 
@@ -269,7 +268,7 @@ def _law(setup: Setup, point: SteadyPoint) -> VehicleOnTrack:
     places = [part.centre[0] for part in setup.vehicle.parts]
     before, behind = MARGIN - min(places), MARGIN + max(places)
     track = setup.track.relaid([Arc(before + behind, point.radius, point.cant)])
-    return force_law(replace(setup, track=track, run=replace(setup.run, start=before, speed=point.speed)))
+    return force_law(replace(setup, track=track, plan=RunPlan(before, before, point.speed)))
 
 
 def _carried_over(near: Found, law: VehicleOnTrack) -> tuple[Array, Array]:

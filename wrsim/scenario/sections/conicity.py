@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.inputs.values import Series, positive
-from wrsim.scenario.sections.table import Table
+from wrsim.scenario.sections.table import Given, PlanTable
 
 Roll = Literal["none", "rail-top", "centre"]
 
@@ -27,8 +27,12 @@ class ConicityPlan:
     amplitudes: tuple[float, ...]
     roll: Roll = "none"
 
+    def facts(self) -> dict[str, Any]:
+        """What a user checks."""
+        return {"amplitudes": len(self.amplitudes)}
 
-class ConicitySection(Table):
+
+class ConicitySection(PlanTable):
     """amplitude_mm, roll."""
 
     header: ClassVar[str] = "[conicity]"
@@ -37,6 +41,6 @@ class ConicitySection(Table):
     amplitude_mm: Series[Amplitude] = AMPLITUDES
     roll: Roll = "none"
 
-    def plan(self) -> ConicityPlan:
+    def plan(self, given: Given) -> ConicityPlan:
         """The same in SI units."""
         return ConicityPlan(tuple(a / 1000.0 for a in self.amplitude_mm), self.roll)

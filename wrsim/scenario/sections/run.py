@@ -3,14 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
+from wrsim.geometry.track.track import Track
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number
-from wrsim.scenario.sections.table import Table
+from wrsim.scenario.sections.table import Given, PlanTable, Table
 
 
-class RunSection(Table):
+@dataclass(frozen=True)
+class RunPlan:
+    """A run along the track: from ``start`` to ``end`` [m] of the centre line at ``speed`` [m/s], 0 at rest.
+
+    step: of the integration [s], None: chosen by speed; output_interval: between two samples [s]; patches_at: distances
+    [m], rising, at which the strips of the patches are kept.
+    """
+
+    start: float
+    end: float
+    speed: float
+    step: float | None = None
+    output_interval: float = 5e-3
+    patches_at: tuple[float, ...] = ()
+
+    @property
+    def duration(self) -> float:
+        """Time of the run [s]; 0 at rest."""
+        return (self.end - self.start) / self.speed if self.speed > 0.0 else 0.0
+
+    def facts(self) -> dict[str, Any]:
+        """What a user checks."""
+        if self.speed == 0.0:
+            return {"at_m": self.start}
+        way = {"from_m": self.start, "to_m": self.end, "speed_kmh": 3.6 * self.speed, "duration_s": self.duration}
+        return way | {"patches_at_m": list(self.patches_at)}
+
+
+class RunSection(PlanTable):
     """Where a run along the track starts and ends, and its steps in time."""
 
     header: ClassVar[str] = "[run]"
@@ -41,6 +71,46 @@ class RunSection(Table):
         """A sample needs at least one step."""
         if self.step_us is not None and self.step_us > self.output_interval_ms * 1000.0 * (1.0 + 1e-9):
             yield Fault("step_us", f"must be at most the output interval ({self.output_interval_ms:g} ms)")
+
+    def plan(self, given: Given) -> RunPlan:
+        """From the start to the end of the track or as far as the table says; at rest the start alone."""
+        ahead = max(mounted.x for mounted in given.vehicle.wheelsets)
+        last = given.track.length - ahead
+        start, end, speed = self.start_distance_m, last, (given.speed_kmh or 0.0) / 3.6
+        room = f"must lie on the track, which is {given.track.length:.6g} m long"
+        if ahead:
+            room += f", and the first wheelset is {ahead:.6g} m ahead of the vehicle's origin"
+        if start >= last:
+            raise given.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
+        if not given.analysis.moves:
+            return RunPlan(start, start, 0.0, patches_at=(start,))
+        if self.distance_m is not None:
+            end = start + self.distance_m
+        elif self.time_s is not None:
+            end = start + self.time_s * speed
+        if end > last * (1.0 + 1e-12):
+            key = "distance_m" if self.distance_m is not None else "time_s"
+            raise given.fault(("run", key), f"ends at {end:.6g} m: {room}")
+        end = min(end, last)
+        patches = given.table(OutputSection).patches_at_m
+        for place in patches or ():
+            if not start <= place <= end:
+                message = f"{place:g} m is not passed by the run: must lie from {start:.6g} to {end:.6g} m"
+                raise given.fault(("output", "patches_at_m"), message)
+        return RunPlan(
+            start=start,
+            end=end,
+            speed=speed,
+            step=None if self.step_us is None else self.step_us * 1e-6,
+            output_interval=self.output_interval_ms * 1e-3,
+            patches_at=_middle_of_arcs(given.track, start, end) if patches is None else tuple(sorted(set(patches))),
+        )
+
+
+def _middle_of_arcs(track: Track, start: float, end: float) -> tuple[float, ...]:
+    """Where patches are kept unless the file says it: in the middle of every arc on the way."""
+    middles = (0.5 * (f.start + f.end) for f in track.features() if f.kind == "arc")
+    return tuple(s for s in middles if start <= s <= end)
 
 
 class OutputSection(Table):

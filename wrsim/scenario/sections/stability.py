@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, Switch, number
-from wrsim.scenario.sections.table import Table
+from wrsim.scenario.sections.table import Given, PlanTable
 
 Speed = Annotated[float, number(1, 1000, "km/h")]
 SPEEDS = tuple(float(v) for v in range(40, 401, 20))
@@ -47,8 +47,12 @@ class StabilityPlan:
     highest: float
     cycles: CyclePlan | None
 
+    def facts(self) -> dict[str, Any]:
+        """What a user checks."""
+        return {"speeds_kmh": [3.6 * v for v in self.speeds], "limit_cycles": "yes" if self.cycles else "no"}
 
-class StabilitySection(Table):
+
+class StabilitySection(PlanTable):
     """speed_kmh of the modes; nonlinear = false leaves limit cycles out; the rest: see CyclePlan."""
 
     header: ClassVar[str] = "[stability]"
@@ -87,7 +91,7 @@ class StabilitySection(Table):
         if self.longest_s < 2.0 * self.window_s:
             yield Fault("longest_s", f"must be at least two windows ({2.0 * self.window_s:g} s)")
 
-    def plan(self) -> StabilityPlan:
+    def plan(self, given: Given) -> StabilityPlan:
         """The same in SI units."""
         cycles = CyclePlan(
             start=None if self.cycle_start_kmh is None else self.cycle_start_kmh / 3.6,

@@ -3,22 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.inputs.section import Fault
-from wrsim.inputs.values import Series, Switch, number, positive, text, words
-from wrsim.scenario.sections.table import Table
-
-Lateral = Annotated[float, number(-100, 100, "mm, positive to the left")]
-Yaw = Annotated[float, number(-200, 200, "mrad, positive to the left")]
-Load = Annotated[float, positive(1000, "kN, downwards")]
-Roll = Annotated[float, number(-200, 200, "mrad, positive lifts the left wheel")]
+from wrsim.inputs.values import Series, Switch, text, words
+from wrsim.scenario.cases import MOST_POSES, Lateral, Load, Roll, StaticPose, Yaw, grid_of_poses, read_cases
+from wrsim.scenario.sections.table import Given, PlanTable
 
 GRID = ("lateral_mm", "yaw_mrad", "load_kN", "roll_mrad")
-MOST_POSES = 1_000_000
 
 
-class StaticSection(Table):
+@dataclass(frozen=True)
+class StaticPlan:
+    """Poses to solve: of one wheel (then ``side`` says which) or of the wheelset; rolling or frictionless.
+
+    files: what they were read from.
+    """
+
+    target: Literal["wheel", "wheelset"]
+    side: Literal["left", "right"]
+    rolling: bool
+    poses: tuple[StaticPose, ...]
+    files: tuple[Path, ...] = ()
+
+    def facts(self) -> dict[str, Any]:
+        """What a user checks."""
+        return {"poses": len(self.poses)}
+
+
+class StaticSection(PlanTable):
     """Poses of one wheel or of a wheelset at a prescribed vertical load.
 
     The poses are every combination of lateral_mm, yaw_mrad, load_kN and roll_mrad, or the rows of the CSV
@@ -70,3 +85,12 @@ class StaticSection(Table):
         count = len(self.lateral_mm) * len(self.yaw_mrad) * len(self.load_kN or ()) * len(self.roll_mrad)
         if count > MOST_POSES:
             yield Fault((), f"describes {count} poses; must be at most {MOST_POSES}")
+
+    def plan(self, given: Given) -> StaticPlan:
+        """The poses in the order of the file."""
+        if self.cases is None:
+            axes = {"y": self.lateral_mm, "yaw": self.yaw_mrad, "load": self.load_kN or (), "roll": self.roll_mrad}
+            return StaticPlan(self.target, self.side, self.rolling, tuple(grid_of_poses(axes)))
+        file = given.find(("static", "cases"), self.cases)
+        poses = read_cases(file, with_roll=self.target == "wheel")
+        return StaticPlan(self.target, self.side, self.rolling, poses, (file,))

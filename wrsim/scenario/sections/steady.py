@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, number, words
-from wrsim.scenario.sections.table import Table
+from wrsim.scenario.sections.table import Given, PlanTable
 from wrsim.scenario.sections.track import Cant
 from wrsim.scenario.sections.vehicle import VehicleSection
 
@@ -30,7 +30,18 @@ class SteadyPoint:
     speed: float
 
 
-class SteadySection(Table):
+@dataclass(frozen=True)
+class SteadyPlan:
+    """The curves in their order."""
+
+    points: tuple[SteadyPoint, ...]
+
+    def facts(self) -> dict[str, Any]:
+        """What a user checks."""
+        return {"curves": len(self.points)}
+
+
+class SteadySection(PlanTable):
     """Every combination of radius_m, cant_mm and speed_kmh, or with combine = "rows" their first, second ... values."""
 
     header: ClassVar[str] = "[steady]"
@@ -71,9 +82,9 @@ class SteadySection(Table):
         if self.combine == "grid" and sizes[0] * sizes[1] * sizes[2] > MOST_POINTS:
             yield Fault((), f"describes {sizes[0] * sizes[1] * sizes[2]} points; must be at most {MOST_POINTS}")
 
-    def points(self, speed: float | None) -> tuple[SteadyPoint, ...]:
-        """The points in SI units; speed [km/h]: where the section names none."""
-        speeds = self.speed_kmh or ((speed,) if speed is not None else ())
+    def plan(self, given: Given) -> SteadyPlan:
+        """The points in SI units; at the speed of [vehicle] where the table names none."""
+        speeds = self.speed_kmh or ((given.speed_kmh,) if given.speed_kmh is not None else ())
         axes = (self.radius_m, self.cant_mm, speeds)
         if self.combine == "rows":
             longest = max(map(len, axes))
@@ -84,4 +95,4 @@ class SteadySection(Table):
         for radius, cant, v in rows:
             name = f"R{radius:.10g}m_cant{cant:.10g}mm_{v:.10g}kmh"
             found[name] = SteadyPoint(name, radius, cant / 1e3, v / 3.6)
-        return tuple(found.values())
+        return SteadyPlan(tuple(found.values()))
