@@ -12,7 +12,7 @@ from support.runs import SCENARIOS
 from wrsim.analysis import run
 from wrsim.analysis.stability.cycles import CycleSearch
 from wrsim.analysis.stability.rolling import RollingVehicle
-from wrsim.cli.showing import print_peaks
+from wrsim.cli.showing import print_result
 from wrsim.errors import InputError
 from wrsim.plots import standard_pictures
 from wrsim.results import Result
@@ -121,7 +121,7 @@ def test_a_study_reads_well_on_screen_on_disk_and_as_pictures(tmp_path, capsys):
     found = tables(result.dataset)
     assert found["modes"][0][:2] == ["pose_speed_kmh", "mode_branch"]
     assert len(found["cycles"]) == 1 + result.dataset.sizes["cycle"]
-    print_peaks(result)
+    print_result(result)
     printed = capsys.readouterr().out
     assert "linear critical speed 247" in printed and "from above" in printed
     pictures = standard_pictures(result.dataset, tmp_path)

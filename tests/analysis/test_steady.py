@@ -12,7 +12,7 @@ from support.runs import SCENARIOS
 from wrsim.analysis import run
 from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.steady.steady import BALANCED, steady_in_curve
-from wrsim.cli.showing import print_peaks
+from wrsim.cli.showing import print_result
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc
 from wrsim.plots import standard_pictures
@@ -116,7 +116,7 @@ def test_it_reads_well_on_screen_on_disk_and_as_a_picture(tmp_path, capsys):
     rows = tables(result.dataset)["steady"]
     assert len(rows) == 1 + 2 * 8 + 1
     assert all(len(row) == len(rows[0]) for row in rows)
-    print_peaks(result)
+    print_result(result)
     printed = capsys.readouterr().out
     assert "rear.inner left" in printed and "overturn" in printed
     assert [p.stem for p in standard_pictures(result.dataset, tmp_path)] == ["steady"]
