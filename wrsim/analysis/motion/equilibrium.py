@@ -21,6 +21,7 @@ from wrsim.vehicle.vehicle import single_wheelset
 if TYPE_CHECKING:
     from wrsim.results import Result
     from wrsim.scenario.build import Setup
+    from wrsim.scenario.sections.run import RunPlan
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
     from wrsim.vehicle.vehicle import Vehicle
@@ -29,7 +30,7 @@ ENOUGH = 1e-5
 """Force left over, as a part of the weight, that is accepted where patches that appear and vanish stop the search."""
 
 
-def run_equilibrium(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
+def run_equilibrium(setup: Setup[RunPlan], progress: Callable[[float, float], None] | None = None) -> Result:
     """Find the rest state; the result holds that one sample, at time 0. Raises SimulationError where there is none."""
     law = force_law(setup, drive=held_by(setup))
     near = replace(setup, contact=setup.contact.fast())
@@ -48,7 +49,7 @@ def run_equilibrium(setup: Setup, progress: Callable[[float, float], None] | Non
     return result_of(setup, law, rest, [])
 
 
-def at_rest(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
+def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     """The vehicle at rest at the start of the run: on canted track it has slid down to its flanges.
 
     At rest there is no rolling, so the creep forces say nothing and friction holds wheels wherever they are put; the
@@ -68,7 +69,7 @@ def at_rest(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
         raise NoSteadyMotion(fault) from None
 
 
-def _wheelset_at_rest(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
+def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     """A wheelset looked for further and further down a canted track, where springs or a flange hold it."""
     problems = []
     for shift in shifts(setup, float(setup.track.cant(setup.plan.start))):
@@ -80,7 +81,7 @@ def _wheelset_at_rest(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
     raise NoSteadyMotion(problems[0])
 
 
-def _seat(setup: Setup, i: int) -> Array:
+def _seat(setup: Setup[RunPlan], i: int) -> Array:
     """Coordinates (6,) of wheelset i at rest with its share of the vehicle on it, free of everything else."""
     vehicle, run = setup.vehicle, setup.plan
     mounted = vehicle.wheelsets[i]

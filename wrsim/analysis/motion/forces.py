@@ -10,10 +10,11 @@ from wrsim.simulation.law import VehicleOnTrack
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
+    from wrsim.scenario.sections.run import RunPlan
     from wrsim.vehicle.vehicle import Drive
 
 
-def force_law(setup: Setup, speed: float | None = None, drive: Drive | None = None) -> VehicleOnTrack:
+def force_law(setup: Setup[RunPlan], speed: float | None = None, drive: Drive | None = None) -> VehicleOnTrack:
     """The law of the set-up's vehicle on its track; speed and drive, where given, in the place of the run's."""
     run = setup.plan
     kind = HalfSpaceOnTrack if setup.contact.normal == "half-space" else VehicleOnTrack
@@ -23,10 +24,10 @@ def force_law(setup: Setup, speed: float | None = None, drive: Drive | None = No
         [contact_models(setup, wheelset=mounted.wheelset) for mounted in setup.vehicle.wheelsets],
         speed=run.speed if speed is None else speed,
         start=run.start,
-        drive=run.drive if drive is None else drive,
+        drive=setup.drive if drive is None else drive,
     )
 
 
-def held_by(setup: Setup) -> Drive:
+def held_by(setup: Setup[RunPlan]) -> Drive:
     """What holds the speed of a steady motion: a pull along the track, unless the frames do."""
     return "free" if setup.drive == "free" and setup.vehicle.runs_with_frame else "train"

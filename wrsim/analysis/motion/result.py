@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from wrsim.analysis.motion.outcomes import Event
     from wrsim.scenario.build import Setup
+    from wrsim.scenario.sections.run import RunPlan
     from wrsim.simulation.integrate import Motion
     from wrsim.simulation.law import VehicleOnTrack
 
@@ -47,7 +48,7 @@ class Snapshot:
     label: str
 
 
-def result_of(setup: Setup, law: VehicleOnTrack, motion: Motion, events: Sequence[Event]) -> Result:
+def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events: Sequence[Event]) -> Result:
     """All channels of a motion, from its sampled states.
 
     At the end of a stopped run the last states may have no place on the track any more; they are left out then.
@@ -144,7 +145,7 @@ def result_of(setup: Setup, law: VehicleOnTrack, motion: Motion, events: Sequenc
     return Result(assemble(coords, channels, _attributes(setup, motion, reference)))
 
 
-def _attributes(setup: Setup, motion: Motion, distance: Array) -> dict[str, str | float | int]:
+def _attributes(setup: Setup[RunPlan], motion: Motion, distance: Array) -> dict[str, str | float | int]:
     """Attributes of the result of a run whose samples lie at these distances [m]."""
     attributes: dict[str, str | float | int] = {
         "title": setup.title,
@@ -189,7 +190,7 @@ def _placed(motion: Motion, law: VehicleOnTrack) -> tuple[Motion, list[TrackPose
             return cut, [p.first(n) for p in poses]
 
 
-def choose_snapshots(setup: Setup, distance: Array, wheel: dict[str, Array], stopped: bool) -> list[Snapshot]:
+def choose_snapshots(setup: Setup[RunPlan], distance: Array, wheel: dict[str, Array], stopped: bool) -> list[Snapshot]:
     """Samples whose strips are kept: the distances asked for, the largest Y/Q of either wheel, the stop if any."""
     chosen = {
         int(np.argmin(np.abs(distance - place))): f"at {place:g} m"

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from wrsim.analysis.motion.record import RunRecord
     from wrsim.results import Result
     from wrsim.scenario.build import Setup
+    from wrsim.scenario.sections.run import RunPlan
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
 
@@ -42,7 +43,7 @@ class StepTooLong(InputError):
 
 
 def run_in_time(
-    setup: Setup,
+    setup: Setup[RunPlan],
     progress: Callable[[float, float], None] | None = None,
     record: RunRecord | None = None,
 ) -> Result:
@@ -80,7 +81,7 @@ def run_in_time(
     return result_of(setup, law, motion, monitor.events())
 
 
-def recorded_run(setup: Setup, path: Path) -> Result:
+def recorded_run(setup: Setup[RunPlan], path: Path) -> Result:
     """The result of what a file holds of a run; the process that ran it may be dead or still at work.
 
     Events are those that the run had noted when it was last kept.
@@ -90,7 +91,7 @@ def recorded_run(setup: Setup, path: Path) -> Result:
     return result_of(setup, law, recorded_motion(path, monitor), monitor.events())
 
 
-def chosen_step(setup: Setup, law: VehicleOnTrack, q: Array, q_t: Array) -> float:
+def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array) -> float:
     """Step [s] that the plan asks for, or one that is stable at the start (q, q_t) of the run and on straight track.
 
     It is never longer than the time between two samples. In a curve the creep forces are near saturation and allow a

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from wrsim.scenario.build import Setup
+    from wrsim.scenario.sections.run import RunPlan
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
 
@@ -31,7 +32,7 @@ SETTLE = 3.0
 """... and in the full curve before the motion is taken as steady [s]."""
 
 
-def run_in(setup: Setup, start_of: Callable[[Setup, VehicleOnTrack], State]) -> State:
+def run_in(setup: Setup[RunPlan], start_of: Callable[[Setup, VehicleOnTrack], State]) -> State:
     """State (q, q_t) at the start of a run in a full curve, reached through a long transition to its curvature.
 
     start_of(setup, law): steady motion on straight track. Raises NoSteadyMotion when the run does not arrive.
@@ -64,7 +65,7 @@ def run_in(setup: Setup, start_of: Callable[[Setup, VehicleOnTrack], State]) -> 
     return _moved(law, law.distance - ahead, setup, motion.q[-1], motion.q_t[-1])
 
 
-def _moved(law: VehicleOnTrack, distance: float, setup: Setup, q: Array, q_t: Array) -> State:
+def _moved(law: VehicleOnTrack, distance: float, setup: Setup[RunPlan], q: Array, q_t: Array) -> State:
     """The state as if the vehicle's origin were at the start of the run, on another curve of equal shape."""
     frames = [
         path_kernels.frame(path.curve, s)

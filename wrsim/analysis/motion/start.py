@@ -17,6 +17,7 @@ from wrsim.simulation.state import design_state, lower_on_rails, steady_state
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
+    from wrsim.scenario.sections.run import RunPlan
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.state import Equilibrium
     from wrsim.simulation.system import Array
@@ -37,7 +38,7 @@ EXACT = 1e-5
 """Unbalanced part of the weight with the exact contact solver, which iterates."""
 
 
-def shifts(setup: Setup, direction: float) -> Array:
+def shifts(setup: Setup[RunPlan], direction: float) -> Array:
     """Lateral shifts at the start of the run from which a search begins [m]: from the middle towards ``direction``.
 
     In a curve a wheelset held hard against yaw does not find its way to the outer rail by itself, nor down a canted
@@ -49,12 +50,12 @@ def shifts(setup: Setup, direction: float) -> Array:
     return np.copysign(np.arange(0.0, PLAY + 0.5 * max(widening, 0.0), SHIFT), direction)
 
 
-def enough(setup: Setup) -> float:
+def enough(setup: Setup[RunPlan]) -> float:
     """``STEADY_ENOUGH`` as a part of the weight of the whole vehicle."""
     return STEADY_ENOUGH / len(setup.vehicle.wheelsets)
 
 
-def start_state(setup: Setup, law: VehicleOnTrack) -> State:
+def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
     """State (q, q_t) from which a run starts: steady motion in the track as it is at the start.
 
     If no search finds it in a curve, the vehicle is run in from straight track; its last state is accepted if it is
@@ -71,7 +72,7 @@ def start_state(setup: Setup, law: VehicleOnTrack) -> State:
     return found.q, found.q_t
 
 
-def _found(setup: Setup, law: VehicleOnTrack) -> Equilibrium:
+def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     curvature = float(setup.track.curvature(setup.plan.start))
     problems = []
     for shift in shifts(setup, -curvature):

@@ -10,6 +10,7 @@ from wrsim.simulation.state import Unbalanced
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
+    from wrsim.scenario.sections.run import RunPlan
     from wrsim.vehicle.vehicle import Vehicle
 
 
@@ -61,7 +62,7 @@ def steady_words(problem: NoSteadyMotion, vehicle: Vehicle) -> str:
     return f"no steady motion found; {reason}" if isinstance(reason, Unbalanced) else str(reason)
 
 
-def start_words(problem: NoSteadyMotion, setup: Setup) -> str:
+def start_words(problem: NoSteadyMotion, setup: Setup[RunPlan]) -> str:
     """Why a run has nothing to start from, with its place and advice."""
     run, curvature = setup.plan, float(setup.track.curvature(setup.plan.start))
     curve = f" in a curve of {1.0 / abs(curvature):.4g} m radius" if curvature != 0.0 else ""

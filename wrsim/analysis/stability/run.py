@@ -37,7 +37,7 @@ class _Report:
             self.progress(fraction, spent * (1.0 - fraction) / fraction)
 
 
-def run_stability(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
+def run_stability(setup: Setup[StabilityPlan], progress: Callable[[float, float], None] | None = None) -> Result:
     """Modes at every speed, the linear critical speed and, where asked for, limit cycles.
 
     Ctrl-C ends the study with what it has. Raises SimulationError when the vehicle does not even roll straight at the
@@ -127,7 +127,7 @@ def _critical_words(worst: Modes | None, found: list[Modes], vehicle: Vehicle) -
 
 
 def _result(
-    setup: Setup,
+    setup: Setup[StabilityPlan],
     plan: StabilityPlan,
     found: list[Modes],
     cycles: list[Cycle],
