@@ -62,12 +62,13 @@ class Analysis:
         return bool(self.recorded)
 
 
-def _shown_by(room: str) -> dict[str, Any]:
+def _shown_by(room: str, printed: str = "wrsim.cli.showing:print_numbers") -> dict[str, Any]:
     """Functions of an analysis whose results are no contacts of wheels in poses or along the track."""
     return {
         "summary": f"wrsim.results.{room}:summary",
         "csv_files": f"wrsim.results.{room}:tables",
         "pictures": f"wrsim.plots.{room}:figures",
+        "printed": printed,
     }
 
 
@@ -109,14 +110,13 @@ ANALYSES = {
             name="conicity",
             tables={"conicity": "wrsim.scenario.sections.conicity:ConicitySection"},
             run="wrsim.analysis.conicity.conicity:run_conicity",
-            **_shown_by("conicity"),
+            **_shown_by("conicity", "wrsim.cli.showing:print_peaks"),
         ),
         Analysis(
             name="stability",
             tables={"stability": "wrsim.scenario.sections.stability:StabilitySection"},
             run="wrsim.analysis.stability.run:run_stability",
-            **_shown_by("stability"),
-            printed="wrsim.cli.studies:print_stability",
+            **_shown_by("stability", "wrsim.cli.studies:print_stability"),
             own_track=True,
             conical=True,
         ),
@@ -124,8 +124,7 @@ ANALYSES = {
             name="steady",
             tables={"steady": "wrsim.scenario.sections.steady:SteadySection"},
             run="wrsim.analysis.steady.steady:run_steady",
-            **_shown_by("steady"),
-            printed="wrsim.cli.studies:print_steady",
+            **_shown_by("steady", "wrsim.cli.studies:print_steady"),
             own_track=True,
         ),
     )

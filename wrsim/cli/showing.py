@@ -99,6 +99,12 @@ def print_result(result: Result) -> None:
     resolved(ANALYSES[result.analysis].printed)(result)
 
 
+def print_numbers(result: Result) -> None:
+    """The plain numbers of a result's summary, a line each."""
+    print_title(result.title)
+    print_facts({name: value for name, value in result.summary().items() if isinstance(value, int | float)})
+
+
 def print_peaks(result: Result) -> None:
     """The peaks of each wheel as a table, and the events."""
     summary = result.summary()
