@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wrsim.cli.ending import told
+from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures, SectionsOf
 from wrsim.cli.showing import print_json, print_table
 from wrsim.cli.storing import read
@@ -24,7 +24,7 @@ def assess(
     as_json: Json = False,
 ) -> None:
     """Assess a run: EN 14363 quantities section by section, limits and margins; leaves tables and pictures."""
-    with told(as_json):
+    with reporting_errors(as_json):
         from wrsim.analysis.assessment import assess as assessed
         from wrsim.results import write_atomically
         from wrsim.scenario.loading import load

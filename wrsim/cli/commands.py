@@ -16,7 +16,7 @@ from wrsim import __version__
 from wrsim.cli.assessing import assess
 from wrsim.cli.compare import compare
 from wrsim.cli.conicity import conicity
-from wrsim.cli.ending import INTERRUPTED, exit_code, told
+from wrsim.cli.ending import INTERRUPTED, exit_code, reporting_errors
 from wrsim.cli.options import BesideResult, Json, Models
 from wrsim.cli.resolve import resolve
 from wrsim.cli.riding import ride
@@ -73,7 +73,7 @@ def _common(
 @app.command()
 def check(file: ScenarioFile, models: Models = None, as_json: Json = False) -> None:
     """Check a scenario and all the files it names, without running it."""
-    with told(as_json):
+    with reporting_errors(as_json):
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
 
@@ -104,7 +104,7 @@ def run(
 
     While it lasts, a run is kept in DIR/result.nc.part, so that one that was cut off goes on with --resume.
     """
-    with told(as_json):
+    with reporting_errors(as_json):
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
 
@@ -169,7 +169,7 @@ ResultFile = Annotated[
 @app.command()
 def show(result: ResultFile, as_json: Json = False) -> None:
     """Print the summary of a result, or of what there is of a run."""
-    with told(as_json):
+    with reporting_errors(as_json):
         loaded = read(result)
         if as_json:
             print_json(loaded.summary())
@@ -193,7 +193,7 @@ def plot(
     as_json: Json = False,
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
-    with told(as_json):
+    with reporting_errors(as_json):
         from wrsim.plots import standard_pictures
         from wrsim.results.wheelsets import worst_wheelset
 
@@ -229,7 +229,7 @@ def profile(
     as_json: Json = False,
 ) -> None:
     """Draw a profile with its slope and curvature; of measured points also what smoothing did to them."""
-    with told(as_json):
+    with reporting_errors(as_json):
         if kind not in (None, "wheel", "rail"):
             raise InputError(f"--kind {kind}: must be wheel or rail")
         picture = output or Path(file.stem + ".png")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from wrsim.cli.ending import exit_code, told
+from wrsim.cli.ending import exit_code, reporting_errors
 from wrsim.cli.options import Json, ModelFiles, Pictures, Quiet
 from wrsim.cli.showing import print_json, print_table, progress_bar, tell_slow
 
@@ -45,7 +45,7 @@ def compare(
     quiet: Quiet = False,
 ) -> None:
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
-    with told(as_json):
+    with reporting_errors(as_json):
         from wrsim.analysis.compare import compare as analyse
         from wrsim.scenario.build import build
         from wrsim.scenario.contact_choice import split_names, with_contact_model

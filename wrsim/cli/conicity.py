@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from wrsim.cli.ending import told
+from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Json, Models
 from wrsim.cli.showing import print_json, print_table
 from wrsim.errors import InputError
@@ -42,7 +42,7 @@ def conicity(
     as_json: Json = False,
 ) -> None:
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
-    with told(as_json):
+    with reporting_errors(as_json):
         from wrsim.analysis.conicity.conicity import conicity as analyse
         from wrsim.inputs.checking import check_value
         from wrsim.inputs.lookup import Finder, shipped_models, user_folders

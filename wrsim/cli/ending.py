@@ -43,7 +43,7 @@ def exit_code(result: Result) -> int:
 
 
 @contextmanager
-def told(as_json: bool) -> Iterator[None]:
+def reporting_errors(as_json: bool) -> Iterator[None]:
     """Turn every error of a command into a message and an exit code."""
     try:
         yield

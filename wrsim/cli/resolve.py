@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wrsim.cli.ending import told
+from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Json, ModelFiles, Pictures, Quiet
 from wrsim.cli.showing import print_json, print_table, progress_bar
 from wrsim.errors import InputError
@@ -40,7 +40,7 @@ def resolve(
     quiet: Quiet = False,
 ) -> None:
     """Solve the contacts at the kept moments of a result again, by the exact solver or any other contact model."""
-    with told(as_json):
+    with reporting_errors(as_json):
         if same not in ("load", "pose"):
             raise InputError(f"--same {same}: must be load or pose")
         from wrsim.analysis.resolve import resolve as solve

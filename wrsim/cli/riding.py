@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wrsim.cli.ending import told
+from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures, SectionsOf
 from wrsim.cli.showing import complain, print_json, print_table
 from wrsim.cli.storing import read
@@ -24,7 +24,7 @@ def ride(
     as_json: Json = False,
 ) -> None:
     """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
-    with told(as_json):
+    with reporting_errors(as_json):
         from wrsim.analysis.ride import evaluate_ride
         from wrsim.scenario.loading import load
         from wrsim.scenario.sections.ride import RideSection

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.ending import told
+from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Json, Models
 from wrsim.cli.showing import print_files
 from wrsim.errors import InputError
@@ -22,7 +22,7 @@ def track(
     as_json: Json = False,
 ) -> None:
     """Draw the track of a scenario: plan, curvature, cant, gauge, height, irregularities."""
-    with told(as_json):
+    with reporting_errors(as_json):
         picture = output or Path(f"{file.stem}_track.png")
         if picture.suffix.lower() != ".png":
             raise InputError(f"-o {picture}: must end in .png")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from wrsim.cli.ending import told
+from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Json, Models
 from wrsim.cli.showing import print_json, print_table, print_title
 from wrsim.errors import InputError
@@ -26,7 +26,7 @@ def vehicle(
     as_json: Json = False,
 ) -> None:
     """Print mass, centre, static wheel loads and natural modes of a vehicle; draw it."""
-    with told(as_json):
+    with reporting_errors(as_json):
         from wrsim.inputs.lookup import Finder, shipped_models, user_folders
         from wrsim.vehicle.vehicle_files import load_vehicle
 

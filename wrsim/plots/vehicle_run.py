@@ -1,4 +1,4 @@
-"""Histories of a whole vehicle: guiding forces, steering and loads of its wheelsets, motion of its bodies."""
+"""Histories of a vehicle: guiding forces, steering and loads of its wheelsets, motion of its bodies."""
 
 from __future__ import annotations
 

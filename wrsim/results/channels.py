@@ -138,7 +138,7 @@ _ALL = (
     _of("gauge", "time wheelset", "m", "mm", "track gauge"),
     _of("grade", "time wheelset", "1", "permille", "grade"),
     _of("wheelset_distance", "time wheelset", "m", "m", "distance of the wheelset along the track"),
-    # a whole vehicle
+    # the vehicle
     _of("drive_force", "time", "N", "kN", "force that holds the speed"),
     _of("guide_force_x", "time wheelset", "N", "kN", "longitudinal guide force", "F_{gx}"),
     _of("guide_force_y", "time wheelset", "N", "kN", "lateral guide force", "F_{gy}"),

@@ -27,7 +27,7 @@ _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 @contextmanager
-def told_plainly(path: Path, size: int | None = None) -> Iterator[None]:
+def plain_disk_errors(path: Path, size: int | None = None) -> Iterator[None]:
     """Turn an ``OSError`` of writing to ``path`` into one sentence (``WrsimError``); size: of the content [bytes]."""
     try:
         yield
@@ -50,7 +50,7 @@ def write_atomically(path: str | Path, content: bytes) -> Path:
     """
     path = Path(path)
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    with told_plainly(path, len(content)):
+    with plain_disk_errors(path, len(content)):
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             with open(temporary, "xb") as stream:

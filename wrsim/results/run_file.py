@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from wrsim.errors import InputError
-from wrsim.results.files import told_plainly
+from wrsim.results.files import plain_disk_errors
 
 try:
     import fcntl
@@ -58,7 +58,7 @@ class RunFile:
     def create(cls, path: str | Path, header: dict[str, Any]) -> RunFile:
         """Start a file; an older one of that name is replaced, unless a run is writing to it (``InputError``)."""
         path = Path(path)
-        with told_plainly(path):
+        with plain_disk_errors(path):
             path.parent.mkdir(parents=True, exist_ok=True)
             file = cls(path, _locked(path))
             file.cut(0)
@@ -70,7 +70,7 @@ class RunFile:
     def continued(cls, path: str | Path, end: int) -> RunFile:
         """Open a file to go on behind the record that ends at ``end``; the rest is cut off."""
         path = Path(path)
-        with told_plainly(path):
+        with plain_disk_errors(path):
             file = cls(path, _locked(path))
             file.cut(end)
         return file
@@ -81,7 +81,7 @@ class RunFile:
         for part in parts:
             checksum = zlib.crc32(part, checksum)
         size = sum(len(part) for part in parts)
-        with told_plainly(self.path, size):
+        with plain_disk_errors(self.path, size):
             begin = self._stream.tell()
             try:
                 self._write(b"".join((_FRAME.pack(kind, size, checksum), *parts)))
