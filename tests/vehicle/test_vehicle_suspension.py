@@ -38,7 +38,7 @@ def box(*elements: Element) -> Vehicle:
     )
 
 
-def hung(vehicle: Vehicle, gravity: float = 0.0) -> VehicleOnTrack:
+def on_springs(vehicle: Vehicle, gravity: float = 0.0) -> VehicleOnTrack:
     """The law of a vehicle on its springs alone."""
     track = Track.build([Straight(200.0)], 1.5)
     return VehicleOnTrack(vehicle, track, (), speed=0.0, start=100.0, drive="free", gravity=gravity)
@@ -74,7 +74,7 @@ def displaced(law: VehicleOnTrack, seed: int = 1) -> tuple[np.ndarray, np.ndarra
 @pytest.mark.parametrize("name", ["manchester_1", "erri_type"])
 def test_springs_have_a_potential_at_any_displacement(name: str) -> None:
     """The derivative of the generalised forces with respect to the coordinates is symmetric where nothing moves."""
-    law = hung(load_vehicle(ROOT / f"models/vehicles/{name}.toml", Finder((shipped_models(),))))
+    law = on_springs(load_vehicle(ROOT / f"models/vehicles/{name}.toml", Finder((shipped_models(),))))
     q, q_t = displaced(law)
     q_t[: 6 * len(law.bodies)] = 0.0
     n = 6 * len(law.bodies)
@@ -93,7 +93,7 @@ def test_springs_have_a_potential_at_any_displacement(name: str) -> None:
 
 
 def test_elements_between_bodies_keep_momentum_and_angular_momentum() -> None:
-    law = hung(manchester())
+    law = on_springs(manchester())
     q, q_t = displaced(law)
     law(0.0, q, q_t, np.zeros(law.size))
     bodies, wrenches = (law.arena.views[k] for k in (vehicle_forces.BODIES, vehicle_forces.WRENCHES))
@@ -111,7 +111,7 @@ def test_dampers_take_power_and_springs_in_series_store_it() -> None:
     """With F on both sides of a spring behind a damper: power into the element = F^2/c + rate of F^2/(2 k)."""
     k, c = 5e5, 2e4
     strut = Strut("d", "damper", TRACK, "box", ((0.0, 0.0, HEIGHT),) * 2, 1, damping=c, series=k)
-    law = hung(box(strut, spring(stiffness=(0.0, 0.0, 1e6))))
+    law = on_springs(box(strut, spring(stiffness=(0.0, 0.0, 1e6))))
     q, q_t = design_state(law)
     q[6 + 2], q_t[6 + 2], q_t[12] = 0.02, 0.7, 0.005
     out = np.zeros(law.size)
@@ -161,7 +161,7 @@ def test_a_flexible_column_bends_like_a_cantilever() -> None:
     )
     vehicle = box(column)
     weightless = replace(vehicle, bodies=(replace(vehicle.bodies[0], mass=1e-3),))  # a load would push the column over
-    law = hung(weightless)
+    law = on_springs(weightless)
     q, q_t = design_state(law)
     matrix = linearise(law, law.bodies, q, q_t).stiffness[6:12, 6:12]
     yields = np.linalg.inv(matrix)
@@ -173,7 +173,7 @@ def test_a_bump_stop_follows_its_table_both_ways_and_goes_on_beyond_it() -> None
     stop = next(e for e in manchester().elements if e.name == "front.lateral stop")
     assert isinstance(stop, Strut)
     assert stop.limits == (-0.065, 0.065)
-    law = hung(box(replace(stop, first=TRACK, second="box"), spring(stiffness=(1.0, 0.0, 1e6))))
+    law = on_springs(box(replace(stop, first=TRACK, second="box"), spring(stiffness=(1.0, 0.0, 1e6))))
     q, q_t = design_state(law)
     out = np.zeros(law.size)
     for travel, force in ((0.02, 0.0), (0.03, 600.0), (0.0425, 5300.0), (0.065, 230e3), (0.066, 270160.0)):
