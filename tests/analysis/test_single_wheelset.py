@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.runs import LEADING, SCENARIOS, STEERING, arc, ride, setup_of, straight
 
-from wrsim.analysis import run
+from wrsim.analysis import recorded, run
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.ride import evaluate_ride
 from wrsim.analysis.steady.steady import steady_in_curve
 from wrsim.plots import standard_pictures
-from wrsim.results import Result
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
+from wrsim.scenario.loading import Scenario, load
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 COARSE = {"contact.strips": 12, "contact.cells": 6}
@@ -134,8 +132,7 @@ def test_a_drive_holds_the_speed_of_a_wheelset_too(drive: str) -> None:
     assert dataset["speed"].values == pytest.approx(15.0, rel=1e-3)
 
 
-@cache
-def bench(folder: Path) -> Result:
+def over_a_dip(folder: Path, **values: object) -> Scenario:
     """The axle of ``FILE`` over a dip, at 20 m/s."""
     (folder / "axle.toml").write_text(FILE)
     dip = {"kind": "dip", "at_m": 20.0, "length_m": 2.0, "amplitude_mm": 3.0, "rail": "left"}
@@ -148,11 +145,11 @@ def bench(folder: Path) -> Result:
         "ride.from_m": 15.0,
         "output.patches_at_m": [20.0],
     }
-    return run(load(SCENARIOS / "manchester_ride_160.toml").with_values(keys))
+    return load(SCENARIOS / "manchester_ride_160.toml").with_values(keys | values)
 
 
-def test_the_points_of_a_wheelset_ride_and_its_bump_stop_is_an_event(tmp_path_factory: pytest.TempPathFactory) -> None:
-    result = bench(tmp_path_factory.getbasetemp())
+def test_the_points_of_a_wheelset_ride_and_its_bump_stop_is_an_event(tmp_path: Path) -> None:
+    result = run(over_a_dip(tmp_path))
     assert result.status == "completed"
     even = result.dataset["distance"].values < 15.0
     acceleration = result.dataset["point_az"].sel(point="box").values
@@ -161,6 +158,14 @@ def test_the_points_of_a_wheelset_ride_and_its_bump_stop_is_an_event(tmp_path_fa
     assert np.abs(acceleration).max() > 1.0
     assert evaluate_ride(result).as_dict()["points"]["box"]["rms_m_s2"]["z"] > 0.0
     assert any("bump stop stop is beyond the end of its table" in str(e) for e in result.dataset["event_label"].values)
+
+
+def test_the_events_of_a_run_in_its_file_are_those_that_it_noted(tmp_path: Path) -> None:
+    # samples so far apart that none of them sees the stop at its end
+    seldom = over_a_dip(tmp_path, **{"run.distance_m": 60.0, "run.output_interval_ms": 1500.0})
+    result = run(seldom, record=tmp_path / "x.part")
+    assert result.dataset.sizes["event"] > 0
+    assert recorded(tmp_path / "x.part").dataset.identical(result.dataset)
 
 
 def test_an_accelerometer_on_the_axle_box_shows_the_unbalanced_acceleration(tmp_path: Path) -> None:
