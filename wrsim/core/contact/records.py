@@ -76,16 +76,6 @@ POSE = 12
 
 
 @inlined
-def put_pose(row, pose):
-    """Write a pose to a row of 12 numbers."""
-    o, e, v, w = pose
-    row[0], row[1], row[2] = o.x, o.y, o.z
-    row[3], row[4], row[5] = e.x, e.y, e.z
-    row[6], row[7], row[8] = v.x, v.y, v.z
-    row[9], row[10], row[11] = w.x, w.y, w.z
-
-
-@inlined
 def read_pose(row):
     """The pose in a row of 12 numbers."""
     return Pose(read(row, 0), read(row, 3), read(row, 6), read(row, 9))

@@ -1,0 +1,83 @@
+"""What all kernels promise: the same numbers without the compiler, and no allocation.
+
+The kernels are found by walking wrsim.core, so a new one that no case in `support.kernels` sets to work fails here.
+"""
+
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numba import njit
+from numba.core.runtime import _nrt_python, rtsys
+from support import kernels
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    """Results, kernels that worked, and first calls from Python, all without the compiler."""
+    file = tmp_path_factory.mktemp("kernels") / "plain"
+    paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    subprocess.run(
+        [sys.executable, kernels.__file__, file],
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": paths},
+        check=True,
+    )
+    return pickle.loads(file.read_bytes())
+
+
+def test_every_kernel_works_in_some_case(plain):
+    _, worked, _ = plain
+    assert sorted(set(kernels.kernels()) - worked) == []
+
+
+def test_kernels_give_the_same_numbers_without_the_compiler(plain):
+    found, _, _ = plain
+    for name, ours in kernels.cases().items():
+        # compilers may fuse products and sums: round-off of coordinates over an approach of 1e-4 m
+        scale = np.maximum(np.abs(ours), 1e-9)
+        np.testing.assert_allclose(np.array(found[name]) / scale, np.array(ours) / scale, atol=1e-8, err_msg=name)
+
+
+@njit
+def allocate(n):
+    """For comparison: one small array each time."""
+    total = 0.0
+    for i in range(n):
+        total += np.full(3, float(i))[1]
+    return total
+
+
+def allocations(function, *arguments):
+    """Number of allocations that numba's run time counts during one call."""
+    function(*arguments)
+    _nrt_python.memsys_enable_stats()
+    before = rtsys.get_allocation_stats().alloc
+    function(*arguments)
+    after = rtsys.get_allocation_stats().alloc
+    _nrt_python.memsys_disable_stats()
+    return after - before
+
+
+def arrays(thing):
+    """Number of arrays in an argument."""
+    if isinstance(thing, tuple):
+        return sum(arrays(part) for part in thing)
+    return int(isinstance(thing, np.ndarray))
+
+
+def test_no_kernel_that_python_calls_allocates(plain):
+    # nor any that works within one of these: what is left is one note for each array at the door
+    _, _, calls = plain
+    every = kernels.kernels()
+    for key, arguments in calls.items():
+        assert allocations(every[key], *arguments) == sum(arrays(a) for a in arguments), key
+
+
+def test_the_count_of_allocations_counts():
+    assert allocations(allocate, 1000) == 1000

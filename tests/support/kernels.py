@@ -1,0 +1,175 @@
+"""Work for every kernel of wrsim.core: small cases whose numbers are the same compiled and not.
+
+Run as a program without the compiler (NUMBA_DISABLE_JIT=1) it writes to a file what the cases gave, which kernels
+worked, and what each kernel that Python calls was called with first.
+"""
+
+from __future__ import annotations
+
+import copy
+import importlib
+import pickle
+import pkgutil
+import sys
+from dataclasses import replace
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import numpy as np
+
+import wrsim.core
+from support.contacts import numbers, pair_model
+from support.vehicles import manchester, on_track
+from wrsim.contact.channels import WheelOnRail, wheel_outline
+from wrsim.contact.conical import ConicalWheels
+from wrsim.contact.model import ContactModel
+from wrsim.contact.models import contact_model
+from wrsim.contact.settings import Friction, HalfSpaceSettings, Material
+from wrsim.core.body.kinematics import first_not_finite
+from wrsim.core.contact.normal.elliptic import k_minus_e
+from wrsim.geometry.track.elasticity import RailElasticity
+from wrsim.geometry.track.segments import Arc
+from wrsim.simulation.bodies import mass_matrix, velocity_forces
+from wrsim.simulation.conical_law import ConicalVehicleOnTrack
+from wrsim.simulation.placement import poses_on_track
+from wrsim.simulation.state import SteadyMotion, design_state
+from wrsim.vehicle.vehicle import Load
+
+PAIR = "S1002/60E1 1:40"
+FRICTION = Friction(0.4, gauge_corner=0.1, falling_ratio=0.5)
+SMALL = {"strips": 6, "cells": 4, "friction": FRICTION}
+CREEP = ("fastsim", "fastrip", "shen-hedrick-elkins", "polach", "linear")
+PLACES = ((2e-3, 0.0), (5.5e-3, 0.0), (7.5e-3, 0.012), (0.0, 0.002))
+CORE = str(Path(wrsim.core.__file__).parent)
+
+
+def kernels() -> dict[tuple[str, str], Any]:
+    """All kernels by the file and the name of their Python function."""
+    found = {}
+    for module in pkgutil.walk_packages(wrsim.core.__path__, "wrsim.core."):
+        for thing in vars(importlib.import_module(module.name)).values():
+            function = getattr(thing, "py_func", None)
+            if function is not None:
+                found[function.__code__.co_filename, function.__name__] = thing
+    return found
+
+
+def lowered(model: ContactModel, lateral: float, yaw: float, depth: float = 1e-4) -> list[float]:
+    """Contact of a rolling wheel that is pressed into its rail by about ``depth``."""
+    axle = np.array([-np.sin(yaw), np.cos(yaw), 0.0])
+    height = 0.46
+    origin = np.array([0.0, 0.75 + lateral - 0.7175 + model.rail.gauge_point()[0], height + 0.03])
+    for _ in range(8):
+        model.arrays.pose[:6] = *origin, *axle
+        model.arrays.search()
+        origin[2] -= model.arrays.total.closest
+    origin[2] -= depth
+    velocity = (20.0, 0.05, -0.002)
+    contact = model.evaluate(origin, axle, velocity, 1.002 * 20.0 / height * axle + [0.1, 0.0, 0.02])
+    return numbers(contact)
+
+
+def contact_cases() -> dict[str, list[float]]:
+    """One wheel on one rail."""
+    found = {}
+    for tangential in CREEP:
+        for lateral, yaw in PLACES:
+            model = pair_model(PAIR, tangential=tangential, **SMALL)
+            found[f"{tangential} {lateral:g}"] = lowered(model, lateral, yaw)
+    blended = pair_model(PAIR, flexibility="blended", max_patches=1, **SMALL)
+    found["blended, one lobe"] = lowered(blended, *PLACES[1])
+    found["outline"] = list(wheel_outline(WheelOnRail(blended, 1, 0.75, (0.0, 0.0))).ravel())
+    for lateral, yaw in PLACES:
+        model = pair_model(PAIR, normal="strips", **SMALL | {"strips": 12})
+        model.arrays.follow(True, sharp=True)
+        for depth in (1e-4, 1.1e-4, 4e-5):
+            found[f"strips {lateral:g} {depth:g}"] = lowered(model, lateral, yaw, depth)
+    # a lobe leaves the contact, another one widens
+    model = pair_model("S1002/60E1 1:20", normal="strips", **SMALL | {"strips": 12})
+    model.arrays.follow(True)
+    for lateral, depth in ((6e-3, 1e-4), (6.15e-3, 2e-5)):
+        found[f"lobes change {lateral:g}"] = lowered(model, lateral, 0.002, depth)
+    coarse = HalfSpaceSettings(resolution=8, tolerance=1e-9)
+    level = replace(coarse, pairing="level", influence="angle-corrected")
+    for name, settings, tangential, rail in (
+        ("exact", coarse, "half-space", Material()),
+        ("level", level, "half-space", Material(70e9, 0.33)),
+        ("fastsim on exact", coarse, "fastsim", Material()),
+    ):
+        model = pair_model(PAIR, normal="half-space", tangential=tangential, half_space=settings, **SMALL)
+        choices = replace(model.settings, rail=rail)
+        model = contact_model(model.wheel, model.rail, model.radius, choices, FRICTION)
+        found[name] = lowered(model, *PLACES[0])
+    found["integrals"] = [k_minus_e(0.3, 0.7), k_minus_e(1.0, 0.0)]
+    return found
+
+
+def vehicle_cases() -> dict[str, list[float]]:
+    """A vehicle with two bogies in a curve, on elastic rails, driven by its wheels; another on conical wheels."""
+    found = {}
+    vehicle = manchester()
+    load = Load("push", vehicle.parts[0].name, (1e3, 2e3, -3e3), (1.0, 0.2, 0.5))
+    vehicle = replace(vehicle, loads=(*vehicle.loads, load))
+    elastic = RailElasticity((2e7, 8e7), (1e4, 1e5), (100.0, 150.0))
+    curve = [Arc(400.0, 600.0, 0.1)]
+    for drive, rails in (("wheels", elastic), ("train", None)):
+        law = on_track(vehicle, 20.0, curve, drive=drive, elasticity=rails).law
+        q, q_t = design_state(law, lateral=2e-3)
+        q[2 : 6 * len(vehicle.wheelsets) : 6] -= 1e-4
+        out = np.zeros(law.size)
+        law(0.01, q, q_t, out)
+        found[f"vehicle, {drive}"] = list(out)
+        found[f"records, {drive}"] = list(law.records.ravel())
+    found["inertia"] = [*mass_matrix(law.bodies, q).ravel(), *velocity_forces(law.bodies, q, q_t)]
+    found["finite"] = [float(first_not_finite(q, q_t))]
+    poses = poses_on_track(law.track.centre, q[None, :6], q_t[None, :6], 50.0)
+    found["poses"] = [float(np.ravel(value)[0]) for value in vars(poses).values()]
+    steady = SteadyMotion(law)
+    found["steady"] = list(steady.residual(steady.unknowns(q, q_t)))
+    path = law.track.centre
+    places = np.array([10.0, 60.0])
+    found["path"] = [*path.frame(places).ravel(), *np.ravel(path.curvature(places))]
+    found["path"] += list(path.locate(path.position(places) + np.array([0.1, 0.2, 0.3]), places + 1.0))
+    wheels = ConicalWheels(0.1, 0.75, 1e7, 1e7, friction=0.3, flange_clearance=1e-3, flange_stiffness=1e7)
+    conical = ConicalVehicleOnTrack(vehicle, law.track, wheels, speed=20.0, start=50.0)
+    conical(0.01, q, q_t, out)
+    found["conical"] = list(out)
+    return found
+
+
+def cases() -> dict[str, list[float]]:
+    """All of them."""
+    return contact_cases() | vehicle_cases()
+
+
+class Watcher:
+    """Notes which functions of the kernels' files run, and what those that others call are called with first."""
+
+    def __init__(self) -> None:
+        self.worked: set[tuple[str, str]] = set()
+        self.calls: dict[tuple[str, str], list[Any]] = {}
+
+    def __call__(self, frame: FrameType, event: str, _value: object) -> None:
+        code = frame.f_code
+        if event != "call" or not code.co_filename.startswith(CORE):
+            return
+        key = code.co_filename, code.co_name
+        self.worked.add(key)
+        outer = frame.f_back
+        if key not in self.calls and outer is not None and not outer.f_code.co_filename.startswith(CORE):
+            names = code.co_varnames[: code.co_argcount]
+            self.calls[key] = [copy.deepcopy(frame.f_locals[name]) for name in names]
+
+
+def main(file: str) -> None:
+    """Do all cases without the compiler."""
+    watcher = Watcher()
+    sys.setprofile(watcher)
+    found = cases()
+    sys.setprofile(None)
+    Path(file).write_bytes(pickle.dumps((found, watcher.worked, watcher.calls)))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
