@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numba import njit
-from numba.core.runtime import _nrt_python, rtsys
 from support import kernels
+from support.allocations import allocations
 
 ROOT = Path(__file__).parents[1]
 
@@ -51,17 +51,6 @@ def allocate(n):
     for i in range(n):
         total += np.full(3, float(i))[1]
     return total
-
-
-def allocations(function, *arguments):
-    """Number of allocations that numba's run time counts during one call."""
-    function(*arguments)
-    _nrt_python.memsys_enable_stats()
-    before = rtsys.get_allocation_stats().alloc
-    function(*arguments)
-    after = rtsys.get_allocation_stats().alloc
-    _nrt_python.memsys_disable_stats()
-    return after - before
 
 
 def arrays(thing):
