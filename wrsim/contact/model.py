@@ -49,8 +49,9 @@ class NormalModel:
 
     kernel: its number in core.contact.normal.models; recess: of a lobe's depth, where its strips begin; joint: whether
     the lobes of a patch share recess and strips; strips: their usual number; fewest, most: their bounds on one lobe;
-    follows: whether it can start from the contact of the last call; solve: another way to solve for the contact at the
-    pose set in a model's arrays, writes it there and returns the status.
+    solves_for_strips: whether every strip is solved for: few, with a projected approach, from the contact of the
+    last call in a run; solve: another way to find the contact at the pose set in a model's arrays, writes it there and
+    returns the status.
     """
 
     kernel: int
@@ -59,7 +60,7 @@ class NormalModel:
     strips: int
     fewest: int
     most: int
-    follows: bool = False
+    solves_for_strips: bool = False
     solve: Callable[[ContactModel], int] | None = None
 
     def rows(self, strips: int | None) -> int:
@@ -102,7 +103,7 @@ class ContactModel:
     @cached_property
     def arrays(self) -> KernelArrays:
         """The kernel's arrays, in an arena of their own unless one was given."""
-        return KernelArrays(self.arena or pack(self.inputs), self.normal.follows)
+        return KernelArrays(self.arena or pack(self.inputs), self.normal.solves_for_strips)
 
     def within(self, arena: Arena) -> ContactModel:
         """The same computing in a larger arena, of which this is the part that was packed from ``inputs``."""
@@ -291,7 +292,7 @@ def _inputs(
     n.stride = max(1, round(SEARCH_REACH / wheel_step))
     n.hollow = max(1.5 * hollows, 1.0)
     lobes, most = settings.max_patches, normal.rows(settings.strips)
-    unknowns = lobes * (most + FACTORS) if normal.follows else 1
+    unknowns = lobes * (most + FACTORS) if normal.solves_for_strips else 1
     return Arrays(
         wheel=wheel_table,
         rail=rail_table,

@@ -10,14 +10,23 @@ from wrsim.contact.half_space.strips import solve_into
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
 from wrsim.contact.settings import ContactSettings, Friction, Normal
 from wrsim.core.contact.normal.models import FREE_STRIPS, KIK_PIOTROWSKI
+from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS
 from wrsim.geometry.profile.profile import Profile
 
 NORMAL_MODELS: dict[Normal, NormalModel] = {
     "kik-piotrowski": NormalModel(
         KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, strips=40, fewest=3, most=MOST_STRIPS
     ),
-    # looks for contact where the penetration is more than a fifth of the lobe's; each of its strips is solved for
-    "strips": NormalModel(FREE_STRIPS, recess=0.2, joint=False, strips=24, fewest=12, most=200, follows=True),
+    # looks for contact where the penetration is more than a fifth of the lobe's
+    "strips": NormalModel(
+        FREE_STRIPS,
+        recess=0.2,
+        joint=False,
+        strips=24,
+        fewest=FEWEST_FREE_STRIPS,
+        most=200,
+        solves_for_strips=True,
+    ),
     "half-space": NormalModel(
         KIK_PIOTROWSKI,
         recess=1.0 - EPSILON,

@@ -19,9 +19,6 @@ Pairing = Literal["opposite", "level"]
 Flexibility = Literal["three", "blended"]
 TractionBound = Literal["elliptic", "parabolic"]
 
-FREE_STRIPS = 24  # of the strip model, unless told otherwise in a scenario: each of them is solved for
-MOST_FREE_STRIPS = 200
-
 DRY = 0.35  # coefficient of friction unless told otherwise
 
 

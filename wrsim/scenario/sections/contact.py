@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, get_args
 
+from wrsim.contact.models import NORMAL_MODELS
 from wrsim.contact.settings import (
     DRY,
-    FREE_STRIPS,
-    MOST_FREE_STRIPS,
     Approach,
     ContactSettings,
     Flexibility,
@@ -20,7 +19,6 @@ from wrsim.contact.settings import (
     Tangential,
     TractionBound,
 )
-from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import OrTable, number, positive, words
 from wrsim.scenario.sections.conical import ConicalSection
@@ -164,12 +162,13 @@ class ContactSection(Section):
                 "tangential", '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
             )
         yield from both_or_sides(raw, "friction", "friction_left", "friction_right", complete=True)
-        if raw.get("normal", DEFAULTS.normal) == "strips":
+        name = raw.get("normal", DEFAULTS.normal)
+        if name in get_args(Normal) and (model := NORMAL_MODELS[name]).solves_for_strips:
             strips = raw.get("strips")
-            if isinstance(strips, int) and not FEWEST_FREE_STRIPS <= strips <= MOST_FREE_STRIPS:
-                yield Fault("strips", f'must be {FEWEST_FREE_STRIPS} to {MOST_FREE_STRIPS} with normal = "strips"')
+            if isinstance(strips, int) and not model.fewest <= strips <= model.most:
+                yield Fault("strips", f'must be {model.fewest} to {model.most} with normal = "{name}"')
             if raw.get("approach") == "constant":
-                yield Fault("approach", '"constant" is Kik-Piotrowski\'s: normal = "strips" projects the approach')
+                yield Fault("approach", f'"constant" is Kik-Piotrowski\'s: normal = "{name}" projects the approach')
         if "strips" in raw and "strip_width_mm" in raw:
             yield Fault("strip_width_mm", "cannot stand next to strips: give one of them")
 
@@ -186,7 +185,6 @@ class ContactSection(Section):
             for both in (own if own is not None else self.friction for own in (self.friction_left, self.friction_right))
         )
         by_width = self.strip_width_mm is not None
-        usual = FREE_STRIPS if self.normal == "strips" else DEFAULTS.strips
         return ContactSettings(
             normal=self.normal,
             approach=self.approach,
@@ -196,7 +194,7 @@ class ContactSection(Section):
             polach_adhesion=self.polach_kA,
             polach_slip=self.polach_kS,
             friction=(left, right),
-            strips=None if by_width else (self.strips or usual),
+            strips=None if by_width else (self.strips or NORMAL_MODELS[self.normal].strips),
             strip_width=None if self.strip_width_mm is None else self.strip_width_mm / 1000.0,
             cells=self.cells,
             damping=self.damping_s_per_m,
