@@ -1,12 +1,15 @@
-"""Piecewise cubic functions of distance: curvature, cant, gauge and pitch along a track."""
+"""Piecewise polynomials of distance (curvature, cant, gauge and pitch along a track), and integrals along curves."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
+from math import factorial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import PPoly
 
 Array = NDArray[np.float64]
 Jet = tuple[Array, Array, Array]
@@ -28,110 +31,107 @@ def bloss(start: float, end: float) -> tuple[float, float, float, float]:
 
 
 @dataclass(frozen=True, eq=False)
-class PiecewiseCubic:
-    """f(s) = c0 + c1 xi + c2 xi^2 + c3 xi^3 with xi = (s - starts[i]) / lengths[i] in piece i.
+class Piecewise:
+    """A polynomial in each piece from s = 0 [m] on.
 
-    starts, lengths: (m,) [m], pieces follow each other from s = 0. coefficients: (m, 4).
-    At a joint the value of the piece behind it holds. Outside, the value of the nearer end is held.
-
-    kinks: (m + 1, 2), for the start of every piece and the end of the last one the jump of slope J that is rounded
-    there and the half width w [m] of the rounding, no longer than the pieces beside it; J = 0 where there is none.
-    Each adds J w (1 - a)^3 (3 + a) / 16 with a = |s - position| / w < 1: the kink |s| J / 2 convolved with a
-    parabola of support +-w. It takes the kink out, leaves value, slope and second derivative continuous and the
-    function beyond +-w untouched; it changes the value by at most 3/16 J w.
+    At a joint the piece behind it holds. Outside, value and derivatives of the nearer end are held.
     """
 
-    starts: Array
-    lengths: Array
-    coefficients: Array
-    kinks: Array = field(default_factory=lambda: np.empty((0, 2)))
+    pieces: PPoly
+
+    @classmethod
+    def of_rows(cls, edges: Array, rows: ArrayLike) -> Piecewise:
+        """c0 + c1 xi + c2 xi^2 + ... with xi = 0..1 in each piece; edges: (m + 1,) [m], rows: (m, k)."""
+        coefficients = np.array(rows, dtype=np.float64).T
+        powers = np.arange(len(coefficients))[:, None]
+        return cls(PPoly((coefficients / np.diff(edges) ** powers)[::-1], edges))
+
+    @classmethod
+    def through(cls, s: Array, values: Array) -> Piecewise:
+        """Straight lines through values (m + 1,) at rising s [m]."""
+        return cls.of_rows(s, np.column_stack((values[:-1], np.diff(values))))
 
     @property
     def end(self) -> float:
         """Distance of the end of the last piece [m]."""
-        return float(self.starts[-1] + self.lengths[-1])
+        return float(self.pieces.x[-1])
+
+    @property
+    def breaks(self) -> Array:
+        """Distances between which the function is smooth, from 0 to the end."""
+        return np.asarray(self.pieces.x)
 
     @cached_property
     def is_zero(self) -> bool:
         """True when the function is zero everywhere."""
-        return not self.coefficients.any()
+        return not self.pieces.c.any()
 
-    def _locate(self, s: ArrayLike) -> tuple[Array, NDArray[np.intp]]:
-        s = np.clip(np.asarray(s, dtype=np.float64), 0.0, self.end)
-        return s, np.clip(np.searchsorted(self.starts, s, side="right") - 1, 0, len(self.starts) - 1)
+    @cached_property
+    def _integral(self) -> PPoly:
+        return self.pieces.antiderivative()
 
     def __call__(self, s: ArrayLike, derivative: int = 0) -> Array:
         """Value (derivative = 0), slope (1) or second derivative (2) at s; shape of s."""
-        return self.jet(s)[derivative]
+        if self.is_zero:
+            return np.zeros(np.shape(s))
+        return np.asarray(self.pieces(np.clip(s, 0.0, self.end), derivative))
 
     def jet(self, s: ArrayLike) -> Jet:
         """Value, slope and second derivative at s, each of its shape."""
-        if self.is_zero:
-            zero = np.zeros(np.shape(s))
-            return zero, zero, zero
-        s, i = self._locate(s)
-        length = self.lengths[i]
-        xi = (s - self.starts[i]) / length
-        c0, c1, c2, c3 = self.coefficients[i].T.reshape((4, *s.shape))
-        value = c0 + xi * (c1 + xi * (c2 + xi * c3))
-        slope = (c1 + xi * (2.0 * c2 + xi * 3.0 * c3)) / length
-        bend = (2.0 * c2 + xi * 6.0 * c3) / length**2
-        if len(self.kinks):
-            for joint in (i, i + 1):
-                jump, width = self.kinks[joint].T.reshape((2, *s.shape))
-                position = np.append(self.starts, self.end)[joint]
-                offset = (s - position) / width
-                a = np.minimum(np.abs(offset), 1.0)
-                side = np.where(offset >= 0.0, 1.0, -1.0)  # at the joint the piece behind holds: +1
-                value = value + jump * width * (1.0 - a) ** 3 * (3.0 + a) / 16.0
-                slope = slope - side * jump * (1.0 - a) ** 2 * (2.0 + a) / 4.0
-                bend = bend + 0.75 * jump / width * (1.0 - a**2)
-        return np.asarray(value), np.asarray(slope), np.asarray(bend)
-
-    @cached_property
-    def _integrals(self) -> Array:
-        """Integral from 0 to the start of every piece."""
-        pieces = self.lengths * (self.coefficients @ _POWERS)
-        return np.concatenate(([0.0], np.cumsum(pieces)))[:-1]
+        return self(s), self(s, 1), self(s, 2)
 
     def integral(self, s: ArrayLike) -> Array:
-        """Integral from 0 to s, exact; constant outside. Only for functions without rounded kinks."""
-        s, i = self._locate(s)
-        length = self.lengths[i]
-        xi = (s - self.starts[i]) / length
-        c0, c1, c2, c3 = (self.coefficients[i] * _POWERS).T.reshape((4, *s.shape))
-        return np.asarray(self._integrals[i] + length * xi * (c0 + xi * (c1 + xi * (c2 + xi * c3))))
+        """Integral from 0 to s, exact; constant outside."""
+        return np.asarray(self._integral(np.clip(s, 0.0, self.end)))
 
-    def jumps(self, derivative: int = 0) -> Array:
-        """Jump of the value or the slope at each inner joint, shape (m - 1,)."""
-        c, length = self.coefficients, self.lengths
-        if derivative == 0:
-            return np.asarray(c[1:, 0] - c[:-1].sum(axis=1))
-        left = (c[:-1, 1] + 2.0 * c[:-1, 2] + 3.0 * c[:-1, 3]) / length[:-1]
-        return np.asarray(c[1:, 1] / length[1:] - left)
+    def joints(self, derivative: int = 0) -> tuple[Array, Array]:
+        """Value or slope just before and just behind each inner joint, (m - 1,) each."""
+        law = self.pieces.derivative(derivative)
+        return np.polyval(law.c[:, :-1], np.diff(law.x)[:-1]), law.c[-1, 1:]
 
-    def rounded(self, half_width: float) -> PiecewiseCubic:
-        """The function with its kinks rounded over +-half_width [m], never beyond a neighbour."""
-        jumps = self.jumps(1)
-        scale = np.max(np.abs(self.coefficients), initial=0.0) / np.min(self.lengths)
-        width = np.minimum(half_width, np.minimum(self.lengths[:-1], self.lengths[1:]))
-        real = np.abs(jumps) > 1e-14 * scale
-        if not real.any():
-            return self
-        kinks = np.zeros((len(self.starts) + 1, 2))
-        kinks[:, 1] = half_width
-        kinks[1:-1, 0] = np.where(real, jumps, 0.0)
-        kinks[1:-1, 1] = width
-        return PiecewiseCubic(self.starts, self.lengths, self.coefficients, kinks)
+    def rounded(self, half_width: float) -> Piecewise:
+        """The function with its kinks rounded over +-half_width [m], never beyond a neighbour.
 
-    def breaks(self) -> Array:
-        """Distances between which the function is smooth, from 0 to the end."""
-        edges = [self.starts, np.array([self.end])]
-        if len(self.kinks):
-            real = self.kinks[:, 0] != 0.0
-            positions, widths = np.append(self.starts, self.end)[real], self.kinks[real, 1]
-            edges += [positions - widths, positions + widths]
-        return np.unique(np.clip(np.concatenate(edges), 0.0, self.end))
+        Where the slope jumps by J, J w (1 - a)^3 (3 + a) / 16 with a = |s - joint| / w < 1 is added: the kink |s| J / 2
+        convolved with a parabola of support +-w. That leaves value, slope and second derivative continuous and the
+        function beyond +-w untouched; it changes the value by at most 3/16 J w.
+        """
+        edges = self.breaks
+        before, behind = self.joints(1)
+        length = np.diff(edges)
+        scale = np.abs(self.pieces.c * length ** np.arange(len(self.pieces.c))[::-1, None]).max() / length.min()
+        real = np.abs(behind - before) > 1e-14 * scale
+        joint, jump = edges[1:-1][real], (behind - before)[real]
+        width = np.minimum(half_width, np.minimum(length[:-1], length[1:]))[real]
+        parts = np.unique(np.clip(np.concatenate([edges, joint - width, joint + width]), 0.0, self.end))
+        orders = range(4, -1, -1)
+        c = np.array([self.pieces(parts[:-1], n) / factorial(n) for n in orders])
+        # (1 - a)^3 (3 + a) from s - w to s and from s to s + w, in falling powers of the distance from there over w
+        halves = np.array([[-1.0, -1.0], [4.0, 0.0], [0.0, 6.0], [0.0, -8.0], [0.0, 3.0]])
+        for s, j, w in zip(joint, jump, width, strict=True):
+            bump = PPoly(j * w / 16.0 * halves / w ** np.array(orders)[:, None], [s - w, s, s + w])
+            near = (parts[:-1] >= s - w) & (parts[:-1] < s + w)
+            c[:, near] += [bump(parts[:-1][near], n) / factorial(n) for n in orders]
+        return Piecewise(PPoly(c, parts)) if real.any() else self
 
 
-_POWERS = np.array([1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0])
+def arclengths(velocity: Callable[[Array], Array], t: Array, points: int = 8) -> Array:
+    """Arclength at the parameters t (n,) of a plane curve from t[0], given its derivative (n, 2) as a function."""
+    return np.append(0.0, np.cumsum(integrals(lambda x: np.hypot(*velocity(x).T), t[:-1], t[1:], points)))
+
+
+def integrals(function: Callable[[Array], Array], start: Array, end: Array, points: int) -> Array:
+    """Integrals of function(s (n,)) -> (n, ...) from start to end, both (n,), by Gauss-Legendre quadrature."""
+    middle, half = 0.5 * (start + end), 0.5 * (end - start)
+    place, weight = np.polynomial.legendre.leggauss(points)
+    total = sum(w * function(middle + x * half) for x, w in zip(place, weight, strict=True))
+    return np.asarray((np.asarray(total).T * half).T)
+
+
+def subdivided(edges: Array, pieces: Array) -> Array:
+    """The edges (n + 1,) and equally spaced points that part interval i into pieces[i] (at least one)."""
+    count = np.maximum(1, np.asarray(pieces)).astype(int)
+    first = np.repeat(np.cumsum(count) - count, count)
+    share = (np.arange(count.sum()) - first) / np.repeat(count, count)
+    begin, length = np.repeat(edges[:-1], count), np.repeat(np.diff(edges), count)
+    return np.append(begin + share * length, edges[-1])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -120,11 +121,11 @@ def height(axes: Axes, track: Track) -> Axes:
     _against_distance(axes, track, lambda s: track.centre_line.position(s)[:, 2], INK)
     _limits(axes, 1.0)
     law = track.centre_line.pitch_law
-    for start, length, row in zip(law.starts, law.lengths, law.coefficients, strict=True):
-        if abs(row[1]) < 1e-12 and length > 0.06 * track.length:
-            middle = start + 0.5 * length
+    for start, end in pairwise(law.breaks):
+        if abs(law(start, 1)) * (end - start) < 1e-12 and end - start > 0.06 * track.length:
+            middle = 0.5 * (start + end)
             at = middle, float(track.centre_line.position(middle)[2])
-            note(axes, f"{1e3 * float(np.tan(row[0])):+.3g} ‰", at, (0.0, 7.0), ha="center")
+            note(axes, f"{1e3 * float(np.tan(law(start))):+.3g} ‰", at, (0.0, 7.0), ha="center")
     axes.set_ylabel("Height\n[m]")
     return axes
 

@@ -13,49 +13,42 @@ full circle it has grown by 2 pi.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wrsim.geometry.piecewise import PiecewiseCubic
+from wrsim.geometry.piecewise import Piecewise, integrals, subdivided
 
 Array = NDArray[np.float64]
 
-GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(16)
+GAUSS_POINTS = 16
 MAX_TURN = 0.5
 """Largest change of heading within one piece of the quadrature [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
 class CentreLine:
-    """Curve of given curvature and angle of slope over its own length.
+    """Curve of given curvature [1/m] and angle of slope [rad] over its own length, from a start point [m] and heading
+    [rad]."""
 
-    anchors: distances [m] (k,); anchor_points: (k, 3) exact positions there.
-    """
-
-    curvature_law: PiecewiseCubic
-    pitch_law: PiecewiseCubic
+    curvature_law: Piecewise
+    pitch_law: Piecewise
     start: tuple[float, float, float]
     start_heading: float
-    anchors: Array
-    anchor_points: Array
 
-    @classmethod
-    def build(
-        cls,
-        curvature: PiecewiseCubic,
-        pitch: PiecewiseCubic,
-        start: tuple[float, float, float],
-        heading: float,
-    ) -> CentreLine:
-        """Integrate laws of curvature [1/m] and slope [rad] from a start point [m] and heading [rad]."""
-        edges = np.union1d(curvature.breaks(), pitch.breaks())
-        largest = np.maximum.reduce([np.abs(curvature(edges[:-1] + x * np.diff(edges))) for x in (0.0, 0.5, 1.0)])
-        nodes = subdivided(edges, np.ceil(np.diff(edges) * largest / MAX_TURN))
-        bare = cls(curvature, pitch, start, float(heading), nodes, np.zeros((len(nodes), 3)))
-        steps = bare._advance(nodes[:-1], nodes[1:])
-        points = np.asarray(start) + np.concatenate((np.zeros((1, 3)), np.cumsum(steps, axis=0)))
-        return cls(curvature, pitch, start, float(heading), nodes, points)
+    @cached_property
+    def _anchors(self) -> Array:
+        """Distances between which the quadrature is exact [m], (k,)."""
+        edges = np.union1d(self.curvature_law.breaks, self.pitch_law.breaks)
+        inside = (np.abs(self.curvature_law(edges[:-1] + x * np.diff(edges))) for x in (0.0, 0.5, 1.0))
+        return subdivided(edges, np.ceil(np.diff(edges) * np.maximum.reduce([*inside]) / MAX_TURN))
+
+    @cached_property
+    def _anchor_points(self) -> Array:
+        """Exact positions there, (k, 3)."""
+        steps = self._advance(self._anchors[:-1], self._anchors[1:])
+        return np.asarray(self.start) + np.concatenate((np.zeros((1, 3)), np.cumsum(steps, axis=0)))
 
     @property
     def length(self) -> float:
@@ -80,8 +73,8 @@ class CentreLine:
         """Position (..., 3) [m]; straight continuation outside of the track."""
         s = np.asarray(s, dtype=np.float64)
         inside = np.clip(s, 0.0, self.length).ravel()
-        i = np.clip(np.searchsorted(self.anchors, inside, side="right") - 1, 0, len(self.anchors) - 1)
-        points = self.anchor_points[i] + self._advance(self.anchors[i], inside)
+        i = np.searchsorted(self._anchors, inside, side="right") - 1
+        points = self._anchor_points[i] + self._advance(self._anchors[i], inside)
         points += (s.ravel() - inside)[:, None] * self.tangent(inside)
         return points.reshape((*s.shape, 3))
 
@@ -93,28 +86,4 @@ class CentreLine:
 
     def _advance(self, a: Array, b: Array) -> Array:
         """Integral of the tangent from a to b (m,), each within one piece: (m, 3)."""
-        middle, half = 0.5 * (a + b), 0.5 * (b - a)
-        level = self.pitch_law.is_zero
-        total = np.zeros((len(a), 3))
-        for point, weight in zip(GAUSS_POINTS, GAUSS_WEIGHTS, strict=True):
-            s = middle + half * point
-            heading = self.heading(s)
-            if level:
-                total[:, 0] += weight * np.cos(heading)
-                total[:, 1] += weight * np.sin(heading)
-            else:
-                pitch = self.pitch_law(s)
-                along = weight * np.cos(pitch)
-                total[:, 0] += along * np.cos(heading)
-                total[:, 1] += along * np.sin(heading)
-                total[:, 2] += weight * np.sin(pitch)
-        return total * half[:, None]
-
-
-def subdivided(edges: Array, pieces: Array) -> Array:
-    """The edges (n + 1,) and equally spaced points that part interval i into pieces[i] (at least one)."""
-    count = np.maximum(1, np.asarray(pieces)).astype(int)
-    first = np.repeat(np.cumsum(count) - count, count)
-    share = (np.arange(count.sum()) - first) / np.repeat(count, count)
-    begin, length = np.repeat(edges[:-1], count), np.repeat(np.diff(edges), count)
-    return np.append(begin + share * length, edges[-1])
+        return integrals(self.tangent, a, b, GAUSS_POINTS)

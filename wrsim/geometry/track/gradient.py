@@ -10,12 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from wrsim.errors import InputError
-from wrsim.geometry.piecewise import PiecewiseCubic, linear
+from wrsim.geometry.piecewise import Piecewise
 
 STEEPEST = 0.15
 """Largest grade: 150 per thousand; adhesion railways use up to 80."""
@@ -33,7 +32,7 @@ class Grade:
     radius: float = 10_000.0
 
 
-def pitch_law(grades: Sequence[Grade], length: float) -> PiecewiseCubic:
+def pitch_law(grades: Sequence[Grade], length: float) -> Piecewise:
     """Angle of slope [rad], positive uphill, over the distance along a track of that length [m].
 
     Level where there are no grades, and before the first. Raises InputError, with the grade's number, for wrong
@@ -66,9 +65,7 @@ def pitch_law(grades: Sequence[Grade], length: float) -> PiecewiseCubic:
     if length > starts[-1] + 1e-9:
         starts.append(length)
         rows.append(angle)
-    knots, values = np.array(starts), np.array(rows)
-    coefficients = np.array([linear(a, b) for a, b in pairwise(values)])
-    return PiecewiseCubic(knots[:-1], np.diff(knots), coefficients)
+    return Piecewise.through(np.array(starts), np.array(rows))
 
 
 def _check(number: int, grade: Grade, before: float | None, length: float) -> None:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from wrsim.geometry.piecewise import Jet, PiecewiseCubic
+from wrsim.geometry.piecewise import Jet, Piecewise
 
 Array = NDArray[np.float64]
 Channel = Literal["alignment", "level", "cross-level", "gauge"]
@@ -191,7 +191,7 @@ class Bump:
 class Polygon:
     """Straight lines with rounded corners."""
 
-    law: PiecewiseCubic
+    law: Piecewise
     resolution: float
 
     @classmethod
@@ -200,8 +200,7 @@ class Polygon:
         or what the shortest line allows [m]."""
         s, y = np.asarray(distance, dtype=float), np.asarray(values, dtype=float)
         rounding = min(rounding, 0.5 * float(np.diff(s)[1:-1].min(initial=np.inf)))
-        rows = np.column_stack((y[:-1], np.diff(y), np.zeros((len(y) - 1, 2))))
-        return cls(PiecewiseCubic(s[:-1], np.diff(s), rows).rounded(rounding), rounding / 4.0)
+        return cls(Piecewise.through(s, y).rounded(rounding), rounding / 4.0)
 
     def jet(self, s: Array) -> Jet:
         """See `Shape`."""
@@ -209,7 +208,7 @@ class Polygon:
 
     def breaks(self) -> Array:
         """See `Shape`."""
-        return self.law.breaks()
+        return self.law.breaks
 
 
 def smooth_step(x: Array) -> Array:

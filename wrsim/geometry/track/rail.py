@@ -21,12 +21,14 @@ So cant ramps, gauge widening and irregularities turn the rail's own tangent. Th
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicHermiteSpline
 
-from wrsim.geometry.piecewise import Jet, PiecewiseCubic
-from wrsim.geometry.track.centre_line import CentreLine, subdivided
+from wrsim.geometry.piecewise import Jet, Piecewise, integrals, subdivided
+from wrsim.geometry.track.centre_line import CentreLine
 from wrsim.geometry.track.irregularities import SMOOTH, RailIrregularity
 from wrsim.geometry.track.path import COLUMNS, Path
 
@@ -34,7 +36,7 @@ Array = NDArray[np.float64]
 
 MAX_PIECE = 0.5
 """Longest piece [m] of the quadrature of arclength."""
-GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(6)
+GAUSS_POINTS = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,48 +49,37 @@ class SweptCurve:
     """
 
     centre: CentreLine
-    cant: PiecewiseCubic
-    widening: PiecewiseCubic
+    cant: Piecewise
+    widening: Piecewise
     gauge: float
     cant_base: float
     side: int
-    outward: float
-    height: float
-    irregularity: RailIrregularity
-    anchors: Array
-    anchor_lengths: Array
-    anchor_rates: Array
+    outward: float = 0.0
+    height: float = 0.0
+    irregularity: RailIrregularity = SMOOTH
 
-    @classmethod
-    def build(
-        cls,
-        centre: CentreLine,
-        cant: PiecewiseCubic,
-        widening: PiecewiseCubic,
-        gauge: float,
-        cant_base: float,
-        side: int,
-        offset: tuple[float, float],
-        irregularity: RailIrregularity = SMOOTH,
-    ) -> SweptCurve:
-        """Set the curve up and tabulate its arclength at the breaks of the laws and between."""
-        irregularity = irregularity if side else SMOOTH
-        laws = (
-            *(centre, cant, widening, float(gauge), float(cant_base), side),
-            *(float(offset[0]), float(offset[1]), irregularity),
-        )
-        breaks = [centre.curvature_law.breaks(), centre.pitch_law.breaks(), cant.breaks(), widening.breaks()]
-        edges = np.unique(np.concatenate([*breaks, irregularity.breaks(centre.length)]))
-        anchors = subdivided(edges, np.ceil(np.diff(edges) / min(MAX_PIECE, irregularity.resolution)))
-        none = np.zeros(len(anchors))
-        bare = cls(*laws, anchors, none, none)
-        lengths = np.concatenate(([0.0], np.cumsum(bare._advance(anchors[:-1], anchors[1:]))))
-        return cls(*laws, anchors, lengths, bare._rate(anchors))
+    @cached_property
+    def _anchors(self) -> Array:
+        """Distances at which the arclength is tabulated [m]: the breaks of the laws and between."""
+        laws = (self.centre.curvature_law, self.centre.pitch_law, self.cant, self.widening)
+        edges = np.unique(np.concatenate([*(a.breaks for a in laws), self.irregularity.breaks(self.centre.length)]))
+        return subdivided(edges, np.ceil(np.diff(edges) / min(MAX_PIECE, self.irregularity.resolution)))
+
+    @cached_property
+    def _anchor_lengths(self) -> Array:
+        return np.concatenate(([0.0], np.cumsum(self._advance(self._anchors[:-1], self._anchors[1:]))))
+
+    @cached_property
+    def _from_arclength(self) -> CubicHermiteSpline:
+        """Distance at own arclength, nearly: the cubics through arclengths and rates at the anchors."""
+        apart = np.append(np.diff(self._anchor_lengths) > 0.0, True)
+        s = self._anchors[apart]
+        return CubicHermiteSpline(self._anchor_lengths[apart], s, 1.0 / self._rate(s))
 
     @property
     def length(self) -> float:
         """Own arclength over the whole track [m]."""
-        return float(self.anchor_lengths[-1])
+        return float(self._anchor_lengths[-1])
 
     def roll(self, s: ArrayLike) -> Jet:
         """Roll angle phi and its first two derivatives at centre-line distance s [rad, rad/m, rad/m2]."""
@@ -136,8 +127,8 @@ class SweptCurve:
         if self.side == 0:
             return s
         inside = np.clip(s, 0.0, self.centre.length).ravel()
-        i = np.clip(np.searchsorted(self.anchors, inside, side="right") - 1, 0, len(self.anchors) - 1)
-        out = self.anchor_lengths[i] + self._advance(self.anchors[i], inside)
+        i = np.searchsorted(self._anchors, inside, side="right") - 1
+        out = self._anchor_lengths[i] + self._advance(self._anchors[i], inside)
         return (out + s.ravel() - inside).reshape(s.shape)
 
     def distance(self, arclength: ArrayLike) -> Array:
@@ -146,24 +137,13 @@ class SweptCurve:
         if self.side == 0:
             return arclength
         inside = np.clip(arclength, 0.0, self.length)
-        s = self._foretold(inside)
+        s = self._from_arclength(inside)
         for _ in range(12):
             step = (inside - self.arclength(s)) / self._rate(s)
             s = np.clip(s + step, 0.0, self.centre.length)
             if np.max(np.abs(step), initial=0.0) < 1e-7:  # quadratic: the next one would be rounding
                 break
         return s + arclength - inside
-
-    def _foretold(self, arclength: Array) -> Array:
-        """Distance at own arclength, from the cubic through arclengths and rates at the anchors' ends."""
-        i = np.clip(np.searchsorted(self.anchor_lengths, arclength, side="right") - 1, 0, len(self.anchors) - 2)
-        a, b = self.anchor_lengths[i], self.anchor_lengths[i + 1]
-        x = (arclength - a) / (b - a)
-        start, end = ((b - a) / self.anchor_rates[i + k] for k in (0, 1))
-        rise = self.anchors[i + 1] - self.anchors[i]
-        return np.asarray(
-            self.anchors[i] + x * (start + x * (3.0 * rise - 2.0 * start - end + x * (start + end - 2.0 * rise)))
-        )
 
     def path(self, step: float) -> Path:
         """Table at uniform own arclength, with rows at most ``step`` [m] apart."""
@@ -173,14 +153,10 @@ class SweptCurve:
         s[-1] = self.centre.length
 
         heading = self.centre.heading(s)
-        theta = self.centre.pitch(s)[0]
         phi, dphi, _ = self.roll(s)
-        zero = np.zeros(n)
-        level, steep = np.cos(theta), np.sin(theta)
-        cos, sin = np.cos(heading), np.sin(heading)
-        t = np.column_stack((level * cos, level * sin, steep))
-        left = np.column_stack((-sin, cos, zero))
-        up = np.column_stack((-steep * cos, -steep * sin, level))
+        t = self.centre.tangent(s)
+        left = np.column_stack((-np.sin(heading), np.cos(heading), np.zeros(n)))
+        up = np.cross(t, left)
         normal = np.cos(phi)[:, None] * left + np.sin(phi)[:, None] * up
         binormal = -np.sin(phi)[:, None] * left + np.cos(phi)[:, None] * up
         axes = np.stack((t, normal, binormal), axis=1)  # (n, axis, xyz)
@@ -209,8 +185,4 @@ class SweptCurve:
         """Arclength from a to b, both (m,); every pair within one piece."""
         if not self.side:
             return b - a
-        middle, half = 0.5 * (a + b), 0.5 * (b - a)
-        total = np.zeros(len(a))
-        for point, weight in zip(GAUSS_POINTS, GAUSS_WEIGHTS, strict=True):
-            total += weight * self._rate(middle + half * point)
-        return total * half
+        return integrals(self._rate, a, b, GAUSS_POINTS)

@@ -18,12 +18,15 @@ from typing import Literal
 import numpy as np
 
 from wrsim.errors import InputError, suggest
-from wrsim.geometry.piecewise import PiecewiseCubic, bloss, linear
+from wrsim.geometry.piecewise import Piecewise, bloss, linear
 
 MAX_CANT = 0.25
 """Largest cant [m]; railways use up to 0.18 m."""
 MAX_WIDENING = 0.1
 """Largest change of the gauge [m]; railways use up to 0.03 m."""
+LARGEST = {"cant": MAX_CANT, "gauge_widening": MAX_WIDENING}
+SHORTEST = 1e-9
+"""Shortest segment [m]."""
 FORMS = ("clothoid", "bloss")
 
 
@@ -86,11 +89,11 @@ class Laws:
     """Curvature [1/m], signed cant [m] and gauge widening [m] over the distance along the centre line; angle of slope
     [rad] where it is not given by grades."""
 
-    curvature: PiecewiseCubic
-    cant: PiecewiseCubic
-    widening: PiecewiseCubic
+    curvature: Piecewise
+    cant: Piecewise
+    widening: Piecewise
     jumps: tuple[CurvatureJump, ...]
-    pitch: PiecewiseCubic | None = None
+    pitch: Piecewise | None = None
 
 
 def mirrored(segments: Sequence[Segment]) -> tuple[Segment, ...]:
@@ -112,19 +115,24 @@ def check(segments: Sequence[Segment], gauge: float) -> None:
     """Refuse segments that are no track, each with its number, key and value. Raises InputError."""
     if not segments:
         raise InputError("track.segments is empty; allowed: at least one straight, transition or arc")
+    before: Segment | None = None
     for number, segment in enumerate(segments, 1):
-        if not isinstance(segment, Straight | Arc | Transition):
+        if not isinstance(segment, Segment):
             raise InputError(f"segment {number} is a {type(segment).__name__}; allowed: Straight, Transition, Arc")
         where = f"segment {number} ({kind_of(segment)})"
         length = _number(where, "length_m", segment.length)
-        if not length > 0.0:
-            raise InputError(f"{where}: length_m = {length:g}; allowed: above 0")
-        if isinstance(segment, Straight):
-            _range(where, "cant_start_mm", segment.cant_start, -MAX_CANT, MAX_CANT)
-            _range(where, "cant_end_mm", segment.cant_end, -MAX_CANT, MAX_CANT)
-            _range(where, "gauge_widening_start_mm", segment.gauge_widening_start, -MAX_WIDENING, MAX_WIDENING)
-            _range(where, "gauge_widening_end_mm", segment.gauge_widening_end, -MAX_WIDENING, MAX_WIDENING)
-        elif isinstance(segment, Arc):
+        if not length >= SHORTEST:
+            raise InputError(f"{where}: length_m = {length:g}; allowed: above 0, {SHORTEST:g} at least")
+        if isinstance(segment, Transition):
+            if segment.form not in FORMS:
+                hint = suggest(str(segment.form), FORMS)
+                raise InputError(f"{where}: form = {segment.form!r}; allowed: {', '.join(map(repr, FORMS))}{hint}")
+            if isinstance(before, Transition):
+                raise InputError(
+                    f"{where} follows another transition, so the curvature between them is open; "
+                    "allowed: one transition between two arcs or straights (put an arc or a straight between)"
+                )
+        if isinstance(segment, Arc):
             radius = _number(where, "radius_m", segment.radius)
             if radius == 0.0:
                 raise InputError(
@@ -136,71 +144,49 @@ def check(segments: Sequence[Segment], gauge: float) -> None:
                     f"{where}: radius_m = {radius:g}; allowed: above the gauge ({gauge:g} m) in size; "
                     "the inner rail of a tighter curve does not exist"
                 )
-            _range(where, "cant_mm", segment.cant, -MAX_CANT, MAX_CANT)
-            _range(where, "gauge_widening_mm", segment.gauge_widening, -MAX_WIDENING, MAX_WIDENING)
-        elif segment.form not in FORMS:
-            hint = suggest(str(segment.form), FORMS)
-            raise InputError(f"{where}: form = {segment.form!r}; allowed: {', '.join(map(repr, FORMS))}{hint}")
-        if isinstance(segment, Transition) and number > 1 and isinstance(segments[number - 2], Transition):
-            raise InputError(
-                f"{where} follows another transition, so the curvature between them is open; "
-                "allowed: one transition between two arcs or straights (put an arc or a straight between)"
-            )
+        for key, value in vars(segment).items():
+            most = LARGEST.get(key.removesuffix("_start").removesuffix("_end"))
+            if most is not None and abs(_number(where, f"{key}_mm", value)) > most:
+                raise InputError(f"{where}: {key}_mm = {1e3 * value:g}; allowed: {-1e3 * most:g} to {1e3 * most:g}")
+        before = segment
 
 
 def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
     """Curvature, cant and widening over distance for a row of segments.
 
-    rounding: half length [m] over which kinks of cant and gauge are rounded (`PiecewiseCubic.rounded`): a
+    rounding: half length [m] over which kinks of cant and gauge are rounded (`Piecewise.rounded`): a
     rail is a beam and has no kinks; without this the rails' tangents would jump at the ends of linear ramps.
     Raises InputError for wrong values and for jumps of cant or gauge.
     """
     check(segments, gauge)
-    lengths = np.array([float(s.length) for s in segments])
-    starts = np.concatenate(([0.0], np.cumsum(lengths)[:-1]))
-    ends = [_ends(segments, i) for i in range(len(segments))]  # per segment: (curvature, cant, widening) twice
-
+    edges = np.concatenate(([0.0], np.cumsum([float(s.length) for s in segments])))
     rows: tuple[list, list, list] = ([], [], [])
     for i, segment in enumerate(segments):
-        if isinstance(segment, Transition):
-            before = ends[i - 1][1] if i > 0 else (0.0, 0.0, 0.0)
-            behind = ends[i + 1][0] if i + 1 < len(segments) else (0.0, 0.0, 0.0)
-            ramp = bloss if segment.form == "bloss" else linear
-        else:
-            (before, behind), ramp = ends[i], linear
-        for column, a, b in zip(rows, before, behind, strict=True):
+        ramp = bloss if isinstance(segment, Transition) and segment.form == "bloss" else linear
+        for column, a, b in zip(rows, *_ends(segments, i), strict=True):
             column.append(ramp(a, b))
-
-    curvature, cant, widening = (PiecewiseCubic(starts, lengths, np.array(column)) for column in rows)
+    curvature, cant, widening = (Piecewise.of_rows(edges, column) for column in rows)
     for law, key in ((cant, "cant"), (widening, "gauge_widening")):
-        for i, jump in enumerate(law.jumps()):
-            if abs(jump) > 1e-9:
-                before_mm = 1e3 * float(law.coefficients[i].sum())
-                behind_mm = 1e3 * float(law.coefficients[i + 1, 0])
+        for i, (start, end) in enumerate(zip(*law.joints(), strict=True)):
+            if abs(end - start) > 1e-9:
                 signs = " (positive: right rail higher)" if key == "cant" else ""
                 raise InputError(
-                    f"{key}_mm jumps from {before_mm:g} to {behind_mm:g}{signs} between segment {i + 1} "
+                    f"{key}_mm jumps from {1e3 * start:g} to {1e3 * end:g}{signs} between segment {i + 1} "
                     f"({kind_of(segments[i])}) and segment {i + 2} ({kind_of(segments[i + 1])}); allowed: "
                     "equal values at a joint (put a transition between, or a straight with "
                     f"{key}_start_mm and {key}_end_mm)"
                 )
-    jumps = tuple(
-        CurvatureJump(
-            float(starts[i + 1]),
-            float(curvature.coefficients[i].sum()),
-            float(curvature.coefficients[i + 1, 0]),
-        )
-        for i, jump in enumerate(curvature.jumps())
-        if abs(jump) > 1e-15
-    )
+    joints = zip(edges[1:-1].tolist(), *(values.tolist() for values in curvature.joints()), strict=True)
+    jumps = tuple(CurvatureJump(*joint) for joint in joints if abs(joint[2] - joint[1]) > 1e-15)
     return Laws(curvature, cant.rounded(rounding), widening.rounded(rounding), jumps)
 
 
 State = tuple[float, float, float]
+LEVEL: State = (0.0, 0.0, 0.0)
 
 
 def _ends(segments: Sequence[Segment], i: int) -> tuple[State, State]:
-    """(curvature, signed cant, widening) at the two ends of a straight or an arc; unused for a transition."""
+    """(curvature, signed cant, widening) at the two ends of a segment."""
     segment = segments[i]
     if isinstance(segment, Arc):
         state = (1.0 / segment.radius, segment.cant * _hand(segment), segment.gauge_widening)
@@ -214,7 +200,10 @@ def _ends(segments: Sequence[Segment], i: int) -> tuple[State, State]:
             (0.0, start * segment.cant_start, segment.gauge_widening_start),
             (0.0, end * segment.cant_end, segment.gauge_widening_end),
         )
-    return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    return (
+        _ends(segments, i - 1)[1] if i else LEVEL,
+        _ends(segments, i + 1)[0] if i + 1 < len(segments) else LEVEL,
+    )
 
 
 def _hand(arc: Arc) -> float:
@@ -227,10 +216,3 @@ def _number(where: str, key: str, value: object) -> float:
     if not isinstance(value, Real) or isinstance(value, bool) or not math.isfinite(value):
         raise InputError(f"{where}: {key} = {value!r}; allowed: a finite number")
     return float(value)
-
-
-def _range(where: str, key: str, value: object, low: float, high: float) -> None:
-    """Refuse a length outside of [low, high] m, in the millimetres of the file."""
-    number = _number(where, key, value)
-    if not low <= number <= high:
-        raise InputError(f"{where}: {key} = {1e3 * number:g}; allowed: {1e3 * low:g} to {1e3 * high:g}")

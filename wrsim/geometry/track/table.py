@@ -30,7 +30,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
 from wrsim.errors import InputError
-from wrsim.geometry.piecewise import PiecewiseCubic
+from wrsim.geometry.piecewise import Piecewise
 from wrsim.geometry.track.irregularities import WEIGHTS, Disturbance, Sampled
 from wrsim.geometry.track.segments import MAX_CANT, MAX_WIDENING, Laws
 from wrsim.inputs.csv_tables import read_columns
@@ -120,11 +120,11 @@ class TrackTable:
             )
         grade = self.columns.get("grade_permille", zero) / 1e3
         return Laws(
-            curvature=_lines(self.distance, self.columns.get("curvature_per_km", zero) / 1e3),
-            cant=_spline(self.distance, self.columns.get("cant_mm", zero) / 1e3),
-            widening=_spline(self.distance, widening),
+            curvature=Piecewise.through(self.distance, self.columns.get("curvature_per_km", zero) / 1e3),
+            cant=Piecewise(CubicSpline(self.distance, self.columns.get("cant_mm", zero) / 1e3)),
+            widening=Piecewise(CubicSpline(self.distance, widening)),
             jumps=(),
-            pitch=_lines(self.distance, np.arctan(grade)),
+            pitch=Piecewise.through(self.distance, np.arctan(grade)),
         )
 
     def disturbances(
@@ -169,14 +169,3 @@ def _filtered(distance: Array, values: Array, band: tuple[float, float]) -> tupl
         ]
     )
     return even, np.asarray(sosfiltfilt(sections, values, padlen=min(count - 1, int(3.0 * band[1] * per_metre))))
-
-
-def _lines(distance: Array, values: Array) -> PiecewiseCubic:
-    rows = np.column_stack((values[:-1], np.diff(values), np.zeros((values.size - 1, 2))))
-    return PiecewiseCubic(distance[:-1], np.diff(distance), rows)
-
-
-def _spline(distance: Array, values: Array) -> PiecewiseCubic:
-    h = np.diff(distance)
-    rows = CubicSpline(distance, values).c[::-1].T * h[:, None] ** np.arange(4)
-    return PiecewiseCubic(distance[:-1], h, rows)

@@ -18,6 +18,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -155,18 +157,15 @@ class Track:
                 f"track of {length:g} m with rows every {rows:g} m; allowed: {MAX_ROWS} rows (is length_m in metres?)"
             )
         pitch = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
-        line = CentreLine.build(law.curvature, pitch, start, heading)
-
-        def curve(side: int, offset: tuple[float, float]) -> SweptCurve:
-            return SweptCurve.build(line, law.cant, law.widening, gauge, base, side, offset, uneven.rail(side))
-
-        left, right = curve(1, left_offset), curve(-1, right_offset)
+        line = CentreLine(law.curvature, pitch, start, heading)
+        swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)
+        left, right = swept(1, *left_offset, uneven.rail(1)), swept(-1, *right_offset, uneven.rail(-1))
         return cls(
             segments=segments,
             nominal_gauge=gauge,
             cant_base=base,
             jumps=law.jumps,
-            centre=curve(0, (0.0, 0.0)).path(ROWS if step is None else step),
+            centre=swept(0).path(ROWS if step is None else step),
             left=left.path(rows),
             right=right.path(rows),
             centre_line=line,
@@ -253,12 +252,8 @@ class Track:
         """The segments in order, with labels and distances, for plots and reports."""
         if not self.segments:
             return (Feature("table", "measured", 0.0, self.length),)
-        starts = self.centre_line.curvature_law.starts
-        ends = np.append(starts[1:], self.length)
-        return tuple(
-            Feature(kind_of(segment), _label(segment), float(a), float(b))
-            for segment, a, b in zip(self.segments, starts, ends, strict=True)
-        )
+        ends = pairwise(self.centre_line.curvature_law.breaks.tolist())
+        return tuple(Feature(kind_of(s), _label(s), *ends) for s, ends in zip(self.segments, ends, strict=True))
 
     def _curve(self, side: str) -> SweptCurve:
         if side not in ("left", "right"):
