@@ -30,25 +30,24 @@ GAUGE_DEPTH = 0.014
 """Depth below the running surface at which the track gauge is measured, m (EN 13848-1)."""
 
 
+def cross(a: Array, b: Array) -> Array:
+    """The product a_u b_w - a_w b_u of plane vectors (..., 2)."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def curvature_of(v: Array, a: Array) -> Array:
+    """Signed curvature of a plane curve with the first two derivatives v, a (..., 2)."""
+    return np.asarray(cross(v, a) / np.hypot(v[..., 0], v[..., 1]) ** 3)
+
+
 @dataclass(frozen=True, eq=False)
 class Profile:
     """A wheel or rail profile: nodes in order of arclength, and the curve through them.
 
-    Attributes
-    ----------
-    name, kind
-        A name for messages and figures; ``"wheel"`` or ``"rail"``.
-    arclength : (n,)
-        True arclength of the nodes from the first one, m; strictly increasing from 0.
-    u, w : (n,)
-        Outward coordinate and height of the nodes, m.
-    angle : (n,)
-        Tangent angle atan2(dw, du) of the nodes, rad, continuous along the curve.
-    curvature_before, curvature_after : (n,)
-        Curvature d(angle)/dL just before and just after each node, 1/m. Positive when the curve turns upward:
-        a rail head has negative, a flange fillet positive curvature.
-    source
-        Where the data come from.
+    name: for messages and figures; arclength (n,): of the nodes, strictly increasing from 0 [m]; u, w (n,): outward
+    coordinate and height of the nodes [m]; angle (n,): tangent angle atan2(dw, du), continuous along the curve [rad];
+    curvature_before, curvature_after (n,): d(angle)/dL just before and just after each node [1/m], positive when the
+    curve turns upward: a rail head has negative, a flange fillet positive curvature; source: where the data come from.
 
     Arrays are read-only. Changes return a new profile.
     """
@@ -157,7 +156,7 @@ class Profile:
     def curvature(self, L: ArrayLike) -> Array:
         """Signed curvature d(angle)/dL at arclength L, 1/m; at a jump its value just after."""
         _, v, a = self._evaluate(L)
-        return (v[..., 0] * a[..., 1] - v[..., 1] * a[..., 0]) / np.hypot(v[..., 0], v[..., 1]) ** 3
+        return curvature_of(v, a)
 
     def slope_angle(self, L: ArrayLike) -> Array:
         """Tangent angle atan2(dw, du) at arclength L, rad, continuous along the curve."""
@@ -167,16 +166,10 @@ class Profile:
         return near + (np.arctan2(tw, tu) - near + np.pi) % (2.0 * np.pi) - np.pi
 
     def table(self, step: float) -> tuple[Array, float]:
-        """Rows at uniform arclength from 0 to length, for the kernels.
+        """Rows (n, 5) of u, w, du/dL, dw/dL, curvature at uniform arclength from 0 to length, for the kernels.
 
-        Parameters
-        ----------
-        step : wanted distance of the rows, m (0.1 mm is typical).
-
-        Returns
-        -------
-        rows : (n, 5) u, w, du/dL, dw/dL, curvature, with n = ceil(length/step) + 1
-        step : the distance of the rows actually used, length/(n - 1) <= the wanted one
+        step: wanted distance of the rows [m], 0.1 mm is typical. Returned with the rows is the distance actually used,
+        length / (n - 1) <= the wanted one with n = ceil(length / step) + 1.
         """
         if not 0.0 < step <= self.length:
             raise InputError(
@@ -217,7 +210,8 @@ class Profile:
     def _root_in_interval(self, axis: int, wanted: Array, i: NDArray[np.intp]) -> Array:
         """Arclength in interval i where coordinate `axis` is `wanted`: bisection kept by Newton's steps."""
         lo, hi = self.arclength[i].copy(), self.arclength[i + 1].copy()
-        rising = np.where((self.u if axis == 0 else self.w)[i + 1] >= (self.u if axis == 0 else self.w)[i], 1.0, -1.0)
+        x = (self.u, self.w)[axis]
+        rising = np.where(x[i + 1] >= x[i], 1.0, -1.0)
         L = 0.5 * (lo + hi)
         for _ in range(80):
             r, v, _ = self._evaluate(L)

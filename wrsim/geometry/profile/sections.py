@@ -15,10 +15,9 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.profile import Array, Kind, Profile
-
-NODE_DISTANCE = 1e-4
-"""Distance of nodes along a designed profile, m."""
+from wrsim.geometry.piecewise import arclengths
+from wrsim.geometry.profile.points import NODE_DISTANCE
+from wrsim.geometry.profile.profile import Array, Kind, Profile, cross, curvature_of
 
 NEAREST_NODE = 5e-6
 """Distance of the first node from a join, m; from there nodes spread by a factor of three. So even a spline
@@ -32,8 +31,6 @@ LARGEST_GAP = 1e-6
 
 LARGEST_CORNER = 1e-4
 """Largest angle between two sections that is taken for rounding, rad. Contact needs a tangent everywhere."""
-
-_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(8)
 
 
 class Section(Protocol):
@@ -140,18 +137,8 @@ def arc_between(u: float, w: float, radius: float, upper: bool, start: float, en
     return Arc(u, w, radius, -first, -last) if upper else Arc(u, w, radius, first, last)
 
 
-def profile_from_sections(
-    name: str,
-    kind: Kind,
-    sections: Sequence[Section],
-    source: str = "",
-    node_distance: float = NODE_DISTANCE,
-) -> Profile:
+def profile_from_sections(name: str, kind: Kind, sections: Sequence[Section], source: str = "") -> Profile:
     """Join sections, given in the order of increasing u, to a profile.
-
-    Parameters
-    ----------
-    node_distance : distance of the nodes, m. The curve between nodes is a quintic; 0.1 mm leaves 1e-15 m.
 
     Raises InputError where sections do not meet (over 1 um apart) or meet in a corner (over 0.1 mrad).
     """
@@ -162,7 +149,7 @@ def profile_from_sections(
     for i in range(len(sections) - 1):
         gap = ends[i + 1][0][0] - ends[i][0][1]
         before, after = ends[i][1][1] / speed[i][1], ends[i + 1][1][0] / speed[i + 1][0]
-        corner = float(np.arctan2(before[0] * after[1] - before[1] * after[0], before @ after))
+        corner = float(np.arctan2(cross(before, after), before @ after))
         where = f"profile '{name}': sections {i + 1} and {i + 2} (at u = {1e3 * ends[i][0][1][0]:.6g} mm)"
         if np.hypot(*gap) > LARGEST_GAP:
             raise InputError(f"{where} are {1e3 * np.hypot(*gap):.4g} mm apart; allowed: {1e3 * LARGEST_GAP:g} mm")
@@ -176,15 +163,10 @@ def profile_from_sections(
     parts = []
     length = 0.0
     for i, section in enumerate(sections):
-        part = _nodes(section, shift[i], node_distance)
+        part = _nodes(section, shift[i])
         part[:, 0] += length
         length = part[-1, 0]
         parts.append(part)
-    return _joined(name, kind, parts, source)
-
-
-def _joined(name: str, kind: Kind, parts: list[Array], source: str) -> Profile:
-    """Profile from rows (L, u, w, angle, curvature) of every section, first and last rows being joins."""
     rows = np.concatenate([parts[0][:1]] + [part[1:] for part in parts])
     before = np.concatenate([parts[0][:1, 4]] + [part[1:, 4] for part in parts])
     after = np.concatenate([part[:-1, 4] for part in parts] + [parts[-1][-1:, 4]])
@@ -201,15 +183,15 @@ def _joined(name: str, kind: Kind, parts: list[Array], source: str) -> Profile:
     )
 
 
-def _nodes(section: Section, shift: Array, node_distance: float) -> Array:
+def _nodes(section: Section, shift: Array) -> Array:
     """Rows (own arclength, u, w, angle, curvature) of a section whose ends are moved by `shift` (2, 2, 2)."""
     fine = np.linspace(section.start, section.end, 2001)
     v = section.evaluate(fine)[1]
     travelled = np.concatenate([[0.0], np.cumsum(0.5 * (np.hypot(*v[1:].T) + np.hypot(*v[:-1].T)) * np.diff(fine))])
     total = travelled[-1]
-    inner = np.linspace(0.0, total, max(int(np.ceil(total / node_distance)), 1) + 1)
-    close = NEAREST_NODE * 3.0 ** np.arange(np.ceil(np.log(node_distance / NEAREST_NODE) / np.log(3.0)))
-    close = close[close < min(0.7 * node_distance, 0.3 * total)]
+    inner = np.linspace(0.0, total, max(int(np.ceil(total / NODE_DISTANCE)), 1) + 1)
+    close = NEAREST_NODE * 3.0 ** np.arange(np.ceil(np.log(NODE_DISTANCE / NEAREST_NODE) / np.log(3.0)))
+    close = close[close < min(0.7 * NODE_DISTANCE, 0.3 * total)]
     place = np.sort(np.concatenate([inner, close, total - close]))
     t = np.interp(place, travelled, fine)
     t[0], t[-1] = section.start, section.end
@@ -227,24 +209,16 @@ def _nodes(section: Section, shift: Array, node_distance: float) -> Array:
             # (1 - x)^3 (p + (3p + q) x + (6p + 3q) x^2): value p, slope q, no curvature at 0; all zero at 1.
             p, q = shift[e, 0], sign * fade * shift[e, 1]
             for axis in (0, 1):
-                c = polynomial.polymul([1.0, -3.0, 3.0, -1.0], _start(p[axis], q[axis]))
+                start = [p[axis], 3.0 * p[axis] + q[axis], 6.0 * p[axis] + 3.0 * q[axis]]
+                c = polynomial.polymul([1.0, -3.0, 3.0, -1.0], start)
                 for out, k in ((r, 0), (v, 1), (a, 2)):
                     d = polynomial.polyder(c, k) if k else c
                     out[near, axis] += polynomial.polyval(x[near], d) * (sign * rate / fade) ** k
         return r, v, a
 
     r, v, a = moved(t)
-    h = 0.5 * np.diff(t)
-    x = (t[:-1] + h)[:, None] + h[:, None] * _GAUSS_X
-    rate = np.hypot(*moved(x.ravel())[1].T).reshape(x.shape)
-    L = np.concatenate([[0.0], np.cumsum(h * (rate @ _GAUSS_W))])
-    curvature = (v[:, 0] * a[:, 1] - v[:, 1] * a[:, 0]) / np.hypot(v[:, 0], v[:, 1]) ** 3
-    return np.column_stack([L, r, np.arctan2(v[:, 1], v[:, 0]), curvature])
-
-
-def _start(p: float, q: float) -> list[float]:
-    """Coefficients that give (1 - x)^3 (...) the value p, slope q and second derivative 0 at x = 0."""
-    return [p, 3.0 * p + q, 6.0 * p + 3.0 * q]
+    L = arclengths(lambda x: moved(x)[1], t)
+    return np.column_stack([L, r, np.arctan2(v[:, 1], v[:, 0]), curvature_of(v, a)])
 
 
 def rail_head(
@@ -257,12 +231,9 @@ def rail_head(
 ) -> Profile:
     """Symmetric rail head of tangent arcs and straight sides, origin at the crown.
 
-    Parameters
-    ----------
-    radii : radii of the arcs from the crown outward, m, e.g. 0.3, 0.08, 0.013.
-    half_widths : distance from the axis at which each arc but the last one ends, m.
-    side_slope : lean of the straight sides, horizontal over vertical, e.g. 1/20; tangent to the last arc.
-    depth : how far below the crown the sides are continued, m.
+    radii: of the arcs from the crown outward [m], e.g. 0.3, 0.08, 0.013; half_widths: distance from the axis at which
+    each arc but the last one ends [m]; side_slope: lean of the straight sides, horizontal over vertical, e.g. 1/20,
+    tangent to the last arc; depth: how far below the crown the sides are continued [m].
     """
     if len(half_widths) != len(radii) - 1:
         raise InputError(

@@ -23,7 +23,8 @@ from scipy.linalg import solveh_banded
 from scipy.sparse import diags_array
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.points import Points, arclengths, profile_from_curve
+from wrsim.geometry.piecewise import arclengths
+from wrsim.geometry.profile.points import Points, profile_from_curve
 from wrsim.geometry.profile.profile import Array, Kind, Profile
 
 CUTOFF = 5e-3
@@ -35,16 +36,11 @@ ROUNDS = 6
 """Rounds of smoothing and measuring arclength anew: a noisy polygon is longer than its curve."""
 
 
-def smoothed(points: Points, name: str, kind: Kind, source: str = "", cutoff: float | None = None) -> Profile:
-    """Profile of measured points, smoothed.
-
-    Parameters
-    ----------
-    cutoff : wavelength over arclength that passes with half its amplitude, m; None: 5 mm.
+def smoothed(points: Points, name: str, kind: Kind, source: str = "", cutoff: float = CUTOFF) -> Profile:
+    """Profile of measured points, smoothed; cutoff: wavelength over arclength that passes with half its amplitude [m].
 
     Raises InputError where the points are too far apart for the cut-off.
     """
-    cutoff = CUTOFF if cutoff is None else cutoff
     chords = points.chords
     i = int(np.argmax(chords))
     if chords[i] > 0.5 * cutoff:
@@ -53,7 +49,7 @@ def smoothed(points: Points, name: str, kind: Kind, source: str = "", cutoff: fl
             f"{points.line[i]}; smoothing with a cut-off of {1e3 * cutoff:g} mm needs points at most "
             f"{500.0 * cutoff:g} mm apart"
         )
-    p = np.column_stack([points.u, points.w])
+    p = points.places
     s = np.concatenate([[0.0], np.cumsum(chords)])
     for _ in range(ROUNDS):
         curve = smoothing_spline(s, p, cutoff)
@@ -72,17 +68,9 @@ def smoothed(points: Points, name: str, kind: Kind, source: str = "", cutoff: fl
 
 
 def smoothing_spline(s: Array, p: Array, cutoff: float) -> BSpline:
-    """Smoothing spline of degree five over evenly spaced knots.
+    """Smoothing spline of degree five over evenly spaced knots through points p (n, m) at increasing s (n,) [m].
 
-    Parameters
-    ----------
-    s : (n,) increasing parameters of the points, m.
-    p : (n, m) points.
-    cutoff : wavelength that passes with half its amplitude, m.
-
-    Returns
-    -------
-    BSpline over [s[0], s[-1]] with values (..., m)
+    cutoff: wavelength that passes with half its amplitude [m].
     """
     count = max(int(np.ceil((s[-1] - s[0]) / cutoff * KNOTS_PER_CUTOFF)), 1)
     step = (s[-1] - s[0]) / count

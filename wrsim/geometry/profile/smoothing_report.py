@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from wrsim.geometry.profile.files import Reading
 from wrsim.geometry.profile.points import Points, scatter
-from wrsim.geometry.profile.profile import Array, Profile
+from wrsim.geometry.profile.profile import Array, Profile, cross, curvature_of
 
 
 @dataclass(frozen=True)
@@ -96,19 +96,17 @@ def report_smoothing(reading: Reading) -> SmoothingReport:
     points = reading.points
     profile = reading.profile()
     s = np.concatenate([[0.0], np.cumsum(points.chords)])
-    spline = CubicSpline(s, np.column_stack([points.u, points.w]))
-    v, a = spline(s, 1), spline(s, 2)
-    bare = (v[:, 0] * a[:, 1] - v[:, 1] * a[:, 0]) / np.hypot(*v.T) ** 3
-    return SmoothingReport(reading, profile, bare, _change(profile, points))
+    spline = CubicSpline(s, points.places)
+    return SmoothingReport(reading, profile, curvature_of(spline(s, 1), spline(s, 2)), _change(profile, points))
 
 
 def _change(profile: Profile, points: Points) -> Array:
     """Signed distance of points from a profile (n,), positive to the left of the curve."""
-    p = np.column_stack([points.u, points.w])
+    p = points.places
     L = profile.arclength[cKDTree(np.column_stack([profile.u, profile.w])).query(p)[1]]
     for _ in range(3):  # to the foot: nodes are 0.1 mm apart and nearly there
         t = np.stack(profile.tangent(L), axis=-1)
         L = np.clip(L + ((p - np.stack(profile.at(L), axis=-1)) * t).sum(axis=1), 0.0, profile.length)
     t = np.stack(profile.tangent(L), axis=-1)
     away = p - np.stack(profile.at(L), axis=-1)
-    return np.asarray(t[:, 0] * away[:, 1] - t[:, 1] * away[:, 0])
+    return cross(t, away)

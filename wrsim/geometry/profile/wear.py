@@ -25,8 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError
+from wrsim.geometry.piecewise import arclengths
 from wrsim.geometry.profile.points import Points, first_crossing
-from wrsim.geometry.profile.profile import Array, Profile
+from wrsim.geometry.profile.profile import Array, Profile, cross
 
 Direction = Literal["vertical", "normal"]
 
@@ -44,8 +45,6 @@ NEAREST_NODE = 5e-6
 
 INSIDE = 1e-7
 """Distance from a node of the nearest of three points from which its angle and curvature are extrapolated, m."""
-
-_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
 
 
 @dataclass(frozen=True)
@@ -80,12 +79,10 @@ def worn(new: Profile, removals: Sequence[Removal], name: str, source: str = "")
     angle, after = bells.direction(first, h)
     final, before = bells.direction(last, -h)
     r = bells.curve(nodes)[0]
-    x = 0.5 * (first + last)[:, None] + 0.5 * span[:, None] * _GAUSS_X
-    rate = np.hypot(*np.moveaxis(bells.curve(x)[1], -1, 0))
     profile = Profile(
         name,
         new.kind,
-        np.concatenate([[0.0], np.cumsum(0.5 * span * (rate @ _GAUSS_W))]),
+        arclengths(lambda L: bells.curve(L)[1], nodes),
         r[:, 0],
         r[:, 1],
         np.unwrap(np.append(angle, final[-1])),
@@ -150,7 +147,7 @@ class _Bells:
         jump = np.flatnonzero(np.abs((self.new.curvature_after - self.new.curvature_before)[inner]) > 1e-6)
         L, sides = L[jump], (self.new.curvature_before[inner][jump], self.new.curvature_after[inner][jump])
         before, after = (self.curve(L, k)[1] for k in sides)
-        turn = np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1))
+        turn = np.arctan2(cross(before, after), (before * after).sum(axis=1))
         if np.abs(turn).max(initial=0.0) > LARGEST_CORNER:
             i = int(np.argmax(np.abs(turn)))
             raise InputError(
@@ -194,8 +191,6 @@ def _true_lengths(profile: Profile, bridges: NDArray[np.intp]) -> Profile:
     for _ in range(8):
         span = np.diff(profile.arclength)
         for i in bridges:
-            x = profile.arclength[i] + 0.5 * span[i] * (1.0 + _GAUSS_X)
-            v = profile._evaluate(x)[1]
-            span[i] *= 0.5 * float(np.hypot(*v.T) @ _GAUSS_W)
+            span[i] = arclengths(lambda L, p=profile: p._evaluate(L)[1], profile.arclength[i : i + 2])[1]  # type: ignore[misc]
         profile = replace(profile, arclength=np.concatenate([[0.0], np.cumsum(span)]))
     return profile
