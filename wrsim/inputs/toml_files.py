@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import json
 import os
 import re
 import tomllib
@@ -116,20 +116,16 @@ def write_toml(data: dict[str, Any]) -> str:
 
 
 def _table(path: tuple[str, ...], data: dict[str, Any]) -> list[str]:
-    lines = [f"{_key(k)} = {_value(v)}" for k, v in data.items() if not _is_table(v) and not _is_tables(v)]
+    lines = [f"{_key(k)} = {_value(v)}" for k, v in data.items() if not isinstance(v, dict) and not _is_tables(v)]
     for key, value in data.items():
         inner = (*path, key)
         name = ".".join(_key(k) for k in inner)
-        if _is_table(value):
+        if isinstance(value, dict):
             lines += ["", f"[{name}]", *_table(inner, value)]
         elif _is_tables(value):
             for entry in value:
                 lines += ["", f"[[{name}]]", *_table(inner, entry)]
     return lines
-
-
-def _is_table(value: Any) -> bool:
-    return isinstance(value, dict)
 
 
 def _is_tables(value: Any) -> bool:
@@ -141,9 +137,7 @@ def _key(key: str) -> str:
 
 
 def _string(text: str) -> str:
-    escapes = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r", "\b": "\\b", "\f": "\\f"}
-    plain = (escapes.get(c) or (f"\\u{ord(c):04x}" if ord(c) < 32 or ord(c) == 127 else c) for c in text)
-    return '"' + "".join(plain) + '"'
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # JSON's escapes are TOML's, but for one
 
 
 def _value(value: Any) -> str:
@@ -151,12 +145,6 @@ def _value(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, str):
         return _string(value)
-    if isinstance(value, float):
-        if math.isnan(value):
-            return "nan"
-        if math.isinf(value):
-            return "inf" if value > 0 else "-inf"
-        return repr(value)
     if isinstance(value, dict):
         return "{" + ", ".join(f"{_key(str(k))} = {_value(v)}" for k, v in value.items()) + "}"
     if isinstance(value, (list, tuple)):

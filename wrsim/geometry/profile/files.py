@@ -6,7 +6,7 @@ could change the shape: steps back, zig-zags, gaps and crossings are refused wit
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -90,35 +90,24 @@ def read_points(
 ) -> Reading:
     """Read a file of points.
 
-    Parameters
-    ----------
-    kind : ``"wheel"`` or ``"rail"``; None: what the file or its suffix says.
-    format : a key of `PROFILE_FILES`; None: by the suffix.
-    name, source : for messages and figures; None: from the file.
-    measured : smooth the points (True) or interpolate them (False); None: smooth MiniProf measurements,
-        interpolate the rest, which is refused where the points scatter.
-    cutoff : wavelength at which smoothing halves a wave, m; None: 5 mm.
-    unit : ``"mm"``, ``"m"`` or ``"in"``; None: what the file says, or mm.
-    heights : whether the file's heights grow ``"up"`` or ``"down"``; None: what format or header say, or what
-        the shape tells (a flange points down, the sides of a rail head hang down).
-    field_side : sign of the file's lateral coordinate on the field side, ``"positive"`` or ``"negative"``;
-        None: for a wheel with a flange by the shape, otherwise positive.
-    clip : keep only the points between these u, m, after all of the above.
-    turn : turn the profile about its origin, rad, positive: top towards the gauge side (u negative).
-    shift : move it outward and up, m, last of all.
+    kind: ``"wheel"`` or ``"rail"``; None: what the file or its suffix says. format: a key of `PROFILE_FILES`; None: by
+    the suffix. name, source: for messages and figures; None: from the file. measured: smooth the points (True) or
+    interpolate them (False); None: smooth MiniProf measurements, interpolate the rest, which is refused where the
+    points scatter. cutoff: wavelength at which smoothing halves a wave [m]; None: 5 mm. unit: ``"mm"``, ``"m"`` or
+    ``"in"``; None: what the file says, or mm. heights: whether the file's heights grow ``"up"`` or ``"down"``; None:
+    what format or header say, or what the shape tells (a flange points down, the sides of a rail head hang down).
+    field_side: sign of the file's lateral coordinate on the field side, ``"positive"`` or ``"negative"``; None: for a
+    wheel with a flange by the shape, otherwise positive. clip: keep only the points between these u [m], after all of
+    the above. turn: of the profile about its origin [rad], positive: top towards the gauge side (u negative). shift:
+    outward and up [m], last of all.
 
     Raises InputError with file, line and what is allowed.
     """
     path = Path(path)
-    words: dict[str, tuple[str | None, tuple[str, ...]]] = {
-        "kind": (kind, KINDS),
-        "unit": (unit, tuple(METRES)),
-        "heights": (heights, HEIGHTS),
-        "field_side": (field_side, SIDES),
-    }
-    for key, (value, allowed) in words.items():
-        if value is not None and value not in allowed:
-            raise InputError(f"{path}: {key} = '{value}'; allowed: {', '.join(allowed)}{suggest(value, allowed)}")
+    _one_of(path, "kind", kind, KINDS)
+    _one_of(path, "unit", unit, tuple(METRES))
+    _one_of(path, "heights", heights, HEIGHTS)
+    _one_of(path, "field_side", field_side, SIDES)
     layout = _layout(path, format)
     scan = layout.parse(formats.read_lines(path), str(path))
     body = _body(path, kind, scan.kind or layout.suffixes.get(path.suffix.lower()))
@@ -141,15 +130,13 @@ def read_points(
         points = points.clipped(*clip)
     check_points(points)
 
-    points = replace(points, u=points.u + shift[0], w=points.w + shift[1])
-    told = measured if measured is not None else bool(scan.measured)
     return Reading(
-        points,
+        replace(points, u=points.u + shift[0], w=points.w + shift[1]),
         body,
         name or scan.name or path.stem,
         source or scan.source or path.name,
-        told,
-        CUTOFF if cutoff is None else cutoff,
+        measured=bool(scan.measured) if measured is None else measured,
+        cutoff=CUTOFF if cutoff is None else cutoff,
     )
 
 
@@ -170,12 +157,15 @@ def write_profile(profile: Profile, path: str | Path, format: str | None = None)
     return path
 
 
+def _one_of(path: Path, key: str, value: str | None, allowed: Sequence[str]) -> None:
+    if value is not None and value not in allowed:
+        raise InputError(f"{path}: {key} = '{value}'; allowed: {', '.join(allowed)}{suggest(value, allowed)}")
+
+
 def _layout(path: Path, format: str | None) -> Format:
     """The format by name or by suffix."""
+    _one_of(path, "format", format, tuple(PROFILE_FILES))
     if format is not None:
-        if format not in PROFILE_FILES:
-            allowed = tuple(PROFILE_FILES)
-            raise InputError(f"{path}: format = '{format}'; allowed: {', '.join(allowed)}{suggest(format, allowed)}")
         return PROFILE_FILES[format]
     for layout in PROFILE_FILES.values():
         if path.suffix.lower() in layout.suffixes:

@@ -38,18 +38,12 @@ METRES = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
 
 @dataclass
 class Scan:
-    """Content of a file of points.
+    """Content of a file of points; None is what the file does not say.
 
-    Attributes
-    ----------
-    lateral, height : coordinates as in the file.
-    line : line of every point, from 1.
-    unit : metres per unit of the file; None if the file does not say.
-    heights : which way the file's heights grow; None if the file does not say.
-    field_side : sign of its lateral coordinate on the field side; None if the file does not say.
-    kind, name, source, measured : what the file says about itself, if it does.
-    resolution : last digit of its numbers, in its unit.
-    least_distance : points closer than this are to be dropped, in its unit.
+    lateral, height: coordinates as in the file; line: of every point, from 1; unit: metres per unit of the file;
+    heights: which way its heights grow; field_side: sign of its lateral coordinate on the field side; kind, name,
+    source, measured: what the file says about itself; digits: last one of every height, in its unit;
+    least_distance: points closer than this are to be dropped, in its unit.
     """
 
     file: str
@@ -63,14 +57,20 @@ class Scan:
     name: str = ""
     source: str = ""
     measured: bool | None = None
-    resolution: float = 0.0
+    digits: list[float] = field(default_factory=list)
     least_distance: float = 0.0
 
-    def add(self, lateral: float, height: float, line: int) -> None:
-        """Append one point."""
-        self.lateral.append(lateral)
-        self.height.append(height)
+    def add(self, lateral: str, height: str, line: int) -> None:
+        """Append one point, as written."""
+        self.lateral.append(_number(lateral, self.file, line))
+        self.height.append(_number(height, self.file, line))
         self.line.append(line)
+        self.digits.append(_last_digit(height))
+
+    @property
+    def resolution(self) -> float:
+        """Last digit of its heights, in its unit."""
+        return float(np.median(self.digits)) if self.digits else 0.0
 
     def arrays(self) -> tuple[Array, Array]:
         """The coordinates as arrays (n,)."""
@@ -114,17 +114,12 @@ def _last_digit(word: str) -> float:
     return float(10.0 ** (int(match[2] or 0) - len(match[1] or "")))
 
 
-def _resolution(words: list[str]) -> float:
-    return float(np.median([_last_digit(w) for w in words])) if words else 0.0
-
-
 # --- two columns --------------------------------------------------------------------------------------
 
 
 def parse_columns(lines: list[str], file: str) -> Scan:
     """Read two columns of numbers, with or without a header line."""
     scan = Scan(file)
-    words: list[str] = []
     said: dict[str, str] = {}
     headed = False
     for number, text in enumerate(lines, 1):
@@ -144,9 +139,7 @@ def parse_columns(lines: list[str], file: str) -> Scan:
             continue
         if len(row) != 2:
             raise InputError(f"{file}:{number}: {len(row)} columns; allowed: 2, lateral coordinate and height")
-        scan.add(_number(row[0], file, number), _number(row[1], file, number), number)
-        words.append(row[1])
-    scan.resolution = _resolution(words)
+        scan.add(row[0], row[1], number)
     scan.name, scan.source = said.get("name", ""), said.get("source", "")
     if said.get("kind") in ("wheel", "rail"):
         scan.kind = said["kind"]  # type: ignore[assignment]
@@ -190,7 +183,7 @@ _SIMPACK_TEXTS = ("file", "comment", "units.len", "units.ang")
 
 def parse_simpack(lines: list[str], file: str) -> Scan:
     """Read a SIMPACK rail or wheel profile."""
-    scan, words = Scan(file, heights="down"), []
+    scan = Scan(file, heights="down")
     values: dict[str, Any] = {}
     where: list[str] = []
     ended = False
@@ -206,8 +199,7 @@ def parse_simpack(lines: list[str], file: str) -> Scan:
             row = text.split()
             if len(row) not in (2, 3):
                 raise InputError(f"{file}:{number}: {len(row)} columns; allowed: y, z and perhaps a weight")
-            scan.add(_number(row[0], file, number), _number(row[1], file, number), number)
-            words.append(row[1])
+            scan.add(row[0], row[1], number)
         elif "=" in text and where:
             key, value = (part.strip() for part in text.split("=", 1))
             allowed = SIMPACK_KEYS[where[-1]]
@@ -220,7 +212,6 @@ def parse_simpack(lines: list[str], file: str) -> Scan:
     if not ended:
         raise InputError(f"{file}: ends without spline.end: cut off, or not a SIMPACK profile")
     _simpack_values(scan, values)
-    scan.resolution = _resolution(words)
     return scan
 
 
@@ -291,7 +282,7 @@ def format_simpack(profile: Profile) -> str:
 
 def parse_miniprof(lines: list[str], file: str) -> Scan:
     """Read a MiniProf rail or wheel profile."""
-    scan, words = Scan(file, unit=METRES["mm"], measured=True), []
+    scan = Scan(file, unit=METRES["mm"], measured=True)
     head: dict[str, tuple[str, int]] = {}
     columns = ["X", "Y"]
     for number, text in enumerate(lines, 1):
@@ -313,9 +304,7 @@ def parse_miniprof(lines: list[str], file: str) -> Scan:
             raise InputError(
                 f"{file}:{number}: {len(row)} columns; ColumnDef needs {len(columns)}: {','.join(columns)}"
             )
-        x, y = row[columns.index("X")], row[columns.index("Y")]
-        scan.add(_number(x, file, number), _number(y, file, number), number)
-        words.append(y)
+        scan.add(row[columns.index("X")], row[columns.index("Y")], number)
     offset = {}
     for axis in "XY":
         value, number = head.get(f"{axis}Offset") or head.get(f"{axis}offset") or ("0", 0)
@@ -326,7 +315,6 @@ def parse_miniprof(lines: list[str], file: str) -> Scan:
         value, number = head["XYPoints"]
         if _number(value, file, number) != len(scan.line):
             raise InputError(f"{file}:{number}: XYPoints={value}, but the file has {len(scan.line)} points")
-    scan.resolution = _resolution(words)
     scan.name = head.get("ID", ("", 0))[0]
     if head.get("ProgramName", ("", 0))[0] == "wrsim":
         scan.measured, scan.heights = None, "up"

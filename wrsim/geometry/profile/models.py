@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
@@ -52,8 +52,12 @@ Coordinate = Annotated[float, number(-1000.0, 1000.0)]
 Pair = Annotated[Two[Annotated[float, number(-1e5, 1e5)]], Field(description="two numbers: [u, height]")]
 
 
+FILE_KINDS: dict[str, type[ProfileFile]] = {}
+"""What stands in files of each kind."""
+
+
 class ProfileFile(Section):
-    """What every profile file says."""
+    """What every profile file says. A subclass names its kind, which puts it on the list."""
 
     header: ClassVar[str] = "a profile file"
     aliases: ClassVar[dict[str, str]] = {"type": "kind", "title": "name", "reference": "source"}
@@ -63,6 +67,11 @@ class ProfileFile(Section):
     kind: str
     date: Day
     source: Source
+
+    def __init_subclass__(cls, kind: str, **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        cls.header = f'a profile file with kind = "{kind}"'
+        FILE_KINDS[kind] = cls
 
     def build(self, path: Path) -> Profile:
         """Make the profile; `path` is the file, for names relative to it."""
@@ -148,10 +157,8 @@ class LineSection(Section):
 Shape = Annotated[PolynomialSection | ArcSection | LineSection, Field(discriminator="shape")]
 
 
-class SectionsFile(ProfileFile):
-    """kind = "sections"."""
-
-    header: ClassVar[str] = 'a profile file with kind = "sections"'
+class SectionsFile(ProfileFile, kind="sections"):
+    """Lines, polynomials and arcs by centre."""
 
     heights: Literal[*HEIGHTS] = "up"  # type: ignore[valid-type]
     sections: List[Shape]
@@ -187,10 +194,8 @@ class ChainArc(Section):
     to_angle_deg: Annotated[float, number(-180.0, 180.0)]
 
 
-class ChainFile(ProfileFile):
-    """kind = "chain": heights are shifted so that the curve passes through the origin."""
-
-    header: ClassVar[str] = 'a profile file with kind = "chain"'
+class ChainFile(ProfileFile, kind="chain"):
+    """Tangent lines and arcs; heights are shifted so that the curve passes through the origin."""
 
     start_mm: Coordinate
     start_angle_deg: Annotated[float, number(-180.0, 180.0)]
@@ -225,10 +230,8 @@ class ChainFile(ProfileFile):
 # --- the simple kinds ---------------------------------------------------------------------------------
 
 
-class RailHeadFile(ProfileFile):
-    """kind = "rail-head"."""
-
-    header: ClassVar[str] = 'a profile file with kind = "rail-head"'
+class RailHeadFile(ProfileFile, kind="rail-head"):
+    """Tangent arcs from the crown outward and straight sides."""
 
     radii_mm: List[Annotated[float, positive(1e4)]]
     half_widths_mm: List[Annotated[float, positive(1e3)]]
@@ -254,10 +257,8 @@ class RailHeadFile(ProfileFile):
         return rail_head(self.name, radii, widths, self.side_slope, self.depth_mm * MM, self.source)
 
 
-class ConeFile(ProfileFile):
-    """kind = "cone"."""
-
-    header: ClassVar[str] = 'a profile file with kind = "cone"'
+class ConeFile(ProfileFile, kind="cone"):
+    """A straight line through the tape circle."""
 
     conicity: Annotated[float, number(-1.0, 1.0, "1:20 is 0.05")]
     from_mm: Coordinate
@@ -273,10 +274,8 @@ class ConeFile(ProfileFile):
         return cone(self.name, self.body, self.conicity, self.from_mm * MM, self.to_mm * MM, self.source)
 
 
-class CircleFile(ProfileFile):
-    """kind = "circle"."""
-
-    header: ClassVar[str] = 'a profile file with kind = "circle"'
+class CircleFile(ProfileFile, kind="circle"):
+    """One arc, horizontal at the origin."""
 
     radius_mm: Annotated[float, number(-1e5, 1e5, "positive: convex upward, negative: hollow")]
     half_width_mm: Length
@@ -309,10 +308,9 @@ class BellOfWear(Section):
         return Removal(self.direction, self.depth_mm * MM, self.middle_mm * MM, self.half_width_mm * MM)
 
 
-class WornFile(ProfileFile):
-    """kind = "worn"."""
+class WornFile(ProfileFile, kind="worn"):
+    """Another profile with bells of material taken off."""
 
-    header: ClassVar[str] = 'a profile file with kind = "worn"'
     aliases: ClassVar[dict[str, str]] = ProfileFile.aliases | {"removal": "removals", "wear": "removals"}
 
     base: Annotated[str, text('the file of the unworn profile, such as "S1002.toml",')]
@@ -347,10 +345,8 @@ _building: ContextVar[tuple[Path, ...]] = ContextVar("profile files that are bei
 # --- kind = "points" ----------------------------------------------------------------------------------
 
 
-class PointsFile(ProfileFile):
-    """kind = "points"."""
-
-    header: ClassVar[str] = 'a profile file with kind = "points"'
+class PointsFile(ProfileFile, kind="points"):
+    """A file of points beside it."""
 
     file: Annotated[str, text("the name of a file of points, relative to this file,")]
     format: Literal[*PROFILE_FILES] | None = None  # type: ignore[valid-type]
@@ -393,17 +389,6 @@ class PointsFile(ProfileFile):
         )
 
 
-FILE_KINDS: dict[str, type[ProfileFile]] = {
-    "sections": SectionsFile,
-    "chain": ChainFile,
-    "rail-head": RailHeadFile,
-    "cone": ConeFile,
-    "circle": CircleFile,
-    "worn": WornFile,
-    "points": PointsFile,
-}
-
-
 class _AnyFile(Section):
     """Only what decides which kind of file it is."""
 
@@ -412,14 +397,11 @@ class _AnyFile(Section):
 
 
 def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
-    """Read a profile from a TOML file or from a file of points.
+    """Read a profile from a TOML file of one of the kinds above, or from a file of points
+    (``.prw .prr .whl .ban .csv .txt .dat``).
 
-    Parameters
-    ----------
-    path : a ``.toml`` file of one of the kinds above, or a file of points
-        (``.prw .prr .whl .ban .csv .txt .dat``).
-    kind : ``"wheel"`` or ``"rail"``. A TOML file says it itself, most files of points by their suffix (any
-        other answer is then an error); two columns need it unless wrsim wrote them.
+    kind: ``"wheel"`` or ``"rail"``. A TOML file says it itself, most files of points by their suffix (any other answer
+    is then an error); two columns need it unless wrsim wrote them.
 
     Raises InputError, with all faults of a TOML file at once: file, line, key, value, what is allowed.
     """
