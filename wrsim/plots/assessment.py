@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from wrsim.plots.style import (
     FAINT,
@@ -25,6 +25,7 @@ from wrsim.plots.style import (
     note_above,
     save,
     style,
+    wheel_entries,
 )
 from wrsim.results.assessment import Assessment, Section, Value
 
@@ -133,26 +134,18 @@ def signal_of(axes: Axes, found: Assessment, name: str, factor: float) -> Axes:
     data = found.signals[name].values
     for i in range(data.shape[0]):
         line = GROUP_LINE[i % len(GROUP_LINE)]
-        if data.ndim == 2:
-            axes.plot(place, _finite(data[i]) * factor, color=INK, linestyle=line, linewidth=0.9)
-            continue
-        for j, wheel in enumerate(("left", "right")):
-            axes.plot(place, _finite(data[i, :, j]) * factor, color=WHEEL_COLOUR[wheel], linestyle=line, linewidth=0.9)
+        own = [(INK, data[i])] if data.ndim == 2 else list(zip(WHEEL_COLOUR.values(), data[i].T, strict=True))
+        for colour, values in own:
+            values = np.where(np.isfinite(values), values, np.nan) * factor
+            axes.plot(place, values, color=colour, linestyle=line, linewidth=0.9)
     return axes
-
-
-def _finite(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.where(np.isfinite(values), values, np.nan)
 
 
 def limit_of(axes: Axes, values: Sequence[Value], factor: float, *, both: bool) -> Axes:
     """Limits as red lines over their sections, where the picture stays readable with them; else in words."""
     limits = [(v.section, v.limit.value * factor) for v in values if v.limit is not None]
-    if not limits:
-        return axes
-    low, high = axes.get_ylim()
-    reach = max(abs(low), abs(high))
-    least = min(limit for _, limit in limits)
+    reach = max(abs(y) for y in axes.get_ylim())
+    least = min((limit for _, limit in limits), default=0.0)
     if least > 6.0 * reach:
         corner: Any = {"xycoords": "axes fraction", "ha": "right", "va": "bottom", "color": STOP_COLOUR}
         note(axes, f"limit {'±' if both else ''}{least:.3g}", (1.0, 1.0), (0.0, 1.5), **corner)
@@ -184,12 +177,11 @@ def _number_sections(axes: Axes, sections: Sequence[Section]) -> None:
         note_above(axes, str(s.number), middle)
 
 
-def _legend(found: Assessment) -> list[Line2D]:
-    entries = [Line2D([], [], color=WHEEL_COLOUR[w], label=f"{w} wheel") for w in ("left", "right")]
-    names = [str(n) for n in found.signals["wheelset"].values]
+def _legend(found: Assessment) -> list[Artist]:
+    entries = wheel_entries()
+    names = found.signals["wheelset"].values
     if len(names) > 1:
-        entries += [
-            Line2D([], [], color=INK, linestyle=GROUP_LINE[i % len(GROUP_LINE)], label=f"wheelset {n}")
-            for i, n in enumerate(names)
-        ]
+        for i, name in enumerate(names):
+            line = GROUP_LINE[i % len(GROUP_LINE)]
+            entries.append(Line2D([], [], color=INK, linestyle=line, label=f"wheelset {name}"))
     return [*entries, Line2D([], [], color=STOP_COLOUR, linewidth=0.9, label="limit")]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,17 +10,26 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from wrsim.plots.gallery import colour_bar
 from wrsim.plots.moments import PatchAt, choose_moments, moment_dim, moment_title, patches_of, select
-from wrsim.plots.patches import contact_patch, islands
+from wrsim.plots.patches import contact_patch, extent
 from wrsim.plots.poses import pose_abscissa, pose_groups
-from wrsim.plots.style import FULL_WIDTH, GROUP_LINE, INK, QUIET, draw_line, headline, new_figure, place, shown, style
+from wrsim.plots.style import (
+    FULL_WIDTH,
+    GROUP_LINE,
+    INK,
+    QUIET,
+    draw_line,
+    few_ticks,
+    headline,
+    new_figure,
+    place,
+    shown,
+    style,
+    write,
+)
 from wrsim.results import CHANNELS
-
-Array = NDArray[np.float64]
 
 MODEL_COLOUR = ("#222222", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Colours of the models (Okabe and Ito); more than seven begin again."""
@@ -51,10 +59,9 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
     drawn = {key: patches for key, patches in drawn.items() if patches}
     reach_s, reach_x = {}, {}
     for wheel in wheels:
-        ends = [_ends(results[n], p) for (w, n, _), p in drawn.items() if w == wheel]
-        lows, highs = zip(*ends, strict=True) if ends else (((-5.0, -5.0),), ((5.0, 5.0),))
-        reach_s[wheel] = min(e[0] for e in lows) - 1.0, max(e[0] for e in highs) + 1.0
-        reach_x[wheel] = min(e[1] for e in lows) - 1.0, max(e[1] for e in highs) + 1.0
+        found = extent((results[n], *patch) for (w, n, _), p in drawn.items() if w == wheel for patch in p)
+        s, x = found or ((-5.0, 5.0), (-5.0, 5.0))
+        reach_s[wheel], reach_x[wheel] = (s[0] - 1.0, s[1] + 1.0), (x[0] - 1.0, x[1] + 1.0)
     across = max(high - low for low, high in reach_s.values())
     panel = min((FULL_WIDTH - LEFT - 4.0) / len(chosen) - GAP, 42.0)
     per_mm = min(panel / across, 60.0 / max(high - low for low, high in reach_x.values()))
@@ -69,12 +76,11 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
         for i, (wheel, name) in enumerate(rows):
             if i % len(names) == 0:
                 for j, moment in enumerate(chosen):
-                    words = moment_title(first, moment, j)
-                    _text(figure, LEFT + j * (panel + GAP), top, words, fontsize=6.2)
+                    write(figure, LEFT + j * (panel + GAP), top, moment_title(first, moment, j), fontsize=6.2)
                 top += TITLES
             label = name.replace("+", "\n+") + (f"\n{wheel} wheel" if len(wheels) > 1 else "")
             colour = MODEL_COLOUR[names.index(name) % len(MODEL_COLOUR)]
-            _text(figure, 1.5, top + 0.3 * heights[wheel], label, fontsize=6.0, color=colour)
+            write(figure, 1.5, top + 0.3 * heights[wheel], label, fontsize=6.0, color=colour)
             for j, moment in enumerate(chosen):
                 patches = drawn.get((wheel, name, moment))
                 if patches is None:
@@ -84,9 +90,7 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
                     contact_patch(axes, results[name], where, scale, shift=shift)
                 middle, half = sum(reach_s[wheel]) / 2.0, 0.5 * panel / per_mm
                 axes.set(xlim=(middle - half, middle + half), ylim=reach_x[wheel])
-                axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
-                axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
-                axes.tick_params(labelsize=5.6, pad=1.2)
+                few_ticks(axes, 4, 5.6, 1.2)
                 axes.set_xlabel(_note(results[name], patches), fontsize=5.8, color=QUIET, labelpad=1.0)
             top += heights[wheel] + BENEATH
         reading = "Across: arclength on the rail from the reference's\nmain point [mm]. Up: rolling direction $x$ [mm]."
@@ -190,25 +194,8 @@ def _arc(dataset: xr.Dataset, where: PatchAt) -> float:
     return float(arc[np.argmin(np.hypot(y - point[0], z - point[1]))] - shown(strips, "strip_s")[at])
 
 
-def _ends(
-    dataset: xr.Dataset, patches: Sequence[tuple[PatchAt, float]]
-) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Smallest and largest (s, x) of some patches [mm]."""
-    s, x = [], []
-    for where, shift in patches:
-        for along, middle, half, _, _ in islands(dataset, where, shift):
-            s += [along.min(), along.max()]
-            x += [(middle - half).min(), (middle + half).max()]
-    return (min(s, default=0.0), min(x, default=0.0)), (max(s, default=0.0), max(x, default=0.0))
-
-
 def _note(dataset: xr.Dataset, patches: Sequence[tuple[PatchAt, float]]) -> str:
     """Largest pressure and force of the strips drawn."""
     at = {moment_dim(dataset): patches[0][0].moment}
     strips = dataset[["strip_p", "strip_N"]].isel(at).sel(wheel=patches[0][0].wheel)
     return f"{float(strips['strip_p'].max()) / 1e6:.0f} MPa, {float(strips['strip_N'].sum()) / 1e3:.1f} kN"
-
-
-def _text(figure: Figure, left: float, top: float, words: str, **options: Any) -> None:
-    across, down = figure.get_size_inches() * 25.4
-    figure.text(left / across, 1.0 - top / down, words, va="top", ha="left", **options)

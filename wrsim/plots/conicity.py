@@ -9,7 +9,19 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wrsim.plots.style import FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, broken, new_figure, note, shown, style, unit
+from wrsim.plots.style import (
+    FULL_WIDTH,
+    INK,
+    QUIET,
+    WHEEL_COLOUR,
+    broken,
+    minus,
+    new_figure,
+    note,
+    remark,
+    shown,
+    style,
+)
 from wrsim.results import CHANNELS
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
@@ -58,8 +70,8 @@ def radius_difference(axes: Axes, dataset: xr.Dataset) -> Axes:
     if abs(place) > 5e-3:
         note(axes, f"{place:.2f} mm", (place, 0.0), (6.0, -10.0), color=INK)
     axes.set_xlabel(CHANNELS["lateral_shift"].label)
-    axes.set_ylabel(f"Rolling radius difference $\\Delta r${unit('rolling_radius_difference')}")
-    axes.set_title("left minus right", fontsize=6.5, color=QUIET, pad=2.0)
+    axes.set_ylabel("Rolling radius difference $\\Delta r$ [mm]")
+    remark(axes, "left minus right")
     return axes
 
 
@@ -67,8 +79,7 @@ def conicity_curve(axes: Axes, dataset: xr.Dataset) -> Axes:
     """tan gamma_e over the amplitude; the value at 3 mm is written beside it."""
     amplitude, values = shown(dataset, "amplitude"), dataset["equivalent_conicity"].values
     axes.plot(amplitude, values, color=INK)
-    at = np.flatnonzero((np.abs(amplitude - 3.0) < 1e-6) & np.isfinite(values))
-    for i in at:
+    for i in np.flatnonzero((np.abs(amplitude - 3.0) < 1e-6) & np.isfinite(values)):
         axes.plot([amplitude[i]], [values[i]], "o", color=INK, markersize=3.5)
         note(axes, f"{values[i]:.3f}", (amplitude[i], values[i]), (0.0, 6.0), fontsize=7.0, ha="center", color=INK)
     axes.set_ylim(0.0, 1.12 * max(float(np.nanmax(values, initial=0.0)), 1e-3))
@@ -82,11 +93,9 @@ def contact_points(axes: Axes, dataset: xr.Dataset) -> Axes:
     y = shown(dataset, "lateral_shift")
     for j, wheel in enumerate(dataset["wheel"].values):
         for name, line in (("u_wheel", "-"), ("u_rail", (0, (3, 1.5)))):
-            body = name.removeprefix("u_")
-            axes.plot(
-                *broken(y, shown(dataset, name)[:, j, 0], JUMP), color=WHEEL_COLOUR[str(wheel)], linestyle=line,
-                label=f"{wheel} {body}",
-            )  # fmt: skip
+            points = broken(y, shown(dataset, name)[:, j, 0], JUMP)
+            label = f"{wheel} {name.removeprefix('u_')}"
+            axes.plot(*points, color=WHEEL_COLOUR[str(wheel)], linestyle=line, label=label)
     axes.set_xlabel(CHANNELS["lateral_shift"].label)
     axes.set_ylabel("Contact point, outward u [mm]")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=4, fontsize=6.5, handlelength=1.6)
@@ -103,7 +112,7 @@ def angles(axes: Axes, dataset: xr.Dataset) -> Axes:
     axes.set_yscale("asinh", linear_width=2.0)
     axes.set_yticks([-2.0, 0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0, 70.0])
     axes.set_yticks([], minor=True)
-    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "\N{MINUS SIGN}"))
+    axes.yaxis.set_major_formatter(lambda value, _: minus(f"{value:g}"))
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     axes.set_ylim(min(1.2 * low, 0.0), max(1.2 * high, 2.0))
     axes.set_xlabel(CHANNELS["lateral_shift"].label)

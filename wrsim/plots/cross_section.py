@@ -6,6 +6,7 @@ Axes are o (outward) and b (up) from the rail's profile origin; the field side i
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,8 +15,6 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
-from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from wrsim.plots.gallery import (
     FOOT,
@@ -29,7 +28,7 @@ from wrsim.plots.gallery import (
     titles_height,
 )
 from wrsim.plots.moments import PatchAt, choose_moments, moment_dim, patches_of, select, touching_runs
-from wrsim.plots.patches import NEAR_EDGE, patch_note, pressure_scale
+from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, rounded
 from wrsim.plots.stops import stop_note
 from wrsim.plots.style import (
     INK,
@@ -37,6 +36,7 @@ from wrsim.plots.style import (
     RAIL_FILL,
     WHEEL_COLOUR,
     WHEEL_FILL,
+    few_ticks,
     headline,
     new_figure,
     pressure_map,
@@ -53,7 +53,7 @@ FAN = 0.38
 
 def has_outlines(dataset: xr.Dataset) -> bool:
     """True when the dataset holds what cross-sections need."""
-    return {"rail_profile_y", "rail_profile_z", "wheel_profile_y", "wheel_profile_z"} <= set(dataset)
+    return {f"{part}_profile_{n}" for part in ("rail", "wheel") for n in "yz"} <= set(dataset)
 
 
 def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> Axes:
@@ -69,10 +69,9 @@ def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> Axes:
         if not finite.any():
             continue
         y, z = y[finite], z[finite]
-        closed_y, closed_z = np.concatenate((y[:1], y, y[-1:])), np.concatenate(([beyond], z, [beyond]))
-        solid = np.column_stack((closed_y, closed_z))
+        solid = np.column_stack((np.pad(y, 1, "edge"), np.pad(z, 1, constant_values=beyond)))
         axes.add_artist(Polygon(solid, facecolor=fill, edgecolor="none", zorder=order))
-        axes.plot(closed_y, closed_z, color=INK, linewidth=0.7, zorder=order + 0.5, gid=part)
+        axes.plot(*solid.T, color=INK, linewidth=0.7, zorder=order + 0.5, gid=part)
     axes.set_aspect("equal")
     axes.grid(False)
     return axes
@@ -89,10 +88,8 @@ def patch_on_section(
     for run in touching_runs(select(dataset, where)):
         curve, normal, p = _curve(run)
         band = np.stack((curve - 0.5 * thickness * normal, curve + 0.5 * thickness * normal))
-        axes.pcolormesh(
-            band[..., 0], band[..., 1], np.tile(p, (2, 1)), shading="gouraud", cmap=pressure_map(), norm=scale,
-            zorder=3.0, gid="patch",
-        )  # fmt: skip
+        look: Any = {"shading": "gouraud", "cmap": pressure_map(), "norm": scale, "zorder": 3.0, "gid": "patch"}
+        axes.pcolormesh(band[..., 0], band[..., 1], np.tile(p, (2, 1)), **look)
         if fan > 0.0:
             tips = curve + normal * (fan * p / float(scale.vmax or 1.0))[:, None]
             axes.add_artist(Polygon(np.vstack((tips, curve[::-1])), facecolor="white", alpha=0.75, zorder=2.5))
@@ -104,9 +101,7 @@ def patch_on_section(
     return axes
 
 
-def _curve(
-    strips: xr.Dataset,
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _curve(strips: xr.Dataset) -> tuple[Array, Array, Array]:
     """Points (n, 2) along an island from edge to edge in mm, normals (n, 2) and pressures (n,) in MPa.
 
     Towards an edge the pressure falls with the square root of the distance, as in ``patches``.
@@ -118,11 +113,8 @@ def _curve(
     out = (0.5 * (1.0 - NEAR_EDGE))[:, None]
     start = centre[0] - out * ds[0] * along[0]
     end = (centre[-1] + out * ds[-1] * along[-1])[::-1]
-    count = len(NEAR_EDGE)
-    along = np.vstack((np.tile(along[0], (count, 1)), along, np.tile(along[-1], (count, 1))))
-    fall = np.sqrt(NEAR_EDGE)
-    pressure = np.concatenate((p[0] * fall, p, (p[-1] * fall)[::-1]))
-    return np.vstack((start, centre, end)), np.column_stack((-along[:, 1], along[:, 0])), pressure
+    normal = np.pad(np.column_stack((-along[:, 1], along[:, 0])), ((NEAR_EDGE.size,) * 2, (0, 0)), "edge")
+    return np.vstack((start, centre, end)), normal, rounded(p)
 
 
 def cross_section(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str, scale: Normalize) -> Axes:
@@ -181,9 +173,7 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
                 if row.wheel != wheel:
                     continue
                 draw_label(figure, PATCH_NAMES[row.patch], row.colour, top + 0.5 * page.panel)
-                for j, where in enumerate(row.places):
-                    if where is None:
-                        continue
+                for j, where in row.used:
                     axes = _framed(page.axes(figure, j, top, page.panel), 4)
                     cross_section_zoom(axes, dataset, where, scale)
                     note = patch_note(dataset, where, force=page.panel > 28.0)
@@ -203,9 +193,7 @@ _UNDER_OVERVIEW, _UNDER_ZOOM = 5.5, 12.0
 
 def _framed(axes: Axes, ticks: int) -> Axes:
     """Axes with a full frame and few ticks."""
-    axes.tick_params(labelsize=6.0, pad=1.5)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
+    few_ticks(axes, ticks, 6.0)
     for spine in axes.spines.values():
         spine.set_visible(True)
     return axes

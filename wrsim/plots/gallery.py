@@ -17,7 +17,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from wrsim.plots.moments import PatchAt, moment_title
-from wrsim.plots.style import FULL_WIDTH, INK, MM, QUIET, WHEEL_COLOUR, place, pressure_map
+from wrsim.plots.style import FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, place, pressure_map, write
 
 PATCH_NAMES = ("main patch", "second patch", "third patch")
 LEFT, RIGHT, GAP = 16.0, 3.0, 7.0
@@ -54,6 +54,11 @@ class Row:
         return f"{self.wheel} wheel" + (f"\n{PATCH_NAMES[self.patch]}" if self.patch else "")
 
     @property
+    def used(self) -> list[tuple[int, PatchAt]]:
+        """Numbers of the columns in which the patch is, and where it is there."""
+        return [(j, where) for j, where in enumerate(self.places) if where is not None]
+
+    @property
     def colour(self) -> str:
         """Colour of the label."""
         return WHEEL_COLOUR.get(self.wheel, INK)
@@ -74,12 +79,8 @@ def rows_of(dataset: xr.Dataset, columns: Sequence[Column]) -> list[Row]:
     rows = []
     for wheel in [""] if any(c.wheel for c in columns) else wheels:
         for patch in range(finite.shape[2]):
-            places = tuple(
-                PatchAt(c.moment, wheel or c.wheel, patch)
-                if finite[c.moment, wheels.index(wheel or c.wheel), patch]
-                else None
-                for c in columns
-            )
+            wanted = [PatchAt(c.moment, wheel or c.wheel, patch) for c in columns]
+            places = tuple(w if finite[w.moment, wheels.index(w.wheel), patch] else None for w in wanted)
             if any(places):
                 rows.append(Row(wheel, patch, places))
     return rows
@@ -113,11 +114,9 @@ def titles_height(page: Page, dataset: xr.Dataset, columns: Sequence[Column]) ->
 
 def draw_titles(figure: Figure, page: Page, dataset: xr.Dataset, columns: Sequence[Column], top: float) -> None:
     """Titles of the columns, hanging from ``top`` (mm from the upper edge)."""
-    down = figure.get_size_inches()[1] / MM
     for j, column in enumerate(columns):
-        across = (LEFT + j * (page.panel + GAP)) / page.width
-        text, colour = _title(page, dataset, column), WHEEL_COLOUR.get(column.wheel, INK)
-        figure.text(across, 1.0 - top / down, text, fontsize=6.8, va="top", color=colour)
+        colour = WHEEL_COLOUR.get(column.wheel, INK)
+        write(figure, LEFT + j * (page.panel + GAP), top, _title(page, dataset, column), fontsize=6.8, color=colour)
 
 
 def _title(page: Page, dataset: xr.Dataset, column: Column) -> str:
@@ -130,10 +129,7 @@ def _title(page: Page, dataset: xr.Dataset, column: Column) -> str:
 
 def draw_label(figure: Figure, text: str, colour: str, middle: float) -> None:
     """Upright words at the left edge, centred on ``middle`` (mm from the upper edge)."""
-    across, down = figure.get_size_inches() / MM
-    figure.text(
-        2.0 / across, 1.0 - middle / down, text, rotation=90, va="center", ha="left", color=colour, fontsize=7.0
-    )
+    write(figure, 2.0, middle, text, rotation=90, va="center", color=colour, fontsize=7.0)
 
 
 def colour_bar(figure: Figure, scale: Normalize, top: float, reading: str) -> None:
@@ -142,5 +138,4 @@ def colour_bar(figure: Figure, scale: Normalize, top: float, reading: str) -> No
     bar = figure.colorbar(ScalarMappable(scale, pressure_map()), cax=axes, orientation="horizontal")
     bar.set_label("Contact pressure $p$ [MPa]", labelpad=1.0)
     bar.ax.tick_params(width=0.4)
-    across, down = figure.get_size_inches() / MM
-    figure.text((LEFT + 60.0) / across, 1.0 - top / down, reading, va="top", fontsize=6.8, color=QUIET)
+    write(figure, LEFT + 60.0, top, reading, fontsize=6.8, color=QUIET)

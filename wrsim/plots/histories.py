@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -32,9 +33,11 @@ from wrsim.plots.style import (
     headline,
     new_figure,
     note_above,
+    right_axis,
     shown,
     style,
-    unit,
+    wheel_entries,
+    without_neighbours,
 )
 from wrsim.results import CHANNELS
 
@@ -67,13 +70,16 @@ def history(axes: Axes, dataset: xr.Dataset, name: str, **options: Any) -> Axes:
                 if values.ndim == 3 and "contact_angle" in dataset:
                     line = broken(*line, ANGLE_JUMP, by=shown(dataset, "contact_angle")[:, j, k])
                 draw_line(axes, *line, **(settings | options))
-    words, symbol = CHANNELS[name].long_name, CHANNELS[name].symbol
-    axes.set_ylabel(f"{words[0].upper()}{words[1:]}\n" + (f"${symbol}$" if symbol else "") + unit(name))
+    channel = CHANNELS[name]
+    axes.set_ylabel(channel.label.replace(" $" if channel.symbol else " [", "\n$" if channel.symbol else "\n[", 1))
     return axes
 
 
 def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
-    """Contact angles of one wheel: main point (line), mean over strips (thin), least to largest (band)."""
+    """Contact angles of one wheel: main point (line), mean over strips (thin), least to largest (band).
+
+    The band of a sample without neighbours is a bar.
+    """
     x, _ = abscissa(dataset)
     colour = WHEEL_COLOUR[wheel]
     of_wheel = dataset.sel(wheel=wheel)
@@ -84,29 +90,15 @@ def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
         line = PATCH_LINE[k % 3]
         draw_line(axes, *broken(x, main[:, k], ANGLE_JUMP), color=colour, linestyle=line, zorder=3.0)
         draw_line(axes, *broken(x, mean[:, k], ANGLE_JUMP), color=INK, linewidth=0.6, linestyle=line, zorder=3.1)
-        _band(axes, x, main[:, k], low[:, k], high[:, k], color=colour, alpha=0.28 if k == 0 else 0.16)
+        shade: Any = {"color": colour, "alpha": 0.28 if k == 0 else 0.16, "zorder": 2.0}
+        band_x, least = broken(x, low[:, k], ANGLE_JUMP, by=main[:, k])
+        _, largest = broken(x, high[:, k], ANGLE_JUMP, by=main[:, k])
+        axes.fill_between(band_x, least, largest, linewidth=0.0, **shade)
+        alone = without_neighbours(least)
+        if alone.any():
+            axes.vlines(band_x[alone], least[alone], largest[alone], linewidth=1.5, **shade)
     axes.set_ylabel(f"{wheel.capitalize()} wheel\ncontact angle [°]")
     return axes
-
-
-def _band(
-    axes: Axes,
-    x: NDArray[Any],
-    main: NDArray[Any],
-    low: NDArray[Any],
-    high: NDArray[Any],
-    *,
-    color: str,
-    alpha: float,
-) -> None:
-    """Fill between low and high, interrupted where the main point jumps; a bar for a sample alone."""
-    xb, low = broken(x, low, ANGLE_JUMP, by=main)
-    _, high = broken(x, high, ANGLE_JUMP, by=main)
-    axes.fill_between(xb, low, high, color=color, alpha=alpha, linewidth=0.0, zorder=2.0)
-    finite = np.concatenate(([False], np.isfinite(low), [False]))
-    alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
-    if alone.any():
-        axes.vlines(xb[alone], low[alone], high[alone], color=color, alpha=alpha, linewidth=1.5, zorder=2.0)
 
 
 def track_layout(axes: Axes, dataset: xr.Dataset) -> Axes:
@@ -123,9 +115,7 @@ def track_layout(axes: Axes, dataset: xr.Dataset) -> Axes:
     axes.set_ylabel("Curvature\n[1/km]", color=QUIET)
     if "cant" in dataset:
         cant = shown(dataset, "cant")
-        right = axes.twinx()
-        right.spines["right"].set_visible(True)
-        right.grid(False)
+        right = right_axis(axes)
         draw_line(right, x, cant, color=CANT_COLOUR, linestyle=PATCH_LINE[1], linewidth=1.0)
         _limits_with_zero(right, cant, least=20.0, margin=0.5)
         right.set_ylabel("Cant\n[mm]", color=CANT_COLOUR)
@@ -206,16 +196,19 @@ def stacked(
 
 def contact_angle_figure(dataset: xr.Dataset) -> Figure:
     """Contact-angle histories, one panel a wheel."""
-    panels = [_for_wheel(str(wheel)) for wheel in dataset["wheel"].values]
-    return stacked(dataset, panels, panel_height_mm=44.0, legend=_angle_legend(dataset))
+    return stacked(dataset, _angle_panels(dataset), panel_height_mm=44.0, legend=_angle_legend(dataset))
 
 
 def overview_figure(dataset: xr.Dataset) -> Figure:
     """The run at a glance: contact angles of both wheels, Y/Q, lateral shift."""
-    panels = [_for_wheel(str(wheel)) for wheel in dataset["wheel"].values]
-    panels += [_for_channel(name) for name in ("Y_over_Q", "lateral_shift") if name in dataset]
-    legend = _wheel_legend(dataset) + _angle_legend(dataset)
+    panels = _angle_panels(dataset)
+    panels += [partial(history, name=name) for name in ("Y_over_Q", "lateral_shift") if name in dataset]
+    legend = wheel_entries(dataset["wheel"].values) + _angle_legend(dataset)
     return stacked(dataset, panels, panel_height_mm=32.0, legend=legend)
+
+
+def _angle_panels(dataset: xr.Dataset) -> list[Panel]:
+    return [partial(contact_angle, wheel=str(wheel)) for wheel in dataset["wheel"].values]
 
 
 def _angle_legend(dataset: xr.Dataset) -> list[Artist]:
@@ -227,38 +220,19 @@ def _angle_legend(dataset: xr.Dataset) -> list[Artist]:
     ]
 
 
-def _wheel_legend(dataset: xr.Dataset) -> list[Artist]:
-    wheels = (str(wheel) for wheel in dataset["wheel"].values)
-    return [Line2D([], [], color=WHEEL_COLOUR[w], label=f"{w} wheel") for w in wheels]
-
-
 def channels_figure(dataset: xr.Dataset, names: Sequence[str]) -> Figure:
     """Histories of the named channels above each other; channels that the dataset lacks are left out."""
     present = [name for name in names if name in dataset]
     legend: list[Artist] = []
     if any("wheel" in dataset[name].dims for name in present):
-        legend += _wheel_legend(dataset)
+        legend += wheel_entries(dataset["wheel"].values)
     of_patches = [dataset[name] for name in present if "patch" in dataset[name].dims]
     if of_patches:
         legend += _later_patches(of_patches[0])
-    return stacked(dataset, [_for_channel(name) for name in present], legend=legend)
+    return stacked(dataset, [partial(history, name=name) for name in present], legend=legend)
 
 
 def _later_patches(data: xr.DataArray) -> list[Artist]:
     """Legend entries for the second and third patch, where there are any."""
     used = [k for k in range(1, data.sizes["patch"]) if np.isfinite(data.isel(patch=k)).any()]
     return [Line2D([], [], color=QUIET, linestyle=PATCH_LINE[k % 3], label=PATCH_NAMES[k]) for k in used]
-
-
-def _for_wheel(wheel: str) -> Panel:
-    def panel(axes: Axes, dataset: xr.Dataset) -> Axes:
-        return contact_angle(axes, dataset, wheel)
-
-    return panel
-
-
-def _for_channel(name: str) -> Panel:
-    def panel(axes: Axes, dataset: xr.Dataset) -> Axes:
-        return history(axes, dataset, name)
-
-    return panel

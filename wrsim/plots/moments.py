@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.plots.poses import pose_groups
-from wrsim.plots.style import shown
+from wrsim.plots.style import minus, shown
 from wrsim.results import CHANNELS
 
 
@@ -128,5 +128,5 @@ def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
         ("load", "{:.4g} kN"),
     ):
         if name in dataset and (name == "lateral_shift" or np.ptp(dataset[name].values) > 0.0):
-            parts.append(form.format(shown(dataset, name)[moment] + 0.0).replace("-", "\N{MINUS SIGN}"))
+            parts.append(minus(form.format(shown(dataset, name)[moment] + 0.0)))
     return letter + ", ".join(parts[:1]) + ("\n" + ", ".join(parts[1:]) if parts[1:] else "")

@@ -5,7 +5,7 @@ As Fig. 9 of the paper. Every patch is drawn with the field side to the right an
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
@@ -13,37 +13,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.path import Path
-from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.plots.gallery import (
-    FOOT,
-    Page,
-    colour_bar,
-    columns_of,
-    draw_label,
-    draw_titles,
-    rows_of,
-    titles_height,
-)
-from wrsim.plots.moments import (
-    PatchAt,
-    choose_moments,
-    sample_of,
-    select,
-    select_elements,
-    touching_runs,
-)
+from wrsim.plots.gallery import FOOT, Page, colour_bar, columns_of, draw_label, draw_titles, rows_of, titles_height
+from wrsim.plots.moments import PatchAt, choose_moments, sample_of, select, select_elements, touching_runs
 from wrsim.plots.stops import stop_note
-from wrsim.plots.style import (
-    INK,
-    QUIET,
-    headline,
-    new_figure,
-    pressure_map,
-    shown,
-    style,
-)
+from wrsim.plots.style import INK, QUIET, few_ticks, headline, minus, new_figure, pressure_map, shown, style
 from wrsim.results import CHANNELS
 
 Array = NDArray[np.float64]
@@ -105,17 +80,15 @@ def islands(dataset: xr.Dataset, where: PatchAt, shift: float = 0.0) -> list[tup
         s = s + shift
         low = s[0] - 0.5 * ds[0] * (1.0 - NEAR_EDGE)
         high = (s[-1] + 0.5 * ds[-1] * (1.0 - NEAR_EDGE))[::-1]
-        fall = np.sqrt(NEAR_EDGE)
-        islands.append(
-            (
-                np.concatenate((low, s, high)),
-                np.concatenate((np.full(low.size, x[0]), x, np.full(low.size, x[-1]))),
-                np.concatenate((a[0] * fall, a, (a[-1] * fall)[::-1])),
-                np.concatenate((p[0] * fall, p, (p[-1] * fall)[::-1])),
-                s[1:] - 0.5 * ds[1:],
-            )
-        )
+        ends = np.pad(x, NEAR_EDGE.size, "edge")
+        islands.append((np.concatenate((low, s, high)), ends, rounded(a), rounded(p), s[1:] - 0.5 * ds[1:]))
     return islands
+
+
+def rounded(values: Array) -> Array:
+    """Values of strips, with those at the points that round the ends of an island, where they fall to zero."""
+    fall = np.sqrt(NEAR_EDGE)
+    return np.concatenate((values[0] * fall, values, (values[-1] * fall)[::-1]))
 
 
 def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> str:
@@ -135,7 +108,7 @@ def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> st
         if name in row and np.isfinite(row[name]) and (force or name != "N")
     }
     lines = [[texts[n] for n in pair if n in texts] for pair in (list(forms)[:2], list(forms)[2:])]
-    return "\n".join(", ".join(line) for line in lines if line).replace("-", "\N{MINUS SIGN}")
+    return minus("\n".join(", ".join(line) for line in lines if line))
 
 
 def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Figure:
@@ -166,20 +139,14 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
                 top += titles
                 before = number
             draw_label(figure, row.label, row.colour, top + 0.5 * height)
-            first = next(j for j, where in enumerate(row.places) if where is not None)
-            for j, where in enumerate(row.places):
-                if where is None:
-                    continue
+            for j, where in row.used:
                 axes = page.axes(figure, j, top, height)
                 contact_patch(axes, dataset, where, scale)
                 axes.set(xlim=across, ylim=reach)
-                axes.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
-                axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
-                axes.tick_params(labelsize=6.2, pad=1.5)
-                axes.set_xlabel(
-                    patch_note(dataset, where, force=page.panel > 28.0), fontsize=6.0, color=QUIET, labelpad=1.5
-                )
-                if j == first:
+                few_ticks(axes, 4, 6.2)
+                note = patch_note(dataset, where, force=page.panel > 28.0)
+                axes.set_xlabel(note, fontsize=6.0, color=QUIET, labelpad=1.5)
+                if j == row.used[0][0]:
                     axes.set_ylabel("$x$ [mm]", labelpad=1.0, fontsize=6.8)
             top += height + _BENEATH
         reading = "Across: curved axis $s$ [mm], field side to the right.\nUp: rolling direction $x$ [mm]."
@@ -199,12 +166,19 @@ def _columns(count: int, rows: int) -> int:
 
 def _reach(dataset: xr.Dataset, places: Sequence[PatchAt | None]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Common limits in s and x of some patches, mm."""
-    s_ends, x_ends = [], []
-    for where in places:
-        for s, x, a, _, _ in islands(dataset, where) if where is not None else []:
-            s_ends += [s.min(), s.max()]
-            x_ends += [(x - a).min(), (x + a).max()]
-    if not s_ends:
+    found = extent((dataset, where, 0.0) for where in places if where is not None)
+    if found is None:
         return (-1.0, 1.0), (-1.0, 1.0)
-    margin = 0.05 * (max(s_ends) - min(s_ends)) + 0.3
-    return (min(s_ends) - margin, max(s_ends) + margin), (min(x_ends) - margin, max(x_ends) + margin)
+    (low, high), (back, front) = found
+    margin = 0.05 * (high - low) + 0.3
+    return (low - margin, high + margin), (back - margin, front + margin)
+
+
+def extent(patches: Iterable[tuple[xr.Dataset, PatchAt, float]]) -> tuple[tuple[float, float], ...] | None:
+    """Smallest and largest s, smallest and largest x of patches (with what is added to s) of some datasets, mm."""
+    drawn = [island for dataset, where, shift in patches for island in islands(dataset, where, shift)]
+    if not drawn:
+        return None
+    s = np.concatenate([island[0] for island in drawn])
+    back, front = (np.concatenate([x + end * a for _, x, a, _, _ in drawn]) for end in (-1.0, 1.0))
+    return (float(s.min()), float(s.max())), (float(back.min()), float(front.max()))

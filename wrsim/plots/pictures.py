@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +11,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from wrsim.plots.cross_section import has_outlines, section_gallery
-from wrsim.plots.histories import (
-    ANGLES,
-    channels_figure,
-    contact_angle_figure,
-    overview_figure,
-)
+from wrsim.plots.histories import ANGLES, channels_figure, contact_angle_figure, overview_figure
 from wrsim.plots.moments import has_patches
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.static import PANELS, static_figure
@@ -66,7 +62,7 @@ def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
         for name, channels in HISTORIES.items():
             present = tuple(c for c in channels if c in one and (c != "guide_force_y" or one[c].values.any()))
             if present:
-                figures[name] = _channels(one, present)
+                figures[name] = partial(channels_figure, one, present)
     elif one.sizes.get("pose", 0) > 1 and any(_has_values(one, name) for name in PANELS):
         figures["contact"] = lambda: static_figure(one)
     if has_patches(one):
@@ -80,10 +76,6 @@ def standard_pictures(dataset: xr.Dataset, directory: str | Path) -> list[Path]:
     """Write the standard pictures as PNG into ``directory``; returns their paths. Raises ``WrsimError``."""
     directory = Path(directory)
     return [save(make(), directory / f"{name}.png") for name, make in standard_figures(dataset).items()]
-
-
-def _channels(dataset: xr.Dataset, names: tuple[str, ...]) -> Callable[[], Figure]:
-    return lambda: channels_figure(dataset, names)
 
 
 def _has_values(dataset: xr.Dataset, name: str) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 from textwrap import shorten
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,11 +22,15 @@ from wrsim.plots.style import (
     RAIL_FILL,
     WHEEL_FILL,
     headline,
+    minus,
     new_figure,
     note,
     place,
+    remark,
+    right_axis,
     save,
     style,
+    write,
 )
 
 LINE = "#0072B2"
@@ -38,9 +43,7 @@ PANEL = 32.0
 TALLEST = 110.0
 """Largest height of the shape, mm; higher shapes are drawn narrower."""
 CURVATURES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
-"""Ticks of curvature on either side of zero, 1/m."""
-RADII = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
-"""Ticks of radius, mm."""
+"""Ticks of curvature on either side of zero, 1/m, and of radius, mm."""
 
 
 def profile_picture(profile: Profile, path: str | Path, smoothing: Sequence[SmoothingReport] = ()) -> Path:
@@ -65,9 +68,8 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
         rows = 3 if smoothing else 2
         figure = new_figure(FULL_WIDTH, TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
         headline(figure, f"{profile.name} ({profile.kind})")
-        down = figure.get_size_inches()[1] * 25.4
         note = shorten(profile.source, 130, placeholder=" ...")
-        figure.text(0.012, 1.0 - 6.5 / down, note, ha="left", va="top", fontsize=6.5, color=QUIET)
+        write(figure, 0.012 * FULL_WIDTH, 6.5, note, fontsize=6.5, color=QUIET)
         panels = [place(figure, LEFT, TOP, width, height)]
         for row in range(rows):
             top = TOP + height + GAP + row * (PANEL + GAP)
@@ -91,17 +93,14 @@ def compare_curvatures(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes
     """Curvature of the bare points in grey behind that of every cut-off; keeps the scale that is set."""
     axes.lines[0].remove()
     first = smoothing[0]
-    axes.plot(
-        1e3 * first.points.u, first.bare_curvature, color=QUIET, linewidth=0.4, alpha=0.3, zorder=1.0,
-        label="bare points",
-    )  # fmt: skip
+    look: Any = {"color": QUIET, "linewidth": 0.4, "alpha": 0.3, "zorder": 1.0}
+    axes.plot(1e3 * first.points.u, first.bare_curvature, label="bare points", **look)
     for report, colour in zip(smoothing, CUTOFF_COLOURS, strict=False):
         p = report.profile
         label = f"cut-off {1e3 * report.cutoff:g} mm"
         axes.plot(1e3 * p.u, p.curvature_after, color=colour, linewidth=1.0, label=label)
     axes.legend(loc="upper center", ncols=5, fontsize=6.5, frameon=True, framealpha=0.9, edgecolor="none")
-    axes.set_title("positive: turns upward; as smoothed, and of a spline through the bare points", fontsize=6.5,
-                   color=QUIET, pad=2.0)  # fmt: skip
+    remark(axes, "positive: turns upward; as smoothed, and of a spline through the bare points")
     return axes
 
 
@@ -110,7 +109,7 @@ def draw_changes(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes:
     for report, colour in zip(smoothing, CUTOFF_COLOURS, strict=False):
         axes.plot(1e3 * report.points.u, 1e6 * report.change, ".", color=colour, markersize=1.6, zorder=2.0)
     axes.axhline(0.0, color=INK, linewidth=0.5)
-    axes.set_title("distance of the points from the smoothed curve", fontsize=6.5, color=QUIET, pad=2.0)
+    remark(axes, "distance of the points from the smoothed curve")
     axes.set_xlabel("Outward u [mm]")
     axes.set_ylabel("Change [µm]")
     return axes
@@ -120,12 +119,9 @@ def draw_profile(
     profile: Profile, shape: Axes | None = None, slope: Axes | None = None, curvature: Axes | None = None
 ) -> tuple[Axes | None, Axes | None, Axes | None]:
     """Draw on the axes that are given; returns them."""
-    if shape is not None:
-        draw_shape(profile, shape)
-    if slope is not None:
-        draw_slope(profile, slope)
-    if curvature is not None:
-        draw_curvature(profile, curvature)
+    for axes, draw in ((shape, draw_shape), (slope, draw_slope), (curvature, draw_curvature)):
+        if axes is not None:
+            draw(profile, axes)
     return shape, slope, curvature
 
 
@@ -134,12 +130,8 @@ def draw_shape(profile: Profile, axes: Axes) -> Axes:
     u, w = 1e3 * profile.u, 1e3 * profile.w
     reach = 10.0 * np.ptp(w) + 10.0
     beyond = w.max() + reach if profile.kind == "wheel" else w.min() - reach
-    axes.fill(
-        np.concatenate([u[:1], u, u[-1:]]),
-        np.concatenate([[beyond], w, [beyond]]),
-        facecolor=WHEEL_FILL if profile.kind == "wheel" else RAIL_FILL,
-        edgecolor="none",
-    )
+    fill = WHEEL_FILL if profile.kind == "wheel" else RAIL_FILL
+    axes.fill(np.pad(u, 1, "edge"), np.pad(w, 1, constant_values=beyond), facecolor=fill, edgecolor="none")
     axes.plot(u, w, color=INK, linewidth=1.2)
     axes.plot([0.0], [0.0], "+", color=INK, markersize=7.0, markeredgewidth=0.8)
     if profile.kind == "rail":
@@ -159,12 +151,12 @@ def _gauge(profile: Profile, axes: Axes) -> None:
         (u, w), (top_u, top_w) = profile.gauge_point(), profile.top
     except InputError:
         return
-    for x, y in ((u, w), (top_u, top_w)):
-        axes.plot([1e3 * x], [1e3 * y], "o", color=LINE, markersize=3.5, zorder=3.0)
-    axes.plot([1e3 * u, 1e3 * u], [1e3 * w, 1e3 * top_w], color=LINE, linewidth=0.6, linestyle=(0, (4, 2)))
-    axes.plot([1e3 * u, 1e3 * top_u], [1e3 * top_w] * 2, color=LINE, linewidth=0.6, linestyle=(0, (4, 2)))
-    words = f"gauge point, {1e3 * GAUGE_DEPTH:g} mm below\nand {1e3 * (top_u - u):.3f} mm inside of the top"
-    note(axes, words, (1e3 * u, 1e3 * w), (6.0, 0.0), va="center", color=LINE)
+    u, w, top_u, top_w = (1e3 * x for x in (u, w, top_u, top_w))
+    axes.plot([u, top_u], [w, top_w], "o", color=LINE, markersize=3.5, zorder=3.0)
+    for x, y in (([u, u], [w, top_w]), ([u, top_u], [top_w, top_w])):
+        axes.plot(x, y, color=LINE, linewidth=0.6, linestyle=(0, (4, 2)))
+    words = f"gauge point, {1e3 * GAUGE_DEPTH:g} mm below\nand {top_u - u:.3f} mm inside of the top"
+    note(axes, words, (u, w), (6.0, 0.0), va="center", color=LINE)
 
 
 def draw_slope(profile: Profile, axes: Axes) -> Axes:
@@ -179,7 +171,7 @@ def draw_slope(profile: Profile, axes: Axes) -> Axes:
         axes.set_ylim(min(low, 0.0) - 1.0, max(high, 0.0) + 1.0)
     axes.set_xlabel("Outward u [mm]")
     axes.set_ylabel("Slope angle [°]")
-    axes.set_title("positive: rises outward", fontsize=6.5, color=QUIET, pad=2.0)
+    remark(axes, "positive: rises outward")
     return axes
 
 
@@ -197,18 +189,16 @@ def draw_curvature(profile: Profile, axes: Axes) -> Axes:
     ticks = [-c for c in curvatures if c <= reach[0]] + [0.0] + [c for c in curvatures if c <= reach[1]]
     axes.yaxis.set_major_locator(FixedLocator(ticks))
     axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda c, _: f"{c:g}".replace("-", "−")))
-    right = axes.twinx()
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda c, _: minus(f"{c:g}")))
+    right = right_axis(axes)
     right.set_yscale("asinh", linear_width=1.0)
     right.set_ylim(axes.get_ylim())
-    radii = [sign * 1e3 / r for r in RADII[::every] for sign in (-1.0, 1.0) if 1e3 / r <= max(reach)]
+    radii = [sign * 1e3 / r for r in curvatures for sign in (-1.0, 1.0) if 1e3 / r <= max(reach)]
     right.yaxis.set_major_locator(FixedLocator(radii))
     right.yaxis.set_minor_locator(NullLocator())
     right.yaxis.set_major_formatter(FuncFormatter(lambda c, _: f"{1e3 / abs(c):.0f}"))
-    right.spines["right"].set_visible(True)
-    right.grid(False)
     right.set_ylabel("Radius [mm]")
-    axes.set_title("positive: turns upward", fontsize=6.5, color=QUIET, pad=2.0)
+    remark(axes, "positive: turns upward")
     axes.set_xlabel("Outward u [mm]")
     axes.set_ylabel("Curvature [1/m]")
     return axes

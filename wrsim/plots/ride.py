@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,28 +25,19 @@ DECADES = 6
 def ride_pictures(found: Ride, directory: str | Path) -> list[Path]:
     """Write ``ride_spectra.png`` and ``ride_bands.png``; returns their paths."""
     directory = Path(directory)
-    files = [save(spectra_figure(found), directory / "ride_spectra.png")]
+    files = [save(ride_figure(found, density), directory / "ride_spectra.png")]
     if found.data.sizes["band"]:
-        files.append(save(bands_figure(found), directory / "ride_bands.png"))
+        files.append(save(ride_figure(found, bands), directory / "ride_bands.png"))
     return files
 
 
-def spectra_figure(found: Ride) -> Figure:
-    """Densities against frequency, both logarithmic."""
-    return _panels(found, density)
-
-
-def bands_figure(found: Ride) -> Figure:
-    """rms in third-octaves."""
-    return _panels(found, bands)
-
-
-def _panels(found: Ride, draw: object) -> Figure:
+def ride_figure(found: Ride, draw: Callable[[Axes, Ride, str], Axes]) -> Figure:
+    """``density`` or ``bands`` of all directions against frequency."""
     with style():
         figure = new_figure(FULL_WIDTH, 150.0)
         rows = figure.subplots(3, 1, sharex=True)
         for axes, axis in zip(rows, DIRECTIONS, strict=True):
-            draw(axes, found, axis)  # type: ignore[operator]
+            draw(axes, found, axis)
         low, high = rows[-1].get_xlim()
         ticks = [f for f in TICKS if low <= f <= high]
         rows[-1].set_xticks(ticks, [f"{f:g}" for f in ticks])
@@ -66,9 +58,8 @@ def density(axes: Axes, found: Ride, axis: str) -> Axes:
         values = found.data["density"].sel(point=point, axis=axis).values[shown]
         highest = max(highest, float(values.max(initial=0.0)))
         colour, line = POINT_COLOURS[i % len(POINT_COLOURS)], GROUP_LINE[i // len(POINT_COLOURS) % len(GROUP_LINE)]
-        axes.loglog(
-            frequency[shown], np.maximum(values, 1e-300), color=colour, linestyle=line, linewidth=0.8, label=point
-        )
+        values = np.maximum(values, 1e-300)
+        axes.loglog(frequency[shown], values, color=colour, linestyle=line, linewidth=0.8, label=point)
     if highest > 0.0:
         axes.set_ylim(highest * 10.0**-DECADES, highest * 3.0)
     axes.set_ylabel(f"{DIRECTIONS[axis].capitalize()} density\n[(m/s²)²/Hz]")

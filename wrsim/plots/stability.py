@@ -12,12 +12,22 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 
-from wrsim.plots.style import FULL_WIDTH, INK, QUIET, STOP_COLOUR, new_figure, note, pressure_map, shown, style
+from wrsim.plots.style import (
+    FULL_WIDTH,
+    INK,
+    QUIET,
+    SERIES_COLOURS,
+    STOP_COLOUR,
+    new_figure,
+    note,
+    pressure_map,
+    shown,
+    style,
+)
 from wrsim.results import CHANNELS
 
 DAMPED = 0.5
 """Modes with a larger damping ratio than this at all speeds are left out of the curves over speed."""
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#9467A9", "#6b6b6b")
 NAMED = 5
 """Modes that the legend names: those that come closest to instability."""
 BRANCHES = {"from above": (STOP_COLOUR, "v"), "from below": ("#0072B2", "^")}
@@ -59,9 +69,8 @@ def root_locus(axes: Axes, dataset: xr.Dataset) -> Axes:
     axes.scatter(growth[kept], frequency[kept], c=colours(scale(many[kept])), s=7.0, linewidths=0.0, zorder=2.0)
     critical = float(dataset.attrs.get("critical_frequency_Hz", np.nan))
     if np.isfinite(critical) and critical > 0.0:
-        axes.plot(
-            [0.0], [critical], "o", markersize=7.0, markerfacecolor="none", markeredgecolor=STOP_COLOUR, zorder=3.0
-        )
+        ring: Any = {"markerfacecolor": "none", "markeredgecolor": STOP_COLOUR, "zorder": 3.0}
+        axes.plot([0.0], [critical], "o", markersize=7.0, **ring)
     axes.set_xlabel(CHANNELS["mode_growth"].label)
     axes.set_ylabel(CHANNELS["mode_frequency"].label)
     bar = axes.figure.colorbar(ScalarMappable(scale, colours), ax=axes, pad=0.02, aspect=40)
@@ -74,26 +83,18 @@ def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
     """A channel of the modes over speed, a line a mode; those nearest to instability are coloured and named."""
     speed, branch = shown(dataset, "pose_speed"), dataset["mode_branch"].values
     values, damping = shown(dataset, name), dataset["mode_damping"].values
-    order: list[tuple[float, int]] = []
-    for number in np.unique(branch[branch > 0]):
-        least = float(np.min(damping[branch == number]))
-        if least < DAMPED:
-            order.append((least, int(number)))
-    order.sort()
-    for rank, (_, number) in enumerate(order):
+    order = sorted((float(np.min(damping[branch == number])), number) for number in np.unique(branch[branch > 0]))
+    for rank, number in enumerate(number for least, number in order if least < DAMPED):
         i, j = np.nonzero(branch == number)
         line: dict[str, Any] = {"color": "#c4c4c4", "linewidth": 0.8, "zorder": 1.5}
         if rank < NAMED:
             at = int(np.argmin(damping[i, j]))
-            line = {
-                "color": COLOURS[rank % len(COLOURS)],
-                "zorder": 3.0,
-                "label": str(dataset["mode_name"].values[i[at], j[at]]),
-            }
+            label = str(dataset["mode_name"].values[i[at], j[at]])
+            line = {"color": SERIES_COLOURS[rank], "zorder": 3.0, "label": label}
         axes.plot(speed[i], values[i, j], marker="o" if len(i) == 1 else None, markersize=2.0, **line)
     if name == "mode_damping":
         axes.axhline(0.0, color=QUIET, linewidth=0.6)
-    critical = 3.6 * float(dataset.attrs.get("critical_speed_m_s", np.nan))
+    critical = _speed(dataset, "critical_speed_m_s")
     if np.isfinite(critical):
         axes.axvline(critical, color=STOP_COLOUR, linewidth=0.8, linestyle=(0, (3, 2)))
     axes.set_xlabel(CHANNELS["pose_speed"].label)
@@ -127,19 +128,14 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:
         open_ = own[ending[own] == "unsettled"]
         axes.plot(speed[settled], amplitude[settled], mark, color=colour, markersize=4.0, label=name)
         if open_.size:
-            axes.plot(
-                speed[open_], amplitude[open_], mark, markerfacecolor="white", markeredgecolor=colour, markersize=4.0,
-                label=f"{name}, not settled",
-            )  # fmt: skip
+            hollow: Any = {"markerfacecolor": "white", "markeredgecolor": colour, "label": f"{name}, not settled"}
+            axes.plot(speed[open_], amplitude[open_], mark, markersize=4.0, **hollow)
     lost = np.flatnonzero(ending == "derailed")
     if lost.size:
         axes.plot(speed[lost], np.zeros(lost.size), "x", color=INK, markersize=5.0, label="derailed")
     top = axes.get_ylim()[1]
-    for name, words, height in (
-        ("critical_speed_m_s", "linear", 0.97),
-        ("nonlinear_critical_speed_m_s", "nonlinear", 0.88),
-    ):
-        value = 3.6 * float(dataset.attrs.get(name, np.nan))
+    for kind, words, height in (("", "linear", 0.97), ("nonlinear_", "nonlinear", 0.88)):
+        value = _speed(dataset, f"{kind}critical_speed_m_s")
         if np.isfinite(value) and speed.min() - 50.0 <= value <= speed.max() + 50.0:
             axes.axvline(value, color=QUIET, linewidth=0.8, linestyle=(0, (3, 2)))
             note(axes, f"{words} {value:.1f}", (value, height * top), (3.0, 0.0), va="top")
@@ -150,16 +146,21 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:
     return axes
 
 
+def _speed(dataset: xr.Dataset, attribute: str) -> float:
+    """A speed among the attributes, km/h; not-a-number where there is none."""
+    return 3.6 * float(dataset.attrs.get(attribute, np.nan))
+
+
 def _title(dataset: xr.Dataset) -> str:
     attributes = dataset.attrs
     words = [str(attributes["title"])]
-    linear = 3.6 * float(attributes.get("critical_speed_m_s", np.nan))
+    linear = _speed(dataset, "critical_speed_m_s")
     if np.isfinite(linear):
         frequency = float(attributes["critical_frequency_Hz"])
         words.append(f"linear critical speed {linear:.1f} km/h, {frequency:.2f} Hz, {attributes['critical_mode']}")
     elif "critical_note" in attributes:
         words.append(str(attributes["critical_note"]))
-    nonlinear = 3.6 * float(attributes.get("nonlinear_critical_speed_m_s", np.nan))
+    nonlinear = _speed(dataset, "nonlinear_critical_speed_m_s")
     if np.isfinite(nonlinear):
         words[-1] += f"; nonlinear {nonlinear:.1f} km/h"
     return "\n".join(words)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -26,7 +26,7 @@ from wrsim.plots.style import (
     new_figure,
     shown,
     style,
-    unit,
+    wheel_entries,
 )
 from wrsim.results import CHANNELS
 
@@ -48,14 +48,11 @@ def against_pose(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
             by = angle[member, j, 0] if angle is not None else np.zeros(main.shape)
             line_x, line_y = broken(x[member], main, ANGLE_JUMP, by=by)
             draw_line(axes, line_x, line_y, color=colour, linestyle=line, marker=mark, markersize=2.2)
+            hollow: Any = {"markerfacecolor": "none", "markeredgewidth": 0.7, "markersize": 3.6}
             for k in range(1, values.shape[2]):
-                axes.plot(
-                    x[member], values[member, j, k], mark, markerfacecolor="none", markeredgewidth=0.7,
-                    markersize=3.6, color=colour, gid=f"patch {k}",
-                )  # fmt: skip
+                axes.plot(x[member], values[member, j, k], mark, color=colour, gid=f"patch {k}", **hollow)
     axes.set_xlabel(CHANNELS[across].label)
-    words = CHANNELS[name].long_name
-    axes.set_ylabel(f"{words[0].upper()}{words[1:]} ${CHANNELS[name].symbol}${unit(name)}")
+    axes.set_ylabel(CHANNELS[name].label)
     return axes
 
 
@@ -95,17 +92,14 @@ def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
                 angle_band(axes, dataset)
             if name != "contact_angle":
                 axes.set_ylim(0.0, 1.06 * max(axes.dataLim.y1, 1e-9))
-        legend: list[Artist] = []
-        if dataset.sizes["wheel"] > 1:
-            legend += [Line2D([], [], color=WHEEL_COLOUR[str(w)], label=f"{w} wheel") for w in dataset["wheel"].values]
+        legend = wheel_entries(dataset["wheel"].values) if dataset.sizes["wheel"] > 1 else []
         if len(groups) > 1:
             for g, (label, _) in enumerate(groups):
                 line, mark = GROUP_LINE[g % len(GROUP_LINE)], GROUP_MARK[g % len(GROUP_MARK)]
                 legend.append(Line2D([], [], color=QUIET, linestyle=line, marker=mark, label=label))
         if any(np.isfinite(dataset[n].values[:, :, 1:]).any() for n in present if dataset[n].ndim == 3):
-            legend.append(
-                Line2D([], [], color=QUIET, linestyle="none", marker="o", markerfacecolor="none", label="further patch")
-            )
+            hollow: Any = {"linestyle": "none", "marker": "o", "markerfacecolor": "none"}
+            legend.append(Line2D([], [], color=QUIET, label="further patch", **hollow))
         if legend:
             figure.legend(handles=legend, loc="outside lower center", ncols=min(len(legend), 5))
     return figure

@@ -12,14 +12,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from wrsim.plots.style import FULL_WIDTH, QUIET, STOP_COLOUR, headline, new_figure, shown, style
+from wrsim.plots.style import (
+    FULL_WIDTH,
+    GROUP_LINE,
+    QUIET,
+    SERIES_COLOURS,
+    STOP_COLOUR,
+    headline,
+    new_figure,
+    shown,
+    style,
+)
 from wrsim.results import CHANNELS
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#9467A9", "#6b6b6b")
 PANELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "T_gamma")
 FEW = 1.25
 """Largest over smallest size of a radius from which curvature is the abscissa."""
-LINES: tuple[Any, ...] = ("-", (0, (4, 1.2)), (0, (1, 1)), (0, (5, 1, 1, 1)))
+LINES = GROUP_LINE[:4]
 
 
 def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
@@ -78,10 +87,9 @@ def _panel(axes: Axes, dataset: xr.Dataset, name: str, x: np.ndarray, which: np.
         for k in range(count):
             own = np.flatnonzero(which == k)
             own = own[np.argsort(x[own])]
-            axes.plot(
-                x[own], values[own, w], marker="o", color=COLOURS[w % len(COLOURS)], linestyle=LINES[k % len(LINES)],
-                markersize=2.2, linewidth=0.9, label=str(wheelset) if k == 0 else None,
-            )  # fmt: skip
+            colour, line = SERIES_COLOURS[w % len(SERIES_COLOURS)], LINES[k % len(LINES)]
+            look: Any = {"color": colour, "linestyle": line, "marker": "o", "markersize": 2.2, "linewidth": 0.9}
+            axes.plot(x[own], values[own, w], label=str(wheelset) if k == 0 else None, **look)
     if name != "Q":
         axes.axhline(0.0, color=QUIET, linewidth=0.5)
     channel = CHANNELS[name]

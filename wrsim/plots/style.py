@@ -7,7 +7,7 @@ left wheel is blue and the right one vermilion in every picture.
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
@@ -15,10 +15,13 @@ from typing import Any, Literal
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from wrsim.results import CHANNELS, write_atomically
@@ -38,8 +41,6 @@ RAIL_FILL = "#e4e7eb"
 WHEEL_FILL = "#f4efe4"
 Dashes = tuple[float, tuple[float, ...]]
 
-PATCH_LINE: tuple[Dashes | Literal["-"], ...] = ("-", (0, (4, 1.2)), (0, (1, 1)))
-"""Line style of patch 0, 1, 2."""
 GROUP_LINE: tuple[Dashes | Literal["-"], ...] = (
     "-",
     (0, (4, 1.2)),
@@ -49,7 +50,11 @@ GROUP_LINE: tuple[Dashes | Literal["-"], ...] = (
     (0, (7, 1, 1, 1, 1, 1)),
 )
 """Line style of the first, second, ... yaw or load."""
+PATCH_LINE = GROUP_LINE[:3]
+"""Line style of patch 0, 1, 2."""
 GROUP_MARK = ("o", "s", "^", "D", "v", "x")
+SERIES_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", CANT_COLOUR, QUIET)
+"""Colours of the first, second, ... mode or wheelset."""
 
 STYLE: Any = {
     "font.family": "DejaVu Sans",
@@ -118,12 +123,59 @@ def place(figure: Figure, left: float, top: float, width: float, height: float) 
     return figure.add_axes((left / across, 1.0 - (top + height) / down, width / across, height / down))
 
 
+def write(figure: Figure, left: float, top: float, words: str, **options: Any) -> None:
+    """Words whose upper left corner is at a place in mm, ``top`` measured down from the upper edge of the figure."""
+    across, down = figure.get_size_inches() / MM
+    figure.text(left / across, 1.0 - top / down, words, **({"va": "top", "ha": "left"} | options))
+
+
+def note(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **options: Any) -> None:
+    """Small words beside a point of the data; offset: from the point, in points."""
+    settings: dict[str, Any] = {"textcoords": "offset points", "fontsize": 6.5, "color": QUIET} | options
+    axes.annotate(minus(text), at, xytext=offset, **settings)
+
+
+def note_above(axes: Axes, text: str, x: float, lift: float = 1.5, **options: Any) -> None:
+    """Small words above the axes, over x."""
+    note(axes, text, (x, 1.0), (0.0, lift), xycoords=("data", "axes fraction"), ha="center", va="bottom", **options)
+
+
+def remark(axes: Axes, words: str) -> None:
+    """How to read the axes, small above them."""
+    axes.set_title(words, fontsize=6.5, color=QUIET, pad=2.0)
+
+
+def minus(words: str) -> str:
+    """Words of a number with a minus sign for a hyphen."""
+    return words.replace("-", "\N{MINUS SIGN}")
+
+
+def few_ticks(axes: Axes, most: int, size: float, pad: float = 1.5) -> None:
+    """At most so many round ticks on both axes, with small numbers."""
+    axes.tick_params(labelsize=size, pad=pad)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 5, 10]))
+
+
+def right_axis(axes: Axes) -> Axes:
+    """A second vertical axis at the right."""
+    right = axes.twinx()
+    right.spines["right"].set_visible(True)
+    right.grid(False)
+    return right
+
+
+def wheel_entries(wheels: Iterable[Any] = ("left", "right")) -> list[Artist]:
+    """Entries of a legend for the wheels."""
+    return [Line2D([], [], color=WHEEL_COLOUR[str(w)], label=f"{w} wheel") for w in wheels]
+
+
 def headline(figure: Figure, title: str, note: str = "") -> None:
     """Title of a picture at its upper left; beneath it, in red, a note about a stopped analysis."""
-    down = figure.get_size_inches()[1] / MM
-    figure.text(0.012, 1.0 - 2.0 / down, title, ha="left", va="top", fontsize=8.5)
+    left = 0.012 * figure.get_figwidth() / MM
+    write(figure, left, 2.0, title, fontsize=8.5)
     if note:
-        figure.text(0.012, 1.0 - 6.5 / down, note, ha="left", va="top", color=STOP_COLOUR)
+        write(figure, left, 6.5, note, color=STOP_COLOUR)
 
 
 def save(figure: Figure, path: str | Path) -> Path:
@@ -141,31 +193,19 @@ def shown(dataset: xr.Dataset, name: str) -> NDArray[np.float64]:
     return np.asarray(dataset[name].values, dtype=float) * CHANNELS[name].shown.factor
 
 
-def unit(name: str) -> str:
-    """Unit for readers of a channel, in brackets; empty without one."""
-    symbol = CHANNELS[name].shown.symbol
-    return "" if symbol == "1" else f" [{symbol}]"
-
-
-def note(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **options: Any) -> None:
-    """Small words beside a point of the data; offset: from the point, in points."""
-    settings: dict[str, Any] = {"textcoords": "offset points", "fontsize": 6.5, "color": QUIET} | options
-    axes.annotate(text.replace("-", "\N{MINUS SIGN}"), at, xytext=offset, **settings)
-
-
-def note_above(axes: Axes, text: str, x: float, lift: float = 1.5, **options: Any) -> None:
-    """Small words above the axes, over x."""
-    note(axes, text, (x, 1.0), (0.0, lift), xycoords=("data", "axes fraction"), ha="center", va="bottom", **options)
-
-
 def draw_line(axes: Axes, x: NDArray[Any], y: NDArray[Any], **options: Any) -> None:
     """Line through the finite values; a value without neighbours becomes a dot, so that none goes unseen."""
     (line,) = axes.plot(x, y, **options)
-    finite = np.concatenate(([False], np.isfinite(x) & np.isfinite(y), [False]))
-    alone = finite[1:-1] & ~finite[:-2] & ~finite[2:]
+    alone = without_neighbours(x + y)
     if alone.any() and line.get_marker() in ("None", None, "", " "):
-        options = {"color": line.get_color(), "markersize": 1.8, "zorder": line.get_zorder(), "label": "_dots"}
-        axes.plot(x[alone], y[alone], "o", **options)
+        look: Any = {"color": line.get_color(), "zorder": line.get_zorder()}
+        axes.plot(x[alone], y[alone], "o", markersize=1.8, label="_dots", **look)
+
+
+def without_neighbours(values: NDArray[Any]) -> NDArray[np.bool_]:
+    """Where a value is finite and its neighbours are not."""
+    finite = np.pad(np.isfinite(values), 1)
+    return np.asarray(finite[1:-1] & ~finite[:-2] & ~finite[2:])
 
 
 def abscissa(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 from typing import Literal
 
@@ -41,7 +42,7 @@ def track_figure(track: Track) -> Figure:
     if not track.centre_line.pitch_law.is_zero:
         draws.append(height)
     if track.is_uneven:
-        draws += [vertical_irregularity, lateral_irregularity]
+        draws += [partial(irregularity, way="vertical"), partial(irregularity, way="lateral")]
     with style():
         figure = new_figure(FULL_WIDTH, 84.0 + 27.0 * len(draws))
         grid = figure.add_gridspec(1 + len(draws), 1, height_ratios=(2.6, *(1.0 for _ in draws)))
@@ -130,25 +131,16 @@ def height(axes: Axes, track: Track) -> Axes:
     return axes
 
 
-def vertical_irregularity(axes: Axes, track: Track) -> Axes:
-    """How far both rails lie above their designed place."""
-    return _irregularity(axes, track, 1, "Vertical\n[mm]")
-
-
-def lateral_irregularity(axes: Axes, track: Track) -> Axes:
-    """How far both rails lie to the left of their designed place."""
-    return _irregularity(axes, track, 0, "Lateral\n[mm] (+ left)")
-
-
-def _irregularity(axes: Axes, track: Track, way: int, label: str) -> Axes:
+def irregularity(axes: Axes, track: Track, way: Literal["lateral", "vertical"]) -> Axes:
+    """How far both rails lie to the left of their designed place, or above it."""
     s = np.arange(0.0, track.length, IRREGULARITY_STEP)
     sides: tuple[Literal["left", "right"], ...] = ("left", "right")
     for side in sides:
-        values = 1e3 * track.irregularity(side, s)[way]
+        values = 1e3 * track.irregularity(side, s)[int(way == "vertical")]
         axes.plot(s, values, color=WHEEL_COLOUR[side], linewidth=0.6, label=f"{side} rail")
     _limits(axes, 1.0)
     axes.legend(loc="upper right", ncols=2, fontsize=6.5)
-    axes.set_ylabel(label)
+    axes.set_ylabel("Vertical\n[mm]" if way == "vertical" else "Lateral\n[mm] (+ left)")
     return axes
 
 

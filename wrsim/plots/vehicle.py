@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -71,12 +72,8 @@ def vehicle_view(axes: Axes, sketch: VehicleSketch, view: str) -> Axes:
     for box in sorted(sketch.boxes, key=lambda b: -b.size[h] * b.size[v]):
         width, height = box.size[h], box.size[v]
         corner = (sign * box.centre[h] - 0.5 * width, box.centre[v] - 0.5 * height)
-        axes.add_patch(
-            FancyBboxPatch(
-                corner, width, height, boxstyle="round,pad=0,rounding_size=0.06",
-                facecolor=RAIL_FILL, edgecolor=QUIET, linewidth=0.7, alpha=0.8,
-            )
-        )  # fmt: skip
+        look: Any = {"facecolor": RAIL_FILL, "edgecolor": QUIET, "linewidth": 0.7, "alpha": 0.8}
+        axes.add_patch(FancyBboxPatch(corner, width, height, "round,pad=0,rounding_size=0.06", **look))
         axes.plot(sign * box.centre[h], box.centre[v], marker="+", color=INK, markersize=5.0, markeredgewidth=0.7)
     for wheel in sketch.wheels:
         x, y = sign * wheel.centre[h], wheel.centre[v]
@@ -91,10 +88,8 @@ def vehicle_view(axes: Axes, sketch: VehicleSketch, view: str) -> Axes:
         ends = np.array(element.ends)
         axes.plot(sign * ends[:, h], ends[:, v], color=element.colour, linewidth=1.0, solid_capstyle="round")
         middle = ends.mean(axis=0)
-        axes.plot(
-            sign * middle[h], middle[v], marker=element.mark, color=element.colour, linestyle="none",
-            markersize=4.6 if element.hollow else 2.2, markerfacecolor=_face(element), markeredgewidth=0.7,
-        )  # fmt: skip
+        size = 4.6 if element.hollow else 2.2
+        axes.plot(sign * middle[h], middle[v], markersize=size, markeredgewidth=0.7, **_mark(element))
     for point in sketch.points:
         axes.plot(sign * point[h], point[v], marker="x", color=QUIET, markersize=3.5, markeredgewidth=0.7)
     if v == 2:
@@ -121,12 +116,13 @@ def vehicle_figure(sketch: VehicleSketch) -> Figure:
     rows = (height * scale, width * scale)
     figure = new_figure(FULL_WIDTH, TITLE + rows[0] + GAP + 8.0 + rows[1] + FOOT, constrained=False)
     panels = {
-        "from the side": (MARGIN, TITLE, length * scale, rows[0], (0, 2)),
-        "from behind": (MARGIN + length * scale + GAP + 4.0, TITLE, width * scale, rows[0], (1, 2)),
-        "from above": (MARGIN, TITLE + rows[0] + GAP + 8.0, length * scale, rows[1], (0, 1)),
+        "from the side": (MARGIN, TITLE, length * scale, rows[0]),
+        "from behind": (MARGIN + length * scale + GAP + 4.0, TITLE, width * scale, rows[0]),
+        "from above": (MARGIN, TITLE + rows[0] + GAP + 8.0, length * scale, rows[1]),
     }
-    for view, (left, top, across, down, (h, v)) in panels.items():
-        axes = place(figure, left, top, across, down)
+    for view, where in panels.items():
+        h, v = VIEWS[view]
+        axes = place(figure, *where)
         vehicle_view(axes, sketch, view)
         ends = (-high[1], -low[1]) if h == 1 else (low[h], high[h])
         axes.set_xlim(*ends)
@@ -137,21 +133,15 @@ def vehicle_figure(sketch: VehicleSketch) -> Figure:
             axes.set_xlabel("y [m]")
             axes.set_ylabel("")
     kinds = {element.kind: element for element in reversed(sketch.elements)}
-    handles = [
-        Line2D(
-            [], [], marker=element.mark, color=element.colour, linestyle="none", markersize=4.0, label=kind,
-            markerfacecolor=_face(element),
-        )
-        for kind, element in reversed(kinds.items())
-    ]  # fmt: skip
+    handles = [Line2D([], [], markersize=4.0, label=kind, **_mark(e)) for kind, e in reversed(kinds.items())]
     figure.legend(handles=handles, loc="lower right", ncols=1, frameon=False, fontsize=7.0)
     figure.suptitle(sketch.name, x=MARGIN / FULL_WIDTH, ha="left", fontsize=9.0)
     return figure
 
 
-def _face(element: ElementSketch) -> str:
-    """Colour inside of an element's mark."""
-    return "none" if element.hollow else element.colour
+def _mark(element: ElementSketch) -> dict[str, Any]:
+    face = "none" if element.hollow else element.colour
+    return {"marker": element.mark, "color": element.colour, "linestyle": "none", "markerfacecolor": face}
 
 
 def _extent(sketch: VehicleSketch) -> tuple[np.ndarray, np.ndarray]:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wrsim.plots.histories import Panel, history, stacked
-from wrsim.plots.style import GROUP_LINE, INK, WHEEL_COLOUR, abscissa, draw_line, shown
+from wrsim.plots.style import GROUP_LINE, INK, abscissa, draw_line, shown, wheel_entries
 from wrsim.results import CHANNELS
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
@@ -44,7 +44,6 @@ def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
 
 def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
     """A channel of the wheels, a panel for each wheelset against its own distance, on one scale."""
-    names = wheelsets(dataset)
     values = shown(dataset, name)
     low, high = (float(f(values, initial=0.0)) for f in (np.nanmin, np.nanmax))
     space = 0.05 * max(high - low, 1e-9)
@@ -60,14 +59,16 @@ def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
 
         return panel
 
-    legend: list[Artist] = [Line2D([], [], color=c, label=f"{w} wheel") for w, c in WHEEL_COLOUR.items()]
-    base = of_wheelset(dataset, names[0])
-    return stacked(_untitled(base, dataset), [panel_of(w) for w in names], panel_height_mm=28.0, legend=legend)
+    panels = [panel_of(wheelset) for wheelset in wheelsets(dataset)]
+    return stacked(_track_of(dataset), panels, panel_height_mm=28.0, legend=wheel_entries())
 
 
 def together_figure(dataset: xr.Dataset, dim: str, channels: tuple[str, ...]) -> Figure:
     """Channels of wheelsets, bodies or points, a panel each, and a line for each of them, the smallest in front."""
-    labels = [str(label) for label in dataset[dim].values]
+    looks: list[dict[str, Any]] = [
+        {"color": COLOURS[i % len(COLOURS)], "linestyle": GROUP_LINE[i % len(GROUP_LINE)]}
+        for i in range(dataset.sizes[dim])
+    ]
 
     def panel_of(name: str) -> Panel:
         def panel(axes: Axes, _: xr.Dataset) -> Axes:
@@ -75,25 +76,18 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: tuple[str, ...]) ->
             values = shown(dataset, name)
             for i in np.argsort(-np.ptp(values, axis=0), kind="stable"):  # small ones last, or large ones hide them
                 at = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
-                draw_line(
-                    axes, at, values[:, i], color=COLOURS[i % len(COLOURS)], linestyle=GROUP_LINE[i % len(GROUP_LINE)]
-                )
+                draw_line(axes, at, values[:, i], **looks[i])
             axes.set_ylabel(CHANNELS[name].label.replace(" of the body", "").replace(" [", "\n["))
             return axes
 
         return panel
 
-    legend: list[Artist] = [
-        Line2D([], [], color=COLOURS[i % len(COLOURS)], linestyle=GROUP_LINE[i % len(GROUP_LINE)], label=label)
-        for i, label in enumerate(labels)
-    ]
-    base = of_wheelset(dataset, wheelsets(dataset)[0])
-    present = [name for name in channels if name in dataset]
-    return stacked(_untitled(base, dataset), [panel_of(name) for name in present], legend=legend)
+    legend = [Line2D([], [], label=str(n), **look) for n, look in zip(dataset[dim].values, looks, strict=True)]
+    panels = [panel_of(name) for name in channels if name in dataset]
+    return stacked(_track_of(dataset), panels, legend=legend)
 
 
-def _untitled(base: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset:
-    """One wheelset's dataset for the track beneath the panels, without moments, under the vehicle's title."""
-    base = base.drop_dims("snapshot") if "snapshot" in base.dims else base
-    base.attrs["title"] = dataset.attrs["title"]
-    return base
+def _track_of(dataset: xr.Dataset) -> xr.Dataset:
+    """The first wheelset's dataset for the track beneath the panels, without moments, under the vehicle's title."""
+    first = of_wheelset(dataset, wheelsets(dataset)[0]).drop_dims("snapshot", errors="ignore")
+    return first.assign_attrs(title=dataset.attrs["title"])
