@@ -54,7 +54,7 @@ class Section(BaseModel):
     header: ClassVar[str] = "this table"
     """How the table is called in messages, for example ``[vehicle]``."""
     aliases: ClassVar[dict[str, str]] = {}
-    """Names that users bring from other programs -> our key."""
+    """Our key -> names of it that users bring from other programs, with spaces between."""
     elsewhere: ClassVar[dict[str, str]] = {}
     """Keys of other tables -> the header of that table."""
 
@@ -66,6 +66,11 @@ class Section(BaseModel):
     def consistency(self) -> Iterator[Fault]:
         """Yield faults in the combination of values; called when every value and every rule is met."""
         yield from ()
+
+    def of_side(self, key: str, side: str) -> tuple[str, Any]:
+        """The key of one side and its value or, where that is not given, those of both sides; see both_or_sides."""
+        own = side_key(key, side)
+        return (key, getattr(self, key)) if getattr(self, own) is None else (own, getattr(self, own))
 
     @model_validator(mode="wrap")
     @classmethod
@@ -128,7 +133,8 @@ class Section(BaseModel):
     def _unknown(cls, key: str, raw: dict[str, Any]) -> tuple[str, str | None]:
         """Return the message for an unknown key and the key of this section that was meant, if any."""
         allowed = list(cls.model_fields)
-        meant = cls.aliases.get(key) or _same_stem(key, allowed)
+        meant = next((ours for ours, names in cls.aliases.items() if key in names.split()), None)
+        meant = meant or _same_stem(key, allowed)
         if meant is None and key not in cls.elsewhere:
             stems = {_stem(k): k for k in allowed}
             near = nearest(key, allowed) or nearest(_stem(key), list(stems))
@@ -148,15 +154,20 @@ class Section(BaseModel):
 T = TypeVar("T")
 
 
-def both_or_sides(
-    raw: dict[str, Any], both: str, left: str, right: str, *, needed: str = "", complete: bool = False
-) -> Iterator[Fault]:
+def side_key(both: str, side: str) -> str:
+    """The key of one side beside the one for both: ``radius_left_mm`` beside ``radius_mm``."""
+    stem, *unit = both.split("_", 1)
+    return "_".join((stem, side, *unit))
+
+
+def both_or_sides(raw: dict[str, Any], both: str, *, needed: str = "", complete: bool = False) -> Iterator[Fault]:
     """Rules for a key that holds for both sides and its two relatives for single sides.
 
     A value for both sides next to one for a single side is refused. ``complete``: with one side the other
     has to be given as well. ``needed`` (what the key must be): one of the ways has to be taken; implies
     ``complete``.
     """
+    left, right = side_key(both, "left"), side_key(both, "right")
     sides = [key for key in (left, right) if key in raw]
     if both in raw and sides:
         yield Fault(both, f"is for both sides and cannot stand next to {' and '.join(sides)}")

@@ -98,7 +98,7 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
     section = scenario.spec.track
     found = []
     for side in SIDES:
-        key, name = section.rail_of(side)
+        key, name = section.of_side("rail", side)
         files.append(scenario.find(("track", key), name))
         rail = load_profile(files[-1], "rail").inclined(section.inclination)
         if section.gauge_between == "gauge points":

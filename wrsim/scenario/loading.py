@@ -14,7 +14,7 @@ from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import write_toml
 from wrsim.register import ANALYSES
-from wrsim.scenario.merging import Merged, from_text, read_merged
+from wrsim.scenario.merging import Merged, from_text, read_merged, value_at
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
 from wrsim.scenario.track_file import with_track_file
 
@@ -64,10 +64,7 @@ class Scenario:
 
     def fault(self, path: KeyPath, message: str) -> InputError:
         """Return the error for a key whose value passed the schema but does not fit the rest."""
-        value: Any = self._merged.data
-        for part in path:
-            value = value[part]
-        return InputError(fault_line(path, message, self.locate, value))
+        return InputError(fault_line(path, message, self.locate, value_at(self._merged.data, path)))
 
     def find(self, path: KeyPath, name: str) -> Path:
         """Return the model file of this name; InputError names the key at ``path`` that asks for it."""

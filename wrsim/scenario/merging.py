@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -31,30 +33,23 @@ class Merged:
 
     def locate(self, path: KeyPath) -> str:
         """Return file and line of a key: the file that set it last, or that has its table."""
-        for end in range(len(path), -1, -1):
-            if end == 0 or path[:end] in self.owners:
-                name = self.owners.get(path[:end], str(self.files[0]) if self.files else "scenario")
-                line = line_of(self.lines.get(name, {}), path)
-                return name if line is None else f"{name}:{line}"
-        raise AssertionError("unreachable")
+        owners = (self.owners[path[:end]] for end in range(len(path), 0, -1) if path[:end] in self.owners)
+        name = next(owners, str(self.files[0]) if self.files else "scenario")
+        line = line_of(self.lines.get(name, {}), path)
+        return name if line is None else f"{name}:{line}"
 
 
-def read_merged(path: Path) -> Merged:
-    """Read a scenario file and, if it has a ``base``, that one beneath it.
-
-    Tables merge key by key; everything else, lists included, is replaced. Raises InputError for files that
-    cannot be read and for a base that leads back to itself.
-    """
-    return _read(path, ())
+def of_tables(data: dict[str, Any], text: str, name: str, files: tuple[Path, ...]) -> Merged:
+    """The tables of one text, all keys with the same owner: ``name``."""
+    return Merged(data, text, files, _owned(data, name), {name: key_lines(text)})
 
 
 def from_text(text: str, name: str) -> Merged:
     """Take the text of a scenario that is no file (of a stored result); ``base`` is not allowed there."""
     data = parse_toml(text, name)
-    lines = {name: key_lines(text)}
     if BASE in data:
         raise InputError(f"{name}: base: needs a file; this text has to be whole")
-    return Merged(data, text, (), owned(data, name), lines)
+    return of_tables(data, text, name, ())
 
 
 def overlay(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
@@ -68,27 +63,28 @@ def overlay(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
     return merged
 
 
-def _read(path: Path, children: tuple[Path, ...]) -> Merged:
+def read_merged(path: Path, children: tuple[Path, ...] = ()) -> Merged:
+    """Read a scenario file and, if it has a ``base``, that one beneath it; children: files that start from this one.
+
+    Tables merge key by key; everything else, lists included, is replaced. Raises InputError for files that
+    cannot be read and for a base that leads back to itself.
+    """
     text = read_text(path, "scenario file")
-    name = str(path)
-    data = parse_toml(text, name)
-    lines = {name: key_lines(text)}
-    if BASE not in data:
-        return Merged(data, text, (path,), owned(data, name), lines)
-    base = data.pop(BASE)
-    top = Merged(data, text, (path,), owned(data, name), lines)
+    data = parse_toml(text, str(path))
+    has_base, base = BASE in data, data.pop(BASE, None)
+    top = of_tables(data, text, str(path), (path,))
+    if not has_base:
+        return top
     if not isinstance(base, str) or not base.strip() or "\0" in base:
         message = 'must be the name of a scenario file in quotes, such as "curve.toml"'
         raise InputError(fault_line((BASE,), message, top.locate, base))
     below_path = path.parent / base
     family = (*children, path)
-    for relative in family:
-        if _same(relative, below_path):
-            chain = " -> ".join(str(p) for p in (*family, below_path))
-            message = f"scenarios start from each other: {chain}"
-            raise InputError(fault_line((BASE,), message, top.locate, base))
+    if any(_same(relative, below_path) for relative in family):
+        message = f"scenarios start from each other: {' -> '.join(map(str, (*family, below_path)))}"
+        raise InputError(fault_line((BASE,), message, top.locate, base))
     try:
-        below = _read(below_path, family)
+        below = read_merged(below_path, family)
     except InputError as error:
         if os.path.isfile(below_path):
             raise
@@ -98,7 +94,7 @@ def _read(path: Path, children: tuple[Path, ...]) -> Merged:
 
 def laid_over(below: Merged, top: Merged) -> Merged:
     """Two trees of tables, ``top`` over ``below``, with the owner of every key; the files of ``top`` come first."""
-    replaced = {own for own in top.owners if own and not isinstance(_at(top.data, own), dict)}
+    replaced = {own for own in top.owners if own and not isinstance(value_at(top.data, own), dict)}
     kept = {
         path: owner
         for path, owner in below.owners.items()
@@ -117,22 +113,19 @@ def _same(a: Path, b: Path) -> bool:
         return False
 
 
-def owned(data: Any, name: str, path: KeyPath = ()) -> dict[KeyPath, str]:
+def _owned(data: Any, name: str, path: KeyPath = ()) -> dict[KeyPath, str]:
     """Every key of a tree, all with the same owner; plain lists count as one."""
-    owners: dict[KeyPath, str] = {}
+    items: list[tuple[str | int, Any]] = []
     if isinstance(data, dict):
-        items: list[tuple[str | int, Any]] = list(data.items())
+        items = list(data.items())
     elif isinstance(data, list) and any(isinstance(entry, dict) for entry in data):
         items = list(enumerate(data))
-    else:
-        items = []
+    owners: dict[KeyPath, str] = {}
     for key, value in items:
-        owners[(*path, key)] = name
-        owners.update(owned(value, name, (*path, key)))
+        owners |= {(*path, key): name, **_owned(value, name, (*path, key))}
     return owners
 
 
-def _at(data: Any, path: KeyPath) -> Any:
-    for part in path:
-        data = data[part]
-    return data
+def value_at(data: Any, path: KeyPath) -> Any:
+    """The value of a key in a tree of tables."""
+    return reduce(getitem, path, data)

@@ -26,11 +26,11 @@ class ScenarioSpec(Section):
 
     header: ClassVar[str] = "a scenario"
     aliases: ClassVar[dict[str, str]] = {
-        "name": "title",
-        "type": "analysis",
-        "wheelset": "vehicle",
-        "simulation": "run",
-        "results": "output",
+        "title": "name",
+        "analysis": "type",
+        "vehicle": "wheelset",
+        "run": "simulation",
+        "output": "results",
     }
 
     title: Annotated[str, text("a title")] = "untitled"

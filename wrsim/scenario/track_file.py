@@ -10,12 +10,11 @@ from typing import Annotated, Any, ClassVar
 
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check, fault_line
-from wrsim.inputs.lines import key_lines
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import parse_toml, read_text, write_toml
+from wrsim.inputs.toml_files import parse_toml, read_text
 from wrsim.inputs.values import Day, Source, text
-from wrsim.scenario.merging import Merged, laid_over, owned
+from wrsim.scenario.merging import Merged, laid_over, of_tables
 
 FILE = "file"
 
@@ -48,7 +47,7 @@ def with_track_file(merged: Merged, finder: Finder) -> Merged:
     except InputError as error:
         raise InputError(fault_line(key, str(error), merged.locate, name)) from None
     data = parse_toml(text, str(path))
-    below = Merged(data, text, (path,), owned(data, str(path)), {str(path): key_lines(text)})
+    below = of_tables(data, text, str(path), (path,))
     check(TrackFile, {k: v for k, v in data.items() if k != "track"}, below.locate)
     inner = data.get("track")
     if not isinstance(inner, dict):
@@ -58,6 +57,4 @@ def with_track_file(merged: Merged, finder: Finder) -> Merged:
     below.data = {"track": inner}
     own: dict[str, Any] = {**merged.data, "track": {k: v for k, v in track.items() if k != FILE}}
     owners = {path: owner for path, owner in merged.owners.items() if path != key}
-    joined = laid_over(below, Merged(own, merged.text, merged.files, owners, merged.lines))
-    joined.text = write_toml(joined.data)
-    return joined
+    return laid_over(below, Merged(own, merged.text, merged.files, owners, merged.lines))

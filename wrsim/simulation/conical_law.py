@@ -53,7 +53,6 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
         return status
 
     def look_near(self, origin: float | Array) -> None:
-        """See ``VehicleOnTrack``."""
         super().look_near(origin)
         if np.ndim(origin) == 0:
             self.own_places[:] = [float(origin) + m.x for m in self.vehicle.wheelsets]  # type: ignore[arg-type]
@@ -61,10 +60,8 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
             self.own_places[:] = np.asarray(origin)[:, 0]
 
     def memory(self) -> Array:
-        """See ``VehicleOnTrack``."""
         return np.concatenate([self.own_places, super().memory()])
 
     def recall(self, memory: Array) -> None:
-        """Put back what ``memory`` gave."""
         self.own_places[:] = memory[: self.own_places.size]
         super().recall(memory[self.own_places.size :])

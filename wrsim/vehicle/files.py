@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar
 
@@ -11,19 +11,15 @@ from pydantic import Field
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
-from wrsim.inputs.checking import fault_line
+from wrsim.inputs.checking import Locate, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Fault, Section, both_or_sides, given
 from wrsim.inputs.values import Three, number, positive, text, words
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
-Locate = Callable[[KeyPath], str]
-
 Radius = Annotated[float, number(100, 1500, "radius at the tape circle in mm, such as 460")]
 WheelName = Annotated[str, text('a wheel profile file such as "wheels/S1002.toml"')]
-
-
 Springs = Annotated[
     Three[Annotated[float, number(0, 1e9)]],
     Field(description="three numbers not below 0: along x (forward), y (lateral), z (vertical)"),
@@ -35,13 +31,11 @@ class WheelsetTable(Section):
 
     header: ClassVar[str] = "[wheelset]"
     aliases: ClassVar[dict[str, str]] = {
-        "profile": "wheel",
-        "wheel_profile": "wheel",
-        "ixx_kg_m2": "roll_inertia_kg_m2",
-        "iyy_kg_m2": "spin_inertia_kg_m2",
-        "izz_kg_m2": "yaw_inertia_kg_m2",
-        "pitch_inertia_kg_m2": "spin_inertia_kg_m2",
-        "back_to_back_mm": "flange_back_mm",
+        "wheel": "profile wheel_profile",
+        "roll_inertia_kg_m2": "ixx_kg_m2",
+        "spin_inertia_kg_m2": "iyy_kg_m2 pitch_inertia_kg_m2",
+        "yaw_inertia_kg_m2": "izz_kg_m2",
+        "flange_back_mm": "back_to_back_mm",
     }
 
     mass_kg: Annotated[float, positive(20_000, "kg")]
@@ -61,8 +55,8 @@ class WheelsetTable(Section):
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """A value for both wheels or one for each; the spacing in one of two ways."""
-        yield from both_or_sides(raw, "wheel", "wheel_left", "wheel_right", needed=words(WheelName))
-        yield from both_or_sides(raw, "radius_mm", "radius_left_mm", "radius_right_mm", needed=words(Radius))
+        yield from both_or_sides(raw, "wheel", needed=words(WheelName))
+        yield from both_or_sides(raw, "radius_mm", needed=words(Radius))
         if "flange_back_mm" in raw and "profile_spacing_mm" in raw:
             yield Fault("flange_back_mm", "cannot stand next to profile_spacing_mm: give one of them")
         elif "flange_back_mm" not in raw and "profile_spacing_mm" not in raw:
@@ -77,12 +71,6 @@ class WheelsetTable(Section):
         if self.flange_back_mm is not None:
             return (self.flange_back_mm + 2.0 * self.back_to_tape_circle_mm) / 1000.0
         return given(self.profile_spacing_mm) / 1000.0
-
-    @property
-    def radii(self) -> tuple[float, float]:
-        """Radii of the left and right wheel at the tape circle [m]."""
-        left, right = (given(own, self.radius_mm) for own in (self.radius_left_mm, self.radius_right_mm))
-        return left / 1000.0, right / 1000.0
 
 
 class SuspensionTable(Section):
@@ -102,7 +90,7 @@ class SprungTable(Section):
     """[sprung]: the share of the vehicle that this wheelset carries."""
 
     header: ClassVar[str] = "[sprung]"
-    aliases: ClassVar[dict[str, str]] = {"height_mm": "height_above_axle_mm"}
+    aliases: ClassVar[dict[str, str]] = {"height_above_axle_mm": "height_mm"}
 
     mass_kg: Annotated[float, number(0, 50_000, "kg")] = 0.0
     height_above_axle_mm: Annotated[float, number(-1000, 5000, "mm of its centre above the axle")] = 0.0
@@ -115,15 +103,11 @@ def with_wheel(wheelset: Wheelset, side: str, profile: Profile | None, radius: f
     return replace(wheelset, left=new) if side == "left" else replace(wheelset, right=new)
 
 
-def load_wheel(
-    table: WheelsetTable, side: str, finder: Finder, locate: Locate, path: KeyPath = ("wheelset",)
-) -> Profile:
-    """Read the profile of one wheel of a [wheelset] that stands at ``path`` of its file. Raises InputError."""
-    own = table.wheel_left if side == "left" else table.wheel_right
-    key = "wheel" if own is None else f"wheel_{side}"
-    name = given(own, table.wheel)
+def load_wheel(table: WheelsetTable, side: str, finder: Finder, locate: Locate, path: KeyPath) -> Wheel:
+    """One wheel of a [wheelset] that stands at ``path`` of its file, its profile read. Raises InputError."""
+    key, name = table.of_side("wheel", side)
     try:
         file = finder.find(name)
     except InputError as error:
         raise InputError(fault_line((*path, key), str(error), locate, name)) from None
-    return load_profile(file, "wheel")
+    return Wheel(load_profile(file, "wheel"), table.of_side("radius_mm", side)[1] / 1000.0)

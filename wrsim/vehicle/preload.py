@@ -46,26 +46,25 @@ def preloads(vehicle: Vehicle) -> list[Array]:
         if i >= 0:
             load[i] += _at(np.array(extra.at) - centres[i + base]).T @ np.array(extra.force)
 
-    def motion(element: Element) -> Array:
-        """Travel of the element per motion of the bodies, (directions, 6 n)."""
-        rows = np.zeros((3, n, 6))
+    def motion(element: Element) -> tuple[Array, Array]:
+        """Travel along the element's directions, (m, 6 n), and turning, (3, 6 n), per motion of the bodies."""
+        rows, turns = np.zeros((2, 3, n, 6))
         for name, end, sign in zip((element.first, element.second), element.points, (-1.0, 1.0), strict=True):
             i = vehicle.index(name) - base
             if 0 <= i < n:
                 rows[:, i] += sign * _at(np.array(end) - centres[i + base])
-        return element.directions @ rows.reshape(3, 6 * n)
+                turns[:, i, 3:] += sign * np.eye(3)
+        return element.directions @ rows.reshape(3, 6 * n), turns.reshape(3, 6 * n)
 
     motions = [motion(element) for element in vehicle.elements]
     stiffness = np.zeros((6 * n, 6 * n))
     right = load.ravel().copy()
-    for element, travel in zip(vehicle.elements, motions, strict=True):
-        if element.given_preload is not None:
-            right += travel.T @ np.array(element.given_preload)
+    for element, (travel, turning) in zip(vehicle.elements, motions, strict=True):
+        if element.preload is not None:
+            right += travel.T @ np.array(element.preload)
         else:
             stiffness += travel.T @ np.diag(element.stiffness_at_rest) @ travel
-    for element in vehicle.elements:
-        if any(element.rotational_stiffness):
-            stiffness += _turning(vehicle, element, n, base)
+        stiffness += turning.T @ np.diag(element.turning_stiffness) @ turning
     u = np.linalg.lstsq(stiffness, right, rcond=1e-12)[0] if n else np.zeros(0)
     left = right - stiffness @ u
     if n and np.max(np.abs(left)) > TOLERANCE * vehicle.mass * STANDARD_GRAVITY:
@@ -75,9 +74,9 @@ def preloads(vehicle: Vehicle) -> list[Array]:
             f"({left[6 * loose + direction]:.4g} {'N' if direction < 3 else 'N m'} are left over)"
         )
     found = []
-    for element, travel in zip(vehicle.elements, motions, strict=True):
-        if element.given_preload is not None:
-            found.append(np.array(element.given_preload))
+    for element, (travel, _) in zip(vehicle.elements, motions, strict=True):
+        if element.preload is not None:
+            found.append(np.array(element.preload))
         else:
             force = -element.stiffness_at_rest * (travel @ u)
             found.append(np.where(np.abs(force) > ROUND_OFF * vehicle.mass * STANDARD_GRAVITY, force, 0.0))
@@ -89,14 +88,3 @@ def _at(arm: Array) -> Array:
     x, y, z = arm
     turn = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
     return np.hstack([np.eye(3), turn])
-
-
-def _turning(vehicle: Vehicle, element: Element, n: int, base: int) -> Array:
-    """Share of the rotational springs in the stiffness matrix."""
-    rows = np.zeros((3, n, 6))
-    for name, sign in ((element.first, -1.0), (element.second, 1.0)):
-        i = vehicle.index(name) - base
-        if 0 <= i < n:
-            rows[:, i, 3:] += sign * np.eye(3)
-    flat = rows.reshape(3, 6 * n)
-    return np.asarray(flat.T @ np.diag(element.rotational_stiffness) @ flat)

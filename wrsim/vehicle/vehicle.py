@@ -131,8 +131,9 @@ class Vehicle:
     @property
     def weight(self) -> float:
         """Force of all wheels on level rails at rest [N], if no spring to a frame carries a share."""
-        carried = sum(load.mass for load in self.carried)
-        return (self.mass + carried) * STANDARD_GRAVITY - sum(load.force[2] for load in self.loads)
+        return (self.mass + sum(load.mass for load in self.carried)) * STANDARD_GRAVITY - sum(
+            load.force[2] for load in self.loads
+        )
 
     @property
     def centre(self) -> Array:

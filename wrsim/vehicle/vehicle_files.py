@@ -12,11 +12,10 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from wrsim.errors import InputError
-from wrsim.inputs.checking import Locate, check
-from wrsim.inputs.lines import KeyPath, key_lines, line_of
+from wrsim.inputs.checking import Locate, check, opened
+from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import parse_toml, read_text
 from wrsim.inputs.values import Day, Source, text
 from wrsim.vehicle.assembly import Assembly
 from wrsim.vehicle.elements import GUIDE, TRACK
@@ -25,7 +24,7 @@ from wrsim.vehicle.files import SprungTable, SuspensionTable, WheelsetTable, loa
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.vehicle_sections import PartTable
-from wrsim.vehicle.wheelset import Wheel, Wheelset
+from wrsim.vehicle.wheelset import Wheelset
 
 OF_PARTS = ("bodies", "wheelsets", "elements", "parts", "places", "wheelset_types")
 """Tables of a file that puts a vehicle together from parts."""
@@ -35,7 +34,7 @@ class WheelsetFile(Section):
     """The file of a single wheelset."""
 
     header: ClassVar[str] = "a vehicle file"
-    aliases: ClassVar[dict[str, str]] = {"title": "name", "vehicle": "wheelset", "sprung_mass": "sprung"}
+    aliases: ClassVar[dict[str, str]] = {"name": "title", "wheelset": "vehicle", "sprung": "sprung_mass"}
 
     name: Annotated[str, text("the vehicle's name")]
     source: Source
@@ -49,7 +48,7 @@ class VehicleFile(PartTable):
     """The file of a vehicle of parts: the outermost one, and what the parts share."""
 
     header: ClassVar[str] = "a vehicle file"
-    aliases: ClassVar[dict[str, str]] = {"title": "name"}
+    aliases: ClassVar[dict[str, str]] = {"name": "title"}
 
     name: Annotated[str, text("the vehicle's name")]
     source: Source
@@ -66,14 +65,7 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
     Raises InputError with all faults of the file at once: file, line, key, value, what is allowed.
     """
     path = Path(path)
-    content = read_text(path, "vehicle file")
-    lines = key_lines(content)
-
-    def locate(key: KeyPath) -> str:
-        line = line_of(lines, key)
-        return f"{path}:{line}" if line else str(path)
-
-    data = parse_toml(content, str(path))
+    data, locate = opened(path, "vehicle file")
     finder = (find or Finder(())).beside(path)
     if any(key in data for key in OF_PARTS):
         return _of_parts(check(VehicleFile, data, locate), path, finder, locate)
@@ -154,16 +146,12 @@ def check_connected(vehicle: Vehicle) -> None:
 def _wheelset(
     table: WheelsetTable, path: KeyPath, file: WheelsetFile | VehicleFile, finder: Finder, locate: Locate
 ) -> Wheelset:
-    left, right = (
-        Wheel(load_wheel(table, side, finder, locate, path), radius)
-        for side, radius in zip(("left", "right"), table.radii, strict=True)
-    )
     return Wheelset(
         name=file.name,
         mass=table.mass_kg,
         inertia=(table.roll_inertia_kg_m2, table.spin_inertia_kg_m2, table.yaw_inertia_kg_m2),
         profile_spacing=table.spacing,
-        left=left,
-        right=right,
+        left=load_wheel(table, "left", finder, locate, path),
+        right=load_wheel(table, "right", finder, locate, path),
         source=file.source,
     )

@@ -19,7 +19,7 @@ class BodyTable(Section):
     """[bodies.NAME]: a rigid body."""
 
     header: ClassVar[str] = "[bodies.NAME]"
-    aliases: ClassVar[dict[str, str]] = {"center_mm": "centre_mm", "position_mm": "centre_mm"}
+    aliases: ClassVar[dict[str, str]] = {"centre_mm": "center_mm position_mm"}
 
     mass_kg: Annotated[float, positive(1e6, "kg")]
     inertia_kg_m2: Three[Annotated[float, positive(1e9, "kg m2")]]

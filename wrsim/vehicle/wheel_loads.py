@@ -20,23 +20,17 @@ def static_wheel_loads(vehicle: Vehicle) -> NDArray[np.float64]:
     Springs bear on the axles with their preload; each wheel takes its share by the lever of the profile spacing. Where
     on the profiles the contacts lie is left out: an asymmetric vehicle's loads differ from that by some per mille.
     """
+    lifts = [(load.body, load.force[2], load.at[1]) for load in vehicle.loads]  # body, force up, its y
+    lifts += [(carried.body, -carried.mass * STANDARD_GRAVITY, 0.0) for carried in vehicle.carried]
+    for element, force in zip(vehicle.elements, preloads(vehicle), strict=True):
+        up = float(force @ element.directions[:, 2])
+        first, second = element.points
+        lifts += [(element.first, -up, first[1]), (element.second, up, second[1])]
     loads = np.zeros((len(vehicle.wheelsets), 2))
     for w, mounted in enumerate(vehicle.wheelsets):
-        down = mounted.mass * STANDARD_GRAVITY
-        moment = 0.0  # about the forward axis, of forces down
-        for element, force in zip(vehicle.elements, preloads(vehicle), strict=True):
-            for end, sign in ((element.second, 1.0), (element.first, -1.0)):
-                if end != mounted.name:
-                    continue
-                vertical = sign * float(force @ element.directions[:, 2])
-                y = element.points[1 if sign > 0.0 else 0][1]
-                down -= vertical
-                moment -= vertical * y
-        down += sum(load.mass for load in vehicle.carried if load.body == mounted.name) * STANDARD_GRAVITY
-        for load in vehicle.loads:
-            if load.body == mounted.name:
-                down -= load.force[2]
-                moment -= load.force[2] * load.at[1]
+        own = [(up, y) for body, up, y in lifts if body == mounted.name]
+        down = mounted.mass * STANDARD_GRAVITY - sum(up for up, _ in own)
+        moment = -sum(up * y for up, y in own)  # about the forward axis, of forces down
         half = 0.5 * mounted.wheelset.profile_spacing
         loads[w] = 0.5 * down + 0.5 * moment / half, 0.5 * down - 0.5 * moment / half
     return loads

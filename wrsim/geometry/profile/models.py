@@ -60,7 +60,7 @@ class ProfileFile(Section):
     """What every profile file says. A subclass names its kind, which puts it on the list."""
 
     header: ClassVar[str] = "a profile file"
-    aliases: ClassVar[dict[str, str]] = {"type": "kind", "title": "name", "reference": "source"}
+    aliases: ClassVar[dict[str, str]] = {"kind": "type", "name": "title", "source": "reference"}
 
     name: Annotated[str, text("the profile's name")]
     body: Kind
@@ -311,7 +311,7 @@ class BellOfWear(Section):
 class WornFile(ProfileFile, kind="worn"):
     """Another profile with bells of material taken off."""
 
-    aliases: ClassVar[dict[str, str]] = ProfileFile.aliases | {"removal": "removals", "wear": "removals"}
+    aliases: ClassVar[dict[str, str]] = ProfileFile.aliases | {"removals": "removal wear"}
 
     base: Annotated[str, text('the file of the unworn profile, such as "S1002.toml",')]
     removals: List[BellOfWear]

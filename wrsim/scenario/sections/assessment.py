@@ -33,12 +33,11 @@ class AssessmentSection(Table):
 
     header: ClassVar[str] = "[assessment]"
     aliases: ClassVar[dict[str, str]] = {
-        "kind": "vehicle_kind",
-        "type": "vehicle_kind",
-        "mu": "friction",
-        "flange_deg": "flange_angle_deg",
-        "f0_Hz": "instability_frequency_Hz",
-        "section_m": "section_length_m",
+        "vehicle_kind": "kind type",
+        "friction": "mu",
+        "flange_angle_deg": "flange_deg",
+        "instability_frequency_Hz": "f0_Hz",
+        "section_length_m": "section_m",
     }
 
     vehicle_kind: Kind = "passenger"

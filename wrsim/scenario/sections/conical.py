@@ -17,13 +17,11 @@ class ConicalSection(Section):
 
     header: ClassVar[str] = "[contact.conical]"
     aliases: ClassVar[dict[str, str]] = {
-        "lambda": "conicity",
-        "mu": "friction",
-        "creep_x_kN": "creep_longitudinal_kN",
-        "creep_y_kN": "creep_lateral_kN",
-        "f11_kN": "creep_longitudinal_kN",
-        "f22_kN": "creep_lateral_kN",
-        "half_contact_spacing_mm": "half_spacing_mm",
+        "conicity": "lambda",
+        "friction": "mu",
+        "creep_longitudinal_kN": "creep_x_kN f11_kN",
+        "creep_lateral_kN": "creep_y_kN f22_kN",
+        "half_spacing_mm": "half_contact_spacing_mm",
     }
 
     conicity: Annotated[float, number(0, 1, "such as 0.05")]

@@ -36,7 +36,7 @@ class ConicitySection(PlanTable):
     """amplitude_mm, roll."""
 
     header: ClassVar[str] = "[conicity]"
-    aliases: ClassVar[dict[str, str]] = {"amplitudes_mm": "amplitude_mm", "y_mm": "amplitude_mm"}
+    aliases: ClassVar[dict[str, str]] = {"amplitude_mm": "amplitudes_mm y_mm"}
 
     amplitude_mm: Series[Amplitude] = AMPLITUDES
     roll: Roll = "none"

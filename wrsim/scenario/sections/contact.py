@@ -35,14 +35,8 @@ EXACT = HalfSpaceSettings()
 DEFAULTS = ContactSettings()
 
 MATERIAL_ALIASES = {
-    "E": "youngs_modulus_GPa",
-    "E_GPa": "youngs_modulus_GPa",
-    "modulus_GPa": "youngs_modulus_GPa",
-    "young_GPa": "youngs_modulus_GPa",
-    "nu": "poisson",
-    "poisson_ratio": "poisson",
-    "poissons_ratio": "poisson",
-    "sigma": "poisson",
+    "youngs_modulus_GPa": "E E_GPa modulus_GPa young_GPa",
+    "poisson": "nu poisson_ratio poissons_ratio sigma",
 }
 
 
@@ -78,10 +72,10 @@ class HalfSpaceSection(Section):
 
     header: ClassVar[str] = "[contact.half_space]"
     aliases: ClassVar[dict[str, str]] = {
-        "dx_mm": "element_x_mm",
-        "ds_mm": "element_s_mm",
-        "elements": "resolution",
-        "kernel": "influence",
+        "element_x_mm": "dx_mm",
+        "element_s_mm": "ds_mm",
+        "resolution": "elements",
+        "influence": "kernel",
     }
 
     element_x_mm: Element | None = None
@@ -116,21 +110,17 @@ class ContactSection(Section):
 
     header: ClassVar[str] = "[contact]"
     aliases: ClassVar[dict[str, str]] = {
-        "mu": "friction",
-        "mu_left": "friction_left",
-        "mu_right": "friction_right",
-        "friction_coefficient": "friction",
-        "normal_model": "normal",
-        "tangential_model": "tangential",
-        "creep": "tangential",
-        "bound": "traction_bound",
-        "n_strips": "strips",
-        "n_cells": "cells",
-        "patches": "max_patches",
-        "kA": "polach_kA",
-        "kS": "polach_kS",
-        "k_A": "polach_kA",
-        "k_S": "polach_kS",
+        "friction": "mu friction_coefficient",
+        "friction_left": "mu_left",
+        "friction_right": "mu_right",
+        "normal": "normal_model",
+        "tangential": "tangential_model creep",
+        "traction_bound": "bound",
+        "strips": "n_strips",
+        "cells": "n_cells",
+        "max_patches": "patches",
+        "polach_kA": "kA k_A",
+        "polach_kS": "kS k_S",
     }
 
     normal: Normal = DEFAULTS.normal
@@ -161,7 +151,7 @@ class ContactSection(Section):
             yield Fault(
                 "tangential", '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
             )
-        yield from both_or_sides(raw, "friction", "friction_left", "friction_right", complete=True)
+        yield from both_or_sides(raw, "friction", complete=True)
         name = raw.get("normal", DEFAULTS.normal)
         if name in get_args(Normal) and (model := NORMAL_MODELS[name]).solves_for_strips:
             strips = raw.get("strips")
@@ -181,8 +171,8 @@ class ContactSection(Section):
         """Return the same in SI units. Creep forces are by default exact on exact pressures, else FASTSIM's."""
         exact: Tangential = "half-space" if self.normal == "half-space" else "fastsim"
         left, right = (
-            both.law() if isinstance(both, FrictionSection) else both
-            for both in (own if own is not None else self.friction for own in (self.friction_left, self.friction_right))
+            value.law() if isinstance(value, FrictionSection) else value
+            for _, value in (self.of_side("friction", side) for side in ("left", "right"))
         )
         by_width = self.strip_width_mm is not None
         return ContactSettings(

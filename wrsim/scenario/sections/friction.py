@@ -22,14 +22,10 @@ class FrictionSection(Section):
 
     header: ClassVar[str] = "[contact.friction]"
     aliases: ClassVar[dict[str, str]] = {
-        "mu": "static",
-        "mu0": "static",
-        "coefficient": "static",
-        "top_of_rail": "static",
-        "gauge": "gauge_corner",
-        "flange": "gauge_corner",
-        "A": "falling_ratio",
-        "B": "falling_decay_s_per_m",
+        "static": "mu mu0 coefficient top_of_rail",
+        "gauge_corner": "gauge flange",
+        "falling_ratio": "A",
+        "falling_decay_s_per_m": "B",
     }
     elsewhere: ClassVar[dict[str, str]] = {
         "left": "[contact] as friction_left",

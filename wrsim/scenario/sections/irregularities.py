@@ -48,7 +48,7 @@ class GradeSection(Section):
     """From a distance on the track climbs or falls; a vertical curve leads over from the grade before."""
 
     header: ClassVar[str] = "[[track.grades]]"
-    aliases: ClassVar[dict[str, str]] = {"at_m": "from_m", "radius_m": "vertical_radius_m", "grade": "grade_permille"}
+    aliases: ClassVar[dict[str, str]] = {"from_m": "at_m", "vertical_radius_m": "radius_m", "grade_permille": "grade"}
 
     from_m: Place
     grade_permille: Annotated[float, number(-150, 150, "positive: uphill")]
@@ -63,7 +63,7 @@ class SpectrumSection(Section):
     """Irregularities drawn from a spectrum."""
 
     header: ClassVar[str] = "[[track.irregularities]] with kind = spectrum"
-    aliases: ClassVar[dict[str, str]] = {"band_m": "wavelength_m", "wavelengths_m": "wavelength_m", "name": "spectrum"}
+    aliases: ClassVar[dict[str, str]] = {"wavelength_m": "band_m wavelengths_m", "spectrum": "name"}
 
     kind: Literal["spectrum"]
     spectrum: Literal[*SPECTRA]  # type: ignore[valid-type]
@@ -94,7 +94,7 @@ class TableSection(Section):
     """Measured irregularities from a CSV table."""
 
     header: ClassVar[str] = "[[track.irregularities]] with kind = table"
-    aliases: ClassVar[dict[str, str]] = {"table": "file", "csv": "file", "band_m": "wavelength_m"}
+    aliases: ClassVar[dict[str, str]] = {"file": "table csv", "wavelength_m": "band_m"}
 
     kind: Literal["table"]
     file: Annotated[str, text('a CSV file such as "measured.csv"')]
@@ -113,7 +113,7 @@ class TableSection(Section):
 class _Defect(Section):
     """One place: its middle, length, shape and size."""
 
-    aliases: ClassVar[dict[str, str]] = {"depth_mm": "amplitude_mm", "height_mm": "amplitude_mm", "distance_m": "at_m"}
+    aliases: ClassVar[dict[str, str]] = {"amplitude_mm": "depth_mm height_mm", "at_m": "distance_m"}
     channel: ClassVar[Channel]
     sign: ClassVar[float] = 1.0
 

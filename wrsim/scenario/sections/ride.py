@@ -16,7 +16,7 @@ class RideSection(Table):
     """from_m and to_m leave out where a run starts and ends; resolution_Hz is that of the spectra."""
 
     header: ClassVar[str] = "[ride]"
-    aliases: ClassVar[dict[str, str]] = {"start_m": "from_m", "end_m": "to_m", "df_Hz": "resolution_Hz"}
+    aliases: ClassVar[dict[str, str]] = {"from_m": "start_m", "to_m": "end_m", "resolution_Hz": "df_Hz"}
 
     from_m: Place | None = None
     to_m: Place | None = None

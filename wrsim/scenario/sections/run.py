@@ -45,14 +45,10 @@ class RunSection(PlanTable):
 
     header: ClassVar[str] = "[run]"
     aliases: ClassVar[dict[str, str]] = {
-        "duration_s": "time_s",
-        "t_end_s": "time_s",
-        "end_time_s": "time_s",
-        "length_m": "distance_m",
-        "dt_us": "step_us",
-        "h_us": "step_us",
-        "output_step_ms": "output_interval_ms",
-        "sampling_ms": "output_interval_ms",
+        "time_s": "duration_s t_end_s end_time_s",
+        "distance_m": "length_m",
+        "step_us": "dt_us h_us",
+        "output_interval_ms": "output_step_ms sampling_ms",
     }
 
     start_distance_m: Annotated[float, number(0, 1e6, "m along the centre line")] = 0.0
@@ -117,6 +113,6 @@ class OutputSection(Table):
     """What is kept besides the channels."""
 
     header: ClassVar[str] = "[output]"
-    aliases: ClassVar[dict[str, str]] = {"snapshots_m": "patches_at_m", "patches": "patches_at_m"}
+    aliases: ClassVar[dict[str, str]] = {"patches_at_m": "snapshots_m patches"}
 
     patches_at_m: List[Annotated[float, number(0, 1e6, "m along the centre line")]] | None = None

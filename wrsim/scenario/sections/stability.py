@@ -57,12 +57,11 @@ class StabilitySection(PlanTable):
 
     header: ClassVar[str] = "[stability]"
     aliases: ClassVar[dict[str, str]] = {
-        "speeds_kmh": "speed_kmh",
-        "highest_frequency_Hz": "highest_Hz",
-        "limit_cycles": "nonlinear",
-        "bifurcation": "nonlinear",
-        "step_kmh": "cycle_step_kmh",
-        "start_kmh": "cycle_start_kmh",
+        "speed_kmh": "speeds_kmh",
+        "highest_Hz": "highest_frequency_Hz",
+        "nonlinear": "limit_cycles bifurcation",
+        "cycle_step_kmh": "step_kmh",
+        "cycle_start_kmh": "start_kmh",
     }
 
     speed_kmh: Series[Speed] = SPEEDS

@@ -42,19 +42,11 @@ class StaticSection(PlanTable):
 
     header: ClassVar[str] = "[static]"
     aliases: ClassVar[dict[str, str]] = {
-        "y_mm": "lateral_mm",
-        "shift_mm": "lateral_mm",
-        "lateral_shift_mm": "lateral_mm",
-        "attack_mrad": "yaw_mrad",
-        "angle_of_attack_mrad": "yaw_mrad",
-        "force_kN": "load_kN",
-        "Q_kN": "load_kN",
-        "wheel_load_kN": "load_kN",
-        "axle_load_kN": "load_kN",
-        "file": "cases",
-        "csv": "cases",
-        "table": "cases",
-        "wheel": "side",
+        "lateral_mm": "y_mm shift_mm lateral_shift_mm",
+        "yaw_mrad": "attack_mrad angle_of_attack_mrad",
+        "load_kN": "force_kN Q_kN wheel_load_kN axle_load_kN",
+        "cases": "file csv table",
+        "side": "wheel",
     }
 
     target: Literal["wheel", "wheelset"]

@@ -46,12 +46,9 @@ class SteadySection(PlanTable):
 
     header: ClassVar[str] = "[steady]"
     aliases: ClassVar[dict[str, str]] = {
-        "radii_m": "radius_m",
-        "R": "radius_m",
-        "speeds_kmh": "speed_kmh",
-        "v": "speed_kmh",
-        "cants_mm": "cant_mm",
-        "superelevation_mm": "cant_mm",
+        "radius_m": "radii_m R",
+        "speed_kmh": "speeds_kmh v",
+        "cant_mm": "cants_mm superelevation_mm",
     }
 
     radius_m: Series[Radius]

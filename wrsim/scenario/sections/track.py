@@ -61,7 +61,7 @@ class Straight(Section):
     """A straight piece; cant and gauge may run from one value to another along it."""
 
     header: ClassVar[str] = "[[track.segments]] with kind = straight"
-    aliases: ClassVar[dict[str, str]] = {"l": "length_m", "L": "length_m"}
+    aliases: ClassVar[dict[str, str]] = {"length_m": "l L"}
 
     kind: Literal["straight"]
     length_m: Length
@@ -85,7 +85,7 @@ class Transition(Section):
     """From the curvature and cant of the segment before to those of the segment after."""
 
     header: ClassVar[str] = "[[track.segments]] with kind = transition"
-    aliases: ClassVar[dict[str, str]] = {"l": "length_m", "L": "length_m", "type": "form", "shape": "form"}
+    aliases: ClassVar[dict[str, str]] = {"length_m": "l L", "form": "type shape"}
 
     kind: Literal["transition"]
     length_m: Length
@@ -101,14 +101,10 @@ class Arc(Section):
 
     header: ClassVar[str] = "[[track.segments]] with kind = arc"
     aliases: ClassVar[dict[str, str]] = {
-        "l": "length_m",
-        "L": "length_m",
-        "r": "radius_m",
-        "R": "radius_m",
-        "superelevation": "cant_mm",
-        "superelevation_mm": "cant_mm",
-        "widening": "gauge_widening_mm",
-        "widening_mm": "gauge_widening_mm",
+        "length_m": "l L",
+        "radius_m": "r R",
+        "cant_mm": "superelevation superelevation_mm",
+        "gauge_widening_mm": "widening widening_mm",
     }
 
     kind: Literal["arc"]
@@ -151,7 +147,7 @@ class ElasticitySection(Section):
     """A mass on spring and damper under each wheel, moving along with it; laterally and vertically."""
 
     header: ClassVar[str] = "[track.elasticity]"
-    aliases: ClassVar[dict[str, str]] = {"mass_kg": "vertical_mass_kg"}
+    aliases: ClassVar[dict[str, str]] = {"vertical_mass_kg": "mass_kg"}
 
     lateral_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "20 to 50 for one rail under one wheel")]
     vertical_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "30 to 100")]
@@ -179,17 +175,13 @@ class TrackSection(Section):
 
     header: ClassVar[str] = "[track]"
     aliases: ClassVar[dict[str, str]] = {
-        "rail_cant": "inclination",
-        "rail_inclination": "inclination",
-        "profile": "rail",
-        "rail_profile": "rail",
-        "segment": "segments",
-        "grade": "grades",
-        "gradients": "grades",
-        "irregularity": "irregularities",
-        "defects": "irregularities",
-        "csv": "table",
-        "model": "file",
+        "inclination": "rail_cant rail_inclination",
+        "rail": "profile rail_profile",
+        "segments": "segment",
+        "grades": "grade gradients",
+        "irregularities": "irregularity defects",
+        "table": "csv",
+        "file": "model",
     }
 
     file: Annotated[str, text('a track file such as "tracks/mixed_line.toml"')] | None = None
@@ -217,7 +209,7 @@ class TrackSection(Section):
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """A rail for both sides or one for each; a transition lies between two arcs or straights."""
-        yield from both_or_sides(raw, "rail", "rail_left", "rail_right", needed=words(RailName))
+        yield from both_or_sides(raw, "rail", needed=words(RailName))
         if "table" in raw and "segments" in raw:
             yield Fault("table", "cannot stand next to segments: the geometry comes from one place")
         yield from grades_in_order(raw.get("grades"))
@@ -233,11 +225,6 @@ class TrackSection(Section):
         if not self.gauge_mm <= self.cant_base * 1000.0 <= self.gauge_mm + 500.0:
             allowed = f"{plain(self.gauge_mm)} to {plain(self.gauge_mm + 500.0)}"
             yield Fault("cant_base_mm", f"must be from the gauge to 500 mm more ({allowed})")
-
-    def rail_of(self, side: str) -> tuple[str, str]:
-        """Key and name of the rail profile of a side."""
-        own = self.rail_left if side == "left" else self.rail_right
-        return ("rail", self.rail or "") if own is None else (f"rail_{side}", own)
 
     @property
     def cant_base(self) -> float:

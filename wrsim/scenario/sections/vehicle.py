@@ -19,18 +19,12 @@ class VehicleSection(Section):
 
     header: ClassVar[str] = "[vehicle]"
     aliases: ClassVar[dict[str, str]] = {
-        "v": "speed_kmh",
-        "velocity": "speed_kmh",
-        "velocity_kmh": "speed_kmh",
-        "v0": "speed_kmh",
-        "file": "model",
-        "name": "model",
-        "profile": "wheel",
-        "wheel_profile": "wheel",
-        "profile_left": "wheel_left",
-        "profile_right": "wheel_right",
-        "mass": "sprung_mass_kg",
-        "mass_kg": "sprung_mass_kg",
+        "speed_kmh": "v velocity velocity_kmh v0",
+        "model": "file name",
+        "wheel": "profile wheel_profile",
+        "wheel_left": "profile_left",
+        "wheel_right": "profile_right",
+        "sprung_mass_kg": "mass mass_kg",
     }
 
     model: Annotated[str, text('a vehicle file such as "vehicles/wheelset_s1002.toml"')]
@@ -47,5 +41,5 @@ class VehicleSection(Section):
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """One key for both sides, or keys for single sides."""
-        yield from both_or_sides(raw, "wheel", "wheel_left", "wheel_right")
-        yield from both_or_sides(raw, "radius_mm", "radius_left_mm", "radius_right_mm")
+        yield from both_or_sides(raw, "wheel")
+        yield from both_or_sides(raw, "radius_mm")

@@ -19,6 +19,5 @@ class AntiRollBarTable(ElementTable):
     stiffness_kNm_per_rad: Annotated[float, positive(1e6, "kN m/rad")]
 
     def element(self, joint: Joint, axes: Axes) -> Spring:
-        """See `ElementTable`."""
         stiffness = (1e3 * self.stiffness_kNm_per_rad, 0.0, 0.0)
         return Spring(*joint, axes.point(ZERO), turning_stiffness=stiffness)

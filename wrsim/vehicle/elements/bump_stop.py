@@ -15,7 +15,7 @@ class BumpStopTable(ElementTable):
     """kind = "bump-stop": a stop of a given travel; force against travel, the same in both directions or in one."""
 
     header: ClassVar[str] = "[[elements]] with kind = bump-stop"
-    aliases: ClassVar[dict[str, str]] = {**ElementTable.aliases, "gap_mm_force_N": "travel_mm_force_kN"}
+    aliases: ClassVar[dict[str, str]] = {**ElementTable.aliases, "travel_mm_force_kN": "gap_mm_force_N"}
     glyph: ClassVar[Glyph | None] = Glyph("X", "#B00020")
 
     kind: Literal["bump-stop"]
@@ -31,7 +31,6 @@ class BumpStopTable(ElementTable):
             yield Fault("travel_mm_force_kN", "must begin at a travel not below 0, with a force of 0")
 
     def element(self, joint: Joint, axes: Axes) -> Strut:
-        """See `ElementTable`."""
         axis, at = AXIS[self.direction], axes.point(self.at_mm)
         rows = self.travel_mm_force_kN
         free = ((rows[0][0] - 1.0, 0.0), *rows)  # nothing before the stop is met

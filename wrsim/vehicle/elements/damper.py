@@ -52,7 +52,6 @@ class DamperTable(ElementTable):
             yield Fault("velocity_m_per_s_force_kN", "must rise everywhere next to series_stiffness_kN_per_m")
 
     def element(self, joint: Joint, axes: Axes) -> Strut:
-        """See `ElementTable`."""
         points = [axes.point(point) for point in self.points()]  # one on an axis, two on a line
         series = self.series_stiffness_kN_per_m
         rows = tuple((v, 1e3 * f) for v, f in self.velocity_m_per_s_force_kN or ())

@@ -64,9 +64,9 @@ class Element(ABC):
         """Its points on the first and on the second body [m]."""
 
     @property
-    @abstractmethod
     def directions(self) -> Array:
         """Unit vectors along which it pushes in the design position, (m, 3)."""
+        return np.eye(3)
 
     @property
     @abstractmethod
@@ -81,12 +81,12 @@ class Element(ABC):
         """
 
     @property
-    def given_preload(self) -> Triple | None:
-        """Its preload if it is not to be solved for."""
+    def preload(self) -> Triple | None:
+        """Its preload [N] if it is not to be solved for."""
         return None
 
     @property
-    def rotational_stiffness(self) -> Triple:
+    def turning_stiffness(self) -> Triple:
         """Stiffness about x, y, z at rest [N m/rad]."""
         return ZERO
 

@@ -99,7 +99,7 @@ class ElementTable(Section):
     """
 
     header: ClassVar[str] = "[[elements]]"
-    aliases: ClassVar[dict[str, str]] = {"type": "kind", "from": "body", "mirror": "both_sides", "from_mm": "body_mm"}
+    aliases: ClassVar[dict[str, str]] = {"kind": "type", "body": "from", "both_sides": "mirror", "body_mm": "from_mm"}
     glyph: ClassVar[Glyph | None] = None
     """How its kind is drawn; None: not at all."""
 

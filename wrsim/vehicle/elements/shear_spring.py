@@ -32,7 +32,6 @@ class ShearSpringTable(ElementTable):
             yield Fault("to_mm", "must lie straight above or below body_mm: the column stands upright")
 
     def element(self, joint: Joint, axes: Axes) -> Spring:
-        """See `ElementTable`."""
         x, y, z = (0.5 * (a + b) for a, b in zip(self.body_mm, self.to_mm, strict=True))
         bending, torsion = self.bending_stiffness_kNm_per_rad, self.torsional_stiffness_kNm_per_rad
         return Spring(

@@ -33,36 +33,17 @@ class Spring(Element):
 
     @property
     def points(self) -> tuple[Triple, Triple]:
-        """See `Element`."""
         return self.at, self.at
 
     @property
-    def directions(self) -> Array:
-        """See `Element`."""
-        return np.eye(3)
-
-    @property
     def stiffness_at_rest(self) -> Array:
-        """See `Element`."""
         return np.array(self.stiffness)
 
     @property
-    def given_preload(self) -> Triple | None:
-        """See `Element`."""
-        return self.preload
-
-    @property
-    def rotational_stiffness(self) -> Triple:
-        """See `Element`."""
-        return self.turning_stiffness
-
-    @property
     def resists_turning(self) -> bool:
-        """See `Element`."""
         return any(self.turning_stiffness) or any(self.turning_damping)
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
-        """See `Element`."""
         from wrsim.core.body import suspension as kernel
 
         row.kind = kernel.SHEAR if self.column else kernel.FIELD
@@ -85,7 +66,6 @@ class SpringTable(ElementTable):
     preload_kN: Three[Annotated[float, number(-1e4, 1e4, "kN")]] | None = None
 
     def element(self, joint: Joint, axes: Axes) -> Spring:
-        """See `ElementTable`."""
         return Spring(
             *joint, axes.point(self.at_mm),
             scaled(self.stiffness_kN_per_m), scaled(self.damping_kNs_per_m),

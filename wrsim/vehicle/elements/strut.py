@@ -33,20 +33,16 @@ class Strut(Element):
 
     @property
     def points(self) -> tuple[Triple, Triple]:
-        """See `Element`."""
         return self.ends
 
     @property
     def directions(self) -> Array:
-        """See `Element`."""
         if self.axis is not None:
             return np.eye(3)[self.axis][None]
-        line = self._line
-        return np.asarray(line / np.linalg.norm(line))[None]
+        return np.asarray(self._line / np.linalg.norm(self._line))[None]
 
     @property
     def stiffness_at_rest(self) -> Array:
-        """See `Element`."""
         table = self.spring_table
         if not table:
             return np.array([self.stiffness])
@@ -55,16 +51,13 @@ class Strut(Element):
 
     @property
     def turns_with_first(self) -> bool:
-        """See `Element`."""
         return self.axis is not None
 
     def force_on_second(self, readings: Array) -> Array:
-        """See `Element`."""
         return readings[:, :3] if self.axis is not None else -readings[:, :1] * self.directions
 
     @property
     def travel_place(self) -> int:
-        """See `Element`."""
         return 3 + (self.axis or 0)
 
     @property
@@ -72,7 +65,6 @@ class Strut(Element):
         return np.array(self.ends[1]) - np.array(self.ends[0])
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
-        """See `Element`."""
         from wrsim.core.body import suspension as kernel
 
         row.kind = kernel.LINE if self.axis is None else kernel.AXIS

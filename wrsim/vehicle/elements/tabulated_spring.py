@@ -23,7 +23,6 @@ class TabulatedSpringTable(ElementTable):
     damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
 
     def element(self, joint: Joint, axes: Axes) -> Strut:
-        """See `ElementTable`."""
         axis, at = AXIS[self.direction], axes.point(self.at_mm)
         table = along_axis(self.travel_mm_force_kN, axes.signs[axis])
         damping = 1e3 * self.damping_kNs_per_m

@@ -29,6 +29,5 @@ class TractionRodTable(ElementTable):
             yield Fault("to_mm", "is the same point as body_mm: a rod needs a length")
 
     def element(self, joint: Joint, axes: Axes) -> Strut:
-        """See `ElementTable`."""
         ends = axes.point(self.body_mm), axes.point(self.to_mm)
         return Strut(*joint, ends, None, 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m)
