@@ -22,22 +22,27 @@ def read_text(path: Path, what: str = "file") -> str:
     Raises InputError for a missing file (naming neighbours with a similar name), a directory, a file that
     cannot be opened, and bytes that are not UTF-8 (naming the line).
     """
-    try:
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such {what}{similar_files(path)}") from None
-    except IsADirectoryError:
+    if os.path.isdir(path):
         inside = _listing(sorted(p.name for p in path.glob("*.toml")))
-        raise InputError(f"{path}: is a directory, a {what} is needed{inside}") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot read this {what}: {reason}") from None
+        raise InputError(f"{path}: is a directory, a {what} is needed{inside}")
+    data = read_bytes(path, what)
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
         byte = f"0x{data[error.start]:02x}"
         raise InputError(f"{path}:{line}: byte {byte} is not UTF-8 text; save the file as UTF-8") from None
+
+
+def read_bytes(path: Path, what: str) -> bytes:
+    """Return the content of a file; raise InputError, with what it is, for a missing one or one that cannot be read."""
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such {what}{similar_files(path)}") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path}: cannot read this {what}: {reason}") from None
 
 
 def parse_toml(text: str, name: str) -> dict[str, Any]:

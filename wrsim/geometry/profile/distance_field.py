@@ -9,12 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from wrsim.geometry.profile.profile import Profile
-
-Array = NDArray[np.float64]
+from wrsim.geometry.profile.profile import Array, Profile
 
 SPACING = 0.5e-3
 MARGIN_SIDE = 6e-3

@@ -28,7 +28,7 @@ import numpy as np
 
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.profile import Array, Kind, Profile
-from wrsim.inputs.toml_files import similar_files
+from wrsim.inputs.toml_files import read_bytes
 
 Direction = Literal["up", "down"]
 
@@ -79,13 +79,7 @@ class Scan:
 
 def read_lines(path: Path) -> list[str]:
     """Lines of a text file in UTF-8 or, as older programs write, Latin-1. InputError if it cannot be read."""
-    try:
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such profile file{similar_files(path)}") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot read this profile file: {reason}") from None
+    data = read_bytes(path, "profile file")
     if b"\0" in data:
         raise InputError(f"{path}: not a text file; allowed: points as text")
     try:
@@ -188,7 +182,7 @@ def parse_simpack(lines: list[str], file: str) -> Scan:
     where: list[str] = []
     ended = False
     for number, text in enumerate(lines, 1):
-        text = _without_comment(text).strip()
+        text = re.sub(r"""('[^']*'|"[^"]*")|!.*""", lambda m: m[1] or "", text).strip()  # no ! outside of quotes
         if not text:
             continue
         mark = re.fullmatch(r"(header|spline|point)\.(begin|end)", text)
@@ -213,11 +207,6 @@ def parse_simpack(lines: list[str], file: str) -> Scan:
         raise InputError(f"{file}: ends without spline.end: cut off, or not a SIMPACK profile")
     _simpack_values(scan, values)
     return scan
-
-
-def _without_comment(text: str) -> str:
-    """The text before a ! that is not inside quotes."""
-    return re.sub(r"""('[^']*'|"[^"]*")|!.*""", lambda m: m[1] or "", text)
 
 
 def _nest(where: list[str], section: str, edge: str, here: str) -> None:

@@ -75,14 +75,9 @@ class Polynomial:
 
     def evaluate(self, t: Array) -> tuple[Array, Array, Array]:
         """See `Section`; t is u."""
-        c = np.asarray(self.coefficients, dtype=float)
-        one, zero = np.ones_like(t), np.zeros_like(t)
-        w = (polynomial.polyval(t, polynomial.polyder(c, k) if k else c) for k in range(3))
-        return (
-            np.column_stack([t, next(w)]),
-            np.column_stack([one, next(w)]),
-            np.column_stack([zero, next(w)]),
-        )
+        w = polynomial.Polynomial(self.coefficients)
+        r, v = np.column_stack([t, w(t)]), np.column_stack([np.ones_like(t), w.deriv()(t)])
+        return r, v, np.column_stack([np.zeros_like(t), w.deriv(2)(t)])
 
 
 @dataclass(frozen=True)
@@ -98,11 +93,7 @@ class Arc:
     radius: float
     first: float
     last: float
-
-    @property
-    def start(self) -> float:
-        """Parameter: length travelled."""
-        return 0.0
+    start: float = 0.0
 
     @property
     def end(self) -> float:

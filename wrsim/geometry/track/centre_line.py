@@ -16,11 +16,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from wrsim.geometry.piecewise import Piecewise, integrals, subdivided
-
-Array = NDArray[np.float64]
+from wrsim.geometry.piecewise import Array, Piecewise, integrals, subdivided
 
 GAUSS_POINTS = 16
 MAX_TURN = 0.5

@@ -20,12 +20,11 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-from wrsim.geometry.piecewise import Jet, Piecewise
+from wrsim.geometry.piecewise import Array, Jet, Piecewise
 
-Array = NDArray[np.float64]
 Channel = Literal["alignment", "level", "cross-level", "gauge"]
 Rail = Literal["both", "left", "right"]
 
@@ -87,6 +86,12 @@ class RailIrregularity:
         """Offset upward [m] at s and its first two derivatives."""
         return _sum(self.vertical_parts, s)
 
+    @classmethod
+    def of(cls, disturbances: Sequence[Disturbance], side: int) -> RailIrregularity:
+        """That of the left (+1) or right (-1) rail."""
+        first = 0 if side > 0 else 2
+        return cls(*(tuple((d.weights[k], d.shape) for d in disturbances if d.weights[k]) for k in (first, first + 1)))
+
     @property
     def resolution(self) -> float:
         """Largest distance of a path's rows that follows it [m]."""
@@ -102,27 +107,9 @@ SMOOTH = RailIrregularity()
 """A rail exactly in its place."""
 
 
-@dataclass(frozen=True)
-class Irregularities:
-    """All disturbances of a track."""
-
-    disturbances: tuple[Disturbance, ...] = ()
-
-    def rail(self, side: int) -> RailIrregularity:
-        """Those of the left (+1) or right (-1) rail."""
-        first = 0 if side > 0 else 2
-        lateral, vertical = (
-            tuple((d.weights[k], d.shape) for d in self.disturbances if d.weights[k]) for k in (first, first + 1)
-        )
-        return RailIrregularity(lateral, vertical)
-
-
 def _sum(parts: Sequence[tuple[float, Shape]], s: ArrayLike) -> Jet:
     s = np.asarray(s, dtype=np.float64)
-    value, slope, bend = np.zeros(s.shape), np.zeros(s.shape), np.zeros(s.shape)
-    for weight, shape in parts:
-        v, d, dd = shape.jet(s)
-        value, slope, bend = value + weight * v, slope + weight * d, bend + weight * dd
+    value, slope, bend = sum((weight * np.stack(shape.jet(s)) for weight, shape in parts), np.zeros((3, *s.shape)))
     return value, slope, bend
 
 
@@ -150,9 +137,6 @@ class Sampled:
     def jet(self, s: Array) -> Jet:
         """See `Shape`."""
         inside = (s >= self.spline.x[0]) & (s <= self.spline.x[-1])
-        if not inside.any():
-            zero = np.zeros(s.shape)
-            return zero, zero, zero
         value, slope, bend = (np.where(inside, self.spline(s, nu), 0.0) for nu in range(3))
         return value, slope, bend
 

@@ -24,15 +24,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
-from wrsim.geometry.piecewise import Jet, Piecewise, integrals, subdivided
+from wrsim.geometry.piecewise import Array, Jet, Piecewise, integrals, subdivided
 from wrsim.geometry.track.centre_line import CentreLine
 from wrsim.geometry.track.irregularities import SMOOTH, RailIrregularity
 from wrsim.geometry.track.path import COLUMNS, Path
-
-Array = NDArray[np.float64]
 
 MAX_PIECE = 0.5
 """Longest piece [m] of the quadrature of arclength."""
@@ -89,10 +87,6 @@ class SweptCurve:
 
     def offsets(self, s: ArrayLike) -> tuple[Jet, Jet]:
         """(d, d', d'') along n and (h, h', h'') along b at s [m, 1, 1/m]."""
-        s = np.asarray(s, dtype=np.float64)
-        if not self.side:
-            zero = np.zeros(s.shape)
-            return (zero, zero, zero), (zero, zero, zero)
         w, dw, ddw = self.widening.jet(s)
         y, dy, ddy = self.irregularity.lateral(s)
         z, dz, ddz = self.irregularity.vertical(s)
@@ -173,12 +167,10 @@ class SweptCurve:
         table[:, 6] = phi
         table[:, 7] = dphi / rate
         table[:, 8:11] = np.einsum("ni,nij->nj", bend, axes)
-        return Path(np.ascontiguousarray(table), actual)
+        return Path(table, actual)
 
     def _rate(self, s: ArrayLike) -> Array:
         """d(own arclength)/ds = |p'|."""
-        if not self.side:
-            return np.ones(np.shape(s))
         return np.asarray(np.linalg.norm(self.components(s)[0], axis=-1))
 
     def _advance(self, a: Array, b: Array) -> Array:

@@ -24,12 +24,11 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len
 
+from wrsim.geometry.piecewise import Array
 from wrsim.geometry.track.irregularities import CHANNELS, Channel, Disturbance, Sampled
 
-Array = NDArray[np.float64]
 Density = Callable[[Array], Array]
 
 SAMPLES_A_WAVE = 8.0

@@ -25,42 +25,36 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
 from wrsim.errors import InputError
-from wrsim.geometry.piecewise import Piecewise
+from wrsim.geometry.piecewise import Array, Piecewise
 from wrsim.geometry.track.irregularities import WEIGHTS, Disturbance, Sampled
 from wrsim.geometry.track.segments import MAX_CANT, MAX_WIDENING, Laws
 from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.values import number
 
-Array = NDArray[np.float64]
-
 GEOMETRY = ("curvature_per_km", "cant_mm", "gauge_mm", "grade_permille")
-ONE_RAIL = {
-    "left_lateral_mm": (1.0, 0.0, 0.0, 0.0),
-    "left_vertical_mm": (0.0, 1.0, 0.0, 0.0),
-    "right_lateral_mm": (0.0, 0.0, 1.0, 0.0),
-    "right_vertical_mm": (0.0, 0.0, 0.0, 1.0),
-}
 IRREGULARITIES = {
     "alignment_mm": WEIGHTS["alignment"],
     "level_mm": WEIGHTS["level"],
     "cross_level_mm": WEIGHTS["cross-level"],
     "gauge_deviation_mm": WEIGHTS["gauge"],
-} | ONE_RAIL
+    "left_lateral_mm": (1.0, 0.0, 0.0, 0.0),
+    "left_vertical_mm": (0.0, 1.0, 0.0, 0.0),
+    "right_lateral_mm": (0.0, 0.0, 1.0, 0.0),
+    "right_vertical_mm": (0.0, 0.0, 0.0, 1.0),
+}
 """Columns of irregularities and their weights on both rails."""
 
-_Deviation = Annotated[float, number(-200, 200, "mm")]
 COLUMNS = {
     "distance_m": Annotated[float, number(-1e7, 1e7)],
     "curvature_per_km": Annotated[float, number(-100, 100, "1000 / radius in m, positive to the left")],
     "cant_mm": Annotated[float, number(-1e3 * MAX_CANT, 1e3 * MAX_CANT, "positive: right rail higher")],
     "gauge_mm": Annotated[float, number(400, 2000)],
     "grade_permille": Annotated[float, number(-150, 150, "positive: uphill")],
-} | dict.fromkeys(IRREGULARITIES, _Deviation)
+} | dict.fromkeys(IRREGULARITIES, Annotated[float, number(-200, 200, "mm")])
 
 ROWS_A_WAVE = 2.0
 """Fewest rows of a table within a wave that it can tell (Nyquist)."""

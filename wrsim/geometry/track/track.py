@@ -23,18 +23,17 @@ from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from wrsim.errors import InputError
+from wrsim.geometry.piecewise import Array
 from wrsim.geometry.track.centre_line import CentreLine
 from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.gradient import Grade, pitch_law
-from wrsim.geometry.track.irregularities import SMOOTH, Disturbance, Irregularities
+from wrsim.geometry.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.geometry.track.path import Path
 from wrsim.geometry.track.rail import SweptCurve
 from wrsim.geometry.track.segments import Arc, CurvatureJump, Laws, Segment, Transition, kind_of, laws
-
-Array = NDArray[np.float64]
 
 STANDARD_GAUGE = 1.435
 """Standard gauge [m]."""
@@ -143,8 +142,8 @@ class Track:
             if not math.isfinite(value):
                 raise InputError(f"start or heading of the track = {value}; allowed: finite numbers")
 
-        uneven = Irregularities(tuple(irregularities))
-        finest = min(uneven.rail(1).resolution, uneven.rail(-1).resolution)
+        uneven = {side: RailIrregularity.of(irregularities, side) for side in (1, -1)}
+        finest = min(rail.resolution for rail in uneven.values())
         if step is not None and step > finest * (1.0 + 1e-9):
             raise InputError(
                 f"row_distance_m = {step:g} is too coarse for the irregularities, which need {finest:g} (a quarter of "
@@ -159,7 +158,7 @@ class Track:
         pitch = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
         line = CentreLine(law.curvature, pitch, start, heading)
         swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)
-        left, right = swept(1, *left_offset, uneven.rail(1)), swept(-1, *right_offset, uneven.rail(-1))
+        left, right = swept(1, *left_offset, uneven[1]), swept(-1, *right_offset, uneven[-1])
         return cls(
             segments=segments,
             nominal_gauge=gauge,
