@@ -231,7 +231,7 @@ def rail_head(
             f"profile '{name}': {len(radii)} radii need {len(radii) - 1} half widths, found {len(half_widths)}"
         )
     centre, steepness = np.array([0.0, -radii[0]]), 0.0
-    right: list[Section] = []
+    right: list[Arc] = []
     for i, radius in enumerate(radii):
         if i:
             centre = centre + (radii[i - 1] - radius) * np.array([np.sin(steepness), np.cos(steepness)])
@@ -245,10 +245,7 @@ def rail_head(
                 f"profile '{name}': the arc of radius {1e3 * radius:g} mm has no room: it starts at a slope "
                 f"of {np.degrees(steepness):.4g} degrees; its half width or the radius before it does not fit"
             )
-        if i == 0:
-            right.append(Arc(0.0, -radius, radius, end, -end))
-        else:
-            right.append(Arc(centre[0], centre[1], radius, -steepness, -end))
+        right.append(Arc(centre[0], centre[1], radius, -steepness if i else end, -end))
         steepness = end
     u = centre[0] + radii[-1] * np.sin(steepness)
     w = centre[1] + radii[-1] * np.cos(steepness)
@@ -258,11 +255,9 @@ def rail_head(
             f"allowed: above {-1e3 * w:.5g} mm"
         )
     low = u + side_slope * (w + depth)
-    right.append(Line(u, w, low, -depth))
-    left: list[Section] = [
-        Arc(-s.u, s.w, s.radius, -s.last, -s.first) for s in reversed(right[1:-1]) if isinstance(s, Arc)
-    ]
-    return profile_from_sections(name, "rail", [Line(-low, -depth, -u, w), *left, *right], source)
+    left = [Arc(-s.u, s.w, s.radius, -s.last, -s.first) for s in reversed(right[1:])]
+    sides = Line(-low, -depth, -u, w), Line(u, w, low, -depth)
+    return profile_from_sections(name, "rail", [sides[0], *left, *right, sides[1]], source)
 
 
 def cone(name: str, kind: Kind, conicity: float, first: float, last: float, source: str = "") -> Profile:
