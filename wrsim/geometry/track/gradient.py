@@ -15,6 +15,7 @@ import numpy as np
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Piecewise
+from wrsim.geometry.track.segments import within
 
 STEEPEST = 0.15
 """Largest grade: 150 per thousand; adhesion railways use up to 80."""
@@ -74,9 +75,5 @@ def _check(number: int, grade: Grade, before: float | None, length: float) -> No
     if not (low if before is None else low + 1e-9) <= grade.start < length:
         after = "0" if before is None else f"above {before:g} (the grade before)"
         raise InputError(f"{where}: from_m = {grade.start:g}; allowed: {after} to {length:g}, on the track and rising")
-    if not abs(grade.slope) <= STEEPEST:
-        raise InputError(
-            f"{where}: grade_permille = {1e3 * grade.slope:g}; allowed: {-1e3 * STEEPEST:g} to {1e3 * STEEPEST:g}"
-        )
-    if not TIGHTEST <= grade.radius <= 1e7:
-        raise InputError(f"{where}: vertical_radius_m = {grade.radius:g}; allowed: {TIGHTEST:g} to 1e7")
+    within(where, "grade_permille", grade.slope, -STEEPEST, STEEPEST, 1e3)
+    within(where, "vertical_radius_m", grade.radius, TIGHTEST, 1e7)

@@ -146,8 +146,8 @@ def check(segments: Sequence[Segment], gauge: float) -> None:
                 )
         for key, value in vars(segment).items():
             most = LARGEST.get(key.removesuffix("_start").removesuffix("_end"))
-            if most is not None and abs(_number(where, f"{key}_mm", value)) > most:
-                raise InputError(f"{where}: {key}_mm = {1e3 * value:g}; allowed: {-1e3 * most:g} to {1e3 * most:g}")
+            if most is not None:
+                within(where, f"{key}_mm", _number(where, f"{key}_mm", value), -most, most, 1e3)
         before = segment
 
 
@@ -209,6 +209,12 @@ def _ends(segments: Sequence[Segment], i: int) -> tuple[State, State]:
 def _hand(arc: Arc) -> float:
     """+1 for a left curve, -1 for a right one."""
     return math.copysign(1.0, arc.radius)
+
+
+def within(where: str, key: str, value: float, low: float, high: float, scale: float = 1.0) -> None:
+    """Refuse a value outside of [low, high], or not a number; the message shows it times ``scale``."""
+    if not low <= value <= high:
+        raise InputError(f"{where}: {key} = {scale * value:g}; allowed: {scale * low:g} to {scale * high:g}")
 
 
 def _number(where: str, key: str, value: object) -> float:

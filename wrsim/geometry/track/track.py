@@ -33,7 +33,7 @@ from wrsim.geometry.track.gradient import Grade, pitch_law
 from wrsim.geometry.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.geometry.track.path import Path
 from wrsim.geometry.track.rail import SweptCurve
-from wrsim.geometry.track.segments import Arc, CurvatureJump, Laws, Segment, Transition, kind_of, laws
+from wrsim.geometry.track.segments import Arc, CurvatureJump, Laws, Segment, Transition, kind_of, laws, within
 
 STANDARD_GAUGE = 1.435
 """Standard gauge [m]."""
@@ -99,8 +99,8 @@ class Track:
 
         Raises InputError naming segment, key, value and what is allowed.
         """
-        _within("gauge_mm", gauge, 0.3, 3.0, 1e3)
-        _within("rounding_m", rounding, 1e-3, 20.0)
+        within("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
+        within("track", "rounding_m", rounding, 1e-3, 20.0)
         segments = tuple(segments)
         return cls.lay(laws(segments, gauge, rounding), gauge, segments=segments, **options)
 
@@ -130,14 +130,14 @@ class Track:
         on the rails what their irregularities need. start, heading: point [m] and direction [rad] at s = 0.
         elasticity: of the rails, None for rigid ones.
         """
-        _within("gauge_mm", gauge, 0.3, 3.0, 1e3)
+        within("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
         base = gauge + RAIL_HEAD_WIDTH if cant_base is None else cant_base
-        _within("cant_base_mm", base, gauge, gauge + 0.5, 1e3)
+        within("track", "cant_base_mm", base, gauge, gauge + 0.5, 1e3)
         if step is not None:
-            _within("step_m", step, 1e-3, 10.0)
+            within("track", "step_m", step, 1e-3, 10.0)
         for key, offset in (("left_offset", left_offset), ("right_offset", right_offset)):
             for value in offset:
-                _within(f"{key} (o, b)", value, -0.5, 0.5)
+                within("track", f"{key} (o, b)", value, -0.5, 0.5)
         for value in (*start, heading):
             if not math.isfinite(value):
                 raise InputError(f"start or heading of the track = {value}; allowed: finite numbers")
@@ -267,9 +267,3 @@ def _label(segment: Segment) -> str:
     if isinstance(segment, Transition):
         return "Bloss" if segment.form == "bloss" else "clothoid"
     return "straight"
-
-
-def _within(key: str, value: float, low: float, high: float, scale: float = 1.0) -> None:
-    """Refuse a value outside of [low, high], or not a number; the message shows it times ``scale``."""
-    if not low <= value <= high:
-        raise InputError(f"track: {key} = {scale * value:g}; allowed: {scale * low:g} to {scale * high:g}")
