@@ -32,8 +32,10 @@ from wrsim.plots import (
     style,
     track_layout,
 )
+from wrsim.plots.colours import WHEEL_COLOUR
+from wrsim.plots.marks import broken
 from wrsim.plots.moments import moment_title, snapshot_letter
-from wrsim.plots.style import WHEEL_COLOUR, broken, pressure_map
+from wrsim.plots.style import pressure_map
 from wrsim.results import Result
 
 

@@ -12,21 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from wrsim.plots.style import (
-    FAINT,
-    FULL_WIDTH,
-    GROUP_LINE,
-    INK,
-    QUIET,
-    STOP_COLOUR,
-    WHEEL_COLOUR,
-    new_figure,
-    note,
-    note_above,
-    save,
-    style,
-    wheel_entries,
-)
+from wrsim.plots.colours import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.marks import note, note_above, wheel_entries
+from wrsim.plots.style import FULL_WIDTH, new_figure, save, style
 from wrsim.results.assessment import Assessment, Section, Value
 
 ZONE_SHADE = {

@@ -9,19 +9,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wrsim.plots.style import (
-    FULL_WIDTH,
-    INK,
-    QUIET,
-    WHEEL_COLOUR,
-    broken,
-    minus,
-    new_figure,
-    note,
-    remark,
-    shown,
-    style,
-)
+from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
+from wrsim.plots.marks import broken, minus, note, remark
+from wrsim.plots.style import FULL_WIDTH, new_figure, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
@@ -69,8 +59,7 @@ def radius_difference(axes: Axes, dataset: xr.Dataset) -> Axes:
     axes.plot([place], [0.0], "o", markerfacecolor="white", markeredgecolor=INK, markersize=4.0, zorder=3.0)
     if abs(place) > 5e-3:
         note(axes, f"{place:.2f} mm", (place, 0.0), (6.0, -10.0), color=INK)
-    axes.set_xlabel(CHANNELS["lateral_shift"].label)
-    axes.set_ylabel("Rolling radius difference $\\Delta r$ [mm]")
+    axes.set(xlabel=CHANNELS["lateral_shift"].label, ylabel="Rolling radius difference $\\Delta r$ [mm]")
     remark(axes, "left minus right")
     return axes
 
@@ -83,8 +72,7 @@ def conicity_curve(axes: Axes, dataset: xr.Dataset) -> Axes:
         axes.plot([amplitude[i]], [values[i]], "o", color=INK, markersize=3.5)
         note(axes, f"{values[i]:.3f}", (amplitude[i], values[i]), (0.0, 6.0), fontsize=7.0, ha="center", color=INK)
     axes.set_ylim(0.0, 1.12 * max(float(np.nanmax(values, initial=0.0)), 1e-3))
-    axes.set_xlabel(CHANNELS["amplitude"].label)
-    axes.set_ylabel(r"Equivalent conicity $\tan\gamma_e$")
+    axes.set(xlabel=CHANNELS["amplitude"].label, ylabel=r"Equivalent conicity $\tan\gamma_e$")
     return axes
 
 
@@ -96,8 +84,7 @@ def contact_points(axes: Axes, dataset: xr.Dataset) -> Axes:
             points = broken(y, shown(dataset, name)[:, j, 0], JUMP)
             label = f"{wheel} {name.removeprefix('u_')}"
             axes.plot(*points, color=WHEEL_COLOUR[str(wheel)], linestyle=line, label=label)
-    axes.set_xlabel(CHANNELS["lateral_shift"].label)
-    axes.set_ylabel("Contact point, outward u [mm]")
+    axes.set(xlabel=CHANNELS["lateral_shift"].label, ylabel="Contact point, outward u [mm]")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=4, fontsize=6.5, handlelength=1.6)
     return axes
 
@@ -115,7 +102,6 @@ def angles(axes: Axes, dataset: xr.Dataset) -> Axes:
     axes.yaxis.set_major_formatter(lambda value, _: minus(f"{value:g}"))
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     axes.set_ylim(min(1.2 * low, 0.0), max(1.2 * high, 2.0))
-    axes.set_xlabel(CHANNELS["lateral_shift"].label)
-    axes.set_ylabel("Contact angle $\\gamma$ [°]")
+    axes.set(xlabel=CHANNELS["lateral_shift"].label, ylabel="Contact angle $\\gamma$ [°]")
     axes.legend(loc="best", fontsize=6.5)
     return axes

@@ -16,6 +16,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
+from wrsim.plots.colours import INK, QUIET, RAIL_FILL, WHEEL_COLOUR, WHEEL_FILL
 from wrsim.plots.gallery import (
     FOOT,
     PATCH_NAMES,
@@ -27,22 +28,11 @@ from wrsim.plots.gallery import (
     rows_of,
     titles_height,
 )
+from wrsim.plots.marks import few_ticks
 from wrsim.plots.moments import PatchAt, choose_moments, moment_dim, patches_of, select, touching_runs
 from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, rounded
 from wrsim.plots.stops import stop_note
-from wrsim.plots.style import (
-    INK,
-    QUIET,
-    RAIL_FILL,
-    WHEEL_COLOUR,
-    WHEEL_FILL,
-    few_ticks,
-    headline,
-    new_figure,
-    pressure_map,
-    shown,
-    style,
-)
+from wrsim.plots.style import headline, new_figure, pressure_map, shown, style
 
 MOST_MOMENTS = 6
 OVERVIEW = (-88.0, 58.0, -42.0, 22.0)

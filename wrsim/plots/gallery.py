@@ -16,8 +16,9 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
 from wrsim.plots.moments import PatchAt, moment_title
-from wrsim.plots.style import FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, place, pressure_map, write
+from wrsim.plots.style import FULL_WIDTH, place, pressure_map, write
 
 PATCH_NAMES = ("main patch", "second patch", "third patch")
 LEFT, RIGHT, GAP = 16.0, 3.0, 7.0

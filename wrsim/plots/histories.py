@@ -16,29 +16,12 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from wrsim.plots.colours import CANT_COLOUR, INK, PATCH_LINE, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.gallery import PATCH_NAMES
+from wrsim.plots.marks import broken, draw_line, note_above, right_axis, wheel_entries, without_neighbours
 from wrsim.plots.moments import snapshot_letter
 from wrsim.plots.stops import is_stopped, mark_stop, stop_note
-from wrsim.plots.style import (
-    CANT_COLOUR,
-    FULL_WIDTH,
-    INK,
-    PATCH_LINE,
-    QUIET,
-    STOP_COLOUR,
-    WHEEL_COLOUR,
-    abscissa,
-    broken,
-    draw_line,
-    headline,
-    new_figure,
-    note_above,
-    right_axis,
-    shown,
-    style,
-    wheel_entries,
-    without_neighbours,
-)
+from wrsim.plots.style import FULL_WIDTH, abscissa, headline, new_figure, shown, style
 from wrsim.results import CHANNELS
 
 ANGLE_JUMP = 6.0
@@ -60,16 +43,14 @@ def history(axes: Axes, dataset: xr.Dataset, name: str, **options: Any) -> Axes:
     if values.ndim == 1:
         draw_line(axes, x, values, **({"color": INK} | options))
     else:
-        for j, wheel in enumerate(dataset["wheel"].values):
-            of_wheel = values[:, j] if values.ndim == 3 else values[:, j, None]
-            for k in range(of_wheel.shape[1]):
-                if not np.isfinite(of_wheel[:, k]).any():
-                    continue
-                settings = {"color": WHEEL_COLOUR[str(wheel)], "linestyle": PATCH_LINE[k % 3]}
-                line = x, of_wheel[:, k]
-                if values.ndim == 3 and "contact_angle" in dataset:
-                    line = broken(*line, ANGLE_JUMP, by=shown(dataset, "contact_angle")[:, j, k])
-                draw_line(axes, *line, **(settings | options))
+        of_patches = values.ndim == 3
+        values = values.reshape(*values.shape[:2], -1)
+        for j, k in zip(*np.nonzero(np.isfinite(values).any(axis=0)), strict=True):
+            colour = WHEEL_COLOUR[str(dataset["wheel"].values[j])]
+            line = x, values[:, j, k]
+            if of_patches and "contact_angle" in dataset:
+                line = broken(*line, ANGLE_JUMP, by=shown(dataset, "contact_angle")[:, j, k])
+            draw_line(axes, *line, **({"color": colour, "linestyle": PATCH_LINE[k % 3]} | options))
     channel = CHANNELS[name]
     axes.set_ylabel(channel.label.replace(" $" if channel.symbol else " [", "\n$" if channel.symbol else "\n[", 1))
     return axes

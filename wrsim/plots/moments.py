@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from wrsim.plots.marks import minus
 from wrsim.plots.poses import pose_groups
-from wrsim.plots.style import minus, shown
-from wrsim.results import CHANNELS
+from wrsim.plots.style import shown
 
 
 @dataclass(frozen=True)
@@ -71,12 +71,14 @@ def snapshot_letter(index: int) -> str:
 
 def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
     """The strips of one patch by increasing s: the channels that are drawn, with the ``strip`` dimension alone."""
-    of_patch = dataset[[name for name in _DRAWN if name in dataset]].isel(
-        {moment_dim(dataset): where.moment, "patch": where.patch}
-    )
-    of_wheel = of_patch.isel(wheel=int(np.flatnonzero(dataset["wheel"].values == where.wheel)[0]))
-    used = np.flatnonzero(np.isfinite(of_wheel["strip_p"].values))
-    return of_wheel.isel(strip=used[np.argsort(of_wheel["strip_s"].values[used], kind="stable")])
+    patch = dataset[[name for name in _DRAWN if name in dataset]].isel(_indices(dataset, where))
+    used = np.flatnonzero(np.isfinite(patch["strip_p"].values))
+    return patch.isel(strip=used[np.argsort(patch["strip_s"].values[used], kind="stable")])
+
+
+def _indices(dataset: xr.Dataset, where: PatchAt) -> dict[str, int]:
+    wheel = int(np.flatnonzero(dataset["wheel"].values == where.wheel)[0])
+    return {moment_dim(dataset): where.moment, "patch": where.patch, "wheel": wheel}
 
 
 def select_elements(dataset: xr.Dataset, where: PatchAt) -> tuple[NDArray, NDArray, NDArray] | None:
@@ -84,12 +86,9 @@ def select_elements(dataset: xr.Dataset, where: PatchAt) -> tuple[NDArray, NDArr
     zero outside of contact. None when there are none."""
     if "element_p" not in dataset:
         return None
-    at = {moment_dim(dataset): where.moment, "patch": where.patch}
-    wheel = int(np.flatnonzero(dataset["wheel"].values == where.wheel)[0])
-    s, x, p = (
-        np.asarray(dataset[name].isel(at | {"wheel": wheel}).values) * CHANNELS[name].shown.factor
-        for name in ("strip_s", "element_x", "element_p")
-    )
+    names = ["strip_s", "element_x", "element_p"]
+    patch = dataset[names].isel(_indices(dataset, where))
+    s, x, p = (shown(patch, name) for name in names)
     rows, columns = np.isfinite(s), np.isfinite(x)
     if not columns.any():
         return None

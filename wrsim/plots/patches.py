@@ -15,10 +15,12 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
+from wrsim.plots.colours import INK, QUIET
 from wrsim.plots.gallery import FOOT, Page, colour_bar, columns_of, draw_label, draw_titles, rows_of, titles_height
+from wrsim.plots.marks import few_ticks, minus
 from wrsim.plots.moments import PatchAt, choose_moments, sample_of, select, select_elements, touching_runs
 from wrsim.plots.stops import stop_note
-from wrsim.plots.style import INK, QUIET, few_ticks, headline, minus, new_figure, pressure_map, shown, style
+from wrsim.plots.style import headline, new_figure, pressure_map, shown, style
 from wrsim.results import CHANNELS
 
 Array = NDArray[np.float64]

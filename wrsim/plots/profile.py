@@ -15,23 +15,9 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, Multiple
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import GAUGE_DEPTH, Profile
 from wrsim.geometry.profile.smoothing_report import SmoothingReport
-from wrsim.plots.style import (
-    FULL_WIDTH,
-    INK,
-    QUIET,
-    RAIL_FILL,
-    WHEEL_FILL,
-    headline,
-    minus,
-    new_figure,
-    note,
-    place,
-    remark,
-    right_axis,
-    save,
-    style,
-    write,
-)
+from wrsim.plots.colours import INK, QUIET, RAIL_FILL, WHEEL_FILL
+from wrsim.plots.marks import minus, note, remark, right_axis
+from wrsim.plots.style import FULL_WIDTH, headline, new_figure, place, save, style, write
 
 LINE = "#0072B2"
 CUTOFF_COLOURS = (LINE, "#D55E00", "#009E73", "#CC79A7")
@@ -110,8 +96,7 @@ def draw_changes(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes:
         axes.plot(1e3 * report.points.u, 1e6 * report.change, ".", color=colour, markersize=1.6, zorder=2.0)
     axes.axhline(0.0, color=INK, linewidth=0.5)
     remark(axes, "distance of the points from the smoothed curve")
-    axes.set_xlabel("Outward u [mm]")
-    axes.set_ylabel("Change [µm]")
+    axes.set(xlabel="Outward u [mm]", ylabel="Change [µm]")
     return axes
 
 
@@ -140,8 +125,7 @@ def draw_shape(profile: Profile, axes: Axes) -> Axes:
     axes.set_xlim(u.min(), u.max())
     axes.set_ylim(w.min(), w.max())
     axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
-    axes.set_xlabel("Outward u [mm]")
-    axes.set_ylabel("Height w [mm]")
+    axes.set(xlabel="Outward u [mm]", ylabel="Height w [mm]")
     return axes
 
 
@@ -169,8 +153,7 @@ def draw_slope(profile: Profile, axes: Axes) -> Axes:
         axes.set_ylim(min(low, 0.0) - 6.0, max(high, 0.0) + 6.0)
     elif high - low < 1e-6:
         axes.set_ylim(min(low, 0.0) - 1.0, max(high, 0.0) + 1.0)
-    axes.set_xlabel("Outward u [mm]")
-    axes.set_ylabel("Slope angle [°]")
+    axes.set(xlabel="Outward u [mm]", ylabel="Slope angle [°]")
     remark(axes, "positive: rises outward")
     return axes
 
@@ -199,6 +182,5 @@ def draw_curvature(profile: Profile, axes: Axes) -> Axes:
     right.yaxis.set_major_formatter(FuncFormatter(lambda c, _: f"{1e3 / abs(c):.0f}"))
     right.set_ylabel("Radius [mm]")
     remark(axes, "positive: turns upward")
-    axes.set_xlabel("Outward u [mm]")
-    axes.set_ylabel("Curvature [1/m]")
+    axes.set(xlabel="Outward u [mm]", ylabel="Curvature [1/m]")
     return axes

@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wrsim.plots.style import FULL_WIDTH, GROUP_LINE, GROUP_MARK, new_figure, save, style
+from wrsim.plots.colours import GROUP_LINE, GROUP_MARK
+from wrsim.plots.style import FULL_WIDTH, new_figure, save, style
 from wrsim.results.ride import Ride
 
 POINT_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")

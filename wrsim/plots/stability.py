@@ -12,18 +12,9 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 
-from wrsim.plots.style import (
-    FULL_WIDTH,
-    INK,
-    QUIET,
-    SERIES_COLOURS,
-    STOP_COLOUR,
-    new_figure,
-    note,
-    pressure_map,
-    shown,
-    style,
-)
+from wrsim.plots.colours import INK, QUIET, SERIES_COLOURS, STOP_COLOUR
+from wrsim.plots.marks import note
+from wrsim.plots.style import FULL_WIDTH, new_figure, pressure_map, shown, style
 from wrsim.results import CHANNELS
 
 DAMPED = 0.5
@@ -71,8 +62,7 @@ def root_locus(axes: Axes, dataset: xr.Dataset) -> Axes:
     if np.isfinite(critical) and critical > 0.0:
         ring: Any = {"markerfacecolor": "none", "markeredgecolor": STOP_COLOUR, "zorder": 3.0}
         axes.plot([0.0], [critical], "o", markersize=7.0, **ring)
-    axes.set_xlabel(CHANNELS["mode_growth"].label)
-    axes.set_ylabel(CHANNELS["mode_frequency"].label)
+    axes.set(xlabel=CHANNELS["mode_growth"].label, ylabel=CHANNELS["mode_frequency"].label)
     bar = axes.figure.colorbar(ScalarMappable(scale, colours), ax=axes, pad=0.02, aspect=40)
     bar.set_label("Speed [km/h]", fontsize=7.0)
     bar.ax.set_ylim(speed[0], max(speed[-1], speed[0] + 1e-6))
@@ -97,8 +87,7 @@ def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
     critical = _speed(dataset, "critical_speed_m_s")
     if np.isfinite(critical):
         axes.axvline(critical, color=STOP_COLOUR, linewidth=0.8, linestyle=(0, (3, 2)))
-    axes.set_xlabel(CHANNELS["pose_speed"].label)
-    axes.set_ylabel(CHANNELS[name].label)
+    axes.set(xlabel=CHANNELS["pose_speed"].label, ylabel=CHANNELS[name].label)
     return axes
 
 
@@ -140,8 +129,7 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:
             axes.axvline(value, color=QUIET, linewidth=0.8, linestyle=(0, (3, 2)))
             note(axes, f"{words} {value:.1f}", (value, height * top), (3.0, 0.0), va="top")
     axes.set_ylim(bottom=-0.03 * top, top=top)
-    axes.set_xlabel(CHANNELS["cycle_speed"].label)
-    axes.set_ylabel("Amplitude of the wheelset that moves most [mm]")
+    axes.set(xlabel=CHANNELS["cycle_speed"].label, ylabel="Amplitude of the wheelset that moves most [mm]")
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=6.5)
     return axes
 

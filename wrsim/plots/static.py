@@ -11,23 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from wrsim.plots.colours import GROUP_LINE, GROUP_MARK, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.histories import ANGLE_JUMP
+from wrsim.plots.marks import broken, draw_line, wheel_entries
 from wrsim.plots.poses import pose_abscissa, pose_groups
 from wrsim.plots.stops import stop_note
-from wrsim.plots.style import (
-    FULL_WIDTH,
-    GROUP_LINE,
-    GROUP_MARK,
-    QUIET,
-    STOP_COLOUR,
-    WHEEL_COLOUR,
-    broken,
-    draw_line,
-    new_figure,
-    shown,
-    style,
-    wheel_entries,
-)
+from wrsim.plots.style import FULL_WIDTH, new_figure, shown, style
 from wrsim.results import CHANNELS
 
 PANELS = ("contact_angle", "p0", "N", "area")
@@ -51,8 +40,7 @@ def against_pose(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
             hollow: Any = {"markerfacecolor": "none", "markeredgewidth": 0.7, "markersize": 3.6}
             for k in range(1, values.shape[2]):
                 axes.plot(x[member], values[member, j, k], mark, color=colour, gid=f"patch {k}", **hollow)
-    axes.set_xlabel(CHANNELS[across].label)
-    axes.set_ylabel(CHANNELS[name].label)
+    axes.set(xlabel=CHANNELS[across].label, ylabel=CHANNELS[name].label)
     return axes
 
 

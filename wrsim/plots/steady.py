@@ -12,17 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from wrsim.plots.style import (
-    FULL_WIDTH,
-    GROUP_LINE,
-    QUIET,
-    SERIES_COLOURS,
-    STOP_COLOUR,
-    headline,
-    new_figure,
-    shown,
-    style,
-)
+from wrsim.plots.colours import GROUP_LINE, QUIET, SERIES_COLOURS, STOP_COLOUR
+from wrsim.plots.style import FULL_WIDTH, headline, new_figure, shown, style
 from wrsim.results import CHANNELS
 
 PANELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "T_gamma")

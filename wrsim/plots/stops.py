@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from wrsim.plots.style import STOP_COLOUR, abscissa
+from wrsim.plots.colours import STOP_COLOUR
+from wrsim.plots.style import abscissa
 from wrsim.results import CHANNELS
 
 ONE_LINE = 124

@@ -17,7 +17,9 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from wrsim.geometry.track.track import Feature, Track
-from wrsim.plots.style import CANT_COLOUR, FULL_WIDTH, INK, QUIET, WHEEL_COLOUR, new_figure, note, note_above, style
+from wrsim.plots.colours import CANT_COLOUR, INK, QUIET, WHEEL_COLOUR
+from wrsim.plots.marks import note, note_above
+from wrsim.plots.style import FULL_WIDTH, new_figure, style
 
 Law = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
@@ -86,8 +88,7 @@ def plan_view(axes: Axes, track: Track) -> Axes:
 
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.06, 0.2)
-    axes.set_xlabel("x [m]")
-    axes.set_ylabel("y [m]")
+    axes.set(xlabel="x [m]", ylabel="y [m]")
     axes.legend(loc="best", ncols=len(drawn))
     return axes
 

@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
-from wrsim.plots.style import FAINT, FULL_WIDTH, INK, QUIET, RAIL_FILL, WHEEL_FILL, new_figure, place, save, style
+from wrsim.plots.colours import FAINT, INK, QUIET, RAIL_FILL, WHEEL_FILL
+from wrsim.plots.style import FULL_WIDTH, new_figure, place, save, style
 
 Triple = tuple[float, float, float]
 
@@ -96,8 +97,7 @@ def vehicle_view(axes: Axes, sketch: VehicleSketch, view: str) -> Axes:
         axes.axhline(0.0, color=INK, linewidth=0.8)
     axes.set_aspect("equal")
     axes.set_title(view)
-    axes.set_xlabel("xyz"[h] + " [m]" if h == 0 else "y [m]")
-    axes.set_ylabel("xyz"[v] + " [m]")
+    axes.set(xlabel="xyz"[h] + " [m]" if h == 0 else "y [m]", ylabel="xyz"[v] + " [m]")
     axes.grid(True, color=FAINT)
     return axes
 
@@ -130,8 +130,7 @@ def vehicle_figure(sketch: VehicleSketch) -> Figure:
         if h == 1:
             ticks = np.arange(np.ceil(low[1]), np.floor(high[1]) + 0.5)
             axes.set_xticks(-ticks, [f"{t:g}" for t in ticks])
-            axes.set_xlabel("y [m]")
-            axes.set_ylabel("")
+            axes.set(xlabel="y [m]", ylabel="")
     kinds = {element.kind: element for element in reversed(sketch.elements)}
     handles = [Line2D([], [], markersize=4.0, label=kind, **_mark(e)) for kind, e in reversed(kinds.items())]
     figure.legend(handles=handles, loc="lower right", ncols=1, frameon=False, fontsize=7.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from wrsim.plots.histories import Panel, history, stacked
-from wrsim.plots.style import GROUP_LINE, INK, abscissa, draw_line, shown, wheel_entries
+from wrsim.plots.colours import GROUP_LINE, INK
+from wrsim.plots.histories import history, stacked
+from wrsim.plots.marks import draw_line, wheel_entries
+from wrsim.plots.style import abscissa, shown
 from wrsim.results import CHANNELS
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
@@ -48,18 +51,12 @@ def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
     low, high = (float(f(values, initial=0.0)) for f in (np.nanmin, np.nanmax))
     space = 0.05 * max(high - low, 1e-9)
 
-    def panel_of(wheelset: str) -> Panel:
-        one = of_wheelset(dataset, wheelset)
+    def panel(axes: Axes, _: xr.Dataset, wheelset: str) -> Axes:
+        history(axes, of_wheelset(dataset, wheelset), name)
+        axes.set(ylim=(low - space, high + space), title=wheelset)
+        return axes
 
-        def panel(axes: Axes, _: xr.Dataset) -> Axes:
-            history(axes, one, name)
-            axes.set_ylim(low - space, high + space)
-            axes.set_title(wheelset)
-            return axes
-
-        return panel
-
-    panels = [panel_of(wheelset) for wheelset in wheelsets(dataset)]
+    panels = [partial(panel, wheelset=wheelset) for wheelset in wheelsets(dataset)]
     return stacked(_track_of(dataset), panels, panel_height_mm=28.0, legend=wheel_entries())
 
 
@@ -70,20 +67,17 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: tuple[str, ...]) ->
         for i in range(dataset.sizes[dim])
     ]
 
-    def panel_of(name: str) -> Panel:
-        def panel(axes: Axes, _: xr.Dataset) -> Axes:
-            x, _name = abscissa(dataset)
-            values = shown(dataset, name)
-            for i in np.argsort(-np.ptp(values, axis=0), kind="stable"):  # small ones last, or large ones hide them
-                at = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
-                draw_line(axes, at, values[:, i], **looks[i])
-            axes.set_ylabel(CHANNELS[name].label.replace(" of the body", "").replace(" [", "\n["))
-            return axes
-
-        return panel
+    def panel(axes: Axes, _: xr.Dataset, name: str) -> Axes:
+        x, _name = abscissa(dataset)
+        values = shown(dataset, name)
+        for i in np.argsort(-np.ptp(values, axis=0), kind="stable"):  # small ones last, or large ones hide them
+            at = dataset["wheelset_distance"].values[:, i] if dim == "wheelset" else x
+            draw_line(axes, at, values[:, i], **looks[i])
+        axes.set_ylabel(CHANNELS[name].label.replace(" of the body", "").replace(" [", "\n["))
+        return axes
 
     legend = [Line2D([], [], label=str(n), **look) for n, look in zip(dataset[dim].values, looks, strict=True)]
-    panels = [panel_of(name) for name in channels if name in dataset]
+    panels = [partial(panel, name=name) for name in channels if name in dataset]
     return stacked(_track_of(dataset), panels, legend=legend)
 
 
