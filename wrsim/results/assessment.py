@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from wrsim.results.channels import PLAIN, Shown
+from wrsim.results.channels import Shown
 from wrsim.results.files import as_csv, as_json
 
 SAFETY, LOADING, RIDE, INFORMATION = "running safety", "track loading", "ride characteristics", "information"
@@ -238,12 +238,12 @@ def _value(v: Value) -> dict[str, Any]:
 
 def _zone_row(z: ZoneValue) -> dict[str, Any]:
     factor = z.worst.quantity.shown.factor
-    statistics = {"mean": _number(z.mean, factor), "deviation": _number(z.deviation, factor)}
-    statistics["estimated_maximum"] = _number(z.estimate, factor)
     return {
         "zone": z.worst.section.zone,
         "sections": z.sections,
-        **statistics,
+        "mean": _number(z.mean, factor),
+        "deviation": _number(z.deviation, factor),
+        "estimated_maximum": _number(z.estimate, factor),
         "passed": z.passed,
         "worst": _value(z.worst),
     }
@@ -256,8 +256,7 @@ _COLUMNS = (
 
 
 def _flat(v: Value) -> list[str]:
-    row = {**_value(v), **{k: x for k, x in _section(v.section).items() if k in _COLUMNS}}
-    row |= {"unit": v.quantity.shown.symbol, "section": v.section.number}
+    row = _section(v.section) | _value(v) | {"unit": v.quantity.shown.symbol}
     return [_cell(row[key]) for key in _COLUMNS]
 
 
@@ -267,18 +266,3 @@ def _cell(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-__all__ = [
-    "INFORMATION",
-    "LOADING",
-    "PLAIN",
-    "RIDE",
-    "SAFETY",
-    "Assessment",
-    "Limit",
-    "Quantity",
-    "Section",
-    "Value",
-    "ZoneValue",
-]

@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.resources import files
 from math import pi
-from typing import Literal, cast
+from typing import Any, Literal
 
 from wrsim.errors import suggest
 
@@ -102,19 +102,23 @@ class Channel:
         return tuple({"sample": sample, "moment": moment}.get(d, d) for d in self.dims)
 
 
-def _read() -> Iterator[Channel]:
-    """The channels in ``data/channels.csv``; lines that begin with # head its sections, an empty kind is a number."""
-    lines = files("wrsim.results").joinpath("data/channels.csv").read_text(encoding="utf-8").splitlines()
-    for row in csv.DictReader(line for line in lines if not line.startswith("#")):
-        dims, kind = tuple(row["dims"].split()), cast(Kind, row["kind"] or "number")
-        shown, label = SHOWN[row["shown"]], row["coordinate"] == "yes"
-        yield Channel(row["name"], dims, row["unit"], row["long_name"], shown, row["symbol"], kind, label)
+def table(room: str, path: str) -> Iterator[dict[str, Any]]:
+    """Rows of a table (CSV) in a package, by the names in its first line; lines that begin with # are notes."""
+    lines = files(room).joinpath(path).read_text(encoding="utf-8").splitlines()
+    return csv.DictReader(line for line in lines if not line.startswith("#"))
+
+
+def _channel(row: dict[str, Any]) -> Channel:
+    """A line of ``data/channels.csv``; an empty kind is a number."""
+    kind, coordinate = row["kind"] or "number", row["coordinate"] == "yes"
+    own = {"dims": tuple(row["dims"].split()), "shown": SHOWN[row["shown"]], "kind": kind, "coordinate": coordinate}
+    return Channel(**row | own)
 
 
 WHEELSET, BOGIE_FRAME, CAR_BODY = "wheelset", "bogie frame", "car body"
 """Values of the channel ``point_level``."""
 
-CHANNELS: dict[str, Channel] = {channel.name: channel for channel in _read()}
+CHANNELS: dict[str, Channel] = {row["name"]: _channel(row) for row in table("wrsim.results", "data/channels.csv")}
 """Every channel by its name, in the order in which tables print them."""
 
 WHEELS = ("left", "right")

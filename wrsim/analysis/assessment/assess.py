@@ -11,23 +11,18 @@ from numpy.typing import NDArray
 
 from wrsim.analysis.assessment import limits
 from wrsim.analysis.assessment import quantities as q
-from wrsim.analysis.assessment.filters import (
-    low_pass,
-    sampling_rate,
-    sliding_mean,
-    windows,
-)
+from wrsim.analysis.assessment.filters import low_pass, on_raster, sampling_rate, sliding_mean, windows
 from wrsim.analysis.assessment.hunting import hunting_frequency, hunting_rms
-from wrsim.analysis.assessment.nadal import longest_stretch, nadal_limit
+from wrsim.analysis.assessment.nadal import limit_of, longest_stretch
 from wrsim.analysis.assessment.points import points_of
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, sections_of
-from wrsim.analysis.assessment.settings import flange_angle_of, friction_of, settings_of
 from wrsim.analysis.assessment.stops import stop_values
 from wrsim.errors import InputError
 from wrsim.results import Result
-from wrsim.results.assessment import Assessment, Limit, Quantity, Section, Value
+from wrsim.results.assessment import Assessment, Limit, Section, Value
 from wrsim.results.wheelsets import of_wheelset, wheelsets
-from wrsim.scenario.sections.assessment import AssessmentSettings
+from wrsim.scenario.loading import load_text
+from wrsim.scenario.sections.assessment import AssessmentSection, AssessmentSettings
 
 Array = NDArray[np.float64]
 
@@ -41,17 +36,20 @@ def assess(result: Result, settings: AssessmentSettings | None = None) -> Assess
     channels distance, Y and Q on both wheels; other channels add their quantities.
     Raises InputError for a result that is no run, or that the filters cannot work on.
     """
-    dataset, settings = result.dataset, settings or settings_of(result.dataset)
+    dataset, settings = result.dataset, settings or _settings_of(result.dataset)
     if "time" not in dataset.dims:
         raise InputError(f'a result of analysis = "{result.analysis}" has no history; only runs can be assessed')
     missing = [name for name in NEEDED if name not in dataset.variables]
     if missing or dataset.sizes.get("wheel", 0) < 2:
         raise InputError(f"the result cannot be assessed: it has no {missing[0] if missing else 'second wheel'}")
-    dataset = _evenly_sampled(dataset)
+    dataset = on_raster(dataset)
+    if np.any(np.diff(dataset["distance"].values) <= 0.0):
+        raise InputError("the result cannot be assessed: the vehicle does not move forward all the time")
     sections = sections_of(dataset, settings.section_length)
     notes: list[str] = []
-    axles = [_Axle.of(name, part, settings) for name, part in _wheelsets(dataset)]
-    nadal = _nadal(dataset, settings, notes)
+    names = wheelsets(dataset)
+    axles = [_Axle.of(name if len(names) > 1 else "", of_wheelset(dataset, name), settings) for name in names]
+    nadal = limit_of(dataset, settings, notes)
     if not any(axle.rms.size for axle in axles):
         notes.append(f"instability: the run is shorter than the window of {q.STABILITY_WINDOW:g} m")
     if settings.axle_load is None:
@@ -60,46 +58,28 @@ def assess(result: Result, settings: AssessmentSettings | None = None) -> Assess
     points = points_of(dataset, settings)
     values += [v for point in points for section in sections for v in point.values(section, settings)]
     values += list(stop_values(dataset, sections))
-    notes += _events(dataset)
-    order = {quantity: i for i, quantity in enumerate(vars(q).values()) if isinstance(quantity, Quantity)}
-    values.sort(key=lambda v: order[v.quantity])
+    if "event_label" in dataset:
+        places = zip(dataset["event_distance"].values, dataset["event_label"].values, strict=True)
+        notes += [f"event at {place:.1f} m: {label}" for place, label in places]
+    order = list(q.QUANTITIES)
+    values.sort(key=lambda v: order.index(v.quantity.key))
     known: dict[str, float | str] = {"vehicle_kind": settings.kind}
     for axle in axles:
-        known[f"axle_load{'_' if axle.name else ''}{axle.name}_kN"] = axle.load / 1e3
-        known[f"instability_frequency{'_' if axle.name else ''}{axle.name}_Hz"] = axle.frequency
+        name = f"_{axle.name}" if axle.name else ""
+        known |= {f"axle_load{name}_kN": axle.load / 1e3, f"instability_frequency{name}_Hz": axle.frequency}
     known |= {f"instability_frequency_{p.name}_Hz": p.frequency for p in points if p.is_frame}
     if nadal is not None:
         known["nadal_limit"] = nadal.value
     return Assessment(result.title, sections, tuple(values), tuple(notes), known, _signals(axles))
 
 
-def _evenly_sampled(dataset: xr.Dataset) -> xr.Dataset:
-    """Without a last sample off the raster (where a run was stopped), and without samples at rest."""
-    time = dataset["time"].values
-    if time.size > 2 and abs((time[-1] - time[-2]) - (time[1] - time[0])) > 1e-6 * (time[1] - time[0]):
-        dataset = dataset.isel(time=slice(0, -1))
-    if np.any(np.diff(dataset["distance"].values) <= 0.0):
-        raise InputError("the result cannot be assessed: the vehicle does not move forward all the time")
-    return dataset
-
-
-def _wheelsets(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
-    """Name (empty where there is only one) and channels of every wheelset."""
-    names = wheelsets(dataset)
-    for name in names:
-        yield name if len(names) > 1 else "", of_wheelset(dataset, name)
-
-
-def _nadal(dataset: xr.Dataset, settings: AssessmentSettings, notes: list[str]) -> Limit | None:
-    """Nadal's limit of the run; a note where it is unknown."""
-    friction = friction_of(dataset) if settings.friction is None else settings.friction
-    angle = flange_angle_of(dataset) if settings.flange_angle is None else settings.flange_angle
-    if friction is None or angle is None:
-        what = "angle of the flange" if angle is None else "coefficient of friction"
-        notes.append(f"Nadal: the result does not tell the {what}; [assessment] sets it")
-        return None
-    words = f"Nadal: flange {np.degrees(angle):.1f}°, friction {friction:g}"
-    return Limit(nadal_limit(angle, friction), words, "pub")
+def _settings_of(dataset: xr.Dataset) -> AssessmentSettings:
+    """[assessment] of the scenario that the result carries; the defaults where that says nothing."""
+    try:
+        section = load_text(str(dataset.attrs.get("scenario_text", ""))).table(AssessmentSection)
+    except InputError:  # a result without a scenario, or of an older wrsim
+        return AssessmentSettings()
+    return section.settings()
 
 
 def _quotient(y: Array, load: Array) -> Array:
@@ -134,7 +114,11 @@ class _Axle:
         """Filter the channels of one wheelset."""
         distance = dataset["distance"].values
         rate = sampling_rate(dataset["time"].values)
-        raw_y, raw_q = (dataset[c].transpose("time", "wheel").sel(wheel=["left", "right"]).values for c in ("Y", "Q"))
+
+        def of_wheels(channel: str) -> Array:
+            return np.asarray(dataset[channel].transpose("time", "wheel").sel(wheel=["left", "right"]).values)
+
+        raw_y, raw_q = of_wheels("Y"), of_wheels("Q")
         if not (np.isfinite(raw_y).all() and np.isfinite(raw_q).all()):
             raise InputError("the result cannot be assessed: some of its wheel forces are not numbers")
         y, load = (low_pass(values, rate, q.CUT_OFF) for values in (raw_y, raw_q))
@@ -143,11 +127,7 @@ class _Axle:
         raw_sum = raw_y[:, 0] - raw_y[:, 1]
         frequency = settings.instability_frequency or hunting_frequency(raw_sum, rate)
         stability, rms = hunting_rms(distance, raw_sum, rate, frequency)
-        wear = (
-            dataset["T_gamma"].transpose("time", "wheel").sel(wheel=["left", "right"]).values
-            if "T_gamma" in dataset
-            else None
-        )
+        wear = of_wheels("T_gamma") if "T_gamma" in dataset else None
         return cls(
             name=name,
             load=settings.axle_load if settings.axle_load is not None else float(raw_q.sum(axis=1).mean()),
@@ -187,49 +167,49 @@ class _Axle:
         within = self._within(section)
         if within.any():
             sum_y = np.abs(np.percentile(self.sum_y_mean[within], [q.LOW, q.HIGH])).max()
-            yield self._value(q.SUM_Y, section, sum_y, limits.track_shift(self.load, settings.kind))
+            yield self._value("sum_Y", section, sum_y, limits.track_shift(self.load, settings.kind))
             for wheel, side in _SIDES:
                 quotient = _high(self.quotient_mean[within, side])
-                yield self._value(q.Y_OVER_Q, section, quotient, limits.derailment(section.radius), wheel)
+                yield self._value("Y_over_Q", section, quotient, limits.derailment(section.radius), wheel)
                 if nadal is not None:
-                    yield self._value(q.NADAL, section, quotient, nadal, wheel)
+                    yield self._value("Y_over_Q_nadal", section, quotient, nadal, wheel)
         if nadal is not None:
             for wheel, side in _SIDES:
                 beyond = longest_stretch(self.distance[inside], self.quotient[inside, side] - nadal.value)
-                yield self._value(q.CLIMB, section, beyond, limits.CLIMB_DISTANCE, wheel)
+                yield self._value("climb_distance", section, beyond, limits.CLIMB_DISTANCE, wheel)
         middle = (self.stability_middles >= section.start) & (self.stability_middles <= section.end)
         if middle.any():
             limit = limits.instability(self.load, settings.kind)
-            yield self._value(q.INSTABILITY, section, self.rms[middle].max(), limit)
+            yield self._value("instability", section, self.rms[middle].max(), limit)
 
     def _loading(self, section: Section, inside: NDArray[np.bool_]) -> Iterator[Value]:
         for wheel, side in _SIDES:
             limit = limits.vertical_force(0.5 * self.load, section.speed)
-            yield self._value(q.Q_MAX, section, np.percentile(self.q[inside, side], q.HIGH), limit, wheel)
+            yield self._value("Q", section, np.percentile(self.q[inside, side], q.HIGH), limit, wheel)
             lowest = np.percentile(self.q[inside, side], q.LOW)
-            yield self._value(q.UNLOADING, section, 1.0 - lowest / (0.5 * self.load), None, wheel)
+            yield self._value("unloading", section, 1.0 - lowest / (0.5 * self.load), None, wheel)
         if section.zone not in (STRAIGHT, TRANSITION):
             wheel, side = _SIDES[1] if section.radius > 0.0 else _SIDES[0]  # the outer one
             y, load = np.median(self.y[inside, side]), np.median(self.q[inside, side])
-            yield self._value(q.Y_QST, section, y, limits.quasi_static_guiding(section.radius), wheel)
-            yield self._value(q.Q_QST, section, load, limits.quasi_static_vertical(), wheel)
+            yield self._value("Y_qst", section, y, limits.quasi_static_guiding(section.radius), wheel)
+            yield self._value("Q_qst", section, load, limits.quasi_static_vertical(), wheel)
 
     def _information(self, section: Section, inside: NDArray[np.bool_]) -> Iterator[Value]:
         if self.wear is not None and self.wear_mean is not None:
             within = self._within(section)
             for wheel, side in _SIDES:
-                yield self._value(q.WEAR, section, self.wear[inside, side].mean(), None, wheel)
+                yield self._value("T_gamma", section, self.wear[inside, side].mean(), None, wheel)
                 if within.any():
                     largest = np.percentile(self.wear_mean[within, side], q.HIGH)
-                    yield self._value(q.WEAR_MAX, section, largest, None, wheel)
+                    yield self._value("T_gamma_max", section, largest, None, wheel)
         if self.attack is not None:
-            yield self._value(q.ATTACK, section, abs(np.median(self.attack[inside])), None)
+            yield self._value("angle_of_attack", section, abs(np.median(self.attack[inside])), None)
         if self.shift is not None:
             shift = np.abs(np.percentile(self.shift[inside], [q.LOW, q.HIGH])).max()
-            yield self._value(q.SHIFT, section, shift, None)
+            yield self._value("lateral_shift", section, shift, None)
 
-    def _value(self, quantity: Quantity, section: Section, value: float, limit: Limit | None, wheel: str = "") -> Value:
-        return Value(quantity, section, self.name, wheel, float(value), limit)
+    def _value(self, key: str, section: Section, value: float, limit: Limit | None, wheel: str = "") -> Value:
+        return Value(q.QUANTITIES[key], section, self.name, wheel, float(value), limit)
 
 
 _SIDES = (("left", 0), ("right", 1))
@@ -246,14 +226,6 @@ def _mean_of_quotient(distance: Array, quotient: Array, middles: Array) -> Array
     mean = sliding_mean(distance, np.where(lifted, 0.0, quotient), middles, q.WINDOW)
     touched = sliding_mean(distance, lifted.astype(float), middles, q.WINDOW)
     return np.where(touched > 1e-12, np.inf, mean)
-
-
-def _events(dataset: xr.Dataset) -> list[str]:
-    """What happened on the way, in words."""
-    if "event_label" not in dataset:
-        return []
-    places = zip(dataset["event_distance"].values, dataset["event_label"].values, strict=True)
-    return [f"event at {place:.1f} m: {label}" for place, label in places]
 
 
 def _signals(axles: list[_Axle]) -> xr.Dataset:

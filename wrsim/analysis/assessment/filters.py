@@ -14,6 +14,7 @@ from __future__ import annotations
 from math import atan, pi, tan
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
@@ -34,6 +35,14 @@ def sampling_rate(time: Array) -> float:
     if np.abs(steps - step).max() > 1e-3 * step:
         raise InputError("the samples of the result are not evenly spaced in time; filters need them to be")
     return 1.0 / step
+
+
+def on_raster(dataset: xr.Dataset) -> xr.Dataset:
+    """A run without its last sample where that stands off the raster, as it does where a run was stopped."""
+    time = dataset["time"].values
+    if time.size > 2 and abs((time[-1] - time[-2]) - (time[1] - time[0])) > 1e-6 * (time[1] - time[0]):
+        return dataset.isel(time=slice(0, -1))
+    return dataset
 
 
 def low_pass(signal: Array, rate: float, cut_off: float) -> Array:

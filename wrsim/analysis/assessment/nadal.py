@@ -1,11 +1,18 @@
-"""Flange climbing: Nadal's limit, and for how long it is exceeded."""
+"""Flange climbing: Nadal's limit, from the friction and the flange's angle of a run, and how far it is exceeded."""
 
 from __future__ import annotations
 
+import tomllib
 from math import tan
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
+
+from wrsim.contact.settings import ContactSettings
+from wrsim.results.assessment import Limit
+from wrsim.scenario.sections.assessment import AssessmentSettings
 
 Array = NDArray[np.float64]
 
@@ -25,18 +32,71 @@ def longest_stretch(distance: Array, above: Array) -> float:
     The signal is linear between its samples, so that the ends of a stretch lie between them; not-a-number is above.
     """
     above = np.where(np.isfinite(above), above, 1.0)
-    longest = begin = 0.0
-    inside = False
-    for i in range(above.size):
-        if above[i] > 0.0 and not inside:
-            inside = True
-            begin = distance[i]
-            if i and above[i - 1] <= 0.0:
-                begin -= (distance[i] - distance[i - 1]) * above[i] / (above[i] - above[i - 1])
-        if inside and above[i] > 0.0:
-            longest = max(longest, distance[i] - begin)
-        if inside and above[i] <= 0.0:
-            inside = False
-            end = distance[i - 1] + (distance[i] - distance[i - 1]) * above[i - 1] / (above[i - 1] - above[i])
-            longest = max(longest, end - begin)
-    return float(longest)
+    inside = above > 0.0
+    turns = np.flatnonzero(np.diff(inside))
+    before, after, step = above[turns], above[turns + 1], np.diff(distance)[turns]
+    rising = distance[turns + 1] - step * after / (after - before)
+    falling = distance[turns] + step * before / (before - after)
+    crossings = np.where(inside[turns], falling, rising)
+    first, last = distance[:1][inside[:1]], distance[-1:][inside[-1:]]
+    ends = np.concatenate([first, crossings, last])
+    return float((ends[1::2] - ends[::2]).max(initial=0.0))
+
+
+def limit_of(dataset: xr.Dataset, settings: AssessmentSettings, notes: list[str]) -> Limit | None:
+    """Nadal's limit of a run; a note where it is unknown."""
+    friction = _friction_of(dataset) if settings.friction is None else settings.friction
+    angle = _flange_angle_of(dataset) if settings.flange_angle is None else settings.flange_angle
+    if friction is None or angle is None:
+        what = "angle of the flange" if angle is None else "coefficient of friction"
+        notes.append(f"Nadal: the result does not tell the {what}; [assessment] sets it")
+        return None
+    words = f"Nadal: flange {np.degrees(angle):.1f}°, friction {friction:g}"
+    return Limit(nadal_limit(angle, friction), words, "pub")
+
+
+def _friction_of(dataset: xr.Dataset) -> float | None:
+    """Larger coefficient of friction of both rails in the scenario that the result carries; None without one."""
+    try:
+        scenario = tomllib.loads(str(dataset.attrs.get("scenario_text", "")))
+    except tomllib.TOMLDecodeError:
+        return None
+    contact: dict[str, Any] = scenario.get("contact", {})
+    both = contact.get("friction", _largest(ContactSettings().friction))
+    found = [_largest(contact.get(f"friction_{side}", both)) for side in ("left", "right")]
+    return max((value for value in found if value is not None), default=None)
+
+
+def _largest(friction: Any) -> float | None:
+    """The largest coefficient in a number, a pair or a table of a law."""
+    if isinstance(friction, int | float):
+        return float(friction)
+    parts = [getattr(friction, "static", None), getattr(friction, "gauge_corner", None)]
+    if isinstance(friction, tuple | list):
+        parts = [_largest(part) for part in friction]
+    elif isinstance(friction, dict):
+        parts = [friction.get(name) for name in ("static", "gauge_corner", "coefficient")]
+    return max((float(part) for part in parts if part is not None), default=None)
+
+
+def _flange_angle_of(dataset: xr.Dataset) -> float | None:
+    """Largest angle of the flange's face against the axle [rad], from the wheels' outlines in the result.
+
+    None without outlines, or for wheels without a flange.
+    """
+    if "wheel_profile_y" not in dataset:
+        return None
+    y = dataset["wheel_profile_y"].values.reshape(-1, dataset.sizes["wheel_point"])
+    z = dataset["wheel_profile_z"].values.reshape(y.shape)
+    steepest = [_face(a, b) for a, b in zip(y, z, strict=True) if np.isfinite(a).all() and np.isfinite(b).all()]
+    steepest = [angle for angle in steepest if angle > np.radians(45.0)]
+    return float(np.median(steepest)) if steepest else None
+
+
+def _face(y: np.ndarray, z: np.ndarray) -> float:
+    """Steepest angle between the tip of the flange and the tread."""
+    tip = int(np.argmin(z))
+    outward = y[tip + 1 :] > y[tip]
+    dy, dz = np.diff(y[tip:]), np.diff(z[tip:])
+    rising = outward & (dy > 0.0) & (dz > 0.0)
+    return float(np.arctan2(dz[rising], dy[rising]).max(initial=0.0))

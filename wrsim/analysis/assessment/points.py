@@ -17,7 +17,7 @@ from wrsim.analysis.assessment import quantities as q
 from wrsim.analysis.assessment.filters import band_pass, low_pass, sampling_rate
 from wrsim.analysis.assessment.hunting import hunting_frequency, hunting_rms
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION
-from wrsim.results.assessment import Limit, Quantity, Section, Value
+from wrsim.results.assessment import Limit, Section, Value
 from wrsim.results.channels import BOGIE_FRAME, CAR_BODY
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
@@ -52,26 +52,23 @@ class Point:
         if self.is_frame:
             middle = (self.middles >= section.start) & (self.middles <= section.end)
             if middle.any():
-                yield self._value(q.FRAME, section, self.rms[middle].max(), limits.frame_instability(self.bogie_mass))
+                limit = limits.frame_instability(self.bogie_mass)
+                yield self._value("frame_instability", section, self.rms[middle].max(), limit)
             return
         inside = (self.distance >= section.start) & (self.distance <= section.end)
         if inside.sum() < 2:
             return
-        lines: tuple[tuple[Quantity, Quantity, Array, str], ...] = (
-            (q.BODY_Y, q.BODY_Y_RMS, self.lateral, "lateral"),
-            (q.BODY_Z, q.BODY_Z_RMS, self.vertical, "vertical"),
-        )
-        for largest, rms, signal, name in lines:
+        for key, signal, name in (("body_ay", self.lateral, "lateral"), ("body_az", self.vertical, "vertical")):
             extremes = np.abs(np.percentile(signal[inside], [q.LOW, q.HIGH])).max()
-            yield self._value(largest, section, extremes, limits.body(settings.kind, name))
+            yield self._value(key, section, extremes, limits.body(settings.kind, name))
             mean = np.sqrt((signal[inside] ** 2).mean())
-            yield self._value(rms, section, mean, limits.body(settings.kind, f"{name}_rms"))
+            yield self._value(f"{key}_rms", section, mean, limits.body(settings.kind, f"{name}_rms"))
         if section.zone not in (STRAIGHT, TRANSITION):
             slow = abs(np.median(self.slow[inside]))
-            yield self._value(q.BODY_QST, section, slow, limits.body(settings.kind, "lateral_quasi_static"))
+            yield self._value("body_ay_qst", section, slow, limits.body(settings.kind, "lateral_quasi_static"))
 
-    def _value(self, quantity: Quantity, section: Section, value: float, limit: Limit) -> Value:
-        return Value(quantity, section, "", "", float(value), limit, self.name)
+    def _value(self, key: str, section: Section, value: float, limit: Limit) -> Value:
+        return Value(q.QUANTITIES[key], section, "", "", float(value), limit, self.name)
 
 
 def points_of(dataset: xr.Dataset, settings: AssessmentSettings) -> list[Point]:

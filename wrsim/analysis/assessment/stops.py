@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import xarray as xr
 
-from wrsim.analysis.assessment import quantities as q
+from wrsim.analysis.assessment.quantities import QUANTITIES
 from wrsim.results.assessment import Limit, Section, Value
 
 
@@ -32,7 +32,7 @@ def stop_values(dataset: xr.Dataset, sections: Sequence[Section]) -> Iterator[Va
             if used:
                 _, value, end = max(used)
                 limit = Limit(end, "vehicle file: end of the bump stop's table", "file")
-                yield Value(q.STOP, section, "", "", float(value), limit, str(names[i]))
+                yield Value(QUANTITIES["bump_stop"], section, "", "", float(value), limit, str(names[i]))
 
 
 def _extremes(travel: np.ndarray, ends: np.ndarray) -> list[tuple[float, float]]:

@@ -7,7 +7,7 @@ import tomllib
 import numpy as np
 import xarray as xr
 
-from wrsim.analysis.assessment.filters import sampling_rate
+from wrsim.analysis.assessment.filters import on_raster, sampling_rate
 from wrsim.analysis.ride.comfort import AXES as WEIGHTINGS
 from wrsim.analysis.ride.comfort import PERCENTILE, comfort
 from wrsim.analysis.ride.spectra import spectrum, third_octaves
@@ -27,9 +27,7 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
     dataset, section = result.dataset, section or ride_section_of(result)
     if "point_ay" not in dataset:
         raise InputError("the result has no points: accelerations are kept at the [[points]] of a vehicle file")
-    time = dataset["time"].values
-    if time.size > 2 and abs((time[-1] - time[-2]) - (time[1] - time[0])) > 1e-6 * (time[1] - time[0]):
-        dataset = dataset.isel(time=slice(0, -1))  # the last one of a stopped run stands off the raster
+    dataset = on_raster(dataset)
     distance = dataset["distance"].values
     first = distance[0] if section.from_m is None else section.from_m
     last = distance[-1] if section.to_m is None else section.to_m
