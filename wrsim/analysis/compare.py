@@ -167,9 +167,9 @@ def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
     dataset = of_wheelset(dataset, wheelsets(dataset)[0])
     standing = is_frictionless(setup)
     models = dict(zip(("left", "right"), contact_models(setup, frictionless=standing), strict=True))
-    poses = np.concatenate([dataset[name].values for name in POSE_CHANNELS], axis=-1) if _posed(dataset) else None
-    if poses is None:
+    if not all(name in dataset for name in POSE_CHANNELS):
         return float("nan")
+    poses = np.concatenate([dataset[name].values for name in POSE_CHANNELS], axis=-1)
     moments = np.flatnonzero(np.isfinite(poses).all(axis=(1, 2)))
     times = []
     for moment in moments[np.unique(np.linspace(0, max(len(moments) - 1, 0), TIMED_MOMENTS).astype(int))]:
@@ -183,10 +183,6 @@ def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
                 count += 1
             times.append(taken / count)
     return float(np.median(times)) if times else float("nan")
-
-
-def _posed(dataset: xr.Dataset) -> bool:
-    return all(name in dataset for name in POSE_CHANNELS)
 
 
 def _values(models: Sequence[Compared], main: Compared) -> xr.Dataset:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures, SectionsOf
+from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures, SectionsOf, beside
 from wrsim.cli.showing import print_json, print_table
 from wrsim.cli.storing import read
 
@@ -33,7 +33,7 @@ def assess(
         loaded = read(result)
         settings = None if scenario is None else load(scenario).table(AssessmentSection).settings()
         found = assessed(loaded, settings)
-        directory = output or (result if result.is_dir() else result.parent)
+        directory = output or beside(result)
         files = [
             write_atomically(directory / "assessment.json", found.json()),
             write_atomically(directory / "assessment.csv", found.csv()),

@@ -17,7 +17,7 @@ from wrsim.cli.assessing import assess
 from wrsim.cli.compare import compare
 from wrsim.cli.conicity import conicity
 from wrsim.cli.ending import INTERRUPTED, exit_code, reporting_errors
-from wrsim.cli.options import BesideResult, Json, Models
+from wrsim.cli.options import BesideResult, Json, Models, beside, check_ending
 from wrsim.cli.resolve import resolve
 from wrsim.cli.riding import ride
 from wrsim.cli.showing import (
@@ -199,7 +199,7 @@ def plot(
 
         loaded = read(result)
         dataset = loaded.dataset if wheelset is None else loaded.wheelset(wheelset)
-        directory = output or (result if result.is_dir() else result.parent)
+        directory = output or beside(result)
         if wheelset is not None and output is None:
             directory /= wheelset
         if at:
@@ -233,8 +233,7 @@ def profile(
         if kind not in (None, "wheel", "rail"):
             raise InputError(f"--kind {kind}: must be wheel or rail")
         picture = output or Path(file.stem + ".png")
-        if picture.suffix.lower() != ".png":
-            raise InputError(f"-o {picture}: must end in .png")
+        check_ending("-o", picture, ".png")
         from wrsim.cli.profiles import loaded_and_smoothed
         from wrsim.plots.profile import profile_picture
 

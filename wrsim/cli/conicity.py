@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Json, Models
+from wrsim.cli.options import Json, Models, check_ending
 from wrsim.cli.showing import print_json, print_table
 from wrsim.errors import InputError
 
@@ -57,9 +57,8 @@ def conicity(
         for diameter in diameters:
             key = "--radius-mm" if diameters_mm is None else "--diameters-mm"
             check_value(Annotated[float, number(100 * factor, 1500 * factor)], 0.5 * factor * diameter, key)
-        for key, path, suffix in (("--picture", picture, ".png"), ("--table", table, ".csv")):
-            if path is not None and path.suffix.lower() != suffix:
-                raise InputError(f"{key} {path}: must end in {suffix}")
+        check_ending("--picture", picture, ".png")
+        check_ending("--table", table, ".csv")
         finder = Finder((Path(), *user_folders(tuple(models or ())), shipped_models()))
         slope = _slope(inclination)
         left_wheel = _profile(finder, wheel, "wheel")

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from wrsim.errors import InputError
+
 Models = Annotated[
     list[Path] | None,
     typer.Option("--models", metavar="DIR", help="Folder with model files of your own; may be given again."),
@@ -25,3 +27,14 @@ AnyResult = Annotated[
     Path, typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off.")
 ]
 BesideResult = Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: beside the result.")]
+
+
+def beside(result: Path) -> Path:
+    """The folder of a result that is named by its file or by that folder."""
+    return result if result.is_dir() else result.parent
+
+
+def check_ending(option: str, path: Path | None, *endings: str) -> None:
+    """Raises InputError for a file to be written whose name does not end as it must."""
+    if path is not None and path.suffix.lower() not in endings:
+        raise InputError(f"{option} {path}: must end in {' or '.join(endings)}")

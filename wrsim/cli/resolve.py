@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Json, ModelFiles, Pictures, Quiet
+from wrsim.cli.options import Json, ModelFiles, Pictures, Quiet, beside
 from wrsim.cli.showing import print_json, print_table, progress_bar
 from wrsim.errors import InputError
 
@@ -49,7 +49,7 @@ def resolve(
         from wrsim.scenario.loading import load_text
 
         before = read(result)
-        folder = result if result.is_dir() else result.parent
+        folder = beside(result)
         scenario = load_text(before.dataset.attrs["scenario_text"], folder, model_files or ())
         moments = moments_at(before.dataset, at) if at else None
         with progress_bar(not (quiet or as_json)) as progress:

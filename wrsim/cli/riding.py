@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures, SectionsOf
+from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures, SectionsOf, beside
 from wrsim.cli.showing import complain, print_json, print_table
 from wrsim.cli.storing import read
 from wrsim.errors import InputError
@@ -31,7 +31,7 @@ def ride(
 
         loaded = read(result)
         found = evaluate_ride(loaded, None if scenario is None else load(scenario).table(RideSection))
-        directory = output or (result if result.is_dir() else result.parent)
+        directory = output or beside(result)
         files = write_ride(found, directory, pictures)
         if as_json:
             print_json(found.as_dict() | {"files": [str(f) for f in files]})

@@ -21,10 +21,14 @@ Progress = Callable[[float, float], None]
 
 def facts(setup: Setup) -> dict[str, Any]:
     """What a scenario comes to, for people to see that it is what they meant."""
+    vehicle = setup.vehicle
     facts: dict[str, Any] = {
         "title": setup.title,
         "analysis": setup.analysis,
-        **_of_vehicle(setup),
+        "vehicle": vehicle.name,
+        "wheelsets": [mounted.name for mounted in vehicle.wheelsets],
+        "axle_load_kN": vehicle.weight / len(vehicle.wheelsets) / 1e3,
+        "drive": setup.drive,
         "gauge_mm": 1e3 * setup.track.nominal_gauge,
         "rails": [rail.name for rail in setup.rails],
         "files": [str(f) for f in setup.files],
@@ -34,16 +38,6 @@ def facts(setup: Setup) -> dict[str, Any]:
     if ANALYSES[setup.analysis].moves:
         facts["segments"] = [f.label if f.label == f.kind else f"{f.kind} {f.label}" for f in setup.track.features()]
     return facts | setup.plan.facts()
-
-
-def _of_vehicle(setup: Setup) -> dict[str, Any]:
-    vehicle = setup.vehicle
-    return {
-        "vehicle": vehicle.name,
-        "wheelsets": [mounted.name for mounted in vehicle.wheelsets],
-        "axle_load_kN": vehicle.weight / len(vehicle.wheelsets) / 1e3,
-        "drive": setup.drive,
-    }
 
 
 def tell_slow(setup: Setup) -> None:

@@ -8,9 +8,8 @@ from typing import Annotated
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Json, Models
+from wrsim.cli.options import Json, Models, check_ending
 from wrsim.cli.showing import print_files
-from wrsim.errors import InputError
 
 
 def track(
@@ -24,8 +23,7 @@ def track(
     """Draw the track of a scenario: plan, curvature, cant, gauge, height, irregularities."""
     with reporting_errors(as_json):
         picture = output or Path(f"{file.stem}_track.png")
-        if picture.suffix.lower() != ".png":
-            raise InputError(f"-o {picture}: must end in .png")
+        check_ending("-o", picture, ".png")
         from wrsim.plots.style import save
         from wrsim.plots.track import track_figure
         from wrsim.scenario.build import build

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Json, Models
+from wrsim.cli.options import Json, Models, check_ending
 from wrsim.cli.showing import print_json, print_table, print_title
 from wrsim.errors import InputError
 
@@ -30,8 +30,7 @@ def vehicle(
         from wrsim.inputs.lookup import Finder, shipped_models, user_folders
         from wrsim.vehicle.vehicle_files import load_vehicle
 
-        if picture is not None and picture.suffix.lower() not in (".png", ".svg"):
-            raise InputError(f"--picture {picture}: must end in .png or .svg")
+        check_ending("--picture", picture, ".png", ".svg")
         finder = Finder((Path(), *user_folders(tuple(models or ())), shipped_models()))
         try:
             path = finder.find(file)

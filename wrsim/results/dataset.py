@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Mapping
-from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -28,11 +27,6 @@ STATUSES = ("completed", "stopped")
 
 def versions() -> dict[str, str]:
     """Versions of what shapes the numbers, as attributes: ``wrsim_version``, ``numpy_version``, ..."""
-    return dict(_versions())
-
-
-@lru_cache(maxsize=1)
-def _versions() -> dict[str, str]:
     found = {"wrsim_version": __version__, "python_version": platform.python_version()}
     for package in ("numpy", "numba", "exudyn", "scipy"):
         try:
@@ -49,21 +43,18 @@ def assemble(
 ) -> xr.Dataset:
     """Build the dataset of a Result; names and shapes are checked against the register.
 
-    Parameters
-    ----------
-    coords
-        Either ``time`` (n,) in seconds for a run or ``pose`` (n,) names for a static analysis; ``wheel``
-        (default ``("left", "right")``) names the wheels present; ``amplitude`` (m,) in metres goes with poses;
-        ``wheelset``, ``body``, ``point``, ``suspension`` are the names of a vehicle's parts. Where ``wheelset`` is
-        one name (default ``"wheelset"``) instead of a list, the arrays come without that dimension.
-    channels
-        Arrays by channel name, in SI units, shaped as the register says (sample first, then wheelset, wheel, patch,
-        strip). The sizes of ``patch``, ``snapshot``, ``strip``, ``rail_point`` and ``wheel_point`` follow
-        from the arrays. A scalar fills its channel. Counts may come as floats; not-a-number becomes 0.
-    attributes
-        ``title``, ``analysis``, ``status`` ("completed" or "stopped"), ``scenario_text``; a stopped analysis
-        adds ``stop_reason`` and, over time, ``stop_time_s`` and ``stop_distance_m``. More attributes (text or
-        numbers) are kept. The versions are added here.
+    coords: either ``time`` (n,) in seconds for a run or ``pose`` (n,) names for a static analysis; ``wheel`` (default
+    ``("left", "right")``) names the wheels present; ``amplitude`` (m,) in metres goes with poses; ``wheelset``,
+    ``body``, ``point``, ``suspension`` are the names of a vehicle's parts. Where ``wheelset`` is one name (default
+    ``"wheelset"``) instead of a list, the arrays come without that dimension.
+
+    channels: arrays by channel name, in SI units, shaped as the register says (sample first, then wheelset, wheel,
+    patch, strip). The sizes of ``patch``, ``snapshot``, ``strip``, ``rail_point`` and ``wheel_point`` follow from the
+    arrays. A scalar fills its channel. Counts may come as floats; not-a-number becomes 0.
+
+    attributes: ``title``, ``analysis``, ``status`` ("completed" or "stopped"), ``scenario_text``; a stopped analysis
+    adds ``stop_reason`` and, over time, ``stop_time_s`` and ``stop_distance_m``. More attributes (text or numbers)
+    are kept. The versions are added here.
 
     ``Y_over_Q`` (where Q > 0), ``contact_angle_variation`` and the ``wheelset_distance`` of a single wheelset are
     derived when they are not given.

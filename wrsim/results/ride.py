@@ -53,14 +53,10 @@ class Ride:
 
     def _point(self, name: str) -> dict[str, Any]:
         own = self.data.sel(point=name)
-        found: dict[str, Any] = {}
-        for key, variable in (
-            ("rms_m_s2", "rms"),
-            ("peak_m_s2", "peak"),
-            ("weighted_rms_m_s2", "weighted_rms"),
-            ("comfort_95_m_s2", "comfort_95"),
-        ):
-            found[key] = {axis: _plain(own[variable].sel(axis=axis).item()) for axis in AXES}
+        found: dict[str, Any] = {
+            f"{name}_m_s2": {axis: _plain(own[name].sel(axis=axis).item()) for axis in AXES}
+            for name in ("rms", "peak", "weighted_rms", "comfort_95")
+        }
         return found | {"N_MV": _plain(own["N_MV"].item())}
 
     def json(self) -> bytes:

@@ -28,8 +28,11 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     Every peak is ``{"value": .., "distance_m": .., "time_s": ..}``, or with ``"pose"`` in a static analysis;
     ``None`` where there is no finite value. Peaks of patch channels run over all patches of the wheel.
     """
-    own = resolved(ANALYSES[str(dataset.attrs["analysis"])].summary)(dataset)
-    return _head(dataset) | own | {"versions": _versions(dataset)}
+    attributes = dataset.attrs
+    own = resolved(ANALYSES[str(attributes["analysis"])].summary)(dataset)
+    head = {name: attributes[name] for name in ("title", "analysis", "status")} | {"stop": _stop(dataset)}
+    names = [name for name in attributes if name.endswith("_version") and name != "format_version"]
+    return head | own | {"versions": {name.removesuffix("_version"): attributes[name] for name in names}}
 
 
 def of_contacts(dataset: xr.Dataset) -> dict[str, Any]:
@@ -66,20 +69,6 @@ def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
 def _of_point(one: xr.Dataset) -> dict[str, Any]:
     """Largest accelerations at one point."""
     return {f"{name}_max_m_s2": peak(one, name, largest_magnitude=True) for name in ("point_ay", "point_az")}
-
-
-def _head(dataset: xr.Dataset) -> dict[str, Any]:
-    """What it is and how it ended."""
-    found: dict[str, Any] = {name: dataset.attrs[name] for name in ("title", "analysis", "status")}
-    return found | {"stop": _stop(dataset)}
-
-
-def _versions(dataset: xr.Dataset) -> dict[str, Any]:
-    return {
-        name.removesuffix("_version"): value
-        for name, value in dataset.attrs.items()
-        if name.endswith("_version") and name != "format_version"
-    }
 
 
 def peak(

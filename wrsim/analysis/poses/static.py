@@ -30,7 +30,7 @@ def run_static(setup: Setup[StaticPlan], progress: Callable[[float, float], None
     wheelset = setup.wheelset
     radius = wheelset.mean_radius if len(wheels) == 2 else getattr(wheelset, plan.side).radius
     exact = setup.contact.normal == "half-space"
-    bench = (HalfSpacePoseSolver if exact else PoseSolver)(wheels, plan.rolling, radius)
+    solver = (HalfSpacePoseSolver if exact else PoseSolver)(wheels, plan.rolling, radius)
     n = len(plan.poses)
     raw = RawContacts.empty(n, len(wheels), setup.contact.max_patches)
     strips = StripRecorder.start(wheels)
@@ -39,11 +39,11 @@ def run_static(setup: Setup[StaticPlan], progress: Callable[[float, float], None
     done = 0
     try:
         for i, pose in enumerate(plan.poses):
-            solved = bench.solve(pose)
+            solved = solver.solve(pose)
             heights[i], rolls[i], messages[i] = solved.height, solved.roll, solved.message
             for j, wheel in enumerate(wheels):
                 raw.store(i, j, wheel.model)
-            strips.store(bench.elements())
+            strips.store(solver.elements())
             if not np.isfinite(solved.height):
                 raw.clear(i)
                 strips.clear_last()
