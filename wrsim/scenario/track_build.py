@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +14,9 @@ from wrsim.geometry.track.irregularities import Disturbance
 from wrsim.geometry.track.segments import Laws, Segment, Straight, laws
 from wrsim.geometry.track.table import IRREGULARITIES, TrackTable
 from wrsim.geometry.track.track import ROUNDING, Track
+from wrsim.inputs.lines import KeyPath
 from wrsim.scenario.loading import Scenario
+from wrsim.scenario.sections.irregularities import TableSection
 
 LEVEL_TRACK = 100.0
 """Length of the straight that static and equilibrium analyses stand on without segments in the file [m]."""
@@ -29,7 +33,7 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Pat
     gauge = section.gauge_mm / 1e3
     row: tuple[Segment, ...] = tuple(s.to_geometry() for s in section.segments)
     uneven: list[Disturbance] = []
-    try:
+    with _faults_at(scenario, ("track",)):
         if section.table is not None:
             files.append(scenario.find(("track", "table"), section.table))
             table = TrackTable.read(files[-1])
@@ -39,9 +43,13 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Pat
         else:
             row = row or (Straight(LEVEL_TRACK),)
             law = laws(row, gauge, ROUNDING)
-        length = law.curvature.end
-        for i, entry in enumerate(section.irregularities):
-            uneven += _disturbances(scenario, i, entry, length, files)
+    for i, entry in enumerate(section.irregularities):
+        key = ("track", "irregularities", i)
+        if isinstance(entry, TableSection):
+            files.append(scenario.find((*key, "file"), entry.file))
+        with _faults_at(scenario, key):
+            uneven += entry.disturbances(law.curvature.end, files[-1])
+    with _faults_at(scenario, ("track",)):
         offsets = [(0.0, 0.0)] * 2  # of the profiles' origins, from half the gauge and from the track's plane
         if section.gauge_between == "gauge points":
             offsets = [(-rail.gauge_point()[0], -rail.top[1]) for rail in rails]
@@ -57,34 +65,14 @@ def track_of(scenario: Scenario, rails: tuple[Profile, Profile], files: list[Pat
             step=section.row_distance_m,
             elasticity=None if section.elasticity is None else section.elasticity.to_geometry(),
         )
-    except _Told as told:
-        raise told.error from None
-    except InputError as error:
-        raise scenario.fault(("track",), str(error)) from None
 
 
-class _Told(Exception):
-    """An error that names its place already."""
-
-    def __init__(self, error: InputError) -> None:
-        super().__init__(str(error))
-        self.error = error
-
-
-def _disturbances(
-    scenario: Scenario, i: int, entry: object, length: float, files: list[Path]
-) -> tuple[Disturbance, ...]:
-    def find(name: str) -> Path:
-        try:
-            files.append(scenario.find(("track", "irregularities", i, "file"), name))
-        except InputError as error:
-            raise _Told(error) from None
-        return files[-1]
-
+@contextmanager
+def _faults_at(scenario: Scenario, key: KeyPath) -> Iterator[None]:
     try:
-        return entry.disturbances(length, find)  # type: ignore[attr-defined, no-any-return]
+        yield
     except InputError as error:
-        raise _Told(scenario.fault(("track", "irregularities", i), str(error))) from None
+        raise scenario.fault(key, str(error)) from None
 
 
 def gauge_extremes(track: Track) -> tuple[float, float]:

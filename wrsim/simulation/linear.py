@@ -18,14 +18,6 @@ SMALL_EXTENSION = 1e-4
 """Change of the extension of a damper in series with a spring [m]; forces are linear in it or nearly so."""
 
 
-def steps_of(bodies: int, size: int, rails: int = 0) -> Array:
-    """Steps of numerical derivatives in q, and in q_t: a row of ``SMALL`` per body, then the dampers', the rails'."""
-    own = DIFFERENCE * np.array([SMALL[name] for name in COORDINATES] * bodies)
-    dampers = np.full(size - own.size - rails, SMALL_EXTENSION)
-    under = DIFFERENCE * np.array([SMALL["y"], SMALL["z"]] * (rails // 2))
-    return np.concatenate([own, dampers, under])
-
-
 def rails_of(forces: ForceLaw) -> int:
     """How many of a law's last coordinates are displacements of rails: they count, unlike those of dampers."""
     return int(getattr(forces, "rails", 0))
@@ -37,7 +29,9 @@ def force_derivatives(
     """Derivatives of the generalised forces with respect to q and to q_t, each (n, n), by central differences."""
     n = len(q)
     out = np.zeros(n)
-    steps = steps_of(bodies, n, rails)
+    own = DIFFERENCE * np.array([SMALL[name] for name in COORDINATES] * bodies)
+    dampers = np.full(n - own.size - rails, SMALL_EXTENSION)
+    steps = np.concatenate([own, dampers, DIFFERENCE * np.array([SMALL["y"], SMALL["z"]] * (rails // 2))])
     found = []
     for which in range(2):
         columns = np.zeros((n, n))

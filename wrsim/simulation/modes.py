@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,6 @@ from wrsim.simulation.linear import linearise
 from wrsim.simulation.state import design_state
 
 if TYPE_CHECKING:
-    from wrsim.vehicle.elements import Triple
     from wrsim.vehicle.vehicle import Vehicle
 
 DIRECTIONS = ("vertical", "longitudinal", "lateral", "yaw", "roll", "pitch")
@@ -66,20 +64,13 @@ def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
 
 
 def mode_name(vehicle: Vehicle, shape: NDArray[np.complex128]) -> str:
-    """Words for a mode of the bodies: those with the most kinetic energy, their directions, how they move together.
+    """Words for a mode: the parts with the most kinetic energy, their directions, how they move together.
 
-    Bodies of one name in different parts (``front.frame``, ``rear.frame``) count together. shape: (bodies, 6).
+    shape: of all parts (parts, 6) or of the bodies alone (bodies, 6). All wheelsets count together, and so do bodies
+    of one name in different parts (``front.frame``, ``rear.frame``).
     """
-    return _name([(b.name, b.mass, b.inertia) for b in vehicle.bodies], shape)
-
-
-def part_mode_name(vehicle: Vehicle, shape: NDArray[np.complex128]) -> str:
-    """The same for a mode of wheelsets and bodies; shape: (parts, 6). All wheelsets count together."""
-    wheelsets = [(f"{m.name}.wheelsets", m.mass, m.wheelset.inertia) for m in vehicle.wheelsets]
-    return _name(wheelsets + [(b.name, b.mass, b.inertia) for b in vehicle.bodies], shape)
-
-
-def _name(parts: Sequence[tuple[str, float, Triple]], shape: NDArray[np.complex128]) -> str:
+    parts = [(f"{m.name}.wheelsets", m.mass, m.wheelset.inertia) for m in vehicle.wheelsets]
+    parts = (parts + [(b.name, b.mass, b.inertia) for b in vehicle.bodies])[-len(shape) :]
     inertia = np.array([(m, m, m, i[2], i[0], i[1]) for _, m, i in parts])
     energy = inertia * np.abs(shape) ** 2
     groups: dict[str, list[int]] = {}
@@ -92,9 +83,8 @@ def _name(parts: Sequence[tuple[str, float, Triple]], shape: NDArray[np.complex1
     return f"{name} {' and '.join(DIRECTIONS[k] for k in named)}{_phase(shape[members, named[0]])}"
 
 
-def _phase(amplitudes: Sequence[complex] | NDArray[np.complex128]) -> str:
-    """How bodies of one name move: together or against each other."""
-    a = np.asarray(amplitudes)
+def _phase(a: NDArray[np.complex128]) -> str:
+    """How bodies of one name move, by their complex amplitudes: together or against each other."""
     if len(a) != 2 or min(abs(a)) < 0.2 * max(abs(a)):
         return ""
     return ", together" if (a[0] * np.conj(a[1])).real > 0.0 else ", against each other"

@@ -51,24 +51,20 @@ class Assembly:
 
     def _bodies(self, part: sections.PartTable, path: KeyPath, place: _Place) -> None:
         for name, body in part.bodies.items():
-            self._new(name, (*path, "bodies", name))
-            self.bodies[place.prefix + name] = Body(
-                place.prefix + name, body.mass_kg, body.inertia_kg_m2, place.axes.point(body.centre_mm)
-            )
+            full = self._new(name, (*path, "bodies", name), place)
+            self.bodies[full] = Body(full, body.mass_kg, body.inertia_kg_m2, place.axes.point(body.centre_mm))
         for name, mount in part.wheelsets.items():
-            self._new(name, (*path, "wheelsets", name))
+            full = self._new(name, (*path, "wheelsets", name), place)
             key = (*path, "wheelsets", name, "type")
             wheelset = self.types.get(mount.type or "")
             if wheelset is None:
-                known = [t for t in self.types if t]
-                words = f"is no type of wheelset; there is {', '.join(known) or 'none'} in [wheelset_types]"
                 if mount.type is None:
                     raise self._fault(key, "is missing: there is no [wheelset] that all wheelsets share")
+                known = [t for t in self.types if t]
+                words = f"is no type of wheelset; there is {', '.join(known) or 'none'} in [wheelset_types]"
                 raise self._fault(key, words + suggest(mount.type, known), mount.type)
             x = place.axes.point((mount.x_mm, 0.0, 0.0))[0]
-            self.wheelsets[place.prefix + name] = MountedWheelset(
-                place.prefix + name, wheelset, x, wheelset.mean_radius
-            )
+            self.wheelsets[full] = MountedWheelset(full, wheelset, x, wheelset.mean_radius)
         names = [p.name for p in part.places]
         for i, inner in enumerate(part.places):
             if names.count(inner.name) > 1:
@@ -77,8 +73,7 @@ class Assembly:
 
     def _elements(self, part: sections.PartTable, path: KeyPath, place: _Place) -> None:
         for i, table in enumerate(part.elements):
-            for element in self._repeated(table, (*path, "elements", i), place):
-                self.elements.append(element)
+            self.elements += self._repeated(table, (*path, "elements", i), place)
         for i, load in enumerate(part.loads):
             body = self._body(load.on, (*path, "loads", i, "on"), place)
             force = place.axes.vector(load.force_kN)
@@ -94,10 +89,8 @@ class Assembly:
     ) -> tuple[sections.PartTable, KeyPath, _Place]:
         """A part at its place."""
         if table.part not in self.parts:
-            known = ", ".join(self.parts) or "none"
-            raise self._fault(
-                (*path, "part"), f"is no part; there is {known}{suggest(table.part, list(self.parts))}", table.part
-            )
+            known = (", ".join(self.parts) or "none") + suggest(table.part, list(self.parts))
+            raise self._fault((*path, "part"), f"is no part; there is {known}", table.part)
         if place.depth >= DEEPEST:
             raise self._fault((*path, "part"), f"parts lie in parts more than {DEEPEST} deep", table.part)
         x, y, z = ((-s if axis in table.mirror else s) for s, axis in zip(place.axes.signs, "xyz", strict=True))
@@ -105,29 +98,25 @@ class Assembly:
         inner = _Place(f"{place.prefix}{table.name}.", axes, place.depth + 1)
         return self.parts[table.part], ("parts", table.part), inner
 
-    def _new(self, name: str, path: KeyPath) -> None:
+    def _new(self, name: str, path: KeyPath, place: _Place) -> str:
+        """Full name of a body or wheelset."""
         if name == TRACK or "." in name:
-            raise self._fault(
-                path, f"'{name}' cannot be the name of a body: '{TRACK}' is taken and points are for parts"
-            )
+            message = f"'{name}' cannot be the name of a body: '{TRACK}' is taken and points are for parts"
+            raise self._fault(path, message)
+        return place.prefix + name
 
     def _body(self, name: str, path: KeyPath, place: _Place) -> str:
         """Full name of a body seen from a part."""
         if name == TRACK:
             return TRACK
         known = [*self.bodies, *self.wheelsets]
-        outer = place.prefix
-        while True:
-            if outer + name in known:
-                return outer + name
-            if not outer:
-                break
-            outer = outer[:-1].rpartition(".")[0]
-            outer = outer + "." if outer else ""
+        around = place.prefix.split(".")[:-1]
+        for depth in range(len(around), -1, -1):
+            if (full := ".".join((*around[:depth], name))) in known:
+                return full
         seen = [k.removeprefix(place.prefix) if k.startswith(place.prefix) else k for k in known]
-        raise self._fault(
-            path, f"is no body; there is {', '.join(dict.fromkeys(seen))}, {TRACK}{suggest(name, seen)}", name
-        )
+        words = f"is no body; there is {', '.join(dict.fromkeys(seen))}, {TRACK}"
+        raise self._fault(path, words + suggest(name, seen), name)
 
     def _centre(self, name: str) -> Triple:
         if name == TRACK:
@@ -157,15 +146,11 @@ class Assembly:
     def _fits(self, element: Element, path: KeyPath) -> None:
         """Springs join wheelsets on their axles, as the second body."""
         if element.first in self.wheelsets and element.turns_with_first:
-            raise self._fault(
-                (*path, "body"),
-                "is a wheelset: the axes of an element cannot turn with it; exchange body and to",
-                element.first,
-            )
+            message = "is a wheelset: the axes of an element cannot turn with it; exchange body and to"
+            raise self._fault((*path, "body"), message, element.first)
         if element.resists_turning and element.second in self.wheelsets:
-            raise self._fault(
-                (*path, "to"), "is a wheelset, which spins: no rotational spring holds it", element.second
-            )
+            message = "is a wheelset, which spins: no rotational spring holds it"
+            raise self._fault((*path, "to"), message, element.second)
         for name, end in zip((element.first, element.second), element.points, strict=True):
             if name not in self.wheelsets:
                 continue

@@ -1,4 +1,4 @@
-"""Vehicle files (``models/vehicles/*.toml``) to and from plain data in SI units."""
+"""Tables of a vehicle file on its wheelsets, in the user's units; and a wheelset with other wheels."""
 
 from __future__ import annotations
 
@@ -8,12 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
-from wrsim.errors import InputError
-from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
-from wrsim.inputs.checking import Locate, fault_line
-from wrsim.inputs.lines import KeyPath
-from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Fault, Section, both_or_sides, given
 from wrsim.inputs.values import Three, number, positive, text, words
 from wrsim.vehicle.wheelset import Wheel, Wheelset
@@ -101,13 +96,3 @@ def with_wheel(wheelset: Wheelset, side: str, profile: Profile | None, radius: f
     old = wheelset.left if side == "left" else wheelset.right
     new = Wheel(profile or old.profile, radius or old.radius)
     return replace(wheelset, left=new) if side == "left" else replace(wheelset, right=new)
-
-
-def load_wheel(table: WheelsetTable, side: str, finder: Finder, locate: Locate, path: KeyPath) -> Wheel:
-    """One wheel of a [wheelset] that stands at ``path`` of its file, its profile read. Raises InputError."""
-    key, name = table.of_side("wheel", side)
-    try:
-        file = finder.find(name)
-    except InputError as error:
-        raise InputError(fault_line((*path, key), str(error), locate, name)) from None
-    return Wheel(load_profile(file, "wheel"), table.of_side("radius_mm", side)[1] / 1000.0)

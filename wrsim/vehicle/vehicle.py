@@ -138,8 +138,7 @@ class Vehicle:
     @property
     def centre(self) -> Array:
         """Centre of mass (3,) [m]."""
-        moments = sum(part.mass * np.array(part.centre) for part in self.parts)
-        return np.asarray(moments / self.mass)
+        return np.average([part.centre for part in self.parts], axis=0, weights=[part.mass for part in self.parts])
 
     @property
     def reference(self) -> int:
@@ -157,11 +156,11 @@ class Vehicle:
     @property
     def centre_of_load(self) -> Array:
         """Centre of all parts and of what they carry (3,) [m]: where weight and centrifugal force act."""
-        loads = [(part.mass, np.array(part.centre)) for part in self.parts]
+        places = [part.centre for part in self.parts]
         for carried in self.carried:
-            at = np.array(self.parts[self.index(carried.body)].centre)
-            loads.append((carried.mass, at + np.array((0.0, 0.0, carried.height))))
-        return np.asarray(sum(mass * at for mass, at in loads) / sum(mass for mass, _ in loads))
+            x, y, z = places[self.index(carried.body)]
+            places.append((x, y, z + carried.height))
+        return np.average(places, axis=0, weights=[load.mass for load in (*self.parts, *self.carried)])
 
     def with_wheelsets(self, change: Callable[[Wheelset], Wheelset]) -> Vehicle:
         """The vehicle with every wheelset changed; the guide frame holds its own at the height of the new wheels."""

@@ -12,7 +12,8 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from wrsim.errors import InputError
-from wrsim.inputs.checking import Locate, check, opened
+from wrsim.geometry.profile.models import load_profile
+from wrsim.inputs.checking import Locate, check, fault_line, opened
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
@@ -20,11 +21,11 @@ from wrsim.inputs.values import Day, Source, text
 from wrsim.vehicle.assembly import Assembly
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.elements.keys import scaled
-from wrsim.vehicle.files import SprungTable, SuspensionTable, WheelsetTable, load_wheel
+from wrsim.vehicle.files import SprungTable, SuspensionTable, WheelsetTable
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.vehicle_sections import PartTable
-from wrsim.vehicle.wheelset import Wheelset
+from wrsim.vehicle.wheelset import Wheel, Wheelset
 
 OF_PARTS = ("bodies", "wheelsets", "elements", "parts", "places", "wheelset_types")
 """Tables of a file that puts a vehicle together from parts."""
@@ -146,12 +147,20 @@ def check_connected(vehicle: Vehicle) -> None:
 def _wheelset(
     table: WheelsetTable, path: KeyPath, file: WheelsetFile | VehicleFile, finder: Finder, locate: Locate
 ) -> Wheelset:
+    def wheel(side: str) -> Wheel:
+        key, name = table.of_side("wheel", side)
+        try:
+            profile = finder.find(name)
+        except InputError as error:
+            raise InputError(fault_line((*path, key), str(error), locate, name)) from None
+        return Wheel(load_profile(profile, "wheel"), table.of_side("radius_mm", side)[1] / 1000.0)
+
     return Wheelset(
         name=file.name,
         mass=table.mass_kg,
         inertia=(table.roll_inertia_kg_m2, table.spin_inertia_kg_m2, table.yaw_inertia_kg_m2),
         profile_spacing=table.spacing,
-        left=load_wheel(table, "left", finder, locate, path),
-        right=load_wheel(table, "right", finder, locate, path),
+        left=wheel("left"),
+        right=wheel("right"),
         source=file.source,
     )

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from wrsim.simulation.modes import part_mode_name
+from wrsim.simulation.modes import mode_name
 
 if TYPE_CHECKING:
     from wrsim.simulation.linear import Linearised
@@ -101,7 +101,7 @@ def _costs(before: Modes, after: Modes) -> Array:
 
 def mode_words(vehicle: Vehicle, modes: Modes) -> list[str]:
     """Names of the modes: who moves how."""
-    return [part_mode_name(vehicle, shape) for shape in modes.shapes]
+    return [mode_name(vehicle, shape) for shape in modes.shapes]
 
 
 def critical(at: Callable[[float], Modes], found: Sequence[Modes]) -> Modes | None:

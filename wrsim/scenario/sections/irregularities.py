@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, Field
+from annotated_types import Predicate
+from pydantic import Field
 
 from wrsim.errors import InputError
 from wrsim.geometry.track.gradient import Grade
@@ -18,30 +19,12 @@ from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, Two, number, positive, text
 
 Place = Annotated[float, number(0, 1e6, "m along the centre line")]
-Find = Callable[[str], Path]
-"""Finds a file by the name in a scenario."""
-
-
-def _band(value: tuple[float, float]) -> tuple[float, float]:
-    if not value[0] < value[1]:
-        raise ValueError
-    return value
-
-
 Band = Annotated[
     Two[Annotated[float, number(0.1, 1000, "m")]],
     Field(description="two rising wavelengths in m from 0.1 to 1000, such as [3, 70]"),
-    AfterValidator(_band),
+    Predicate(lambda band: band[0] < band[1]),
 ]
-
-
-def _different(value: tuple[Channel, ...]) -> tuple[Channel, ...]:
-    if len(set(value)) != len(value):
-        raise ValueError
-    return value
-
-
-Channels = Annotated[List[Channel], Field(min_length=1), AfterValidator(_different)]
+Channels = Annotated[List[Channel], Field(min_length=1), Predicate(lambda names: len(set(names)) == len(names))]
 
 
 class GradeSection(Section):
@@ -75,7 +58,7 @@ class SpectrumSection(Section):
     to_m: Place | None = None
     fade_m: Annotated[float, positive(1000, "m over which they begin and end")] = 20.0
 
-    def disturbances(self, length: float, find: Find) -> tuple[Disturbance, ...]:
+    def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
         """On a track of this length [m]. Raises InputError when from_m and to_m leave it no room."""
         end = _room(self.from_m, length if self.to_m is None else self.to_m, length, "to_m")
         short, long = self.wavelength_m
@@ -103,10 +86,10 @@ class TableSection(Section):
     from_m: Place = 0.0
     fade_m: Annotated[float, positive(1000, "m over which they begin and end")] = 20.0
 
-    def disturbances(self, length: float, find: Find) -> tuple[Disturbance, ...]:
+    def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
         """As far as the table and the track go."""
         _room(self.from_m, length, length, "from_m")
-        table = TrackTable.read(find(self.file))
+        table = TrackTable.read(file)
         return table.disturbances(self.from_m, self.fade_m, self.scale, self.wavelength_m)
 
 
@@ -122,12 +105,7 @@ class _Defect(Section):
     amplitude_mm: Annotated[float, number(-200, 200, "mm")]
     shape: Literal["1-cosine", "kink", "ramp"] = "1-cosine"
 
-    @property
-    def meant(self) -> Rail:
-        """The rail that it is on."""
-        return "both"
-
-    def disturbances(self, length: float, find: Find) -> tuple[Disturbance, ...]:
+    def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
         """Raises InputError when it leaves the track."""
         begin, end = self.at_m - 0.5 * self.length_m, self.at_m + 0.5 * self.length_m
         if begin <= 0.0 or end >= length:
@@ -136,14 +114,12 @@ class _Defect(Section):
                 f"{length:.6g} m long"
             )
         size = self.sign * self.amplitude_mm / 1e3
-        shape: Shape
-        if self.shape == "1-cosine":
-            shape = Bump(begin, self.length_m, size)
-        elif self.shape == "kink":
+        shape: Shape = Bump(begin, self.length_m, size)
+        if self.shape == "kink":
             shape = Polygon.through((0.0, begin, self.at_m, end, length), (0.0, 0.0, size, 0.0, 0.0), ROUNDING)
-        else:
+        elif self.shape == "ramp":
             shape = Polygon.through((0.0, begin, end, length), (0.0, 0.0, size, size), ROUNDING)
-        return (Disturbance.of(shape, self.channel, self.meant),)
+        return (Disturbance.of(shape, self.channel, getattr(self, "rail", "both")),)
 
 
 class DipSection(_Defect):
@@ -156,11 +132,6 @@ class DipSection(_Defect):
     kind: Literal["dip"]
     rail: Rail = "both"
 
-    @property
-    def meant(self) -> Rail:
-        """The rail that it is on."""
-        return self.rail
-
 
 class AlignmentSection(_Defect):
     """The rails lie aside: amplitude positive to the left."""
@@ -170,11 +141,6 @@ class AlignmentSection(_Defect):
 
     kind: Literal["alignment"]
     rail: Rail = "both"
-
-    @property
-    def meant(self) -> Rail:
-        """The rail that it is on."""
-        return self.rail
 
 
 class TwistSection(_Defect):
@@ -208,10 +174,9 @@ def grades_in_order(raw: Any) -> Iterator[Fault]:
 
 
 def _room(start: float, end: float, length: float, key: str) -> float:
-    if start >= length:
-        raise InputError(f"from_m = {start:g}: must lie on the track, which is {length:.6g} m long")
-    if end > length * (1.0 + 1e-9):
-        raise InputError(f"{key} = {end:g}: must lie on the track, which is {length:.6g} m long")
+    for name, place, beyond in (("from_m", start, start >= length), (key, end, end > length * (1.0 + 1e-9))):
+        if beyond:
+            raise InputError(f"{name} = {place:g}: must lie on the track, which is {length:.6g} m long")
     if end <= start:
         raise InputError(f"{key} = {end:g}: must be above from_m = {start:g}")
     return min(end, length)

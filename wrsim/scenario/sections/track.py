@@ -7,7 +7,8 @@ import re
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from annotated_types import Predicate
+from pydantic import BeforeValidator, Field
 
 from wrsim.geometry.track import segments
 from wrsim.geometry.track.elasticity import RailElasticity
@@ -18,6 +19,7 @@ from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySec
 Length = Annotated[float, number(0.01, 1e5, "m")]
 Cant = Annotated[float, number(-250, 250, "mm, positive leans to the inside of the curve")]
 Widening = Annotated[float, number(-100, 100, "mm")]
+CantBase = Annotated[float, number(400, 2200, "mm between the rail tops that cant is measured over, such as 1500")]
 RailName = Annotated[str, text('a rail profile file such as "rails/60E1.toml"')]
 
 
@@ -41,15 +43,9 @@ Inclination = Annotated[
 """``"1:n"`` with n >= 5; the rail's top leans towards the track centre."""
 
 
-def _curved(radius: float) -> float:
-    if not 10.0 <= abs(radius) <= 1e6:
-        raise ValueError
-    return radius
-
-
 Radius = Annotated[
     float,
-    AfterValidator(_curved),
+    Predicate(lambda radius: 10.0 <= abs(radius) <= 1e6),
     Field(
         description="a number of size 10 to 1000000, of either sign (m, positive curves to the left, negative to the "
         "right)"
@@ -73,12 +69,9 @@ class Straight(Section):
     def to_geometry(self) -> segments.Straight:
         """Return the segment in SI units."""
         return segments.Straight(
-            self.length_m,
-            self.cant_start_mm / 1000.0,
-            self.cant_end_mm / 1000.0,
-            self.gauge_widening_start_mm / 1000.0,
-            self.gauge_widening_end_mm / 1000.0,
-        )
+            self.length_m, self.cant_start_mm / 1e3, self.cant_end_mm / 1e3,
+            self.gauge_widening_start_mm / 1e3, self.gauge_widening_end_mm / 1e3,
+        )  # fmt: skip
 
 
 class Transition(Section):
@@ -192,13 +185,7 @@ class TrackSection(Section):
     rail: RailName | None = None
     rail_left: RailName | None = None
     rail_right: RailName | None = None
-    cant_base_mm: (
-        Annotated[
-            float,
-            number(400, 2200, "mm between the rail tops that cant is measured over, such as 1500"),
-        ]
-        | None
-    ) = None
+    cant_base_mm: CantBase | None = None
     segments: List[Annotated[Segment, Field(discriminator="kind")]] = ()
     table: Annotated[str, text('a CSV file of measured track such as "line.csv"')] | None = None
     grades: List[GradeSection] = ()

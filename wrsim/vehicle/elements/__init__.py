@@ -1,13 +1,11 @@
 """Suspension elements: one file a kind, with its keys in the vehicle file, its law and how it is drawn.
 
-A new kind is a file with a subclass of `ElementTable` and an entry in ``KINDS``. Its ``element`` gives one of the laws
-that there are (`Spring`: along and about three axes; `Strut`: in one direction), or an `Element` of its own with a
-function in ``core.body.suspension``.
+A new kind is a file with a subclass of `ElementTable` and an entry in ``AnyElementTable``. Its ``element`` gives one of
+the laws that there are (`Spring`: along and about three axes; `Strut`: in one direction), or an `Element` of its own
+with a function in ``core.body.suspension``.
 """
 
-from functools import reduce
-from operator import or_
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from pydantic import Field
 
@@ -15,28 +13,24 @@ from wrsim.vehicle.elements.anti_roll_bar import AntiRollBarTable
 from wrsim.vehicle.elements.bump_stop import BumpStopTable
 from wrsim.vehicle.elements.damper import DamperTable
 from wrsim.vehicle.elements.element import GUIDE, TRACK, ZERO, Element, Table, Tables, Triple
-from wrsim.vehicle.elements.keys import ElementTable, Glyph
+from wrsim.vehicle.elements.keys import KINDS, ElementTable, Glyph
 from wrsim.vehicle.elements.shear_spring import ShearSpringTable
 from wrsim.vehicle.elements.spring import Spring, SpringTable
 from wrsim.vehicle.elements.strut import Strut
 from wrsim.vehicle.elements.tabulated_spring import TabulatedSpringTable
 from wrsim.vehicle.elements.traction_rod import TractionRodTable
 
-KINDS: dict[str, type[ElementTable]] = {
-    "spring": SpringTable,
-    "shear-spring": ShearSpringTable,
-    "tabulated-spring": TabulatedSpringTable,
-    "bump-stop": BumpStopTable,
-    "damper": DamperTable,
-    "traction-rod": TractionRodTable,
-    "anti-roll-bar": AntiRollBarTable,
-}
-"""The register of kinds."""
-
-if TYPE_CHECKING:
-    AnyElementTable = ElementTable
-else:
-    AnyElementTable = Annotated[reduce(or_, KINDS.values()), Field(discriminator="kind")]
+AnyElementTable = Annotated[
+    SpringTable
+    | ShearSpringTable
+    | TabulatedSpringTable
+    | BumpStopTable
+    | DamperTable
+    | TractionRodTable
+    | AntiRollBarTable,
+    Field(discriminator="kind"),
+]
+"""The kinds that a vehicle file may name, in the order of messages."""
 
 __all__ = [
     "GUIDE", "KINDS", "TRACK", "ZERO", "AnyElementTable", "Element", "ElementTable", "Glyph", "Spring", "Strut",

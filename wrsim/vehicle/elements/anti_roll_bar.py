@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated
 
 from wrsim.inputs.values import positive
 from wrsim.vehicle.elements.element import ZERO
@@ -10,12 +10,9 @@ from wrsim.vehicle.elements.keys import Axes, ElementTable, Joint
 from wrsim.vehicle.elements.spring import Spring
 
 
-class AntiRollBarTable(ElementTable):
-    """kind = "anti-roll-bar": a torsion spring between two bodies about the x axis."""
+class AntiRollBarTable(ElementTable, kind="anti-roll-bar"):
+    """A torsion spring between two bodies about the x axis."""
 
-    header: ClassVar[str] = "[[elements]] with kind = anti-roll-bar"
-
-    kind: Literal["anti-roll-bar"]
     stiffness_kNm_per_rad: Annotated[float, positive(1e6, "kN m/rad")]
 
     def element(self, joint: Joint, axes: Axes) -> Spring:

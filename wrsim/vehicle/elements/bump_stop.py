@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar, Literal
+from typing import ClassVar
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Switch
@@ -11,14 +11,12 @@ from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, ForceOf
 from wrsim.vehicle.elements.strut import Strut, along_axis, both_ways
 
 
-class BumpStopTable(ElementTable):
-    """kind = "bump-stop": a stop of a given travel; force against travel, the same in both directions or in one."""
+class BumpStopTable(ElementTable, kind="bump-stop"):
+    """A stop of a given travel; force against travel, the same in both directions or in one."""
 
-    header: ClassVar[str] = "[[elements]] with kind = bump-stop"
     aliases: ClassVar[dict[str, str]] = {**ElementTable.aliases, "travel_mm_force_kN": "gap_mm_force_N"}
     glyph: ClassVar[Glyph | None] = Glyph("X", "#B00020")
 
-    kind: Literal["bump-stop"]
     at_mm: Place
     direction: Along
     travel_mm_force_kN: ForceOfTravel

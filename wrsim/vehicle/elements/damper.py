@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import positive
@@ -12,13 +12,11 @@ from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, ForceOf
 from wrsim.vehicle.elements.strut import Strut, both_ways
 
 
-class DamperTable(ElementTable):
-    """kind = "damper": viscous, along an axis (at_mm, direction) or along its line (body_mm, to_mm)."""
+class DamperTable(ElementTable, kind="damper"):
+    """Viscous, along an axis (at_mm, direction) or along its line (body_mm, to_mm)."""
 
-    header: ClassVar[str] = "[[elements]] with kind = damper"
     glyph: ClassVar[Glyph | None] = Glyph("s", "#D55E00")
 
-    kind: Literal["damper"]
     at_mm: Place | None = None
     direction: Along | None = None
     body_mm: Place | None = None

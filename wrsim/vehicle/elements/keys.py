@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
@@ -91,9 +91,14 @@ class Glyph(NamedTuple):
     hollow: bool = False
 
 
+KINDS: dict[str, type[ElementTable]] = {}
+"""The register of kinds."""
+
+
 class ElementTable(Section):
     """What all elements have: a name, the body whose axes they follow, the one (or each of those) they lead to.
 
+    A subclass names its kind, which puts it on the list.
     origin: what the element's points are measured from: the part's origin, or the centre of one of the two bodies.
     both_sides: the element has a twin at -y.
     """
@@ -109,6 +114,12 @@ class ElementTable(Section):
     to: Names
     origin: Literal["part", "body", "to"] = "part"
     both_sides: Switch = False
+
+    def __init_subclass__(cls, kind: str, **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        cls.__annotations__["kind"] = Literal[kind]  # type: ignore[valid-type]
+        cls.header = f"[[elements]] with kind = {kind}"
+        KINDS[kind] = cls
 
     def points(self) -> Iterator[Triple]:
         """The points that are given [mm]."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import number
@@ -12,13 +12,11 @@ from wrsim.vehicle.elements.keys import Axes, Damping, ElementTable, Glyph, Join
 from wrsim.vehicle.elements.spring import BLUE, Spring
 
 
-class ShearSpringTable(ElementTable):
-    """kind = "shear-spring": a flexible column between two heights, with shear and bending stiffness."""
+class ShearSpringTable(ElementTable, kind="shear-spring"):
+    """A flexible column between two heights, with shear and bending stiffness."""
 
-    header: ClassVar[str] = "[[elements]] with kind = shear-spring"
     glyph: ClassVar[Glyph | None] = Glyph("D", BLUE, hollow=True)
 
-    kind: Literal["shear-spring"]
     body_mm: Place
     to_mm: Place
     stiffness_kN_per_m: Stiffness

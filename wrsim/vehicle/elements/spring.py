@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -51,13 +51,11 @@ class Spring(Element):
         row.turning, row.turning_damping = self.turning_stiffness, self.turning_damping
 
 
-class SpringTable(ElementTable):
-    """kind = "spring": springs and dampers along and about three axes at one point."""
+class SpringTable(ElementTable, kind="spring"):
+    """Springs and dampers along and about three axes at one point."""
 
-    header: ClassVar[str] = "[[elements]] with kind = spring"
     glyph: ClassVar[Glyph | None] = Glyph("o", BLUE, hollow=True)
 
-    kind: Literal["spring"]
     at_mm: Place
     stiffness_kN_per_m: Stiffness = ZERO
     damping_kNs_per_m: Damping = ZERO

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar
 
 from wrsim.inputs.values import number
 from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, ForceOfTravel, Glyph, Joint, Place
@@ -10,13 +10,11 @@ from wrsim.vehicle.elements.spring import BLUE
 from wrsim.vehicle.elements.strut import Strut, along_axis
 
 
-class TabulatedSpringTable(ElementTable):
-    """kind = "tabulated-spring": force against travel in one direction."""
+class TabulatedSpringTable(ElementTable, kind="tabulated-spring"):
+    """Force against travel in one direction."""
 
-    header: ClassVar[str] = "[[elements]] with kind = tabulated-spring"
     glyph: ClassVar[Glyph | None] = Glyph("h", BLUE, hollow=True)
 
-    kind: Literal["tabulated-spring"]
     at_mm: Place
     direction: Along
     travel_mm_force_kN: ForceOfTravel

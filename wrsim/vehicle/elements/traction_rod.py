@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import number, positive
@@ -11,13 +11,11 @@ from wrsim.vehicle.elements.keys import Axes, ElementTable, Glyph, Joint, Place
 from wrsim.vehicle.elements.strut import Strut
 
 
-class TractionRodTable(ElementTable):
-    """kind = "traction-rod": a spring and damper along the line between two points."""
+class TractionRodTable(ElementTable, kind="traction-rod"):
+    """A spring and damper along the line between two points."""
 
-    header: ClassVar[str] = "[[elements]] with kind = traction-rod"
     glyph: ClassVar[Glyph | None] = Glyph("_", "#222222")
 
-    kind: Literal["traction-rod"]
     body_mm: Place
     to_mm: Place
     stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
