@@ -71,7 +71,7 @@ def study(analysis: str, **values: object) -> dict[str, object]:
 def test_the_steady_motion_of_a_wheelset_is_where_its_run_starts() -> None:
     keys = study("steady", radius_m=300, cant_mm=60, speed_kmh=54, combine="rows") | {"contact.friction": 0.35}
     setup = build(load(SCENARIOS / "steady_manchester.toml").with_values(keys))
-    found = steady_in_curve(setup, setup.steady[0])
+    found = steady_in_curve(setup, setup.plan.points[0])
     started = run_in_time(
         setup_of([arc(40.0, 300.0, 60.0)], 15.0, STEERING, start=10.0, values=COARSE | {"run.distance_m": 0.1})
     )
