@@ -53,6 +53,12 @@ class Setup(Generic[P]):
         """The first wheelset: the one that single poses are looked at of."""
         return self.vehicle.wheelsets[0].wheelset
 
+    def attributes(self, stop_reason: str = "") -> dict[str, str | float | int]:
+        """What every result says of itself; stop_reason: why the analysis did not reach its end, if so."""
+        status = "stopped" if stop_reason else "completed"
+        more = {"stop_reason": stop_reason} if stop_reason else {}
+        return {"title": self.title, "analysis": self.analysis, "status": status, "scenario_text": self.text, **more}
+
 
 def build(scenario: Scenario) -> Setup[Any]:
     """Read the models of a scenario and put everything together.

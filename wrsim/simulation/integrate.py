@@ -91,40 +91,30 @@ def _interruptible() -> Iterator[_Interrupt]:
         signal.signal(signal.SIGINT, before)
 
 
+@dataclass
 class _AfterStep:
-    """Called after every step: looks at the numbers, samples, asks the monitor, reports progress."""
+    """Called after every step: looks at the numbers, samples, asks the monitor, reports progress.
 
-    def __init__(
-        self,
-        system: System,
-        start: float,
-        step: float,
-        steps: int,
-        every: int,
-        monitor: Monitor | None,
-        monitor_every: int,
-        progress: Progress | None,
-        interrupt: _Interrupt,
-        recorder: Recorder,
-        begin: Checkpoint,
-    ) -> None:
-        self.system = system
-        self.start = start
-        self.step = step
-        self.steps = steps
-        self.every = every
-        self.monitor = monitor
-        self.monitor_every = monitor_every
-        self.progress = progress
-        self.interrupt = interrupt
-        self.recorder = recorder
-        self.things = (system.forces, monitor)
-        self.first = self.last_step = begin.step
-        self.last_q = begin.q.copy()
-        self.last_q_t = begin.q_t.copy()
-        self.cause: Cause = ""
-        self.reason = ""
-        self.broken_off = False
+    begin: where the run begins or goes on; every, monitor_every: steps between two samples, and two looks.
+    """
+
+    system: System
+    start: float
+    step: float
+    steps: int
+    every: int
+    monitor: Monitor | None
+    monitor_every: int
+    progress: Progress | None
+    interrupt: _Interrupt
+    recorder: Recorder
+    begin: Checkpoint
+    cause: Cause = ""
+    reason: str = ""
+    broken_off: bool = False
+
+    def __post_init__(self) -> None:
+        self.last_step, self.last_q, self.last_q_t = self.begin.step, self.begin.q.copy(), self.begin.q_t.copy()
         self.began = self.reported = time.perf_counter()
 
     def time_of(self, k: int) -> float:
@@ -133,30 +123,26 @@ class _AfterStep:
 
     def checkpoint(self) -> Checkpoint:
         """The last good state with what the law and the monitor remember now."""
-        return Checkpoint(self.last_step, self.last_q.copy(), self.last_q_t.copy(), memory_of(self.things))
+        return Checkpoint(
+            self.last_step, self.last_q.copy(), self.last_q_t.copy(), memory_of((self.system.forces, self.monitor))
+        )
 
     def stop(self, cause: Cause, reason: str) -> bool:
         """Note why the run ends."""
-        self.cause = cause
-        self.reason = reason
+        self.cause, self.reason = cause, reason
         return False
 
     def after_step(self, t: float) -> bool:
         """See ``System.solve``."""
-        q = self.system.q
-        q_t = self.system.q_t
+        q, q_t = self.system.q, self.system.q_t
         k = round((t - self.start) / self.step)
         if k <= self.last_step:  # Exudyn calls at the start as well
             return True
         bad = first_not_finite(q, q_t)
         if bad >= 0:
-            return self.stop(
-                "not-finite",
-                f"{_name(bad, self.system)} is not a number at t = {self.time_of(k):.6g} s",
-            )
+            return self.stop("not-finite", f"{_name(bad, self.system)} is not a number at t = {self.time_of(k):.6g} s")
         self.last_step = k
-        self.last_q[:] = q
-        self.last_q_t[:] = q_t
+        self.last_q[:], self.last_q_t[:] = q, q_t
         if k % self.every == 0 or k == self.steps:
             self.recorder.sample(self.time_of(k), q, q_t)
         if self.monitor is not None and (k % self.monitor_every == 0 or k == self.steps):
@@ -169,7 +155,7 @@ class _AfterStep:
             now = time.perf_counter()
             if now - self.reported >= PROGRESS_INTERVAL:
                 self.reported = now
-                self.progress(k / self.steps, (now - self.began) * (self.steps - k) / (k - self.first))
+                self.progress(k / self.steps, (now - self.began) * (self.steps - k) / (k - self.begin.step))
         if self.interrupt.asked:
             return self.stop("interrupt", f"interrupted by the user at t = {self.time_of(k):.6g} s")
         return True
@@ -189,16 +175,9 @@ class _AfterStep:
 
 def _motion(rows: Array, step: float, ending: Ending) -> Motion:
     """A motion from the rows of a recorder."""
-    size = rows.shape[1] // 2
-    return Motion(
-        times=rows[:, 0].copy(),
-        q=rows[:, 1 : 1 + size].copy(),
-        q_t=rows[:, 1 + size :].copy(),
-        step=step,
-        status="stopped" if ending.cause else "completed",
-        cause=ending.cause,
-        reason=ending.reason,
-    )
+    q, q_t = (half.copy() for half in np.split(rows[:, 1:], 2, axis=1))
+    status: Literal["completed", "stopped"] = "stopped" if ending.cause else "completed"
+    return Motion(rows[:, 0].copy(), q, q_t, step, status, ending.cause, ending.reason)
 
 
 def recorded_motion(path: str | Path, monitor: object = None) -> Motion:
@@ -287,8 +266,7 @@ def integrate(
     the force law raises ``SimulationError``, and at Ctrl-C (the first ends the step, the second ends at
     once). Any other exception of the force law, the monitor or the progress function comes through.
     """
-    q = np.array(q, dtype=float)
-    q_t = np.array(q_t, dtype=float)
+    q, q_t = np.array(q, dtype=float), np.array(q_t, dtype=float)
     if q.shape != (system.size,) or q_t.shape != (system.size,):
         raise ValueError(f"q and q_t need shape ({system.size},), got {q.shape} and {q_t.shape}")
     bad = first_not_finite(q, q_t)

@@ -53,18 +53,11 @@ def _wheelset_arrays(wheelset: Wheelset, track: Track, contacts: Contacts) -> li
 def _wheels(arena: Arena, wheelset: Wheelset, track: Track, contacts: Contacts) -> tuple[WheelOnRail, ...]:
     """The two wheels of a wheelset, whose models compute in its arena."""
     count = wheelset_kernel.ARRAYS_OF_A_WHEEL
+    places = wheelset_kernel.CONTACTS, wheelset_kernel.CONTACTS + count
     return tuple(
-        WheelOnRail(
-            contact.within(arena.part(first, count)),
-            side,
-            0.5 * wheelset.profile_spacing,
-            origin,
-        )
-        for contact, side, first, origin in zip(
-            contacts, (1, -1), (wheelset_kernel.CONTACTS, wheelset_kernel.CONTACTS + count), track.rail_origins,
-            strict=True,
-        )
-    )  # fmt: skip
+        WheelOnRail(contact.within(arena.part(first, count)), side, 0.5 * wheelset.profile_spacing, origin)
+        for contact, side, first, origin in zip(contacts, (1, -1), places, track.rail_origins, strict=True)
+    )
 
 
 class VehicleOnTrack:

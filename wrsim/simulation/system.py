@@ -205,10 +205,7 @@ class System:
                     done, last = 0, min(steps, SPAN // 2)
                     self._clock = (start, half, 2 * first)
                     self._mbs.SolveDynamic(
-                        settings,
-                        solverType=exudyn.DynamicSolverType.RK44,
-                        storeSolver=False,
-                        showCausingItems=False,
+                        settings, solverType=exudyn.DynamicSolverType.RK44, storeSolver=False, showCausingItems=False
                     )
                     if done == 0:
                         break

@@ -1,4 +1,4 @@
-"""What bodies, points and frames of a vehicle do: channels from sampled states."""
+"""What bodies, points and frames of a vehicle do, and the track under a wheelset: channels from sampled states."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.rigid_body import pitched
 from wrsim.core.track import path as path_kernels
 from wrsim.simulation.bodies import mass_matrix, velocity_forces
+from wrsim.simulation.law import SIDES
 from wrsim.simulation.placement import poses_on_track
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
+    from wrsim.geometry.track.track import Track
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
 
@@ -82,11 +84,7 @@ def _angular_acceleration(q: Array, q_t: Array, q_tt: Array) -> Array:
     h, r, p = q_t[3:6]
     turning = np.array([[-cr * sp, cp, 0.0], [sr, 0.0, 1.0], [cr * cp, sp, 0.0]])
     rate = np.array(
-        [
-            h * (sr * sp * r - cr * cp * p) - r * sp * p,
-            h * cr * r,
-            -h * (sr * cp * r + cr * sp * p) + r * cp * p,
-        ]
+        [h * (sr * sp * r - cr * cp * p) - r * sp * p, h * cr * r, -h * (sr * cp * r + cr * sp * p) + r * cp * p]
     )
     return np.asarray(turning @ q_tt[3:6] + rate)
 
@@ -115,3 +113,23 @@ def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[st
             fx, fy = c * fx - s * fy, s * fx + c * fy
         found[:, :, w] += fx, fy, moment
     return dict(zip(("guide_force_x", "guide_force_y", "guide_moment"), found, strict=True))
+
+
+def track_channels(track: Track, distance: Array) -> dict[str, Array]:
+    """Curvature, cant, gauge and grade (n,) at distances along the centre line [m]; on uneven tracks the
+    irregularities of the rails (n, 2) as well."""
+    channels = {
+        "curvature": track.curvature(distance),
+        "cant": track.cant(distance),
+        "gauge": track.gauge(distance),
+        "grade": track.grade(distance),
+    }
+    if track.is_uneven:
+        left, up = np.moveaxis(uneven(track, distance), -1, 0)
+        channels |= {"rail_lateral": left, "rail_vertical": up}
+    return channels
+
+
+def uneven(track: Track, distance: Array) -> Array:
+    """Irregularities under the left and the right wheel, to the left and up (n, 2, 2) [m]."""
+    return np.stack([np.stack(track.irregularity(side, distance), axis=-1) for side in SIDES], axis=1)

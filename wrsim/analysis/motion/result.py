@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wrsim.analysis.motion.motions import PointMotion, body_channels, guide_channels
-from wrsim.analysis.motion.track_channels import track_channels, uneven
+from wrsim.analysis.motion.motions import PointMotion, body_channels, guide_channels, track_channels, uneven
 from wrsim.analysis.motion.words import event_words
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
 from wrsim.errors import SimulationError
@@ -56,7 +55,7 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
     """
     vehicle, track = law.vehicle, setup.track
     motion, poses = _placed(motion, law)
-    n, count = len(motion.times), len(vehicle.wheelsets)
+    n, count, body = len(motion.times), len(vehicle.wheelsets), 6 * vehicle.reference
     raw = [RawContacts.empty(n, 2, setup.contact.max_patches) for _ in range(count)]
     places = law.places(np.column_stack([p.distance for p in poses]))
     out = np.zeros(law.size)
@@ -87,7 +86,7 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
         for recorder, elements in zip(strips, law.elements_of_contacts(), strict=True):
             recorder.store(elements)
     kept = np.array([s.sample for s in snapshots], dtype=int)
-    moved = np.zeros((n, len(vehicle.wheelsets), 2, 2))  # rails under the wheels: left and right, lateral and up
+    moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
     if law.rails:
         moved = motion.q[:, law.size - law.rails :].reshape(moved.shape)
     of_wheelsets = [
@@ -113,7 +112,7 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
     }
     channels |= {
         "distance": reference,
-        "speed": _speeds(law, motion),
+        "speed": np.linalg.norm(motion.q_t[:, body : body + 3], axis=1),
         "drive_force": drive,
         "snapshot_time": motion.times[kept],
         "snapshot_distance": reference[kept],
@@ -147,25 +146,10 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
 
 def _attributes(setup: Setup[RunPlan], motion: Motion, distance: Array) -> dict[str, str | float | int]:
     """Attributes of the result of a run whose samples lie at these distances [m]."""
-    attributes: dict[str, str | float | int] = {
-        "title": setup.title,
-        "analysis": setup.analysis,
-        "status": motion.status,
-        "scenario_text": setup.text,
-        "step_s": motion.step,
-    }
+    attributes = setup.attributes(motion.reason) | {"step_s": motion.step}
     if motion.status == "stopped":
-        attributes["stop_reason"] = motion.reason
-        attributes["stop_cause"] = motion.cause
-        attributes["stop_time_s"] = motion.end
-        attributes["stop_distance_m"] = float(distance[-1])
+        attributes |= {"stop_cause": motion.cause, "stop_time_s": motion.end, "stop_distance_m": float(distance[-1])}
     return attributes
-
-
-def _speeds(law: VehicleOnTrack, motion: Motion) -> Array:
-    """Speed of the reference body over ground [m/s]."""
-    own = 6 * law.vehicle.reference
-    return np.asarray(np.linalg.norm(motion.q_t[:, own : own + 3], axis=1))
 
 
 def _placed(motion: Motion, law: VehicleOnTrack) -> tuple[Motion, list[TrackPoses]]:

@@ -43,9 +43,7 @@ class StepTooLong(InputError):
 
 
 def run_in_time(
-    setup: Setup[RunPlan],
-    progress: Callable[[float, float], None] | None = None,
-    record: RunRecord | None = None,
+    setup: Setup[RunPlan], progress: Callable[[float, float], None] | None = None, record: RunRecord | None = None
 ) -> Result:
     """Integrate from the start to the end of the run; a run that has to stop returns what it has.
 
@@ -65,19 +63,12 @@ def run_in_time(
             raise SimulationError(start_words(problem, setup)) from None
     monitor, plan = Monitor(law, setup.plan.speed), setup.plan
     with nullcontext() if record is None else closing(record.recorder(step, system.size)) as recorder:
+        # whole steps, so that the run does not pass the end of the track
+        duration = step * max(1, int(plan.duration / step + 1e-6))
         motion = integrate(
-            system,
-            q,
-            q_t,
-            # whole steps, so that the run does not pass the end of the track
-            duration=step * max(1, int(plan.duration / step + 1e-6)),
-            step=step,
-            sample_interval=plan.output_interval,
-            monitor=monitor,
-            monitor_interval=monitor.interval,
-            progress=progress,
-            recorder=recorder,
-        )
+            system, q, q_t, duration=duration, step=step, sample_interval=plan.output_interval, monitor=monitor,
+            monitor_interval=monitor.interval, progress=progress, recorder=recorder,
+        )  # fmt: skip
     return result_of(setup, law, motion, monitor.events())
 
 

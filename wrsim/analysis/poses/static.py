@@ -72,13 +72,6 @@ def run_static(setup: Setup[StaticPlan], progress: Callable[[float, float], None
         **patch_channels(raw, wheels),
         **strips.channels(),
     }
-    attributes: dict[str, str | float | int] = {
-        "title": setup.title,
-        "analysis": setup.analysis,
-        "status": "completed" if done == n else "stopped",
-        "scenario_text": setup.text,
-    }
-    if done < n:
-        attributes["stop_reason"] = f"interrupted by the user after {done} of {n} poses"
+    reason = f"interrupted by the user after {done} of {n} poses" if done < n else ""
     coords = {"pose": [p.name for p in poses], "wheel": [w.name for w in wheels]}
-    return Result(assemble(coords, channels, attributes))
+    return Result(assemble(coords, channels, setup.attributes(reason)))

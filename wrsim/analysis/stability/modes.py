@@ -15,11 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from wrsim.simulation.modes import mode_name
-
 if TYPE_CHECKING:
     from wrsim.simulation.linear import Linearised
-    from wrsim.vehicle.vehicle import Vehicle
 
 Array = NDArray[np.float64]
 
@@ -97,11 +94,6 @@ def _costs(before: Modes, after: Modes) -> Array:
     apart = np.abs(before.values[:, None] - after.values[None, :])
     scale = 0.5 * (np.abs(before.values)[:, None] + np.abs(after.values)[None, :])
     return np.asarray(apart / scale + 0.5 * (1.0 - likeness))
-
-
-def mode_words(vehicle: Vehicle, modes: Modes) -> list[str]:
-    """Names of the modes: who moves how."""
-    return [mode_name(vehicle, shape) for shape in modes.shapes]
 
 
 def critical(at: Callable[[float], Modes], found: Sequence[Modes]) -> Modes | None:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wrsim.analysis.stability.cycles import Cycle, CycleSearch, Interrupted
-from wrsim.analysis.stability.modes import Modes, critical, follow, mode_words, modes_of
+from wrsim.analysis.stability.modes import Modes, critical, follow, modes_of
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.results import Result, assemble
+from wrsim.simulation.modes import mode_name
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -72,7 +73,7 @@ def run_stability(setup: Setup[StabilityPlan], progress: Callable[[float, float]
         reason = f"interrupted by the user after modes at {len(found)} speeds and {len(cycles)} held speeds"
     else:
         report(1.0)
-    return _result(setup, plan, found, cycles, outcome, reason)
+    return _result(setup, found, cycles, outcome, reason)
 
 
 def _cycles(
@@ -117,7 +118,7 @@ def _critical_words(worst: Modes | None, found: list[Modes], vehicle: Vehicle) -
     words: dict[str, Any] = {
         "critical_speed_m_s": worst.speed,
         "critical_frequency_Hz": float(worst.values[mode].imag / (2.0 * np.pi)),
-        "critical_mode": mode_words(vehicle, worst)[mode],
+        "critical_mode": mode_name(vehicle, worst.shapes[mode]),
     }
     if worst.values[mode].real < 0.5 * worst.largest:
         words |= {"critical_frequency_Hz": 0.0, "critical_mode": "monotonic, without oscillation"}
@@ -127,12 +128,7 @@ def _critical_words(worst: Modes | None, found: list[Modes], vehicle: Vehicle) -
 
 
 def _result(
-    setup: Setup[StabilityPlan],
-    plan: StabilityPlan,
-    found: list[Modes],
-    cycles: list[Cycle],
-    outcome: Mapping[str, Any],
-    reason: str,
+    setup: Setup[StabilityPlan], found: list[Modes], cycles: list[Cycle], outcome: dict[str, Any], reason: str
 ) -> Result:
     most = max(len(m.values) for m in found)
     growth, frequency, damping = (np.full((len(found), most), np.nan) for _ in range(3))
@@ -144,7 +140,7 @@ def _result(
         frequency[i, :n] = modes.values.imag / (2.0 * np.pi)
         damping[i, :n] = -modes.values.real / np.abs(modes.values)
         branch[i, :n] = own + 1
-        names[i, :n] = mode_words(setup.vehicle, modes)
+        names[i, :n] = [mode_name(setup.vehicle, shape) for shape in modes.shapes]
     channels: dict[str, Any] = {
         "pose_speed": [m.speed for m in found],
         "growth_max": [m.largest for m in found],
@@ -163,17 +159,8 @@ def _result(
             "cycle_frequency": [c.frequency for c in cycles],
             "cycle_amplitude": np.array([c.amplitudes for c in cycles]),
         }
-    attributes: dict[str, str | float | int] = {
-        "title": setup.title,
-        "analysis": setup.analysis,
-        "status": "stopped" if reason else "completed",
-        "scenario_text": setup.text,
-        **outcome,
-    }
-    if reason:
-        attributes["stop_reason"] = reason
     coords: dict[str, Any] = {
         "pose": [f"{3.6 * m.speed:.10g}kmh" for m in found],
         "wheelset": [m.name for m in setup.vehicle.wheelsets],
     }
-    return Result(assemble(coords, channels, attributes))
+    return Result(assemble(coords, channels, setup.attributes(reason) | outcome))

@@ -73,19 +73,9 @@ def run_steady(setup: Setup, progress: Callable[[float, float], None] | None = N
             raise
     if not table.solved[:done].any():
         raise SimulationError(f"none of the {done} curves has a steady motion; the first: {table.messages[0]}")
-    attributes: dict[str, str | float | int] = {
-        "title": setup.title,
-        "analysis": setup.analysis,
-        "status": "completed" if done == len(points) else "stopped",
-        "scenario_text": setup.text,
-    }
-    if done < len(points):
-        attributes["stop_reason"] = f"interrupted by the user after {done} of {len(points)} curves"
-    coords: dict[str, Any] = {
-        "pose": [p.name for p in points[:done]],
-        "wheelset": [m.name for m in vehicle.wheelsets],
-    }
-    return Result(assemble(coords, table.channels(points[:done]), attributes))
+    reason = f"interrupted by the user after {done} of {len(points)} curves" if done < len(points) else ""
+    coords: dict[str, Any] = {"pose": [p.name for p in points[:done]], "wheelset": [m.name for m in vehicle.wheelsets]}
+    return Result(assemble(coords, table.channels(points[:done]), setup.attributes(reason)))
 
 
 class _Table:
@@ -182,9 +172,8 @@ def steady_in_curve(setup: Setup, point: SteadyPoint, solved: Sequence[Found] = 
         if same:
             near = min(same, key=lambda found: _apart(found.point, point))
         else:
-            near = _from_design(
-                setup, replace(point, radius=float(np.copysign(ALMOST_STRAIGHT, point.radius)), cant=0.0)
-            )
+            begin = replace(point, radius=float(np.copysign(ALMOST_STRAIGHT, point.radius)), cant=0.0)
+            near = _from_design(setup, begin)
         found = _continued(setup, near, point)
     except SimulationError:
         return _from_design(setup, point)
@@ -247,11 +236,8 @@ def _continued(setup: Setup, near: Found, point: SteadyPoint) -> Found:
             if step < SMALLEST_STEP:
                 raise
         else:
-            near, at, step = (
-                Found(point if to == 1.0 else between, law, found.q, found.q_t, found.residual),
-                to,
-                2.0 * step,
-            )
+            near = Found(point if to == 1.0 else between, law, found.q, found.q_t, found.residual)
+            at, step = to, 2.0 * step
     return near
 
 
