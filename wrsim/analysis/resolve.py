@@ -77,7 +77,7 @@ def resolve(
     samples = _samples(dataset, chosen)
     loads = dataset["Q"].values[samples]
     raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.max_patches)
-    strips = StripRecorder.start(wheels)
+    strips = StripRecorder(wheels)
     for row, moment in enumerate(chosen):
         elements = []
         for j, wheel in enumerate(wheels):

@@ -8,7 +8,7 @@ Patches are put in the order of their normal force, largest first; absent ones b
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,30 +21,10 @@ Array = NDArray[np.float64]
 
 _SUMS = {"N": "N", "Fx": "Fx", "Fy": "Fy", "area": "area", "n_strips": "n_strips"}
 _LARGEST = {"p0": "p0", "contact_angle_max": "angle_max", "length": "length"}
-_OF_MAIN = {
-    "contact_angle": "angle",
-    "approach": "approach",
-    "xi": "xi",
-    "eta": "eta",
-    "phi": "phi",
-    "x_contact": "x",
-}
-_STRIP_CHANNELS = {
-    "strip_s": "s",
-    "strip_ds": "ds",
-    "strip_x": "x",
-    "strip_a": "a",
-    "strip_p": "p",
-    "strip_y": "o",
-    "strip_z": "b",
-    "strip_N": "N",
-    "strip_Fx": "Fx",
-    "strip_Fy": "Fy",
-    "strip_xi": "xi",
-    "strip_eta": "eta",
-    "strip_phi": "phi",
-    "strip_friction": "mu",
-}
+_OF_MAIN = {"contact_angle": "angle", "approach": "approach", "xi": "xi", "eta": "eta", "phi": "phi", "x_contact": "x"}
+_OF_STRIPS = ("s", "ds", "x", "a", "p", "o", "b", "N", "Fx", "Fy", "xi", "eta", "phi", "mu")
+_RENAMED = {"o": "y", "b": "z", "mu": "friction"}
+_STRIP_CHANNELS = {f"strip_{_RENAMED.get(name, name)}": name for name in _OF_STRIPS}
 POSE_CHANNELS = {"wheel_origin": 0, "wheel_axle": 3, "wheel_velocity": 6, "wheel_rotation": 9}
 """Channels that hold a wheel's pose and motion, and their first place in the kernel's pose."""
 
@@ -125,13 +105,7 @@ def _patches(raw: RawContacts) -> _Patches:
 def wheel_channels(raw: RawContacts) -> dict[str, Array]:
     """Channels with dimensions (sample, wheel): forces of the wheel on the rail, wear number, patches."""
     t = raw.totals
-    return {
-        "Y": -t["Fo"],
-        "Q": t["Fb"],
-        "X": -t["Ft"],
-        "T_gamma": t["wear"],
-        "n_patches": t["patches"].astype(float),
-    }
+    return {"Y": -t["Fo"], "Q": t["Fb"], "X": -t["Ft"], "T_gamma": t["wear"], "n_patches": t["patches"].astype(float)}
 
 
 def patch_channels(
@@ -222,12 +196,7 @@ class StripRecorder:
     """Collects strips, poses and wheel outlines at chosen moments, the same wheels each time."""
 
     wheels: Sequence[WheelOnRail]
-    moments: list[_Moment]
-
-    @classmethod
-    def start(cls, wheels: Sequence[WheelOnRail]) -> StripRecorder:
-        """An empty record."""
-        return cls(wheels, [])
+    moments: list[_Moment] = field(default_factory=list)
 
     def store(self, elements: Sequence[Sequence[ElementField]] = ()) -> None:
         """Keep what belongs to the pose that the models computed last.
@@ -282,19 +251,19 @@ class StripRecorder:
     def _elements(self, shape: tuple[int, ...]) -> dict[str, Array]:
         """Channels of the elements, if any were kept; shape: moments, wheels, patches, strips."""
         fields = {
-            (m, i, j): field
+            (m, i, j): patch
             for m, moment in enumerate(self.moments)
             for i, wheel in enumerate(moment.elements)
-            for j, field in enumerate(wheel)
+            for j, patch in enumerate(wheel)
         }
         if not fields:
             return {}
-        columns = max(field.x.size for field in fields.values())
+        columns = max(patch.x.size for patch in fields.values())
         x, values = np.full((*shape[:3], columns), np.nan), np.full((3, *shape, columns), np.nan)
-        for (m, i, j), field in fields.items():
-            rows, own = field.p.shape
-            x[m, i, j, :own] = field.x
-            values[:, m, i, j, :rows, :own] = field.p, *field.q
+        for (m, i, j), patch in fields.items():
+            rows, own = patch.p.shape
+            x[m, i, j, :own] = patch.x
+            values[:, m, i, j, :rows, :own] = patch.p, *patch.q
         return {"element_x": x} | dict(zip(("element_p", "element_qx", "element_qs"), values, strict=True))
 
 

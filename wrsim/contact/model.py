@@ -20,7 +20,7 @@ from wrsim.contact.settings import ContactSettings, Friction, Tangential
 from wrsim.core.contact import records as k
 from wrsim.core.contact.strips.records import FACTORS, MATRICES, PLACE, SPAN
 from wrsim.core.contact.wheel_rail import Arrays, search, wheel_rail
-from wrsim.geometry.profile.distance_field import DistanceField, distance_field
+from wrsim.geometry.profile.distance_field import distance_field
 from wrsim.geometry.profile.profile import Profile
 
 Array = NDArray[np.float64]
@@ -73,8 +73,7 @@ class ContactModel:
     """One wheel profile on one (inclined) rail profile with the chosen settings, ready for the kernel.
 
     wheel, rail: profiles, the rail already inclined; radius: of the wheel at the tape circle [m]; friction: of this
-    rail; inputs: what the kernel's arena is packed from. The arrays are what the kernel takes; scratch arrays belong to
-    the model, so one model serves one thread.
+    rail. The arrays are what the kernel takes; scratch arrays belong to the model, so one model serves one thread.
     """
 
     wheel: Profile
@@ -83,22 +82,12 @@ class ContactModel:
     settings: ContactSettings
     friction: Friction
     normal: NormalModel
-    inputs: Arrays = field(repr=False, compare=False)
     arena: Arena | None = field(default=None, repr=False, compare=False)
 
-    @classmethod
-    def build(
-        cls,
-        wheel: Profile,
-        rail: Profile,
-        radius: float,
-        settings: ContactSettings,
-        friction: float | Friction,
-        normal: NormalModel,
-    ) -> ContactModel:
-        """Prepare tables and scratch. The rail profile is given with its inclination."""
-        law = Friction.of(friction)
-        return cls(wheel, rail, radius, settings, law, normal, _inputs(wheel, rail, radius, settings, law, normal))
+    @cached_property
+    def inputs(self) -> Arrays:
+        """What the kernel's arena is packed from."""
+        return _inputs(self)
 
     @cached_property
     def arrays(self) -> KernelArrays:
@@ -231,9 +220,7 @@ class Contact:
         return float(self.patches["N"].sum())
 
 
-@lru_cache(maxsize=16)
-def _cached_field(rail: Profile) -> DistanceField:
-    return distance_field(rail)
+_cached_field = lru_cache(maxsize=16)(distance_field)
 
 
 @lru_cache(maxsize=32)
@@ -258,12 +245,11 @@ def bound_over_cells(cells: int, parabolic: bool) -> Array:
     return np.ascontiguousarray((primitive[:-1] - primitive[1:]) / (x[:-1] - x[1:]))
 
 
-def _inputs(
-    wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: Friction, normal: NormalModel
-) -> Arrays:
-    wheel_table, wheel_step = _cached_table(wheel)
-    rail_table, rail_step = _cached_table(rail)
-    field_ = _cached_field(rail)
+def _inputs(model: ContactModel) -> Arrays:
+    settings, friction, normal = model.settings, model.friction, model.normal
+    wheel_table, wheel_step = _cached_table(model.wheel)
+    rail_table, rail_step = _cached_table(model.rail)
+    field_ = _cached_field(model.rail)
     # FaStrip knows no other bound than the pressure's
     parabolic = settings.traction_bound == "parabolic" and settings.tangential == "fastsim"
     # Kalker's combined elastic constants: means of the compliances
@@ -287,7 +273,7 @@ def _inputs(
     n.mu, n.mu_gauge = friction.static, friction.at_corner
     n.zone_start, n.zone_end = (tan(0.5 * angle) for angle in friction.ramp)
     n.fall_ratio, n.fall_decay = friction.falling_ratio, friction.falling_decay
-    n.wheel_step, n.radius, n.rail_step = wheel_step, radius, rail_step
+    n.wheel_step, n.radius, n.rail_step = wheel_step, model.radius, rail_step
     (n.field_o, n.field_b), n.field_spacing = field_.origin, field_.spacing
     n.stride = max(1, round(SEARCH_REACH / wheel_step))
     n.hollow = max(1.5 * hollows, 1.0)

@@ -6,6 +6,8 @@ A new normal model is a kernel in core.contact.normal, its number in core.contac
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from wrsim.contact.half_space.strips import solve_into
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
 from wrsim.contact.settings import ContactSettings, Friction, Normal
@@ -13,29 +15,15 @@ from wrsim.core.contact.normal.models import FREE_STRIPS, KIK_PIOTROWSKI
 from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS
 from wrsim.geometry.profile.profile import Profile
 
+_KIK_PIOTROWSKI = NormalModel(KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, strips=40, fewest=3, most=MOST_STRIPS)
+
 NORMAL_MODELS: dict[Normal, NormalModel] = {
-    "kik-piotrowski": NormalModel(
-        KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, strips=40, fewest=3, most=MOST_STRIPS
-    ),
+    "kik-piotrowski": _KIK_PIOTROWSKI,
     # looks for contact where the penetration is more than a fifth of the lobe's
     "strips": NormalModel(
-        FREE_STRIPS,
-        recess=0.2,
-        joint=False,
-        strips=24,
-        fewest=FEWEST_FREE_STRIPS,
-        most=200,
-        solves_for_strips=True,
+        FREE_STRIPS, recess=0.2, joint=False, strips=24, fewest=FEWEST_FREE_STRIPS, most=200, solves_for_strips=True
     ),
-    "half-space": NormalModel(
-        KIK_PIOTROWSKI,
-        recess=1.0 - EPSILON,
-        joint=True,
-        strips=40,
-        fewest=3,
-        most=MOST_STRIPS,
-        solve=lambda model: solve_into(model).status,
-    ),
+    "half-space": replace(_KIK_PIOTROWSKI, solve=lambda model: solve_into(model).status),
 }
 
 
@@ -43,7 +31,7 @@ def contact_model(
     wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: float | Friction
 ) -> ContactModel:
     """The model of one wheel on one rail. The rail profile is given with its inclination; radius [m]."""
-    return ContactModel.build(wheel, rail, radius, settings, friction, NORMAL_MODELS[settings.normal])
+    return ContactModel(wheel, rail, radius, settings, Friction.of(friction), NORMAL_MODELS[settings.normal])
 
 
 def fast_model(model: ContactModel) -> ContactModel:

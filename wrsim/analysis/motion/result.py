@@ -80,7 +80,7 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
     law.follow(False)
     forces = [wheel_channels(r) for r in raw]
     snapshots = choose_snapshots(setup, reference, _together(forces), motion.status == "stopped")
-    strips = [StripRecorder.start(pair) for pair in law.wheels]
+    strips = [StripRecorder(pair) for pair in law.wheels]
     for snapshot in snapshots:
         evaluate(snapshot.sample)
         for recorder, elements in zip(strips, law.elements_of_contacts(), strict=True):

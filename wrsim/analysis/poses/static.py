@@ -33,7 +33,7 @@ def run_static(setup: Setup[StaticPlan], progress: Callable[[float, float], None
     solver = (HalfSpacePoseSolver if exact else PoseSolver)(wheels, plan.rolling, radius)
     n = len(plan.poses)
     raw = RawContacts.empty(n, len(wheels), setup.contact.max_patches)
-    strips = StripRecorder.start(wheels)
+    strips = StripRecorder(wheels)
     heights, rolls, messages = np.full(n, np.nan), np.full(n, np.nan), [""] * n
     began = reported = time.perf_counter()
     done = 0

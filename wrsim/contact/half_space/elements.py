@@ -78,12 +78,7 @@ def _first_elements(footprint: Footprint, resolution: int) -> tuple[float, float
 
 
 def _press_on(
-    footprint: Footprint,
-    dx: float,
-    ds: float,
-    settings: HalfSpaceSettings,
-    compliance: Compliance,
-    start: Array | None,
+    footprint: Footprint, dx: float, ds: float, settings: HalfSpaceSettings, compliance: Compliance, start: Array | None
 ) -> Pressed | None:
     pressed = None
     for widening in WIDENING:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wrsim.contact.half_space.normal import Pressure
 from wrsim.contact.half_space.rolling import Traction
 from wrsim.contact.half_space.surface import Grid
-from wrsim.core.contact.half_space.patch import Figures, measure
+from wrsim.core.contact.half_space.patch import measure
 from wrsim.core.contact.half_space.rolling import OUTSIDE, SLIP
 
 Array = NDArray[np.float64]
@@ -26,36 +26,25 @@ Array = NDArray[np.float64]
 class Region:
     """One connected region of contact.
 
-    rows, columns: of the grid; p: the region's own pressures there (rows, columns) [Pa]; figures: area, p0, sum of
-    p dA and length; starts, ends: of every row along x (rows,), zero without contact; s, x: extents (from, to); angle:
-    contact angle at the outer edges in s (from, to) [rad]; centre: (x, o, b) of the pressure's resultant [m].
+    rows, columns: of the grid; p: the region's own pressures there (rows, columns) [Pa]; area [m2]; p0: largest
+    pressure [Pa]; normal_force: sum of p dA [N]; length: of the longest row [m]; starts, ends: of every row along x
+    (rows,), zero without contact; s, x: extents (from, to); angle: contact angle at the outer edges in s (from, to)
+    [rad]; centre: (x, o, b) of the pressure's resultant [m].
     """
 
     rows: slice
     columns: slice
     p: Array
-    figures: Figures
+    area: float
+    p0: float
+    normal_force: float
+    length: float
     starts: Array
     ends: Array
     s: tuple[float, float]
     x: tuple[float, float]
     angle: tuple[float, float]
     centre: tuple[float, float, float]
-
-    @property
-    def normal_force(self) -> float:
-        """Sum of p dA [N]."""
-        return self.figures.force
-
-    @property
-    def area(self) -> float:
-        """Contact area [m2]."""
-        return self.figures.area
-
-    @property
-    def p0(self) -> float:
-        """Largest pressure [Pa]."""
-        return self.figures.p0
 
 
 @dataclass(frozen=True)
@@ -193,6 +182,7 @@ def _region(grid: Grid, rows: slice, columns: slice, own: Array) -> Region:
     weight = own / own.sum()
     o, b = weight.sum(axis=1) @ grid.centre[rows]
     return Region(
-        rows, columns, own, figures, starts, ends, (s_from, s_to), (float(starts.min()), float(ends.max())),
-        (float(angle_from), float(angle_to)), (float(weight.sum(axis=0) @ grid.x[columns]), float(o), float(b)),
+        rows, columns, own, figures.area, figures.p0, figures.force, figures.length, starts, ends, (s_from, s_to),
+        (float(starts.min()), float(ends.max())), (float(angle_from), float(angle_to)),
+        (float(weight.sum(axis=0) @ grid.x[columns]), float(o), float(b)),
     )  # fmt: skip

@@ -110,10 +110,10 @@ def _write_region(patch: Patch, region: Region, lobe: Any, strips: Records) -> N
     lobe.no, lobe.nb = main["no"] / slope, main["nb"] / slope
     lobe.start, lobe.end = region.s[0] - main["s"], region.s[1] - main["s"]
     lobe.width = region.s[1] - region.s[0]
-    lobe.length = region.figures.length
-    lobe.half_length = 0.5 * region.figures.length
+    lobe.length = region.length
+    lobe.half_length = 0.5 * region.length
     lobe.area, lobe.p0, lobe.N = region.area, region.p0, region.normal_force
-    lobe.amplitude = region.p0 / (0.5 * region.figures.length)
+    lobe.amplitude = region.p0 / (0.5 * region.length)
     lobe.approach = float(grid.pen[rows, columns][inside].max())
     lobe.n_strips = len(own)
     lobe.partner = -1

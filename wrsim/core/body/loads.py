@@ -15,19 +15,7 @@ train does, or it comes as equal moments on the axles, with the reaction on the 
 from wrsim.core.arena import record
 from wrsim.core.body.suspension import apply, material_point
 from wrsim.core.compiling import kernel
-from wrsim.core.linalg import (
-    VECTOR,
-    Vec,
-    accumulate,
-    combined,
-    components,
-    cross,
-    dot,
-    get_body,
-    scale,
-    sub,
-    vec,
-)
+from wrsim.core.linalg import VECTOR, Vec, accumulate, combined, components, cross, dot, get_body, scale, sub, vec
 from wrsim.core.track.path import frame, locate
 
 LOAD = record("s", "body", at=VECTOR, force=VECTOR)

@@ -130,17 +130,6 @@ def _one_direction(element, tables, travel, rate, inner, inner_t):
     return force
 
 
-@inlined
-def _field_force(element, share, sign, d, u):
-    """Force of a share of a field at a travel and its rate, sign of its preload."""
-    f, k, c = element.preload, element.stiffness, element.damping
-    return Vec(
-        share * (sign * f.x - k.x * d.x - c.x * u.x),
-        share * (sign * f.y - k.y * d.y - c.y * u.y),
-        share * (sign * f.z - k.z * d.z - c.z * u.z),
-    )
-
-
 @kernel
 def _field(bodies, element, sign, share, wrenches, reading):
     """A field of the first body that acts on the second one (sign +1), or the other way round (sign -1).
@@ -154,7 +143,12 @@ def _field(bodies, element, sign, share, wrenches, reading):
     first, second = get_body(bodies[a]), get_body(bodies[b])
     at = material_point(second, point_b)
     d, u = _seen_from(first, second, at, point_a)
-    f = _field_force(element, share, sign, d, u)
+    f0, k, c = element.preload, element.stiffness, element.damping
+    f = Vec(
+        share * (sign * f0.x - k.x * d.x - c.x * u.x),
+        share * (sign * f0.y - k.y * d.y - c.y * u.y),
+        share * (sign * f0.z - k.z * d.z - c.z * u.z),
+    )
     accumulate(reading.force, scale(sign, f))
     accumulate(reading.travel, scale(sign * share, d))
     force = combined(f, first.forward, first.left, first.up)
@@ -198,9 +192,11 @@ def _line(bodies, element, tables, inner, inner_t, wrenches, reading):
 
 @kernel
 def _turning(bodies, element, wrenches):
-    """Rotational springs and dampers about the axes of the first body."""
-    first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
+    """Rotational springs and dampers about the axes of the first body, if the element has any."""
     k, c = element.turning, element.turning_damping
+    if k.x + k.y + k.z + (c.x + c.y + c.z) == 0.0:
+        return
+    first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
     half = 0.5 * (k.x + k.y + k.z)
     # on the second body: sum of w e' x e
     moment = scale(half - k.x, cross(second.forward, first.forward))
@@ -211,13 +207,6 @@ def _turning(bodies, element, wrenches):
     moment = sub(moment, combined(damping, first.forward, first.left, first.up))
     accumulate(wrenches[element.second].moment, moment)
     accumulate(wrenches[element.first].moment, scale(-1.0, moment))
-
-
-@inlined
-def _turns(element):
-    """True if the element has rotational springs or dampers."""
-    k, c = element.turning, element.turning_damping
-    return k.x + k.y + k.z + (c.x + c.y + c.z) != 0.0
 
 
 @kernel
@@ -243,5 +232,4 @@ def suspension_forces(bodies, elements, tables, inner, inner_t, wrenches, readin
             _field(bodies, element, -1.0, 0.5, wrenches, reading)
         else:
             _field(bodies, element, 1.0, 1.0, wrenches, reading)
-        if _turns(element):
-            _turning(bodies, element, wrenches)
+        _turning(bodies, element, wrenches)

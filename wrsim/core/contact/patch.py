@@ -85,8 +85,6 @@ def find_edge(wheel, rail, lobe, projected, first, direction, limit):
     if wheel.axle.x != 0.0:
         shrink = locus_point(wheel, lobe.arc_wheel).shrink
     last_shrink = shrink
-    outer = 0.0
-    outer_h = 0.0
     while True:
         outer = min(inner + step, limit)
         outer_arc = inner_arc + direction * step * (1.5 * shrink - 0.5 * last_shrink)

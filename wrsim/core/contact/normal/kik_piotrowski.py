@@ -24,6 +24,7 @@ from math import log, pi, sqrt
 from wrsim.core.compiling import kernel
 from wrsim.core.contact.normal.elliptic import strip_potential
 from wrsim.core.contact.resultants import set_creepages
+from wrsim.core.dense import solve_pivoted
 
 
 @kernel
@@ -116,7 +117,7 @@ def solve_amplitudes(matrix, count, rows, amplitude):
                 rows[i, j] = matrix[i, j] if amplitude[i] > 0.0 else 0.0
             if amplitude[i] == 0.0:
                 rows[i, i] = 1.0
-        _eliminate(rows, count)
+        solve_pivoted(rows, count, rows[:, count])
         worst = -1
         for i in range(count):
             if amplitude[i] > 0.0 and rows[i, count] <= 0.0 and (worst < 0 or rows[i, count] < rows[worst, count]):
@@ -126,26 +127,6 @@ def solve_amplitudes(matrix, count, rows, amplitude):
         amplitude[worst] = 0.0
     for i in range(count):
         amplitude[i] = max(rows[i, count], 0.0) if amplitude[i] > 0.0 else 0.0
-
-
-@kernel
-def _eliminate(rows, n):
-    """Gauss-Jordan with row pivots in place; the solution is left in column n."""
-    for c in range(n):
-        pivot = c
-        for i in range(c + 1, n):
-            if abs(rows[i, c]) > abs(rows[pivot, c]):
-                pivot = i
-        for j in range(n + 1):
-            rows[c, j], rows[pivot, j] = rows[pivot, j], rows[c, j]
-        inverse = 1.0 / rows[c, c]
-        for j in range(n + 1):
-            rows[c, j] *= inverse
-        for i in range(n):
-            if i != c:
-                f = rows[i, c]
-                for j in range(n + 1):
-                    rows[i, j] -= f * rows[c, j]
 
 
 @kernel

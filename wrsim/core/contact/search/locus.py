@@ -22,7 +22,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.profile import node, profile_point
+from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.records import Profile, Wheel, read_pose
 
 LEAST_ROLLING_CURVATURE = 0.1
@@ -109,17 +109,16 @@ def locus_point(wheel, arc):
 
 
 @inlined
-def locus_node(wheel, i):
-    """The outline at a node of the table, for the search: no interpolation, no curvature.
+def locus_node(wheel, at, largest):
+    """The outline at a point of the profile, without its curvature.
 
-    Where abs(sine) is not below ``LARGEST_SINE`` the locus has no point (a nearly vertical flank of a yawed wheel
-    touches nowhere) and the plain section is returned.
+    Where abs(sine) is not below ``largest`` the locus has no point (a nearly vertical flank of a yawed wheel touches
+    nowhere) or climbs around the wheel, and the plain section is returned.
     """
     origin, e, q = wheel.origin, wheel.axle, wheel.q
-    at = node(wheel.profile, i)
     rho = wheel.radius - at.w
     sine = -at.tw * e.x / (max(at.tu, 1e-3) * q)
-    angle = sine if abs(sine) < LARGEST_SINE else 0.0
+    angle = sine if abs(sine) < largest else 0.0
     cosine = sqrt(1.0 - angle * angle)
     do = (cosine * e.z - angle * e.x * e.y) / q
     db = (-cosine * e.y - angle * e.x * e.z) / q
@@ -136,17 +135,10 @@ def locus_node(wheel, i):
 def outline(table, step, radius, pose, arc, out):
     """Outline of a wheel seen along its rail, for drawing: (o, b) at the arclengths ``arc`` to ``out`` (2, m).
 
-    pose: (POSE,). Where a yawed wheel's flank is nearly vertical the locus climbs around the wheel; the plain section
-    stands there instead.
+    pose: (POSE,).
     """
     wheel = placed(Profile(table, step), radius, read_pose(pose))
-    origin, e, q = wheel.origin, wheel.axle, wheel.q
     for i in range(arc.shape[0]):
-        at = profile_point(wheel.profile, arc[i])
-        rho = radius - at.w
-        sine = -at.tw * e.x / (max(at.tu, 1e-3) * q)
-        if abs(sine) >= DRAWN_SINE:
-            sine = 0.0
-        cosine = sqrt(1.0 - sine * sine)
-        out[0, i] = origin.y + at.u * e.y + rho * (cosine * e.z - sine * e.x * e.y) / q
-        out[1, i] = origin.z + at.u * e.z + rho * (-cosine * e.y - sine * e.x * e.z) / q
+        at = locus_node(wheel, profile_point(wheel.profile, arc[i]), DRAWN_SINE)
+        out[0, i] = at.o
+        out[1, i] = at.b

@@ -12,7 +12,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.profile import length, profile_point
+from wrsim.core.contact.profile import length, node, profile_point
 from wrsim.core.contact.search.locus import LARGEST_SINE, locus_node, locus_point
 
 FIELD_ERROR = 1e-5  # of the field's interpolation, generously [m]
@@ -167,7 +167,7 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
     wary = 0  # no skips before this node
     i = 0
     while i < n:
-        at = locus_node(wheel, i)
+        at = locus_node(wheel, node(wheel.profile, i), LARGEST_SINE)
         if abs(at.sine) >= LARGEST_SINE:
             near = False
             linked = False
