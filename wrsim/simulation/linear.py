@@ -87,10 +87,3 @@ def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t
     rails = rails_of(forces)
     by_q, by_q_t = force_derivatives(left_over, q, q_t, len(bodies), t, rails)
     return Linearised(mass_matrix(bodies, q), -by_q_t, -by_q, len(bodies), rails)
-
-
-def accelerations(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float = 0.0) -> Array:
-    """Second derivatives of the coordinates at a state: M^-1 (F - h)."""
-    out = np.zeros(len(q))
-    forces(t, q, q_t, out)
-    return np.asarray(np.linalg.solve(mass_matrix(bodies, q), out - velocity_forces(bodies, q, q_t)))

@@ -72,7 +72,6 @@ class NotCarried(SimulationError):
             f"the rails do not carry wheelset '{wheelset}' anywhere within {1e3 * SEARCH_HEIGHT:g} mm of its height; "
             "do wheels, gauge and radius fit?"
         )
-        self.wheelset = wheelset
 
 
 def design_state(law: VehicleOnTrack, *, lateral: float = 0.0) -> tuple[Array, Array]:

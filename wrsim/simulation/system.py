@@ -138,13 +138,6 @@ class System:
 
         return user_function
 
-    def generalised_forces(self, t: float, q: Array, q_t: Array) -> Array:
-        """The force law's answer to one state, as a new array of the length of q."""
-        out = np.zeros(self.size)
-        forces = self.forces
-        forces(t, np.ascontiguousarray(q, dtype=float), np.ascontiguousarray(q_t, dtype=float), out)
-        return out
-
     def solve(
         self,
         q: Array,

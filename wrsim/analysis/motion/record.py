@@ -1,4 +1,4 @@
-"""RunRecord a run in a file while it lasts, and going on with one that was cut off.
+"""Record a run in a file while it lasts, and going on with one that was cut off.
 
 The file stands beside the result that it becomes (``result.nc.part``) and holds, next to samples and checkpoints
 (``wrsim.simulation.recorder``), what the run was: the scenario as text, a digest of every number that the scenario's

@@ -7,7 +7,7 @@ largest Y/Q of each wheel.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,14 +37,6 @@ RAIL_CHANNELS = ("rail_displacement_y", "rail_displacement_z")
 
 NEAR = 1.0
 """Distance within which the largest Y/Q of both wheels are one moment [m]."""
-
-
-@dataclass(frozen=True)
-class Snapshot:
-    """A sample whose strips are kept, and why."""
-
-    sample: int
-    label: str
 
 
 def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events: Sequence[Event]) -> Result:
@@ -81,11 +73,11 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
     forces = [wheel_channels(r) for r in raw]
     snapshots = choose_snapshots(setup, reference, _together(forces), motion.status == "stopped")
     strips = [StripRecorder(pair) for pair in law.wheels]
-    for snapshot in snapshots:
-        evaluate(snapshot.sample)
+    for sample in snapshots:
+        evaluate(sample)
         for recorder, elements in zip(strips, law.elements_of_contacts(), strict=True):
             recorder.store(elements)
-    kept = np.array([s.sample for s in snapshots], dtype=int)
+    kept = np.array(list(snapshots), dtype=int)
     moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
     if law.rails:
         moved = motion.q[:, law.size - law.rails :].reshape(moved.shape)
@@ -116,7 +108,7 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
         "drive_force": drive,
         "snapshot_time": motion.times[kept],
         "snapshot_distance": reference[kept],
-        "snapshot_label": np.array([s.label for s in snapshots]),
+        "snapshot_label": np.array(list(snapshots.values())),
         **_stacked([recorder.channels() for recorder in strips]),
         **guide_channels(law, motion.times, records),
     }
@@ -174,8 +166,8 @@ def _placed(motion: Motion, law: VehicleOnTrack) -> tuple[Motion, list[TrackPose
             return cut, [p.first(n) for p in poses]
 
 
-def choose_snapshots(setup: Setup[RunPlan], distance: Array, wheel: dict[str, Array], stopped: bool) -> list[Snapshot]:
-    """Samples whose strips are kept: the distances asked for, the largest Y/Q of either wheel, the stop if any."""
+def choose_snapshots(setup: Setup[RunPlan], distance: Array, wheel: dict[str, Array], stopped: bool) -> dict[int, str]:
+    """Samples whose strips are kept, and why: distances asked for, the largest Y/Q of either wheel, the stop if any."""
     chosen = {
         int(np.argmin(np.abs(distance - place))): f"at {place:g} m"
         for place in setup.plan.patches_at
@@ -194,7 +186,7 @@ def choose_snapshots(setup: Setup[RunPlan], distance: Array, wheel: dict[str, Ar
             chosen.setdefault(peak, label)
     if stopped or not chosen:
         chosen.setdefault(len(distance) - 1, "at the stop" if stopped else "end")
-    return [Snapshot(sample, label) for sample, label in sorted(chosen.items())]
+    return dict(sorted(chosen.items()))
 
 
 def _together(forces: list[dict[str, Array]]) -> dict[str, Array]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -188,16 +189,10 @@ def steady_in_curve(setup: Setup, point: SteadyPoint, solved: Sequence[Found] = 
             continue
         if again.residual < found.left:
             found = replace(found, q=again.q, q_t=again.q_t, left=again.residual)
-    return found if found.left <= NEARLY else _better(found, setup, point)
-
-
-def _better(found: Found, setup: Setup, point: SteadyPoint) -> Found:
-    """The found motion, or the one that the start of a run finds if less is left over."""
-    try:
-        other = _from_design(setup, point)
-    except SimulationError:
-        return found
-    return other if other.left < found.left else found
+    if found.left > NEARLY:
+        with suppress(SimulationError):
+            found = min(found, _from_design(setup, point), key=lambda motion: motion.left)
+    return found
 
 
 def _upright(setup: Setup, point: SteadyPoint) -> None:
