@@ -140,7 +140,9 @@ def _attributes(setup: Setup[RunPlan], motion: Motion, distance: Array) -> dict[
     """Attributes of the result of a run whose samples lie at these distances [m]."""
     attributes = setup.attributes(motion.reason) | {"step_s": motion.step}
     if motion.status == "stopped":
-        attributes |= {"stop_cause": motion.cause, "stop_time_s": motion.end, "stop_distance_m": float(distance[-1])}
+        # also where what stopped it had no words
+        attributes |= {"status": motion.status, "stop_reason": motion.reason, "stop_cause": motion.cause}
+        attributes |= {"stop_time_s": motion.end, "stop_distance_m": float(distance[-1])}
     return attributes
 
 
