@@ -20,7 +20,7 @@ import numpy as np
 
 import wrsim.core
 from support.contacts import numbers, pair_model
-from support.vehicles import manchester, on_track
+from support.vehicles import ROOT, manchester, on_track
 from wrsim.contact.channels import WheelOnRail, wheel_outline
 from wrsim.contact.conical import ConicalWheels
 from wrsim.contact.model import ContactModel
@@ -30,11 +30,14 @@ from wrsim.core.body.kinematics import first_not_finite
 from wrsim.core.contact.normal.elliptic import k_minus_e
 from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.segments import Arc
+from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.bodies import mass_matrix, velocity_forces
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
+from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.state import SteadyMotion, design_state
 from wrsim.vehicle.vehicle import Load
+from wrsim.vehicle.vehicle_files import load_vehicle
 
 PAIR = "S1002/60E1 1:40"
 FRICTION = Friction(0.4, gauge_corner=0.1, falling_ratio=0.5)
@@ -121,6 +124,12 @@ def vehicle_cases() -> dict[str, list[float]]:
         law(0.01, q, q_t, out)
         found[f"vehicle, {drive}"] = list(out)
         found[f"records, {drive}"] = list(law.records.ravel())
+    arms = load_vehicle(ROOT / "models/vehicles/gz18.toml", Finder((shipped_models(),)))
+    hinged = VehicleOnTrack(arms, law.track, (), speed=20.0, start=60.0)
+    boxes, boxes_t = design_state(hinged)
+    boxes[-8:], boxes_t[-8:] = 0.01, 0.2
+    hinged(0.0, boxes, boxes_t, swing := np.zeros(hinged.size))
+    found["axle boxes"] = list(swing)
     found["inertia"] = [*mass_matrix(law.bodies, q).ravel(), *velocity_forces(law.bodies, q, q_t)]
     found["finite"] = [float(first_not_finite(q, q_t))]
     poses = poses_on_track(law.track.centre, q[None, :6], q_t[None, :6], 50.0)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, MultipleLocator, NullLocator
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.profile import GAUGE_DEPTH, Profile
+from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.smoothing_report import SmoothingReport
 from wrsim.plots.colours import INK, QUIET, RAIL_FILL, WHEEL_FILL
 from wrsim.plots.marks import minus, note, remark, right_axis
@@ -139,7 +139,7 @@ def _gauge(profile: Profile, axes: Axes) -> None:
     axes.plot([u, top_u], [w, top_w], "o", color=LINE, markersize=3.5, zorder=3.0)
     for x, y in (([u, u], [w, top_w]), ([u, top_u], [top_w, top_w])):
         axes.plot(x, y, color=LINE, linewidth=0.6, linestyle=(0, (4, 2)))
-    words = f"gauge point, {1e3 * GAUGE_DEPTH:g} mm below\nand {top_u - u:.3f} mm inside of the top"
+    words = f"gauge point, {1e3 * profile.gauge_depth:g} mm below\nand {top_u - u:.3f} mm inside of the top"
     note(axes, words, (u, w), (6.0, 0.0), va="center", color=LINE)
 
 

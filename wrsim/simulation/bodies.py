@@ -13,6 +13,7 @@ from wrsim.core.body import rigid_body as kernel
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
+    from wrsim.vehicle.vehicle import MountedWheelset
     from wrsim.vehicle.wheelset import Wheelset
 
 Array = NDArray[np.float64]
@@ -45,7 +46,7 @@ class RigidBody:
         return self.cross_inertia, self.spin_inertia, self.cross_inertia
 
     @classmethod
-    def of(cls, wheelset: Wheelset) -> RigidBody:
+    def of(cls, wheelset: Wheelset | MountedWheelset) -> RigidBody:
         """The body of a wheelset. Its roll and yaw inertia must agree, for it spins about its axle."""
         roll, spin, yaw = wheelset.inertia
         if abs(roll - yaw) > 1e-6 * abs(yaw):

@@ -20,7 +20,7 @@ import numpy as np
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
-from wrsim.simulation.linear import rails_of
+from wrsim.simulation.linear import positions_of, rails_of
 from wrsim.simulation.recorder import Cause, Checkpoint, Ending, Recorder, Recording, memory_of, recall
 from wrsim.simulation.system import COORDINATES, Array, Follows, System
 
@@ -59,6 +59,8 @@ def _name(index: int, system: System) -> str:
     place = index % system.size
     if place >= system.size - rails_of(system.forces):
         return "the displacement of a rail under its wheel"
+    if place >= system.size - positions_of(system.forces):
+        return "the pitch of an axle box"
     if place >= 6 * len(system.bodies):
         return f"the extension of damper {place - 6 * len(system.bodies)}"
     body, coordinate = divmod(place, 6)

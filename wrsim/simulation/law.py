@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wrsim.contact.arena import Arena, pack
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
+from wrsim.core.body import axle_boxes as box_kernel
 from wrsim.core.body import loads as load_kernel
 from wrsim.core.body import suspension, vehicle_forces
 from wrsim.core.body import wheelset_forces as wheelset_kernel
@@ -21,7 +22,6 @@ from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.suspension_table import SuspensionTable, suspension_table
 from wrsim.simulation.system import Array
 from wrsim.vehicle.vehicle import Drive
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from wrsim.geometry.track.track import Track
@@ -63,8 +63,9 @@ def _wheels(arena: Arena, wheelset: Wheelset, track: Track, contacts: Contacts) 
 class VehicleOnTrack:
     """Generalised forces on a vehicle at any state; a ``ForceLaw``.
 
-    ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand behind their coordinates,
-    ``rails`` of them, the last ones, displacements of the rails under the wheels (``core.body.vehicle_forces``).
+    ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand behind their coordinates. The
+    last ``positions`` of them are positions: the pitch of the axle boxes, then ``rails`` displacements of the rails
+    under the wheels (``core.body.vehicle_forces``).
     After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
     and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
     places of x), ``distance`` the place of the reference body along the centre line.
@@ -79,24 +80,26 @@ class VehicleOnTrack:
         speed: float,
         start: float = 0.0,
         drive: Drive | None = None,
-        gravity: float = STANDARD_GRAVITY,
+        gravity: float | None = None,
     ) -> None:
         """contacts: of every wheelset, or none at all: no rails carry the vehicle then.
 
-        speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0. drive: the vehicle's own unless given.
+        speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0. drive, gravity [m/s2]: the vehicle's
+        own unless given.
         """
         drive = drive or vehicle.drive
         self.vehicle, self.track, self.speed, self.start, self.drive = vehicle, track, speed, start, drive
         self.bodies: tuple[Solid, ...] = (
-            *(RigidBody.of(mounted.wheelset) for mounted in vehicle.wheelsets),
+            *(RigidBody.of(mounted) for mounted in vehicle.wheelsets),
             *(SolidBody(body.mass, body.inertia) for body in vehicle.bodies),
         )
         table = suspension_table(vehicle)
         self.elastic = track.elasticity if contacts else None
         self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if self.elastic else 0
-        self.dampers = table.states + self.rails
+        self.positions = len(vehicle.boxes) + self.rails
+        self.dampers = table.states + self.positions
         self.size = 6 * len(self.bodies) + self.dampers
-        own = self._arrays(table, speed, start, drive, gravity)
+        own = self._arrays(table, speed, start, drive, vehicle.gravity if gravity is None else gravity)
         whole = list(own)
         for mounted, models in zip(vehicle.wheelsets, contacts, strict=bool(contacts)):
             whole += _wheelset_arrays(mounted.wheelset, track, models)
@@ -219,7 +222,7 @@ class VehicleOnTrack:
 
     def _arrays(self, table: SuspensionTable, speed: float, start: float, drive: Drive, gravity: float) -> list[Any]:
         """The vehicle's own arrays in the order of ``core.body.vehicle_forces``."""
-        vehicle, count = self.vehicle, len(self.bodies) + vehicle_forces.FRAMES
+        vehicle, count = self.vehicle, len(self.bodies) + vehicle_forces.FRAMES + len(self.vehicle.boxes)
         whole = np.zeros(1, vehicle_forces.VEHICLE)
         own = whole[0]
         own.gravity, own.start, own.speed, own.mass = gravity, start, speed, vehicle.mass
@@ -240,6 +243,8 @@ class VehicleOnTrack:
             row.at = tuple(np.array(load.at) - np.array(vehicle.parts[row.body].centre))
         carried = [(c.mass, c.height, vehicle.index(c.body)) for c in vehicle.carried]
         axles = [(m.wheelset.mean_radius, i, self._holder(m.name)) for i, m in enumerate(vehicle.wheelsets)]
+        first = self.size - self.positions
+        boxes = [(box.inertia[1], box.y, w, first + j) for j, (w, box) in enumerate(vehicle.boxes.values())]
         return [
             whole,
             np.array(parts, vehicle_forces.PART),
@@ -252,12 +257,14 @@ class VehicleOnTrack:
             np.array(carried, load_kernel.CARRIED),
             np.array(axles, load_kernel.AXLE),
             self.track.centre.curve.nodes,
+            np.array(boxes, box_kernel.AXLE_BOX),
         ]
 
     def _holder(self, wheelset: str) -> int:
         """The body that takes the reaction of a moment on a wheelset: the first that an element joins to it."""
         vehicle = self.vehicle
-        ends = [e.first for e in vehicle.elements if e.second == wheelset]
-        ends += [e.second for e in vehicle.elements if e.first == wheelset]
+        pairs = [(vehicle.carrier(e.first), vehicle.carrier(e.second)) for e in vehicle.elements]
+        ends = [first for first, second in pairs if second == wheelset]
+        ends += [second for first, second in pairs if first == wheelset]
         bodies = [name for name in ends if vehicle.index(name) < len(vehicle.parts)]
         return vehicle.index(bodies[0]) if bodies else -1

@@ -15,12 +15,19 @@ SMALL = {"z": 1e-5, "x": 1e-2, "y": 1e-4, "heading": 1e-4, "roll": 1e-5, "spin":
 """Change of a coordinate [m, rad], or of its rate per second, that changes the forces by a few per cent."""
 
 SMALL_EXTENSION = 1e-4
-"""Change of the extension of a damper in series with a spring [m]; forces are linear in it or nearly so."""
+"""Change of the extension of a damper in series with a spring [m], and of the pitch of an axle box [rad]; forces are
+linear in it or nearly so."""
 
 
 def rails_of(forces: ForceLaw) -> int:
-    """How many of a law's last coordinates are displacements of rails: they count, unlike those of dampers."""
+    """How many of a law's last coordinates are displacements of rails."""
     return int(getattr(forces, "rails", 0))
+
+
+def positions_of(forces: ForceLaw) -> int:
+    """How many of a law's last coordinates are positions, of axle boxes and rails: they count, unlike those of
+    dampers."""
+    return int(getattr(forces, "positions", 0))
 
 
 def force_derivatives(
@@ -52,25 +59,26 @@ class Linearised:
     """mass q_tt + damping q_t + stiffness q = 0 for small motions about a state, all (n, n); bodies: how many.
 
     Behind the coordinates of the bodies stand those of the dampers in series with springs, whose rates are the
-    extensions of the damping parts; behind them the displacements of the rails under the wheels, ``rails`` of them.
+    extensions of the damping parts; behind them ``positions`` more: the pitch of axle boxes and the displacements
+    of the rails under the wheels.
     """
 
     mass: Array
     damping: Array
     stiffness: Array
     bodies: int
-    rails: int = 0
+    positions: int = 0
 
     @property
     def state_matrix(self) -> Array:
-        """A of y_t = A y with y = (q of the bodies, displacements of the rails, q_t of the bodies, extensions of
-        the dampers, velocities of the rails)."""
+        """A of y_t = A y with y = (q of the bodies, positions of axle boxes and rails, q_t of the bodies, extensions
+        of the dampers, velocities of axle boxes and rails)."""
         n, m = len(self.mass), 6 * self.bodies
         full = np.zeros((2 * n, 2 * n))
         full[:n, n:] = np.eye(n)
         full[n:, :n] = -np.linalg.solve(self.mass, self.stiffness)
         full[n:, n:] = -np.linalg.solve(self.mass, self.damping)
-        kept = np.r_[0:m, n - self.rails : n, n : 2 * n]
+        kept = np.r_[0:m, n - self.positions : n, n : 2 * n]
         return full[np.ix_(kept, kept)]
 
 
@@ -84,6 +92,5 @@ def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t
         forces(t, q, q_t, out)
         out -= velocity_forces(bodies, q, q_t)
 
-    rails = rails_of(forces)
-    by_q, by_q_t = force_derivatives(left_over, q, q_t, len(bodies), t, rails)
-    return Linearised(mass_matrix(bodies, q), -by_q_t, -by_q, len(bodies), rails)
+    by_q, by_q_t = force_derivatives(left_over, q, q_t, len(bodies), t, rails_of(forces))
+    return Linearised(mass_matrix(bodies, q), -by_q_t, -by_q, len(bodies), positions_of(forces))

@@ -51,7 +51,8 @@ def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
     linear = linearise(law, law.bodies, q, law.at_rest_in_series(q, q_t))
     n, w = 6 * len(law.bodies), 6 * len(vehicle.wheelsets)
     matrix = linear.state_matrix
-    kept = np.r_[w:n, n + w : len(matrix)]
+    rates = n + law.positions
+    kept = np.r_[w:rates, rates + w : len(matrix)]
     values, vectors = np.linalg.eig(matrix[np.ix_(kept, kept)])
     free = n - w
     modes = []
@@ -59,7 +60,12 @@ def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
         if value.imag <= 2.0 * np.pi * SLOWEST:
             continue
         shape = vector[:free].reshape(-1, 6)
-        modes.append(Mode(abs(value) / (2.0 * np.pi), -value.real / abs(value), shape, mode_name(vehicle, shape)))
+        inertia = np.array([box.inertia[1] for _, box in vehicle.boxes.values()])
+        swinging = float(inertia @ np.abs(vector[free : free + len(inertia)]) ** 2)
+        name = mode_name(vehicle, shape)
+        if swinging > _energy(vehicle, shape).sum():
+            name = "axle boxes pitch"
+        modes.append(Mode(abs(value) / (2.0 * np.pi), -value.real / abs(value), shape, name))
     return tuple(sorted(modes, key=lambda mode: mode.frequency))
 
 
@@ -69,18 +75,23 @@ def mode_name(vehicle: Vehicle, shape: NDArray[np.complex128]) -> str:
     shape: of all parts (parts, 6) or of the bodies alone (bodies, 6). All wheelsets count together, and so do bodies
     of one name in different parts (``front.frame``, ``rear.frame``).
     """
-    parts = [(f"{m.name}.wheelsets", m.mass, m.wheelset.inertia) for m in vehicle.wheelsets]
-    parts = (parts + [(b.name, b.mass, b.inertia) for b in vehicle.bodies])[-len(shape) :]
-    inertia = np.array([(m, m, m, i[2], i[0], i[1]) for _, m, i in parts])
-    energy = inertia * np.abs(shape) ** 2
+    names = [*(f"{m.name}.wheelsets" for m in vehicle.wheelsets), *(b.name for b in vehicle.bodies)][-len(shape) :]
+    energy = _energy(vehicle, shape)
     groups: dict[str, list[int]] = {}
-    for i, (name, _, _) in enumerate(parts):
+    for i, name in enumerate(names):
         groups.setdefault(name.rpartition(".")[2], []).append(i)
     name, members = max(groups.items(), key=lambda group: float(energy[group[1]].sum()))
     shares = energy[members].sum(axis=0)
     order = np.argsort(-shares)
     named = [int(k) for k in order if shares[k] >= SHARE * shares[order[0]]]
     return f"{name} {' and '.join(DIRECTIONS[k] for k in named)}{_phase(shape[members, named[0]])}"
+
+
+def _energy(vehicle: Vehicle, shape: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """What is proportional to the kinetic energies of all parts, or of the bodies alone, along their coordinates."""
+    parts = vehicle.parts[-len(shape) :]
+    inertia = np.array([(p.mass, p.mass, p.mass, p.inertia[2], p.inertia[0], p.inertia[1]) for p in parts])
+    return np.asarray(inertia * np.abs(shape) ** 2)
 
 
 def _phase(a: NDArray[np.complex128]) -> str:

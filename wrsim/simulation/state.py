@@ -39,6 +39,9 @@ BODIES_PLACED = 1e-6
 SMALL_RAIL = (1e-5, 1e-5)
 """Changes of a rail's displacement, lateral and vertical, that change the forces by a few per cent [m]."""
 
+SMALL_BOX = 1e-4
+"""The same of an axle box's pitch [rad]."""
+
 SEARCH_HEIGHT = 0.05
 """How far a wheelset is lowered or raised in search of the rails [m]."""
 
@@ -105,8 +108,8 @@ class SteadyMotion:
     """Forces less inertia forces of a vehicle in steady motion about the axis of the curve that it is in.
 
     Unknowns, six a body: its coordinates, of a wheelset the spin rate (over and above the turning of all) in the place
-    of the spin angle; then the displacements of the rails under the wheels, if elastic. ``residual(x)`` is what is
-    left over, ``state(x)`` the state; ``unknowns(q, q_t)`` goes back.
+    of the spin angle; then the pitch of the axle boxes, then, if elastic, the displacements of the rails under the
+    wheels. ``residual(x)`` is what is left over, ``state(x)`` the state; ``unknowns(q, q_t)`` goes back.
     """
 
     def __init__(self, law: VehicleOnTrack) -> None:
@@ -120,11 +123,13 @@ class SteadyMotion:
         )
         self.scale = np.full(6 * n, 1.0 / law.vehicle.weight)
         self._out, self._inertia = np.zeros(law.size), np.zeros(6 * n)
-        self.rails = slice(law.size - law.rails, law.size)
-        if law.elastic is not None:
-            self.small = np.append(self.small, np.tile(SMALL_RAIL, law.rails // 2))
-            self.scale = np.append(self.scale, np.full(law.rails, self.scale[0]))
-            self.rail_masses = np.tile(law.elastic.mass, law.rails // 2)
+        self.positions = slice(law.size - law.positions, law.size)
+        self.small = np.concatenate(
+            [self.small, np.full(law.positions - law.rails, SMALL_BOX), np.tile(SMALL_RAIL, law.rails // 2)]
+        )
+        self.scale = np.append(self.scale, np.full(law.positions, self.scale[0]))
+        rails = () if law.elastic is None else np.tile(law.elastic.mass, law.rails // 2)
+        self.masses = np.array([*(box.inertia[1] for _, box in law.vehicle.boxes.values()), *rails])
 
     def state(self, x: Array) -> tuple[Array, Array]:
         """State (q, q_t) with these unknowns; dampers in series with springs extended by nothing."""
@@ -133,7 +138,7 @@ class SteadyMotion:
     def unknowns(self, q: Array, q_t: Array) -> Array:
         """Unknowns of a steady state near (q, q_t)."""
         n = len(self.inertia)
-        x = np.concatenate([q[: 6 * n], q[self.rails]])
+        x = np.concatenate([q[: 6 * n], q[self.positions]])
         x[self.spins] = 0.0
         _, rates, _ = self._state(x)
         x[self.spins] = q_t[self.spins] - rates[self.spins]
@@ -144,7 +149,7 @@ class SteadyMotion:
         q, q_t = np.zeros(law.size), np.zeros(law.size)
         q[: 6 * n] = x[: 6 * n]
         q[self.spins] = 0.0
-        q[self.rails] = x[6 * n :]
+        q[self.positions] = x[6 * n :]
         turning, _, status = kernels.follow_together(
             q, x[self.spins], law.track.centre.curve, law.vehicle.reference, self.distance, law.speed, q_t[: 6 * n]
         )
@@ -153,14 +158,13 @@ class SteadyMotion:
         return q, q_t, turning
 
     def residual(self, x: Array) -> Array:
-        """Forces less inertia forces over the weight (6 n,), then those on the rails under the wheels."""
+        """Forces less inertia forces over the weight (6 n,), then the moments on the axle boxes and the forces on the
+        rails under the wheels."""
         n = len(self.inertia)
         q, q_t, turning = self._state(x)
         self.law(0.0, q, q_t, self._out)
         kernels.together_inertia(q, q_t, turning, self.inertia, len(self.spins), self._inertia)
-        left = self._out[: 6 * n] - self._inertia
-        if self.law.elastic is not None:
-            left = np.append(left, self.rail_masses * self._out[self.rails])
+        left = np.append(self._out[: 6 * n] - self._inertia, self.masses * self._out[self.positions])
         left *= self.scale
         if self.law.speed == 0.0:
             left[self.spins] = x[self.spins]  # at rest no axle turns
@@ -207,11 +211,12 @@ def steady_state(
 
 
 def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:
-    """Let the bodies find their places in their springs while the wheelsets stay where they are; changes x.
+    """Let bodies and axle boxes find their places in their springs while the wheelsets stay where they are; changes x.
 
     In a curve a long body lies along the chord, far inside of the centre line. Returns the iterations.
     """
-    bodies = slice(6 * len(steady.spins), 6 * len(steady.inertia))
+    boxes = len(steady.law.vehicle.boxes)
+    bodies = slice(6 * len(steady.spins), 6 * len(steady.inertia) + boxes)
     if bodies.start == bodies.stop:
         return 0
     whole = x.copy()
@@ -227,7 +232,8 @@ def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:
 def _largest(law: VehicleOnTrack, left: Array) -> tuple[tuple[str, float], ...]:
     """The four largest forces that remain, with the names of their coordinates."""
     names = law.vehicle.names
-    places = [f"{name} {coordinate}" for name in names for coordinate in COORDINATES] + ["rail"] * law.rails
+    places = [f"{name} {coordinate}" for name in names for coordinate in COORDINATES]
+    places += [f"{name} pitch" for name in law.vehicle.boxes] + ["rail"] * law.rails
     return tuple((places[i], float(left[i])) for i in np.argsort(-np.abs(left))[:4])
 
 
@@ -253,7 +259,7 @@ def lower_on_rails(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Ar
     if law.elastic is not None:  # everything sinks with the rails
         sunk = 0.5 * share * law.vehicle.weight / law.elastic.stiffness[1]
         x[: 6 * len(law.bodies) : 6] -= sunk
-        x[6 * len(law.bodies) + 1 :: 2] -= sunk
+        x[len(x) - law.rails + 1 :: 2] -= sunk
     return steady.state(x)
 
 

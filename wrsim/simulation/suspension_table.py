@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.core.body.suspension import ELEMENT
-from wrsim.core.body.vehicle_forces import FRAMES
 from wrsim.vehicle.elements import Tables
 from wrsim.vehicle.preload import preloads
 
@@ -31,11 +30,10 @@ def suspension_table(vehicle: Vehicle) -> SuspensionTable:
     rows = np.zeros(len(vehicle.elements), ELEMENT)
     rows["state"] = -1
     tables = Tables()
-    centres = [np.array(part.centre) for part in vehicle.parts] + [np.zeros(3)] * FRAMES
     for row, element, preload in zip(rows, vehicle.elements, preloads(vehicle), strict=True):
         row.first, row.second = vehicle.index(element.first), vehicle.index(element.second)
         start, end = element.points
-        row.point_1 = tuple(np.array(start) - centres[row.first])
-        row.point_2 = tuple(np.array(end) - centres[row.second])
+        row.point_1 = tuple(np.array(start) - vehicle.place(element.first))
+        row.point_2 = tuple(np.array(end) - vehicle.place(element.second))
         element.write(row, preload, tables)
     return SuspensionTable(rows, np.array(tables.rows or [(0.0, 0.0)]), tables.unknowns)

@@ -7,7 +7,7 @@ A part sees its own bodies by their names and those of the parts around it; from
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import Locate, fault_line
@@ -15,7 +15,7 @@ from wrsim.inputs.lines import KeyPath
 from wrsim.vehicle import vehicle_sections as sections
 from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, Triple
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Axes, Joint
-from wrsim.vehicle.vehicle import Body, Load, MountedWheelset, Point
+from wrsim.vehicle.vehicle import AxleBox, Body, Load, MountedWheelset, Point
 from wrsim.vehicle.wheelset import Wheelset
 
 DEEPEST = 8
@@ -40,6 +40,8 @@ class Assembly:
     locate: Locate
     bodies: dict[str, Body] = field(default_factory=dict)
     wheelsets: dict[str, MountedWheelset] = field(default_factory=dict)
+    boxes: dict[str, str] = field(default_factory=dict)
+    """Wheelsets of pairs of axle boxes by the name of the pair."""
     elements: list[Element] = field(default_factory=list)
     loads: list[Load] = field(default_factory=list)
     points: list[Point] = field(default_factory=list)
@@ -65,6 +67,8 @@ class Assembly:
                 raise self._fault(key, words + suggest(mount.type, known), mount.type)
             x = place.axes.point((mount.x_mm, 0.0, 0.0))[0]
             self.wheelsets[full] = MountedWheelset(full, wheelset, x, wheelset.mean_radius)
+        for name, box in part.axle_boxes.items():
+            self._axle_boxes(name, box, (*path, "axle_boxes", name), place)
         names = [p.name for p in part.places]
         for i, inner in enumerate(part.places):
             if names.count(inner.name) > 1:
@@ -83,6 +87,22 @@ class Assembly:
             self.points.append(Point(place.prefix + point.name, body, place.axes.point(point.at_mm)))
         for i, inner in enumerate(part.places):
             self._elements(*self._inner(inner, (*path, "places", i), place))
+
+    def _axle_boxes(self, name: str, table: sections.AxleBoxTable, path: KeyPath, place: _Place) -> None:
+        """Both boxes of an axle."""
+        full = self._new(name, path, place)
+        carrier = place.prefix + table.wheelset
+        mounted = self.wheelsets.get(carrier)
+        if mounted is None:
+            known = [k.removeprefix(place.prefix) for k in self.wheelsets if k.startswith(place.prefix)]
+            words = f"is no wheelset of this part; there is {', '.join(known) or 'none'}"
+            raise self._fault((*path, "wheelset"), words + suggest(table.wheelset, known), table.wheelset)
+        self.boxes[full] = carrier
+        pair = tuple(
+            AxleBox(f"{full} {side}", y * table.y_mm / 1e3, table.mass_kg, table.inertia_kg_m2)
+            for side, y in (("left", 1.0), ("right", -1.0))
+        )
+        self.wheelsets[carrier] = replace(mounted, boxes=(*mounted.boxes, *pair))
 
     def _inner(
         self, table: sections.PlaceTable, path: KeyPath, place: _Place
@@ -105,11 +125,11 @@ class Assembly:
             raise self._fault(path, message)
         return place.prefix + name
 
-    def _body(self, name: str, path: KeyPath, place: _Place) -> str:
-        """Full name of a body seen from a part."""
+    def _body(self, name: str, path: KeyPath, place: _Place, boxes: bool = False) -> str:
+        """Full name of a body seen from a part; boxes: it may be a pair of axle boxes."""
         if name == TRACK:
             return TRACK
-        known = [*self.bodies, *self.wheelsets]
+        known = [*self.bodies, *self.wheelsets, *(self.boxes if boxes else ())]
         around = place.prefix.split(".")[:-1]
         for depth in range(len(around), -1, -1):
             if (full := ".".join((*around[:depth], name))) in known:
@@ -121,13 +141,14 @@ class Assembly:
     def _centre(self, name: str) -> Triple:
         if name == TRACK:
             return ZERO
+        name = self.boxes.get(name, name)
         return self.bodies[name].centre if name in self.bodies else self.wheelsets[name].centre
 
     def _repeated(self, table: ElementTable, path: KeyPath, place: _Place) -> Iterator[Element]:
         """The elements of one table: one for every ``to`` and, where asked for, for both sides."""
-        first = self._body(table.body, (*path, "body"), place)
+        first = self._body(table.body, (*path, "body"), place, boxes=True)
         for to in table.to:
-            second = self._body(to, (*path, "to"), place)
+            second = self._body(to, (*path, "to"), place, boxes=True)
             if second == first:
                 raise self._fault((*path, "to"), "is the body that the element comes from", to)
             base = place.axes
@@ -138,8 +159,13 @@ class Assembly:
             for side in (1.0, -1.0) if table.both_sides else (1.0,):
                 x, y, z = base.signs
                 axes = Axes(base.origin, (x, side * y, z))
-                word = "" if not table.both_sides else " left" if axes.point(point)[1] > 0.0 else " right"
-                element = table.element(Joint(place.prefix + name + word, table.kind, first, second), axes)
+                y = axes.point(point)[1]
+                word = " left" if y > 0.0 else " right"
+                ends = [end + word if end in self.boxes else end for end in (first, second)]
+                if y == 0.0 and ends != [first, second]:
+                    raise self._fault(path, "leads to an axle box and lies in the middle: give its points a y")
+                full = place.prefix + name + (word if table.both_sides else "")
+                element = table.element(Joint(full, table.kind, ends[0], ends[1]), axes)
                 self._fits(element, path)
                 yield element
 

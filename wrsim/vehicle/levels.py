@@ -29,6 +29,6 @@ def bogie_mass(vehicle: Vehicle, body: str) -> float:
 
 
 def _joined(vehicle: Vehicle, body: str) -> set[str]:
-    """Names of what suspension elements join to a body."""
-    pairs = ((element.first, element.second) for element in vehicle.elements)
+    """Names of what suspension elements join to a body; a wheelset in the place of its axle boxes."""
+    pairs = ((vehicle.carrier(element.first), vehicle.carrier(element.second)) for element in vehicle.elements)
     return {b if a == body else a for a, b in pairs if body in (a, b)} - {body}

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from wrsim.vehicle.elements import Element
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 WORDS = ("along x", "along y", "vertically", "in roll", "in pitch", "in yaw")
+PITCH = WORDS.index("in pitch")
 
 TOLERANCE = 1e-9
 """Part of the vehicle's weight that may be left over; moments are divided by 1 m."""
@@ -36,42 +36,57 @@ def preloads(vehicle: Vehicle) -> list[Array]:
 
     Raises InputError for a body that its springs do not hold: it names the body and the direction.
     """
-    n = len(vehicle.bodies)
+    n, boxes = len(vehicle.bodies), list(vehicle.boxes)
+    size = 6 * n + len(boxes)
     base = len(vehicle.wheelsets)
-    centres = np.array([part.centre for part in vehicle.parts]).reshape(-1, 3)
     load = np.zeros((n, 6))
-    load[:, 2] = [-body.mass * STANDARD_GRAVITY for body in vehicle.bodies]
+    load[:, 2] = [-body.mass * vehicle.gravity for body in vehicle.bodies]
     for extra in vehicle.loads:
         i = vehicle.index(extra.body) - base
         if i >= 0:
-            load[i] += _at(np.array(extra.at) - centres[i + base]).T @ np.array(extra.force)
+            load[i] += _at(np.array(extra.at) - vehicle.place(extra.body)).T @ np.array(extra.force)
 
     def motion(element: Element) -> tuple[Array, Array]:
-        """Travel along the element's directions, (m, 6 n), and turning, (3, 6 n), per motion of the bodies."""
-        rows, turns = np.zeros((2, 3, n, 6))
+        """Travel along the element's directions, (m, size), and turning, (3, size), per motion of bodies and boxes."""
+        rows, turns = np.zeros((2, 3, size))
         for name, end, sign in zip((element.first, element.second), element.points, (-1.0, 1.0), strict=True):
             i = vehicle.index(name) - base
-            if 0 <= i < n:
-                rows[:, i] += sign * _at(np.array(end) - centres[i + base])
-                turns[:, i, 3:] += sign * np.eye(3)
-        return element.directions @ rows.reshape(3, 6 * n), turns.reshape(3, 6 * n)
+            moves = sign * _at(np.array(end) - vehicle.place(name))
+            if name in boxes:  # it pitches about the axle
+                column = 6 * n + boxes.index(name)
+                rows[:, column] += moves[:, PITCH]
+                turns[1, column] += sign
+            elif 0 <= i < n:
+                rows[:, 6 * i : 6 * i + 6] += moves
+                turns[:, 6 * i + 3 : 6 * i + 6] += sign * np.eye(3)
+        return element.directions @ rows, turns
 
     motions = [motion(element) for element in vehicle.elements]
-    stiffness = np.zeros((6 * n, 6 * n))
-    right = load.ravel().copy()
+    stiffness = np.zeros((size, size))
+    held = np.zeros(size)
+    right = np.append(load.ravel(), np.zeros(len(boxes)))
     for element, (travel, turning) in zip(vehicle.elements, motions, strict=True):
         if element.preload is not None:
             right += travel.T @ np.array(element.preload)
         else:
             stiffness += travel.T @ np.diag(element.stiffness_at_rest) @ travel
         stiffness += turning.T @ np.diag(element.turning_stiffness) @ turning
-    u = np.linalg.lstsq(stiffness, right, rcond=1e-12)[0] if n else np.zeros(0)
+        held += element.stiffness_at_rest @ travel**2 + np.array(element.turning_stiffness) @ turning**2
+    for name, about in zip(boxes, held[6 * n :], strict=True):
+        if not about > 0.0:
+            raise InputError(
+                f"no spring keeps axle box '{name}' from turning about the axle: it needs one beside the axle"
+            )
+    u = np.linalg.lstsq(stiffness, right, rcond=1e-12)[0] if n else np.zeros(size)
     left = right - stiffness @ u
-    if n and np.max(np.abs(left)) > TOLERANCE * vehicle.mass * STANDARD_GRAVITY:
-        loose, direction = divmod(int(np.argmax(np.abs(left))), 6)
+    if n and np.max(np.abs(left)) > TOLERANCE * vehicle.mass * vehicle.gravity:
+        worst = int(np.argmax(np.abs(left)))
+        loose, direction = divmod(worst, 6)
+        what = f"body '{vehicle.bodies[loose].name}'" if loose < n else f"axle box '{boxes[worst - 6 * n]}'"
+        direction = direction if loose < n else PITCH
         raise InputError(
-            f"the preload cannot be found: nothing holds body '{vehicle.bodies[loose].name}' {WORDS[direction]} "
-            f"({left[6 * loose + direction]:.4g} {'N' if direction < 3 else 'N m'} are left over)"
+            f"the preload cannot be found: nothing holds {what} {WORDS[direction]} "
+            f"({left[worst]:.4g} {'N' if direction < 3 else 'N m'} are left over)"
         )
     found = []
     for element, (travel, _) in zip(vehicle.elements, motions, strict=True):
@@ -79,7 +94,7 @@ def preloads(vehicle: Vehicle) -> list[Array]:
             found.append(np.array(element.preload))
         else:
             force = -element.stiffness_at_rest * (travel @ u)
-            found.append(np.where(np.abs(force) > ROUND_OFF * vehicle.mass * STANDARD_GRAVITY, force, 0.0))
+            found.append(np.where(np.abs(force) > ROUND_OFF * vehicle.mass * vehicle.gravity, force, 0.0))
     return found
 
 

@@ -7,6 +7,7 @@ the design position: the vehicle at rest on level track.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -35,8 +36,19 @@ class Body:
 
 
 @dataclass(frozen=True)
+class AxleBox:
+    """A body that turns freely about the axle of its wheelset, its centre on the axle at y [m]: the arm of a primary
+    suspension. Mass [kg], inertia about x, y (the axle), z [kg m2]. See ``core.body.axle_boxes``."""
+
+    name: str
+    y: float
+    mass: float
+    inertia: Triple
+
+
+@dataclass(frozen=True)
 class MountedWheelset:
-    """A wheelset at its place x [m] along the vehicle, its axle ``height`` [m] above the rails.
+    """A wheelset at its place x [m] along the vehicle, its axle ``height`` [m] above the rails, and its axle boxes.
 
     With smaller wheels than those of the file the whole vehicle stands lower; the design position stays.
     """
@@ -45,6 +57,7 @@ class MountedWheelset:
     wheelset: Wheelset
     x: float
     height: float
+    boxes: tuple[AxleBox, ...] = ()
 
     @property
     def centre(self) -> Triple:
@@ -53,8 +66,15 @@ class MountedWheelset:
 
     @property
     def mass(self) -> float:
-        """Mass [kg]."""
-        return self.wheelset.mass
+        """Mass with that of the axle boxes [kg]."""
+        return self.wheelset.mass + sum(box.mass for box in self.boxes)
+
+    @property
+    def inertia(self) -> Triple:
+        """Inertia about x, y, z through the centre [kg m2]; of the axle boxes without that about the axle."""
+        roll, spin, yaw = self.wheelset.inertia
+        across = sum(box.mass * box.y**2 + 0.5 * (box.inertia[0] + box.inertia[2]) for box in self.boxes)
+        return (roll + across, spin, yaw + across)
 
 
 @dataclass(frozen=True)
@@ -95,7 +115,7 @@ class Vehicle:
 
     carried: masses that press on bodies without moving by themselves. guide_ahead: where the wheelset that the guide
     frame holds sits in its bogie, ahead of the centre [m]: in a curve of curvature kappa the frame is turned by
-    -guide_ahead kappa. drive: what holds the speed unless a scenario says otherwise.
+    -guide_ahead kappa. drive: what holds the speed unless a scenario says otherwise. gravity: acceleration [m/s2].
     """
 
     name: str
@@ -108,6 +128,7 @@ class Vehicle:
     carried: tuple[CarriedMass, ...] = ()
     guide_ahead: float = 0.0
     drive: Drive = "train"
+    gravity: float = STANDARD_GRAVITY
 
     @property
     def parts(self) -> tuple[MountedWheelset | Body, ...]:
@@ -120,8 +141,24 @@ class Vehicle:
         return tuple(part.name for part in self.parts)
 
     def index(self, name: str) -> int:
-        """Place of a part in the state; the track frame and the guide frame come behind the last one."""
-        return (*self.names, TRACK, GUIDE).index(name)
+        """Place of a part in the state; behind the last one come the track frame, the guide frame, the axle boxes."""
+        return (*self.names, TRACK, GUIDE, *self.boxes).index(name)
+
+    @cached_property
+    def boxes(self) -> dict[str, tuple[int, AxleBox]]:
+        """Axle boxes by their names, each with the number of its wheelset, in the order of the state."""
+        return {box.name: (w, box) for w, mounted in enumerate(self.wheelsets) for box in mounted.boxes}
+
+    def carrier(self, name: str) -> str:
+        """The wheelset on which an axle box sits; any other name as it is."""
+        return self.wheelsets[self.boxes[name][0]].name if name in self.boxes else name
+
+    def place(self, name: str) -> Triple:
+        """Origin of the axes of a part, a frame or an axle box in the design position [m]."""
+        if name in self.boxes:
+            w, box = self.boxes[name]
+            return (self.wheelsets[w].x, box.y, self.wheelsets[w].height)
+        return ZERO if name in (TRACK, GUIDE) else self.parts[self.index(name)].centre
 
     @property
     def mass(self) -> float:
@@ -131,7 +168,7 @@ class Vehicle:
     @property
     def weight(self) -> float:
         """Force of all wheels on level rails at rest [N], if no spring to a frame carries a share."""
-        return (self.mass + sum(load.mass for load in self.carried)) * STANDARD_GRAVITY - sum(
+        return (self.mass + sum(load.mass for load in self.carried)) * self.gravity - sum(
             load.force[2] for load in self.loads
         )
 

@@ -17,7 +17,7 @@ from wrsim.inputs.checking import Locate, check, fault_line, opened
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
-from wrsim.inputs.values import Day, Source, text
+from wrsim.inputs.values import Day, Source, number, text
 from wrsim.vehicle.assembly import Assembly
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.elements.keys import scaled
@@ -25,7 +25,7 @@ from wrsim.vehicle.files import SprungTable, SuspensionTable, WheelsetTable
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.vehicle_sections import PartTable
-from wrsim.vehicle.wheelset import Wheel, Wheelset
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
 
 OF_PARTS = ("bodies", "wheelsets", "elements", "parts", "places", "wheelset_types")
 """Tables of a file that puts a vehicle together from parts."""
@@ -54,6 +54,7 @@ class VehicleFile(PartTable):
     name: Annotated[str, text("the vehicle's name")]
     source: Source
     date: Day
+    gravity_m_per_s2: Annotated[float, number(9, 10)] = STANDARD_GRAVITY
     wheelset: WheelsetTable | None = None
     wheelset_types: dict[str, WheelsetTable] = Field(default_factory=dict)
     parts: dict[str, PartTable] = Field(default_factory=dict)
@@ -104,6 +105,7 @@ def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate) -> 
         tuple(assembly.loads),
         tuple(assembly.points),
         file.source,
+        gravity=file.gravity_m_per_s2,
     )
     try:
         check_connected(vehicle)
@@ -125,7 +127,7 @@ def check_connected(vehicle: Vehicle) -> None:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise InputError(f"elements need names of their own; these stand for more than one: {', '.join(twice)}")
-    held = {TRACK, GUIDE, *(mounted.name for mounted in vehicle.wheelsets)}
+    held = {TRACK, GUIDE, *(mounted.name for mounted in vehicle.wheelsets), *vehicle.boxes}
     while True:
         more = {
             end

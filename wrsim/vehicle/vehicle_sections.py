@@ -44,6 +44,18 @@ class MountTable(Section):
     type: Name | None = None
 
 
+class AxleBoxTable(Section):
+    """[axle_boxes.NAME]: the two bodies that turn freely about an axle at +-y, NAME left and NAME right."""
+
+    header: ClassVar[str] = "[axle_boxes.NAME]"
+    aliases: ClassVar[dict[str, str]] = {"wheelset": "on", "y_mm": "half_spacing_mm"}
+
+    wheelset: Annotated[str, text("the name of a wheelset of the same part")]
+    y_mm: Annotated[float, positive(2000, "mm from the middle of the axle")]
+    mass_kg: Annotated[float, number(0, 10_000, "kg, of each, counted on the axle")]
+    inertia_kg_m2: Three[Annotated[float, positive(1e5, "kg m2")]]
+
+
 class LoadTable(Section):
     """[[loads]]: a constant force on a body, along the track's axes."""
 
@@ -83,6 +95,7 @@ class PartTable(Section):
 
     bodies: dict[str, BodyTable] = Field(default_factory=dict)
     wheelsets: dict[str, MountTable] = Field(default_factory=dict)
+    axle_boxes: dict[str, AxleBoxTable] = Field(default_factory=dict)
     elements: List[AnyElementTable] = ()
     loads: List[LoadTable] = ()
     points: List[PointTable] = ()

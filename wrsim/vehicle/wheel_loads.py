@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.vehicle.preload import preloads
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from wrsim.vehicle.vehicle import Vehicle
@@ -21,15 +20,15 @@ def static_wheel_loads(vehicle: Vehicle) -> NDArray[np.float64]:
     on the profiles the contacts lie is left out: an asymmetric vehicle's loads differ from that by some per mille.
     """
     lifts = [(load.body, load.force[2], load.at[1]) for load in vehicle.loads]  # body, force up, its y
-    lifts += [(carried.body, -carried.mass * STANDARD_GRAVITY, 0.0) for carried in vehicle.carried]
+    lifts += [(carried.body, -carried.mass * vehicle.gravity, 0.0) for carried in vehicle.carried]
     for element, force in zip(vehicle.elements, preloads(vehicle), strict=True):
         up = float(force @ element.directions[:, 2])
         first, second = element.points
         lifts += [(element.first, -up, first[1]), (element.second, up, second[1])]
     loads = np.zeros((len(vehicle.wheelsets), 2))
     for w, mounted in enumerate(vehicle.wheelsets):
-        own = [(up, y) for body, up, y in lifts if body == mounted.name]
-        down = mounted.mass * STANDARD_GRAVITY - sum(up for up, _ in own)
+        own = [(up, y) for body, up, y in lifts if vehicle.carrier(body) == mounted.name]
+        down = mounted.mass * vehicle.gravity - sum(up for up, _ in own)
         moment = -sum(up * y for up, y in own)  # about the forward axis, of forces down
         half = 0.5 * mounted.wheelset.profile_spacing
         loads[w] = 0.5 * down + 0.5 * moment / half, 0.5 * down - 0.5 * moment / half

@@ -13,7 +13,6 @@ from wrsim.simulation.bodies import mass_matrix, velocity_forces
 from wrsim.simulation.law import SIDES
 from wrsim.simulation.placement import poses_on_track
 from wrsim.vehicle.elements import GUIDE, TRACK
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from wrsim.geometry.track.track import Track
@@ -71,10 +70,10 @@ class PointMotion:
             state = pitched(kinematics(at, rates), at[5])
             axes = np.array([state.forward, state.left, state.up])
             omega = axes @ state.omega
-            acceleration = axes @ (np.array([changes[1], changes[2], changes[0] + STANDARD_GRAVITY]))
+            acceleration = axes @ (np.array([changes[1], changes[2], changes[0] + law.vehicle.gravity]))
             alpha = _angular_acceleration(at, rates, changes)
             found[j] = acceleration + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
-            found[j, 2] -= STANDARD_GRAVITY
+            found[j, 2] -= law.vehicle.gravity
         return found
 
 

@@ -4,7 +4,8 @@ One arena (core.arena): first the arrays named below, then those of each wheelse
 orders them; what loads and drive do, see ``core.body.loads``. Coordinates are six a body as in
 ``core.body.kinematics`` (pitch in the place of spin for bodies that are no wheelset), then one for every damper in
 series with a spring: its rate is the extension of the damping part, so that its "force" is the rate of that extension,
-on a mass of 1; the coordinate itself means nothing.
+on a mass of 1; the coordinate itself means nothing. Then comes the pitch of every axle box (core.body.axle_boxes), on
+an inertia of 1.
 
 Behind these, on elastic rails, stand the displacements of a piece of rail under every wheel, moving along with it: left
 rail along n and b, right rail along n and b, wheelset after wheelset. Each follows
@@ -14,28 +15,44 @@ rail along n and b, right rail along n and b, wheelset after wheelset. Each foll
 and is written with a mass of 1 (its "force" is the acceleration). The wheel meets the rail where it has moved to, with
 the velocity that is left between them. The pieces of two wheels know nothing of each other.
 
-Two frames stand behind the last body; springs may be fixed to either. The track frame follows the centre line at
-constant speed, s(t) = s_0 + V t: it is evaluated, not integrated. The guide frame is the bogie that the vehicle's
-wheelset leads: it goes with the track frame, but stands along the chord of a curve, turned about b by -a kappa for an
-axle at a distance a ahead of the bogie's centre. Its springs turn with it; how fast the angle changes in a transition
-is left out of its velocity.
+Two frames stand behind the last body, and behind these the axle boxes; springs may be fixed to all of them. The track
+frame follows the centre line at constant speed, s(t) = s_0 + V t: it is evaluated, not integrated. The guide frame is
+the bogie that the vehicle's wheelset leads: it goes with the track frame, but stands along the chord of a curve, turned
+about b by -a kappa for an axle at a distance a ahead of the bogie's centre. Its springs turn with it; how fast the
+angle changes in a transition is left out of its velocity.
 """
 
 from math import cos, sin
 
 from wrsim.core.arena import matrix, record, records
+from wrsim.core.body.axle_boxes import AXLE_BOX, hand_over, on_axle
 from wrsim.core.body.kinematics import SPIN, add_generalised_forces, kinematics
 from wrsim.core.body.loads import AXLE, CARRIED, LOAD, add_carried, add_drive, add_loads
 from wrsim.core.body.rigid_body import PITCH, pitched
 from wrsim.core.body.suspension import ELEMENT, READING, WRENCH, suspension_forces
 from wrsim.core.body.wheelset_forces import ARRAYS, OFF_TRACK, SIDES, WHEEL, contact_forces, wheel_total
 from wrsim.core.compiling import kernel
-from wrsim.core.linalg import BODY, ZERO, Body, Curve, Vec, add, dot, mixed, put, put_body, scale, shifted, vec
+from wrsim.core.linalg import (
+    BODY,
+    ZERO,
+    Body,
+    Curve,
+    Vec,
+    add,
+    dot,
+    get_body,
+    mixed,
+    put,
+    put_body,
+    scale,
+    shifted,
+    vec,
+)
 from wrsim.core.track.path import NODE, frame, frame_rates
 
 # arrays of the arena before those of the wheelsets
-WHOLE, PARTS, BODIES, WRENCHES, ELEMENTS, TABLES, READINGS, LOADS, CARRIED_MASSES, AXLES, CENTRE = range(11)
-FIRST_WHEELSET = 11
+WHOLE, PARTS, BODIES, WRENCHES, ELEMENTS, TABLES, READINGS, LOADS, CARRIED_MASSES, AXLES, CENTRE, AXLE_BOXES = range(12)
+FIRST_WHEELSET = 12
 
 RAIL = record("mass stiffness damping")
 
@@ -59,7 +76,7 @@ RAIL_COORDINATES = 4  # of a wheelset
 
 @kernel
 def vehicle_forces(t, q, q_t, out, buffer, index):
-    """Generalised forces on a vehicle at time t, (6 n + m,) for n bodies and m dampers in series with springs.
+    """Generalised forces on a vehicle at time t, (6 n + m,) for n bodies and m coordinates behind theirs.
 
     Returns a status: 0, or the sum of the contacts' STATUS bits, or OFF_TRACK when a body has no place on the track.
     """
@@ -81,13 +98,20 @@ def vehicle_forces(t, q, q_t, out, buffer, index):
     track, guide = _frames(t, vehicle, centre)
     put_body(bodies[n], track)
     put_body(bodies[n + 1], guide)
-    for i in range(n, n + FRAMES):
+    boxes = records(buffer, index, AXLE_BOXES, AXLE_BOX)
+    for j in range(boxes.shape[0]):
+        at, wheelset = boxes[j].coordinate, get_body(bodies[boxes[j].wheelset])
+        put_body(bodies[n + FRAMES + j], on_axle(boxes[j], wheelset, q[at], q_t[at]))
+    for i in range(n, wrenches.shape[0]):
         put(wrenches[i].force, ZERO)
         put(wrenches[i].moment, ZERO)
     elements = records(buffer, index, ELEMENTS, ELEMENT)
     readings = records(buffer, index, READINGS, READING)
     tables = matrix(buffer, index, TABLES)
     suspension_forces(bodies, elements, tables, q_t[6 * n :], out[6 * n :], wrenches, readings)
+    for j in range(boxes.shape[0]):
+        box, w = boxes[j], boxes[j].wheelset
+        out[box.coordinate] = hand_over(box, get_body(bodies[w]), wrenches[n + FRAMES + j], wrenches[w])
     add_carried(track, records(buffer, index, CARRIED_MASSES, CARRIED), vehicle.gravity, wrenches)
     lost = add_loads(bodies, records(buffer, index, LOADS, LOAD), centre, wrenches)
     lost |= add_drive(t, vehicle, bodies, records(buffer, index, AXLES, AXLE), centre, wrenches)

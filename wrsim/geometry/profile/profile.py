@@ -27,7 +27,8 @@ Kind = Literal["wheel", "rail"]
 
 KINDS: tuple[Kind, ...] = ("wheel", "rail")
 GAUGE_DEPTH = 0.014
-"""Depth below the running surface at which the track gauge is measured, m (EN 13848-1)."""
+"""Depth below the running surface at which the track gauge is measured unless a track says otherwise, m (EN
+13848-1)."""
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -47,7 +48,8 @@ class Profile:
     name: for messages and figures; arclength (n,): of the nodes, strictly increasing from 0 [m]; u, w (n,): outward
     coordinate and height of the nodes [m]; angle (n,): tangent angle atan2(dw, du), continuous along the curve [rad];
     curvature_before, curvature_after (n,): d(angle)/dL just before and just after each node [1/m], positive when the
-    curve turns upward: a rail head has negative, a flange fillet positive curvature; source: where the data come from.
+    curve turns upward: a rail head has negative, a flange fillet positive curvature; source: where the data come from;
+    gauge_depth: of a rail's gauge point below its top [m].
 
     Arrays are read-only. Changes return a new profile.
     """
@@ -61,6 +63,7 @@ class Profile:
     curvature_before: Array
     curvature_after: Array
     source: str = ""
+    gauge_depth: float = GAUGE_DEPTH
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
@@ -246,8 +249,10 @@ class Profile:
         u, w = self.at(self.top_arclength)
         return float(u), float(w)
 
-    def gauge_point(self, depth: float = GAUGE_DEPTH) -> tuple[float, float]:
-        """Point (u, w) of a rail's gauge side, `depth` below its top, m. InputError if there is none."""
+    def gauge_point(self, depth: float | None = None) -> tuple[float, float]:
+        """Point (u, w) of a rail's gauge side, `depth` below its top (its own unless given), m. InputError if there is
+        none."""
+        depth = self.gauge_depth if depth is None else depth
         if self.kind != "rail":
             raise InputError(f"profile '{self.name}' is a {self.kind}; only rails have a gauge point")
         level = self.top[1] - depth
@@ -263,6 +268,10 @@ class Profile:
         return float(u), float(w)
 
     # --- changes ----------------------------------------------------------------------------------
+
+    def gauged(self, depth: float) -> Profile:
+        """The same rail with its gauge point at another depth below the top [m]."""
+        return replace(self, gauge_depth=depth)
 
     def renamed(self, name: str) -> Profile:
         """The same curve under another name."""

@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from annotated_types import Predicate
 from pydantic import BeforeValidator, Field
 
+from wrsim.geometry.profile.profile import GAUGE_DEPTH
 from wrsim.geometry.track import segments
 from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.inputs.section import Fault, Section, both_or_sides
@@ -179,7 +180,8 @@ class TrackSection(Section):
 
     file: Annotated[str, text('a track file such as "tracks/mixed_line.toml"')] | None = None
 
-    gauge_mm: Annotated[float, number(400, 2000, "mm, 14 mm below the top of the inclined rails, such as 1435")]
+    gauge_mm: Annotated[float, number(400, 2000, "mm, gauge_depth_mm below the inclined rails' tops, such as 1435")]
+    gauge_depth_mm: Annotated[float, number(5, 30, "mm below the top of the inclined rails")] = 1e3 * GAUGE_DEPTH
     gauge_between: Literal["gauge points", "origins"] = "gauge points"
     inclination: Inclination
     rail: RailName | None = None
