@@ -268,7 +268,7 @@ def test_plot_draws_patches_at_a_place_where_they_are_kept(run_folder: Path, tmp
     distances = completed().dataset["snapshot_distance"].values
     result = call("plot", run_folder, "-o", tmp_path, "--at", f"{distances[0] + 0.2:.2f}")
     assert result.exit_code == 0, result.output
-    assert [p.name.split("_")[0] for p in sorted(tmp_path.iterdir())] == ["patches", "sections"]
+    assert [p.name.split("_")[0] for p in sorted(tmp_path.glob("*.png"))] == ["patches", "sections"]
     result = call("plot", run_folder, "--at", "1e6")
     assert result.exit_code == 2
     assert f"there are {distances[0]:.1f}, " in result.stderr

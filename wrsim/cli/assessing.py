@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures, SectionsOf, beside
+from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Pictures, SectionsOf, beside
 from wrsim.cli.showing import print_json, print_table
-from wrsim.cli.storing import read
+from wrsim.cli.storing import read, writing
 
 WIDTH = 112
 """Letters that the tables need."""
@@ -21,10 +21,11 @@ def assess(
     output: BesideResult = None,
     scenario: SectionsOf = None,
     pictures: Pictures = True,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Assess a run: EN 14363 quantities section by section, limits and margins; leaves tables and pictures."""
-    with reporting_errors(as_json):
+    with reporting_errors(as_json), writing(force, result):
         from wrsim.analysis.assessment import assess as assessed
         from wrsim.results import write_atomically
         from wrsim.scenario.loading import load

@@ -17,7 +17,7 @@ from wrsim.cli.assessing import assess
 from wrsim.cli.compare import compare
 from wrsim.cli.conicity import conicity
 from wrsim.cli.ending import INTERRUPTED, exit_code, reporting_errors
-from wrsim.cli.options import BesideResult, Json, Models, beside, check_ending
+from wrsim.cli.options import BesideResult, Force, Json, Models, beside, check_ending
 from wrsim.cli.resolve import resolve
 from wrsim.cli.riding import ride
 from wrsim.cli.showing import (
@@ -31,7 +31,18 @@ from wrsim.cli.showing import (
     progress_bar,
     tell_slow,
 )
-from wrsim.cli.storing import PART, can_go_on, claim, is_complete, patch_pictures, read, write
+from wrsim.cli.storing import (
+    PART,
+    begin,
+    can_go_on,
+    claimed,
+    has_all_files,
+    patch_pictures,
+    read,
+    whole_result,
+    write,
+    writing,
+)
 from wrsim.cli.track import track
 from wrsim.cli.vehicle import vehicle
 from wrsim.errors import InputError
@@ -97,6 +108,7 @@ def run(
         bool, typer.Option("--resume", help="Go on with the run in DIR that was cut off or interrupted.")
     ] = False,
     pictures: Annotated[bool, typer.Option(help="Draw the standard pictures.")] = True,
+    force: Force = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -114,27 +126,29 @@ def run(
             tell_slow(setup)
         directory = output if output is not None else Path("results") / file.stem
         record = directory / PART
-        if resume and not record.exists():
-            if is_complete(directory, scenario):
+        with claimed(directory, force, (*scenario.files, *setup.files), file):
+            result = whole_result(directory, scenario) if resume else None
+            if result is not None and has_all_files(directory, scenario, pictures):
                 if as_json:
                     print_json({"status": "completed", "exit_code": 0, "directory": str(directory), "files": []})
                 else:
                     complain(f"{directory} holds the whole result of this scenario already")
                 return
-            complain(f"there is no run in {directory} to go on with; it starts from the beginning")
-            resume = False
-        from wrsim.analysis import run as analyse
+            if resume and result is None and not record.exists():
+                complain(f"there is no run in {directory} to go on with; it starts from the beginning")
+                resume = False
+            from wrsim.analysis import run as analyse
 
-        if not resume:
-            claim(directory, scenario)
-        try:
-            with progress_bar(not (quiet or as_json)) as progress:
-                result = analyse(scenario, progress=progress, record=record, resume=resume)
-            files = write(result, directory, pictures)
-        except KeyboardInterrupt:
-            if record.exists():
-                raise KeyboardInterrupt(f"interrupted; the run is safe in {record}: go on with --resume") from None
-            raise
+            begin(directory, scenario)
+            try:
+                if result is None:
+                    with progress_bar(not (quiet or as_json)) as progress:
+                        result = analyse(scenario, progress=progress, record=record, resume=resume)
+                files = write(result, directory, pictures)
+            except KeyboardInterrupt:
+                if record.exists():
+                    raise KeyboardInterrupt(f"interrupted; the run is safe in {record}: go on with --resume") from None
+                raise
         code = exit_code(result)
         if as_json:
             print_json(
@@ -190,10 +204,11 @@ def plot(
         ),
     ] = None,
     wheelset: Annotated[str | None, typer.Option(metavar="NAME", help="Pictures of this wheelset alone.")] = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
-    with reporting_errors(as_json):
+    with reporting_errors(as_json), writing(force, result):
         from wrsim.plots import standard_pictures
         from wrsim.results.wheelsets import worst_wheelset
 
@@ -226,10 +241,11 @@ def profile(
             help="Smooth the points as measured ones, halving waves of this length; up to four, to compare them.",
         ),
     ] = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Draw a profile with its slope and curvature; of measured points also what smoothing did to them."""
-    with reporting_errors(as_json):
+    with reporting_errors(as_json), writing(force, file):
         if kind not in (None, "wheel", "rail"):
             raise InputError(f"--kind {kind}: must be wheel or rail")
         picture = output or Path(file.stem + ".png")

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import exit_code, reporting_errors
-from wrsim.cli.options import Json, ModelFiles, Pictures, Quiet
+from wrsim.cli.options import Force, Json, ModelFiles, Pictures, Quiet
 from wrsim.cli.showing import print_json, print_table, progress_bar, tell_slow
+from wrsim.cli.storing import writing
 
 if TYPE_CHECKING:
     from wrsim.analysis.compare import Comparison
@@ -41,11 +42,12 @@ def compare(
     ] = None,
     model_files: ModelFiles = None,
     pictures: Pictures = True,
+    force: Force = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
-    with reporting_errors(as_json):
+    with reporting_errors(as_json), writing(force, file):
         from wrsim.analysis.compare import compare as analyse
         from wrsim.scenario.build import build
         from wrsim.scenario.contact_choice import split_names, with_contact_model

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Json, Models, check_ending
+from wrsim.cli.options import Force, Json, Models, check_ending
 from wrsim.cli.showing import print_json, print_table
+from wrsim.cli.storing import writing
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -39,10 +40,11 @@ def conicity(
     models: Models = None,
     picture: Annotated[Path | None, typer.Option(metavar="PNG", help="Draw it there.")] = None,
     table: Annotated[Path | None, typer.Option(metavar="CSV", help="Write tan gamma_e every 0.1 mm there.")] = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
-    with reporting_errors(as_json):
+    with reporting_errors(as_json), writing(force):
         from wrsim.analysis.conicity.conicity import conicity as analyse
         from wrsim.inputs.checking import check_value
         from wrsim.inputs.lookup import Finder, shipped_models, user_folders

@@ -14,6 +14,9 @@ Models = Annotated[
     typer.Option("--models", metavar="DIR", help="Folder with model files of your own; may be given again."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")]
+Force = Annotated[
+    bool, typer.Option("--force", help="Write also over files that wrsim did not write, or that were changed since.")
+]
 Pictures = Annotated[bool, typer.Option(help="Draw the pictures.")]
 ModelFiles = Annotated[
     list[Path] | None, typer.Option("--model-files", metavar="DIR", help="Folder with model files of your own.")

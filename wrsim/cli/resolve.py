@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Json, ModelFiles, Pictures, Quiet, beside
+from wrsim.cli.options import Force, Json, ModelFiles, Pictures, Quiet, beside
 from wrsim.cli.showing import print_json, print_table, progress_bar
 from wrsim.errors import InputError
 
@@ -36,6 +36,7 @@ def resolve(
     ] = None,
     model_files: ModelFiles = None,
     pictures: Pictures = True,
+    force: Force = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -44,7 +45,7 @@ def resolve(
         if same not in ("load", "pose"):
             raise InputError(f"--same {same}: must be load or pose")
         from wrsim.analysis.resolve import resolve as solve
-        from wrsim.cli.storing import moments_at, read, write
+        from wrsim.cli.storing import RECORD, claimed, moments_at, read, write
         from wrsim.results import write_atomically
         from wrsim.scenario.loading import load_text
 
@@ -55,8 +56,9 @@ def resolve(
         with progress_bar(not (quiet or as_json)) as progress:
             after = solve(before, scenario, model, keep=same, moments=moments, wheelset=wheelset, progress=progress)  # type: ignore[call-arg, arg-type]
         directory = output or folder / "".join(c if c.isalnum() or c in "-+._" else "_" for c in model)
-        write_atomically(directory / "scenario.toml", after.dataset.attrs["scenario_text"].encode())
-        files = write(after, directory, pictures)
+        with claimed(directory, force, (result,)):
+            write_atomically(directory / RECORD, after.dataset.attrs["scenario_text"].encode())
+            files = write(after, directory, pictures)
         if as_json:
             print_json({"directory": str(directory), "files": [str(f) for f in files], "summary": after.summary()})
         elif not quiet:

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import AnyResult, BesideResult, Json, Pictures, SectionsOf, beside
+from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Pictures, SectionsOf, beside
 from wrsim.cli.showing import complain, print_json, print_table
-from wrsim.cli.storing import read
+from wrsim.cli.storing import read, writing
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,10 +21,11 @@ def ride(
     output: BesideResult = None,
     scenario: SectionsOf = None,
     pictures: Pictures = True,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
-    with reporting_errors(as_json):
+    with reporting_errors(as_json), writing(force, result):
         from wrsim.analysis.ride import evaluate_ride
         from wrsim.scenario.loading import load
         from wrsim.scenario.sections.ride import RideSection

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,31 +24,71 @@ NEAR = 1.0
 """Distance to the place asked for at which kept patches still count as being there [m]."""
 
 
-def claim(directory: Path, scenario: Scenario) -> None:
+RECORD = "scenario.toml"
+"""The scenario of the run in a folder."""
+
+OUTPUTS = (RESULT, RECORD, "summary.json", "vehicle.csv", "history*.csv", "patches*.csv", "strips*.csv")
+"""Names of files that an analysis writes; pictures and further tables are looked at when they are written."""
+
+
+@contextmanager
+def writing(force: bool, *reads: Path) -> Iterator[None]:
+    """While this lasts, no file of the user's is written over, none of ``reads`` above all (`wrsim.results.ledger`)."""
+    from wrsim.results.ledger import Keeper, keeping
+
+    with keeping(Keeper(reads, force)):
+        yield
+
+
+@contextmanager
+def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path | None = None) -> Iterator[None]:
+    """Keep a folder for one analysis: nobody else writes into it, and nothing of the user's is written over.
+
+    reads: files of its input; scenario: the file that is run. Raises ``InputError`` before anything is changed there.
+    """
+    from wrsim.results.ledger import Keeper, Ledger, keeping
+
+    keeper = Keeper(tuple(reads), force)
+    with Ledger(directory).locked(), keeping(keeper):
+        kept = (RECORD,) if _is_record(directory, scenario) else ()
+        keeper.check_folder(directory, [name for name in OUTPUTS if name not in kept])
+        yield
+
+
+def begin(directory: Path, scenario: Scenario) -> None:
     """Put the scenario's text into the folder: the record of the run, and proof that it may be written to."""
     from wrsim.results import write_atomically
+    from wrsim.results.ledger import Ledger, digest_of
 
-    record = directory / "scenario.toml"
-    if scenario.path is None or not record.exists() or not record.samefile(scenario.path):
-        write_atomically(record, scenario.text.encode())
+    Ledger(directory).note(begin=digest_of(scenario.text.encode()))
+    if not _is_record(directory, scenario.path):
+        write_atomically(directory / RECORD, scenario.text.encode())
+
+
+def _is_record(directory: Path, scenario: Path | None) -> bool:
+    """True if a scenario is run from the record of the folder itself."""
+    record = directory / RECORD
+    return scenario is not None and record.exists() and record.samefile(scenario)
 
 
 def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
     """Numbers first, pictures last: what fails late costs least.
 
-    Once the numbers are safe, the run's own file has done its work, unless the user may want to go on with it.
+    Only when all files stand has the run's own file done its work, unless the user may want to go on with it.
     """
     from wrsim.results import write_run
+    from wrsim.results.ledger import Ledger
 
-    files = [directory / "scenario.toml", *write_run(result, directory)]
-    if not can_go_on(result):
-        (directory / PART).unlink(missing_ok=True)
+    files = [directory / RECORD, *write_run(result, directory)]
     if further := ANALYSES[result.analysis].further:
         files += resolved(further)(result, directory, pictures)
     if pictures:
         from wrsim.plots import standard_pictures
 
         files += standard_pictures(result.dataset, directory)
+    if not can_go_on(result):
+        (directory / PART).unlink(missing_ok=True)
+        Ledger(directory).note(done=result.status, pictures=pictures)
     return files
 
 
@@ -71,14 +113,21 @@ def read(path: Path) -> Result:
     return Result.load(path)
 
 
-def is_complete(directory: Path, scenario: Scenario) -> bool:
-    """True when the folder holds the whole result of this scenario and no run that was cut off."""
+def whole_result(directory: Path, scenario: Scenario) -> Result | None:
+    """The whole result of this scenario in the folder, if there is one and no run that was cut off."""
     from wrsim.results import Result
 
     if (directory / PART).exists() or not (directory / RESULT).exists():
-        return False
+        return None
     result = Result.load(directory / RESULT)
-    return not can_go_on(result) and result.dataset.attrs["scenario_text"] == scenario.text
+    return None if can_go_on(result) or result.dataset.attrs["scenario_text"] != scenario.text else result
+
+
+def has_all_files(directory: Path, scenario: Scenario, pictures: bool) -> bool:
+    """True when everything that the last analysis in the folder had to write stands there."""
+    from wrsim.results.ledger import Ledger
+
+    return Ledger(directory).is_done(scenario.text, pictures)
 
 
 def patch_pictures(dataset: Dataset, at: list[str], directory: Path) -> list[Path]:

@@ -8,8 +8,9 @@ from typing import Annotated
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Json, Models, check_ending
+from wrsim.cli.options import Force, Json, Models, check_ending
 from wrsim.cli.showing import print_files
+from wrsim.cli.storing import writing
 
 
 def track(
@@ -18,10 +19,11 @@ def track(
         Path | None, typer.Option("--output", "-o", metavar="PNG", help="Default: <name of FILE>_track.png here.")
     ] = None,
     models: Models = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Draw the track of a scenario: plan, curvature, cant, gauge, height, irregularities."""
-    with reporting_errors(as_json):
+    with reporting_errors(as_json), writing(force, file):
         picture = output or Path(f"{file.stem}_track.png")
         check_ending("-o", picture, ".png")
         from wrsim.plots.style import save

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Json, Models, check_ending
+from wrsim.cli.options import Force, Json, Models, check_ending
 from wrsim.cli.showing import print_json, print_table, print_title
+from wrsim.cli.storing import writing
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,10 +24,11 @@ def vehicle(
         Path | None, typer.Option("--picture", "-p", metavar="PNG|SVG", help="Draw it there, from three sides.")
     ] = None,
     models: Models = None,
+    force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Print mass, centre, static wheel loads and natural modes of a vehicle; draw it."""
-    with reporting_errors(as_json):
+    with reporting_errors(as_json), writing(force):
         from wrsim.inputs.lookup import Finder, shipped_models, user_folders
         from wrsim.vehicle.vehicle_files import load_vehicle
 

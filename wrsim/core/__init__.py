@@ -8,17 +8,17 @@ Contract of every function below this package:
 - nothing is raised; a status says what went wrong, and the shell above raises;
 - lengths in metres, forces in newtons, angles in radians.
 
-The compiled code is cached on disk. Numba's cache does not notice an edit in a *called* function of another file,
-so the cache lives in a directory named after a hash of this whole package.
+The compiled code is cached on disk (``wrsim.core.cache``), in a folder named after a hash of this whole package.
 """
 
 import hashlib
 import os
 import sys
-import tempfile
 from pathlib import Path
 
 import numba
+
+from wrsim.core.cache import cache_folder
 
 
 def sources_digest() -> str:
@@ -30,20 +30,7 @@ def sources_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def _cache_directory() -> str:
-    """Directory for compiled kernels, named after the sources of this package and the numba version."""
-    name = "kernels-" + sources_digest()
-    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    for root in (home, tempfile.gettempdir()):
-        path = os.path.join(root, "wrsim", name)
-        try:
-            os.makedirs(path, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(path, os.W_OK):
-            return path
-    return tempfile.mkdtemp(prefix="wrsim-")
-
-
-if not os.environ.get("NUMBA_CACHE_DIR"):
-    numba.config.CACHE_DIR = _cache_directory()
+CACHE = os.environ.get("NUMBA_CACHE_DIR") or cache_folder("kernels-" + sources_digest())
+"""Folder of compiled kernels; None where they are not kept."""
+if CACHE:
+    numba.config.CACHE_DIR = CACHE

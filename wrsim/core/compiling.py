@@ -11,5 +11,9 @@ infinity, as in C, instead of a test at every division.
 
 from numba import njit
 
-kernel = njit(cache=True, error_model="numpy")
-inlined = njit(cache=True, error_model="numpy", forceinline=True)
+from wrsim.core import CACHE
+
+KEPT = CACHE is not None
+
+kernel = njit(cache=KEPT, error_model="numpy")
+inlined = njit(cache=KEPT, error_model="numpy", forceinline=True)

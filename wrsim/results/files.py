@@ -10,10 +10,24 @@ import os
 import secrets
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, Protocol
 
-from wrsim.errors import WrsimError
+from wrsim.errors import InputError, WrsimError
+
+try:
+    import fcntl
+except ImportError:  # no such locks on this system: two runs into one folder go unnoticed
+    fcntl = None  # type: ignore[assignment]
+
+
+class _Keeper(Protocol):
+    def admit(self, path: Path, content: bytes) -> None: ...
+
+
+KEEPER: ContextVar[_Keeper | None] = ContextVar("KEEPER", default=None)
+"""Whom every file goes past before it is written (``wrsim.results.ledger``); commands set one."""
 
 _REASONS = {
     errno.EACCES: "this place may not be written to",
@@ -46,9 +60,12 @@ def write_atomically(path: str | Path, content: bytes) -> Path:
     """Write ``content`` to a neighbour of ``path``, bring it to the disk, then give it its name.
 
     An older file of that name stays whole until the new one is. Directories are made. Raises ``WrsimError``
-    with one sentence when the disk is full or the place cannot be written; nothing half-written remains.
+    with one sentence when the disk is full or the place cannot be written; nothing half-written remains. In a command,
+    ``InputError`` when a file of the user's stands there (``wrsim.results.ledger``).
     """
     path = Path(path)
+    if (keeper := KEEPER.get()) is not None:
+        keeper.admit(path, content)
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     with plain_disk_errors(path, len(content)):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -62,6 +79,28 @@ def write_atomically(path: str | Path, content: bytes) -> Path:
             temporary.unlink(missing_ok=True)
             raise
     return path
+
+
+def open_no_link(path: Path, flags: int) -> IO[bytes]:
+    """Open a file of wrsim's own, unbuffered; a symbolic link in its place is refused (``InputError``)."""
+    try:
+        handle = os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), 0o666)
+    except OSError as problem:
+        if problem.errno == errno.ELOOP:
+            raise InputError(f"{path}: is a symbolic link; wrsim does not write through it: move it away") from None
+        raise
+    return open(handle, "rb" if flags == os.O_RDONLY else "r+b", buffering=0)
+
+
+def lock(stream: IO[bytes]) -> bool:
+    """Lock an open file against other processes until it is closed; False if one of them holds it."""
+    if fcntl is None:
+        return True
+    try:
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as problem:
+        return problem.errno not in (errno.EACCES, errno.EAGAIN)  # others: a file system without locks
+    return True
 
 
 def as_csv(rows: Iterable[Sequence[str]]) -> bytes:

@@ -14,7 +14,6 @@ when the system sees fit: after a power failure the file ends earlier, at a whol
 from __future__ import annotations
 
 import contextlib
-import errno
 import json
 import os
 import struct
@@ -24,15 +23,16 @@ from pathlib import Path
 from typing import IO, Any
 
 from wrsim.errors import InputError
-from wrsim.results.files import plain_disk_errors
-
-try:
-    import fcntl
-except ImportError:  # no such locks on this system: two runs into one folder go unnoticed
-    fcntl = None  # type: ignore[assignment]
+from wrsim.results.files import fcntl, lock, open_no_link, plain_disk_errors
 
 SIGNATURE = b"wrsim run\r\n\x1a\x01\x00\x00\x00"
 """Last four bytes: version of the layout."""
+
+_NAMED = 12
+"""Bytes of the signature before the version."""
+
+_CHUNK = 1 << 30
+"""Bytes read at once; systems give at most 2 GiB."""
 
 HEADER = b"HEAD"
 _FRAME = struct.Struct("<4sQI")
@@ -101,6 +101,13 @@ class RunFile:
         self._stream.truncate(end)
         self._stream.seek(end)
 
+    def read(self) -> tuple[dict[str, Any], list[Record]]:
+        """Header and records written so far, also when the file has lost its name (a folder that was deleted)."""
+        parts: list[bytes] = []
+        while part := os.pread(self._stream.fileno(), _CHUNK, sum(map(len, parts))):
+            parts.append(part)
+        return _header_and_records(self.path, b"".join(parts))
+
     def close(self) -> None:
         """Close the file and let go of its lock."""
         self._stream.close()
@@ -113,16 +120,15 @@ class RunFile:
 
 
 def _locked(path: Path) -> IO[bytes]:
-    """The file, unbuffered and locked; it is made where it does not exist."""
-    stream = open(os.open(path, os.O_RDWR | os.O_CREAT, 0o666), "r+b", buffering=0)  # noqa: SIM115
-    if fcntl is not None:
-        try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as problem:
-            stream.close()
-            if problem.errno not in (errno.EACCES, errno.EAGAIN):  # a file system without locks
-                return open(path, "r+b", buffering=0)
-            raise InputError(f"{path}: another run is writing to it; choose another directory with -o") from None
+    """The file, unbuffered and locked; it is made where it does not exist. Raises ``InputError`` for any other file."""
+    stream = open_no_link(path, os.O_RDWR | os.O_CREAT)
+    if not lock(stream):
+        stream.close()
+        raise InputError(f"{path}: another run is writing to it; choose another directory with -o")
+    begin = stream.read(len(SIGNATURE))
+    if begin[:_NAMED] != SIGNATURE[: min(len(begin), _NAMED)]:
+        stream.close()
+        raise InputError(f"{path}: not the file of a run of wrsim; move it away, or choose another directory with -o")
     return stream
 
 
@@ -150,11 +156,16 @@ def read_run_file(path: str | Path) -> tuple[dict[str, Any], list[Record]]:
         raise InputError(f"{path}: there is no such file of a run") from None
     except OSError as problem:
         raise InputError(f"{path}: cannot be read: {(problem.strerror or str(problem)).lower()}") from problem
-    if data[:12] != SIGNATURE[:12]:
+    return _header_and_records(path, data)
+
+
+def _header_and_records(path: Path, data: bytes) -> tuple[dict[str, Any], list[Record]]:
+    """See `read_run_file`; data: all bytes of the file."""
+    if data[:_NAMED] != SIGNATURE[:_NAMED]:
         if SIGNATURE.startswith(data):
             raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
         raise InputError(f"{path}: not the file of a run of wrsim")
-    if data[12:16] != SIGNATURE[12:]:
+    if data[_NAMED : len(SIGNATURE)] != SIGNATURE[_NAMED:]:
         raise InputError(f"{path}: written by another version of wrsim, in a layout that this one does not read")
     records = _whole_records(data)
     if not records or records[0].kind != HEADER:

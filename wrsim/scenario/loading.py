@@ -58,6 +58,11 @@ class Scenario:
         """Folders in which model files are looked up, in that order."""
         return self.finder.folders
 
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The file itself, those that it starts from, and its track file."""
+        return self._merged.files
+
     def locate(self, path: KeyPath) -> str:
         """Return file and line of a key, for messages."""
         return self._merged.locate(path)

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError
-from wrsim.results.run_file import RunFile, read_run_file
+from wrsim.results.run_file import Record, RunFile, read_run_file
 
 Array = NDArray[np.float64]
 Cause = Literal["", "monitor", "interrupt", "not-finite", "forces", "cut-off"]
@@ -183,7 +183,7 @@ class FileRecorder(Recorder):
     def rows(self) -> Array:
         """See ``Recorder``."""
         self.flush(None)
-        return Recording.read(self._file.path).rows
+        return Recording.of(self._file.path, *self._file.read()).rows
 
     def close(self) -> None:
         """Close the file; it stays."""
@@ -209,7 +209,11 @@ class Recording:
     @classmethod
     def read(cls, path: str | Path) -> Recording:
         """Read a file as far as it is whole. Raises ``InputError`` when there is no such file, or none of a run."""
-        header, records = read_run_file(path)
+        return cls.of(path, *read_run_file(path))
+
+    @classmethod
+    def of(cls, path: str | Path, header: dict[str, Any], records: Sequence[Record]) -> Recording:
+        """From the header and the records of a file."""
         size = int(header["size"])
         width = 1 + 2 * size
         blocks = [np.zeros((0, width))]

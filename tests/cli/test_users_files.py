@@ -1,0 +1,275 @@
+"""Nothing of the user's is written over, no command gets in another one's way, a run is whole when its files are."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.scenario_texts import CURVE, STATIC, edited
+from support.synthetic_result import curve_run
+from typer.testing import CliRunner
+
+import wrsim.analysis
+import wrsim.plots
+from wrsim.cli import app
+from wrsim.cli.storing import OUTPUTS
+from wrsim.errors import InputError
+from wrsim.inputs.lookup import shipped_models
+from wrsim.results import Result, write_atomically, write_run
+from wrsim.results.ledger import LEDGER, Keeper, Ledger, keeping
+from wrsim.results.run_file import RunFile
+
+runner = CliRunner()
+
+
+def call(*arguments: str | Path) -> Any:
+    return runner.invoke(app, [str(a) for a in arguments])
+
+
+@pytest.fixture
+def scenario(tmp_path: Path) -> Path:
+    file = tmp_path / "curve.toml"
+    file.write_text(CURVE)
+    return file
+
+
+@pytest.fixture(autouse=True)
+def analysed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """A synthetic run and two cheap pictures in the place of the real ones; the list gains a title for every run."""
+    runs: list[str] = []
+
+    def run(scenario: Any, progress: Any = None, record: Any = None, resume: bool = False) -> Result:
+        runs.append(scenario.title)
+        dataset = curve_run(samples=40)
+        dataset.attrs["scenario_text"] = scenario.text
+        return Result(dataset)
+
+    def draw(dataset: Any, directory: Path) -> list[Path]:
+        return [write_atomically(directory / f"{name}.png", name.encode()) for name in ("overview", "forces")]
+
+    monkeypatch.setattr(wrsim.analysis, "run", run, raising=False)
+    monkeypatch.setattr(wrsim.plots, "standard_pictures", draw)
+    return runs
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {p.name: p.read_bytes() for p in folder.iterdir() if p.name != LEDGER}
+
+
+# --- the user's files ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["scenario.toml", "history.csv", "summary.json", "result.nc", "patches_mine.csv"])
+def test_a_run_does_not_write_over_a_file_of_the_users(
+    scenario: Path, tmp_path: Path, name: str, analysed: list[str]
+) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / name).write_text("mine")
+    refused = call("run", scenario, "-o", out)
+    assert refused.exit_code == 2
+    assert f"{out / name}: would be written over, but wrsim did not write it" in refused.stderr
+    assert "--force" in refused.stderr
+    assert contents(out) == {name: b"mine"}
+    assert not analysed, "refused before anything is computed"
+    assert call("run", scenario, "-o", out, "--no-pictures", "--force").exit_code == 0
+    assert (out / "scenario.toml").read_text() == CURVE
+
+
+def test_files_of_the_user_that_are_in_nobodys_way_stay(scenario: Path, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out/notes.txt").write_text("mine")
+    assert call("run", scenario, "-o", tmp_path / "out", "--no-pictures").exit_code == 0
+    assert (tmp_path / "out/notes.txt").read_text() == "mine"
+
+
+def test_what_wrsim_wrote_it_may_write_again_but_not_what_was_changed_since(scenario: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    for _ in range(2):
+        assert call("run", scenario, "-o", out, "--no-pictures").exit_code == 0
+    with open(out / "history.csv", "a") as table:
+        table.write("a note of mine\n")
+    refused = call("run", scenario, "-o", out, "--no-pictures")
+    assert refused.exit_code == 2
+    assert f"{out / 'history.csv'}: would be written over" in refused.stderr
+    assert "or it has changed since" in refused.stderr
+
+
+def test_the_base_of_a_scenario_is_not_replaced_by_the_record_of_its_run(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert call("run", _written(tmp_path / "first.toml", CURVE), "-o", out, "--no-pictures").exit_code == 0
+    child = _written(tmp_path / "child.toml", 'base = "out/scenario.toml"\ntitle = "child"\n')
+    refused = call("run", child, "-o", out, "--no-pictures")
+    assert refused.exit_code == 2
+    assert f"{out / 'scenario.toml'}: would be written over, but the input is read from it" in refused.stderr
+    assert (out / "scenario.toml").read_text() == CURVE
+
+
+def test_a_table_that_a_scenario_reads_is_not_replaced_by_one_of_its_results(tmp_path: Path) -> None:
+    table = "id,lateral_mm,load_kN\na,0,60\nb,1,60\n"
+    (tmp_path / "patches.csv").write_text(table)
+    text = edited(edited(STATIC, "lateral_mm = 0\n", ""), "load_kN = 60", 'cases = "patches.csv"')
+    refused = call("run", _written(tmp_path / "poses.toml", text), "-o", tmp_path)
+    assert refused.exit_code == 2
+    assert f"{tmp_path / 'patches.csv'}: would be written over, but the input is read from it" in refused.stderr
+    assert (tmp_path / "patches.csv").read_text() == table
+
+
+def _written(path: Path, text: str) -> Path:
+    path.write_text(text)
+    return path
+
+
+def test_pictures_of_the_user_stay_too(tmp_path: Path) -> None:
+    picture = tmp_path / "wheel.png"
+    picture.write_bytes(b"mine")
+    wheel = shipped_models() / "wheels/S1002.toml"
+    refused = call("profile", wheel, "-o", picture)
+    assert refused.exit_code == 2
+    assert picture.read_bytes() == b"mine"
+    assert call("profile", wheel, "-o", picture, "--force").exit_code == 0
+    assert call("profile", wheel, "-o", picture).exit_code == 0, "it is ours now"
+
+
+def test_a_late_picture_of_the_users_costs_no_numbers(scenario: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "overview.png").write_bytes(b"mine")
+    refused = call("run", scenario, "-o", out)
+    assert refused.exit_code == 2
+    assert (out / "overview.png").read_bytes() == b"mine"
+    assert Result.load(out).status == "completed"
+    (out / "overview.png").unlink()
+    assert call("run", scenario, "-o", out, "--resume").exit_code == 0
+
+
+def test_every_name_that_write_run_uses_is_looked_at_beforehand(tmp_path: Path) -> None:
+    """The patterns of the early look cover all tables of runs."""
+    from fnmatch import fnmatch
+
+    written = write_run(Result(curve_run(samples=40)), tmp_path)
+    assert all(any(fnmatch(f.name, pattern) for pattern in OUTPUTS) for f in written)
+
+
+# --- links ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("content", [b"a letter of mine" * 10, b""])
+def test_the_target_of_a_link_in_the_place_of_a_run_file_is_left_alone(tmp_path: Path, content: bytes) -> None:
+    target, link = tmp_path / "letter.txt", tmp_path / "result.nc.part"
+    target.write_bytes(content)
+    link.symlink_to(target)
+    with pytest.raises(InputError, match="is a symbolic link"):
+        RunFile.create(link, {})
+    with pytest.raises(InputError, match="is a symbolic link"):
+        RunFile.continued(link, 0)
+    assert target.read_bytes() == content
+
+
+def test_only_what_carries_our_signature_is_cut(tmp_path: Path) -> None:
+    path = tmp_path / "result.nc.part"
+    path.write_bytes(b"a letter of mine")
+    with pytest.raises(InputError, match="not the file of a run of wrsim"):
+        RunFile.create(path, {})
+    assert path.read_bytes() == b"a letter of mine"
+    path.write_bytes(b"wrsim r")  # a run that was killed at its start
+    RunFile.create(path, {}).close()
+
+
+def test_a_ledger_that_is_a_link_is_not_written_through(scenario: Path, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    target = _written(tmp_path / "letter.txt", "mine")
+    (tmp_path / "out" / LEDGER).symlink_to(target)
+    refused = call("run", scenario, "-o", tmp_path / "out")
+    assert refused.exit_code == 2
+    assert "is a symbolic link" in refused.stderr
+    assert target.read_text() == "mine"
+
+
+# --- two at once, and half-way -------------------------------------------------------------------------
+
+
+def test_a_second_run_into_a_folder_in_use_changes_nothing_there(scenario: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert call("run", scenario, "-o", out, "--no-pictures").exit_code == 0
+    before = contents(out)
+    other = _written(tmp_path / "other.toml", CURVE.replace("a curve", "another"))
+    with Ledger(out).locked():
+        refused = call("run", other, "-o", out, "--no-pictures")
+    assert refused.exit_code == 2
+    assert "another run is writing into it" in refused.stderr
+    assert contents(out) == before
+    assert call("run", other, "-o", out, "--no-pictures").exit_code == 0, "the lock is gone with its holder"
+
+
+@pytest.mark.parametrize("place", ["wrsim.results.write_run", "wrsim.plots.standard_pictures"])
+def test_tables_and_pictures_belong_to_the_run_until_they_are_there(
+    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, analysed: list[str]
+) -> None:
+    """Killed while they are written, a run that is gone on with makes them."""
+    whole, out = tmp_path / "whole", tmp_path / "out"
+    assert call("run", scenario, "-o", whole).exit_code == 0
+
+    def killed(*arguments: Any) -> Any:
+        raise KeyboardInterrupt  # as good as any end half-way
+
+    with monkeypatch.context() as patch:
+        patch.setattr(place, killed)
+        assert call("run", scenario, "-o", out).exit_code == 130
+    assert set(contents(out)) < set(contents(whole))
+    again = call("run", scenario, "-o", out, "--resume")
+    assert again.exit_code == 0, again.output
+    assert contents(out) == contents(whole)
+    before = len(analysed)
+    told = call("run", scenario, "-o", out, "--resume")
+    assert "holds the whole result of this scenario already" in told.stderr
+    assert len(analysed) == before
+    (out / "overview.png").unlink()
+    assert call("run", scenario, "-o", out, "--resume").exit_code == 0
+    assert (out / "overview.png").exists(), "what was deleted is drawn again from the result"
+    assert len(analysed) == before
+
+
+def test_pictures_that_were_not_wanted_can_be_had_later(scenario: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert call("run", scenario, "-o", out, "--no-pictures").exit_code == 0
+    assert "already" in call("run", scenario, "-o", out, "--no-pictures", "--resume").stderr
+    assert call("run", scenario, "-o", out, "--resume").exit_code == 0
+    assert (out / "overview.png").exists()
+
+
+# --- the ledger itself ---------------------------------------------------------------------------------
+
+
+def test_a_torn_line_of_the_ledger_hides_no_other(tmp_path: Path) -> None:
+    with keeping(Keeper()):
+        write_atomically(tmp_path / "a.csv", b"1")
+    with open(tmp_path / LEDGER, "ab") as stream:
+        stream.write(b'{"file": "b.csv", "sha')
+    with keeping(Keeper()):
+        write_atomically(tmp_path / "c.csv", b"2")
+        write_atomically(tmp_path / "a.csv", b"3")
+        write_atomically(tmp_path / "c.csv", b"4")
+    assert (tmp_path / "a.csv").read_bytes() == b"3"
+
+
+def test_a_file_noted_but_not_written_before_a_kill_is_still_ours(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The line stands before the file does, so both the old and the new file are known."""
+    with keeping(Keeper()):
+        write_atomically(tmp_path / "a.csv", b"old")
+        with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+            patch.setattr(os, "replace", lambda *a: (_ for _ in ()).throw(KeyboardInterrupt))
+            write_atomically(tmp_path / "a.csv", b"new")
+        write_atomically(tmp_path / "a.csv", b"newer")
+    assert (tmp_path / "a.csv").read_bytes() == b"newer"
+
+
+def test_python_writes_where_it_is_told(tmp_path: Path) -> None:
+    """Only commands keep a ledger: who names a file in a program of their own means it."""
+    (tmp_path / "a.csv").write_bytes(b"mine")
+    write_atomically(tmp_path / "a.csv", b"new")
+    assert not (tmp_path / LEDGER).exists()

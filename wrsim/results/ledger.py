@@ -1,0 +1,151 @@
+"""What wrsim may write over: nothing of the user's.
+
+Every folder that a command writes into holds a ledger (``.wrsim``), one JSON object a line: names and digests of the
+files that wrsim wrote there, when an analysis began and when all of its files stood. A file that is not in the ledger,
+or that has changed since, belongs to the user; so does every file that the scenario reads.
+
+Lines are only ever appended, and stand there before their file does: a process that is killed leaves a ledger that
+knows the old and the new file. While an analysis writes into a folder, it holds a lock on the ledger.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import IO, Any
+
+from wrsim.errors import InputError
+from wrsim.results import files
+from wrsim.results.files import lock, open_no_link, plain_disk_errors
+
+LEDGER = ".wrsim"
+
+
+def digest_of(content: bytes) -> str:
+    """What the ledger keeps of a file, or of a scenario's text."""
+    return hashlib.sha256(content).hexdigest()[:32]
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """The ledger of one folder; see the module."""
+
+    folder: Path
+
+    def entries(self) -> list[dict[str, Any]]:
+        """All lines that are whole, oldest first; none where there is no ledger."""
+        try:
+            with open_no_link(self.folder / LEDGER, os.O_RDONLY) as stream:
+                lines = stream.read().split(b"\n")
+        except OSError:
+            return []
+        found = []
+        for line in lines:
+            with contextlib.suppress(ValueError):  # torn when its process was killed
+                entry = json.loads(line)
+                if isinstance(entry, dict):
+                    found.append(entry)
+        return found
+
+    def note(self, **entry: Any) -> None:
+        """Append a line. Raises ``WrsimError`` when the folder cannot be written."""
+        path = self.folder / LEDGER
+        with plain_disk_errors(path):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with open_no_link(path, os.O_RDWR | os.O_APPEND | os.O_CREAT) as stream:
+                end = stream.seek(0, os.SEEK_END)
+                torn = end > 0 and os.pread(stream.fileno(), 1, end - 1) != b"\n"
+                stream.write(b"\n" * torn + json.dumps(entry, ensure_ascii=False).encode() + b"\n")
+
+    def wrote(self, path: Path) -> bool:
+        """True if the file is as wrsim wrote it."""
+        known = {entry.get("sha256") for entry in self.entries() if entry.get("file") == path.name}
+        if not known or path.is_symlink() or not path.is_file():
+            return False
+        return digest_of(path.read_bytes()) in known
+
+    def is_done(self, scenario_text: str, pictures: bool) -> bool:
+        """True if the last analysis that began here is that of this scenario, and all of its files stand.
+
+        pictures: whether they have to be among them.
+        """
+        entries = self.entries()
+        begins = [i for i, entry in enumerate(entries) if "begin" in entry]
+        if not begins:
+            return False
+        own = entries[begins[-1] :]
+        if own[0]["begin"] != digest_of(scenario_text.encode()):
+            return False
+        done = [entry for entry in own if "done" in entry]
+        names = [entry["file"] for entry in own if "file" in entry]
+        drawn = not pictures or any(entry.get("pictures") for entry in done)
+        return bool(done) and drawn and all((self.folder / name).exists() for name in names)
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep a second analysis out of the folder; raises ``InputError`` when there is one at work."""
+        path = self.folder / LEDGER
+        with plain_disk_errors(path):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            stream: IO[bytes] = open_no_link(path, os.O_RDWR | os.O_APPEND | os.O_CREAT)
+        with stream:
+            if not lock(stream):
+                raise InputError(f"{self.folder}: another run is writing into it; choose another directory with -o")
+            yield
+
+
+@dataclass(frozen=True)
+class Keeper:
+    """Decides on every file that a command writes.
+
+    reads: files that it has read its input from; force: write over whatever stands there.
+    """
+
+    reads: tuple[Path, ...] = ()
+    force: bool = False
+
+    def admit(self, path: Path, content: bytes) -> None:
+        """Note a file before it is written. Raises ``InputError`` when it would replace one of the user's."""
+        self.check(path)
+        Ledger(path.parent).note(file=path.name, sha256=digest_of(content))
+
+    def check(self, path: Path) -> None:
+        """Raises ``InputError`` when a file of the user's stands there."""
+        if self.force or not os.path.lexists(path):
+            return
+        if path.is_dir():
+            return  # the system says what is wrong
+        if path.exists() and any(read.exists() and path.samefile(read) for read in self.reads):
+            raise InputError(
+                f"{path}: would be written over, but the input is read from it; "
+                "choose another directory with -o, or write over it with --force"
+            )
+        if not Ledger(path.parent).wrote(path):
+            raise InputError(
+                f"{path}: would be written over, but wrsim did not write it, or it has changed since; "
+                "move it away, choose another directory with -o, or write over it with --force"
+            )
+
+    def check_folder(self, folder: Path, patterns: Iterable[str]) -> None:
+        """The same for all files of a folder whose names match one of the patterns: before long work begins."""
+        if folder.is_dir():
+            for path in sorted(folder.iterdir()):
+                if any(fnmatch(path.name, pattern) for pattern in patterns):
+                    self.check(path)
+
+
+@contextmanager
+def keeping(keeper: Keeper) -> Iterator[None]:
+    """While this lasts, every file that is written goes past the keeper."""
+    before = files.KEEPER.set(keeper)
+    try:
+        yield
+    finally:
+        files.KEEPER.reset(before)
