@@ -354,6 +354,11 @@ def test_what_cannot_be_assessed_says_why():
         assess(Result(whole.isel(wheel=[0])))
     with pytest.raises(InputError, match="20 samples; filters need at least 30"):
         assess(Result(whole.isel(time=slice(0, 20))))
+    for few in (0, 1, 2, 29):
+        with pytest.raises(InputError, match=f"{few} samples; filters need at least 30"):
+            assess(Result(whole.isel(time=slice(0, few))))
+    with pytest.raises(InputError, match="m long; sliding means are taken over 2 m"):
+        assess(Result(whole.isel(time=slice(0, 30))))
     with pytest.raises(InputError, match="does not move forward"):
         assess(Result(whole.assign_coords(distance=("time", 0.0 * whole["distance"].values))))
     broken = whole.copy(deep=True)

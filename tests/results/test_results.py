@@ -200,7 +200,7 @@ def test_a_run_that_stopped_before_its_first_sample_is_kept(tmp_path):
 
 def test_a_long_scenario_text_survives(tmp_path):
     text = "# über 64 kB\n" * 10000
-    dataset = assemble({"time": [0.0]}, {}, ATTRIBUTES | {"scenario_text": text})
+    dataset = assemble({"time": [0.0]}, {"distance": [0.0]}, ATTRIBUTES | {"scenario_text": text})
     assert Result.load(Result(dataset).save(tmp_path / "r.nc")).dataset.attrs["scenario_text"] == text
 
 
@@ -239,6 +239,47 @@ def test_a_single_wrong_bit_is_found(share, written, tmp_path):
     (tmp_path / "result.nc").write_bytes(bytes(content))
     with pytest.raises(InputError, match="damaged"):
         Result.load(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda d: d.drop_vars("wheelset"), "has no wheelset"),
+        (lambda d: d.drop_vars("distance"), "has no distance"),
+        (lambda d: d.drop_vars("wheel"), "has no wheel"),
+        (lambda d: d.drop_vars("Q").assign(Q=("time", d["time"].values)), "its Q is laid out along (time)"),
+        (lambda d: d.assign_attrs(status="fine"), "its status is 'fine', none of completed, stopped"),
+        (lambda d: d.assign_attrs(analysis="magic"), "its analysis is 'magic', none of static"),
+        (lambda d: d.assign_attrs(title=3), "has no title"),
+        (lambda d: d.assign_attrs(format_version="two"), "not in which format"),
+    ],
+)
+def test_a_file_that_says_it_is_ours_and_lacks_what_readers_need_is_refused(spoil, words, tmp_path):
+    path = Result(spoil(dataset_of("curve"))).save(tmp_path / "result.nc")
+    with pytest.raises(InputError, match=re.escape(words)):
+        Result.load(path)
+
+
+def test_a_file_whose_checksum_was_lost_is_refused(written, tmp_path):
+    """The seal covers every byte, small variables and attributes too: without it nothing is known of them."""
+    sealed = (written["static"] / "result.nc").read_bytes()
+    (tmp_path / "result.nc").write_bytes(sealed[:-16])
+    with pytest.raises(InputError, match="its checksum is missing"):
+        Result.load(tmp_path)
+
+
+def test_a_damaged_head_is_one_sentence_without_complaints_of_libraries(written, tmp_path):
+    """In format 1 there was no checksum: the library meets the damage."""
+    code = "import sys; from wrsim.cli import main; sys.argv = ['wrsim', 'show', sys.argv[1]]; main()"
+    old = dataset_of("static").isel(wheelset=0, drop=True).assign_attrs(format_version=1)
+    old.to_netcdf(tmp_path / "result.nc", engine="h5netcdf")
+    content = bytearray((tmp_path / "result.nc").read_bytes())
+    content[60:400] = bytes(340)
+    (tmp_path / "result.nc").write_bytes(bytes(content))
+    command = [sys.executable, "-c", code, str(tmp_path / "result.nc")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1, done.stderr
 
 
 def test_files_that_are_not_ours_are_refused(tmp_path):

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from support.scenario_texts import CURVE, STATIC, edited, faults
 
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import VARIABLE, shipped_models
 from wrsim.scenario.loading import load, load_text
+
+SCENARIOS = shipped_models().parent / "scenarios"
 
 # --- one fault, one sentence ---------------------------------------------------------------------------
 
@@ -340,3 +344,56 @@ def test_a_folder_of_models_that_is_missing_is_told(tmp_path: Path, monkeypatch:
     monkeypatch.setenv(VARIABLE, str(tmp_path / "elsewhere"))
     with pytest.raises(InputError, match=r'WRSIM_MODELS = ".*elsewhere": must be a folder'):
         load(tmp_path / "case.toml")
+
+
+@pytest.mark.parametrize(
+    ("value", "converted"),
+    [(np.float64(60.0), 60.0), (np.int64(60), 60), (np.array(60.0), 60.0), (np.float32(60.0), 60.0)],
+)
+def test_numbers_of_numpy_are_numbers(value, converted):
+    base = load(SCENARIOS / "curve_r300.toml")
+    changed = base.with_values({"vehicle.speed_kmh": value, "output.patches_at_m": np.array([20.0, 50.0])})
+    assert changed.spec.vehicle.speed_kmh == converted
+    assert changed.text == base.with_values({"vehicle.speed_kmh": converted, "output.patches_at_m": [20.0, 50.0]}).text
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("vehicle.speed_kmh", None, "vehicle.speed_kmh = None: must be a number, a text"),
+        ("contact", {"friction": None}, "contact.friction = None: must be"),
+        ("contact.friction", object(), "contact.friction = <object"),
+        (3, 4, "key 3: must be a text like track.segments[2].radius_m"),
+        (("vehicle", "speed_kmh"), 4, "must be a text like"),
+        ("a." * 3000 + "b", 1, "must be a text like"),
+    ],
+)
+def test_values_and_keys_that_no_file_can_hold_are_refused(key, value, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        load(SCENARIOS / "curve_r300.toml").with_values({key: value})
+
+
+@pytest.mark.parametrize(
+    "text", [".".join("a" * 3000) + " = 1", "a = " + "[" * 40 + "]" * 40, "[" + ".".join("a" * 3000) + "]"]
+)
+def test_keys_of_too_many_parts_are_refused(text, tmp_path):
+    (tmp_path / "deep.toml").write_text(text)
+    with pytest.raises(InputError, match="nested too deeply"):
+        load(tmp_path / "deep.toml")
+
+
+@pytest.mark.parametrize(
+    ("key", "name", "words"),
+    [
+        ("vehicle.model", "wheels/S1002.toml", "is a profile file; a vehicle file"),
+        ("track.rail", "wheels/S1002.toml", "a rail profile is needed here"),
+        ("vehicle.wheel", "vehicles/manchester_1.toml", "kind is missing"),
+    ],
+)
+def test_a_model_file_of_the_wrong_kind_is_named_with_the_key_that_names_it(key, name, words):
+    from wrsim.scenario.build import build
+
+    changed = load(SCENARIOS / "curve_r300.toml").with_values({key: name})
+    with pytest.raises(InputError, match=re.escape(words)) as problem:
+        build(changed)
+    assert f"{key} in new value" in str(problem.value)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Pictures, SectionsOf, beside
-from wrsim.cli.showing import print_json, print_table
+from wrsim.cli.showing import print_json, print_table, say
 from wrsim.cli.storing import read, writing
 
 WIDTH = 112
@@ -47,7 +47,7 @@ def assess(
             print_json(found.as_dict() | {"files": [str(f) for f in files]})
             return
         print_assessment(found)
-        print(f"{len(files)} files in {directory}")
+        say(f"{len(files)} files in {directory}")
 
 
 def print_assessment(found: Assessment) -> None:
@@ -58,7 +58,7 @@ def print_assessment(found: Assessment) -> None:
         rows.append([str(s.number), s.label + (" (short)" if s.short else ""), *numbers])
     heads = ["section", "class", "from m", "to m", "km/h", "cant deficiency mm"]
     print_table(heads, rows, title=found.title, left=("class",), width=WIDTH)
-    print()
+    say()
     sources: dict[str, str] = {}
     rows, last = [], ""
     for row in found.zones():
@@ -70,13 +70,13 @@ def print_assessment(found: Assessment) -> None:
         last = quantity.key
     heads = ["", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "worst in"]
     print_table(heads, rows, left=("", "unit", "class (sections)", "by", "worst in"), width=WIDTH)
-    print()
+    say()
     for source, letter in sources.items():
-        print(f"{letter}  {source}")
+        say(f"{letter}  {source}")
     for note in found.notes:
-        print(f"note: {note}")
+        say(f"note: {note}")
     verdict = "every quantity is within its limit" if found.passed else "A LIMIT IS EXCEEDED"
-    print(f"{verdict}; [mem]: from memory of the standard, [pub]: from a published source")
+    say(f"{verdict}; [mem]: from memory of the standard, [pub]: from a published source")
 
 
 def _cells(row: ZoneValue, first: bool, letter: str) -> list[str]:

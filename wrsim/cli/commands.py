@@ -16,7 +16,7 @@ from wrsim import __version__
 from wrsim.cli.assessing import assess
 from wrsim.cli.compare import compare
 from wrsim.cli.conicity import conicity
-from wrsim.cli.ending import INTERRUPTED, exit_code, reporting_errors
+from wrsim.cli.ending import INTERRUPTED, any_output, exit_code, reporting_errors, usage_as_json
 from wrsim.cli.options import BesideResult, Force, Json, Models, beside, check_ending
 from wrsim.cli.resolve import resolve
 from wrsim.cli.riding import ride
@@ -29,6 +29,7 @@ from wrsim.cli.showing import (
     print_result,
     print_smoothing,
     progress_bar,
+    say,
     tell_slow,
 )
 from wrsim.cli.storing import (
@@ -60,15 +61,17 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no 
 
 def main() -> None:
     """Entry point of the ``wrsim`` command."""
+    any_output()
     try:
-        app(prog_name="wrsim")
+        with usage_as_json("--json" in sys.argv[1:]) as standalone:
+            sys.exit(app(prog_name="wrsim", standalone_mode=standalone))
     except KeyboardInterrupt:  # outside of a command
         sys.exit(INTERRUPTED)
 
 
 def _version(asked: bool) -> None:
     if asked:
-        print(f"wrsim {__version__}")
+        say(f"wrsim {__version__}")
         raise typer.Exit
 
 
@@ -93,7 +96,7 @@ def check(file: ScenarioFile, models: Models = None, as_json: Json = False) -> N
         if as_json:
             print_json({"status": "valid", "scenario": str(file), **found})
         else:
-            print(f"{file}: valid")
+            say(f"{file}: valid")
             print_facts(found)
 
 
@@ -163,7 +166,7 @@ def run(
         else:
             if not quiet:
                 print_result(result)
-                print(f"{len(files)} files in {directory}")
+                say(f"{len(files)} files in {directory}")
             if code:
                 complain(f"{file}: stopped: {result.stop_reason}")
                 if not quiet:
@@ -190,7 +193,7 @@ def show(result: ResultFile, as_json: Json = False) -> None:
             return
         print_result(loaded)
         if loaded.stop_reason:
-            print(f"stopped: {loaded.stop_reason}")
+            say(f"stopped: {loaded.stop_reason}")
 
 
 @app.command()

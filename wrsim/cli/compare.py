@@ -10,7 +10,7 @@ import typer
 
 from wrsim.cli.ending import exit_code, reporting_errors
 from wrsim.cli.options import Force, Json, ModelFiles, Pictures, Quiet
-from wrsim.cli.showing import print_json, print_table, progress_bar, tell_slow
+from wrsim.cli.showing import print_json, print_table, progress_bar, say, tell_slow
 from wrsim.cli.storing import writing
 
 if TYPE_CHECKING:
@@ -175,5 +175,5 @@ def _print(found: Comparison, report: dict[str, Any], directory: Path, files: in
     print_table(["", *models], rows, left=("",))
     for name, model in models.items():
         if model["unsolved_poses"]:
-            print(f"{name}: {model['unsolved_poses']} poses without a solution")
-    print(f"{files} files in {directory}")
+            say(f"{name}: {model['unsolved_poses']} poses without a solution")
+    say(f"{files} files in {directory}")

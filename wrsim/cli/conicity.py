@@ -9,7 +9,7 @@ import typer
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, Models, check_ending
-from wrsim.cli.showing import print_json, print_table
+from wrsim.cli.showing import print_json, print_table, say
 from wrsim.cli.storing import writing
 from wrsim.errors import InputError
 
@@ -85,7 +85,7 @@ def conicity(
         else:
             _print(result)
             for file in files:
-                print(file)
+                say(str(file))
 
 
 def _slope(text: str) -> float:
@@ -161,6 +161,6 @@ def _print(result: Result) -> None:
     heads = ("y mm", "tan gamma_e", "wavelength m", "delta r mm", "angle left deg", "angle right deg")
     print_table(heads, rows, title=result.title)
     place = summary["equilibrium_shift_mm"]
-    print(f"amplitudes are counted from the equilibrium at y = {place:z.3f} mm; delta r and angles at y itself")
+    say(f"amplitudes are counted from the equilibrium at y = {place:z.3f} mm; delta r and angles at y itself")
     if summary["nonlinearity_per_mm"] is not None:
-        print(f"nonlinearity parameter {summary['nonlinearity_per_mm']:z.4f} per mm")
+        say(f"nonlinearity parameter {summary['nonlinearity_per_mm']:z.4f} per mm")

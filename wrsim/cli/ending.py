@@ -42,6 +42,28 @@ def exit_code(result: Result) -> int:
     return INTERRUPTED if interrupted or result.stop_reason.startswith("interrupted") else STOPPED
 
 
+def any_output() -> None:
+    """Let text through to any stdout and stderr: closed ones, and those that cannot take every letter."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 (it lasts as long as the process)
+        elif hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+
+
+@contextmanager
+def usage_as_json(as_json: bool) -> Iterator[bool]:
+    """Tell wrong options and arguments as JSON too. Gives whether the command line may tell them itself."""
+    try:
+        yield not as_json
+    except Exception as error:
+        if not as_json or not hasattr(error, "format_message"):  # typer's own copy of click has no public name for it
+            raise
+        _print_error(error.format_message(), "UsageError", 2)
+        sys.exit(2)
+
+
 @contextmanager
 def reporting_errors(as_json: bool) -> Iterator[None]:
     """Turn every error of a command into a message and an exit code."""
@@ -76,7 +98,11 @@ def reporting_errors(as_json: bool) -> Iterator[None]:
 
 def _fail(message: str, kind: str, code: int, as_json: bool) -> None:
     if as_json:
-        print_json({"error": {"kind": kind, "exit_code": code, "messages": message.split("\n")}})
+        _print_error(message, kind, code)
     else:
         complain(message)
     raise typer.Exit(code) from None
+
+
+def _print_error(message: str, kind: str, code: int) -> None:
+    print_json({"error": {"kind": kind, "exit_code": code, "messages": message.split("\n")}})

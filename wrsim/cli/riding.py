@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Pictures, SectionsOf, beside
-from wrsim.cli.showing import complain, print_json, print_table
+from wrsim.cli.showing import complain, print_json, print_table, say
 from wrsim.cli.storing import read, writing
 from wrsim.errors import InputError
 
@@ -38,7 +38,7 @@ def ride(
             print_json(found.as_dict() | {"files": [str(f) for f in files]})
             return
         print_ride(found)
-        print(f"{len(files)} files in {directory}")
+        say(f"{len(files)} files in {directory}")
 
 
 def write_ride_of(result: Result, directory: Path, pictures: bool) -> list[Path]:
@@ -80,4 +80,4 @@ def print_ride(found: Ride) -> None:
     stretch = f"{found.start:z.0f} to {found.end:.0f} m, {found.duration:.0f} s"
     print_table(heads, rows, title=f"{found.title}: {stretch}", left=("point", "axis"))
     blocks = int(found.data.attrs["blocks"])
-    print(f"weighted: Wd along x and y, Wb along z; {blocks} blocks of 5 s (EN 12299 asks for 60)")
+    say(f"weighted: Wd along x and y, Wb along z; {blocks} blocks of 5 s (EN 12299 asks for 60)")

@@ -64,7 +64,7 @@ def print_facts(facts: dict[str, Any]) -> None:
             value = ", ".join(f"{v:g}" if isinstance(v, float) else str(v) for v in value)
         elif isinstance(value, float):
             value = f"{value:.6g}"
-        print(f"  {name:<14} {value}")
+        say(f"  {name:<14} {value}")
 
 
 def print_table(
@@ -79,12 +79,12 @@ def print_table(
 
     console = Console(highlight=False, markup=False)
     console.width = max(console.width, width)
-    table = Table(title=title or None, title_justify="left", title_style="bold", box=None, pad_edge=False)
+    table = Table(title=plain(title) or None, title_justify="left", title_style="bold", box=None, pad_edge=False)
     for head in heads:
         quiet = "dim" if head == "at" else None
         table.add_column(head, justify="left" if head in left else "right", style=quiet, no_wrap=head in left)
     for row in rows:
-        table.add_row(*row, style="bold" if len(row) == 1 else None)
+        table.add_row(*map(plain, row), style="bold" if len(row) == 1 else None)
     console.print(table)
 
 
@@ -112,7 +112,7 @@ def print_peaks(result: Result) -> None:
         print_table(heads, (r for r in rows if set(r[1::2]) != {"-"}), title=result.title, left=("peak", "at"))
         guide = own.get("guide_force_y_max_kN")
         if guide is not None and guide["value"]:
-            print("largest lateral force of the guide frame on the wheelset: {} kN at {}".format(*_peak(guide)))
+            say("largest lateral force of the guide frame on the wheelset: {} kN at {}".format(*_peak(guide)))
     _print_events(summary.get("events", []))
 
 
@@ -139,9 +139,9 @@ def _print_wheelsets(title: str, summary: dict[str, Any]) -> None:
 
 def _print_events(events: list[dict[str, Any]]) -> None:
     for event in events[:MOST_EVENTS]:
-        print(f"{event['distance_m']:.1f} m: {event['event']}")
+        say(f"{event['distance_m']:.1f} m: {event['event']}")
     if len(events) > MOST_EVENTS:
-        print(f"and {len(events) - MOST_EVENTS} more events: see summary.json")
+        say(f"and {len(events) - MOST_EVENTS} more events: see summary.json")
 
 
 MOST_EVENTS = 10
@@ -152,7 +152,7 @@ def print_title(title: str) -> None:
     """A title in bold."""
     from typer import secho
 
-    secho(title, bold=True)
+    secho(plain(title), bold=True)
 
 
 def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:
@@ -167,7 +167,7 @@ def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:
 def print_smoothing(reports: Sequence[SmoothingReport]) -> None:
     """Curvature before and after, and how far smoothing moved the points, one line a cut-off."""
     first = reports[0]
-    print(f"{len(first.points)} points, which scatter by {1e6 * first.scatter:.3g} um across the curve")
+    say(f"{len(first.points)} points, which scatter by {1e6 * first.scatter:.3g} um across the curve")
     heads = ("cut-off", "largest curvature [1/m]", "at u [mm]", "RMS change [um]", "largest [um]", "at u [mm]", "line")
     rows = [["none", f"{first.curvature_before:.4g}", *[""] * 5]]
     for r in reports:
@@ -181,7 +181,7 @@ def print_files(files: list[Path], as_json: bool) -> None:
     if as_json:
         print_json({"files": [str(f) for f in files]})
     else:
-        print(*files, sep="\n")
+        say("\n".join(map(str, files)))
 
 
 def print_json(content: dict[str, Any]) -> None:
@@ -189,7 +189,20 @@ def print_json(content: dict[str, Any]) -> None:
 
 
 def complain(message: str) -> None:
-    print(message, file=sys.stderr)
+    print(plain(message), file=sys.stderr)
+
+
+def say(text: str = "") -> None:
+    print(plain(text))
+
+
+_CONTROLS = {*range(0x20), *range(0x7F, 0xA0), *range(0x202A, 0x202F), *range(0x2066, 0x206A)} - {0x09, 0x0A}
+_PLAIN = dict.fromkeys(_CONTROLS, "\N{REPLACEMENT CHARACTER}")
+
+
+def plain(text: str) -> str:
+    """A text without characters that command a terminal: titles, names and paths come from anybody."""
+    return text.translate(_PLAIN)
 
 
 @contextmanager

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.cli.showing import print_table, print_title
+from wrsim.cli.showing import print_table, print_title, say
 
 if TYPE_CHECKING:
     from wrsim.results import Result
@@ -19,14 +19,14 @@ def print_stability(result: Result) -> None:
     speed = summary["linear_critical_speed_kmh"]
     if speed is not None:
         mode = f"{summary['critical_frequency_Hz']:.3f} Hz: {summary['critical_mode']}"
-        print(f"linear critical speed {speed:.2f} km/h ({speed / 3.6:.2f} m/s), {mode}")
+        say(f"linear critical speed {speed:.2f} km/h ({speed / 3.6:.2f} m/s), {mode}")
     if "critical_note" in summary:
-        print(summary["critical_note"])
+        say(summary["critical_note"])
     speed = summary["nonlinear_critical_speed_kmh"]
     if speed is not None:
-        print(f"nonlinear critical speed {speed:.2f} km/h ({speed / 3.6:.2f} m/s)")
+        say(f"nonlinear critical speed {speed:.2f} km/h ({speed / 3.6:.2f} m/s)")
     if "nonlinear_note" in summary:
-        print(summary["nonlinear_note"])
+        say(summary["nonlinear_note"])
     rows = []
     for one in np.flatnonzero(np.isfinite(dataset["mode_growth"].values).any(axis=1)):
         at = dataset.isel(pose=int(one), mode=int(np.nanargmax(dataset["mode_growth"].values[one])))
@@ -79,4 +79,4 @@ def print_steady(result: Result) -> None:
     heads = ["largest Y/Q on", *(head for head, _ in STEADY.values())]
     print_table(heads, rows, left=heads[:1])
     for name, message in result.summary()["without_steady_motion"].items():
-        print(f"{name}: {message}")
+        say(f"{name}: {message}")

@@ -9,7 +9,7 @@ import typer
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, Models, check_ending
-from wrsim.cli.showing import print_json, print_table, print_title
+from wrsim.cli.showing import print_json, print_table, print_title, say
 from wrsim.cli.storing import writing
 from wrsim.errors import InputError
 
@@ -77,9 +77,9 @@ def facts_of(vehicle: Vehicle) -> dict[str, Any]:
 
 def _print(found: dict[str, Any]) -> None:
     print_title(found["name"])
-    print(found["source"])
+    say(found["source"])
     x, y, z = (round(c, 3) + 0.0 for c in found["centre_mm"])
-    print(f"mass {found['mass_kg']:.6g} kg, centre at x {x:g}, y {y:g}, z {z:g} mm")
+    say(f"mass {found['mass_kg']:.6g} kg, centre at x {x:g}, y {y:g}, z {z:g} mm")
     loads = [[name, f"{q['left']:.3f}", f"{q['right']:.3f}"] for name, q in found["wheel_loads_kN"].items()]
     loads.append(["together", f"{found['weight_kN']:.3f}", ""])
     print_table(("wheelset", "left kN", "right kN"), loads, title="static wheel loads", left=("wheelset",))
@@ -88,7 +88,7 @@ def _print(found: dict[str, Any]) -> None:
         title = "modes on its springs, wheelsets held"
         print_table(("Hz", "damping", "motion"), modes, title=title, left=("motion",))
     if "picture" in found:
-        print(found["picture"])
+        say(found["picture"])
 
 
 def sketch_of(vehicle: Vehicle) -> VehicleSketch:

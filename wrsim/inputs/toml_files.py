@@ -15,6 +15,9 @@ from wrsim.errors import InputError
 _PLACE = re.compile(r" \(at line (\d+), column (\d+)\)")
 _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
+DEEPEST = 30
+"""Levels of tables and lists in each other; no file of ours has more than six."""
+
 
 def read_text(path: Path, what: str = "file") -> str:
     """Return the text of a UTF-8 file (a byte order mark is allowed).
@@ -50,14 +53,30 @@ def parse_toml(text: str, name: str) -> dict[str, Any]:
 
     Raises InputError with file, line, column, the line itself and, for frequent slips, a hint.
     """
+    too_deep = f"{name}: tables or arrays are nested too deeply; at most {DEEPEST} levels are read"
     try:
-        return tomllib.loads(text)
+        data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(_syntax_message(str(error), text, name)) from None
     except RecursionError:
-        raise InputError(f"{name}: tables or arrays are nested too deeply") from None
+        raise InputError(too_deep) from None
     except ValueError as error:
         raise InputError(f"{name}: not valid TOML: {error}") from None
+    if is_too_deep(data):
+        raise InputError(too_deep)
+    return data
+
+
+def is_too_deep(data: Any) -> bool:
+    """True if tables and lists stand in each other more than `DEEPEST` deep."""
+    level = [data]
+    for _ in range(DEEPEST):
+        level = [
+            inner for v in level if isinstance(v, (dict, list)) for inner in (v.values() if isinstance(v, dict) else v)
+        ]
+        if not level:
+            return False
+    return True
 
 
 def similar_files(path: Path) -> str:

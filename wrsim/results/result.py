@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import io
+import sys
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,11 +14,14 @@ import numpy as np
 import xarray as xr
 
 from wrsim.errors import InputError
+from wrsim.register import ANALYSES
 from wrsim.results.channels import CHANNELS
-from wrsim.results.dataset import FORMAT, FORMAT_VERSION, SINGLE
+from wrsim.results.dataset import FORMAT, FORMAT_VERSION, NAMED, REQUIRED_ATTRIBUTES, SINGLE, STATUSES
 from wrsim.results.files import write_atomically
 
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_SEALED_SINCE = 2
+"""Format from which on every file ends with a checksum."""
 _CHECKED = b"wrsim CRC-32"
 """Stands behind the HDF5 data, before the checksum of all that comes before; other readers do not look there."""
 
@@ -93,25 +98,71 @@ class Result:
         if not content.startswith(_HDF5_SIGNATURE):
             raise InputError(f"{path}: not a wrsim result (not a NetCDF 4 file)")
         damaged = f"{path}: the file is damaged or incomplete; run the scenario again"
-        if content[:-4].endswith(_CHECKED) and content[-4:] != zlib.crc32(content[:-4]).to_bytes(4, "little"):
+        sealed = content[:-4].endswith(_CHECKED)
+        if sealed and content[-4:] != zlib.crc32(content[:-4]).to_bytes(4, "little"):
             raise InputError(damaged)
+        opened = _opened(content)
+        if opened is None:
+            raise InputError(damaged)
+        dataset = _without_encoding(opened)
+        attributes = dataset.attrs
+        if attributes.get("format") != FORMAT:
+            raise InputError(f"{path}: a NetCDF file, but not a wrsim result")
+        version = attributes.get("format_version")
+        if not isinstance(version, int):
+            raise InputError(f"{path}: says that it is a wrsim result, but not in which format; run the scenario again")
+        if version > FORMAT_VERSION:
+            raise InputError(
+                f"{path}: written by a newer wrsim ({attributes.get('wrsim_version', 'unknown version')}) "
+                f"in format {version}; this one reads up to {FORMAT_VERSION}"
+            )
+        if version >= _SEALED_SINCE and not sealed:
+            raise InputError(
+                f"{path}: its checksum is missing: the file is cut off, or another program has written it; "
+                "run the scenario again"
+            )
+        dataset = _with_wheelset(dataset)
+        if lacking := _lacking(dataset):
+            raise InputError(f"{path}: says that it is a wrsim result, but {lacking}; run the scenario again")
+        return cls(dataset)
+
+
+def _opened(content: bytes) -> xr.Dataset | None:
+    """The dataset in the bytes of a NetCDF file; None if they are damaged."""
+    hook = sys.unraisablehook
+    sys.unraisablehook = lambda unraisable: None  # the library complains when it lets go of a damaged file
+    try:
         try:
-            with xr.open_dataset(
-                io.BytesIO(content), engine="h5netcdf", decode_times=False, decode_coords=True
-            ) as opened:
-                dataset = opened.load()
+            with xr.open_dataset(io.BytesIO(content), engine="h5netcdf", decode_times=False) as opened:
+                return opened.load()
         except MemoryError:
             raise
-        except Exception as damage:  # the HDF5 stack answers damage with whatever comes to hand
-            raise InputError(damaged) from damage
-        if dataset.attrs.get("format") != FORMAT:
-            raise InputError(f"{path}: a NetCDF file, but not a wrsim result")
-        if int(dataset.attrs["format_version"]) > FORMAT_VERSION:
-            raise InputError(
-                f"{path}: written by a newer wrsim ({dataset.attrs.get('wrsim_version', 'unknown version')}) "
-                f"in format {dataset.attrs['format_version']}; this one reads up to {FORMAT_VERSION}"
-            )
-        return cls(_with_wheelset(_without_encoding(dataset)))
+        except Exception:  # the HDF5 stack answers damage with whatever comes to hand
+            pass
+        gc.collect()
+        return None
+    finally:
+        sys.unraisablehook = hook
+
+
+def _lacking(dataset: xr.Dataset) -> str:
+    """What a dataset lacks of what every reader relies on, in words; empty if nothing."""
+    for name in REQUIRED_ATTRIBUTES:
+        if not isinstance(dataset.attrs.get(name), str):
+            return f"has no {name}"
+    for name, allowed in (("analysis", tuple(ANALYSES)), ("status", STATUSES)):
+        if dataset.attrs[name] not in allowed:
+            return f"its {name} is {dataset.attrs[name]!r:.40}, none of {', '.join(allowed)}"
+    sample = "time" if "time" in dataset.dims else "pose"
+    labels = [name for name in ("time", "wheel", *NAMED) if name in dataset.dims]
+    needed = [*labels, "wheelset", *(("wheel", "distance") if sample == "time" else ())]
+    for missing in (name for name in needed if name not in dataset.variables):
+        return f"has no {missing}"
+    for known, variable in dataset.variables.items():
+        channel = CHANNELS.get(str(known))
+        if channel is not None and variable.dims != channel.dims_in(sample):
+            return f"its {known} is laid out along ({', '.join(map(str, variable.dims))})"
+    return ""
 
 
 def _without_encoding(dataset: xr.Dataset) -> xr.Dataset:

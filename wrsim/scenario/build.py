@@ -106,7 +106,8 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
     for side in SIDES:
         key, name = section.of_side("rail", side)
         files.append(scenario.find(("track", key), name))
-        rail = load_profile(files[-1], "rail").inclined(section.inclination).gauged(section.gauge_depth_mm / 1e3)
+        with scenario.naming(("track", key)):
+            rail = load_profile(files[-1], "rail").inclined(section.inclination).gauged(section.gauge_depth_mm / 1e3)
         if section.gauge_between == "gauge points":
             try:
                 rail.gauge_point()

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from datetime import date, time
 from pathlib import Path
 from typing import Any, TypeVar
+
+import numpy as np
 
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check, dotted, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import write_toml
+from wrsim.inputs.toml_files import DEEPEST, write_toml
 from wrsim.register import ANALYSES
 from wrsim.scenario.merging import Merged, from_text, read_merged, value_at
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
@@ -78,16 +82,27 @@ class Scenario:
         except InputError as error:
             raise self.fault(path, str(error)) from None
 
+    @contextmanager
+    def naming(self, path: KeyPath) -> Iterator[None]:
+        """Add to the faults of a model file where the scenario names it: the key at ``path``."""
+        try:
+            yield
+        except InputError as error:
+            named = f"{dotted(path)} in {self.locate(path)}"
+            message = str(error)
+            raise InputError(f"{message}\nnamed by {named}" if "\n" in message else f"{message} ({named})") from None
+
     def with_values(self, values: Mapping[str, Any]) -> Scenario:
         """Return the scenario with some keys changed, checked again.
 
         ``values`` maps dotted keys to values in the file's units: ``{"vehicle.speed_kmh": 60}``; places in
-        lists stand in brackets: ``"track.segments[2].radius_m"``. Raises InputError like `load`.
+        lists stand in brackets: ``"track.segments[2].radius_m"``. Numbers and arrays of numpy will do. Raises
+        InputError like `load`.
         """
         data, owners = self._merged.data, dict(self._merged.owners)
         for key, value in values.items():
             path = _keys(key)
-            data = _changed(data, path, value)
+            data = _changed(data, path, _plain(key, value))
             owners[path] = "new value"
         merged = replace(self._merged, data=data, text=write_toml(data), owners=owners)
         return Scenario(check(ScenarioFile, data, merged.locate), merged.text, self.path, self.finder, merged)
@@ -135,8 +150,25 @@ def _scenario(merged: Merged, path: Path | None, models: Sequence[str | Path], f
     return Scenario(check(ScenarioFile, merged.data, merged.locate), merged.text, path, finder, merged)
 
 
+def _plain(key: str, value: Any) -> Any:
+    """A value as it would come out of a TOML file. Raises InputError for one that no file can hold."""
+    if isinstance(value, np.generic | np.ndarray):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {name: _plain(f"{key}.{name}", inner) for name, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(f"{key}[{i}]", inner) for i, inner in enumerate(value)]
+    if isinstance(value, bool | int | float | str | date | time):
+        return value
+    raise InputError(
+        f"{key} = {value!r:.60}: must be a number, a text, true or false, a date, or a list or table of such"
+    )
+
+
 def _keys(dotted_key: str) -> KeyPath:
     """``track.segments[2].radius_m`` -> ("track", "segments", 2, "radius_m")."""
+    if not isinstance(dotted_key, str) or dotted_key.count(".") + dotted_key.count("[") > DEEPEST:
+        raise InputError(f"key {dotted_key!r:.60}: must be a text like track.segments[2].radius_m")
     path: list[str | int] = []
     for part in dotted_key.split("."):
         name, *places = part.replace("]", "").split("[")

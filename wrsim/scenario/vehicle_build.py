@@ -20,13 +20,15 @@ def vehicle_of(scenario: Scenario, files: list[Path]) -> Vehicle:
     section = scenario.spec.vehicle
     file = scenario.find(("vehicle", "model"), section.model)
     files.append(file)
-    vehicle = load_vehicle(file, scenario.finder)
+    with scenario.naming(("vehicle", "model")):
+        vehicle = load_vehicle(file, scenario.finder)
     for side in SIDES:
         (key, name), (_, radius) = section.of_side("wheel", side), section.of_side("radius_mm", side)
         profile = None
         if name is not None:
             files.append(scenario.find(("vehicle", key), name))
-            profile = load_profile(files[-1], "wheel")
+            with scenario.naming(("vehicle", key)):
+                profile = load_profile(files[-1], "wheel")
         radius = radius / 1000.0 if radius else None
         vehicle = vehicle.with_wheelsets(partial(with_wheel, side=side, profile=profile, radius=radius))
     if section.sprung_mass_kg is not None:

@@ -43,8 +43,12 @@ def assess(result: Result, settings: AssessmentSettings | None = None) -> Assess
     if missing or dataset.sizes.get("wheel", 0) < 2:
         raise InputError(f"the result cannot be assessed: it has no {missing[0] if missing else 'second wheel'}")
     dataset = on_raster(dataset)
+    sampling_rate(dataset["time"].values)  # enough of them, evenly spaced
     if np.any(np.diff(dataset["distance"].values) <= 0.0):
         raise InputError("the result cannot be assessed: the vehicle does not move forward all the time")
+    passed = float(np.ptp(dataset["distance"].values))
+    if passed < q.WINDOW:
+        raise InputError(f"the run is {passed:.2f} m long; sliding means are taken over {q.WINDOW:g} m")
     sections = sections_of(dataset, settings.section_length)
     notes: list[str] = []
     names = wheelsets(dataset)

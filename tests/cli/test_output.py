@@ -1,0 +1,83 @@
+"""What reaches the terminal, whatever it is, and whoever wrote the text."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support.scenario_texts import CURVE, edited
+from support.synthetic_result import curve_run
+
+from wrsim.cli.showing import plain
+from wrsim.results import Result
+
+COMMAND = [sys.executable, "-c", "from wrsim.cli import main; main()"]
+
+
+def wrsim(*arguments: str | Path, **options: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*COMMAND, *map(str, arguments)], capture_output=True, text=True, check=False, **options)  # type: ignore[call-overload, no-any-return]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A result whose title would colour the terminal and rename its window."""
+    folder = tmp_path_factory.mktemp("run")
+    dataset = curve_run(samples=40)
+    dataset.attrs["title"] = "Kurve \u00e4 \u03b3 \x1b]0;owned\x07 \x1b[31mred\x9b5m"
+    Result(dataset).save(folder / "result.nc")
+    (folder / "curve.toml").write_text(edited(CURVE, 'title = "a curve"', 'title = "\u00e4 \\u001b[31m"'))
+    return folder
+
+
+def test_control_characters_of_others_do_not_reach_the_terminal(folder: Path) -> None:
+    for command in (("show", folder), ("check", folder / "curve.toml"), ("show", folder / "no\x1b[31m.nc")):
+        done = wrsim(*command)
+        text = done.stdout + done.stderr
+        assert "\N{REPLACEMENT CHARACTER}" in text
+        assert not set(text) & {"\x1b", "\x07", "\x9b"}
+
+
+def test_text_with_lines_and_tabs_stays_as_it_is() -> None:
+    assert plain("a\tb\n\u00e4\u03b3") == "a\tb\n\u00e4\u03b3"
+    assert plain("\u202egnp.exe") == "\N{REPLACEMENT CHARACTER}gnp.exe"
+
+
+@pytest.mark.parametrize("json_too", [(), ("--json",)])
+def test_a_terminal_that_cannot_take_every_letter_gets_what_it_can(folder: Path, json_too: tuple[str, ...]) -> None:
+    ascii_only = os.environ | {"PYTHONIOENCODING": "ascii", "LC_ALL": "C"}
+    done = wrsim("show", folder, *json_too, env=ascii_only)
+    assert done.returncode == 0, done.stderr
+    assert "Kurve \\xe4" in done.stdout
+
+
+@pytest.mark.parametrize("closing", [">&-", "2>&-", ">&- 2>&-"])
+def test_closed_outputs_do_not_spoil_the_work(folder: Path, closing: str) -> None:
+    command = ["sh", "-c", f'"$@" {closing}', "sh", *COMMAND, "show", str(folder)]
+    assert subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("run", "x.toml", "--speed", "3", "--json"), "No such option"),
+        (("show", "--json"), "Missing argument"),
+        (("fly", "--json"), "No such command"),
+    ],
+)
+def test_wrong_usage_is_json_for_machines(arguments: tuple[str, ...], words: str) -> None:
+    done = wrsim(*arguments)
+    error = json.loads(done.stdout)["error"]
+    assert done.returncode == error["exit_code"] == 2
+    assert error["kind"] == "UsageError"
+    assert words in error["messages"][0]
+    assert done.stderr == ""
+
+
+def test_exit_codes_of_commands_are_the_same_for_machines(tmp_path: Path) -> None:
+    for json_too in ((), ("--json",)):
+        assert wrsim("check", tmp_path / "none.toml", *json_too).returncode == 2
+        assert wrsim("--version", *json_too[:0]).returncode == 0
