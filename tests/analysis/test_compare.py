@@ -69,7 +69,9 @@ def test_names_choose_models():
     assert (chosen("half-space").normal, chosen("half-space").tangential) == ("half-space", "half-space")
     assert chosen("half-space+fastsim").tangential == "fastsim"
     assert chosen("half-space", 'tangential = "none"').tangential == "none"
-    assert chosen("kik-piotrowski", 'normal = "half-space"').tangential == "fastsim"
+    assert chosen("kik-piotrowski", 'normal = "half-space"').creep_forces == "fastsim"
+    assert chosen("strips", 'normal = "half-space"\ntangential = "half-space"').creep_forces == "fastrip"
+    assert chosen("strips", 'tangential = "fastsim"').creep_forces == "fastsim"
     assert chosen("polach", 'normal = "kik-piotrowski"\nstrips = 30').strips == 30
     assert chosen("kik-piotrowski+strips=80+approach=constant").approach == "constant"
     assert chosen("half-space+half_space.resolution=20").half_space.resolution == 20

@@ -46,9 +46,9 @@ def test_full_sliding_gives_mu_n_against_the_slip(model, aspect):
         np.testing.assert_allclose(force, -FRICTION * ellipse(aspect)["N"].sum() * np.sign([xi, eta]), rtol=1e-4)
 
 
-@pytest.mark.parametrize(("model", "degrees"), [("fastrip", 0.5), ("polach", 1e-6), ("fastsim, blended", 1e-6)])
+@pytest.mark.parametrize(("model", "degrees"), [("fastrip", 0.5), ("polach", 1e-6), ("fastsim, blended", 1e-3)])
 def test_oblique_sliding_is_opposite_to_the_slip(model, degrees):
-    # FaStrip's first cells still turn
+    # FaStrip's first cells still turn; in FASTSIM's first cell a part that falls with the square of the slip sticks
     for aspect in (0.1, 0.5, 2.0, 10.0):
         for angle in np.linspace(0.0, 0.5 * np.pi, 7):
             force = total(roll(aspect, 0.5 * np.cos(angle), 0.5 * np.sin(angle), model=model))
@@ -107,7 +107,9 @@ def test_scaling_laws(model, aspect, xi, eta, phi, scale, load):
 def test_forces_follow_the_pose_without_jumps(model):
     # at fixed height by 2 um a step through the shifts where tread and flange root share a patch more and more
     name, _, option = model.partition(", ")
-    choices = {"traction_bound": option} if option == "parabolic" else {"flexibility": option} if option else {}
+    choices = {"flexibility": option if option == "blended" else "three"}
+    if option == "parabolic":
+        choices["traction_bound"] = option
     stand = bench(pair_model("S1002/60E1 1:40", tangential=name, **choices))
     settle(stand, 5.0e-3, 2e-3, 60e3)
     pair = stand.wheels[0].model
@@ -131,6 +133,20 @@ def assert_no_jump(forces, at, small):
     steepest = int(steps.argmax())
     within = np.linalg.norm(np.diff(forces(np.linspace(*at[steepest : steepest + 2], 21)), axis=0), axis=1)
     assert within.max() < max(0.3 * steps.max(), small)
+
+
+@pytest.mark.parametrize("model", ["fastsim", "fastsim, blended", "fastrip"])
+@pytest.mark.parametrize("aspect", [0.3, 1.0, 3.0])
+def test_slopes_of_forces_change_little_over_a_millionth_of_creepage(model, aspect):
+    # an implicit integrator differentiates the forces; measured: 3e-5 of mu N between steps, which are 1e-3 at most
+    generator = np.random.default_rng(7)
+    for _ in range(6):
+        start = np.array([*(2e-3 * generator.normal(size=2)), 0.3 * generator.normal()])
+        line = generator.normal(size=3) * [1.0, 1.0, 100.0]
+        line /= np.linalg.norm(line * [1.0, 1.0, 0.01])
+        at = [start + 1e-6 * step * line for step in range(200)]
+        forces = np.array([total(roll(aspect, *a, model=model, strips=24))[:2] for a in at])
+        assert np.abs(np.diff(forces, n=2, axis=0)).max() < 6e-5 * FRICTION * FORCE
 
 
 @pytest.mark.parametrize("model", BOUNDED)
@@ -168,14 +184,14 @@ PURE, SPIN, COMBINED = ("xi", "eta"), ("spin",), ("comb",)
 # Polach and Shen-Hedrick-Elkins know little of spin; the former has no moment of its own.
 ACCURACY = [
     ("fastrip", "contact", PURE, 0.02, 0.005, 0.035),
-    ("fastrip", "contact", SPIN, 0.05, 0.025, 0.035),
-    ("fastrip", "contact", COMBINED, 0.08, 0.025, 0.06),
+    ("fastrip", "contact", SPIN, 0.035, 0.016, 0.03),
+    ("fastrip", "contact", COMBINED, 0.075, 0.02, 0.045),
     ("fastrip", "fastrip", PURE, 0.002, 0.001, 0.001),  # the same formulae
     ("fastrip", "fastrip", SPIN, 0.06, 0.045, 0.045),
     ("fastrip", "fastrip", COMBINED, 0.08, 0.035, 0.06),
     ("fastsim, blended", "contact", PURE, 0.06, 0.025, 0.025),
-    ("fastsim, blended", "contact", SPIN, 0.06, 0.025, 0.035),
-    ("fastsim, blended", "contact", COMBINED, 0.1, 0.04, 0.05),
+    ("fastsim, blended", "contact", SPIN, 0.05, 0.022, 0.07),
+    ("fastsim, blended", "contact", COMBINED, 0.055, 0.025, 0.055),
     ("polach", "contact", PURE, 0.06, 0.025, 0.16),
     ("polach", "contact", SPIN, 0.18, 0.08, 0.62),
     ("polach", "contact", COMBINED, 0.31, 0.13, 0.62),
@@ -201,7 +217,12 @@ def test_forces_beside_contact(model, method, kinds, force, mean, moment):
 # Fy -14940 N, Mz -48.21 N m: relative errors measured, of Fy over itself.
 @pytest.mark.parametrize(
     ("model", "force", "moment"),
-    [("fastsim", 0.016, 0.08), ("fastsim, parabolic", 0.11, 0.17), ("fastrip", 0.11, 0.14)],
+    [
+        ("fastsim", 0.016, 0.08),
+        ("fastsim, parabolic", 0.11, 0.17),
+        ("fastsim, blended", 0.045, 0.17),
+        ("fastrip", 0.055, 0.16),
+    ],
 )
 def test_published_case_of_opposing_spin(model, force, moment):
     radius = np.sqrt(8e-3 * 4e-3)

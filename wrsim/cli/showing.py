@@ -33,7 +33,11 @@ def facts(setup: Setup) -> dict[str, Any]:
         "rails": [rail.name for rail in setup.rails],
         "files": [str(f) for f in setup.files],
     }
-    if setup.conical is not None:
+    if setup.conical is None:
+        chosen = setup.contact
+        facts |= {"normal": chosen.normal, "tangential": chosen.creep_forces}
+        facts |= {"strip_width_mm": 1e3 * chosen.strip_width} if chosen.strip_width else {"strips": chosen.strip_count}
+    else:
         facts["contact"] = f"conical wheels, {setup.conical.conicity:g}, with a prescribed creep law"
     if ANALYSES[setup.analysis].moves:
         facts["segments"] = [f.label if f.label == f.kind else f"{f.kind} {f.label}" for f in setup.track.features()]

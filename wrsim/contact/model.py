@@ -48,7 +48,7 @@ class NormalModel:
     """What sets one normal model apart.
 
     kernel: its number in core.contact.normal.models; recess: of a lobe's depth, where its strips begin; joint: whether
-    the lobes of a patch share recess and strips; strips: their usual number; fewest, most: their bounds on one lobe;
+    the lobes of a patch share recess and strips; fewest, most: bounds of their number on one lobe;
     solves_for_strips: whether every strip is solved for: few, with a projected approach, from the contact of the
     last call in a run; solve: another way to find the contact at the pose set in a model's arrays, writes it there and
     returns the status.
@@ -57,7 +57,6 @@ class NormalModel:
     kernel: int
     recess: float
     joint: bool
-    strips: int
     fewest: int
     most: int
     solves_for_strips: bool = False
@@ -251,7 +250,7 @@ def _inputs(model: ContactModel) -> Arrays:
     rail_table, rail_step = _cached_table(model.rail)
     field_ = _cached_field(model.rail)
     # FaStrip knows no other bound than the pressure's
-    parabolic = settings.traction_bound == "parabolic" and settings.tangential == "fastsim"
+    parabolic = settings.traction_bound == "parabolic" and settings.creep_forces == "fastsim"
     # Kalker's combined elastic constants: means of the compliances
     shear_compliance = 0.5 * sum(1.0 / m.shear_modulus for m in (settings.wheel, settings.rail))
     poisson = 0.5 * sum(m.poisson_ratio / m.shear_modulus for m in (settings.wheel, settings.rail)) / shear_compliance
@@ -266,8 +265,8 @@ def _inputs(model: ContactModel) -> Arrays:
     n.least_speed = LEAST_SPEED
     n.normal, n.recess, n.joint, n.fewest = normal.kernel, normal.recess, normal.joint, normal.fewest
     n.projected = settings.approach == "projected"
-    n.strips, n.strip_width = settings.strips or 0, settings.strip_width or 0.0
-    n.tangential = TANGENTIAL[settings.tangential]
+    n.strips, n.strip_width = settings.strip_count or 0, settings.strip_width or 0.0
+    n.tangential = TANGENTIAL[settings.creep_forces]
     n.parabolic, n.blended = parabolic, settings.flexibility == "blended"
     n.kA, n.kS = settings.polach_adhesion, settings.polach_slip
     n.mu, n.mu_gauge = friction.static, friction.at_corner
@@ -277,7 +276,7 @@ def _inputs(model: ContactModel) -> Arrays:
     (n.field_o, n.field_b), n.field_spacing = field_.origin, field_.spacing
     n.stride = max(1, round(SEARCH_REACH / wheel_step))
     n.hollow = max(1.5 * hollows, 1.0)
-    lobes, most = settings.max_patches, normal.rows(settings.strips)
+    lobes, most = settings.max_patches, normal.rows(settings.strip_count)
     unknowns = lobes * (most + FACTORS) if normal.solves_for_strips else 1
     return Arrays(
         wheel=wheel_table,

@@ -15,13 +15,13 @@ from wrsim.core.contact.normal.models import FREE_STRIPS, KIK_PIOTROWSKI
 from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS
 from wrsim.geometry.profile.profile import Profile
 
-_KIK_PIOTROWSKI = NormalModel(KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, strips=40, fewest=3, most=MOST_STRIPS)
+_KIK_PIOTROWSKI = NormalModel(KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, fewest=3, most=MOST_STRIPS)
 
 NORMAL_MODELS: dict[Normal, NormalModel] = {
     "kik-piotrowski": _KIK_PIOTROWSKI,
     # looks for contact where the penetration is more than a fifth of the lobe's
     "strips": NormalModel(
-        FREE_STRIPS, recess=0.2, joint=False, strips=24, fewest=FEWEST_FREE_STRIPS, most=200, solves_for_strips=True
+        FREE_STRIPS, recess=0.2, joint=False, fewest=FEWEST_FREE_STRIPS, most=200, solves_for_strips=True
     ),
     "half-space": replace(_KIK_PIOTROWSKI, solve=lambda model: solve_into(model).status),
 }

@@ -19,6 +19,22 @@ Pairing = Literal["opposite", "level"]
 Flexibility = Literal["three", "blended"]
 TractionBound = Literal["elliptic", "parabolic"]
 
+
+@dataclass(frozen=True)
+class Usual:
+    """What goes with a normal model where the user chose nothing else: model of the creep forces, number of strips."""
+
+    tangential: Tangential
+    strips: int
+
+
+USUAL: dict[Normal, Usual] = {
+    "kik-piotrowski": Usual("fastsim", 40),
+    "strips": Usual("fastrip", 24),
+    "half-space": Usual("half-space", 40),
+}
+"""Defaults that depend on another choice. Such a key is None in ContactSettings until it is asked for."""
+
 DRY = 0.35  # coefficient of friction unless told otherwise
 
 
@@ -105,14 +121,16 @@ class ContactSettings:
         conditions per strip (docs/strip_model.md); ``"half-space"`` is the exact solver.
     approach: how a rigid approach closes the gap along the curved axis: ``"constant"`` everywhere alike, as
         in the paper; ``"projected"`` by its share along the normal of each strip.
-    tangential: model of the creep forces; ``"half-space"`` is the exact one and needs that normal model; ``"none"``
-        is frictionless.
+    tangential: model of the creep forces, None for the usual one of the normal model (``creep_forces`` says which);
+        ``"half-space"`` is the exact one and needs that normal model; ``"none"`` is frictionless.
     traction_bound: shape of the bound ``mu p`` along a strip that FASTSIM holds the tractions under.
-    flexibility: FASTSIM's, always one for each kind of creepage, or blended into one where the patch slides.
+    flexibility: FASTSIM's, one for each kind of creepage: everywhere (``"three"``, Kalker's original), or where the
+        surfaces stick, with a single one where they slide (``"blended"``).
     polach_adhesion, polach_slip: Polach's factors kA and kS, ``0 < kS <= kA <= 1``.
     friction: on the left and right rail: a coefficient [1] or a Friction.
-    strips: number of strips over the width of a patch, or None when ``strip_width`` rules; 12 to 200 for ``"strips"``.
-    strip_width: width of a strip along the curved axis [m], or None when ``strips`` rules.
+    strips: number of strips over the width of a patch, 12 to 200 for ``"strips"``; None where ``strip_width`` rules or,
+        without that, for the usual one of the normal model (``strip_count`` says which).
+    strip_width: width of a strip along the curved axis [m], or None when a number rules.
     cells: cells of a strip along the rolling direction (FASTSIM, FaStrip).
     damping: c [s/m]; the elastic normal force N becomes ``N (1 + c d(approach)/dt)``, never negative.
     max_patches: patches kept on one wheel, largest first; 1 to 3.
@@ -122,13 +140,13 @@ class ContactSettings:
 
     normal: Normal = "kik-piotrowski"
     approach: Approach = "projected"
-    tangential: Tangential = "fastsim"
+    tangential: Tangential | None = None
     traction_bound: TractionBound = "elliptic"
-    flexibility: Flexibility = "three"
+    flexibility: Flexibility = "blended"
     polach_adhesion: float = 1.0
     polach_slip: float = 1.0
     friction: tuple[float | Friction, float | Friction] = (DRY, DRY)
-    strips: int | None = 40
+    strips: int | None = None
     strip_width: float | None = None
     cells: int = 20
     damping: float = 2.0
@@ -141,8 +159,18 @@ class ContactSettings:
         """The same with a fast model in place of the exact one, for a first idea of where that will stand."""
         if self.normal != "half-space":
             return self
-        tangential: Tangential = "fastsim" if self.tangential == "half-space" else self.tangential
+        tangential = None if self.tangential == "half-space" else self.tangential
         return replace(self, normal="kik-piotrowski", tangential=tangential)
+
+    @property
+    def creep_forces(self) -> Tangential:
+        """Model of the creep forces: the one chosen, or the usual one of the normal model."""
+        return self.tangential or USUAL[self.normal].tangential
+
+    @property
+    def strip_count(self) -> int | None:
+        """Number of strips over the width of a patch: the one chosen, or the usual one; None for a strip width."""
+        return self.strips or (None if self.strip_width else USUAL[self.normal].strips)
 
     def __post_init__(self) -> None:
         if self.tangential == "half-space" and self.normal != "half-space":

@@ -2,8 +2,8 @@
 
 Parts are joined by ``+``: a normal model, a tangential model, and keys of [contact] with their values. What is not
 named stays as the scenario has it, but exact pressures get exact creep forces unless a part says otherwise or the
-scenario is frictionless, and other pressures FASTSIM where the scenario has exact creep forces. ``file`` is the
-scenario's own choice.
+scenario is frictionless, and other pressures their usual creep forces where the scenario names exact ones. ``file`` is
+the scenario's own choice.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 import tomllib
 from typing import Any, get_args
 
-from wrsim.contact.settings import Normal, Tangential
+from wrsim.contact.settings import USUAL, Normal, Tangential
 from wrsim.errors import InputError, suggest
 from wrsim.scenario.loading import Scenario
 
@@ -60,8 +60,8 @@ def _values(scenario: Scenario, name: str) -> dict[str, Any]:
     if "contact.tangential" not in chosen and "contact.normal" in chosen and own.tangential != "none":
         if normal == "half-space":
             chosen["contact.tangential"] = "half-space"
-        elif own.settings().tangential == "half-space":
-            chosen["contact.tangential"] = "fastsim"
+        elif own.tangential == "half-space" and normal in USUAL:
+            chosen["contact.tangential"] = USUAL[normal].tangential
     return chosen
 
 

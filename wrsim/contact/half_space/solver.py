@@ -45,7 +45,7 @@ class HalfSpace(HalfSpaceSettings):
         """Contact at the pose set in the model's arrays (`ContactModel.evaluate` and pose solvers set it).
 
         The approach comes from the pose. before: solution of a pose near by on the same elements, to start from.
-        Tractions are solved for when the model's settings say ``tangential = "half-space"``.
+        Tractions are solved for when the model's settings say ``creep_forces == "half-space"``.
         """
         footprints, closest, status = find_footprints(model.arrays, self)
         patches = []
@@ -76,7 +76,7 @@ class HalfSpace(HalfSpaceSettings):
         traction, settled = None, True
         contact = footprint.depth <= DEEPEST
         rough = max(model.friction.static, model.friction.at_corner) > 0.0
-        if contact and rough and model.settings.tangential == "half-space":
+        if contact and rough and model.settings.creep_forces == "half-space":
             speed = np.hypot(grid.bodies.pose.velocity.x, LEAST_SPEED)
             friction = damping * model.friction.coefficient(grid.normal[:, None, :], speed * np.hypot(*rigid))
             first = start.q if start is not None else None

@@ -43,7 +43,7 @@ def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
     """Write a contact into the arrays of its model."""
     a = model.arrays
     pose, total = read_pose(a.pose), a.total
-    tangential = model.settings.tangential
+    tangential = model.settings.creep_forces
     regions = contact.largest(len(a.patches))
     a.patches[:] = np.zeros((), k.LOBE)
     a.rows.total[:] = np.zeros((), k.TOTAL)

@@ -168,23 +168,21 @@ class ContactSection(Section):
             yield Fault("polach_kS", f"must not be above polach_kA ({self.polach_kA:g})")
 
     def settings(self) -> ContactSettings:
-        """Return the same in SI units. Creep forces are by default exact on exact pressures, else FASTSIM's."""
-        exact: Tangential = "half-space" if self.normal == "half-space" else "fastsim"
+        """Return the same in SI units."""
         left, right = (
             value.law() if isinstance(value, FrictionSection) else value
             for _, value in (self.of_side("friction", side) for side in ("left", "right"))
         )
-        by_width = self.strip_width_mm is not None
         return ContactSettings(
             normal=self.normal,
             approach=self.approach,
-            tangential=self.tangential or exact,
+            tangential=self.tangential,
             traction_bound=self.traction_bound,
             flexibility=self.flexibility,
             polach_adhesion=self.polach_kA,
             polach_slip=self.polach_kS,
             friction=(left, right),
-            strips=None if by_width else (self.strips or NORMAL_MODELS[self.normal].strips),
+            strips=self.strips,
             strip_width=None if self.strip_width_mm is None else self.strip_width_mm / 1000.0,
             cells=self.cells,
             damping=self.damping_s_per_m,

@@ -3,11 +3,10 @@
 from wrsim.core.compiling import kernel
 from wrsim.core.contact.records import FASTRIP, FASTSIM, POLACH, SHEN_HEDRICK_ELKINS
 from wrsim.core.contact.tangential.fastrip import fastrip
-from wrsim.core.contact.tangential.fastsim import PARABOLA_PEAK, fastsim
+from wrsim.core.contact.tangential.fastsim import PARABOLA_PEAK, fastsim, fastsim_blended
 from wrsim.core.contact.tangential.flexibility import (
     Creepages,
     Flexibilities,
-    blended,
     ellipse_of,
     flexibilities,
     kalker_coefficients,
@@ -41,12 +40,11 @@ def creep_forces(creep, shape, settings, speed, lobes, strips, count, i, work):
         return
     soft = flexibilities(creep, ellipse, settings.G)
     if model == FASTSIM:
+        peak = PARABOLA_PEAK if settings.parabolic else 1.0
         if settings.blended:
-            limit = 0.0
-            for j in range(n):
-                limit += own[j].mu * own[j].N
-            soft = blended(soft, ellipse, mean, limit * (normal / lobe.N))
-        fastsim(own, n, PARABOLA_PEAK if settings.parabolic else 1.0, mean, soft, direction, shape, work)
+            fastsim_blended(own, n, peak, soft, direction, shape, work)
+        else:
+            fastsim(own, n, peak, mean, soft, direction, shape, work)
     elif model == FASTRIP:
         fastrip(own, n, ellipse.a, soft, direction, shape, work)
     elif model == SHEN_HEDRICK_ELKINS:

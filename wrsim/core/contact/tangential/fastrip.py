@@ -21,22 +21,31 @@ a_0
 
     xi' = 16 a_0 xi / (3 pi^2 L1 c),   eta' = 16 a_0 eta / (3 pi^2 L2 c),   psi = 3 a_0 phi / (8 L3 c).
 
-In the slip zone the direction of the tractions is followed as in FASTSIM, from the end of the adhesion zone on, with
-one flexibility (L1 + L2) / 2, so that full sliding is opposite to the slip. Tractions at the bound stay there while
-the bound rises.
+Behind the adhesion zone the tractions are followed as in FASTSIM, with one flexibility where they slide and with three
+where they stick again (`march`).
 
 With much spin (|psi| -> 1) strip theory has no answer. The adhesion zone is faded out from |psi| = 0.85 on; for
 |psi| >= 1 the march starts at the leading edge from zero.
-Not in the paper: the one flexibility, the fading, and that the longitudinal creepage by spin works through L1 like the
-rest of it.
+Not in the paper: the one flexibility and the sticking again, the fading, and that the longitudinal creepage by spin
+works through L1 like the rest of it.
 """
 
 from math import pi, sqrt
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.tangential.fastsim import hold_power, largest_traction
+from wrsim.core.contact.tangential.march import (
+    BOUND,
+    FX,
+    FY,
+    MZ,
+    NOTHING,
+    START_X,
+    START_Y,
+    STUCK,
+    largest_traction,
+    march,
+)
 
-NOTHING = 1e-30  # bound below which a strip only slides [Pa]
 FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken back
 
 
@@ -46,68 +55,30 @@ def fastrip(strips, n, half_length, soft, direction, shape, work):
 
     half_length: a_0 of the equivalent ellipse [m]; work: (12, >= n) scratch. Writes Fx, Fy, Mz of each strip.
     """
-    cells = shape.shape[0]
-    dx = 2.0 / cells
-    step_x, step_y, turn = work[0], work[1], work[2]
-    along, across = work[3], work[4]  # alpha, times the bound
-    stuck = work[5]  # where the adhesion zone ends, over a
-    qx, qy = work[6], work[7]
-    fx, fy, mz = work[8], work[9], work[10]
-    bounds = work[11]
-    one = 2.0 / (soft.l1 + soft.l2)
+    dx = 2.0 / shape.shape[0]
+    bounds, along, across = work[BOUND], work[START_X], work[START_Y]
+    stuck = work[STUCK]  # where the adhesion zone ends, over a
+    fx, fy, mz = work[FX], work[FY], work[MZ]
     shift = 16.0 * half_length / (3.0 * pi * pi)
     for i in range(n):
         strip = strips[i]
-        a = strip.a
         bound = largest_traction(strip)
-        step_x[i] = -strip.xi * one * a * dx
-        step_y[i] = -strip.eta * one * a * dx
-        turn[i] = -direction * strip.phi * one * a * a * dx
         ax, ay, d, psi = 0.0, 0.0, 0.0, 0.0
         if bound > NOTHING:
             # all over a
             x = -shift * strip.xi / (soft.l1 * bound)
             y = -shift * strip.eta / (soft.l2 * bound)
-            psi = -direction * 0.375 * half_length * strip.phi * a / (soft.l3 * bound)
+            psi = -direction * 0.375 * half_length * strip.phi * strip.a / (soft.l3 * bound)
             ax, ay, d = _adhesion(x, y, psi)
-        along[i] = ax * bound
-        across[i] = ay * bound
-        stuck[i] = 1.0 - 2.0 * d
         bounds[i] = bound
-        qx[i] = ax * bound * shape[0]
-        qy[i] = ay * bound * shape[0]
+        along[i] = ax
+        across[i] = ay
+        stuck[i] = 1.0 - 2.0 * d
         # what k_d takes from the bound in the adhesion zone; the march adds the rest
-        fx[i] = -along[i] * 0.5 * pi * d * d / dx
-        fy[i] = (psi * bound - across[i]) * 0.5 * pi * d * d / dx
+        fx[i] = -ax * 0.5 * pi * d * d / dx
+        fy[i] = (psi - ay) * 0.5 * pi * d * d / dx
         mz[i] = fy[i] * (1.0 - d)
-    for j in range(cells):
-        x = 1.0 - (j + 0.5) * dx
-        growth = max(shape[j] / shape[j - 1], 1.0) if j > 0 else 1.0
-        for i in range(n):
-            # the part of the way from the centre of the last cell that lies in the slip zone
-            part = min(max((stuck[i] - x) / dx, 0.0), 1.0)
-            tx = qx[i] * growth + part * step_x[i]
-            ty = qy[i] * growth + part * (step_y[i] + (x + 0.5 * part * dx) * turn[i])
-            limit = bounds[i] * shape[j]
-            scale = min(limit / sqrt(max(tx * tx + ty * ty, 1e-300)), 1.0)
-            sticks = x >= stuck[i]
-            tx = along[i] * shape[j] if sticks else tx * scale
-            ty = across[i] * shape[j] if sticks else ty * scale
-            qx[i] = tx
-            qy[i] = ty
-            fx[i] += tx
-            fy[i] += ty
-            mz[i] += x * ty
-    for i in range(n):
-        strip = strips[i]
-        cell = dx * strip.a * strip.ds
-        # the cells do not end where the adhesion zone does: a rest of rounding
-        limit = 0.5 * pi * bounds[i] / dx
-        scale = min(limit / sqrt(max(fx[i] * fx[i] + fy[i] * fy[i], 1e-300)), 1.0)
-        strip.Fx = scale * fx[i] * cell
-        strip.Fy = scale * fy[i] * cell
-        strip.Mz = direction * scale * mz[i] * cell * strip.a
-    hold_power(strips, n)
+    march(strips, n, soft, 1.0, direction, shape, work)
 
 
 @kernel

@@ -7,8 +7,12 @@ longitudinal creepage, lateral creepage and spin,
 
 chosen so that small creepages give Kalker's linear forces on the ellipse of semi-axes a, b. Every strip is followed
 from its leading edge; where the traction would exceed the bound it slides. Creepages come per strip (they already
-contain the spin's share y phi); their mean over the patch works through L1 and L2, the deviation from it through L3,
-which on a flat patch with constant spin is Kalker's original.
+contain the spin's share y phi).
+
+With three flexibilities throughout (`fastsim`) the mean of the creepages over the patch works through L1 and L2, the
+deviation from it through L3, which on a flat patch with constant spin is Kalker's original. With three where the
+surfaces stick and one where they slide (`fastsim_blended`, see `march`) each strip's own creepages work through L1 and
+L2, and L3 is left with the turning phi x. Small creepages give Kalker's forces either way.
 
 Bound: mu times the pressure, a semi-ellipse along the strip ("elliptic"), or the parabola of the same force
 ("parabolic"). Kalker's own bound is one paraboloid over the whole ellipse, which takes the strips' forces from
@@ -17,15 +21,21 @@ the edges to the middle; here every strip keeps its mu N, because friction is a 
 
 from math import pi, sqrt
 
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.compiling import kernel
+from wrsim.core.contact.tangential.march import (
+    BOUND,
+    FX,
+    FY,
+    MZ,
+    START_X,
+    START_Y,
+    STUCK,
+    hold_power,
+    largest_traction,
+    march,
+)
 
 PARABOLA_PEAK = 0.375 * pi  # of the parabola over that of the semi-ellipse of equal force
-
-
-@inlined
-def largest_traction(strip):
-    """Peak of the semi-ellipse along a strip that holds its mu N [Pa]: mu p where the pressure is one itself."""
-    return 2.0 * strip.mu * strip.N / (pi * max(strip.a * strip.ds, 1e-300))
 
 
 @kernel
@@ -81,18 +91,16 @@ def fastsim(strips, n, peak, mean, soft, direction, shape, work):
 
 
 @kernel
-def hold_power(strips, n):
-    """Moments as near to the ones given as keeps the creep's power over all strips from being positive.
+def fastsim_blended(strips, n, peak, soft, direction, shape, work):
+    """The same with three flexibilities where the surfaces stick and one where they slide.
 
-    C22 makes the moment of eta, C23 the lateral force of phi. In slender patches (a/b above some 10) with next to no
-    slip the two differ so much that, with hardly anything else to dissipate, their powers would not cancel.
+    Arguments as in `fastsim`; work: (12, >= n) scratch.
     """
-    power = 0.0
-    spins = 0.0
+    bound, start_x, start_y, stuck = work[BOUND], work[START_X], work[START_Y], work[STUCK]
+    fx, fy, mz = work[FX], work[FY], work[MZ]
     for i in range(n):
-        strip = strips[i]
-        power += strip.Fx * strip.xi + strip.Fy * strip.eta + strip.Mz * strip.phi
-        spins += strip.phi * strip.phi
-    if power > 0.0 and spins > 0.0:
-        for i in range(n):
-            strips[i].Mz -= power * strips[i].phi / spins
+        bound[i] = peak * largest_traction(strips[i])
+        start_x[i] = start_y[i] = 0.0
+        stuck[i] = 1.0
+        fx[i] = fy[i] = mz[i] = 0.0
+    march(strips, n, soft, 0.0, direction, shape, work)

@@ -84,32 +84,3 @@ def flexibilities(creep, ellipse, shear_modulus):
         8.0 * ellipse.a / (3.0 * c.c22 * shear_modulus),
         pi * ellipse.a * sqrt(ellipse.aspect) / (4.0 * c.c23 * shear_modulus),
     )
-
-
-@kernel
-def blended(soft, ellipse, mean, limit):
-    """L1, L2, L3 at small creepages, Kalker's one flexibility for all at large ones.
-
-    With three of them full sliding is not opposite to the slip: tractions follow (xi / L1, eta / L2). With one,
-
-        L = sqrt((xi L1)^2 + (eta L2)^2 + (phi c L3)^2) / sqrt(xi^2 + eta^2 + (phi c)^2),   c = sqrt(ab),
-
-    they are, but small creepages together do not meet the linear theory. In between by u, the size of the linear
-    force over mu N: smoothly from the three at u = 1 to the one at u = 6.
-    soft: the three; mean: mean creepages; limit: mu N [N].
-    """
-    a, aspect = ellipse.a, ellipse.aspect
-    turn = mean.phi * a / sqrt(aspect)
-    along = mean.xi / soft.l1
-    across = mean.eta / soft.l2
-    spin = 0.09375 * pi * sqrt(aspect) * turn / soft.l3  # C23 G phi c over 8 a / 3
-    linear = 8.0 / 3.0 * a * a * a / aspect * sqrt(along * along + across * across + spin * spin)
-    part = min(max((linear - limit) / (5.0 * max(limit, 1e-300)), 0.0), 1.0)
-    if part == 0.0:
-        return soft
-    part *= part * (3.0 - 2.0 * part)
-    sizes = (mean.xi * soft.l1) ** 2 + (mean.eta * soft.l2) ** 2 + (turn * soft.l3) ** 2
-    one = sqrt(sizes / (mean.xi * mean.xi + mean.eta * mean.eta + turn * turn))
-    return Flexibilities(
-        soft.l1 + part * (one - soft.l1), soft.l2 + part * (one - soft.l2), soft.l3 + part * (one - soft.l3)
-    )
