@@ -24,7 +24,7 @@ from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model
-from wrsim.contact.settings import ContactSettings, Material, Normal, Tangential, TractionBound
+from wrsim.contact.settings import ContactSettings, Flexibility, Material, Normal, Tangential, TractionBound
 from wrsim.geometry.profile.files import read_profile
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
@@ -90,13 +90,16 @@ class Chosen:
         return cls(name, settings, solver if exact else None, table)
 
     def with_tangential(self, tangential: str) -> ContactSettings:
-        """Settings with a model of the creep forces by its name, perhaps with "/parabolic"."""
-        name, _, bound = tangential.partition("/")
-        if name not in get_args(Tangential) or bound not in ("", *get_args(TractionBound)):
+        """Settings with a model of the creep forces by its name, perhaps with "/three" or "/parabolic" or both."""
+        name, *options = tangential.split("/")
+        allowed: dict[str, str] = dict.fromkeys(get_args(TractionBound), "traction_bound")
+        allowed |= dict.fromkeys(get_args(Flexibility), "flexibility")
+        if name not in get_args(Tangential) or not set(options) <= set(allowed):
             raise SystemExit(
-                f"creep forces '{tangential}': allowed: {', '.join(get_args(Tangential))}, or with /parabolic"
+                f"creep forces '{tangential}': allowed: {', '.join(get_args(Tangential))}, or with /three, /parabolic"
             )
-        return replace(self.settings, tangential=name, traction_bound=bound or "elliptic")  # type: ignore[arg-type]
+        chosen = {allowed[option]: option for option in options}
+        return replace(self.settings, tangential=name, **chosen)  # type: ignore[arg-type]
 
 
 # --- what a model says --------------------------------------------------------------------------------

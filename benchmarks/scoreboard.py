@@ -1,7 +1,7 @@
 """Every contact model on every reference case: how near to CONTACT, beside CONTACT's own fast models.
 
     python benchmarks/scoreboard.py REFERENCE [--models kik-piotrowski,kik-piotrowski/constant,half-space]
-        [--tangential fastsim,fastsim/parabolic,fastrip]
+        [--tangential fastsim,fastsim/three,fastsim/three/parabolic,fastrip]
         [--tables static,benchmark,regions,angles,arcs,grooves,tangential]
         [--every N] [-o DIR] [--standing docs/data/standing]
 
@@ -47,7 +47,15 @@ from wrsim.scenario.cases import StaticPose
 QUANTITIES = {"p0_MPa": "pmax_MPa", "area_mm2": "area_mm2", "approach_mm": "pen_mm", "N_N": "Fn_N"}
 PEERS = ("contact_planar", "kpec", "analyn")
 DEFAULT_MODELS = ("kik-piotrowski/constant", *(n for n in get_args(Normal) if n != "half-space"), "half-space")
-DEFAULT_TANGENTIAL = ("fastsim", "fastsim/parabolic", "fastrip", "polach", "shen-hedrick-elkins", "linear")
+DEFAULT_TANGENTIAL = (
+    "fastsim",
+    "fastsim/three",
+    "fastsim/three/parabolic",
+    "fastrip",
+    "polach",
+    "shen-hedrick-elkins",
+    "linear",
+)
 TABLES = ("static", "benchmark", "regions", "angles", "arcs", "grooves", "tangential")
 
 Values = dict[str, float]

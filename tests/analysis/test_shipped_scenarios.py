@@ -92,7 +92,7 @@ def test_the_300_m_curve():
     assert 1e3 * sample["lateral_shift"].item() == pytest.approx(-5.06, rel=NUMBERS)
     assert abs(sample["yaw"].item()) < 0.3e-3
     assert of_wheels(sample, "Q", 1e-3) == pytest.approx([49.6, 59.7], rel=NUMBERS)
-    assert of_wheels(sample, "Y", 1e-3) == pytest.approx([1.28, 4.45], rel=0.05)
+    assert of_wheels(sample, "Y", 1e-3) == pytest.approx([1.22, 4.38], rel=0.05)
     assert list(sample["n_patches"].values) == [1, 2]
     angles = np.degrees(np.sort(sample["contact_angle"].sel(wheel="right").values[:2]))
     assert angles == pytest.approx([7.4, 17.3], abs=0.3)
@@ -108,9 +108,10 @@ def test_the_sharp_curve_is_conformal_contact_on_the_flange_root():
     assert int(outer["n_patches"]) == 1  # one patch from the throat of the root up its flank
     assert np.degrees(outer["contact_angle"].item()) == pytest.approx(29.8, abs=0.5)
     assert np.degrees(outer["contact_angle_min"].item()) == pytest.approx(20.8, abs=0.5)
-    assert np.degrees(outer["contact_angle_max"].item()) == pytest.approx(62.0, abs=2.0)
+    # between equal radii Kik-Piotrowski moves the upper edge by 8 degrees at 0.1 degrees of the main point
+    assert np.degrees(outer["contact_angle_max"].item()) == pytest.approx(70.0, abs=2.0)
     assert np.degrees(outer["contact_angle_variation"].item()) > 35.0
-    assert 1e3 * outer["width"].item() == pytest.approx(9.9, rel=0.05)
+    assert 1e3 * outer["width"].item() == pytest.approx(11.6, rel=0.05)
     # spread over so much of the root the pressure is lower than on the small patch of the inner wheel
     assert outer["p0"].item() < sample["p0"].sel(wheel="left").isel(patch=0).item()
     assert outer["T_gamma"].item() == pytest.approx(242.0, rel=0.05)
@@ -133,7 +134,7 @@ def test_both_curves_of_the_s_show_the_same_on_opposite_wheels():
     assert second["lateral_shift"].item() == pytest.approx(-first["lateral_shift"].item(), rel=1e-6)
     for name in ("Y", "Q", "contact_angle", "p0", "T_gamma"):
         assert of_wheels(second, name) == pytest.approx(of_wheels(first, name)[::-1], rel=1e-6), name
-    assert of_wheels(first, "Y_over_Q") == pytest.approx([0.0325, 0.0833], rel=0.05)
+    assert of_wheels(first, "Y_over_Q") == pytest.approx([0.0298, 0.0810], rel=0.05)
 
 
 def test_the_static_scenario_moves_the_contact_from_field_side_to_flange():

@@ -134,6 +134,4 @@ def _damping(grid: Grid, damping: float) -> Array:
 
 def _leaves_profiles(grid: Grid, p: Array) -> bool:
     """Whether contact reaches rows beyond the end of a profile, which is continued straight there."""
-    touching = grid.axis[p.any(axis=1)]
-    arcs = ((touching["arc_wheel"], grid.bodies.wheel.profile), (touching["arc_rail"], grid.bodies.rail))
-    return any(bool(((arc < 0.0) | (arc > (len(body.table) - 1) * body.step)).any()) for arc, body in arcs)
+    return not grid.bodies.holds(grid.axis[p.any(axis=1)]).all()

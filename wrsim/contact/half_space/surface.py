@@ -34,6 +34,13 @@ class Bodies:
         wheel = placed(Profile(a.wheel, float(s.wheel_step)), float(s.radius), pose)
         return cls(wheel, Profile(a.rail, float(s.rail_step)), pose)
 
+    def holds(self, rows: Rows) -> NDArray[np.bool_]:
+        """Which rows of an axis lie on both profiles, not where these are continued straight."""
+        on = np.ones(len(rows), dtype=bool)
+        for arc, body in ((rows["arc_wheel"], self.wheel.profile), (rows["arc_rail"], self.rail)):
+            on &= (arc >= 0.0) & (arc <= (len(body.table) - 1) * body.step)
+        return on
+
 
 @dataclass(frozen=True)
 class Axis:

@@ -135,10 +135,11 @@ def _look(
     rows = axis.lay(step, -LOOK, LOOK)
     pen, arc = -rows["gap"], rows["arc_wheel"]
     pen[LOOK] = max(pen[LOOK], depth)
+    real = axis.bodies.holds(rows)
     found = [
         (lo, hi)
         for lo, hi in _overlaps(rows, pen)
-        if lo <= LOOK <= hi or free(min(arc[lo], arc[hi]), max(arc[lo], arc[hi]))
+        if lo <= LOOK <= hi or (real[lo : hi + 1].any() and free(min(arc[lo], arc[hi]), max(arc[lo], arc[hi])))
     ]
     boxes = [_box(rows, pen, lo, hi, step) for lo, hi in found]
     joined = _joined(found, boxes, settings.apart)
