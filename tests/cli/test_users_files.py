@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -238,6 +239,21 @@ def test_pictures_that_were_not_wanted_can_be_had_later(scenario: Path, tmp_path
     assert "already" in call("run", scenario, "-o", out, "--no-pictures", "--resume").stderr
     assert call("run", scenario, "-o", out, "--resume").exit_code == 0
     assert (out / "overview.png").exists()
+
+
+def test_a_folder_deleted_during_a_run_is_made_anew(
+    scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    analysis = wrsim.analysis.run
+
+    def deleting(*arguments: Any, **options: Any) -> Result:
+        shutil.rmtree(out)
+        return analysis(*arguments, **options)
+
+    monkeypatch.setattr(wrsim.analysis, "run", deleting)
+    assert call("run", scenario, "-o", out).exit_code == 0
+    assert {"scenario.toml", "result.nc", "history.csv", "overview.png"} <= set(contents(out))
 
 
 # --- the ledger itself ---------------------------------------------------------------------------------

@@ -18,6 +18,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.cases import read_cases
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.placement import stand
+from wrsim.scenario.plausibility import warnings
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 
@@ -215,3 +216,18 @@ def test_every_shipped_scenario_passes_every_check_of_its_keys(path: Path) -> No
     scenario = load(path)
     assert scenario.title != "untitled"
     assert scenario.path == path
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"vehicle.radius_mm": 460.0}, []),
+        ({"vehicle.radius_mm": 800.0}, ["radius_mm of the left", "radius_mm of the right"]),
+        ({"vehicle.sprung_mass_kg": 50_000.0}, ["mean static wheel load"]),
+    ],
+)
+def test_slips_that_are_allowed_are_warned_of(changes, words):
+    found = warnings(build(load(SCENARIOS / "curve_r300.toml").with_values(changes)))
+    assert len(found) == len(words)
+    assert all(warning.startswith(word) for warning, word in zip(found, words, strict=True))
+    assert all("is outside of the usual" in w for w in found)

@@ -25,7 +25,7 @@ date = 2026-01-31
 mass_kg = 1000
 roll_inertia_kg_m2 = 600
 spin_inertia_kg_m2 = 100
-yaw_inertia_kg_m2 = 610
+yaw_inertia_kg_m2 = 600
 flange_back_mm = 1360
 radius_mm = 450
 wheel = "wheels/S1002.toml"
@@ -52,7 +52,7 @@ def test_a_vehicle_arrives_in_si_units(tmp_path: Path) -> None:
     (tmp_path / "vehicle.toml").write_text(VEHICLE)
     vehicle = load_vehicle(tmp_path / "vehicle.toml", FIND)
     w = vehicle.wheelsets[0].wheelset
-    assert (w.name, w.source, w.mass, w.inertia) == ("a wheelset", "made up", 1000.0, (600.0, 100.0, 610.0))
+    assert (w.name, w.source, w.mass, w.inertia) == ("a wheelset", "made up", 1000.0, (600.0, 100.0, 600.0))
     assert w.profile_spacing == pytest.approx(1.5), "flange backs plus twice 70 mm"
     assert w.left.radius == w.right.radius == w.mean_radius == pytest.approx(0.45)
     assert w.left.profile.kind == "wheel"
@@ -137,6 +137,12 @@ ONE_FAULT = [
     ("mass_kg = 1000", "mass_kg = 0", "wheelset.mass_kg = 0: must be a number above 0"),
     ("mass_kg = 1000", "mass_t = 1", "did you mean 'mass_kg' (in kg)?"),
     ("roll_inertia_kg_m2 = 600", "ixx_kg_m2 = 600", "did you mean 'roll_inertia_kg_m2'?"),
+    (
+        "roll_inertia_kg_m2 = 600",
+        "roll_inertia_kg_m2 = 610",
+        "wheelset.roll_inertia_kg_m2 = 610: must equal yaw_inertia_kg_m2 = 600",
+    ),
+    ("spin_inertia_kg_m2 = 100", "spin_inertia_kg_m2 = 1201", "must be at most twice yaw_inertia_kg_m2 = 600"),
     ("roll_inertia_kg_m2 = 600", "", "wheelset.roll_inertia_kg_m2 is missing: must be a number above 0"),
     ("flange_back_mm = 1360", "", "wheelset.profile_spacing_mm is missing: must be a distance in mm"),
     (

@@ -31,6 +31,7 @@ from wrsim.cli.showing import (
     progress_bar,
     say,
     tell_slow,
+    warn,
 )
 from wrsim.cli.storing import (
     PART,
@@ -90,14 +91,17 @@ def check(file: ScenarioFile, models: Models = None, as_json: Json = False) -> N
     with reporting_errors(as_json):
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
+        from wrsim.scenario.plausibility import warnings
 
         scenario = load(file, models or ())
-        found = facts(build(scenario))
+        setup = build(scenario)
+        found = facts(setup)
         if as_json:
-            print_json({"status": "valid", "scenario": str(file), **found})
+            print_json({"status": "valid", "scenario": str(file), "warnings": warnings(setup), **found})
         else:
             say(f"{file}: valid")
             print_facts(found)
+            warn(file, setup)
 
 
 @app.command()
@@ -126,6 +130,7 @@ def run(
         scenario = load(file, models or ())
         setup = build(scenario)  # what cannot run leaves nothing behind
         if not quiet:
+            warn(file, setup)
             tell_slow(setup)
         directory = output if output is not None else Path("results") / file.stem
         record = directory / PART

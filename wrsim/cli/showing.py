@@ -44,6 +44,14 @@ def facts(setup: Setup) -> dict[str, Any]:
     return facts | setup.plan.facts()
 
 
+def warn(file: Path, setup: Setup) -> None:
+    """Say what of a scenario is allowed, but looks like a slip."""
+    from wrsim.scenario.plausibility import warnings
+
+    for warning in warnings(setup):
+        complain(f"{file}: warning: {warning}")
+
+
 def tell_slow(setup: Setup) -> None:
     """Warn of a run whose forces all come from the exact contact solver."""
     if setup.contact.normal != "half-space" or not ANALYSES[setup.analysis].moves:

@@ -76,10 +76,13 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
 
     Only when all files stand has the run's own file done its work, unless the user may want to go on with it.
     """
-    from wrsim.results import write_run
+    from wrsim.results import write_atomically, write_run
     from wrsim.results.ledger import Ledger
 
-    files = [directory / RECORD, *write_run(result, directory)]
+    record = directory / RECORD
+    if not record.exists():  # somebody has deleted the folder of a run: it is made anew
+        write_atomically(record, result.dataset.attrs["scenario_text"].encode())
+    files = [record, *write_run(result, directory)]
     if further := ANALYSES[result.analysis].further:
         files += resolved(further)(result, directory, pictures)
     if pictures:

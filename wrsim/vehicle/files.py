@@ -60,6 +60,16 @@ class WheelsetTable(Section):
         if "back_to_tape_circle_mm" in raw and "flange_back_mm" not in raw:
             yield Fault("back_to_tape_circle_mm", "is for use with flange_back_mm only")
 
+    def consistency(self) -> Iterator[Fault]:
+        """A wheelset is a body of revolution: it spins about its axle."""
+        roll, spin, yaw = self.roll_inertia_kg_m2, self.spin_inertia_kg_m2, self.yaw_inertia_kg_m2
+        if abs(roll - yaw) > 1e-6 * yaw:
+            message = f"must equal yaw_inertia_kg_m2 = {yaw:g}, for a wheelset spins about its axle (take their mean)"
+            yield Fault("roll_inertia_kg_m2", message)
+        elif spin > 2.0 * yaw:
+            message = f"must be at most twice yaw_inertia_kg_m2 = {yaw:g}: no solid has more"
+            yield Fault("spin_inertia_kg_m2", message)
+
     @property
     def spacing(self) -> float:
         """Distance between the two profile origins [m]."""

@@ -45,6 +45,9 @@ from wrsim.inputs.values import Day, List, Source, Switch, Two, number, positive
 
 MM = 1e-3
 
+SHORTEST = 5e-3
+"""Arclength that a profile needs [m]: tables of it stand at 0.1 mm, contacts are some millimetres wide."""
+
 Length = Annotated[float, positive(1e4)]
 Coordinate = Annotated[float, number(-1000.0, 1000.0)]
 
@@ -410,7 +413,12 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
         return read_profile(path, kind)
     model = _read_toml(path, kind)
     try:
-        return model.build(path)
+        profile = model.build(path)
+        if profile.length < SHORTEST:
+            raise InputError(
+                f"the profile is {1e3 * profile.length:g} mm long; at least {1e3 * SHORTEST:g} mm are needed"
+            )
+        return profile
     except InputError as error:
         if isinstance(model, PointsFile):
             raise  # names the file of points

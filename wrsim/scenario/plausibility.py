@@ -1,0 +1,47 @@
+"""Values that are allowed and yet most likely slips: wrong units, lost zeros. They warn; nothing is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from wrsim.scenario.build import Setup
+
+USUAL_WHEELSET = (100.0, 5_000.0)
+"""Masses of wheelsets [kg], from trams to heavy haul with gears."""
+USUAL_BODY = (10.0, 150e3)
+"""Masses of bodies that hang on springs [kg]."""
+USUAL_WHEEL_LOAD = (1e3, 250e3)
+"""Static wheel loads [N]."""
+USUAL_RADIUS = (0.15, 0.75)
+"""Radii of wheels at the tape circle [m]."""
+
+
+def warnings(setup: Setup) -> list[str]:
+    """One sentence for every implausible value of a vehicle, in the words and units of its file."""
+    return [
+        f"{what} = {value:.4g} {unit} is outside of the usual {low:g} to {high:g} {unit}: is it meant so?"
+        for what, value, (low, high), unit in _values(setup)
+        if not low <= value <= high
+    ]
+
+
+def _values(setup: Setup) -> Iterator[tuple[str, float, tuple[float, float], str]]:
+    """What is looked at: name, value, usual range, unit."""
+    vehicle = setup.vehicle
+    seen = set()
+    for mounted in vehicle.wheelsets:
+        wheelset = mounted.wheelset
+        if id(wheelset) in seen:
+            continue
+        seen.add(id(wheelset))
+        yield f"mass_kg of wheelset '{wheelset.name}'", wheelset.mass, USUAL_WHEELSET, "kg"
+        for side, wheel in (("left", wheelset.left), ("right", wheelset.right)):
+            low, high = (1e3 * r for r in USUAL_RADIUS)
+            yield f"radius_mm of the {side} wheel of '{wheelset.name}'", 1e3 * wheel.radius, (low, high), "mm"
+    for body in vehicle.bodies:
+        yield f"mass_kg of body '{body.name}'", body.mass, USUAL_BODY, "kg"
+    low, high = (load / 1e3 for load in USUAL_WHEEL_LOAD)
+    load = 0.5 * vehicle.weight / len(vehicle.wheelsets) / 1e3
+    yield f"mean static wheel load of '{vehicle.name}'", load, (low, high), "kN"
