@@ -17,8 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from wrsim.contact.arena import Arena, pack
 from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.contact.settings import ContactSettings, Friction, Tangential
+from wrsim.contact.strip_influence import influence_table
 from wrsim.core.contact import records as k
-from wrsim.core.contact.strips.records import FACTORS, MATRICES, PLACE, SPAN
+from wrsim.core.contact.strips.equations import block_of
+from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS, X
 from wrsim.core.contact.wheel_rail import Arrays, search, wheel_rail
 from wrsim.geometry.profile.distance_field import distance_field
 from wrsim.geometry.profile.profile import Profile
@@ -47,7 +49,7 @@ LEAST_SPEED = 0.05  # rolling speed below which creepages are regularised [m/s]
 class NormalModel:
     """What sets one normal model apart.
 
-    kernel: its number in core.contact.normal.models; recess: of a lobe's depth, where its strips begin; joint: whether
+    kernel: its number in core.contact.records; recess: of a lobe's depth, where its strips begin; joint: whether
     the lobes of a patch share recess and strips; fewest, most: bounds of their number on one lobe;
     solves_for_strips: whether every strip is solved for: few, with a projected approach, from the contact of the
     last call in a run; solve: another way to find the contact at the pose set in a model's arrays, writes it there and
@@ -153,33 +155,46 @@ class KernelArrays:
         count, status = search(self.buffer, self.index)
         return int(count), int(status)
 
-    def follow(self, on: bool, sharp: bool = False) -> None:
+    @property
+    def substitutes(self) -> int:
+        """Calls so far in which the strip model was not solved and a substitute stood for it."""
+        return int(self.rows.memo["substitutes"][0])
+
+    def follow(self, on: bool) -> None:
         """From now on the strip model starts from the contact asked for last (in runs), or afresh each time.
 
-        sharp: first afresh, then from the last one, and always as sharply as afresh.
+        Its answer is the same to its tolerance.
         """
-        self.settings.start = (k.SHARP_FROM_LAST if sharp else k.FROM_LAST) if on else k.AFRESH
-        if sharp:
-            self.patches["last_strips"] = 0
+        self.settings.start = k.FROM_LAST if on else k.AFRESH
+        self.rows.memo["known"] = 0
 
     def memory(self) -> Array:
-        """Everything that one call leaves for the next, one row: the last contact, if the model follows it."""
+        """What one call leaves for the next, one row: the last contact, if the model follows it."""
         return np.concatenate([np.zeros(0), *(np.ravel(part) for part in self._kept())])
 
     def recall(self, memory: Array) -> int:
-        """Put back what ``memory`` gave at the front of a longer row; returns how much of it that was."""
+        """Put back what ``memory`` gave at the front of a longer row; returns how much of it that was.
+
+        What follows a recall is the same to the bit wherever it is done: factors that are kept besides are given up.
+        """
         place = 0
         for part in self._kept():
             part[...] = memory[place : place + part.size].reshape(part.shape)
             place += part.size
+        self.rows.memo["factored"] = 0
         return place
 
     def _kept(self) -> tuple[NDArray[Any], ...]:
         """Views on the last contact."""
         if not (self._follows and self.settings.start):
             return ()
-        names = ("last_strips", "last_arc", "last_start", "last_end")
-        return (*(self.patches[name] for name in names), self.strips["a_last"], self.rows.factors)
+        grids, places = self.rows.grids, self.rows.places
+        memo = self.rows.memo
+        return (
+            memo["known"], memo["substitutes"], self.rows.vectors[X],
+            *(grids[name] for name in ("on", "start_held", "end_held")),
+            *(places[name] for name in ("lo", "hi", "s", "at")),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -265,7 +280,8 @@ def _inputs(model: ContactModel) -> Arrays:
     n.least_speed = LEAST_SPEED
     n.normal, n.recess, n.joint, n.fewest = normal.kernel, normal.recess, normal.joint, normal.fewest
     n.projected = settings.approach == "projected"
-    n.strips, n.strip_width = settings.strip_count or 0, settings.strip_width or 0.0
+    n.strips = normal.rows(settings.strip_count) if normal.solves_for_strips else settings.strip_count or 0
+    n.strip_width = settings.strip_width or 0.0
     n.tangential = TANGENTIAL[settings.creep_forces]
     n.parabolic, n.blended = parabolic, settings.flexibility == "blended"
     n.kA, n.kS = settings.polach_adhesion, settings.polach_slip
@@ -277,7 +293,8 @@ def _inputs(model: ContactModel) -> Arrays:
     n.stride = max(1, round(SEARCH_REACH / wheel_step))
     n.hollow = max(1.5 * hollows, 1.0)
     lobes, most = settings.max_patches, normal.rows(settings.strip_count)
-    unknowns = lobes * (most + FACTORS) if normal.solves_for_strips else 1
+    grids = lobes if normal.solves_for_strips else 0
+    unknowns = grids * block_of(most)
     return Arrays(
         wheel=wheel_table,
         rail=rail_table,
@@ -290,10 +307,13 @@ def _inputs(model: ContactModel) -> Arrays:
         patches=np.zeros(lobes, k.LOBE),
         strips=np.zeros((lobes, most), k.STRIP),
         work=np.zeros((12, max(most, 8))),
-        places=np.zeros(unknowns, PLACE),
-        spans=np.zeros(lobes, SPAN),
-        factors=np.zeros(lobes * FACTORS),
-        step=np.zeros(unknowns),
-        matrices=np.zeros((MATRICES, unknowns, unknowns)),
+        influence=influence_table() if grids else np.zeros((0, 0)),
+        rows=np.zeros((grids, ROWS), ROW),
+        places=np.zeros(grids * most, PLACE),
+        grids=np.zeros(grids, GRID),
+        # with room for the state of the grids
+        vectors=np.zeros((VECTORS, unknowns + 3 * grids)),
+        matrix=np.zeros((unknowns, unknowns)),
+        memo=np.zeros(1, MEMO),
         total=np.zeros(1, k.TOTAL),
     )

@@ -1,6 +1,6 @@
 """The contact models as one family: the register of normal models, and how a model is built.
 
-A new normal model is a kernel in core.contact.normal, its number in core.contact.normal.models, its name in
+A new normal model is a kernel that core.contact.wheel_rail calls, its number in core.contact.records, its name in
 `wrsim.contact.settings.Normal` and an entry here.
 """
 
@@ -11,7 +11,7 @@ from dataclasses import replace
 from wrsim.contact.half_space.strips import solve_into
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
 from wrsim.contact.settings import ContactSettings, Friction, Normal
-from wrsim.core.contact.normal.models import FREE_STRIPS, KIK_PIOTROWSKI
+from wrsim.core.contact.records import FREE_STRIPS, KIK_PIOTROWSKI
 from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS
 from wrsim.geometry.profile.profile import Profile
 
@@ -19,9 +19,8 @@ _KIK_PIOTROWSKI = NormalModel(KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, 
 
 NORMAL_MODELS: dict[Normal, NormalModel] = {
     "kik-piotrowski": _KIK_PIOTROWSKI,
-    # looks for contact where the penetration is more than a fifth of the lobe's
     "strips": NormalModel(
-        FREE_STRIPS, recess=0.2, joint=False, fewest=FEWEST_FREE_STRIPS, most=200, solves_for_strips=True
+        FREE_STRIPS, recess=0.0, joint=False, fewest=FEWEST_FREE_STRIPS, most=200, solves_for_strips=True
     ),
     "half-space": replace(_KIK_PIOTROWSKI, solve=lambda model: solve_into(model).status),
 }

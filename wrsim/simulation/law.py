@@ -169,11 +169,11 @@ class VehicleOnTrack:
         for load in self._loads:
             load.s = at + vehicle.parts[load.body].centre[0]
 
-    def follow(self, on: bool, sharp: bool = False) -> None:
+    def follow(self, on: bool) -> None:
         """From now on contacts start from those of the last state (in a run), or afresh. See ``Follows``."""
         for wheels in self.wheels:
             for wheel in wheels:
-                wheel.model.arrays.follow(on, sharp)
+                wheel.model.arrays.follow(on)
 
     def memory(self) -> Array:
         """What the next call starts from: it decides the last bits of the answer. See ``recorder.Remembers``."""

@@ -42,7 +42,7 @@ SPAN = 1 << 20
 
 @runtime_checkable
 class Follows(Protocol):
-    """A force law that may start from its last answer, which is quicker in a run and a little less sharp."""
+    """A force law that may start from its last answer, which is quicker in a run."""
 
     def follow(self, on: bool) -> None:
         """From now on start from the last answer, or afresh."""

@@ -8,7 +8,7 @@ a step.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -33,8 +33,9 @@ INTERVAL = 5e-3
 STRETCH = 0.25
 """... and the longest way [m]. Independent of the samples that are kept."""
 
-LIFT, STOP = 0.0, 1.0
-"""Kinds of events in the notes: a wheel without contact; a bump stop beyond the end of its table."""
+LIFT, STOP, SUBSTITUTE = 0.0, 1.0, 2.0
+"""Kinds of events in the notes: a wheel without contact; a bump stop beyond the end of its table; a contact that has
+not been solved since the last look."""
 
 SAME = 1.0
 """Events of one kind and place of the vehicle that follow each other within this distance are one [m]."""
@@ -50,6 +51,7 @@ class Monitor:
         self.interval = min(INTERVAL, STRETCH / speed)
         self.wheels = wheels_of(law)
         self.last_contact = np.full((len(self.wheels), 2), np.nan)
+        self.substitutes = np.array([wheel.model.arrays.substitutes for wheel in self.wheels], dtype=float)
         elements = law.vehicle.elements
         self.stops = [(i, e.limits, e.travel_place) for i, e in enumerate(elements) if e.limits]
         self.notes = np.zeros((0, 6))
@@ -66,6 +68,9 @@ class Monitor:
         ending: OffRail | Overlap | None = None
         for i, wheel in enumerate(self.wheels):
             ending = ending or self._look_at(i, wheel, t, distance)
+            if wheel.model.arrays.substitutes > self.substitutes[i]:
+                self.substitutes[i] = wheel.model.arrays.substitutes
+                self._note(SUBSTITUTE, i, t, distance)
         for i, limits, place in self.stops:
             if not limits[0] <= self.law.records[i, place] <= limits[1]:
                 self._note(STOP, i, t, distance)
@@ -107,19 +112,21 @@ class Monitor:
         found = []
         for kind, which, t, distance, last_t, last_distance in self.notes.tolist():
             begin, end = (t, distance), (last_t, last_distance)
-            if kind == LIFT:
+            if kind != STOP:
                 wheel = self.wheels[int(which)]
-                found.append(Event("lift", wheel.wheelset, begin, end, wheel.side))
+                name: Literal["lift", "substitute"] = "lift" if kind == LIFT else "substitute"
+                found.append(Event(name, wheel.wheelset, begin, end, wheel.side))
             else:
                 found.append(Event("stop", self.law.vehicle.elements[int(which)].name, begin, end))
         return sorted(found, key=lambda event: (event.start, event.part, event.side))
 
     def memory(self) -> Array:
         """What has been seen so far. See ``simulation.recorder.Remembers``."""
-        return np.concatenate([self.last_contact.ravel(), self.notes.ravel()])
+        return np.concatenate([self.last_contact.ravel(), self.substitutes, self.notes.ravel()])
 
     def recall(self, memory: Array) -> None:
         """Put back what ``memory`` gave."""
-        size = self.last_contact.size
+        size, wheels = self.last_contact.size, len(self.substitutes)
         self.last_contact = memory[:size].reshape(self.last_contact.shape).copy()
-        self.notes = memory[size:].reshape(-1, 6).copy()
+        self.substitutes = memory[size : size + wheels].copy()
+        self.notes = memory[size + wheels :].reshape(-1, 6).copy()

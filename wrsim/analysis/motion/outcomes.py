@@ -48,12 +48,13 @@ class RunInStopped:
 
 @dataclass(frozen=True)
 class Event:
-    """A wheel without contact, or a bump stop beyond the end of its table.
+    """A wheel without contact, a bump stop beyond the end of its table, or a contact that was not solved (forces of a
+    substitute, see docs/strip_model.md).
 
     part: name of the wheelset or of the stop; start, end: time [s] and distance of the vehicle [m].
     """
 
-    kind: Literal["lift", "stop"]
+    kind: Literal["lift", "stop", "substitute"]
     part: str
     start: tuple[float, float]
     end: tuple[float, float]

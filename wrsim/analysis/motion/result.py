@@ -1,7 +1,7 @@
 """From the sampled states of a run to its result: every channel of every wheelset, and of the vehicle.
 
 The contacts of each sample are computed anew from its state, so a sample is a function of the state (the strip model
-starts from those of the sample before, and ends as sharply as afresh). Strips are kept at chosen places and at the
+starts from those of the sample before, and ends with the same). Strips are kept at chosen places and at the
 largest Y/Q of each wheel.
 """
 
@@ -60,7 +60,7 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
         law.look_near(places[i])
         law(motion.times[i], motion.q[i], motion.q_t[i], out)
 
-    law.follow(True, sharp=True)
+    law.follow(True)
     for i in range(n):
         evaluate(i)
         for w, pair in enumerate(law.wheels):

@@ -44,6 +44,8 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     lasted = f"for {way:.2f} m, {1e3 * time:.0f} ms"
     if event.kind == "lift":
         return f"{_wheel(event.side, event.part, vehicle)} is lifted {lasted}"
+    if event.kind == "substitute":
+        return f"the contact of {_wheel(event.side, event.part, vehicle)} was not solved, a substitute acted {lasted}"
     return f"bump stop {event.part} is beyond the end of its table {lasted}"
 
 

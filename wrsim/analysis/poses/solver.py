@@ -19,6 +19,7 @@ from wrsim.analysis.poses.load import LoadNotReached
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_pose import set_pose, wheel_wrench
+from wrsim.core.contact.records import STATUS_UNSETTLED
 from wrsim.core.linalg import Frame, Vec
 from wrsim.scenario.cases import StaticPose
 
@@ -52,6 +53,7 @@ class PoseSolver:
         self.radius = radius
         self.force = np.zeros(3)
         self.moment = np.zeros(3)
+        self.unsettled = False
 
     def evaluate(self, lateral: float, height: float, yaw: float, roll: float) -> None:
         """Contact of all wheels at one pose; leaves ``force`` and ``moment`` at the centre of mass."""
@@ -89,10 +91,14 @@ class PoseSolver:
 
     def _touch(self, wheel: int) -> None:
         """Contact of one wheel at the pose set in its model's arrays."""
-        self.wheels[wheel].model.arrays.call()
+        self.unsettled = bool(self.wheels[wheel].model.arrays.call() & STATUS_UNSETTLED) or (
+            wheel > 0 and self.unsettled
+        )
 
     def _remark(self, load: float) -> str:
         """What is to be said about the state that was found; nothing when all is well."""
+        if self.unsettled:
+            return "the strip model was not solved at this pose: the forces are those of a substitute"
         if abs(self.force[2] / load - 1.0) <= 1e-6:
             return ""
         return f"the load lies in a jump of the force: {self.force[2]:.6g} N instead of {load:.6g} N"

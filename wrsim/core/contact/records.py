@@ -18,7 +18,7 @@ SETTINGS = record(
     " wheel_step radius rail_step field_o field_b field_spacing hollow",
     # nodes between two samples of the search
     "tangential parabolic blended stride"
-    # normal model, see `core.contact.normal.models`, and the strips that it gets
+    # normal model and the strips that it gets
     " normal projected joint strips fewest start",
 )
 """Numbers of a contact model. E, G: of the pair of bodies; eps, kA, kS: Kik-Piotrowski's and Polach's; recess: of the
@@ -27,28 +27,29 @@ depth, where strips begin; joint: lobes of a patch share recess and strips; proj
 NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6)
 """SETTINGS.tangential."""
 
-AFRESH, FROM_LAST, SHARP_FROM_LAST = range(3)
-"""SETTINGS.start of the strip model: afresh, from the last contact, or from it and as sharply as afresh."""
+KIK_PIOTROWSKI, FREE_STRIPS = range(2)
+"""SETTINGS.normal; `wrsim.contact.models` lists the models."""
+
+AFRESH, FROM_LAST = range(2)
+"""SETTINGS.start of the strip model: afresh or from the last contact."""
 
 FOUND = record("arc_wheel arc_rail depth curvature saddle saddle_arc")
 """A contact that the search found: arclengths on wheel and rail, penetration, relative curvature; least penetration
 between this one and the next, with its rail arclength (-1 where the profiles separate in between)."""
 
-STRIP = record("s ds x a p no nb o b N Fx Fy Mz xi eta phi r_t mu penetration a_last")
+STRIP = record("s ds x a p no nb o b N Fx Fy Mz xi eta phi r_t mu penetration")
 """A strip: centre s and width ds across, middle x and half length a along the rail, largest pressure p; unit normal
 (no, nb) from rail to wheel and centre (o, b); normal force, creep forces, moment about the centre; creepages; radius
-of curvature along the rail; coefficient of friction; penetration, and half length in the last call (strip model)."""
+of curvature along the rail; coefficient of friction; penetration (strip model)."""
 
 LOBE = record(
     "N Fx Fy Mz p0 area length width approach angle angle_min angle_max angle_mean xi eta phi closing wear"
     # the main point
     " arc_wheel arc_rail x o b no nb"
     # edges along s, what the strips are laid over, pressure
-    " start end recess half_length coupling amplitude"
-    # the last call's contact
-    " last_arc last_start last_end",
+    " start end recess half_length coupling amplitude",
     # number of the patch, lobe that this one is coupled to or -1, strips
-    "group partner n_strips last_strips",
+    "group partner n_strips",
 )
 """A lobe of a patch. Forces act on the wheel; Mz is about the main point; wear is what creep dissipates [N]."""
 
@@ -59,7 +60,7 @@ patches (lobes that share a patch count once)."""
 STATUS_NOT_REFINED = 1
 STATUS_PROFILE_END = 2
 STATUS_TOO_DEEP = 4
-STATUS_UNSETTLED = 8  # the strip model has met its conditions to 1e-4 at best
+STATUS_UNSETTLED = 8  # the strip model was not solved, a substitute stands for it
 
 
 class Pose(NamedTuple):

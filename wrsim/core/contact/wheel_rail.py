@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 
 from wrsim.core.arena import block, matrix, record_rows, records, vector
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.normal.models import press_lobes
+from wrsim.core.contact.normal.kik_piotrowski import press
 from wrsim.core.contact.patch import find_edge, lay_strips
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.records import (
     FOUND,
+    FREE_STRIPS,
     LOBE,
     NO_CREEP_FORCES,
     SETTINGS,
@@ -29,7 +30,8 @@ from wrsim.core.contact.resultants import add_lobe
 from wrsim.core.contact.search.lobes import couple, select_deepest
 from wrsim.core.contact.search.locus import placed
 from wrsim.core.contact.search.points import find_contacts
-from wrsim.core.contact.strips.records import PLACE, SPAN
+from wrsim.core.contact.strips.model import press_strips
+from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW
 from wrsim.core.contact.tangential.creep_forces import creep_forces
 
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
@@ -41,8 +43,8 @@ class Arrays(NamedTuple):
 
     wheel, rail: profile tables, the rail's in (o, b) with its inclination; field: signed distances of the rail; creep:
     (20, 3) Kalker coefficients; shape: (cells,) bound over the cells; settings: (1,) SETTINGS; pose: (POSE,).
-    found: (8,) FOUND, work: (12, >= strips, >= 8), places to matrices (core.contact.strips.records): scratch. Results:
-    patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
+    found: (8,) FOUND, work: (12, >= strips, >= 8): scratch; influence to memo: of the strip model
+    (core.contact.strips.records). Results: patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
     """
 
     wheel: Any
@@ -56,11 +58,13 @@ class Arrays(NamedTuple):
     patches: Any
     strips: Any
     work: Any
+    influence: Any
+    rows: Any
     places: Any
-    spans: Any
-    factors: Any
-    step: Any
-    matrices: Any
+    grids: Any
+    vectors: Any
+    matrix: Any
+    memo: Any
     total: Any
 
 
@@ -83,12 +87,14 @@ def arrays(buffer, index):
         records(buffer, index, first + 8, LOBE),
         record_rows(buffer, index, first + 9, STRIP),
         matrix(buffer, index, first + 10),
-        records(buffer, index, first + 11, PLACE),
-        records(buffer, index, first + 12, SPAN),
-        vector(buffer, index, first + 13),
-        vector(buffer, index, first + 14),
-        block(buffer, index, first + 15),
-        records(buffer, index, first + 16, TOTAL),
+        matrix(buffer, index, first + 11),
+        record_rows(buffer, index, first + 12, ROW),
+        records(buffer, index, first + 13, PLACE),
+        records(buffer, index, first + 14, GRID),
+        matrix(buffer, index, first + 15),
+        matrix(buffer, index, first + 16),
+        records(buffer, index, first + 17, MEMO),
+        records(buffer, index, first + 18, TOTAL),
     )
 
 
@@ -115,12 +121,17 @@ def wheel_rail(buffer, index):
     count = select_deepest(a.found, count, lobes.shape[0])
     couple(a.found, count, settings.eps, lobes)
     for i in range(count):
-        left, right = _saddles(a.found, i, count)
-        status |= _bound_lobe(wheel, rail, settings, a.found, i, left, right, lobes)
+        status |= _start_lobe(rail, a.found[i], lobes[i])
     _group(a.found, settings.eps, lobes, count)
-    for i in range(count):
-        _lay_lobe(wheel, rail, settings, lobes, count, i, a.strips[i])
-    status |= press_lobes(a, pose, count)
+    if settings.normal == FREE_STRIPS:
+        status |= press_strips(a, wheel, rail, pose, count)
+    else:
+        for i in range(count):
+            left, right = _saddles(a.found, i, count)
+            status |= _bound_lobe(wheel, rail, settings, a.found, i, left, right, lobes)
+        for i in range(count):
+            _lay_lobe(wheel, rail, settings, lobes, count, i, a.strips[i])
+        press(settings, pose, lobes, a.strips, count, a.work)
     _sum_up(a, pose, count)
     return status
 
@@ -186,36 +197,39 @@ def _saddles(found, i, count):
 
 
 @kernel
-def _bound_lobe(wheel, rail, settings, found, i, left, right, lobes):
-    """Main point, recess and edges of lobe i, at most ``left`` and ``right`` of the main point.
-
-    Returns status bits; without contact the width is zero.
-    """
-    lobe, own = lobes[i], found[i]
-    delta = own.depth
-    status = STATUS_TOO_DEEP if delta > DEEPEST else 0
-    level = delta
-    if settings.joint and lobe.partner >= 0 and found[lobe.partner].depth > delta:
-        level += lobe.coupling * (found[lobe.partner].depth - delta)
+def _start_lobe(rail, own, lobe):
+    """Main point of a lobe that the search has found, so far without pressure. Returns status bits."""
     at = profile_point(rail, own.arc_rail)
-    lobe.approach = delta
+    lobe.approach = own.depth
     lobe.arc_wheel = own.arc_wheel
     lobe.arc_rail = own.arc_rail
     lobe.no = -at.tw
     lobe.nb = at.tu
+    lobe.n_strips = 0
+    lobe.N = lobe.p0 = lobe.area = lobe.length = lobe.width = lobe.recess = 0.0
+    return STATUS_TOO_DEEP if own.depth > DEEPEST else 0
+
+
+@kernel
+def _bound_lobe(wheel, rail, settings, found, i, left, right, lobes):
+    """Recess and edges of lobe i, at most ``left`` and ``right`` of the main point.
+
+    Returns status bits; without contact the width is zero.
+    """
+    lobe, own = lobes[i], found[i]
+    delta = level = own.depth
+    if settings.joint and lobe.partner >= 0 and found[lobe.partner].depth > delta:
+        level += lobe.coupling * (found[lobe.partner].depth - delta)
     lobe.recess = settings.recess * level
-    lobe.width = 0.0
     if delta <= lobe.recess:
-        return status
+        return 0
     # first step: half of the half width that the relative curvature at the main point promises
     first = 0.55 * sqrt(2.0 * (delta - lobe.recess) / max(own.curvature, 0.5))
     first = min(max(first, 2e-5), 4e-3)
     lobe.end, beyond = find_edge(wheel, rail, lobe, settings.projected, first, 1.0, right)
     lobe.start, before = find_edge(wheel, rail, lobe, settings.projected, first, -1.0, left)
-    if beyond or before:
-        status |= STATUS_PROFILE_END
     lobe.width = lobe.end - lobe.start
-    return status
+    return STATUS_PROFILE_END if beyond or before else 0
 
 
 @kernel
@@ -241,8 +255,6 @@ def _lay_lobe(wheel, rail, settings, lobes, count, i, strips):
     of them, because its forces would jump, if slightly, with their number.
     """
     lobe = lobes[i]
-    lobe.n_strips = 0
-    lobe.N = lobe.p0 = lobe.area = lobe.length = 0.0
     if lobe.width <= 0.0:
         return
     if settings.strip_width > 0.0:

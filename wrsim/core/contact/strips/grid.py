@@ -1,199 +1,230 @@
-"""The strips of the strip model: where they lie and what the profiles are there."""
+"""Grids of the strip model: where rows and strips lie, and what the profiles are there.
 
-from math import log, sqrt
+Rows stand at equal steps of the rail's arclength, each with the point of the wheel's outline opposite it, so that the
+penetration d(s) belongs to the pose alone, wherever it is counted from. Strips lie between the edges of the contact,
+denser where d bends more (Hertz: equally): as equal pieces of the integral of
 
-from wrsim.core.compiling import kernel
-from wrsim.core.contact.records import AFRESH
-from wrsim.core.contact.strips.edges import forget
-from wrsim.core.contact.strips.records import FACTORS, of_span
+    density = sqrt(|d''|), a mean over neighbouring rows, + FLOOR times its mean.
+"""
 
+from math import sqrt
+from typing import NamedTuple
 
-@kernel
-def take_places(lobes, strips, count, start, state):
-    """Places for the strips of each lobe; edges and half lengths of the last call. Returns (places, all known)."""
-    m = 0
-    known = start != AFRESH
-    for i in range(count):
-        lobe, rows, span = lobes[i], strips[i], state.spans[i]
-        n = lobe.n_strips
-        half = 0.5 * rows[0].ds
-        span.first = m
-        span.n = n
-        span.start.limit = rows[0].s - half
-        span.end.limit = rows[n - 1].s + half
-        known = known and lobe.last_strips == n
-        span.start.at = max(lobe.last_start, span.start.limit)
-        span.end.at = min(lobe.last_end, span.end.limit)
-        span.on = n > 0 and span.end.at > span.start.at
-        span.widened = 0
-        forget(span)
-        for j in range(n):
-            place = state.places[m]
-            place.lobe = i
-            place.let_go = 0
-            place.a = rows[j].a_last if span.on else 0.0
-            place.at = min(max((j + 0.5) / n * FACTORS - 0.5, 0.0), FACTORS - 1.0)
-            m += 1
-    return m, known
+from wrsim.core.compiling import inlined, kernel
+from wrsim.core.contact.profile import length, profile_point
+from wrsim.core.contact.search.locus import locus_point
+from wrsim.core.contact.strips.records import FACTORS, ROWS
+
+LEVEL = 0.1  # of a lobe's depth: rows reach so far
+WIDEST = 0.08  # half width at which the search for the end of the rows is given up [m]
+FLOOR = 0.5  # share of even density
+LEAST_FACING = 2.5e-3  # square of the sine between axle and normal, held above
 
 
-@kernel
-def first_guess(strips, count, state):
-    """Widest edges; within, half lengths and factors about like those of Hertz's ellipse."""
-    for i in range(count):
-        rows, span = strips[i], state.spans[i]
-        own = of_span(state.places, span)
-        n = span.n
-        if n == 0:
-            continue
-        span.on = 1
-        span.widened = 0
-        forget(span)
-        span.start.at = span.start.limit
-        span.end.at = span.end.limit
-        deepest = 1e-12
-        main = 0
-        for j in range(n):
-            if rows[j].penetration > deepest:
-                deepest = rows[j].penetration
-                main = j
-        # ratio of the curvatures across and along from the width at half of the depth; Hertz's factor and edges for it
-        wide = 0
-        for j in range(n):
-            wide += 1 if rows[j].penetration > 0.5 * deepest else 0
-        ratio = rows[main].r_t * deepest / (0.5 * max(wide, 1) * rows[0].ds) ** 2
-        level = min(max(0.5 + 0.07 * log(ratio), 0.2), 0.8)
-        for j in range(n):
-            share = (rows[j].penetration / deepest - level) / (1.0 - level)
-            own[j].a = 0.75 * sqrt(2.0 * rows[j].r_t * deepest * share) if share > 0.0 else 0.0
-            own[j].let_go = 0
-        state.factors[i * FACTORS : (i + 1) * FACTORS] = min(1.0 + 0.27 * ratio**0.63, 5.0)
+class Opposite(NamedTuple):
+    """A pair of opposite points: penetration along the mean normal; middle (x, o, b) and normal (no, nb); the wheel's
+    shrink and radius along t; how far the wheel's point was ahead of the rail's [m]."""
+
+    d: float
+    x: float
+    o: float
+    b: float
+    no: float
+    nb: float
+    shrink: float
+    r_t: float
+    ahead: float
+
+
+@inlined
+def opposite(wheel, rail, arc_wheel, arc_rail):
+    """The pair at these arclengths; what the wheel's point is ahead along the mean tangent is taken back along its own
+    tangent."""
+    w = locus_point(wheel, arc_wheel)
+    r = profile_point(rail, arc_rail)
+    po = w.no - r.tw
+    pb = w.nb + r.tu
+    t = 0.25 * (po * po + pb * pb)
+    if t < 1e-3:
+        inverse = 0.5 + t * (0.25 + t * (0.1875 + t * (0.15625 + t * 0.13671875)))
+    else:
+        inverse = 0.5 / sqrt(max(1.0 - t, 1e-6))
+    no = (-r.tw - w.no) * inverse
+    nb = (r.tu - w.nb) * inverse
+    ahead = (w.o - r.u) * nb - (w.b - r.w) * no
+    wo = w.o + ahead * w.nb
+    wb = w.b - ahead * w.no
+    d = -((wo - r.u) * no + (wb - r.w) * nb)
+    return Opposite(d, w.x, 0.5 * (wo + r.u), 0.5 * (wb + r.w), no, nb, w.shrink, w.r_t, ahead)
 
 
 @kernel
-def sample(rows, span, own, modulus, axle):
-    """Geometry at the present strips of a lobe, by cubic interpolation in the rows laid over the penetration.
+def find_end(wheel, rail, arc_wheel, arc_rail, depth, first, direction, limit):
+    """Arclength on the rail where the penetration has fallen to LEVEL of ``depth``, walking from a main point.
 
-    axle: of the wheel (t, o, b); it yaws the strips.
+    first: first step [m]; direction: +1.0 or -1.0; limit: largest distance. Returns (distance, status): status 0, or 1
+    at the end of a profile.
     """
-    n = span.n
-    width = (span.end.at - span.start.at) / n
-    for j in range(n):
-        s = span.start.at + (j + 0.5) * width
-        x = (s - rows[0].s) / rows[0].ds
-        c = min(max(int(x), 1), n - 3)
-        r = x - c
-        w0 = -r * (r - 1.0) * (r - 2.0) / 6.0
-        w1 = (r + 1.0) * (r - 1.0) * (r - 2.0) / 2.0
-        w2 = -(r + 1.0) * r * (r - 2.0) / 2.0
-        w3 = (r + 1.0) * r * (r - 1.0) / 6.0
-        r0, r1, r2, r3 = rows[c - 1], rows[c], rows[c + 1], rows[c + 2]
-        place = own[j]
-        place.s = s
-        place.ds = width
-        place.d = w0 * r0.penetration + w1 * r1.penetration + w2 * r2.penetration + w3 * r3.penetration
-        place.o = w0 * r0.o + w1 * r1.o + w2 * r2.o + w3 * r3.o
-        place.b = w0 * r0.b + w1 * r1.b + w2 * r2.b + w3 * r3.b
-        place.x = r1.x + r * (r2.x - r1.x)
-        no = r1.no + r * (r2.no - r1.no)
-        nb = r1.nb + r * (r2.nb - r1.nb)
-        inverse = 1.0 / sqrt(no * no + nb * nb)
-        place.no = no * inverse
-        place.nb = nb * inverse
-        lean = place.no * axle.y + place.nb * axle.z
-        skew = abs(axle.x) / sqrt(max(1.0 - lean * lean, 2.5e-3))
-        place.r_t = 1.0 / _mean_curvature(rows, n, x, skew, place.d)
-        place.hertz = 0.5 * modulus / place.r_t
+    level = LEVEL * depth
+    wheel_end, rail_end = length(wheel.profile), length(rail)
+    inner, inner_arc, inner_d = 0.0, arc_wheel, depth
+    shrink = last = opposite(wheel, rail, arc_wheel, arc_rail).shrink
+    step = first
+    while True:
+        outer = min(inner + step, limit)
+        arc = inner_arc + direction * (outer - inner) * (1.5 * shrink - 0.5 * last)
+        at = opposite(wheel, rail, arc, arc_rail + direction * outer)
+        if at.d <= level:
+            break
+        if outer >= limit:
+            return limit, 0
+        on_rail = arc_rail + direction * outer
+        if arc <= 0.0 or arc >= wheel_end or on_rail <= 0.0 or on_rail >= rail_end:
+            return outer, 1
+        inner, inner_d = outer, at.d
+        inner_arc = arc - at.ahead * at.shrink
+        last, shrink = shrink, at.shrink
+    lo, hi = inner, outer
+    lo_h, hi_h = inner_d - level, at.d - level
+    s = hi
+    side = 0
+    for _ in range(60):
+        # in s^2, where d is nearly linear
+        s = sqrt((lo * lo * hi_h - hi * hi * lo_h) / (hi_h - lo_h))
+        arc = inner_arc + direction * (s - inner) * (1.5 * shrink - 0.5 * last)
+        h = opposite(wheel, rail, arc, arc_rail + direction * s).d - level
+        if abs(h) < 1e-6 * depth or hi - lo < 1e-12:
+            break
+        if h > 0.0:
+            lo, lo_h = s, h
+            if side == 1:
+                hi_h *= 0.5
+            side = 1
+        else:
+            hi, hi_h = s, h
+            if side == -1:
+                lo_h *= 0.5
+            side = -1
+    return s, 0
 
 
 @kernel
-def _mean_curvature(rows, n, x, skew, d):
-    """Mean of 1/R_x over what a strip really runs over, at place x among the rows.
+def lay_rows(wheel, rail, arc_wheel, arc_rail, grid, rows):
+    """Rows of a grid from ``least`` to ``most``; the main point is one of its lobes'."""
+    h = (grid.most - grid.least) / (ROWS - 1)
+    grid.spacing = h
+    main = min(max(int((arc_rail - grid.least) / h), 0), ROWS - 1)
+    shrink0 = opposite(wheel, rail, arc_wheel, arc_rail).shrink
+    deepest = 1e-12
+    for sweep in range(2):
+        direction = 1 if sweep == 0 else -1
+        i = main if sweep == 0 else main - 1
+        arc, at_s = arc_wheel, arc_rail
+        shrink = last = shrink0
+        drift = 0.0
+        while 0 <= i < ROWS:
+            s = grid.least + i * h
+            # how far the pair drifts apart in a step is foretold from the last one
+            arc += (s - at_s) * (1.5 * shrink - 0.5 * last - drift)
+            at = opposite(wheel, rail, arc, s)
+            taken = at.ahead * at.shrink
+            if s != at_s:
+                drift += taken / (s - at_s)
+            arc -= taken
+            at_s = s
+            last, shrink = shrink, at.shrink
+            row = rows[i]
+            row.s, row.d, row.x, row.o, row.b = s, at.d, at.x, at.o, at.b
+            row.no, row.nb, row.r_t = at.no, at.nb, at.r_t
+            deepest = max(deepest, at.d)
+            i += direction
+    grid.deepest = deepest
+
+
+@kernel
+def grade_rows(grid, rows, axle):
+    """Density of the strips and its integral; curvatures along the rail as a strip feels them. axle: (t, o, b).
 
     Along a strip of a wheel whose axle points by e_t along the rail the profile coordinate changes by x times the skew
-    e_t / cos(angle), with the angle between the strip and the axle: a curvature that jumps across the profile is felt
-    as a mean over +-a times the skew.
+    e_t / sin(angle), with the angle between normal and axle: a curvature that jumps across the profile is felt as a
+    mean over +-a times the skew.
     """
-    middle = min(max(int(x + 0.5), 0), n - 1)
-    half = 0.7 * sqrt(2.0 * rows[middle].r_t * max(d, 0.0))
-    reach = max(half * skew / rows[0].ds, 1.0)
+    h = grid.spacing
     total = 0.0
-    weights = 0.0
-    for k in range(max(int(x - reach), 0), min(int(x + reach) + 2, n)):
-        weight = 1.0 - abs(k - x) / reach
-        if weight > 0.0:
-            total += weight / rows[k].r_t
-            weights += weight
-    if weights == 0.0:
-        return 1.0 / rows[middle].r_t
-    return total / weights
+    for r in range(ROWS):
+        c = min(max(r, 2), ROWS - 3)
+        rows[r].xi = sqrt(abs(rows[c - 2].d - 2.0 * rows[c].d + rows[c + 2].d) / (4.0 * grid.deepest)) / h
+        total += rows[r].xi
+    floor = FLOOR * total / ROWS
+    for r in range(ROWS):
+        row = rows[r]
+        near = 0.0
+        for q in range(-2, 3):
+            near += rows[min(max(r + q, 0), ROWS - 1)].xi
+        row.density = 0.2 * near + floor
+        lean = row.no * axle.y + row.nb * axle.z
+        skew = abs(axle.x) / sqrt(max(1.0 - lean * lean, LEAST_FACING))
+        reach = max(0.7 * sqrt(2.0 * row.r_t * max(row.d, 0.0)) * skew / h, 1.0)
+        bend = weights = 0.0
+        for q in range(max(int(r - reach), 0), min(int(r + reach) + 2, ROWS)):
+            weight = 1.0 - abs(q - r) / reach
+            if weight > 0.0:
+                bend += weight / rows[q].r_t
+                weights += weight
+        row.bend = bend / weights
+    total = 0.0
+    for r in range(ROWS):
+        if r > 0:
+            total += 0.5 * h * (rows[r].density + rows[r - 1].density)
+        rows[r].xi = total
+
+
+@inlined
+def _integral(grid, rows, s):
+    """Integral of the density up to s, and the density there."""
+    x = (s - grid.least) / grid.spacing
+    r = min(max(int(x), 0), ROWS - 2)
+    x -= r
+    rise = rows[r + 1].density - rows[r].density
+    return rows[r].xi + grid.spacing * x * (rows[r].density + 0.5 * x * rise), rows[r].density + x * rise
 
 
 @kernel
-def leave(span, own):
-    """Take a lobe out of contact."""
-    span.on = 0
-    for j in range(span.n):
-        own[j].a = 0.0
-
-
-@kernel
-def regrid(rows, span, own, factors, start, end):
-    """Lay the strips of a lobe over ``start`` to ``end`` and what it held before; new ground gets short strips.
-
-    factors: all of the lobe's.
-    """
-    n = span.n
-    on = span.on != 0
-    old_start, old_end = span.start.at, span.end.at
-    if on:
-        start, end = min(start, old_start), max(end, old_end)
-    deepest = 0.0
-    longest = 0.0
+def place_strips(grid, rows, places, offset):
+    """Lay the strips of a grid between its edges and read the geometry there. places: its own."""
+    n = places.size
+    h = grid.spacing
+    first, density_start = _integral(grid, rows, grid.start)
+    end, density_end = _integral(grid, rows, grid.end)
+    r = min(max(int((grid.start - grid.least) / h), 0), ROWS - 2)
+    lo, lo_start, lo_end = grid.start, 1.0, 0.0
     for j in range(n):
-        deepest = max(deepest, rows[j].penetration)
-        longest = max(longest, rows[j].r_t)
-        own[j].a_before = own[j].a if on else 0.0
-    short = 0.1 * sqrt(2.0 * longest * deepest)
-    width = (old_end - old_start) / n
-    for j in range(n):
-        s = start + (j + 0.5) / n * (end - start)
-        own[j].let_go = 0
-        own[j].a = short
-        if on and old_start < s < old_end:
-            x = (s - old_start) / width - 0.5
-            c = min(max(int(x), 0), n - 2)
-            r = min(max(x - c, 0.0), 1.0)
-            own[j].a = own[c].a_before * (1.0 - r) + own[c + 1].a_before * r
-    if not on:
-        factors[:] = 1.0
-    span.on = 1
-    span.start.at = start
-    span.end.at = end
-    forget(span)
-
-
-@kernel
-def write_back(lobes, strips, count, state):
-    """The solution to the rows, and what the next call may start from."""
-    for i in range(count):
-        lobe, span = lobes[i], state.spans[i]
-        own = of_span(state.places, span)
-        lobe.last_strips = span.n
-        lobe.last_start = span.start.at
-        lobe.last_end = span.end.at if span.on else span.start.at - 1.0
-        if not span.on:
-            lobe.n_strips = 0
-            continue
-        for j in range(span.n):
-            row, place = strips[i, j], own[j]
-            row.s = place.s
-            row.ds = place.ds
-            row.x = place.x
-            row.a = row.a_last = place.a
-            row.p = place.q if place.a > 0.0 else 0.0
-            row.no = place.no
-            row.nb = place.nb
-            row.o = place.o
-            row.b = place.b
-            row.r_t = place.r_t
+        place = places[j]
+        share = (j + 1.0) / n
+        goal = first + share * (end - first)
+        while r < ROWS - 2 and rows[r + 1].xi < goal:
+            r += 1
+        density, rise = rows[r].density, rows[r + 1].density - rows[r].density
+        c = (goal - rows[r].xi) / h
+        x = 2.0 * c / (density + sqrt(max(density * density + 2.0 * rise * c, 1e-30)))
+        there = max(density + x * rise, 1e-12)
+        place.lo, place.lo_start, place.lo_end = lo, lo_start, lo_end
+        lo, lo_start, lo_end = rows[r].s + h * x, (1.0 - share) * density_start / there, share * density_end / there
+        if j == n - 1:
+            lo, lo_start, lo_end = grid.end, 0.0, 1.0
+        place.hi, place.hi_start, place.hi_end = lo, lo_start, lo_end
+        s = place.s = 0.5 * (place.lo + place.hi)
+        x = (s - grid.least) / h
+        c = min(max(int(x), 1), ROWS - 3)
+        t = x - c
+        d0, d1, d2, d3 = rows[c - 1].d, rows[c].d, rows[c + 1].d, rows[c + 2].d
+        # cubic through four rows
+        k1 = -d0 / 3.0 - 0.5 * d1 + d2 - d3 / 6.0
+        k2 = 0.5 * (d0 + d2) - d1
+        k3 = (d3 - d0) / 6.0 + 0.5 * (d1 - d2)
+        place.d = d1 + t * (k1 + t * (k2 + t * k3)) - offset
+        place.d_s = (k1 + t * (2.0 * k2 + 3.0 * t * k3)) / h
+        place.bend_s = (rows[c + 1].bend - rows[c].bend) / h
+        place.bend = rows[c].bend + t * h * place.bend_s
+        place.x = rows[c].x + t * (rows[c + 1].x - rows[c].x)
+        place.at = min(max((j + 0.5) / n * FACTORS - 0.5, 0.0), FACTORS - 1.0)

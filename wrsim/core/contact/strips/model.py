@@ -6,209 +6,219 @@ order along x,
 
     u = d,      d2u/dx2 = -1/R_x,
 
-d = delta c - g the penetration of the undeformed profiles there, R_x the wheel's radius along the rail. With f(a, s) of
+d the penetration of the undeformed profiles there, R_x the wheel's radius along the rail. With f(a, s) of
 `core.contact.strips.influence` the displacement is u = 1/(pi E*) sum_i Q_i int_i f ds, and because
 f_xx = -f_ss - f_s/s = -f/(a^2 + s^2),
 
     sum_i Q_i int_i f ds = pi E* d,      sum_i Q_i int_i f/(a_i^2 + s^2) ds = pi E* / R_x.
 
 A semi-ellipsoid over an ellipse satisfies both everywhere with Q = k E*/(2 R_x), so Hertz's solution is exact up to
-the width of the strips; nothing is fitted. In general k varies along a lobe, linearly between FACTORS values: the first
-condition holds at every strip's centre, the second in the mean around each of those values.
+the width of the strips; nothing is fitted. In general k varies along a grid, linearly between FACTORS values: the first
+condition holds at every strip's centre, the second in the mean around each of those values. At either edge the ratio of
+a^2 of the outer strips is Hertz's. Strips that would have to pull carry nothing. s is the rail's arclength, and the
+distance of two strips is counted along it. Yaw shifts are left out of f.
 
-Newton's method finds a^2 and k, the strips' places follow the edges of the contact (`core.contact.strips.edges`).
-Strips that would have to pull are let go, those where the gap has closed are taken in. Yaw shifts are left out of f.
+Lobes whose saddle is nearly as deep as they are share a grid of strips. After the solution it is cut at the saddle, so
+every lobe has its strips and nothing that is reported jumps where grids merge.
 """
 
 from math import pi, sqrt
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.records import FROM_LAST
-from wrsim.core.contact.strips.edges import edge_shifts, forget, in_contact, move_edges
-from wrsim.core.contact.strips.grid import first_guess, leave, regrid, sample, take_places, write_back
-from wrsim.core.contact.strips.influence import assemble, displacement_at, displacement_beside
-from wrsim.core.contact.strips.newton import newton_step, residuals
-from wrsim.core.contact.strips.records import FACTORS, of_span
+from wrsim.core.contact.records import AFRESH, STATUS_PROFILE_END, STATUS_UNSETTLED
+from wrsim.core.contact.resultants import set_creepages
+from wrsim.core.contact.strips.equations import block_of
+from wrsim.core.contact.strips.grid import WIDEST, find_end, grade_rows, lay_rows, opposite
+from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
+from wrsim.core.contact.strips.solution import SUBSTITUTED, carry_over, solve
 
-# Of u - d, over the deepest penetration, with ten times that for the curvature, and of an edge in strip widths. From
-# step to step of a run, where the forces change by more, and where a solution must be the same from any first guess.
-WARM_TOLERANCE, WARM_EDGE = 1e-5, 0.02
-COLD_TOLERANCE, COLD_EDGE = 1e-10, 1e-6
-STUCK = 0.05  # change of the misfit, over itself, below which Newton's method is stuck
-LOOSE = 0.01  # misfit below which edges may move
-MOST_MOVES = 25  # of an edge
-ITERATIONS = 100
-WARM_ITERATIONS = 25  # from the last contact; beyond, a fresh start is better
-SHORTEST = 2e-3  # half length below which a strip is out of contact, over the longest possible one
-ENTRY = 2e-5  # closing of the gap at which a strip enters, over the deepest penetration
-WIDEN = 1e-3  # the same beyond the edges
-FEWEST = 4  # strips in contact below which a lobe has left it
-IDLE = 1e-4  # move of the edges, over the width, that shows that widening a lobe was in vain
-NARROWEST = 0.03  # the same for its width, over that of its penetration: a force of some 1e-5 of what it could be
-RETURNS = 3  # times that a strip may be taken in again
+MERGED = 0.9  # saddle over the depth of the shallower lobe from which on both share a grid
+LINK, UNLINKED, LINKED = (
+    0.05,
+    0.5,
+    0.9,
+)  # weight that holds the factors of neighbours together, and saddles for none, all
+OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
+LEAST_PART = 1e-6  # of a strip's width that is worth a row of its own
 
 
 @kernel
-def strip_model(lobes, strips, count, modulus, axle, start, state):
-    """Half lengths and amplitudes of the strips of all lobes, and the edges of the contact.
-
-    lobes (lobes,) LOBE and strips (lobes, rows) STRIP: rows laid over the penetration, wider than the contact, as a
-    table of the geometry; overwritten with the strips found. modulus: E* [Pa]; axle: of the wheel (t, o, b); start:
-    SETTINGS.start; state: Unknowns, for m places and as many factors.
-    Writes per strip s, ds, x, a (0 out of contact), no, nb, o, b, r_t and, as p, the amplitude Q [Pa/m]; per lobe
-    n_strips (0 out of contact). Returns (iterations, largest misfit): negative iterations say that there was no
-    convergence.
-    """
-    m, known = take_places(lobes, strips, count, start, state)
-    loose = start == FROM_LAST
-    iterations = 0
-    misfit = 1.0
-    if known:
-        most = WARM_ITERATIONS if loose else ITERATIONS
-        iterations, misfit = _solve(strips, count, modulus, axle, loose, most, m, state)
-    if iterations <= 0:
-        first_guess(strips, count, state)
-        iterations, misfit = _solve(strips, count, modulus, axle, loose, ITERATIONS, m, state)
-    write_back(lobes, strips, count, state)
-    return iterations, misfit
-
-
-@kernel
-def _solve(strips, count, modulus, axle, loose, most, m, state):
-    """Newton's method and moves of the edges, in turns. Returns (iterations, largest misfit), negative if unsolved."""
-    places, spans = state.places, state.spans
-    stiffness = pi * modulus
-    tolerance = WARM_TOLERANCE if loose else COLD_TOLERANCE
-    edge_tolerance = WARM_EDGE if loose else COLD_EDGE
-    deepest = 1e-12
-    longest = 0.0
-    _sample_all(strips, count, modulus, axle, state)
+def press_strips(a, wheel, rail, pose, count):
+    """Pressures of all lobes, with damping; a: Arrays of core.contact.wheel_rail. Returns a status."""
+    settings, lobes = a.settings[0], a.patches
+    n = settings.strips
+    system = System(a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
+    memo = a.memo[0]
+    if settings.start == AFRESH:
+        memo.known = 0
+    before = memo.known
     for i in range(count):
-        for j in range(spans[i].n):
-            deepest = max(deepest, strips[i, j].penetration)
-    for k in range(m):
-        if spans[places[k].lobe].on:
-            longest = max(longest, sqrt(2.0 * places[k].r_t * max(places[k].d, 0.0)))
-    misfit = last = 1e9
-    for iteration in range(1, most + 1):
-        n = _collect(places, spans, m)
-        if n == 0:
-            if not _take_in(strips, count, m, n, stiffness, deepest, state):
-                return iteration, 0.0
-            _sample_all(strips, count, modulus, axle, state)
-            continue
-        assemble(state, n, m)
-        misfit = residuals(state, n, count, stiffness, deepest)
-        # factors at their bounds: only other edges can help
-        stuck = abs(misfit - last) < STUCK * misfit
-        last = misfit
-        if misfit < tolerance:
-            shift = 0.0
-            for i in range(count):
-                if spans[i].on and spans[i].moves < MOST_MOVES:
-                    shift = max(shift, edge_shifts(spans[i], of_span(places, spans[i])))
-            if shift < edge_tolerance:
-                if 2 * iteration > most or not _take_in(strips, count, m, n, stiffness, deepest, state):
-                    return iteration, misfit
-                _sample_all(strips, count, modulus, axle, state)
-                continue
-        else:
-            newton_step(state, n, count, stiffness, SHORTEST * longest)
-        for i in range(count):
-            span, own = spans[i], of_span(places, spans[i])
-            if not span.on:
-                continue
-            narrow = span.end.at - span.start.at < NARROWEST * (span.end.limit - span.start.limit)
-            if narrow or in_contact(own) < FEWEST:
-                leave(span, own)
-                for j in range(count):
-                    forget(spans[j])
-            elif (
-                (misfit < LOOSE or stuck) and span.moves < MOST_MOVES and edge_shifts(span, own) >= 0.5 * edge_tolerance
-            ):
-                move_edges(span, own)
-                span.moves += 1
-                sample(strips[i], span, own, modulus, axle)
-    return -most, misfit
-
-
-@kernel
-def _sample_all(strips, count, modulus, axle, state):
-    """Geometry at the strips of all lobes in contact."""
+        _set_main_point(wheel, rail, lobes[i])
+    status = _set_grids(system, a.found, lobes, wheel, rail, pose, count)
+    memo.modulus = settings.E
+    memo.stiffness = pi * settings.E
+    known = before > 0
+    if known and not _same_grids(system, n, before):
+        memo.factored = 0
+        known = carry_over(system, n)
+    result = memo.result = solve(system, n, known)
+    memo.known = memo.grids
+    if result == SUBSTITUTED:
+        memo.known = 0
+        memo.substitutes += 1
+    for g in range(memo.grids):
+        _hand_out(system, n, g, a.found, lobes, a.strips)
     for i in range(count):
-        if state.spans[i].on:
-            sample(strips[i], state.spans[i], of_span(state.places, state.spans[i]), modulus, axle)
+        _report(settings, pose, lobes[i], a.strips[i])
+    return status | (STATUS_UNSETTLED if result == SUBSTITUTED else 0)
 
 
 @kernel
-def _collect(places, spans, m):
-    """Number the strips in contact; returns how many there are."""
-    n = 0
-    for k in range(m):
-        if places[k].a > 0.0 and spans[places[k].lobe].on:
-            places[n].touching = k
-            n += 1
-    return n
+def _set_main_point(wheel, rail, lobe):
+    """Place of a lobe's main point, and the half length of the overlap there."""
+    at = opposite(wheel, rail, lobe.arc_wheel, lobe.arc_rail)
+    lobe.x, lobe.o, lobe.b = at.x, at.o, at.b
+    lobe.half_length = sqrt(2.0 * max(at.d, 0.0) * at.r_t)
 
 
 @kernel
-def _take_in(strips, count, m, n, stiffness, deepest, state):
-    """Strips where the displacement falls short of the penetration enter the contact. True if any did."""
-    places, spans = state.places, state.spans
-    changed = False
-    for i in range(count):
-        span = spans[i]
-        start, end = span.start.at, span.end.at
-        moved = abs(start - span.start.before) + abs(end - span.end.before)
-        if span.widened > 0 and moved < IDLE * (end - start):
-            continue
-        if span.widened < RETURNS and _widen(strips[i], i, n, stiffness, deepest, state):
-            span.widened += 1
-            span.start.before = start
-            span.end.before = end
-            changed = True
-    if changed:
-        return True
-    for k in range(m):
-        place = places[k]
-        place.misfit = 0.0
-        if place.a > 0.0 or place.let_go > RETURNS or not spans[place.lobe].on:
-            continue
-        closing = place.d - displacement_at(places, k, n) / stiffness
-        if closing > ENTRY * deepest:
-            # a strip alone: Q = E*/(2 R_x), u about 6 Q a^2 / (pi E*)
-            place.misfit = sqrt(closing * place.r_t)
-            forget(spans[place.lobe])
-            changed = True
-    if changed:
-        for k in range(m):
-            places[k].a += places[k].misfit
-    return changed
+def _set_grids(system, found, lobes, wheel, rail, pose, count):
+    """Grids over all lobes, their bounds and rows. Returns a status."""
+    memo = system.memo[0]
+    status = 0
+    memo.grids = 0
+    memo.deepest = 1e-12
+    i = 0
+    while i < count:
+        last = i
+        while last < count - 1 and found[last].saddle > MERGED * min(found[last].depth, found[last + 1].depth):
+            last += 1
+        grid = system.grids[memo.grids]
+        grid.first, grid.last = i, last
+        ends = 0.0, 0.0
+        for side in range(2):
+            k = i if side == 0 else last
+            own = found[k]
+            limit = WIDEST
+            if side == 0 and i > 0 and found[i - 1].saddle >= 0.0:
+                limit = max(own.arc_rail - found[i - 1].saddle_arc, 1e-7)
+            if side == 1 and last < count - 1 and own.saddle >= 0.0:
+                limit = max(own.saddle_arc - own.arc_rail, 1e-7)
+            first = min(max(0.55 * sqrt(2.0 * own.depth / max(own.curvature, 0.5)), 2e-5), 4e-3)
+            way, beyond = find_end(
+                wheel, rail, own.arc_wheel, own.arc_rail, own.depth, first, 1.0 if side == 1 else -1.0, limit
+            )
+            status |= STATUS_PROFILE_END if beyond else 0
+            ends = (own.arc_rail - way, 0.0) if side == 0 else (ends[0], own.arc_rail + way)
+        grid.least, grid.most = ends
+        rows = system.rows[memo.grids]
+        lay_rows(wheel, rail, found[i].arc_wheel, found[i].arc_rail, grid, rows)
+        grade_rows(grid, rows, pose.axle)
+        memo.deepest = max(memo.deepest, grid.deepest)
+        main = 0
+        for k in range(i, last + 1):
+            main = k if found[k].depth > found[max(main, i)].depth or k == i else main
+        grid.x = lobes[main].x
+        grid.reach = lobes[main].half_length
+        grid.link = 0.0
+        if last < count - 1 and found[last].saddle > 0.0:
+            t = found[last].saddle / min(found[last].depth, found[last + 1].depth)
+            t = min(max((t - UNLINKED) / (LINKED - UNLINKED), 0.0), 1.0)
+            grid.link = LINK * t * t * (3.0 - 2.0 * t)
+        memo.grids += 1
+        i = last + 1
+    return status
 
 
 @kernel
-def _widen(rows, i, n, stiffness, deepest, state):
-    """Let lobe i reach over the rows beyond its edges where the gap has closed. True if there are any.
-
-    This is how a lobe comes into contact, and how a second hump of the penetration is found.
-    """
-    span = state.spans[i]
-    start, end = span.start.at, span.end.at
-    clear = 1.5 * (end - start) / span.n if span.on else 0.0
-    first = span.n
-    last = -1
-    for j in range(span.n):
-        row = rows[j]
-        if span.on and start - clear < row.s < end + clear:
-            continue
-        if row.penetration <= WIDEN * deepest:
-            continue
-        if row.penetration - displacement_beside(state.places, row, n) / stiffness > WIDEN * deepest:
-            first = min(first, j)
-            last = j
-    if last < 0:
+def _same_grids(system, n, before):
+    """Whether the unknowns of the last call suit the grids as they are; edges are brought within the bounds."""
+    memo, x = system.memo[0], system.vectors[X]
+    if before != memo.grids:
         return False
-    half = 0.5 * rows[0].ds
-    factors = state.factors[i * FACTORS : (i + 1) * FACTORS]
-    regrid(rows, span, of_span(state.places, span), factors, rows[first].s - half, rows[last].s + half)
+    for g in range(before):
+        grid = system.grids[g]
+        if not grid.on:
+            continue
+        e = g * block_of(n) + n + FACTORS
+        common = min(x[e + 1], grid.most) - max(x[e], grid.least)
+        if common < OVERLAP * (x[e + 1] - x[e]):
+            return False
+    for g in range(before):
+        grid = system.grids[g]
+        if not grid.on:
+            continue
+        e = g * block_of(n) + n + FACTORS
+        if grid.start_held or x[e] < grid.least:
+            x[e] = grid.least
+            memo.factored = memo.factored if grid.start_held else 0
+            grid.start_held = 1
+        if grid.end_held or x[e + 1] > grid.most:
+            x[e + 1] = grid.most
+            memo.factored = memo.factored if grid.end_held else 0
+            grid.end_held = 1
     return True
+
+
+@kernel
+def _hand_out(system, n, g, found, lobes, strips):
+    """The strips of a grid in contact to its lobes, cut at the saddles between them."""
+    grid, rows = system.grids[g], system.rows[g]
+    for i in range(grid.first, grid.last + 1):
+        lobe = lobes[i]
+        lobe.n_strips = 0
+        if not grid.on:
+            continue
+        least = found[i - 1].saddle_arc if i > grid.first else grid.least
+        most = found[i].saddle_arc if i < grid.last else grid.most
+        for j in range(n):
+            place = system.places[g * n + j]
+            lo, hi = max(place.lo, least), min(place.hi, most)
+            if place.y <= 0.0 or hi - lo <= LEAST_PART * (place.hi - place.lo):
+                continue
+            strip = strips[i, lobe.n_strips]
+            lobe.n_strips += 1
+            s = 0.5 * (lo + hi)
+            z = (s - grid.least) / grid.spacing
+            r = min(max(int(z), 0), ROWS - 2)
+            z -= r
+            one, other = rows[r], rows[r + 1]
+            strip.s = s - lobe.arc_rail
+            strip.ds = hi - lo
+            strip.a = sqrt(place.y)
+            strip.p = place.q
+            strip.x = one.x + z * (other.x - one.x)
+            strip.o = one.o + z * (other.o - one.o)
+            strip.b = one.b + z * (other.b - one.b)
+            no = one.no + z * (other.no - one.no)
+            nb = one.nb + z * (other.nb - one.nb)
+            inverse = 1.0 / sqrt(no * no + nb * nb)
+            strip.no, strip.nb = no * inverse, nb * inverse
+            strip.r_t = 1.0 / place.bend
+            strip.penetration = one.d + z * (other.d - one.d)
+
+
+@kernel
+def _report(settings, pose, lobe, strips):
+    """Damping, forces of the strips, and what a lobe reports. The strips' p comes as amplitude and goes as pressure."""
+    n = lobe.n_strips
+    set_creepages(pose, settings.least_speed, lobe, strips, n)
+    factor = max(1.0 + settings.damping * lobe.closing, 0.0)
+    largest = normal = area = longest = 0.0
+    for j in range(n):
+        strip = strips[j]
+        a = strip.a
+        strip.N = 0.5 * pi * strip.p * factor * a * a * strip.ds
+        strip.p *= factor * a
+        largest = max(largest, strip.p)
+        normal += strip.N
+        area += 2.0 * a * strip.ds
+        longest = max(longest, a)
+    lobe.p0 = largest
+    lobe.N = normal
+    lobe.start = strips[0].s - 0.5 * strips[0].ds if n > 0 else 0.0
+    lobe.end = strips[n - 1].s + 0.5 * strips[n - 1].ds if n > 0 else 0.0
+    lobe.width = lobe.end - lobe.start
+    lobe.area = area
+    lobe.length = 2.0 * longest
+    lobe.amplitude = largest / longest if longest > 0.0 else 0.0

@@ -1,153 +1,353 @@
-"""Newton's method for the half lengths and the factors of the strip model, at given places of the strips.
+"""Newton's method for all unknowns of the strip model at once, with factors of the Jacobian that are kept.
 
-Unknowns are a^2 of every strip in contact, in which u is nearly linear, and the factors k of every lobe; see
-`core.contact.strips.model` for the equations.
+The factors serve as long as they bring the misfit down; Broyden's updates of rank one make up for their age. What
+changes the equations (strips that leave and enter, edges that come to their bounds and go) needs new ones.
 """
 
-from math import sqrt
-
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.strips.records import FACTORS, touching
-from wrsim.core.dense import solve_pivoted
+from wrsim.core.contact.strips.equations import (
+    block_of,
+    edge_wish,
+    jacobian,
+    lay_strips,
+    pressed,
+    residuals,
+    set_amplitudes,
+)
+from wrsim.core.contact.strips.records import (
+    FACTORS,
+    MOST_STEPS,
+    PIVOT,
+    ROWS,
+    SAVED,
+    SCALE,
+    STEP,
+    STEPS,
+    F,
+    X,
+)
+from wrsim.core.dense import factorise, solve_factorised
 
-LONGEST_STEP = 0.8  # in ln a and in the factors
-OVERSHOOT, SMALLEST_SQUARE = -0.3, 0.1  # of a^2 after a step over a^2 before: left at once below; kept at least
-LEAST_FACTOR = 0.3
-MOST_FACTOR = 8.0
-EVENNESS = 0.005  # weight with which neighbouring factors are kept alike
-
-
-@inlined
-def _factor_at(place):
-    """Number of the factor before a place and the share r of the next one."""
-    f = min(int(place.at), FACTORS - 2)
-    return place.lobe * FACTORS + f, place.at - f
-
-
-@inlined
-def _is_first(f):
-    """Whether a factor is its lobe's first one."""
-    return f % FACTORS == 0
-
-
-@inlined
-def _is_last(f):
-    """Whether a factor is its lobe's last one."""
-    return f % FACTORS == FACTORS - 1
+SLOW = 0.3  # misfit over the last one that asks for new factors
+LEAST_FACTOR, MOST_FACTOR = 0.3, 8.0
+LARGEST_FALL, OVERSHOOT, KEPT = 1.6, -0.5, 0.1  # of a^2 in a step, over itself; below OVERSHOOT the strip leaves
+LARGEST_CHANGE = 0.8  # of a factor in a step, over itself
+FARTHEST = 3.0  # move of an edge in a step, in mean widths of strips
+ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
+FEWEST = 3  # strips in contact below which a grid leaves
+RETURN, LEAVE = 1e-3, 4e-4  # closing at which a grid comes into contact; a^2/R_x at which it leaves; over the deepest
+HUMP = 0.45  # closing, over its largest, up to which the contact of a new grid reaches at first
+TURNS = 12  # changes of strips and edges in one solution
+HALVINGS = 4  # of a step that makes the misfit larger
+NEAR = 1e-3  # misfit at which strips and edges are looked after
+SURE = 2.0  # safety of the foretold misfit
 
 
 @kernel
-def residuals(state, n, count, stiffness, deepest):
-    """Misfits of all equations to ``step``; returns the largest, relative to the deepest penetration.
+def newton(system, n, held, careful, tolerance, most):
+    """Solve for all unknowns from where they are. Returns True if the misfit has come below the tolerance.
 
-    n: strips in contact; count: lobes; stiffness: pi E* [Pa].
+    n: strips of a grid; held: factors and edges stay; careful: halve steps that make the misfit larger; most: steps.
     """
-    places, spans, factors, step = state.places, state.spans, state.factors, state.step
-    # amplitudes and the weights of the second condition
-    for i in range(count):
-        spans[i].weight = 0.0
-        spans[i].loaded = 0
-    for i in range(n):
-        place = touching(places, i)
-        f, r = _factor_at(place)
-        place.q = place.hertz * ((1.0 - r) * factors[f] + r * factors[f + 1])
-        place.weight = place.q * place.a * place.a
-        spans[place.lobe].weight += place.weight
-        spans[place.lobe].loaded = 1
-    for i in range(n):
-        place = touching(places, i)
-        place.weight /= spans[place.lobe].weight
-    largest = 0.0
-    step[: n + count * FACTORS] = 0.0
-    for i in range(n):
-        u = c = 0.0
-        for j in range(n):
-            q = touching(places, j).q
-            u += state.u[i, j] * q
-            c += state.c[i, j] * q
-        place = touching(places, i)
-        step[i] = u / stiffness - place.d
-        place.misfit = c * place.r_t / stiffness - 1.0
-        largest = max(largest, abs(step[i]))
-        f, r = _factor_at(place)
-        step[n + f] += (1.0 - r) * place.weight * place.misfit
-        step[n + f + 1] += r * place.weight * place.misfit
-    largest /= deepest
-    for f in range(count * FACTORS):
-        if spans[f // FACTORS].loaded:
-            before = factors[f if _is_first(f) else f - 1]
-            after = factors[f if _is_last(f) else f + 1]
-            step[n + f] += EVENNESS * (2.0 * factors[f] - before - after)
-        largest = max(largest, 0.1 * abs(step[n + f]))
-    return largest
-
-
-@kernel
-def newton_step(state, n, count, stiffness, shortest):
-    """One step from the misfits in ``step``. Strips that become shorter than ``shortest`` [m] leave the contact."""
-    _differentiate(state, n, count, stiffness)
-    places, factors, step = state.places, state.factors, state.step
-    solve_pivoted(state.jacobian, n + count * FACTORS, step)
-    for i in range(count):
-        # no lobe grows or changes its factors by too much at once
-        largest = 0.0
-        for f in range(i * FACTORS, (i + 1) * FACTORS):
-            largest = max(largest, abs(step[n + f]) / factors[f])
-        for j in range(n):
-            if touching(places, j).lobe == i:
-                largest = max(largest, -step[j])
-        share = min(1.0, LONGEST_STEP / largest) if largest > 0.0 else 1.0
-        for f in range(i * FACTORS, (i + 1) * FACTORS):
-            factors[f] = min(max(factors[f] - share * step[n + f], LEAST_FACTOR), MOST_FACTOR)
-        for j in range(n):
-            place = touching(places, j)
-            if place.lobe != i:
+    memo, vectors = system.memo[0], system.vectors
+    size = memo.grids * block_of(n)
+    _set_scale(system, n)
+    turns = stored = reused = 0
+    last = 1e9
+    looked = False
+    if held:
+        memo.factored = 0
+    misfit = residuals(system, n, held)
+    for _ in range(most):
+        if misfit < NEAR and not looked:
+            looked = True
+            turns += 1
+            if turns <= TURNS and _changes(system, n, held):
+                looked = False
+                memo.factored = stored = 0
+                last = 1e9
+                misfit = residuals(system, n, held)
                 continue
-            square = 1.0 - 2.0 * share * step[j]
-            # a step that just overshoots lets no strip go: the next one tells
-            square = max(square, SMALLEST_SQUARE) if square > OVERSHOOT else 0.0
-            place.a *= sqrt(square)
-            if place.a < shortest:
-                place.a = 0.0
-                place.let_go += 1
+        if misfit < tolerance:
+            return True
+        slow = misfit > SLOW * last or stored == MOST_STEPS
+        if memo.factored == 0 or (slow and reused > 0):
+            jacobian(system, n, held)
+            factorise(system.matrix, size, vectors[PIVOT])
+            memo.factored = 1
+            memo.rate = 1.0
+            stored = reused = 0
+            last = 1e9
+        reused += 1
+        step = vectors[STEP]
+        for i in range(size):
+            step[i] = -vectors[F, i]
+        solve_factorised(system.matrix, size, vectors[PIVOT], step)
+        _update(vectors, stored, size)
+        foretold = misfit * (misfit / last if stored > 0 else memo.rate)
+        vectors[SAVED, :size] = vectors[X, :size]
+        changed, cut = _advance(system, n, held, 1.0)
+        if looked and not changed and not cut and SURE * foretold < tolerance:
+            lay_strips(system, n)
+            set_amplitudes(system, n)
+            return True
+        last = misfit
+        misfit = residuals(system, n, held)
+        if careful and not changed:
+            share = 1.0
+            for _again in range(HALVINGS):
+                if misfit < 1.1 * last or changed:
+                    break
+                share *= 0.5
+                vectors[X, :size] = vectors[SAVED, :size]
+                changed, cut = _advance(system, n, held, share)
+                misfit = residuals(system, n, held)
+                memo.factored = 0
+                cut = True
+        if changed:
+            memo.factored = 0
+            looked = False
+        if changed or cut:
+            stored = 0
+            last = 1e9
+            continue
+        if stored == 0:
+            memo.rate = min(max(memo.rate if memo.rate < 1.0 else 0.0, misfit / last), 1.0)
+        vectors[STEPS + stored, :size] = vectors[STEP, :size]
+        stored += 1
+    return False
 
 
 @kernel
-def _differentiate(state, n, count, stiffness):
-    """Derivatives of all equations by ln a and the factors, to ``jacobian``."""
-    places, jacobian = state.places, state.jacobian
-    size = n + count * FACTORS
-    jacobian[:n, n:size] = 0.0
-    jacobian[n:size, :size] = 0.0
-    for i in range(n):
-        place = touching(places, i)
-        f, r = _factor_at(place)
-        scale = place.weight * place.r_t / stiffness
-        row0, row1 = n + f, n + f + 1
-        part0, part1 = (1.0 - r) * scale, r * scale
-        for j in range(n):
-            other = touching(places, j)
-            jacobian[i, j] = state.du[i, j] * other.q / stiffness
-            jacobian[row0, j] += part0 * state.dc[i, j] * other.q
-            jacobian[row1, j] += part1 * state.dc[i, j] * other.q
-            g, r = _factor_at(other)
-            by0, by1 = n + g, n + g + 1
-            u = state.u[i, j] * other.hertz
-            jacobian[i, by0] += u * (1.0 - r) / stiffness
-            jacobian[i, by1] += u * r / stiffness
-            c = state.c[i, j] * other.hertz
-            jacobian[row0, by0] += part0 * c * (1.0 - r)
-            jacobian[row0, by1] += part0 * c * r
-            jacobian[row1, by0] += part1 * c * (1.0 - r)
-            jacobian[row1, by1] += part1 * c * r
-    for f in range(count * FACTORS):
-        row = n + f
-        if state.spans[f // FACTORS].loaded == 0:
-            jacobian[row, :size] = 0.0
-            jacobian[row, row] = 1.0
-            state.step[row] = 0.0
+def _set_scale(system, n):
+    """Weights of the unknowns in products of steps."""
+    scale = system.vectors[SCALE]
+    block = block_of(n)
+    for g in range(system.memo[0].grids):
+        grid, base = system.grids[g], g * block
+        middle = system.rows[g, ROWS // 2]
+        scale[base : base + n] = (0.5 * middle.bend / grid.deepest) ** 2
+        scale[base + n : base + n + FACTORS] = 1.0
+        scale[base + n + FACTORS : base + block] = 1.0 / (grid.most - grid.least) ** 2
+
+
+@kernel
+def _update(vectors, stored, size):
+    """Broyden's update of the step from the ones before (Kelley, Solving Nonlinear Equations with Newton's Method,
+    2003, section 4.1)."""
+    step, scale = vectors[STEP], vectors[SCALE]
+    for k in range(stored):
+        before = vectors[STEPS + k]
+        product = square = 0.0
+        for i in range(size):
+            weighted = before[i] * scale[i]
+            product += weighted * step[i]
+            square += weighted * before[i]
+        part = product / max(square, 1e-300)
+        if k < stored - 1:
+            after = vectors[STEPS + k + 1]
+            for i in range(size):
+                step[i] += part * after[i]
+        else:
+            part = 1.0 / max(1.0 - part, 0.2)
+            for i in range(size):
+                step[i] *= part
+
+
+@kernel
+def _advance(system, n, held, share):
+    """Take a share of the step, less where it is wild.
+
+    Returns (whether strips, edges or grids have come or gone, whether the step was cut).
+    """
+    memo = system.memo[0]
+    x, step = system.vectors[X], system.vectors[STEP]
+    block = block_of(n)
+    changed = cut = False
+    for g in range(memo.grids):
+        grid, base = system.grids[g], g * block
+        if not grid.on:
             continue
-        jacobian[row, row] += 2.0 * EVENNESS
-        beside_before, beside_after = row if _is_first(f) else row - 1, row if _is_last(f) else row + 1
-        jacobian[row, beside_before] -= EVENNESS
-        jacobian[row, beside_after] -= EVENNESS
+        width = (grid.end - grid.start) / n
+        worst = 1.0
+        for j in range(base, base + n):
+            if x[j] > 0.0:
+                worst = max(worst, -step[j] / (LARGEST_FALL * x[j]))
+        for f in range(base + n, base + n + FACTORS):
+            worst = max(worst, abs(step[f]) / (LARGEST_CHANGE * x[f]))
+        for e in range(base + n + FACTORS, base + block):
+            worst = max(worst, abs(step[e]) / (FARTHEST * width))
+        part = share / worst
+        cut = cut or part < 1.0
+        for j in range(n):
+            y = x[base + j]
+            if y <= 0.0:
+                continue
+            new = y + part * step[base + j]
+            if new < KEPT * y:
+                changed = True
+                new = KEPT * y if new > OVERSHOOT * y else 0.0
+            x[base + j] = new
+        if held:
+            continue
+        for f in range(base + n, base + n + FACTORS):
+            new = x[f] + part * step[f]
+            x[f] = min(max(new, LEAST_FACTOR), MOST_FACTOR)
+            cut = cut or x[f] != new
+        e = base + n + FACTORS
+        x[e] += part * step[e]
+        x[e + 1] += part * step[e + 1]
+        if x[e] < grid.least:
+            x[e] = grid.least
+            changed = changed or not grid.start_held
+            grid.start_held = 1
+        if x[e + 1] > grid.most:
+            x[e + 1] = grid.most
+            changed = changed or not grid.end_held
+            grid.end_held = 1
+        if x[e + 1] - x[e] < 1e-4 * (grid.most - grid.least):
+            leave(system, n, g)
+            changed = True
+        elif trim(system, n, g):
+            changed = True
+    return changed, cut
+
+
+@kernel
+def leave(system, n, g):
+    """Take a grid out of contact."""
+    base = g * block_of(n)
+    system.grids[g].on = 0
+    system.vectors[X, base : base + n] = 0.0
+
+
+@kernel
+def trim(system, n, g):
+    """Draw the edges of a grid in to its outer strips in contact. True if anything changed.
+
+    With fewer than FEWEST strips, or hardly pressed ones, the grid leaves.
+    """
+    memo, grid, places = system.memo[0], system.grids[g], system.places[g * n : (g + 1) * n]
+    base = g * block_of(n)
+    x = system.vectors[X]
+    first = last = -1
+    count = 0
+    highest = 0.0
+    for j in range(n):
+        if x[base + j] > 0.0:
+            first = j if first < 0 else first
+            last = j
+            count += 1
+            highest = max(highest, x[base + j] * places[j].bend)
+    if count < FEWEST or highest < LEAVE * memo.deepest:
+        leave(system, n, g)
+        return True
+    if first == 0 and last == n - 1:
+        return False
+    start = places[first].lo if first > 0 else grid.start
+    end = places[last].hi if last < n - 1 else grid.end
+    move_edges(system, n, g, start, end)
+    return True
+
+
+@kernel
+def move_edges(system, n, g, start, end):
+    """New edges for a grid; half lengths stay where they are, ground that is new has none."""
+    grid, places = system.grids[g], system.places[g * n : (g + 1) * n]
+    base = g * block_of(n)
+    x, saved = system.vectors[X], system.vectors[STEP]
+    for j in range(n):
+        places[j].gap = places[j].s
+        saved[j] = x[base + j]
+    grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
+    x[base + n + FACTORS], x[base + n + FACTORS + 1] = max(start, grid.least), min(end, grid.most)
+    lay_strips(system, n)
+    for j in range(n):
+        s = places[j].s
+        c = 0
+        while c < n - 2 and places[c + 1].gap < s:
+            c += 1
+        r = min(max((s - places[c].gap) / (places[c + 1].gap - places[c].gap), 0.0), 1.0)
+        y = saved[c] * (1.0 - r) + saved[c + 1] * r
+        # outside of the old strips
+        if s < places[0].gap or s > places[n - 1].gap:
+            y *= 0.5
+        x[base + j] = y
+
+
+@kernel
+def _changes(system, n, held):
+    """Strips, edges and grids that come into contact, edges that leave their bounds. True if there are any."""
+    memo, places = system.memo[0], system.places
+    x = system.vectors[X]
+    block = block_of(n)
+    changed = False
+    for g in range(memo.grids):
+        grid, base = system.grids[g], g * block
+        if not grid.on:
+            changed = _enter(system, n, g) or changed
+            continue
+        for j in range(n):
+            place = places[g * n + j]
+            if x[base + j] <= 0.0 and place.gap < -ENTRY:
+                x[base + j] = -place.gap * memo.deepest / place.bend
+                changed = True
+        if held:
+            continue
+        if grid.start_held and edge_wish(places, g * n, n, 0) < 0.0:
+            grid.start_held = 0
+            changed = True
+        if grid.end_held and edge_wish(places, g * n, n, 1) < 0.0:
+            grid.end_held = 0
+            changed = True
+    return changed
+
+
+@kernel
+def _enter(system, n, g):
+    """A grid out of contact comes into it where its gap has closed. True if it does."""
+    memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
+    probe = system.places[g * n]
+    most = RETURN * memo.deepest
+    main = -1
+    for r in range(0, ROWS, 2):
+        probe.s, probe.x = rows[r].s, rows[r].x
+        rows[r].closing = -1.0
+        if rows[r].d - memo.offset <= most:
+            continue
+        u, _c = pressed(system, n, g, probe)
+        rows[r].closing = rows[r].d - memo.offset - u / memo.stiffness
+        if rows[r].closing > most:
+            most, main = rows[r].closing, r
+    if main < 0:
+        return False
+    first = last = main
+    while first - 2 >= 0 and rows[first - 2].closing > HUMP * most:
+        first -= 2
+    while last + 2 < ROWS and rows[last + 2].closing > HUMP * most:
+        last += 2
+    start = max(rows[first].s - 0.6 * grid.spacing, grid.least)
+    end = min(rows[last].s + 0.6 * grid.spacing, grid.most)
+    begin(system, n, g, start, end, most, rows[main].bend)
+    return True
+
+
+@inlined
+def hertz_factor(ratio):
+    """Roughly k of Hertz's ellipse, by the ratio of the curvatures across and along."""
+    return min(1.0 + 0.27 * ratio**0.63, 5.0)
+
+
+@kernel
+def begin(system, n, g, start, end, depth, bend):
+    """First guess of a grid: a hump of this depth between these edges. bend: 1/R_x [1/m]."""
+    grid, x = system.grids[g], system.vectors[X]
+    base = g * block_of(n)
+    grid.on = 1
+    grid.start_held = grid.end_held = 0
+    factor = hertz_factor(depth / (bend * (0.5 * (end - start)) ** 2))
+    for j in range(n):
+        z = 2.0 * (j + 0.5) / n - 1.0
+        x[base + j] = depth / bend * (1.0 - z * z)
+    x[base + n : base + n + FACTORS] = factor
+    x[base + n + FACTORS], x[base + n + FACTORS + 1] = start, end

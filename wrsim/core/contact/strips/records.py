@@ -1,63 +1,57 @@
 """The data of the strip model: records that its kernels write in place.
 
-A place is one strip; places of a lobe follow each other, lobe after lobe.
+A grid is what one system of strips lies over: a lobe, or neighbouring lobes that are nearly one. Places of a grid
+follow each other, grid after grid; s is the rail's arclength throughout.
 """
 
 from typing import Any, NamedTuple
 
 from wrsim.core.arena import record
-from wrsim.core.compiling import inlined
 
-FACTORS = 7  # values of k along a lobe
-FEWEST_FREE_STRIPS = 12  # of a lobe
+FACTORS = 7  # values of k along a grid
+EDGES = 2  # unknowns of a grid behind its factors
+FEWEST_FREE_STRIPS = 12  # of a grid
+ROWS = 48  # of the table of the geometry of a grid
 
-PLACE = record("d r_t hertz q a a_before weight misfit s ds x o b no nb at", "lobe slot touching let_go")
-"""A strip: penetration d, radius along the rail; Hertz's amplitude for k = 1, amplitude q, half length a (0 out of
-contact) and before it was laid anew; weight and misfit of the curvature; position, width, shift x, centre and normal;
-place among the factors. Its lobe, its number among the strips in contact or -1, the place of the strip that has this
-place's number among those, times that it has been let go."""
+ROW = record("s d x o b no nb r_t bend density xi closing")
+"""A row of the table of a grid's geometry: place s, penetration d, shift x, centre (o, b), normal (no, nb), radius
+along the rail, mean of its inverse over what a strip runs over, density of strips and its integral; closing of the gap,
+penetration less displacement."""
 
-EDGE = record("at limit shift wished moved bound before went")
-"""An edge of a contact [m]: where it is, how far out it may go, how far it should move (in strip widths), what was
-wished and how far it moved last, bound of its next move, where it was before the lobe was last widened, its last move
-whatever made it."""
+PLACE = record("lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x at y over q weight gap miss")
+"""A strip: from lo to hi, middle s; slopes of lo and hi over both edges; penetration d and its slope; 1/R_x and its
+slope; shift x; place among the factors; a^2 (0 out of contact) and what its amplitude is more than k asks for,
+amplitude, weight of its curvature; u - d and the misfit of the curvature."""
 
-SPAN = record(
-    "weight slope_ss slope_se slope_es slope_ee", "first n on loaded widened moves", start=EDGE, end=EDGE
-)  # fmt: skip
-"""The strips of a lobe: sum of their weights, slopes of the wishes of both edges over their moves; first place, number
-of places, whether it takes part and has strips in contact, times that it was widened and that its edges moved."""
+GRID = record("start end least most deepest spacing x reach link", "on start_held end_held first last")
+"""A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length along x;
+how firmly its last factor is held to the first of the next grid. Whether it is in contact, whether its edges are held
+at their bounds, its first and last lobe."""
+
+MEMO = record("rate stiffness modulus deepest offset", "known grids factored iterations result substitutes")
+"""Of the whole system: how fast the kept factors bring the misfit down at first, pi E*, E*, deepest penetration, how
+much is taken off all penetrations; number of grids in the last call (0: nothing is known) and now; whether the factors
+are of use; residuals taken in this call, and how it ended (`solution`); calls so far
+that ended with a substitute."""
+
+VECTORS = 16  # of unknowns
+X, F, STEP, SAVED, KEPT, PIVOT, SCALE, STEPS = range(8)
+"""Unknowns, misfits, step, unknowns before a step, unknowns to come back to, rows exchanged in the factors, weights of
+the unknowns; from STEPS on the last steps."""
+MOST_STEPS = VECTORS - STEPS
 
 
-class Unknowns(NamedTuple):
+class System(NamedTuple):
     """What Newton's method solves for, and with.
 
-    places: (m,) PLACE, spans: (lobes,) SPAN; factors: (lobes * FACTORS,) values of k, kept from call to call; step:
-    (m + lobes * FACTORS,) misfits, then steps. Of strip j on the centre of strip i, (m, m): u and c, influence on the
-    displacement and the curvature; du and dc, their derivatives by ln a_j. jacobian: of all unknowns.
+    table: of the influence (`influence`); rows: (grids, ROWS) ROW; places: (grids * n,) PLACE; grids: (grids,) GRID;
+    vectors: (VECTORS, unknowns); matrix: (unknowns, unknowns), factorised; memo: (1,) MEMO.
     """
 
+    table: Any
+    rows: Any
     places: Any
-    spans: Any
-    factors: Any
-    step: Any
-    u: Any
-    c: Any
-    du: Any
-    dc: Any
-    jacobian: Any
-
-
-MATRICES = 5  # of the unknowns
-
-
-@inlined
-def touching(places, i):
-    """The i-th strip in contact."""
-    return places[places[i].touching]
-
-
-@inlined
-def of_span(places, span):
-    """The places of a lobe."""
-    return places[span.first : span.first + span.n]
+    grids: Any
+    vectors: Any
+    matrix: Any
+    memo: Any
