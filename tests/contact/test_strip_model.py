@@ -19,7 +19,7 @@ from wrsim.core.contact.strips.influence import potential, primitives
 from wrsim.core.contact.wheel_rail import wheel_rail
 
 DATA = Path(__file__).parents[1] / "data"
-STRIPS = {"normal": "strips", "strips": 24}
+STRIPS = {"normal": "strips", "strips": 20}
 
 
 def reference(t):

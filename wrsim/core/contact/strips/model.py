@@ -30,7 +30,7 @@ from wrsim.core.contact.resultants import set_creepages
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.grid import WIDEST, find_end, grade_rows, lay_rows, opposite
 from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
-from wrsim.core.contact.strips.solution import SUBSTITUTED, carry_over, solve
+from wrsim.core.contact.strips.solution import MERGED_ALL, UNSOLVED, WALKED, carry_over, solve, substitute
 
 MERGED = 0.9  # saddle over the depth of the shallower lobe from which on both share a grid
 LINK, UNLINKED, LINKED = (
@@ -51,26 +51,33 @@ def press_strips(a, wheel, rail, pose, count):
     memo = a.memo[0]
     if settings.start == AFRESH:
         memo.known = 0
-    before = memo.known
     for i in range(count):
         _set_main_point(wheel, rail, lobes[i])
-    status = _set_grids(system, a.found, lobes, wheel, rail, pose, count)
     memo.modulus = settings.E
     memo.stiffness = pi * settings.E
-    known = before > 0
-    if known and not _same_grids(system, n, before):
+    status = _set_grids(system, a.found, lobes, wheel, rail, pose, count, MERGED)
+    known = memo.known > 0
+    if known and not _same_grids(system, n, memo.known):
         memo.factored = 0
         known = carry_over(system, n)
-    result = memo.result = solve(system, n, known)
-    memo.known = memo.grids
-    if result == SUBSTITUTED:
-        memo.known = 0
+    result = solve(system, n, known)
+    if result == UNSOLVED and memo.grids > 1:
+        # two grids that meet at a saddle are the harder problem
+        result = MERGED_ALL
+        _set_grids(system, a.found, lobes, wheel, rail, pose, count, 0.0)
+        if solve(system, n, False) == UNSOLVED:
+            result = UNSOLVED
+            _set_grids(system, a.found, lobes, wheel, rail, pose, count, MERGED)
+    memo.known = memo.grids if result <= WALKED else 0
+    if result == UNSOLVED:
+        substitute(system, n)
         memo.substitutes += 1
+    memo.result = result
     for g in range(memo.grids):
         _hand_out(system, n, g, a.found, lobes, a.strips)
     for i in range(count):
         _report(settings, pose, lobes[i], a.strips[i])
-    return status | (STATUS_UNSETTLED if result == SUBSTITUTED else 0)
+    return status | (STATUS_UNSETTLED if result == UNSOLVED else 0)
 
 
 @kernel
@@ -82,8 +89,11 @@ def _set_main_point(wheel, rail, lobe):
 
 
 @kernel
-def _set_grids(system, found, lobes, wheel, rail, pose, count):
-    """Grids over all lobes, their bounds and rows. Returns a status."""
+def _set_grids(system, found, lobes, wheel, rail, pose, count, merged):
+    """Grids over all lobes, their bounds and rows. Returns a status.
+
+    merged: saddle over the depth of the shallower lobe beyond which both share a grid.
+    """
     memo = system.memo[0]
     status = 0
     memo.grids = 0
@@ -91,7 +101,7 @@ def _set_grids(system, found, lobes, wheel, rail, pose, count):
     i = 0
     while i < count:
         last = i
-        while last < count - 1 and found[last].saddle > MERGED * min(found[last].depth, found[last + 1].depth):
+        while last < count - 1 and found[last].saddle > merged * min(found[last].depth, found[last + 1].depth):
             last += 1
         grid = system.grids[memo.grids]
         grid.first, grid.last = i, last

@@ -29,7 +29,7 @@ from wrsim.core.contact.strips.records import (
 from wrsim.core.dense import factorise, solve_factorised
 
 SLOW = 0.3  # misfit over the last one that asks for new factors
-LEAST_FACTOR, MOST_FACTOR = 0.3, 8.0
+LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0
 LARGEST_FALL, OVERSHOOT, KEPT = 1.6, -0.5, 0.1  # of a^2 in a step, over itself; below OVERSHOOT the strip leaves
 LARGEST_CHANGE = 0.8  # of a factor in a step, over itself
 FARTHEST = 3.0  # move of an edge in a step, in mean widths of strips
@@ -171,7 +171,7 @@ def _advance(system, n, held, share):
         width = (grid.end - grid.start) / n
         worst = 1.0
         for j in range(base, base + n):
-            if x[j] > 0.0:
+            if x[j] > 0.0 and not held:
                 worst = max(worst, -step[j] / (LARGEST_FALL * x[j]))
         for f in range(base + n, base + n + FACTORS):
             worst = max(worst, abs(step[f]) / (LARGEST_CHANGE * x[f]))
@@ -182,9 +182,16 @@ def _advance(system, n, held, share):
         for j in range(n):
             y = x[base + j]
             if y <= 0.0:
+                place = system.places[g * n + j]
+                if held and place.gap < -ENTRY:
+                    x[base + j] = -place.gap * memo.deepest / place.bend
+                    changed = True
                 continue
             new = y + part * step[base + j]
-            if new < KEPT * y:
+            if held:
+                new = max(new, 0.0)
+                changed = changed or new == 0.0
+            elif new < KEPT * y:
                 changed = True
                 new = KEPT * y if new > OVERSHOOT * y else 0.0
             x[base + j] = new
@@ -335,7 +342,7 @@ def _enter(system, n, g):
 @inlined
 def hertz_factor(ratio):
     """Roughly k of Hertz's ellipse, by the ratio of the curvatures across and along."""
-    return min(1.0 + 0.27 * ratio**0.63, 5.0)
+    return min(1.0 + 0.27 * ratio**0.63, 12.0)
 
 
 @kernel

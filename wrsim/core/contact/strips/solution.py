@@ -2,9 +2,12 @@
 
 In a run the last contact is the first guess. Else: Hertz's half lengths where the penetration is large; Newton's method
 with given factors and edges, then with all unknowns. Where that fails the wheel is lifted until it works and lowered
-in steps; where that fails too there is a substitute: strips at given places with given factors, which obey u = d or
-carry nothing: continuous and bounded, but without the second condition.
+in steps; where that fails neighbouring lobes share a grid (`model`); where that fails too there is a substitute: strips
+at given places with given factors, which obey u = d or carry nothing: continuous and bounded, but without the second
+condition.
 """
+
+from math import log
 
 from wrsim.core.compiling import kernel
 from wrsim.core.contact.strips.equations import block_of, factor_of, lay_strips
@@ -16,16 +19,16 @@ FAIRLY = 3e-3  # the same with given factors and edges
 WARM_STEPS, COLD_STEPS = 25, 60
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 LEVELS = (0.42, 0.3, 0.55)  # of a grid's depth: where first guesses begin
-SHARE = 0.56  # of Hertz's a^2 in 2 R_x d, about
 LIFTS = (0.7, 0.5, 0.85)  # of the deepest penetration
 MOST_WALKS = 40
 SUBSTITUTE_LEVEL = 0.3
-SETTLED, WALKED, SUBSTITUTED = range(3)
+SETTLED, WALKED, MERGED_ALL, UNSOLVED = range(4)
+"""How a solution was found: at once, by lifting the wheel, on one grid for all lobes that hang together; or not."""
 
 
 @kernel
 def solve(system, n, known):
-    """Solve; known: the unknowns are those of a contact near by. Returns SETTLED, WALKED or SUBSTITUTED."""
+    """Solve; known: the unknowns are those of a contact near by. Returns SETTLED, WALKED or UNSOLVED."""
     memo = system.memo[0]
     memo.iterations = 0
     memo.offset = 0.0
@@ -37,8 +40,7 @@ def solve(system, n, known):
     for lift in LIFTS:
         if _walk(system, n, lift):
             return WALKED
-    _substitute(system, n)
-    return SUBSTITUTED
+    return UNSOLVED
 
 
 @kernel
@@ -62,12 +64,16 @@ def _guess(system, n, g, level):
     end = min(rows[last].s + 0.5 * grid.spacing, grid.most)
     begin(system, n, g, start, end, depth, bend)
     grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
-    x[base + n : base + n + FACTORS] = hertz_factor(depth / (bend * (0.5 * max(wide, 1) * grid.spacing) ** 2))
+    ratio = depth / (bend * (0.5 * max(wide, 1) * grid.spacing) ** 2)
+    x[base + n : base + n + FACTORS] = hertz_factor(ratio)
+    # where Hertz's ellipse ends, and its half length
+    edge = min(max(1.0 - 0.5 * ratio**-0.168, 0.2), 0.8)
+    most = min(max(0.5 + 0.055 * log(ratio), 0.3), 0.8)
     lay_strips(system, n)
     for j in range(n):
         place = system.places[g * n + j]
-        share = max((place.d / depth - level) / (1.0 - level), 0.02)
-        x[base + j] = 2.0 * SHARE * depth / place.bend * share
+        share = max((place.d / depth - edge) / (1.0 - edge), 0.02)
+        x[base + j] = 2.0 * most * depth / place.bend * share
 
 
 @kernel
@@ -158,7 +164,7 @@ def restore(system, n):
 
 
 @kernel
-def _substitute(system, n):
+def substitute(system, n):
     """Strips over the places where the penetration is large, with Hertz's factors."""
     memo = system.memo[0]
     memo.factored = 0
@@ -166,7 +172,6 @@ def _substitute(system, n):
         _guess(system, n, g, SUBSTITUTE_LEVEL)
     newton(system, n, True, True, TOLERANCE, COLD_STEPS)
     memo.factored = 0
-    memo.known = 0
 
 
 @kernel
