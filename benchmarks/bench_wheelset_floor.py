@@ -61,7 +61,7 @@ def main() -> None:
     wheelset = Wheelset("floor", 1813.0, (1120.0, 112.0, 1120.0), 1.5, wheel, wheel)
     vehicle = single_wheelset(wheelset, stiffness=(1e6, 1e6, 1e6), damping=(1e4, 1e4, 1e4), carried_mass=1.0)
     # no rails: a force that carries the weight
-    lift = Load("lift", "wheelset", (0.0, 0.0, vehicle.weight), (0.0, 0.0, wheelset.mean_radius))
+    lift = Load.constant("lift", "wheelset", (0.0, 0.0, vehicle.weight), (0.0, 0.0, wheelset.mean_radius))
     track = Track.build([Arc(400.0, 300.0, cant=0.1)])
     guided = VehicleOnTrack(replace(vehicle, loads=(lift,)), track, (), speed=15.0, start=10.0)
     q, q_t = place_on_track(track.centre, 10.0, speed=15.0, height=0.46, spin_rate=32.0)

@@ -26,9 +26,9 @@ class Analysis:
     and the makers of its pictures. printed: a function that prints the numbers of a result; further: one of a result, a
     folder and whether there are to be pictures, which writes what a command leaves besides.
 
-    own_track: it lays its own track, and something has to hold the speed; points: it needs points at which
-    accelerations are kept; origins: rails may be placed by the origins of their profiles; conical: wheels may be
-    conical with a prescribed creep law; compared: contact models can be compared in it.
+    own_track: it lays its own track, and something has to hold the speed; loaded: loads act in it; points: it needs
+    points at which accelerations are kept; origins: rails may be placed by the origins of their profiles; conical:
+    wheels may be conical with a prescribed creep law; compared: contact models can be compared in it.
     """
 
     name: str
@@ -41,6 +41,7 @@ class Analysis:
     printed: str = "wrsim.cli.showing:print_peaks"
     further: str = ""
     own_track: bool = False
+    loaded: bool = True
     points: bool = False
     origins: bool = False
     conical: bool = False
@@ -95,6 +96,7 @@ ANALYSES = {
             name="static",
             tables={"static": "wrsim.scenario.sections.static:StaticSection"},
             run="wrsim.analysis.poses.static:run_static",
+            loaded=False,
             origins=True,
             compared=True,
         ),
@@ -111,6 +113,7 @@ ANALYSES = {
             tables={"conicity": "wrsim.scenario.sections.conicity:ConicitySection"},
             run="wrsim.analysis.conicity.conicity:run_conicity",
             **_shown_by("conicity", "wrsim.cli.showing:print_peaks"),
+            loaded=False,
         ),
         Analysis(
             name="stability",

@@ -112,8 +112,10 @@ def vehicle_cases() -> dict[str, list[float]]:
     """A vehicle with two bogies in a curve, on elastic rails, driven by its wheels; another on conical wheels."""
     found = {}
     vehicle = manchester()
-    load = Load("push", vehicle.parts[0].name, (1e3, 2e3, -3e3), (1.0, 0.2, 0.5))
-    vehicle = replace(vehicle, loads=(*vehicle.loads, load))
+    rows = ((0.0, 1e3, 2e3, -3e3), (40.0, 0.0, 1e3, 0.0), (70.0, -1e3, 5e3, 0.0), (300.0, 0.0, 0.0, 0.0))
+    push = Load("push", vehicle.parts[0].name, (1.0, 0.2, 0.5), rows, "distance")
+    pull = Load.constant("pull", "carbody", (1e3, 2e3, -3e3), (1.0, 0.2, 2.5), "body")
+    vehicle = replace(vehicle, loads=(push, pull))
     elastic = RailElasticity((2e7, 8e7), (1e4, 1e5), (100.0, 150.0))
     curve = [Arc(400.0, 600.0, 0.1)]
     for drive, rails in (("wheels", elastic), ("train", None)):

@@ -230,4 +230,4 @@ def example_wheelset(
     stiffness = spring if isinstance(spring, tuple) else (spring, spring, 0.0)
     vehicle = single_wheelset(wheelset, stiffness=stiffness, damping=damping, **options)
     force = (0.0, push, vehicle.weight - axle_load)
-    return replace(vehicle, loads=(Load("load", "wheelset", force, (0.0, 0.0, wheelset.mean_radius)),))
+    return replace(vehicle, loads=(Load.constant("load", "wheelset", force, (0.0, 0.0, wheelset.mean_radius)),))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,6 +15,9 @@ from wrsim.cli.storing import writing
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from wrsim.plots.vehicle import VehicleSketch
     from wrsim.vehicle.vehicle import Body, Vehicle
 
@@ -53,26 +57,57 @@ def vehicle(
 def facts_of(vehicle: Vehicle) -> dict[str, Any]:
     """What the command prints."""
     from wrsim.simulation.modes import natural_modes
-    from wrsim.vehicle.wheel_loads import static_wheel_loads
+    from wrsim.simulation.statics import standing
 
-    loads = static_wheel_loads(vehicle)
-    return {
+    trimmed = replace(vehicle, loads=())
+    rest = standing(trimmed)
+    facts = {
         "name": vehicle.name,
         "source": vehicle.source,
         "mass_kg": vehicle.mass,
         "centre_mm": [1e3 * float(c) for c in vehicle.centre],
         "bodies": [b.name for b in vehicle.bodies],
         "elements": len(vehicle.elements),
-        "wheel_loads_kN": {
-            m.name: {"left": float(q[0]) / 1e3, "right": float(q[1]) / 1e3}
-            for m, q in zip(vehicle.wheelsets, loads, strict=True)
-        },
-        "weight_kN": float(loads.sum()) / 1e3,
+        **_wheel_loads(vehicle, rest.wheel_loads),
         "modes": [
             {"frequency_Hz": mode.frequency, "damping": mode.damping, "motion": mode.name}
-            for mode in natural_modes(vehicle)
+            for mode in natural_modes(trimmed)
         ],
     }
+    if vehicle.loads:
+        facts["under_loads"] = _under_loads(vehicle)
+    return facts
+
+
+def _wheel_loads(vehicle: Vehicle, loads: NDArray[np.float64]) -> dict[str, Any]:
+    """Wheel loads (wheelsets, 2) [N] and their sum."""
+    found = {
+        m.name: {"left": float(q[0]) / 1e3, "right": float(q[1]) / 1e3}
+        for m, q in zip(vehicle.wheelsets, loads, strict=True)
+    }
+    return {"wheel_loads_kN": found, "weight_kN": float(loads.sum()) / 1e3}
+
+
+def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
+    """How it stands under its loads; why not, where it does not."""
+    from wrsim.errors import SimulationError
+    from wrsim.simulation.statics import standing
+
+    try:
+        rest = standing(vehicle)
+    except SimulationError as error:
+        return {"problem": str(error)}
+    stops = [
+        {"name": e.name, "travel_mm": 1e3 * reading[e.travel_place], "force_kN": 1e-3 * reading[e.travel_place - 3]}
+        for e, reading in zip(vehicle.elements, rest.readings.tolist(), strict=True)
+        if e.limits and abs(reading[e.travel_place - 3]) > 0.0
+    ]
+    bodies = {
+        body.name: {"lateral_mm": 1e3 * y, "vertical_mm": 1e3 * z, "roll_mrad": 1e3 * roll}
+        for body, (y, z, roll) in zip(vehicle.bodies, rest.moved.tolist(), strict=True)
+    }
+    forces = {load.name: [1e-3 * f for f in load.largest] for load in vehicle.loads}
+    return {"loads_kN": forces, **_wheel_loads(vehicle, rest.wheel_loads), "bodies": bodies, "bump_stops": stops}
 
 
 def _print(found: dict[str, Any]) -> None:
@@ -80,15 +115,40 @@ def _print(found: dict[str, Any]) -> None:
     say(found["source"])
     x, y, z = (round(c, 3) + 0.0 for c in found["centre_mm"])
     say(f"mass {found['mass_kg']:.6g} kg, centre at x {x:g}, y {y:g}, z {z:g} mm")
-    loads = [[name, f"{q['left']:.3f}", f"{q['right']:.3f}"] for name, q in found["wheel_loads_kN"].items()]
-    loads.append(["together", f"{found['weight_kN']:.3f}", ""])
-    print_table(("wheelset", "left kN", "right kN"), loads, title="static wheel loads", left=("wheelset",))
+    _print_wheel_loads(found, "static wheel loads")
+    if "under_loads" in found:
+        _print_under_loads(found["under_loads"])
     modes = [[f"{m['frequency_Hz']:.3f}", f"{m['damping']:z.3f}", m["motion"]] for m in found["modes"]]
     if modes:
         title = "modes on its springs, wheelsets held"
         print_table(("Hz", "damping", "motion"), modes, title=title, left=("motion",))
     if "picture" in found:
         say(found["picture"])
+
+
+def _print_wheel_loads(found: dict[str, Any], title: str) -> None:
+    rows = [[name, f"{q['left']:.3f}", f"{q['right']:.3f}"] for name, q in found["wheel_loads_kN"].items()]
+    rows.append(["together", f"{found['weight_kN']:.3f}", ""])
+    print_table(("wheelset", "left kN", "right kN"), rows, title=title, left=("wheelset",))
+
+
+def _print_under_loads(found: dict[str, Any]) -> None:
+    if "problem" in found:
+        say(found["problem"])
+        return
+    rows = [[name, *(f"{f:z.3f}" for f in force)] for name, force in found["loads_kN"].items()]
+    print_table(("load", "x kN", "y kN", "z kN"), rows, title="loads, at their largest", left=("load",))
+    _print_wheel_loads(found, "under the loads")
+    rows = [
+        [name, *(f"{moved[key]:z.2f}" for key in ("lateral_mm", "vertical_mm", "roll_mrad"))]
+        for name, moved in found["bodies"].items()
+    ]
+    if rows:
+        title = "bodies under the loads"
+        print_table(("body", "lateral mm", "vertical mm", "roll mrad"), rows, title=title, left=("body",))
+    stops = [[s["name"], f"{s['travel_mm']:.2f}", f"{s['force_kN']:.3f}"] for s in found["bump_stops"]]
+    if stops:
+        print_table(("bump stop", "travel mm", "force kN"), stops, title="bump stops in touch", left=("bump stop",))
 
 
 def sketch_of(vehicle: Vehicle) -> VehicleSketch:

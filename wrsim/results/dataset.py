@@ -18,7 +18,8 @@ from wrsim.results.channels import CHANNELS, WHEELS, Channel
 FORMAT = "wrsim result"
 FORMAT_VERSION = 2
 REQUIRED_ATTRIBUTES = ("title", "analysis", "status", "scenario_text")
-NAMED = ("wheelset", "body", "point", "suspension")
+OF_VEHICLE = ("body", "point", "suspension", "external_load")
+NAMED = ("wheelset", *OF_VEHICLE)
 """Dimensions of a vehicle, labelled by names."""
 SINGLE = "wheelset"
 """Name of a wheelset that runs alone."""
@@ -45,8 +46,8 @@ def assemble(
 
     coords: either ``time`` (n,) in seconds for a run or ``pose`` (n,) names for a static analysis; ``wheel`` (default
     ``("left", "right")``) names the wheels present; ``amplitude`` (m,) in metres goes with poses; ``wheelset``,
-    ``body``, ``point``, ``suspension`` are the names of a vehicle's parts. Where ``wheelset`` is one name (default
-    ``"wheelset"``) instead of a list, the arrays come without that dimension.
+    ``body``, ``point``, ``suspension``, ``external_load`` are the names of a vehicle's parts. Where ``wheelset`` is one
+    name (default ``"wheelset"``) instead of a list, the arrays come without that dimension.
 
     channels: arrays by channel name, in SI units, shaped as the register says (sample first, then wheelset, wheel,
     patch, strip). The sizes of ``patch``, ``snapshot``, ``strip``, ``rail_point`` and ``wheel_point`` follow from the

@@ -8,6 +8,7 @@ from pathlib import Path
 import xarray as xr
 
 from wrsim.register import ANALYSES, resolved
+from wrsim.results.dataset import OF_VEHICLE
 from wrsim.results.files import as_csv, as_json, write_atomically
 from wrsim.results.result import Result
 from wrsim.results.rows import Row, chosen, long, present, wide
@@ -55,8 +56,8 @@ def _each(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
 def of_contacts(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     """The tables of a run or of poses: those of the vehicle, then those of every wheelset."""
     names = wheelsets(dataset)
-    if "time" in dataset.dims and (len(names) > 1 or {"body", "point", "suspension"} & set(dataset.dims)):
-        yield "vehicle", _in_blocks(lambda part: wide(part, "time", ("body", "point", "suspension")), dataset)
+    if "time" in dataset.dims and (len(names) > 1 or set(OF_VEHICLE) & set(dataset.dims)):
+        yield "vehicle", _in_blocks(lambda part: wide(part, "time", OF_VEHICLE), dataset)
     for name in names:
         own = f"_{name}" if len(names) > 1 else ""
         yield from ((table + own, rows) for table, rows in _of_wheelset(of_wheelset(dataset, name)))

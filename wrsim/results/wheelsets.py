@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from wrsim.errors import InputError, suggest
+from wrsim.results.dataset import OF_VEHICLE
 
 
 def wheelsets(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -16,7 +17,7 @@ def wheelsets(dataset: xr.Dataset) -> tuple[str, ...]:
 def of_wheelset(dataset: xr.Dataset, name: str | None = None) -> xr.Dataset:
     """What a dataset holds of one wheelset, without the dimension ``wheelset``; of the only one without a name.
 
-    ``distance`` is that of the wheelset. What belongs to bodies, points, suspension and events is left out.
+    ``distance`` is that of the wheelset. What belongs to bodies, points, suspension, loads and events is left out.
     Raises InputError for a name that is none of the wheelsets, and when there are several to choose from.
     """
     names = wheelsets(dataset)
@@ -27,7 +28,7 @@ def of_wheelset(dataset: xr.Dataset, name: str | None = None) -> xr.Dataset:
         raise InputError(f"{what}; there are {', '.join(names)}" if name else f"{what}: {', '.join(names)}")
     if "wheelset" not in dataset.dims:
         return dataset
-    one = dataset.sel(wheelset=name).drop_dims(["body", "point", "suspension", "event"], errors="ignore")
+    one = dataset.sel(wheelset=name).drop_dims([*OF_VEHICLE, "event"], errors="ignore")
     if len(names) > 1:
         one.attrs["title"] = f"{dataset.attrs['title']}: {name}"
     if "wheelset_distance" not in one:

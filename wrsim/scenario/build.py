@@ -77,6 +77,11 @@ def build(scenario: Scenario) -> Setup[Any]:
     if analysis.own_track and spec.contact.normal == "half-space":
         message = f'is for poses, rest and runs: analysis = "{spec.analysis}" asks for the contacts a thousand times'
         raise scenario.fault(("contact", "normal"), message)
+    varying = [load.name for load in vehicle.loads if load.varies]
+    if analysis.own_track and varying:
+        message = f"analysis = \"{analysis.name}\" looks for motion that lasts: load '{varying[0]}' must be constant"
+        own = [i for i, load in enumerate(spec.vehicle.loads) if load.name == varying[0]]
+        raise scenario.fault(("vehicle", "loads", own[0]) if own else ("vehicle", "model"), message)
     rails = _rails(scenario, files)
     track = track_of(scenario, rails, files)
     if spec.track.gauge_between == "gauge points":

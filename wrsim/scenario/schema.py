@@ -52,6 +52,7 @@ class ScenarioSpec(Section):
         if "conical" in contact and "elasticity" in track:
             yield Fault(("track", "elasticity"), "has no place beside [contact.conical], whose rails are rigid")
         if analysis is not None:
+            yield from _of_loads(analysis, raw.get("vehicle"))
             yield from _of_tables(analysis, raw)
             yield from _of_track(analysis, raw, track)
 
@@ -59,6 +60,13 @@ class ScenarioSpec(Section):
 def _where(ability: str) -> str:
     """The analyses with an ability, as keys."""
     return " or ".join(f'analysis = "{a.name}"' for a in ANALYSES.values() if getattr(a, ability))
+
+
+def _of_loads(analysis: Analysis, vehicle: Any) -> Iterator[Fault]:
+    """No loads where none act."""
+    for key in ("loads", "payloads"):
+        if not analysis.loaded and isinstance(vehicle, dict) and vehicle.get(key):
+            yield Fault(("vehicle", key), f'has no place in analysis = "{analysis.name}": remove it (or {key} = [])')
 
 
 def _of_tables(analysis: Analysis, raw: dict[str, Any]) -> Iterator[Fault]:

@@ -6,10 +6,15 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.models import load_profile
 from wrsim.scenario.loading import Scenario
+from wrsim.vehicle.ballast import with_ballast
+from wrsim.vehicle.elements.keys import VEHICLE_AXES
 from wrsim.vehicle.files import with_wheel
-from wrsim.vehicle.vehicle import CarriedMass, Vehicle
+from wrsim.vehicle.load_tables import NO_BALLAST
+from wrsim.vehicle.preload import preloads
+from wrsim.vehicle.vehicle import CarriedMass, Payload, Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 SIDES = ("left", "right")
@@ -38,4 +43,36 @@ def vehicle_of(scenario: Scenario, files: list[Path]) -> Vehicle:
         height = vehicle.carried[0].height if vehicle.carried else 0.0
         carried = CarriedMass(vehicle.wheelsets[0].name, section.sprung_mass_kg, height)
         vehicle = replace(vehicle, carried=(carried,))
+    return _with_loads(scenario, vehicle)
+
+
+def _with_loads(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
+    """The vehicle with the loads and payloads of the scenario as well."""
+    section = scenario.spec.vehicle
+
+    def body(name: str, *key: str | int) -> str:
+        if name not in vehicle.names:
+            words = f"is no body; there is {', '.join(vehicle.names)}{suggest(name, vehicle.names)}"
+            raise scenario.fault(("vehicle", *key, "on"), words)
+        return name
+
+    loads = [each.load(each.name, body(each.on, "loads", i), VEHICLE_AXES) for i, each in enumerate(section.loads)]
+    for i, load in enumerate(loads):
+        if load.name in (other.name for other in (*vehicle.loads, *loads[:i])):
+            raise scenario.fault(("vehicle", "loads", i, "name"), "is the name of another load")
+    forces, masses = [], []
+    for i, table in enumerate(section.payloads):
+        found = table.payload(table.name, body(table.on, "payloads", i), VEHICLE_AXES)
+        if isinstance(found, Payload):
+            forces.append(found)
+        elif found.body in (mounted.name for mounted in vehicle.wheelsets):
+            raise scenario.fault(("vehicle", "payloads", i, "on"), NO_BALLAST)
+        else:
+            masses.append(found)
+    try:
+        vehicle = with_ballast(vehicle, masses)
+        vehicle = replace(vehicle, loads=(*vehicle.loads, *loads), payloads=(*vehicle.payloads, *forces))
+        preloads(vehicle)
+    except InputError as error:
+        raise scenario.fault(("vehicle", "payloads"), str(error)) from None
     return vehicle

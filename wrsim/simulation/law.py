@@ -21,7 +21,7 @@ from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.suspension_table import SuspensionTable, suspension_table
 from wrsim.simulation.system import Array
-from wrsim.vehicle.vehicle import Drive
+from wrsim.vehicle.vehicle import Drive, LoadAxes, Over
 
 if TYPE_CHECKING:
     from wrsim.geometry.track.track import Track
@@ -33,6 +33,10 @@ Contacts = tuple[ContactModel, ContactModel]
 
 DRIVES: tuple[Drive, ...] = ("free", "train", "wheels")
 """In the order of their numbers in ``core.body.loads``."""
+
+LOAD_AXES: tuple[LoadAxes, ...] = ("track", "body")
+OVER: tuple[Over, ...] = ("time", "distance")
+"""In the order of their numbers there, too."""
 
 RAIL_COORDINATES = vehicle_forces.RAIL_COORDINATES
 """Displacements of the rails under one wheelset."""
@@ -141,6 +145,12 @@ class VehicleOnTrack:
         """Force that holds the speed at the state asked for last, positive forward [N]."""
         return float(self.whole["drive_force"][0])
 
+    @property
+    def load_forces(self) -> Array:
+        """Forces of the vehicle's loads (loads, 3) along their axes at the state asked for last [N]."""
+        forces = self._loads["force"][: len(self.vehicle.loads)]
+        return np.stack([forces[axis] for axis in "xyz"], axis=-1)
+
     def places(self, distances: Array) -> Array:
         """Rows for ``look_near`` (n, wheelsets, 3): distances of the wheelsets (n, wheelsets), and along both rails."""
         flat = np.asarray(distances, dtype=float).ravel()
@@ -167,7 +177,7 @@ class VehicleOnTrack:
             view[wheelset_kernel.SIDES]["s"] = row[1:]
         self.whole["s_reference"] = at + vehicle.parts[vehicle.reference].centre[0]
         for load in self._loads:
-            load.s = at + vehicle.parts[load.body].centre[0]
+            load.s = at + vehicle.parts[load.body].centre[0] + load.at.x
 
     def follow(self, on: bool) -> None:
         """From now on contacts start from those of the last state (in a run), or afresh. See ``Follows``."""
@@ -237,10 +247,7 @@ class VehicleOnTrack:
             own.rail_n, own.rail_b = zip(e.mass, e.stiffness, e.damping, strict=True)
         wheelsets = len(vehicle.wheelsets)
         parts = [(body.mass, i if i < wheelsets else -1) for i, body in enumerate(self.bodies)]
-        loads = np.zeros(len(vehicle.loads), load_kernel.LOAD)
-        for row, load in zip(loads, vehicle.loads, strict=True):
-            row.body, row.force = vehicle.index(load.body), load.force
-            row.at = tuple(np.array(load.at) - np.array(vehicle.parts[row.body].centre))
+        loads, load_tables = self._load_arrays()
         carried = [(c.mass, c.height, vehicle.index(c.body)) for c in vehicle.carried]
         axles = [(m.wheelset.mean_radius, i, self._holder(m.name)) for i, m in enumerate(vehicle.wheelsets)]
         first = self.size - self.positions
@@ -254,11 +261,25 @@ class VehicleOnTrack:
             table.tables,
             np.zeros(len(table.elements), suspension.READING),
             loads,
+            load_tables,
             np.array(carried, load_kernel.CARRIED),
             np.array(axles, load_kernel.AXLE),
             self.track.centre.curve.nodes,
             np.array(boxes, box_kernel.AXLE_BOX),
         ]
+
+    def _load_arrays(self) -> tuple[NDArray[np.record], Array]:
+        """Records of the loads and of the forces of the payloads, behind them, and the tables that they follow."""
+        vehicle = self.vehicle
+        acting = (*vehicle.loads, *(payload.as_load() for payload in vehicle.payloads))
+        found = np.zeros(len(acting), load_kernel.LOAD)
+        tables: list[tuple[float, float, float, float]] = []
+        for row, load in zip(found, acting, strict=True):
+            row.body, row.axes, row.over = vehicle.index(load.body), LOAD_AXES.index(load.axes), OVER.index(load.over)
+            row.at = tuple(np.array(load.at) - np.array(vehicle.parts[row.body].centre))
+            row.start, row.rows = len(tables), len(load.table)
+            tables += load.table
+        return found, np.array(tables or [(0.0,) * 4])
 
     def _holder(self, wheelset: str) -> int:
         """The body that takes the reaction of a moment on a wheelset: the first that an element joins to it."""

@@ -35,5 +35,6 @@ def suspension_table(vehicle: Vehicle) -> SuspensionTable:
         start, end = element.points
         row.point_1 = tuple(np.array(start) - vehicle.place(element.first))
         row.point_2 = tuple(np.array(end) - vehicle.place(element.second))
-        element.write(row, preload, tables)
+        row.turning_preload = tuple(preload.moment)
+        element.write(row, preload.force, tables)
     return SuspensionTable(rows, np.array(tables.rows or [(0.0, 0.0)]), tables.unknowns)

@@ -13,9 +13,11 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import Locate, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.vehicle import vehicle_sections as sections
+from wrsim.vehicle.ballast import Ballast
 from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, Triple
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Axes, Joint
-from wrsim.vehicle.vehicle import AxleBox, Body, Load, MountedWheelset, Point
+from wrsim.vehicle.load_tables import NO_BALLAST
+from wrsim.vehicle.vehicle import AxleBox, Body, Load, MountedWheelset, Payload, Point
 from wrsim.vehicle.wheelset import Wheelset
 
 DEEPEST = 8
@@ -44,6 +46,8 @@ class Assembly:
     """Wheelsets of pairs of axle boxes by the name of the pair."""
     elements: list[Element] = field(default_factory=list)
     loads: list[Load] = field(default_factory=list)
+    payloads: list[Payload] = field(default_factory=list)
+    ballast: list[Ballast] = field(default_factory=list)
     points: list[Point] = field(default_factory=list)
 
     def add(self, part: sections.PartTable, path: KeyPath) -> None:
@@ -79,11 +83,20 @@ class Assembly:
         for i, table in enumerate(part.elements):
             self.elements += self._repeated(table, (*path, "elements", i), place)
         for i, load in enumerate(part.loads):
-            body = self._body(load.on, (*path, "loads", i, "on"), place)
-            force = place.axes.vector(load.force_kN)
-            self.loads.append(Load(place.prefix + load.name, body, force, place.axes.point(load.at_mm)))
+            body = self._body(load.on, (*path, "loads", i, "on"), place, frames=())
+            self.loads.append(load.load(place.prefix + load.name, body, place.axes))
+        for i, payload in enumerate(part.payloads):
+            key = (*path, "payloads", i, "on")
+            body = self._body(payload.on, key, place, frames=())
+            found = payload.payload(place.prefix + payload.name, body, place.axes)
+            if isinstance(found, Payload):
+                self.payloads.append(found)
+            elif body in self.wheelsets:
+                raise self._fault(key, NO_BALLAST, payload.on)
+            else:
+                self.ballast.append(found)
         for i, point in enumerate(part.points):
-            body = self._body(point.on, (*path, "points", i, "on"), place)
+            body = self._body(point.on, (*path, "points", i, "on"), place, frames=())
             self.points.append(Point(place.prefix + point.name, body, place.axes.point(point.at_mm)))
         for i, inner in enumerate(part.places):
             self._elements(*self._inner(inner, (*path, "places", i), place))
@@ -125,17 +138,19 @@ class Assembly:
             raise self._fault(path, message)
         return place.prefix + name
 
-    def _body(self, name: str, path: KeyPath, place: _Place, boxes: bool = False) -> str:
-        """Full name of a body seen from a part; boxes: it may be a pair of axle boxes."""
-        if name == TRACK:
-            return TRACK
+    def _body(
+        self, name: str, path: KeyPath, place: _Place, boxes: bool = False, frames: tuple[str, ...] = (TRACK,)
+    ) -> str:
+        """Full name of a body seen from a part; boxes: it may be a pair of axle boxes; frames: or one of these."""
+        if name in frames:
+            return name
         known = [*self.bodies, *self.wheelsets, *(self.boxes if boxes else ())]
         around = place.prefix.split(".")[:-1]
         for depth in range(len(around), -1, -1):
             if (full := ".".join((*around[:depth], name))) in known:
                 return full
         seen = [k.removeprefix(place.prefix) if k.startswith(place.prefix) else k for k in known]
-        words = f"is no body; there is {', '.join(dict.fromkeys(seen))}, {TRACK}"
+        words = f"is no body; there is {', '.join(dict.fromkeys((*seen, *frames)))}"
         raise self._fault(path, words + suggest(name, seen), name)
 
     def _centre(self, name: str) -> Triple:

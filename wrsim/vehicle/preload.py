@@ -1,14 +1,15 @@
 """Preload: the forces in the springs that hold a vehicle in its design position.
 
 The springs of a vehicle at rest carry what an elastic structure on fixed wheelsets carries: let the bodies move under
-their weight and the loads, K u = f, then each spring holds its share -k d(u). With these forces built in, the design
-position is the position of rest, whichever way the springs share the load. Springs whose preload the file gives are
+their weight and the payloads, K u = f, then each spring holds its share -k d(u). With these forces built in, the design
+position is the position of rest, whichever way the springs share the force. Loads are no part of it: under them the
+vehicle moves. Springs whose preload the file gives are
 left out of K and add their force to f.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +32,17 @@ ROUND_OFF = 1e-12
 """Forces below this part of the weight are none: a symmetric vehicle is to be symmetric to the last digit."""
 
 
-def preloads(vehicle: Vehicle) -> list[Array]:
-    """Force on the second body of every element in the design position, along its directions, (m,) each [N].
+class Preload(NamedTuple):
+    """What an element does to its second body in the design position: force along its directions (m,) [N], moment of
+    its rotational springs about x, y, z (3,) [N m].
+    """
+
+    force: Array
+    moment: Array
+
+
+def preloads(vehicle: Vehicle) -> list[Preload]:
+    """The preload of every element.
 
     Raises InputError for a body that its springs do not hold: it names the body and the direction.
     """
@@ -41,7 +51,7 @@ def preloads(vehicle: Vehicle) -> list[Array]:
     base = len(vehicle.wheelsets)
     load = np.zeros((n, 6))
     load[:, 2] = [-body.mass * vehicle.gravity for body in vehicle.bodies]
-    for extra in vehicle.loads:
+    for extra in vehicle.payloads:
         i = vehicle.index(extra.body) - base
         if i >= 0:
             load[i] += _at(np.array(extra.at) - vehicle.place(extra.body)).T @ np.array(extra.force)
@@ -89,12 +99,11 @@ def preloads(vehicle: Vehicle) -> list[Array]:
             f"({left[worst]:.4g} {'N' if direction < 3 else 'N m'} are left over)"
         )
     found = []
-    for element, (travel, _) in zip(vehicle.elements, motions, strict=True):
-        if element.preload is not None:
-            found.append(np.array(element.preload))
-        else:
-            force = -element.stiffness_at_rest * (travel @ u)
-            found.append(np.where(np.abs(force) > ROUND_OFF * vehicle.mass * vehicle.gravity, force, 0.0))
+    for element, (travel, turning) in zip(vehicle.elements, motions, strict=True):
+        force = -element.stiffness_at_rest * (travel @ u) if element.preload is None else np.array(element.preload)
+        moment = -np.array(element.turning_stiffness) * (turning @ u)
+        least = ROUND_OFF * vehicle.mass * vehicle.gravity
+        found.append(Preload(*(np.where(np.abs(a) > least, a, 0.0) for a in (force, moment))))
     return found
 
 

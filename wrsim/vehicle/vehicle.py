@@ -24,6 +24,12 @@ Array = NDArray[np.float64]
 Drive = Literal["free", "train", "wheels"]
 """What holds the speed: nothing; a pull along the track; moments on the axles. See ``core.body.vehicle_forces``."""
 
+LoadAxes = Literal["track", "body"]
+"""The axes that a load keeps to."""
+
+Over = Literal["time", "distance"]
+"""What the table of a load goes over."""
+
 
 @dataclass(frozen=True)
 class Body:
@@ -79,12 +85,56 @@ class MountedWheelset:
 
 @dataclass(frozen=True)
 class Load:
-    """A constant force [N] along the track's axes t, n, b at a point [m] of a body."""
+    """A force at a point [m] of a body that acts at rest and in runs; the springs' preload knows nothing of it.
+
+    table: rows (x, force [N] along three axes), x rising: the time of the run [s] or the distance of the point along
+    the centre line [m]; linear between rows, constant beyond the ends, so that one row is a constant force. axes: those
+    of the track (t, n, b) where the point is, or those of the body (of a wheelset: which do not spin).
+    """
+
+    name: str
+    body: str
+    at: Triple
+    table: tuple[tuple[float, float, float, float], ...]
+    over: Over = "time"
+    axes: LoadAxes = "track"
+
+    @classmethod
+    def constant(cls, name: str, body: str, force: Triple, at: Triple, axes: LoadAxes = "track") -> Load:
+        """A load that stays the same."""
+        return cls(name, body, at, ((0.0, *force),), axes=axes)
+
+    @property
+    def varies(self) -> bool:
+        """True if it is not the same everywhere and always."""
+        return any(row[1:] != self.table[0][1:] for row in self.table)
+
+    @property
+    def largest(self) -> Triple:
+        """The force in the row where it is largest [N]."""
+        return max((row[1:] for row in self.table), key=lambda force: float(np.linalg.norm(force)))
+
+    def force(self, time: float, distance: float) -> Triple:
+        """The force [N] at a time [s], its point at a distance along the centre line [m]."""
+        x, *forces = np.transpose(self.table)
+        fx, fy, fz = (float(np.interp(time if self.over == "time" else distance, x, f)) for f in forces)
+        return fx, fy, fz
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A constant force [N] along the track's axes t, n, b at a point [m] of a body, with which the vehicle is trimmed:
+    the springs' preload carries it in the design position.
+    """
 
     name: str
     body: str
     force: Triple
     at: Triple
+
+    def as_load(self) -> Load:
+        """The force as it acts."""
+        return Load.constant(self.name, self.body, self.force, self.at)
 
 
 @dataclass(frozen=True)
@@ -123,6 +173,7 @@ class Vehicle:
     bodies: tuple[Body, ...]
     elements: tuple[Element, ...]
     loads: tuple[Load, ...] = ()
+    payloads: tuple[Payload, ...] = ()
     points: tuple[Point, ...] = ()
     source: str = ""
     carried: tuple[CarriedMass, ...] = ()
@@ -167,9 +218,9 @@ class Vehicle:
 
     @property
     def weight(self) -> float:
-        """Force of all wheels on level rails at rest [N], if no spring to a frame carries a share."""
+        """Force of all wheels on level rails at rest without loads [N], if no spring to a frame carries a share."""
         return (self.mass + sum(load.mass for load in self.carried)) * self.gravity - sum(
-            load.force[2] for load in self.loads
+            payload.force[2] for payload in self.payloads
         )
 
     @property
@@ -198,6 +249,15 @@ class Vehicle:
             x, y, z = places[self.index(carried.body)]
             places.append((x, y, z + carried.height))
         return np.average(places, axis=0, weights=[load.mass for load in (*self.parts, *self.carried)])
+
+    def loaded_as(self, force: Callable[[Load], Triple]) -> Vehicle:
+        """The vehicle with constant loads in the place of its own; force: of each of them, along its axes [N]."""
+        held = (Load.constant(each.name, each.body, force(each), each.at, each.axes) for each in self.loads)
+        return replace(self, loads=tuple(held))
+
+    def loaded_as_at(self, distance: float) -> Vehicle:
+        """The vehicle with the loads that it has at time 0 with its origin at a distance [m], kept so."""
+        return self.loaded_as(lambda load: load.force(0.0, distance + load.at[0]))
 
     def with_wheelsets(self, change: Callable[[Wheelset], Wheelset]) -> Vehicle:
         """The vehicle with every wheelset changed; the guide frame holds its own at the height of the new wheels."""

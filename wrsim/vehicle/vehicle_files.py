@@ -19,6 +19,7 @@ from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
 from wrsim.inputs.values import Day, Source, number, text
 from wrsim.vehicle.assembly import Assembly
+from wrsim.vehicle.ballast import with_ballast
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.elements.keys import scaled
 from wrsim.vehicle.files import SprungTable, SuspensionTable, WheelsetTable
@@ -103,12 +104,14 @@ def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate) -> 
         tuple(assembly.bodies.values()),
         tuple(assembly.elements),
         tuple(assembly.loads),
+        tuple(assembly.payloads),
         tuple(assembly.points),
         file.source,
         gravity=file.gravity_m_per_s2,
     )
     try:
         check_connected(vehicle)
+        vehicle = with_ballast(vehicle, assembly.ballast)
         preloads(vehicle)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
@@ -123,10 +126,11 @@ def check_connected(vehicle: Vehicle) -> None:
     """
     if not vehicle.wheelsets:
         raise InputError("the vehicle has no wheelset: a table [wheelsets.NAME] is needed")
-    names = [element.name for element in vehicle.elements]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise InputError(f"elements need names of their own; these stand for more than one: {', '.join(twice)}")
+    for what, named in (("elements", vehicle.elements), ("loads", vehicle.loads)):
+        names = [each.name for each in named]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise InputError(f"{what} need names of their own; these stand for more than one: {', '.join(twice)}")
     held = {TRACK, GUIDE, *(mounted.name for mounted in vehicle.wheelsets), *vehicle.boxes}
     while True:
         more = {

@@ -11,6 +11,7 @@ from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, Three, number, positive, text
 from wrsim.vehicle.elements import AnyElementTable
 from wrsim.vehicle.elements.keys import Metre, Name, Place
+from wrsim.vehicle.load_tables import LoadTable, PayloadTable
 
 Mirror = Annotated[List[Literal["x", "y"]], Field(description='a list of "x" (front to rear) and "y" (left to right)')]
 
@@ -56,17 +57,6 @@ class AxleBoxTable(Section):
     inertia_kg_m2: Three[Annotated[float, positive(1e5, "kg m2")]]
 
 
-class LoadTable(Section):
-    """[[loads]]: a constant force on a body, along the track's axes."""
-
-    header: ClassVar[str] = "[[loads]]"
-
-    name: Name
-    on: Annotated[str, text("the name of a body")]
-    at_mm: Place
-    force_kN: Three[Annotated[float, number(-1e4, 1e4, "kN")]]
-
-
 class PointTable(Section):
     """[[points]]: a point of a body whose acceleration is kept in results."""
 
@@ -98,5 +88,6 @@ class PartTable(Section):
     axle_boxes: dict[str, AxleBoxTable] = Field(default_factory=dict)
     elements: List[AnyElementTable] = ()
     loads: List[LoadTable] = ()
+    payloads: List[PayloadTable] = ()
     points: List[PointTable] = ()
     places: List[PlaceTable] = ()

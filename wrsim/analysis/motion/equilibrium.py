@@ -10,13 +10,14 @@ import numpy as np
 
 from wrsim.analysis.motion.forces import force_law, held_by
 from wrsim.analysis.motion.outcomes import NoSteadyMotion
+from wrsim.analysis.motion.overturning import pushed
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.start import EXACT, on_the_rails, shifts
 from wrsim.analysis.motion.words import steady_words
 from wrsim.errors import SimulationError
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.state import Equilibrium, design_state, lower_on_rails, steady_state
-from wrsim.vehicle.vehicle import single_wheelset
+from wrsim.vehicle.vehicle import Load, single_wheelset
 
 if TYPE_CHECKING:
     from wrsim.results import Result
@@ -57,6 +58,7 @@ def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     """
     if not law.vehicle.bodies and len(law.vehicle.wheelsets) == 1:
         return _wheelset_at_rest(setup, law)
+    pushed(setup, 0.0)
     law.look_near(law.start)
     q, q_t = design_state(law)
     for i in range(len(law.vehicle.wheelsets)):
@@ -70,9 +72,9 @@ def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
 
 
 def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
-    """A wheelset looked for further and further down a canted track, where springs or a flange hold it."""
+    """A wheelset looked for further and further to where cant or loads push it and springs or a flange hold it."""
     problems = []
-    for shift in shifts(setup, float(setup.track.cant(setup.plan.start))):
+    for shift in shifts(setup, pushed(setup, 0.0).left):
         try:
             law.look_near(law.start)
             return steady_state(law, lower_on_rails(law, *design_state(law, lateral=float(shift))))
@@ -87,8 +89,32 @@ def _seat(setup: Setup[RunPlan], i: int) -> Array:
     mounted = vehicle.wheelsets[i]
     share = (vehicle.mass - sum(m.mass for m in vehicle.wheelsets)) / len(vehicle.wheelsets)
     alone = single_wheelset(mounted.wheelset, carried_mass=share, carried_height=_height(vehicle))
+    alone = replace(alone, loads=_share_of_loads(vehicle, run.start, mounted.x, alone.names[0]))
     there = replace(setup, vehicle=alone, plan=replace(run, start=run.start + mounted.x))
     return _wheelset_at_rest(there, force_law(there, drive="free")).q
+
+
+def _share_of_loads(vehicle: Vehicle, distance: float, x: float, wheelset: str) -> tuple[Load, ...]:
+    """What a wheelset at x [m] along the vehicle gets of loads and payloads, for a start: a force at the height of the
+    rails, and a couple of vertical forces; of the lateral force as if the vehicle were a beam on its wheelsets.
+    """
+    acting = (*vehicle.loaded_as_at(distance).loads, *(payload.as_load() for payload in vehicle.payloads))
+    places = np.array([mounted.x for mounted in vehicle.wheelsets])
+    centre, n = float(places.mean()), len(places)
+    spread = float(np.sum((places - centre) ** 2))
+    left = up = tipping = turning = 0.0
+    for load in acting:
+        fx, fy, fz = load.largest
+        ahead, y, z = load.at
+        left, up, tipping = left + fy / n, up + fz / n, tipping + (z * fy - y * fz) / n
+        turning += (ahead - centre) * fy - y * fx
+    if spread > 0.0:
+        left += turning * (x - centre) / spread
+    return (
+        Load.constant("push", wheelset, (0.0, left, up), (0.0, 0.0, 0.0)),
+        Load.constant("tip left", wheelset, (0.0, 0.0, -0.5 * tipping), (0.0, 1.0, 0.0)),
+        Load.constant("tip right", wheelset, (0.0, 0.0, 0.5 * tipping), (0.0, -1.0, 0.0)),
+    )
 
 
 def _height(vehicle: Vehicle) -> float:

@@ -7,6 +7,9 @@ from typing import Literal
 
 from wrsim.errors import SimulationError
 
+Side = Literal["left", "right", "outer", "inner"]
+"""Of the track; of a curve."""
+
 
 @dataclass(frozen=True)
 class OffRail:
@@ -33,9 +36,9 @@ class Overlap:
 
 @dataclass(frozen=True)
 class Overturned:
-    """Weight and centrifugal force together point so far beyond the outer or the inner rail [m]."""
+    """All that acts on the vehicle together points so far beyond a rail [m]."""
 
-    side: Literal["outer", "inner"]
+    side: Side
     beyond: float
 
 

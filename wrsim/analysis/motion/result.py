@@ -55,6 +55,7 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
     accelerations = np.zeros((n, len(vehicle.points), 3))
     records = np.zeros((n, *law.records.shape))
     reference, drive = np.zeros(n), np.zeros(n)
+    external = np.zeros((n, len(vehicle.loads), 3))
 
     def evaluate(i: int) -> None:
         law.look_near(places[i])
@@ -67,6 +68,7 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
             for j, wheel in enumerate(pair):
                 raw[w].store(i, j, wheel.model)
         records[i] = law.records
+        external[i] = law.load_forces
         reference[i], drive[i] = law.distance, law.drive_force
         accelerations[i] = points.at(motion.q[i], motion.q_t[i], out)
     law.follow(False)
@@ -127,6 +129,9 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
         channels |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}
         ends = np.array([e.limits or (np.nan, np.nan) for e in vehicle.elements])
         channels |= {"suspension_stop_min": ends[:, 0], "suspension_stop_max": ends[:, 1]}
+    if vehicle.loads:
+        coords["external_load"] = [load.name for load in vehicle.loads]
+        channels |= {f"external_f{axis}": external[:, :, k] for k, axis in enumerate("xyz")}
     if events:
         channels |= {
             "event_time": [event.start[0] for event in events],

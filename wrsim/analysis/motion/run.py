@@ -91,7 +91,7 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
     Raises StepTooLong for a step asked for that is not even stable at the start: its results would look like results.
     """
     plan = setup.plan
-    near = replace(setup, contact=setup.contact.fast())
+    near = replace(setup, contact=setup.contact.fast(), vehicle=setup.vehicle.loaded_as_at(plan.start))
     if near.contact != setup.contact:
         law = force_law(near)
     limit = stable_step(System(law.bodies, law, law.dampers), q, q_t)

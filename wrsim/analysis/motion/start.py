@@ -11,9 +11,10 @@ import numpy as np
 from wrsim.analysis.motion.derailment import derailed
 from wrsim.analysis.motion.forces import force_law, held_by
 from wrsim.analysis.motion.outcomes import NoSteadyMotion
+from wrsim.analysis.motion.overturning import pushed
 from wrsim.analysis.motion.run_in import run_in
 from wrsim.errors import SimulationError
-from wrsim.simulation.state import design_state, lower_on_rails, steady_state
+from wrsim.simulation.state import TOLERANCE, design_state, lower_on_rails, steady_state
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -42,7 +43,7 @@ def shifts(setup: Setup[RunPlan], direction: float) -> Array:
     """Lateral shifts at the start of the run from which a search begins [m]: from the middle towards ``direction``.
 
     In a curve a wheelset held hard against yaw does not find its way to the outer rail by itself, nor down a canted
-    track to the inner one. direction: 0 for the middle alone.
+    track to the inner one, nor to where a load pushes it. direction: 0 for the middle alone.
     """
     if direction == 0.0:
         return np.zeros(1)
@@ -59,7 +60,8 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
     """State (q, q_t) from which a run starts: steady motion in the track as it is at the start.
 
     If no search finds it in a curve, the vehicle is run in from straight track; its last state is accepted if it is
-    steady enough. With the exact contact solver the search goes on from what a fast model finds. Raises NoSteadyMotion.
+    steady enough, and so is, on straight track, the best that a search finds. With the exact contact solver the search
+    goes on from what a fast model finds. Raises NoSteadyMotion.
     """
     near = replace(setup, contact=setup.contact.fast())
     fast = force_law(near, law.speed, held_by(setup))
@@ -74,18 +76,25 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
 
 def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     curvature = float(setup.track.curvature(setup.plan.start))
-    problems = []
-    for shift in shifts(setup, -curvature):
+    aside = pushed(setup, law.speed).left
+    problems, near = [], []
+    for shift in shifts(setup, -curvature if curvature != 0.0 else aside):
         try:
             law.look_near(law.start)
             guess = lower_on_rails(law, *design_state(law, lateral=float(shift)))
-            return on_the_rails(law, steady_state(law, guess))
+            found = on_the_rails(law, steady_state(law, guess, tolerance=enough(setup)))
+            if found.residual <= TOLERANCE:
+                return found
+            near.append(found)
         except SimulationError as fault:
             problems.append(fault)
+    if curvature == 0.0 and near:
+        return min(near, key=lambda found: found.residual)
     try:
         if curvature == 0.0:
             raise problems[0]
-        return on_the_rails(law, steady_state(law, run_in(setup, start_state), tolerance=enough(setup)))
+        held = replace(setup, vehicle=setup.vehicle.loaded_as_at(setup.plan.start))
+        return on_the_rails(law, steady_state(law, run_in(held, start_state), tolerance=enough(setup)))
     except NoSteadyMotion:
         raise
     except SimulationError as fault:

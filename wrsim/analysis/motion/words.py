@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wrsim.analysis.motion.outcomes import Event, NoSteadyMotion, OffRail, Overlap, Overturned, RunInStopped
 from wrsim.core.contact.wheel_rail import DEEPEST
 from wrsim.simulation.state import Unbalanced
@@ -55,10 +57,9 @@ def steady_words(problem: NoSteadyMotion, vehicle: Vehicle) -> str:
     if isinstance(reason, OffRail):
         return f"the steady motion found is a derailed one: {off_rail_words(reason, vehicle)}"
     if isinstance(reason, Overturned):
-        return (
-            f"the vehicle would overturn: its weight and centrifugal force together point {1e3 * reason.beyond:.0f} mm "
-            f"beyond the {reason.side} rail"
-        )
+        what = "weight, centrifugal force and loads" if vehicle.loads else "weight and centrifugal force"
+        beyond = f"{1e3 * reason.beyond:.0f} mm" if np.isfinite(reason.beyond) else "far"
+        return f"the vehicle would overturn: its {what} together point {beyond} beyond the {reason.side} rail"
     if isinstance(reason, RunInStopped):
         return f"the run into the curve stopped: {reason.reason}"
     return f"no steady motion found; {reason}" if isinstance(reason, Unbalanced) else str(reason)

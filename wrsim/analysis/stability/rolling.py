@@ -6,16 +6,19 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.overturning import pushed
+from wrsim.analysis.motion.start import shifts
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
 from wrsim.simulation.linear import Linearised, linearise
-from wrsim.simulation.state import steady_state
+from wrsim.simulation.state import design_state, lower_on_rails, steady_state
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
     from wrsim.simulation.law import VehicleOnTrack
+    from wrsim.simulation.state import Equilibrium
     from wrsim.simulation.system import Array
 
 LENGTH, PLACE = 400.0, 200.0
@@ -44,13 +47,25 @@ class RollingVehicle:
         law.set_speed(speed)
         law.look_near(PLACE)
         try:
-            found = steady_state(law, self._last)
+            found = self._from_design() if self._last is None else steady_state(law, self._last)
         except SimulationError:
             if self._last is None:
                 raise
-            found = steady_state(law)
+            found = self._from_design()
         self._last = found.q, found.q_t
         return found.q.copy(), found.q_t.copy()
+
+    def _from_design(self) -> Equilibrium:
+        """The steady state from the middle of the track or, where loads push the vehicle aside, from there."""
+        law = self.law
+        problems = []
+        for shift in shifts(self.setup, pushed(self.setup, law.speed).left):
+            try:
+                law.look_near(PLACE)
+                return steady_state(law, lower_on_rails(law, *design_state(law, lateral=float(shift))))
+            except SimulationError as fault:
+                problems.append(fault)
+        raise problems[0]
 
     def linearised(self, speed: float) -> Linearised:
         """Matrices of the small motions about the steady state at a speed [m/s]."""

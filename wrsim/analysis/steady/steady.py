@@ -11,12 +11,13 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wrsim.analysis.motion.forces import force_law
-from wrsim.analysis.motion.outcomes import NoSteadyMotion, Overturned
+from wrsim.analysis.motion.outcomes import NoSteadyMotion
+from wrsim.analysis.motion.overturning import check_upright, resultant
 from wrsim.analysis.motion.start import enough, on_the_rails, start_state
 from wrsim.analysis.motion.words import steady_words
 from wrsim.contact.channels import RawContacts, patch_channels, wheel_channels
@@ -196,14 +197,10 @@ def steady_in_curve(setup: Setup, point: SteadyPoint, solved: Sequence[Found] = 
 
 
 def _upright(setup: Setup, point: SteadyPoint) -> None:
-    """Raise SimulationError when weight and centrifugal force together point beside the rails."""
-    base, height = setup.track.cant_base, float(setup.vehicle.centre_of_load[2])
-    tilt = np.arcsin(point.cant / base)
-    outward = np.arctan2(point.speed**2 / abs(point.radius), STANDARD_GRAVITY) - tilt
-    beside = abs(height * np.tan(outward)) - 0.5 * base if abs(outward) < 0.5 * np.pi else np.inf
-    if beside > 0.0:
-        side: Literal["outer", "inner"] = "outer" if outward > 0.0 else "inner"
-        raise NoSteadyMotion(Overturned(side, float(beside)))
+    """Raise NoSteadyMotion when what acts on the vehicle points beside the rails."""
+    base, curvature = setup.track.cant_base, 1.0 / point.radius
+    tilt = float(np.copysign(np.arcsin(point.cant / base), point.cant * curvature))
+    check_upright(resultant(setup.vehicle, 0.0, curvature, tilt, point.speed), base, curvature)
 
 
 def _apart(a: SteadyPoint, b: SteadyPoint) -> float:

@@ -1,6 +1,8 @@
-"""What acts on the bodies of a vehicle besides suspension and contacts: constant forces, carried masses, the drive.
+"""What acts on the bodies of a vehicle besides suspension and contacts: loads, carried masses, the drive.
 
-Constant forces act along the track's axes where their body is.
+Loads. A force at a point of a body, along the axes of the track where the point is, or along those of the body (of a
+wheelset: which do not spin). It follows a table over the time or over the distance of the point: linear between the
+rows, constant before the first and behind the last.
 
 Carried masses. A mass that follows the track frame without oscillating presses on its body with m (g - a_f), a_f = V^2
 dt/ds: the part along t is left to the train that moves it, the other two act at the centre of mass of the body, with
@@ -14,12 +16,34 @@ train does, or it comes as equal moments on the axles, with the reaction on the 
 
 from wrsim.core.arena import record
 from wrsim.core.body.suspension import apply, material_point
-from wrsim.core.compiling import kernel
-from wrsim.core.linalg import VECTOR, Vec, accumulate, combined, components, cross, dot, get_body, scale, sub, vec
+from wrsim.core.compiling import inlined, kernel
+from wrsim.core.linalg import (
+    VECTOR,
+    Vec,
+    accumulate,
+    combined,
+    components,
+    cross,
+    dot,
+    get_body,
+    mixed,
+    put,
+    read,
+    scale,
+    sub,
+    vec,
+)
 from wrsim.core.track.path import frame, locate
 
-LOAD = record("s", "body", at=VECTOR, force=VECTOR)
-"""Distance of the body (a guess, updated) [m]; point in the body's axes [m]; force along t, n, b [N]."""
+LOAD = record("s", "body axes over start rows", at=VECTOR, force=VECTOR)
+"""Distance of the point (a guess, updated) [m]; its body; axes of the force; what its table goes over; first row and
+number of rows of its table; point in the body's axes [m]; force along its axes at the state asked for last [N]."""
+
+TRACK_AXES, BODY_AXES = range(2)
+"""Axes of a load."""
+
+OVER_TIME, OVER_DISTANCE = range(2)
+"""What the table of a load goes over."""
 
 CARRIED = record("mass height", "body")
 """A carried mass [kg] and its height above the centre of its body [m]."""
@@ -33,19 +57,43 @@ FREE, TRAIN, WHEELS = range(3)
 DRIVE_RATE = 1.0  # [1/s]
 
 
+@inlined
+def _at(tables, start, count, x):
+    """The vector at x by the rows (x, vector) of a table; beyond its ends it stays."""
+    low, high = start, start + count - 1
+    if x <= tables[low, 0]:
+        return read(tables[low], 1)
+    if x >= tables[high, 0]:
+        return read(tables[high], 1)
+    while high - low > 1:
+        middle = (low + high) // 2
+        if x < tables[middle, 0]:
+            high = middle
+        else:
+            low = middle
+    part = (x - tables[low, 0]) / (tables[high, 0] - tables[low, 0])
+    return mixed(1.0 - part, read(tables[low], 1), part, read(tables[high], 1))
+
+
 @kernel
-def add_loads(bodies, loads, centre, wrenches):
-    """Add the constant forces; returns the status of ``locate``."""
+def add_loads(t, bodies, loads, tables, centre, wrenches):
+    """Add the loads at time t; tables: (., 4) of all of them. Returns the status of ``locate``."""
     for j in range(loads.shape[0]):
         load = loads[j]
         body = get_body(bodies[load.body])
-        s, bad = locate(centre, body.position, load.s)
+        point = material_point(body, vec(load.at))
+        s, bad = locate(centre, point, load.s)
         if bad != 0:
             return bad
         load.s = s
-        track = frame(centre, s)
-        force = combined(load.force, track.t, track.n, track.b)
-        apply(wrenches[load.body], body, material_point(body, vec(load.at)), force)
+        along = _at(tables, load.start, load.rows, s if load.over == OVER_DISTANCE else t)
+        put(load.force, along)
+        if load.axes == BODY_AXES:
+            force = combined(along, body.forward, body.left, body.up)
+        else:
+            track = frame(centre, s)
+            force = combined(along, track.t, track.n, track.b)
+        apply(wrenches[load.body], body, point, force)
     return 0
 
 

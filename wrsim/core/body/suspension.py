@@ -8,7 +8,7 @@ guide frame (``core.body.vehicle_forces``).
   the second body's point: the field turns with the first body. So the element has a potential (d.k d/2 - f0.d), and
   keeps momentum and angular momentum to round-off, at any angle. The rotational springs have the potential
   sum_i w_i (1 - e_i.e'_i) of the axes e of the first and e' of the second body, w = (kx + ky + kz)/2 - k: their moments
-  are k times the angle while this is small.
+  are k times the angle while this is small. Their preload m0 has the potential -(m0_x z.y' + m0_y x.z' + m0_z y.x').
 - SHEAR: half of the element is a field of the first body, half one of the second. Placed at the middle of a flexible
   column (a coil spring) of height h with bending stiffness k_b = E I / h about both axes and shear stiffness 12 E I /
   h^3 this is a beam clamped at both ends; the moment of the load about the shifted ends is shared equally.
@@ -59,6 +59,7 @@ ELEMENT = record(
     damping=VECTOR,
     preload=VECTOR,
     turning=VECTOR,
+    turning_preload=VECTOR,
     turning_damping=VECTOR,
 )
 """An element. first, second: its bodies; point_1, point_2: in their axes. In one direction: stiffness k, damping c,
@@ -202,6 +203,10 @@ def _turning(bodies, element, wrenches):
     moment = scale(half - k.x, cross(second.forward, first.forward))
     moment = shifted(moment, half - k.y, cross(second.left, first.left))
     moment = shifted(moment, half - k.z, cross(second.up, first.up))
+    m0 = element.turning_preload
+    moment = shifted(moment, m0.x, cross(second.left, first.up))
+    moment = shifted(moment, m0.y, cross(second.up, first.forward))
+    moment = shifted(moment, m0.z, cross(second.forward, first.left))
     rate = own_components(first, sub(second.omega, first.omega))
     damping = Vec(c.x * rate.x, c.y * rate.y, c.z * rate.z)
     moment = sub(moment, combined(damping, first.forward, first.left, first.up))

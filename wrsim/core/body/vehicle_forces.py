@@ -51,8 +51,11 @@ from wrsim.core.linalg import (
 from wrsim.core.track.path import NODE, frame, frame_rates
 
 # arrays of the arena before those of the wheelsets
-WHOLE, PARTS, BODIES, WRENCHES, ELEMENTS, TABLES, READINGS, LOADS, CARRIED_MASSES, AXLES, CENTRE, AXLE_BOXES = range(12)
-FIRST_WHEELSET = 12
+(
+    WHOLE, PARTS, BODIES, WRENCHES, ELEMENTS, TABLES, READINGS, LOADS, LOAD_TABLES, CARRIED_MASSES, AXLES, CENTRE,
+    AXLE_BOXES,
+) = range(13)  # fmt: skip
+FIRST_WHEELSET = 13
 
 RAIL = record("mass stiffness damping")
 
@@ -113,7 +116,8 @@ def vehicle_forces(t, q, q_t, out, buffer, index):
         box, w = boxes[j], boxes[j].wheelset
         out[box.coordinate] = hand_over(box, get_body(bodies[w]), wrenches[n + FRAMES + j], wrenches[w])
     add_carried(track, records(buffer, index, CARRIED_MASSES, CARRIED), vehicle.gravity, wrenches)
-    lost = add_loads(bodies, records(buffer, index, LOADS, LOAD), centre, wrenches)
+    loads, load_tables = records(buffer, index, LOADS, LOAD), matrix(buffer, index, LOAD_TABLES)
+    lost = add_loads(t, bodies, loads, load_tables, centre, wrenches)
     lost |= add_drive(t, vehicle, bodies, records(buffer, index, AXLES, AXLE), centre, wrenches)
     status = OFF_TRACK if lost else 0
     contacts = (index.shape[0] - FIRST_WHEELSET) // ARRAYS

@@ -6,15 +6,17 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.values import number, text
+from wrsim.inputs.values import List, number, text
 from wrsim.vehicle.files import Radius, WheelName
+from wrsim.vehicle.load_tables import LoadTable, PayloadTable
 
 
 class VehicleSection(Section):
     """model: vehicle file; speed_kmh: needed to run along a track; the rest overrides values of the file.
 
     drive: what holds the speed: a pull along the track ("train", the default), moments on the axles ("wheels"), nothing
-    but springs to a frame of constant speed, if there are any ("free", the default of a single wheelset).
+    but springs to a frame of constant speed, if there are any ("free", the default of a single wheelset). loads,
+    payloads: more of them, on bodies by their full names.
     """
 
     header: ClassVar[str] = "[vehicle]"
@@ -37,6 +39,8 @@ class VehicleSection(Section):
     radius_right_mm: Radius | None = None
     drive: Literal["train", "wheels", "free"] | None = None
     sprung_mass_kg: Annotated[float, number(0, 50_000, "mass carried by this wheelset")] | None = None
+    loads: List[LoadTable] = ()
+    payloads: List[PayloadTable] = ()
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

@@ -1,0 +1,85 @@
+"""A vehicle at rest on level rails: how it stands under its loads, and the force of every wheel.
+
+The wheelsets stand each on two hard supports half the profile spacing to either side of its middle that
+push and do not pull, so a wheel may lift; the rails hold them sideways at their own height. All else finds its place in
+its springs, bump stops and all. Where on the profiles the contacts lie is left out: with rails under
+the wheels ``analysis = "equilibrium"`` says more.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wrsim.errors import SimulationError
+from wrsim.geometry.track.segments import Straight
+from wrsim.geometry.track.track import Track
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.newton import newton
+from wrsim.simulation.state import TOLERANCE, SteadyMotion, design_state
+from wrsim.simulation.system import COORDINATES, Array
+
+if TYPE_CHECKING:
+    from wrsim.vehicle.vehicle import Vehicle
+
+SUPPORT = 1e10
+"""Stiffness of a support [N/m]."""
+
+LENGTH, PLACE = 200.0, 100.0
+"""Level track, and where on it the vehicle stands [m]."""
+
+Z, Y, ROLL, SPIN = (COORDINATES.index(name) for name in ("z", "y", "roll", "spin"))
+
+
+@dataclass(frozen=True)
+class Standing:
+    """wheel_loads: (wheelsets, 2), left and right [N]; moved: of the bodies from the design position, (bodies, 3), to
+    the left, up [m] and roll [rad]; readings: forces and travels of the elements, (elements, 6).
+    """
+
+    wheel_loads: Array
+    moved: Array
+    readings: Array
+
+
+def standing(vehicle: Vehicle) -> Standing:
+    """The vehicle at rest under its payloads and loads, those over time or distance at their largest.
+
+    Raises SimulationError when it finds no rest: it overturns.
+    """
+    held = vehicle.loaded_as(lambda load: load.largest)
+    law = VehicleOnTrack(held, Track.build([Straight(LENGTH)], 1.5), (), speed=0.0, start=PLACE, drive="train")
+    steady = SteadyMotion(law)
+    n, w = len(law.bodies), len(vehicle.wheelsets)
+    half = np.array([0.5 * mounted.wheelset.profile_spacing for mounted in vehicle.wheelsets])
+    radius = np.array([mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
+    x = steady.unknowns(*design_state(law))
+    own = x[: 6 * n].reshape(n, 6)
+    design = own[w:, [Y, Z, ROLL]].copy()
+    own[:w, Z] = radius - 0.5 * vehicle.weight / w / SUPPORT
+    free = np.array([6 * i + k for i in range(n) for k in range(6) if i >= w or k not in (Y, SPIN)])
+    supports = np.zeros((w, 2))
+
+    def residual(part: Array) -> Array:
+        x[free] = part
+        left = steady.residual(x)
+        axles = left.reshape(n, 6)[:w]
+        for side, sign in enumerate((1.0, -1.0)):
+            sunk = radius - own[:w, Z] - sign * half * own[:w, ROLL]
+            supports[:, side] = SUPPORT * np.maximum(sunk, 0.0)
+        up, about = supports.sum(axis=1), half * (supports[:, 0] - supports[:, 1])
+        axles[:, Z] += up / vehicle.weight
+        axles[:, ROLL] += about / vehicle.weight - radius * axles[:, Y]  # the rails push back at their height
+        return left[free]
+
+    with law.dampers_at_rest():
+        x[free], left, _ = newton(residual, x[free].copy(), steady.small[free], TOLERANCE, 100)
+    largest = float(np.max(np.abs(left)))
+    if not largest <= TOLERANCE:
+        raise SimulationError(
+            f"{vehicle.name} does not come to rest under its loads: it overturns ({largest:.2g} of its weight is left "
+            "over)"
+        )
+    return Standing(supports, own[w:, [Y, Z, ROLL]] - design, law.records.copy())

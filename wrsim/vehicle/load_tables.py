@@ -1,0 +1,122 @@
+"""[[loads]] and [[payloads]]: what acts on a vehicle besides its own weight, in the user's units.
+
+A payload belongs to the vehicle: it is trimmed with it, so that its springs carry it in the design position. Under a
+load the vehicle moves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar
+
+from pydantic import AfterValidator, Field
+
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import Three, number, positive, refuse, text
+from wrsim.vehicle.ballast import Ballast
+from wrsim.vehicle.elements import ZERO
+from wrsim.vehicle.elements.keys import Axes, Name, Place
+from wrsim.vehicle.vehicle import Load, LoadAxes, Over, Payload
+
+LARGEST = 1e4
+"""Largest component of a force [kN]."""
+
+Rows = tuple[tuple[float, float, float, float], ...]
+
+
+def _checked(rows: Rows) -> Rows:
+    """Rows (x, force) in rising order."""
+    for position, (before, row) in enumerate(pairwise(rows), 1):
+        if row[0] <= before[0]:
+            raise refuse(f"row [{position}] must lie behind the row before it: the first numbers rise")
+    for position, row in enumerate(rows):
+        if row[0] < 0.0:
+            raise refuse(f"row [{position}] begins with {row[0]:g}: must not lie before 0")
+        if max(map(abs, row[1:])) > LARGEST:
+            raise refuse(f"row [{position}] has a force of more than {LARGEST:g} kN")
+    return rows
+
+
+_ROWS = Field(strict=False, min_length=1, description="a list of rows in rising order, each {each}")
+_Four = tuple[float, float, float, float]
+OverTime = Annotated[
+    tuple[Annotated[_Four, Field(strict=False, description="four numbers [time s, x kN, y kN, z kN]")], ...],
+    _ROWS, AfterValidator(_checked),
+]  # fmt: skip
+OverDistance = Annotated[
+    tuple[Annotated[_Four, Field(strict=False, description="four numbers [distance m, x kN, y kN, z kN]")], ...],
+    _ROWS, AfterValidator(_checked),
+]  # fmt: skip
+Force = Three[Annotated[float, number(-LARGEST, LARGEST, "kN")]]
+
+NO_BALLAST = "is a wheelset, which spins: no mass is put on it; a force_kN may be"
+
+NEEDS_AXES = (
+    'must be "track" or "body", the axes that the force keeps to. A load acts beside the preload: the vehicle tilts '
+    "under it on its springs. A force that the vehicle is trimmed with, as [[loads]] once meant, stands in [[payloads]]"
+)
+
+
+class LoadTable(Section):
+    """[[loads]]: a force at a point of a body, constant or over the time or the distance, at rest and in runs."""
+
+    header: ClassVar[str] = "[[loads]]"
+    aliases: ClassVar[dict[str, str]] = {"on": "body", "axes": "frame", "force_kN": "f_kN"}
+
+    name: Name
+    on: Annotated[str, text("the name of a body")]
+    at_mm: Place
+    axes: LoadAxes | None = None
+    force_kN: Force | None = None
+    time_s_force_kN: OverTime | None = None
+    distance_m_force_kN: OverDistance | None = None
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """Axes, and the force in one of three ways."""
+        if "axes" not in raw:
+            yield Fault("axes", NEEDS_AXES, missing=True)
+        ways = [key for key in ("force_kN", "time_s_force_kN", "distance_m_force_kN") if key in raw]
+        if not ways:
+            message = "must be three numbers x, y, z in kN (or give time_s_force_kN or distance_m_force_kN, a table)"
+            yield Fault("force_kN", message, missing=True)
+        elif len(ways) > 1:
+            yield Fault(ways[1], f"cannot stand next to {ways[0]}: a force follows the time, the distance or neither")
+
+    def load(self, name: str, body: str, axes: Axes) -> Load:
+        """The load in SI units, of this name on this body; axes: of the part that it stands in."""
+        over: Over = "time" if self.distance_m_force_kN is None else "distance"
+        rows = self.time_s_force_kN or self.distance_m_force_kN or ((0.0, *(self.force_kN or ZERO)),)
+        table = tuple((x, *axes.vector((fx, fy, fz))) for x, fx, fy, fz in rows)
+        return Load(name, body, axes.point(self.at_mm), table, over, self.axes or "track")
+
+
+class PayloadTable(Section):
+    """[[payloads]]: a mass that is part of a body, or a constant force, with which the vehicle is trimmed."""
+
+    header: ClassVar[str] = "[[payloads]]"
+    aliases: ClassVar[dict[str, str]] = {"on": "body", "force_kN": "f_kN"}
+
+    name: Name
+    on: Annotated[str, text("the name of a body")]
+    at_mm: Place
+    mass_kg: Annotated[float, positive(1e6, "kg")] | None = None
+    inertia_kg_m2: Three[Annotated[float, number(0, 1e9, "kg m2")]] | None = None
+    force_kN: Force | None = None
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """A mass or a force."""
+        if ("mass_kg" in raw) == ("force_kN" in raw):
+            message = "or force_kN must be given, one of them"
+            yield Fault("mass_kg", message, missing="mass_kg" not in raw)
+        elif "inertia_kg_m2" in raw and "mass_kg" not in raw:
+            yield Fault("inertia_kg_m2", "goes with mass_kg")
+
+    def payload(self, name: str, body: str, axes: Axes) -> Payload | Ballast:
+        """The payload in SI units, of this name on this body; axes: of the part that it stands in."""
+        at = axes.point(self.at_mm)
+        if self.mass_kg is None:
+            return Payload(name, body, axes.vector(self.force_kN or ZERO), at)
+        return Ballast(body, self.mass_kg, at, self.inertia_kg_m2 or ZERO)
