@@ -12,11 +12,21 @@ from wrsim.analysis.motion.forces import force_law, held_by
 from wrsim.analysis.motion.outcomes import NoSteadyMotion
 from wrsim.analysis.motion.overturning import pushed
 from wrsim.analysis.motion.result import result_of
-from wrsim.analysis.motion.start import EXACT, on_the_rails, shifts
+from wrsim.analysis.motion.start import EXACT, PLAY, on_the_rails
 from wrsim.analysis.motion.words import steady_words
+from wrsim.core.body.kinematics import X, Y
 from wrsim.errors import SimulationError
 from wrsim.simulation.integrate import Motion
-from wrsim.simulation.state import Equilibrium, design_state, lower_on_rails, steady_state
+from wrsim.simulation.newton import bracket, newton
+from wrsim.simulation.state import (
+    GOAL,
+    TOLERANCE,
+    Equilibrium,
+    SteadyMotion,
+    design_state,
+    lower_on_rails,
+    steady_state,
+)
 from wrsim.vehicle.vehicle import Load, single_wheelset
 
 if TYPE_CHECKING:
@@ -72,15 +82,51 @@ def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
 
 
 def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
-    """A wheelset looked for further and further to where cant or loads push it and springs or a flange hold it."""
-    problems = []
-    for shift in shifts(setup, pushed(setup, 0.0).left):
+    """A wheelset in the middle of the track or, if no search finds its rest from there, where it slides to."""
+    pushed(setup, 0.0)
+    try:
+        law.look_near(law.start)
+        q, q_t = lower_on_rails(law, *design_state(law))
         try:
-            law.look_near(law.start)
-            return steady_state(law, lower_on_rails(law, *design_state(law, lateral=float(shift))))
-        except SimulationError as fault:
-            problems.append(fault)
-    raise NoSteadyMotion(problems[0])
+            return steady_state(law, (q, q_t))
+        except SimulationError:
+            reach = PLAY + 0.5 * max(float(setup.track.gauge(setup.plan.start)) - setup.track.nominal_gauge, 0.0)
+            return steady_state(law, _slid(law, q, q_t, reach))
+    except NoSteadyMotion:
+        raise
+    except SimulationError as fault:
+        raise NoSteadyMotion(fault) from None
+
+
+def _slid(law: VehicleOnTrack, q: Array, q_t: Array, reach: float) -> tuple[Array, Array]:
+    """The state of a wheelset after sliding to where nothing pushes it aside, at most by ``reach`` [m].
+
+    The normal forces answer to a micrometre, so everything else finds its balance at every lateral place.
+    """
+    law.look_near(law.start)
+    steady = SteadyMotion(law)
+    start = steady.unknowns(q, q_t)
+    heading = float(law.track.heading(law.start))
+    axes = np.eye(start.size)
+    axes[X : Y + 1, X : Y + 1] = [[np.cos(heading), -np.sin(heading)], [np.sin(heading), np.cos(heading)]]
+    across, others = axes[:, Y], np.delete(axes, Y, axis=1)
+    found, place = np.zeros(start.size - 1), start.copy()
+
+    def push(shift: float) -> float:
+        """Force to the left, over the weight, that is left over at a lateral shift with everything else in balance."""
+
+        def residual(rest: Array) -> Array:
+            return steady.residual(start + shift * across + others @ rest) @ others
+
+        found[:] = newton(residual, found.copy(), np.delete(steady.small, Y), GOAL, 20)[0]
+        place[:] = start + shift * across + others @ found
+        return float(steady.residual(place) @ across)
+
+    if not bracket(push, 0.0, steady.small[Y], TOLERANCE, reach):
+        raise SimulationError(
+            f"nothing holds wheelset '{law.vehicle.names[0]}' within {1e3 * reach:.3g} mm of the middle"
+        )
+    return steady.state(place)
 
 
 def _seat(setup: Setup[RunPlan], i: int) -> Array:
