@@ -12,7 +12,7 @@ from wrsim.analysis.motion.forces import force_law, held_by
 from wrsim.analysis.motion.outcomes import NoSteadyMotion
 from wrsim.analysis.motion.overturning import pushed
 from wrsim.analysis.motion.result import result_of
-from wrsim.analysis.motion.start import EXACT, PLAY, on_the_rails
+from wrsim.analysis.motion.start import EXACT, PLAY, on_the_rails, shifts
 from wrsim.analysis.motion.words import steady_words
 from wrsim.core.body.kinematics import X, Y
 from wrsim.errors import SimulationError
@@ -82,24 +82,23 @@ def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
 
 
 def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
-    """A wheelset in the middle of the track or, if no search finds its rest from there, where it slides to."""
-    pushed(setup, 0.0)
+    """A wheelset looked for further and further to where cant or loads push it and springs or a flange hold it."""
+    problems = []
+    for shift in shifts(setup, pushed(setup, 0.0).left):
+        try:
+            law.look_near(law.start)
+            return steady_state(law, lower_on_rails(law, *design_state(law, lateral=float(shift))))
+        except SimulationError as fault:
+            problems.append(fault)
     try:
         law.look_near(law.start)
-        q, q_t = lower_on_rails(law, *design_state(law))
-        try:
-            return steady_state(law, (q, q_t))
-        except SimulationError:
-            reach = PLAY + 0.5 * max(float(setup.track.gauge(setup.plan.start)) - setup.track.nominal_gauge, 0.0)
-            return steady_state(law, _slid(law, q, q_t, reach))
-    except NoSteadyMotion:
-        raise
-    except SimulationError as fault:
-        raise NoSteadyMotion(fault) from None
+        return steady_state(law, _slid(law, *lower_on_rails(law, *design_state(law))))
+    except SimulationError:
+        raise NoSteadyMotion(problems[0]) from None
 
 
-def _slid(law: VehicleOnTrack, q: Array, q_t: Array, reach: float) -> tuple[Array, Array]:
-    """The state of a wheelset after sliding to where nothing pushes it aside, at most by ``reach`` [m].
+def _slid(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Array]:
+    """The state of a wheelset after sliding from this one to where nothing pushes it aside.
 
     The normal forces answer to a micrometre, so everything else finds its balance at every lateral place.
     """
@@ -122,10 +121,8 @@ def _slid(law: VehicleOnTrack, q: Array, q_t: Array, reach: float) -> tuple[Arra
         place[:] = start + shift * across + others @ found
         return float(steady.residual(place) @ across)
 
-    if not bracket(push, 0.0, steady.small[Y], TOLERANCE, reach):
-        raise SimulationError(
-            f"nothing holds wheelset '{law.vehicle.names[0]}' within {1e3 * reach:.3g} mm of the middle"
-        )
+    if not bracket(push, 0.0, steady.small[Y], TOLERANCE, PLAY):
+        raise SimulationError(f"nothing holds wheelset '{law.vehicle.names[0]}' within {1e3 * PLAY:g} mm of the middle")
     return steady.state(place)
 
 

@@ -1,0 +1,259 @@
+"""Loads and payloads of a vehicle: hand calculations of tilt and wheel loads, balances of momentum."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from support.vehicles import ROOT, manchester, on_track
+
+from wrsim.errors import SimulationError
+from wrsim.geometry.track.segments import Arc
+from wrsim.geometry.track.track import Track
+from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.state import design_state
+from wrsim.simulation.statics import standing
+from wrsim.vehicle.vehicle import Load, Payload, Vehicle
+from wrsim.vehicle.vehicle_files import load_vehicle
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
+
+SHIPPED = sorted((ROOT / "models/vehicles").glob("*.toml"))
+HEIGHT = 2.2  # of the wind [m]
+HALF = 0.75  # half the distance of the wheel profiles [m]
+
+
+def shipped(file: object) -> Vehicle:
+    """A shipped vehicle."""
+    return load_vehicle(ROOT / f"models/vehicles/{file}", Finder((shipped_models(),)))
+
+
+def in_wind(force: float, height: float = HEIGHT, at: float = 0.0) -> Vehicle:
+    """The coach pushed to the left [N] at a height and a place along it [m]."""
+    return replace(manchester(), loads=(Load.constant("wind", "carbody", (0.0, force, 0.0), (at, 0.0, height)),))
+
+
+class Coach:
+    """The coach by hand, as a plane model: its energy over (y, z, roll) of car body and frames, roll to the left
+    negative. Numbers: ``models/vehicles/manchester_1.toml``. Springs turn with the bodies that they are fixed to.
+    """
+
+    CAR, FRAME = 32000.0, 2615.0
+    STOP = np.array(
+        [
+            [0, 0],
+            [25, 0],
+            [30, 0.6],
+            [35, 1.76],
+            [40, 3.73],
+            [45, 6.87],
+            [50, 11.58],
+            [55, 17.17],
+            [60, 29.2],
+            [65, 230],
+        ]
+    ) * [1e-3, 1e3]
+
+    def __init__(self, force: float) -> None:
+        self.force = force
+        start = np.zeros(6)
+        self.car, self.frame = np.split(minimize(self.energy, start, tol=1e-14, options={"gtol": 1e-4}).x, 2)
+
+    def energy(self, x: np.ndarray) -> float:
+        """Of four quarters: springs with their preloads, stops, gravity, and the wind."""
+        (yc, zc, rc), (yf, zf, rf) = x[:3], x[3:]
+
+        def point(y: float, z: float, roll: float, centre: float, at: tuple[float, float]) -> np.ndarray:
+            """Where a point (y, z) of a body has gone."""
+            c, s = np.cos(roll), np.sin(roll)
+            a, b = at[0], at[1] - centre
+            return np.array([y + c * a - s * b, centre + z + s * a + c * b])
+
+        def seen(roll: float, d: np.ndarray) -> np.ndarray:
+            c, s = np.cos(roll), np.sin(roll)
+            return np.array([c * d[0] + s * d[1], -s * d[0] + c * d[1]])
+
+        total = 0.0
+        for side in (1.0, -1.0):
+            middle = (side, 0.8275)
+            d = point(yc, zc, rc, 1.8, middle) - point(yf, zf, rf, 0.6, middle)
+            share = self.CAR * STANDARD_GRAVITY / 4.0
+            for roll in (rc, rf):  # half of a column turns with either body
+                own = seen(roll, d)
+                total += 2.0 * 0.5 * (0.5 * (160e3 * own[0] ** 2 + 430e3 * own[1] ** 2) - share * own[1])
+            box = (side, 0.46)
+            own = seen(rf, point(yf, zf, rf, 0.6, box) - np.array(box))  # the frame against its axle
+            share = (self.CAR / 4.0 + self.FRAME / 2.0) * STANDARD_GRAVITY / 2.0
+            total += 4.0 * (0.5 * (3884e3 * own[0] ** 2 + 1220e3 * own[1] ** 2) - share * own[1])
+        total += (2.0 * 940e3 + 4.0 * 10.5e3) * (1.0 - np.cos(rc - rf))
+        stop = point(yc, zc, rc, 1.8, (0.0, 0.65)) - point(yf, zf, rf, 0.6, (0.0, 0.65))
+        travel = abs(seen(rc, stop)[0])
+        fine = np.linspace(0.0, travel, 2001)
+        total += 2.0 * np.trapezoid(np.interp(fine, *self.STOP.T), fine)
+        total += STANDARD_GRAVITY * (self.CAR * zc + 2.0 * self.FRAME * zf)
+        return total - self.force * (point(yc, zc, rc, 1.8, (0.0, HEIGHT))[0])
+
+    @property
+    def transfer(self) -> float:
+        """What a left wheel gains [N]: wind over the rails, and weight that has swayed."""
+        sway = self.CAR * self.car[0] + 2.0 * self.FRAME * self.frame[0]
+        height = HEIGHT + self.car[1]
+        return float((self.force * height + STANDARD_GRAVITY * sway) / (8.0 * HALF))
+
+
+@pytest.mark.parametrize("force", [1e3, -10e3, 40e3, 80e3])
+def test_a_coach_in_the_wind_tilts_and_unloads_as_calculated_by_hand(force: float) -> None:
+    """Below some 10 kN on its springs alone, above on its bump stops, which the body meets at 25 mm."""
+    rest, hand = standing(in_wind(force)), Coach(force)
+    y, _, roll = rest.moved[0]
+    assert [y, roll] == pytest.approx([hand.car[0], hand.car[2]], rel=1e-3)
+    assert rest.moved[1:, 2] == pytest.approx(hand.frame[2], rel=2e-3)
+    gain = rest.wheel_loads[:, 0] - rest.wheel_loads.mean(axis=1)
+    assert gain.mean() == pytest.approx(hand.transfer, rel=1e-3)
+    stop = [e.name for e in manchester().elements].index("front.lateral stop")
+    assert (abs(rest.readings[stop, 1]) > 0.0) == (abs(force) > 20e3)
+    assert 62e-3 < abs(40e3 / 640e3) < 63e-3 < abs(y) or abs(force) < 40e3  # more than the springs alone would give
+
+
+def test_a_small_load_tilts_a_car_by_its_lever_over_the_roll_stiffness() -> None:
+    """One suspension: roll = -F (h + m g / 4 k_y) / (4 k_z b^2 - m g h_c), h and h_c over the springs."""
+    coach = manchester()
+    mass, b, k = 8000.0, 0.9, 800e3
+    spring = next(e for e in coach.elements if e.name.startswith("front.primary"))
+    places = [(x, side * b, 0.46) for x in (1.28, -1.28) for side in (1.0, -1.0)]
+    wheelsets = tuple(replace(m, x=x) for m, x in zip(coach.wheelsets[:2], (1.28, -1.28), strict=True))
+    elements = tuple(
+        replace(spring, name=f"{i}", first="car", second=wheelsets[i // 2].name, at=at, stiffness=(1e7, 3e6, k))
+        for i, at in enumerate(places)
+    )
+    body = replace(coach.bodies[0], name="car", mass=mass, inertia=(4e3, 9e3, 9.5e3), centre=(0.0, 0.0, 1.2))
+    push = Load.constant("push", "car", (0.0, 1e3, 0.0), (0.0, 0.0, HEIGHT))
+    car = Vehicle("car", wheelsets, (body,), elements, loads=(push,))
+    lever = 1e3 * (HEIGHT - 0.46 + mass * STANDARD_GRAVITY / (4.0 * 3e6))  # the weight sways with its springs, too
+    expected = -lever / (4.0 * k * b * b - mass * STANDARD_GRAVITY * (1.2 - 0.46))
+    assert standing(car).moved[0, 2] == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("file", [f.name for f in SHIPPED if "lrv" not in f.name])
+def test_a_payload_changes_wheel_loads_by_its_lever_and_leaves_the_vehicle_where_it_is(file: str) -> None:
+    """10 kN a wheelset at 2.2 m: 10 x 2.2 / 2 b. Supports of the wheels give by some micrometres: 1e-5 m, rad."""
+    vehicle = shipped(file)
+    body = vehicle.parts[vehicle.reference]
+    count = len(vehicle.wheelsets)
+    push = Payload("push", body.name, (0.0, 10e3 * count, -5e3), (body.centre[0], 0.0, HEIGHT))
+    before, after = standing(vehicle), standing(replace(vehicle, payloads=(*vehicle.payloads, push)))
+    gain = after.wheel_loads - before.wheel_loads
+    half = 0.5 * np.array([m.wheelset.profile_spacing for m in vehicle.wheelsets])
+    held = {end for e in vehicle.elements for end in (e.first, e.second)} & {"track", "guide frame"}
+    if not held:  # no frame beside the rails takes a share
+        assert gain.sum() == pytest.approx(5e3, rel=1e-6)
+        assert (gain[:, 0] - gain[:, 1]) @ half == pytest.approx(10e3 * count * HEIGHT, rel=1e-4)
+        assert gain[:, 0] == pytest.approx(10e3 * HEIGHT / (2.0 * half) + 2.5e3 / count, rel=1e-3)
+    assert after.moved[:, [0, 2]] == pytest.approx(before.moved[:, [0, 2]], abs=1e-5)
+
+
+@pytest.mark.parametrize("file", [f.name for f in SHIPPED if "lrv" not in f.name])
+def test_a_lateral_load_on_an_axle_unloads_its_wheel_by_its_height(file: str) -> None:
+    """F R / 2 b, wherever the wheelset belongs: the rails hold it below its axle."""
+    vehicle = shipped(file)
+    axle = vehicle.wheelsets[0]
+    push = Load.constant("push", axle.name, (0.0, 10e3, 0.0), axle.centre)
+    gain = standing(replace(vehicle, loads=(push,))).wheel_loads - standing(vehicle).wheel_loads
+    expected = 10e3 * axle.height / axle.wheelset.profile_spacing
+    assert gain[0] == pytest.approx([expected, -expected], rel=1e-2)
+    assert np.abs(gain[1:]).max(initial=0.0) < 1e-2 * expected
+
+
+def test_a_load_in_front_of_the_middle_presses_on_the_front_bogie() -> None:
+    gain = standing(in_wind(5e3, at=4.75)).wheel_loads - standing(manchester()).wheel_loads
+    front, rear = gain[:2, 0].sum(), gain[2:, 0].sum()
+    # half way to the pivot the lateral force splits 3 to 1; the body's roll is shared alike
+    lateral = 0.5 * 5e3 * 0.46 / (2.0 * HALF)
+    assert front > rear + 0.5 * lateral
+
+
+def test_a_vehicle_in_a_storm_lifts_wheels_and_overturns() -> None:
+    near = standing(in_wind(120e3)).wheel_loads
+    assert (near >= 0.0).all() and near[:, 1].max() < 2e3
+    with pytest.raises(SimulationError, match="does not come to rest under its loads: it overturns"):
+        standing(in_wind(130e3))
+
+
+def test_a_table_counts_with_its_largest_force() -> None:
+    rows = ((0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 30e3, 0.0), (2.0, 0.0, -5e3, 1e3))
+    gust = Load("gust", "carbody", (0.0, 0.0, HEIGHT), rows)
+    found = standing(replace(manchester(), loads=(gust,)))
+    assert found.wheel_loads == pytest.approx(standing(in_wind(30e3)).wheel_loads, rel=1e-9)
+
+
+CURVE = [Arc(400.0, 300.0, cant=0.1)]
+ROWS = ((50.0, 1e3, -2e3, 3e3), (70.0, 4e3, 5e3, -1e3), (90.0, 4e3, -5e3, 2e3))
+
+
+def bare(vehicle: Vehicle, start: float = 75.0) -> VehicleOnTrack:
+    """A law without rails, gravity and drive: what is left are springs, which pull on bodies two by two, and loads."""
+    track = Track.build(CURVE, 1.5)
+    return VehicleOnTrack(vehicle, track, (), speed=20.0, start=start, drive="free", gravity=0.0)
+
+
+def resultants(law: VehicleOnTrack, t: float, seed: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sum of the forces on all bodies (3,) along x, y, z of the ground at a shaken state q; q; forces of the bodies."""
+    rng = np.random.default_rng(seed)
+    q, q_t = design_state(law)
+    n = 6 * len(law.bodies)
+    q[:n] += 2e-3 * rng.standard_normal(n)
+    out = np.zeros(law.size)
+    law(t, q, q_t, out)
+    own = out[:n].reshape(-1, 6)
+    return own[:, [1, 2, 0]].sum(axis=0), q, own
+
+
+@pytest.mark.parametrize("over", ["time", "distance"])
+@pytest.mark.parametrize("axes", ["track", "body"])
+def test_loads_change_the_momentum_of_the_vehicle_and_springs_do_not(over: str, axes: str) -> None:
+    at = (3.0, 0.5, 2.0)
+    load = Load("push", "carbody", at, ROWS, over, axes)
+    law = bare(replace(manchester(), loads=(load,)))
+    force, q, _ = resultants(law, t=63.0)
+    still, _, _ = resultants(bare(replace(manchester(), loads=())), t=63.0)
+    change = force - still
+    i = 6 * law.vehicle.index("carbody")
+    heading, roll, pitch = q[i + 3 : i + 6]
+    if axes == "track":
+        s = float(law._loads["s"][0])
+        t, n, b = law.track.centre.frame(s).reshape(-1, 3)[-3:]
+    else:
+        turn = np.array([[np.cos(heading), -np.sin(heading), 0], [np.sin(heading), np.cos(heading), 0], [0, 0, 1]])
+        lean = np.array([[1, 0, 0], [0, np.cos(roll), -np.sin(roll)], [0, np.sin(roll), np.cos(roll)]])
+        nod = np.array([[np.cos(pitch), 0, np.sin(pitch)], [0, 1, 0], [-np.sin(pitch), 0, np.cos(pitch)]])
+        t, n, b = (turn @ lean @ nod).T
+        s = float(law._loads["s"][0])
+    assert s == pytest.approx(78.0, abs=0.3)  # the point's, not the body's
+    along = [np.interp(63.0 if over == "time" else s, *np.transpose(ROWS)[[0, k]]) for k in (1, 2, 3)]
+    assert law.load_forces[0] == pytest.approx(along, rel=1e-12)
+    assert change == pytest.approx(along[0] * t + along[1] * n + along[2] * b, rel=1e-9, abs=1e-6)
+
+
+@pytest.mark.parametrize(("x", "expected"), [(-5.0, 0), (50.0, 0), (90.0, 2), (1e4, 2)])
+def test_a_table_holds_its_ends(x: float, expected: int) -> None:
+    load = Load("push", "carbody", (0.0, 0.0, 2.0), ROWS, "time")
+    law = bare(replace(manchester(), loads=(load,)))
+    resultants(law, t=x)
+    assert law.load_forces[0] == pytest.approx(ROWS[expected][1:], abs=0.0)
+    assert load.force(x, 0.0) == pytest.approx(ROWS[expected][1:], abs=0.0)
+
+
+def test_what_a_law_remembers_of_its_loads_can_be_put_back() -> None:
+    law = on_track(replace(manchester(), loads=(Load("push", "carbody", (0.0, 0.0, 2.0), ROWS, "distance"),)), 20.0).law
+    kept = law.memory()
+    q, q_t = design_state(law)
+    q[1 : 6 * len(law.bodies) : 6] += 7.0
+    out, again = np.zeros(law.size), np.zeros(law.size)
+    law(0.3, q, q_t, out)
+    assert not np.array_equal(law.memory(), kept)
+    law.recall(kept)
+    assert np.array_equal(law.memory(), kept)
+    law(0.3, q, q_t, again)
+    assert np.array_equal(out, again)
