@@ -38,6 +38,7 @@ values = st.recursive(
 KEYS = """
 title analysis vehicle track contact static run output base speed_kmh speed model segments rail gauge_mm kind x
 length_m radius_m radius_mm cant_mm friction strips material wheel load_kN lateral_mm target cases
+loads payloads on at_mm axes force_kN mass_kg time_s_force_kN distance_m_force_kN name
 """
 keys = st.sampled_from(KEYS.split()) | st.text(min_size=1, max_size=6)
 
@@ -130,6 +131,15 @@ def test_no_bytes_give_anything_but_text_or_an_input_error(content: bytes) -> No
             assert "not UTF-8" in str(error)
 
 
+NAMED = {"name": st.sampled_from("ab"), "on": st.sampled_from(["wheelset", "wheelst", "track"])}
+PLACE = {"at_mm": st.lists(st.floats(-1e4, 1e4), min_size=3, max_size=3)}
+FORCE = {"force_kN": st.lists(st.floats(-1e4, 1e4), min_size=3, max_size=3)}
+TABLE = st.lists(st.lists(st.floats(0, 1e4), min_size=4, max_size=4), min_size=1, max_size=3)
+LOADS = st.one_of(
+    st.fixed_dictionaries(NAMED | PLACE | {"axes": st.sampled_from(["track", "body"])} | force)
+    for force in (FORCE, {"time_s_force_kN": TABLE}, {"distance_m_force_kN": TABLE})
+)
+PAYLOADS = st.one_of(st.fixed_dictionaries(NAMED | PLACE | kind) for kind in (FORCE, {"mass_kg": st.floats(1, 1e5)}))
 SENSIBLE: dict[str, st.SearchStrategy[Any]] = {
     "track.gauge_mm": st.floats(400, 2000) | st.floats(1425, 1445),
     "track.inclination": st.floats(0, 0.2) | st.sampled_from(["1:40", "none", "1:20"]),
@@ -146,6 +156,8 @@ SENSIBLE: dict[str, st.SearchStrategy[Any]] = {
     "vehicle.wheel": st.sampled_from(["wheels/S1002.toml", "wheels/cone_1in20.toml", "rails/60E1.toml"]),
     "vehicle.radius_mm": st.floats(100, 1500),
     "vehicle.speed_kmh": st.floats(1, 500),
+    "vehicle.loads": st.lists(LOADS, max_size=2),
+    "vehicle.payloads": st.lists(PAYLOADS, max_size=2),
     "run.start_distance_m": st.floats(0, 300),
     "run.time_s": st.floats(0.001, 20),
     "output.patches_at_m": st.lists(st.floats(0, 200), max_size=3),

@@ -16,12 +16,12 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.state import design_state
+from wrsim.simulation.statics import standing
 from wrsim.vehicle.elements import Element, Spring
 from wrsim.vehicle.levels import level_of
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import AxleBox, Body, Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
-from wrsim.vehicle.wheel_loads import static_wheel_loads
 
 MASS, REACH, RADIUS, Y, INERTIA = 4000.0, 0.5, 0.46, 1.0, 3.0
 BUSHING = (2e7, 9e6, 1e7)
@@ -128,7 +128,7 @@ def test_the_bushing_carries_the_levers_share_of_a_spring_on_the_arm() -> None:
     vehicle = on_arms(*more)
     frame = replace(vehicle.bodies[0], centre=(0.0, 0.0, 0.7))  # its weight stands over the axle, where the arm does
     vehicle = replace(vehicle, bodies=(frame,), gravity=9.81)
-    up = {e.name: -f[2] for e, f in zip(vehicle.elements, preloads(vehicle), strict=True)}
+    up = {e.name: -own.force[2] for e, own in zip(vehicle.elements, preloads(vehicle), strict=True)}
     weight = 0.5 * MASS * vehicle.gravity
     assert up["spring box left"] == pytest.approx(weight * REACH / (REACH - lever), rel=1e-9)
     assert up["bushing box left"] == pytest.approx(weight * -lever / (REACH - lever), rel=1e-9)
@@ -141,8 +141,8 @@ def test_the_bushing_carries_the_levers_share_of_a_spring_on_the_arm() -> None:
 def test_static_wheel_loads_and_the_primary_springs_are_those_of_the_source() -> None:
     """68 295.994 N a wheel, 59 290.4 N a primary spring, 74 926.3 N an air spring: ORVD 4706df9."""
     vehicle = gz18()
-    assert static_wheel_loads(vehicle) == pytest.approx(np.full((4, 2), 68295.994), rel=1e-7)
-    found = {e.name: f for e, f in zip(vehicle.elements, preloads(vehicle), strict=True)}
+    assert standing(vehicle).wheel_loads == pytest.approx(np.full((4, 2), 68295.994), rel=1e-7)
+    found = {e.name: own.force for e, own in zip(vehicle.elements, preloads(vehicle), strict=True)}
     for name, force in found.items():
         expected = 59290.4 if ".primary" in name else 74926.3 if ".air" in name else 0.0
         assert abs(force[-1]) == pytest.approx(expected, rel=1e-5, abs=1e-3), name

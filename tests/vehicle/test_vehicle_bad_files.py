@@ -77,6 +77,23 @@ def test_the_good_file_loads(tmp_path: Path) -> None:
 
 LOOSE = "[bodies.box]\nmass_kg = 1\ninertia_kg_m2 = [1, 1, 1]\ncentre_mm = [0, 0, 0]\n"
 
+PUSH = """\
+[[loads]]
+name = "push"
+on = "body"
+at_mm = [0, 0, 2000]
+axes = "track"
+force_kN = [0, 9, 0]
+"""
+BALLAST = """\
+[[payloads]]
+name = "coal"
+on = "body"
+at_mm = [0, 0, 900]
+mass_kg = 4000
+"""
+ROWS = "time_s_force_kN = [[0, 0, 0, 0], [2, 0, 9, 0], [2, 0, 0, 0]]"
+
 BAD = {
     "missing mass": (
         (("mass_kg = 8000\n", ""),),
@@ -131,6 +148,77 @@ BAD = {
         (("damping_kNs_per_m = 8", "velocity_m_per_s_force_kN = [[0, 0], [1, 5], [0.5, 6]]"),),
         "row [2] must not lie below the row before it",
     ),
+    "load of old": (
+        (("[bodies.body]", PUSH.replace('axes = "track"\n', "") + "[bodies.body]"),),
+        'car.toml:15: loads[0].axes is missing: must be "track" or "body", the axes that the force keeps to. A load '
+        "acts beside the preload: the vehicle tilts under it on its springs. A force that the vehicle is trimmed with, "
+        "as [[loads]] once meant, stands in [[payloads]]",
+    ),
+    "load on nobody": (
+        (("[bodies.body]", PUSH.replace('"body"', '"bdoy"') + "[bodies.body]"),),
+        "loads[0].on = \"bdoy\": is no body; there is body, front, rear (did you mean 'body'?)",
+    ),
+    "load on the track": ((("[bodies.body]", PUSH.replace('"body"', '"track"') + "[bodies.body]"),), "is no body"),
+    "load of two ways": (
+        (("[bodies.body]", PUSH + "time_s_force_kN = [[0, 0, 0, 0]]\n[bodies.body]"),),
+        "loads[0].time_s_force_kN = [[0, 0, 0, 0]]: cannot stand next to force_kN",
+    ),
+    "load of no way": (
+        (("[bodies.body]", PUSH.replace("force_kN = [0, 9, 0]\n", "") + "[bodies.body]"),),
+        "loads[0].force_kN is missing: must be three numbers",
+    ),
+    "load of other axes": (
+        (("[bodies.body]", PUSH.replace('"track"', '"wheel"') + "[bodies.body]"),),
+        'loads[0].axes = "wheel": must be "track" or "body"',
+    ),
+    "load without a number": (
+        (("[bodies.body]", PUSH.replace("[0, 9, 0]", "[0, nan, 0]") + "[bodies.body]"),),
+        "loads[0].force_kN = [0, nan, 0]: ",
+    ),
+    "times that do not rise": (
+        (("[bodies.body]", PUSH.replace("force_kN = [0, 9, 0]", ROWS) + "[bodies.body]"),),
+        "loads[0].time_s_force_kN",
+    ),
+    "rows of three": (
+        (
+            (
+                "[bodies.body]",
+                PUSH.replace("force_kN = [0, 9, 0]", "distance_m_force_kN = [[0, 1, 2]]") + "[bodies.body]",
+            ),
+        ),
+        "four numbers [distance m, x kN, y kN, z kN]",
+    ),
+    "a row that is not a number": (
+        (
+            (
+                "[bodies.body]",
+                PUSH.replace("force_kN = [0, 9, 0]", "time_s_force_kN = [[0, 1, 2, inf]]") + "[bodies.body]",
+            ),
+        ),
+        "loads[0].time_s_force_kN",
+    ),
+    "loads of one name": ((("[bodies.body]", PUSH + PUSH + "[bodies.body]"),), "stand for more than one: push"),
+    "payload of nothing": (
+        (
+            (
+                "[bodies.body]",
+                PUSH.replace("loads", "payloads").replace('axes = "track"\n', "") + "mass_kg = 3\n[bodies.body]",
+            ),
+        ),
+        "payloads[0].mass_kg = 3: or force_kN must be given, one of them",
+    ),
+    "payload with axes": (
+        (("[bodies.body]", PUSH.replace("loads", "payloads") + "[bodies.body]"),),
+        "payloads[0].axes",
+    ),
+    "mass on a wheelset": (
+        (("[bodies.body]", BALLAST.replace('"body"', '"front"') + "[bodies.body]"),),
+        'payloads[0].on = "front": is a wheelset, which spins',
+    ),
+    "mass far out": (
+        (("[bodies.body]", BALLAST.replace("[0, 0, 900]", "[3000, 0, 3000]") + "[bodies.body]"),),
+        "the payload turns the principal axes of body 'body' about y",
+    ),
     "missing wheel": ((("wheels/S1002", "wheels/S1003"),), 'did you mean "wheels/S1002.toml"?'),
 }
 
@@ -150,16 +238,60 @@ def test_wheels_that_do_not_fit_the_gauge_are_refused(tmp_path: Path) -> None:
         build(scenario)
 
 
+WIND = {"name": "wind", "on": "carbody", "at_mm": [0, 0, 2200], "axes": "track", "force_kN": [0, 40, 0]}
+COAL = {"name": "coal", "on": "carbody", "at_mm": [0, 0, 900], "mass_kg": 20e3}
+
+
+@pytest.mark.parametrize(
+    ("scenario", "values", "words"),
+    [
+        ("static_s1002", {"vehicle.loads": [WIND]}, "vehicle.loads: has no place in analysis = .static.: remove it"),
+        (
+            "steady_manchester",
+            {
+                "vehicle.loads": [
+                    {k: v for k, v in WIND.items() if k != "force_kN"}
+                    | {"time_s_force_kN": [[0, 0, 0, 0], [1, 0, 1, 0]]}
+                ]
+            },
+            "vehicle.loads[0]: analysis = .steady. looks for motion that lasts: load 'wind' must be constant",
+        ),
+    ],
+)
+def test_loads_that_do_not_suit_an_analysis_are_refused(scenario: str, values: dict[str, object], words: str) -> None:
+    with pytest.raises(InputError, match=words.replace("[", r"\[").replace("]", r"\]")):
+        build(load(ROOT / f"scenarios/{scenario}.toml").with_values(values))
+
+
+def test_a_payload_is_part_of_its_body(tmp_path: Path) -> None:
+    (tmp_path / "car.toml").write_text(
+        GOOD.replace("[bodies.body]", BALLAST + "inertia_kg_m2 = [10, 20, 30]\n[bodies.body]")
+    )
+    vehicle = load_vehicle(tmp_path / "car.toml", Finder((shipped_models(),)))
+    (body,) = vehicle.bodies
+    assert (body.mass, body.centre) == (12e3, pytest.approx((0.0, 0.0, 1.1)))
+    steiner = 8e3 * 0.1**2 + 4e3 * 0.2**2
+    assert body.inertia == pytest.approx((4010.0 + steiner, 9020.0 + steiner, 9530.0))
+    assert vehicle.weight == pytest.approx((12e3 + 2e3) * vehicle.gravity)
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [
         ({"vehicle.sprung_mass_kg": 1000.0}, "is what a single wheelset carries"),
+        ({"vehicle.loads": [WIND | {"on": "carbdoy"}]}, "vehicle.loads[0].on = .*did you mean 'carbody'?"),
+        ({"vehicle.loads": [WIND, WIND]}, "vehicle.loads[1].name = .wind.: is the name of another load"),
+        ({"vehicle.payloads": [COAL | {"on": "front.outer"}]}, "vehicle.payloads[0].on = .*is a wheelset, which spins"),
+        (
+            {"vehicle.payloads": [COAL | {"at_mm": [8000, 0, 6800]}]},
+            "turns the principal axes of body 'carbody' about y",
+        ),
         ({"vehicle.drive": "wheel"}, 'did you mean "wheels"?'),
         ({"run.distance_m": 285.0}, "the first wheelset is 10.78 m ahead of the vehicle's origin"),
     ],
 )
 def test_a_scenario_that_does_not_suit_its_vehicle_is_refused(values: dict[str, object], words: str) -> None:
-    with pytest.raises(InputError, match=words.replace("?", r"\?").replace(".", r"\.")):
+    with pytest.raises(InputError, match=words.replace("?", r"\?").replace("[", r"\[").replace("]", r"\]")):
         build(load(ROOT / "scenarios/manchester_r300.toml").with_values(values))
 
 

@@ -49,8 +49,8 @@ def standing(vehicle: Vehicle) -> Standing:
 
     Raises SimulationError when it finds no rest: it overturns.
     """
-    held = vehicle.loaded_as(lambda load: load.largest)
-    law = VehicleOnTrack(held, Track.build([Straight(LENGTH)], 1.5), (), speed=0.0, start=PLACE, drive="train")
+    loaded = vehicle.loaded_as(lambda load: load.largest)
+    law = VehicleOnTrack(loaded, Track.build([Straight(LENGTH)], 1.5), (), speed=0.0, start=PLACE, drive="train")
     steady = SteadyMotion(law)
     n, w = len(law.bodies), len(vehicle.wheelsets)
     half = np.array([0.5 * mounted.wheelset.profile_spacing for mounted in vehicle.wheelsets])
@@ -59,13 +59,14 @@ def standing(vehicle: Vehicle) -> Standing:
     own = x[: 6 * n].reshape(n, 6)
     design = own[w:, [Y, Z, ROLL]].copy()
     own[:w, Z] = radius - 0.5 * vehicle.weight / w / SUPPORT
-    free = np.array([6 * i + k for i in range(n) for k in range(6) if i >= w or k not in (Y, SPIN)])
+    held = [6 * i + k for i in range(w) for k in (Y, SPIN)]
+    free = np.delete(np.arange(x.size), held)
     supports = np.zeros((w, 2))
 
     def residual(part: Array) -> Array:
         x[free] = part
         left = steady.residual(x)
-        axles = left.reshape(n, 6)[:w]
+        axles = left[: 6 * w].reshape(w, 6)
         for side, sign in enumerate((1.0, -1.0)):
             sunk = radius - own[:w, Z] - sign * half * own[:w, ROLL]
             supports[:, side] = SUPPORT * np.maximum(sunk, 0.0)

@@ -132,7 +132,8 @@ def _seat(setup: Setup[RunPlan], i: int) -> Array:
     mounted = vehicle.wheelsets[i]
     share = (vehicle.mass - sum(m.mass for m in vehicle.wheelsets)) / len(vehicle.wheelsets)
     alone = single_wheelset(mounted.wheelset, carried_mass=share, carried_height=_height(vehicle))
-    alone = replace(alone, loads=_share_of_loads(vehicle, run.start, mounted.x, alone.names[0]))
+    share_of_loads = _share_of_loads(vehicle, run.start, mounted.x, alone.names[0])
+    alone = replace(alone, loads=share_of_loads, gravity=vehicle.gravity)
     there = replace(setup, vehicle=alone, plan=replace(run, start=run.start + mounted.x))
     return _wheelset_at_rest(there, force_law(there, drive="free")).q
 

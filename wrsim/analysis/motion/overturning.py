@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wrsim.analysis.motion.outcomes import NoSteadyMotion, Overturned, Side
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -34,8 +33,8 @@ def resultant(vehicle: Vehicle, distance: float, curvature: float, tilt: float, 
     """
     mass = vehicle.mass + sum(carried.mass for carried in vehicle.carried)
     inward = speed**2 * curvature
-    left = mass * float(STANDARD_GRAVITY * np.sin(tilt) - inward * np.cos(tilt))
-    up = -mass * float(STANDARD_GRAVITY * np.cos(tilt) + inward * np.sin(tilt))
+    left = mass * float(vehicle.gravity * np.sin(tilt) - inward * np.cos(tilt))
+    up = -mass * float(vehicle.gravity * np.cos(tilt) + inward * np.sin(tilt))
     _, y, z = vehicle.centre_of_load
     tipping = z * left - y * up  # to the left
     held = vehicle.loaded_as_at(distance).loads
