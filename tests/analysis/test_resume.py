@@ -35,6 +35,7 @@ BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
 Q0 = np.array([0.46, 0.0, 0.01, 0.0, 0.0, 0.0])
 V0 = np.array([0.0, 10.0, 0.0, 0.0, 0.0, 21.0])
 STEP = 1.0 / 3000.0  # no binary fraction
+HEADER = {"integrator": "generalised-alpha", "step_s": STEP, "start_s": 0.0}
 runner = CliRunner()
 
 
@@ -67,16 +68,17 @@ class Forgetful(Play):
 
 
 def play(recorder: recorders.Recorder | None = None, law: type[Play] = Play, seconds: float = 0.5) -> Motion:
-    """A run of the body on that spring."""
+    """A run of the body on that spring, with a checkpoint every 7 steps."""
     return integrate(
-        System([BODY], law()), Q0, V0, duration=seconds, step=STEP, sample_interval=2 * STEP, recorder=recorder
-    )
+        System([BODY], law()), Q0, V0, duration=seconds, step=STEP, sample_interval=2 * STEP, segment=7,
+        recorder=recorder,
+    )  # fmt: skip
 
 
 def same(a: Motion, b: Motion) -> bool:
     """To the bit."""
     states = all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("times", "q", "q_t"))
-    return states and (a.status, a.cause, a.reason) == (b.status, b.cause, b.reason)
+    return states and (a.status, a.cause, a.reason, a.work) == (b.status, b.cause, b.reason, b.work)
 
 
 @pytest.fixture
@@ -89,7 +91,7 @@ def often(monkeypatch: pytest.MonkeyPatch) -> None:
 def kept(tmp_path: Path, often: None) -> Iterator[Path]:
     """The file of a whole run."""
     path = tmp_path / "x.part"
-    with closing(FileRecorder.create(path, {"step_s": STEP, "start_s": 0.0}, 6)) as recorder:
+    with closing(FileRecorder.create(path, HEADER, 6)) as recorder:
         assert same(play(recorder), play())
     yield path
 
@@ -150,7 +152,7 @@ def test_a_killed_process_loses_less_than_a_second_and_goes_on_to_the_bit(tmp_pa
     path = tmp_path / "x.part"
     child = os.fork()
     if child == 0:
-        play(FileRecorder.create(path, {"step_s": STEP, "start_s": 0.0}, 6), seconds=600.0)
+        play(FileRecorder.create(path, HEADER, 6), seconds=600.0)
         os._exit(0)
     while not path.exists():
         time.sleep(0.001)
@@ -224,14 +226,14 @@ def test_what_the_monitor_has_noted_survives_a_death_in_the_run_and_behind_it(tm
         watch = Crossings(most)
         system = System([BODY], Play())
         motion = integrate(
-            system, Q0, V0, duration=1.0, step=STEP, sample_interval=STEP, monitor=watch, recorder=recorder
+            system, Q0, V0, duration=1.0, step=STEP, sample_interval=STEP, segment=7, monitor=watch, recorder=recorder
         )
         return motion, watch.times
 
     whole, times = watched(None)
     assert 4 <= len(times) < 100
     path = tmp_path / "x.part"
-    with closing(FileRecorder.create(path, {"step_s": STEP, "start_s": 0.0}, 6)) as recorder:
+    with closing(FileRecorder.create(path, HEADER, 6)) as recorder:
         watched(recorder)
     data = path.read_bytes()
     for part in (0.3, 0.6, 1.0):

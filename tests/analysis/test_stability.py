@@ -89,7 +89,7 @@ def test_growth_in_time_is_the_eigenvalue_s_for_a_whole_bogie():
     step = min(SAFETY * stable_step(system, q, q_t), 5e-4)
     rolling.law.look_near(200.0)
     period = 2.0 * np.pi / values[most].imag
-    motion = integrate(system, q, q_t, duration=4.0 * period, step=step, sample_interval=1e-3)
+    motion = integrate(system, q, q_t, duration=4.0 * period, step=step, integrator="rk44", sample_interval=1e-3)
     lateral = motion.q[:, 2] * np.exp(-values[most].real * motion.times)
     first, last = (lateral[(motion.times > a * period) & (motion.times <= (a + 1.0) * period)] for a in (0.0, 3.0))
     growth = values[most].real + np.log(np.ptp(last) / np.ptp(first)) / (3.0 * period)

@@ -137,7 +137,7 @@ def test_creep_forces_never_do_positive_work_on_a_patch(vehicle, radius):
 
     system = curve.system
     step = round_step(SAFETY * stable_step(system, q, q_t))
-    motion = integrate(system, q, q_t, duration=1.4, step=step, monitor=look, monitor_interval=1e-3)
+    motion = integrate(system, q, q_t, duration=1.4, step=step, integrator="rk44", monitor=look, monitor_interval=1e-3)
     assert motion.status == "completed"
     assert len(seen) > 2000
     assert min(seen) >= 0.0

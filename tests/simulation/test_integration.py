@@ -1,4 +1,4 @@
-"""How a time integration goes and how it ends: samples, progress, stops, faults; convergence and stable steps."""
+"""How a time integration goes and how it ends: samples, progress, stops, faults; convergence, derivatives of forces."""
 
 import os
 import signal
@@ -58,8 +58,11 @@ def test_a_law_knows_the_time_of_its_stage():
         out.fill(0.0)
         out[2] = 1500.0 * t * t  # y = t^4 / 12: exact for RK44
 
-    motion = run(push, duration=1.0, step=0.1)
+    motion = run(push, duration=1.0, step=0.1, integrator="rk44")
     assert motion.q[:, 2] == pytest.approx(motion.times**4 / 12.0, abs=1e-14)
+    # generalised alpha knows it at the end of a step, and converges with the square of the step
+    errors = [abs(run(push, duration=1.0, step=h).q[-1, 2] - 1.0 / 12.0) for h in (0.02, 0.01)]
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
 
 
 def test_several_bodies_share_one_law():
@@ -92,15 +95,17 @@ def test_the_monitor_ends_the_run_with_its_reason_and_the_sample_it_saw():
     assert len(motion.times) == 52
 
 
-def test_a_state_that_is_not_finite_ends_the_run_and_is_named():
+@pytest.mark.parametrize(("integrator", "broken"), [("rk44", 0.0505), ("generalised-alpha", 0.0500039)])
+def test_a_force_that_is_not_finite_ends_the_run_and_is_named(integrator, broken):
     def breaks(t, q, q_t, out):
         out.fill(0.0)
         if t > 0.05:
             out[4] = np.nan
 
-    motion = run(breaks, sample_interval=0.02)
+    motion = run(breaks, sample_interval=0.02, integrator=integrator)
     assert (motion.status, motion.cause) == ("stopped", "not-finite")
-    assert motion.reason == "the force along roll is not a number at t = 0.0505 s"
+    # in the middle of a step of RK44; the implicit step is tried in ever more parts
+    assert motion.reason == f"the force along roll is not a number at t = {broken:g} s"
     # the samples, and the last good state between two of them
     assert motion.times == pytest.approx([0.0, 0.02, 0.04, 0.05])
     assert np.all(np.isfinite(motion.q)) and np.all(np.isfinite(motion.q_t))
@@ -125,15 +130,16 @@ def test_a_run_without_steps_is_refused(keys):
         run(**keys)
 
 
-def test_a_law_that_cannot_go_on_ends_the_run_in_good_order():
+@pytest.mark.parametrize(("integrator", "lost_at"), [("rk44", "0.0505"), ("generalised-alpha", "0.0500")])
+def test_a_law_that_cannot_go_on_ends_the_run_in_good_order(integrator, lost_at):
     def lost(t, q, q_t, out):
         out.fill(0.0)
         if t > 0.05:
             raise SimulationError(f"no contact at t = {t:.4f} s")
 
-    motion = run(lost)
+    motion = run(lost, integrator=integrator)
     assert (motion.status, motion.cause) == ("stopped", "forces")
-    assert motion.reason == "no contact at t = 0.0505 s"
+    assert motion.reason == f"no contact at t = {lost_at} s"
     assert motion.times[-1] == pytest.approx(0.05)
 
 
@@ -248,7 +254,7 @@ def test_rk44_converges_with_fourth_order_on_the_force_law(rolling):
     q_t = np.array([0.0, 30.0, 0.0, 0.0, 0.0, 30.0 / 0.46])
 
     def end(step):
-        return integrate(rolling, q, q_t, duration=0.1, step=step).q[-1]
+        return integrate(rolling, q, q_t, duration=0.1, step=step, integrator="rk44").q[-1]
 
     exact = end(1e-5)
     errors = [np.abs(end(step) - exact)[[0, 2, 3, 4]] for step in (4e-4, 2e-4, 1e-4)]
@@ -256,3 +262,44 @@ def test_rk44_converges_with_fourth_order_on_the_force_law(rolling):
     assert np.all((ratios[:, 0] > 14.0) & (ratios[:, 0] < 22.0)), ratios  # height: 16, from above
     assert np.all(ratios > 14.0), ratios  # the others gain from terms that cancel
     assert np.all(errors[0] < 1e-8)
+
+
+def test_generalised_alpha_converges_with_the_square_of_the_step(rolling):
+    # the same wheelset at its own height: what moves is slower than the contact springs
+    q = np.array([0.46 - KnifeEdge().approach(50e3), 0.0, 3e-3, 5e-3, 2.1e-4, 0.0])
+    q_t = np.array([0.0, 30.0, 0.0, 0.0, 0.0, 30.0 / 0.46])
+    exact = integrate(rolling, q, q_t, duration=0.2, step=1e-4, integrator="rk44").q[-1]
+    errors = [
+        np.abs(integrate(rolling, q, q_t, duration=0.2, step=step, weight=1.0).q[-1] - exact)[[2, 3]]
+        for step in (1e-3, 5e-4, 2.5e-4)
+    ]
+    ratios = np.array([errors[0] / errors[1], errors[1] / errors[2]])
+    assert np.all((ratios > 3.0) & (ratios < 5.0)), ratios
+
+
+def test_a_jump_of_the_force_that_holds_the_balance_does_not_stop_the_run():
+    # dry friction of 100 N, beside a weight of 15 kN: the body comes to rest where no velocity balances the forces
+    def rubs(t, q, q_t, out):
+        out.fill(0.0)
+        out[2] = -100.0 * np.sign(q_t[2])
+
+    q_t = V0 + np.array([0.0, 0.0, 1e-2, 0.0, 0.0, 0.0])
+    motion = integrate(System([BODY], rubs), Q0, q_t, duration=0.3, step=2e-3)
+    assert motion.status == "completed"
+    rest = 1e-2 / (100.0 / 1500.0)  # s
+    still = motion.times > rest + 2e-3
+    assert np.abs(motion.q_t[still, 2]).max() < 2e-3 * 100.0 / 1500.0  # what the friction takes in one step
+    assert motion.q[-1, 2] == pytest.approx(0.5 * 1e-2 * rest, abs=1e-2 * 2e-3)
+
+
+def test_a_step_that_newton_does_not_solve_is_taken_by_rk44_and_counted():
+    # friction of 67 times the weight: no velocity balances it, and no step is short enough
+    def rubs(t, q, q_t, out):
+        out.fill(0.0)
+        if t > 0.0505:
+            out[2] = -1e6 * np.sign(q_t[2] + 1e-3)
+
+    motion = run(rubs, duration=0.06)
+    assert motion.status == "completed"
+    assert motion.work.explicit_steps >= 9
+    assert abs(motion.q_t[-1, 2] + 1e-3) < 1e-3 * 1e6 / 1500.0 / 128  # what the friction takes in one part of a step

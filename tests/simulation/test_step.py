@@ -35,7 +35,7 @@ def test_the_slip_of_the_wheels_decays_within_the_creep_limit_and_stays_wrong_be
     q_t[5] *= 1.0002
 
     def slip(step):
-        motion = integrate(system, q, q_t, duration=1000 * step, step=step)
+        motion = integrate(system, q, q_t, duration=1000 * step, step=step, integrator="rk44")
         assert motion.status == "completed"
         return np.abs(motion.q_t[-50:, 1] - 0.46 * motion.q_t[-50:, 5]).max() / speed
 

@@ -41,6 +41,7 @@ from wrsim.core.track.path import frame, locate
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
+from wrsim.simulation.force_law import Block
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.state import Equilibrium, design_state
 from wrsim.simulation.system import COORDINATES, System
@@ -189,6 +190,13 @@ class KnifeEdgeForces(VehicleOnTrack):
         if knife_edge_forces(q, q_t, self.track.centre.curve, self.speed, self.law, self.edge_memory, out):
             raise SimulationError(f"the wheelset cannot be placed on the track at t = {t:.6g} s")
         return status
+
+    def blocks(self):
+        def on_edges(t, q, q_t, out):
+            out.fill(0.0)
+            knife_edge_forces(q, q_t, self.track.centre.curve, self.speed, self.law, self.edge_memory.copy(), out)
+
+        return [*super().blocks(), Block.apart(on_edges, np.arange(6)[None])]
 
     @property
     def system(self) -> System:

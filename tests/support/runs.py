@@ -163,7 +163,7 @@ class Ride:
         if step is None:
             step = round_step(SAFETY * stable_step(system, q, q_t))
         self.law.look_near(self.law.start)
-        motion = integrate(system, q, q_t, duration=duration, step=step, sample_interval=every)
+        motion = integrate(system, q, q_t, duration=duration, step=step, integrator="rk44", sample_interval=every)
         assert motion.status == "completed", motion.reason
         return motion
 

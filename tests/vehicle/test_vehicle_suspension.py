@@ -193,7 +193,7 @@ def test_the_bodies_of_exudyn_accelerate_as_mass_matrix_and_velocity_forces_say(
     q = np.array([0.1, 0.2, 0.3, 0.4, 0.3, -0.5])
     q_t = np.array([0.0, 0.0, 0.0, 1.1, -0.7, 0.9])
     step = 1e-4
-    motion = integrate(system, q, q_t, duration=2 * step, step=step)
+    motion = integrate(system, q, q_t, duration=2 * step, step=step, integrator="rk44")
     found = (motion.q_t[2] - motion.q_t[0]) / (2 * step)
     out = np.zeros(6)
     twist(step, motion.q[1], motion.q_t[1], out)

@@ -25,7 +25,7 @@ from typing import IO, Any
 from wrsim.errors import InputError
 from wrsim.results.files import fcntl, lock, open_no_link, plain_disk_errors
 
-SIGNATURE = b"wrsim run\r\n\x1a\x01\x00\x00\x00"
+SIGNATURE = b"wrsim run\r\n\x1a\x02\x00\x00\x00"
 """Last four bytes: version of the layout."""
 
 _NAMED = 12

@@ -9,6 +9,7 @@ import numpy as np
 from wrsim.contact.conical import SUPPORT, SUPPORT_DAMPING
 from wrsim.core.body import conical as kernel
 from wrsim.errors import SimulationError
+from wrsim.simulation.force_law import Block
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import Array
 
@@ -51,6 +52,16 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
         if kernel.conical_forces(q, q_t, self.radii, self.own_places, curve, self.speed, self.law, out):
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
         return status
+
+    def blocks(self) -> list[Block]:
+        """See ``HasBlocks``."""
+        curve, count = self.track.centre.curve, len(self.radii)
+
+        def on_cones(t: float, q: Array, q_t: Array, out: Array) -> None:
+            out[:] = 0.0
+            kernel.conical_forces(q, q_t, self.radii, self.own_places.copy(), curve, self.speed, self.law, out)
+
+        return [*super().blocks(), Block.apart(on_cones, np.arange(6 * count).reshape(count, 6))]
 
     def look_near(self, origin: float | Array) -> None:
         super().look_near(origin)

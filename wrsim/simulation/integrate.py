@@ -1,6 +1,8 @@
 """Time integration with a fixed step, samples, and an end in good order whatever happens.
 
-Which step is stable: ``wrsim.simulation.step``.
+A run goes in segments of ``SEGMENT`` steps. Each begins with what state and memory alone determine: the implicit method
+anew (``System.solve``), the law with what its memory keeps. Checkpoints lie between them. Which step is accurate, or
+stable: ``wrsim.simulation.step``.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import FrameType
 from typing import Literal
@@ -20,15 +22,30 @@ import numpy as np
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
-from wrsim.simulation.linear import positions_of, rails_of
+from wrsim.simulation.force_law import Follows, positions_of, rails_of
+from wrsim.simulation.integrators import DEFAULT_INTEGRATOR, Integrator
 from wrsim.simulation.recorder import Cause, Checkpoint, Ending, Recorder, Recording, memory_of, recall
-from wrsim.simulation.system import COORDINATES, Array, Follows, System
+from wrsim.simulation.system import COORDINATES, Array, NotFinite, System, Work
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 Monitor = Callable[[float, Array, Array], str | None]
 Progress = Callable[[float, float], None]
 
 PROGRESS_INTERVAL = 0.1
 """Least time between two calls of the progress function [s]."""
+
+SEGMENT = 100
+"""Steps from one checkpoint to the next."""
+
+TOLERANCE = 1e-4
+"""Norm of the forces left over with which Newton's method ends, as a part of the weight."""
+
+LOOSE = 10.0
+"""By how much more it may leave in a step that it does not solve otherwise, and in a part of the step by so many times
+more as there are parts: where the force of a contact jumps, there may be no balance, and what counts is the impulse."""
+
+PARTS, EXPLICIT_PARTS = (1, 4, 16), 128
+"""Into how many parts a step is cut that Newton's method does not solve, and in the end one for RK44."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +54,7 @@ class Motion:
 
     times (n,) [s]; q, q_t (n, 6 per body): sampled coordinates and rates, ``COORDINATES`` of each body; step [s].
     status: ``"completed"`` or ``"stopped"``; a stopped run says what stopped it (``cause``) and why in words
-    (``reason``). All samples are finite. The last one is the state at the end or at the stop.
+    (``reason``). All samples are finite. The last one is the state at the end or at the stop. work: what it took.
     """
 
     times: Array
@@ -47,6 +64,8 @@ class Motion:
     status: Literal["completed", "stopped"]
     cause: Cause = ""
     reason: str = ""
+    integrator: Integrator = DEFAULT_INTEGRATOR
+    work: Work = field(default_factory=Work)
 
     @property
     def end(self) -> float:
@@ -119,15 +138,18 @@ class _AfterStep:
         self.last_step, self.last_q, self.last_q_t = self.begin.step, self.begin.q.copy(), self.begin.q_t.copy()
         self.began = self.reported = time.perf_counter()
 
+    @property
+    def things(self) -> tuple[object, ...]:
+        """What remembers something from step to step."""
+        return self.system.work, self.system.forces, self.monitor
+
     def time_of(self, k: int) -> float:
         """Time after k steps [s]."""
         return self.start + k * self.step
 
     def checkpoint(self) -> Checkpoint:
-        """The last good state with what the law and the monitor remember now."""
-        return Checkpoint(
-            self.last_step, self.last_q.copy(), self.last_q_t.copy(), memory_of((self.system.forces, self.monitor))
-        )
+        """The last good state with what is remembered now."""
+        return Checkpoint(self.last_step, self.last_q.copy(), self.last_q_t.copy(), memory_of(self.things))
 
     def stop(self, cause: Cause, reason: str) -> bool:
         """Note why the run ends."""
@@ -151,8 +173,6 @@ class _AfterStep:
             reason = self.monitor(self.time_of(k), q, q_t)
             if reason:
                 return self.stop("monitor", reason)
-        if self.recorder.due():
-            self.recorder.flush(self.checkpoint())
         if self.progress is not None:
             now = time.perf_counter()
             if now - self.reported >= PROGRESS_INTERVAL:
@@ -165,34 +185,36 @@ class _AfterStep:
     def end(self) -> None:
         """Put the last good state among the samples and say how the run ended.
 
-        A checkpoint keeps what the monitor remembers of the whole run. Not so when Ctrl-C has broken into a step, for
-        then the law remembers a state that is not the last one.
+        The file keeps what the monitor remembers of the whole run. Not so when Ctrl-C has broken into a step, for then
+        the law remembers a state that is not the last one.
         """
         if not self.broken_off:
-            self.recorder.flush(self.checkpoint())
+            self.recorder.flush(self.checkpoint(), goes_on=False)
         if self.last_step % self.every and self.last_step != self.steps:
             self.recorder.sample(self.time_of(self.last_step), self.last_q, self.last_q_t)
         self.recorder.end(Ending(self.cause, self.reason))
 
 
-def _motion(rows: Array, step: float, ending: Ending) -> Motion:
+def _motion(rows: Array, step: float, ending: Ending, integrator: Integrator, work: Work) -> Motion:
     """A motion from the rows of a recorder."""
     q, q_t = (half.copy() for half in np.split(rows[:, 1:], 2, axis=1))
     status: Literal["completed", "stopped"] = "stopped" if ending.cause else "completed"
-    return Motion(rows[:, 0].copy(), q, q_t, step, status, ending.cause, ending.reason)
+    return Motion(rows[:, 0].copy(), q, q_t, step, status, ending.cause, ending.reason, integrator, replace(work))
 
 
 def recorded_motion(path: str | Path, monitor: object = None) -> Motion:
     """The motion that a run file holds; of a run whose process died, up to its last flush.
 
     monitor: is given back what it remembered then.
-    The file's header must hold ``step_s`` and ``start_s``. Raises ``InputError`` when there is no whole sample.
+    The file's header must hold ``step_s``, ``start_s`` and ``integrator``. Raises ``InputError`` when there is no whole
+    sample.
     """
     recording = Recording.read(path)
-    rows, ending, known = recording.rows, recording.ending, recording.checkpoint
+    rows, ending, known = recording.rows, recording.ending, recording.last
     step, start = float(recording.header["step_s"]), float(recording.header["start_s"])
+    work = Work()
     if known is not None:
-        recall((None, monitor), known.memory)
+        recall((work, None, monitor), known.memory)
     if ending is None:
         if known is not None and (len(rows) == 0 or rows[-1, 0] < start + known.step * step):
             rows = np.vstack([rows, np.concatenate([[start + known.step * step], known.q, known.q_t])])
@@ -200,32 +222,7 @@ def recorded_motion(path: str | Path, monitor: object = None) -> Motion:
             raise InputError(f"{path}: the run was cut off before its first sample; run the scenario again")
         what = "is still running; this is" if is_running(path) else "was cut off, its process ended before it did;"
         ending = Ending("cut-off", f"the run {what} known up to t = {rows[-1, 0]:.6g} s")
-    return _motion(rows, step, ending)
-
-
-def _blame(system: System, after: _AfterStep) -> str:
-    """Take the step that broke once more and say which force broke first; an empty string if none did.
-
-    In the state the fault has spread to every coordinate through the mass matrix.
-    """
-    law = system.forces
-    found: list[str] = []
-
-    def looking(t: float, q: Array, q_t: Array, out: Array) -> None:
-        law(t, q, q_t, out)
-        bad = first_not_finite(out, out)
-        if bad >= 0 and not found:
-            found.append(f"the force along {_name(bad, system)} is not a number at t = {t:.6g} s")
-
-    system.forces = looking
-    try:
-        k = after.last_step
-        system.solve(after.last_q, after.last_q_t, after.start, after.step, 1, lambda t: True, first=k)
-    except SimulationError:
-        pass
-    finally:
-        system.forces = law
-    return found[0] if found else ""
+    return _motion(rows, step, ending, recording.header["integrator"], work)
 
 
 @contextmanager
@@ -248,8 +245,11 @@ def integrate(
     *,
     duration: float,
     step: float,
+    integrator: Integrator = DEFAULT_INTEGRATOR,
     sample_interval: float | None = None,
     start: float = 0.0,
+    weight: float | None = None,
+    segment: int = SEGMENT,
     monitor: Monitor | None = None,
     monitor_interval: float | None = None,
     progress: Progress | None = None,
@@ -258,15 +258,16 @@ def integrate(
     """Integrate a system from the state (q, q_t) at time ``start`` for ``duration`` seconds.
 
     q, q_t: (6 per body,); step [s]; sample_interval [s]: rounded to whole steps, default every step; the
-    start and the end are always among the samples. monitor(t, q, q_t): asked every ``monitor_interval`` [s],
-    by default at each sample, ends the run by returning the reason. progress(fraction, seconds_left): called
-    some ten times a second, and with (1, 0) at the end of a completed run. recorder: takes the samples, by default in
-    memory; one that holds a checkpoint makes the run go on from there, whatever (q, q_t), and one that holds the
-    whole run only plays it back.
+    start and the end are always among the samples. weight [N]: of all that is carried, the measure for what Newton's
+    method may leave over; by default that of the bodies. segment: steps between two checkpoints. monitor(t, q, q_t):
+    asked every ``monitor_interval`` [s], by default at each sample, ends the run by returning the reason.
+    progress(fraction, seconds_left): called some ten times a second, and with (1, 0) at the end of a completed run.
+    recorder: takes the samples, by default in memory; one that holds a checkpoint makes the run go on from there,
+    whatever (q, q_t), and one that holds the whole run only plays it back.
 
     The run ends early, with the samples so far, when a number is not finite, when the monitor says so, when
-    the force law raises ``SimulationError``, and at Ctrl-C (the first ends the step, the second ends at
-    once). Any other exception of the force law, the monitor or the progress function comes through.
+    the force law raises ``SimulationError``, and at Ctrl-C (the first ends the step, the second ends at once). Any
+    other exception of the force law, the monitor or the progress function comes through.
     """
     q, q_t = np.array(q, dtype=float), np.array(q_t, dtype=float)
     if q.shape != (system.size,) or q_t.shape != (system.size,):
@@ -279,40 +280,88 @@ def integrate(
     steps = max(1, int(np.ceil(duration / step - 1e-9)))
     every = 1 if sample_interval is None else max(1, round(sample_interval / step))
     monitor_every = every if monitor_interval is None else max(1, round(monitor_interval / step))
+    if weight is None:
+        weight = STANDARD_GRAVITY * sum(body.mass for body in system.bodies)
     recorder = Recorder(system.size) if recorder is None else recorder
+    system.work.clear()
+    things = (system.work, system.forces, monitor)
     if recorder.ending is not None:
-        if recorder.checkpoint is not None:
+        if recorder.last is not None:
             with _following(system.forces):
-                recall((system.forces, monitor), recorder.checkpoint.memory)
-        return _motion(recorder.rows(), step, recorder.ending)
+                recall(things, recorder.last.memory)
+        return _motion(recorder.rows(), step, recorder.ending, integrator, system.work)
     begin = recorder.checkpoint
     with _interruptible() as interrupt, _following(system.forces):
         if begin is None:
-            begin = Checkpoint(0, q, q_t, memory_of((system.forces, monitor)))
+            begin = Checkpoint(0, q, q_t, memory_of(things))
             recorder.sample(start, q, q_t)
             recorder.flush(begin)
-        else:
-            recall((system.forces, monitor), begin.memory)
         after = _AfterStep(
             system, start, step, steps, every, monitor, monitor_every, progress, interrupt, recorder, begin
         )
         try:
-            left = steps - begin.step
-            system.solve(begin.q, begin.q_t, start, step, left, after.after_step, first=begin.step)
+            recall(things, begin.memory)
+            while after.last_step < steps:
+                end = min(steps, (after.last_step // segment + 1) * segment)
+                _run_segment(after, end, integrator, TOLERANCE * weight)
+                if after.cause:
+                    break
+                checkpoint = after.checkpoint()
+                recall(things, checkpoint.memory)
+                if recorder.due():
+                    recorder.flush(checkpoint)
         except KeyboardInterrupt:
             at = after.time_of(after.last_step)
             after.broken_off = True
             after.stop("interrupt", f"interrupted by the user at t = {at:.6g} s")
+        except NotFinite as error:
+            what = _name(error.index, system)
+            after.stop("not-finite", f"the force along {what} is not a number at t = {error.time:.6g} s")
         except SimulationError as error:
             after.stop("forces", str(error))
-    if after.cause == "not-finite":
-        after.reason = _blame(system, after) or after.reason
-    if not after.cause and after.last_step < steps:
-        at = after.time_of(after.last_step)
-        raise SimulationError(
-            f"Exudyn ended the run at t = {at:.6g} s of {after.time_of(steps):.6g} s without a reason"
-        )
     if progress is not None and not after.cause:
         progress(1.0, 0.0)
     after.end()
-    return _motion(recorder.rows(), step, Ending(after.cause, after.reason))
+    return _motion(recorder.rows(), step, Ending(after.cause, after.reason), integrator, system.work)
+
+
+def _run_segment(after: _AfterStep, end: int, integrator: Integrator, tolerance: float) -> None:
+    """Go on from the last good state until ``end`` steps are done, or the run has to stop."""
+    while after.last_step < end and not after.cause:
+        k = after.last_step
+        try:
+            after.system.solve(
+                after.last_q, after.last_q_t, after.start, after.step, end - k, after.after_step,
+                first=k, integrator=integrator, tolerance=tolerance,
+            )  # fmt: skip
+        except SimulationError:
+            if integrator == "rk44":
+                raise
+            _step_in_parts(after, tolerance)
+        if after.last_step == k and not after.cause:
+            raise SimulationError(f"Exudyn ended the run at t = {after.time_of(k):.6g} s without a reason")
+
+
+def _step_in_parts(after: _AfterStep, tolerance: float) -> None:
+    """One implicit step that has failed, cut into parts, in the end by RK44; raises what the law raises there.
+
+    Newton's method goes astray where a contact begins or ends within the step and the force jumps; and on its way it
+    may try states in which the law has no answer. Explicit steps take any jump.
+    """
+    system, t = after.system, after.time_of(after.last_step)
+    memory = memory_of((system.forces,))
+    for parts in (*PARTS, EXPLICIT_PARTS):
+        explicit = parts == EXPLICIT_PARTS
+        try:
+            system.solve(
+                after.last_q, after.last_q_t, t, after.step / parts, parts, lambda t: True,
+                integrator="rk44" if explicit else "generalised-alpha", tolerance=LOOSE * parts * tolerance,
+            )  # fmt: skip
+        except SimulationError:
+            if explicit:
+                raise
+            recall((system.forces,), memory)
+        else:
+            system.work.explicit_steps += explicit
+            after.after_step(after.time_of(after.last_step + 1))
+            return

@@ -19,8 +19,8 @@ from wrsim.core.body import wheelset_forces as wheelset_kernel
 from wrsim.core.linalg import BODY
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
+from wrsim.simulation.force_law import Array, Block
 from wrsim.simulation.suspension_table import SuspensionTable, suspension_table
-from wrsim.simulation.system import Array
 from wrsim.vehicle.vehicle import Drive, LoadAxes, Over
 
 if TYPE_CHECKING:
@@ -130,6 +130,37 @@ class VehicleOnTrack:
         if status & wheelset_kernel.OFF_TRACK:
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
         return status
+
+    def blocks(self) -> list[Block]:
+        """See ``HasBlocks``: everything but the contacts, and the contacts, each of them of one wheelset."""
+        buffer, index = self.arena.buffer, self.arena.index
+
+        def on_bodies(t: float, q: Array, q_t: Array, out: Array) -> None:
+            out[:] = 0.0
+            vehicle_forces.add_forces_on_bodies(t, q, q_t, out, buffer, index)
+
+        def on_wheels(t: float, q: Array, q_t: Array, out: Array) -> None:
+            out[:] = 0.0
+            vehicle_forces.add_forces_on_wheels(q, q_t, out, buffer, index)
+
+        found = [Block.full(on_bodies, self.size)]
+        if self.wheels:
+            count = len(self.wheels)
+            own = np.arange(6 * count).reshape(count, 6)
+            if self.rails:
+                rails = np.arange(self.size - self.rails, self.size).reshape(count, RAIL_COORDINATES)
+                own = np.hstack([own, rails])
+            found.append(Block.apart(on_wheels, own))
+        return found
+
+    @contextmanager
+    def undisturbed(self) -> Iterator[None]:
+        """See ``HasBlocks``."""
+        before = self.arena.buffer.copy()
+        try:
+            yield
+        finally:
+            self.arena.buffer[:] = before
 
     def elements_of_contacts(self) -> list[list[list[ElementField]]]:
         """Elements of the patches of every wheel at the state asked for last, where the contact model has any."""

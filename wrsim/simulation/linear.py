@@ -8,50 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
-from wrsim.simulation.newton import DIFFERENCE
-from wrsim.simulation.system import COORDINATES, Array, ForceLaw
-
-SMALL = {"z": 1e-5, "x": 1e-2, "y": 1e-4, "heading": 1e-4, "roll": 1e-5, "spin": 1e-2}
-"""Change of a coordinate [m, rad], or of its rate per second, that changes the forces by a few per cent."""
-
-SMALL_EXTENSION = 1e-4
-"""Change of the extension of a damper in series with a spring [m], and of the pitch of an axle box [rad]; forces are
-linear in it or nearly so."""
-
-
-def rails_of(forces: ForceLaw) -> int:
-    """How many of a law's last coordinates are displacements of rails."""
-    return int(getattr(forces, "rails", 0))
-
-
-def positions_of(forces: ForceLaw) -> int:
-    """How many of a law's last coordinates are positions, of axle boxes and rails: they count, unlike those of
-    dampers."""
-    return int(getattr(forces, "positions", 0))
-
-
-def force_derivatives(
-    forces: ForceLaw, q: Array, q_t: Array, bodies: int, t: float = 0.0, rails: int = 0
-) -> tuple[Array, Array]:
-    """Derivatives of the generalised forces with respect to q and to q_t, each (n, n), by central differences."""
-    n = len(q)
-    out = np.zeros(n)
-    own = DIFFERENCE * np.array([SMALL[name] for name in COORDINATES] * bodies)
-    dampers = np.full(n - own.size - rails, SMALL_EXTENSION)
-    steps = np.concatenate([own, dampers, DIFFERENCE * np.array([SMALL["y"], SMALL["z"]] * (rails // 2))])
-    found = []
-    for which in range(2):
-        columns = np.zeros((n, n))
-        for i in range(n):
-            both = []
-            for sign in (1.0, -1.0):
-                state = [np.array(q, dtype=float), np.array(q_t, dtype=float)]
-                state[which][i] += sign * steps[i]
-                forces(t, state[0], state[1], out)
-                both.append(out.copy())
-            columns[:, i] = (both[0] - both[1]) / (2.0 * steps[i])
-        found.append(columns)
-    return found[0], found[1]
+from wrsim.simulation.force_law import Array, ForceLaw, force_derivative, positions_of
 
 
 @dataclass(frozen=True)
@@ -88,9 +45,11 @@ def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t
     On straight track a steady run is such a state; in a curve it is not, for the coordinates are global.
     """
 
-    def left_over(t: float, q: Array, q_t: Array, out: Array) -> None:
-        forces(t, q, q_t, out)
-        out -= velocity_forces(bodies, q, q_t)
+    def inertia(t: float, q: Array, q_t: Array, out: Array) -> None:
+        out[:] = velocity_forces(bodies, q, q_t)
 
-    by_q, by_q_t = force_derivatives(left_over, q, q_t, len(bodies), t, rails_of(forces))
-    return Linearised(mass_matrix(bodies, q), -by_q_t, -by_q, len(bodies), positions_of(forces))
+    stiffness, damping = (
+        force_derivative(inertia, q, q_t, len(bodies), t, *by) - force_derivative(forces, q, q_t, len(bodies), t, *by)
+        for by in ((1.0, 0.0), (0.0, 1.0))
+    )
+    return Linearised(mass_matrix(bodies, q), damping, stiffness, len(bodies), positions_of(forces))

@@ -2,12 +2,14 @@
 
 The integrator hands over one row per sample. A ``FileRecorder`` writes them out whenever its block is full or
 ``FLUSH_INTERVAL`` has passed, together with a checkpoint: step number, state, and what the force law and the monitor
-remember. So a process that dies loses that much of wall time and no more, and the memory that sampling needs does not
-grow with the run.
+remember. Checkpoints lie between the segments of a run (``integrate``): a process that dies loses that much wall time
+and one segment, and the memory that sampling needs does not grow with the run. What a run remembers when it stops
+within a segment is kept as well, to be read; it goes on from the checkpoint before.
 
 A run that goes on from a checkpoint computes the same numbers, to the bit, as one that was never interrupted: the
-integrator's times are whole multiples of its step (``System.solve``), its state is complete, and whatever survives a
-call of the law or the monitor is kept if they have ``memory()`` and ``recall()`` (``Remembers``).
+integrator's times are whole multiples of its step, it begins every segment anew (``System.solve``), its state is
+complete, and whatever survives a call of the law or the monitor is kept if they have ``memory()`` and ``recall()``
+(``Remembers``).
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ FLUSH_INTERVAL = 0.5
 BLOCK = 256
 """Samples that wait in memory for the next flush, at most."""
 
-_FLUSH, _END = b"FLSH", b"END."
+_FLUSH, _STOP, _END = b"FLSH", b"STOP", b"END."
 _COUNTS = struct.Struct("<qqq")  # step of the checkpoint (-1: there is none), rows, length of the memory
 
 
@@ -89,6 +91,9 @@ class Recorder:
     checkpoint: Checkpoint | None = None
     """Where to go on; None at the beginning of a run."""
 
+    last: Checkpoint | None = None
+    """What was remembered last, where the run goes on or not."""
+
     ending: Ending | None = None
     """Of a run that is over already."""
 
@@ -113,8 +118,9 @@ class Recorder:
         """True when the integrator should give a checkpoint to ``flush``."""
         return False
 
-    def flush(self, checkpoint: Checkpoint | None) -> None:
-        """Put the waiting rows away; checkpoint: of the step that has just been sampled, if it is known."""
+    def flush(self, checkpoint: Checkpoint | None, goes_on: bool = True) -> None:
+        """Put the waiting rows away; checkpoint: of the last step, if it is known; goes_on: whether a run may go on
+        from it."""
         if self._used:
             self._kept.append(self._block[: self._used].copy())
         self._used = 0
@@ -154,7 +160,7 @@ class FileRecorder(Recorder):
             raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
         end = recorded.end if over else recorded.checkpoint_end
         recorder = cls(RunFile.continued(path, end), recorded.size)
-        recorder.checkpoint = recorded.checkpoint
+        recorder.checkpoint, recorder.last = recorded.checkpoint, recorded.last
         recorder.ending = recorded.ending if over else None
         return recorder
 
@@ -162,7 +168,7 @@ class FileRecorder(Recorder):
         """See ``Recorder``."""
         return self._used == BLOCK or time.perf_counter() - self._flushed >= FLUSH_INTERVAL
 
-    def flush(self, checkpoint: Checkpoint | None) -> None:
+    def flush(self, checkpoint: Checkpoint | None, goes_on: bool = True) -> None:
         """Write the waiting rows and the checkpoint as one record."""
         rows = self._block[: self._used].tobytes()
         if checkpoint is None:
@@ -171,7 +177,8 @@ class FileRecorder(Recorder):
         else:
             counts = _COUNTS.pack(checkpoint.step, self._used, len(checkpoint.memory))
             state = (checkpoint.q, checkpoint.q_t, checkpoint.memory)
-            self._file.append(_FLUSH, counts, rows, *(np.asarray(a, dtype=float).tobytes() for a in state))
+            kind = _FLUSH if goes_on else _STOP
+            self._file.append(kind, counts, rows, *(np.asarray(a, dtype=float).tobytes() for a in state))
         self._used = 0
         self._flushed = time.perf_counter()
 
@@ -194,8 +201,8 @@ class FileRecorder(Recorder):
 class Recording:
     """What a run file holds.
 
-    rows (n, 1 + 2 size): samples, without any that a continued run would compute again; checkpoint: the last one, its
-    record ends at ``checkpoint_end``; ending: None when the process died first; end: of the last whole record.
+    rows (n, 1 + 2 size): samples; checkpoint: the last one from which the run may go on, its record ends at
+    ``checkpoint_end``; last: the last one; ending: None when the process died first; end: of the last whole record.
     """
 
     header: dict[str, Any]
@@ -203,6 +210,7 @@ class Recording:
     rows: Array
     checkpoint: Checkpoint | None
     checkpoint_end: int
+    last: Checkpoint | None
     ending: Ending | None
     end: int
 
@@ -217,7 +225,7 @@ class Recording:
         size = int(header["size"])
         width = 1 + 2 * size
         blocks = [np.zeros((0, width))]
-        checkpoint, checkpoint_end, ending, end = None, 0, None, 0
+        checkpoint, checkpoint_end, last, ending, end = None, 0, None, None, 0
         for record in records:
             end = record.end
             if record.kind == _END:
@@ -231,6 +239,8 @@ class Recording:
                 q, q_t, kept = np.split(values[count * width :], [size, 2 * size])
                 if len(kept) != memory:
                     raise InputError(f"{path}: the file is damaged; run the scenario again")
-                checkpoint, checkpoint_end = Checkpoint(step, q.copy(), q_t.copy(), kept.copy()), end
+                last = Checkpoint(step, q.copy(), q_t.copy(), kept.copy())
+                if record.kind == _FLUSH:
+                    checkpoint, checkpoint_end = last, end
         rows = np.concatenate(blocks)
-        return cls(header, size, rows, checkpoint, checkpoint_end, ending, end)
+        return cls(header, size, rows, checkpoint, checkpoint_end, last, ending, end)

@@ -15,12 +15,16 @@ import os
 import sys
 import weakref
 from collections.abc import Callable, Iterator, Sequence
-from typing import Protocol, cast, runtime_checkable
+from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from wrsim.core.body.kinematics import first_not_finite
+from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid
+from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, force_derivative
+from wrsim.simulation.integrators import Integrator
 
 if not hasattr(sys, "exudynFast") and not os.environ.get("EXUDYN_MODULE"):
     sys.exudynFast = True  # type: ignore[attr-defined]
@@ -28,36 +32,49 @@ with contextlib.redirect_stdout(io.StringIO()):  # it announces which module it 
     import exudyn
     from exudyn import itemInterface as items
 
-__all__ = ["COORDINATES", "Array", "ForceLaw", "RigidBody", "System"]
+__all__ = ["COORDINATES", "Array", "ForceLaw", "NotFinite", "NotSolved", "RigidBody", "System", "Work"]
 
-Array = NDArray[np.float64]
+SPECTRAL_RADIUS = 0.9
+"""What generalised alpha leaves of the fastest oscillation from step to step."""
 
-COORDINATES = ("z", "x", "y", "heading", "roll", "spin")
-"""Names of the six coordinates of a body, in the order of q and q_t [m, rad]."""
-
+CONTRACTION = 0.5
+"""Newton's method keeps its Jacobian as long as an iteration leaves less than this of the residual."""
 
 SPAN = 1 << 20
 """Steps that Exudyn is asked for at once; it is stopped after half of them, or sooner."""
 
 
-@runtime_checkable
-class Follows(Protocol):
-    """A force law that may start from its last answer, which is quicker in a run."""
-
-    def follow(self, on: bool) -> None:
-        """From now on start from the last answer, or afresh."""
+class NotSolved(SimulationError):
+    """Newton's method has not found the end of a step."""
 
 
-class ForceLaw(Protocol):
-    """Generalised forces on all bodies.
+class NotFinite(SimulationError):
+    """The force with this index is not a finite number at a time [s]."""
 
-    Called with the time [s], the coordinates q and rates q_t (6 per body, live: neither keep nor change
-    them) and ``out`` of the same length to fill: forces along z, x, y [N], moments about the vertical, the
-    forward direction and the axle [N m]. A law that cannot go on raises ``SimulationError``; the run then
-    ends in good order.
-    """
+    def __init__(self, index: int, time: float) -> None:
+        super().__init__(f"force {index} is not a number at t = {time:.6g} s")
+        self.index, self.time = index, time
 
-    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> object: ...
+
+@dataclass
+class Work:
+    """How often the force law and its derivatives have been asked for; implicit steps that had to be taken by RK44."""
+
+    evaluations: int = 0
+    jacobians: int = 0
+    explicit_steps: int = 0
+
+    def clear(self) -> None:
+        """Count anew."""
+        self.evaluations = self.jacobians = self.explicit_steps = 0
+
+    def memory(self) -> Array:
+        """See ``recorder.Remembers``."""
+        return np.array([self.evaluations, self.jacobians, self.explicit_steps], dtype=float)
+
+    def recall(self, memory: Array) -> None:
+        """Put back what ``memory`` gave."""
+        self.evaluations, self.jacobians, self.explicit_steps = (int(count) for count in memory)
 
 
 @contextlib.contextmanager
@@ -78,7 +95,7 @@ class System:
     """An assembled Exudyn system; build one per force law and run it as often as you like.
 
     ``q`` and ``q_t`` (6 per body, then the dampers') are live views on Exudyn's memory: the state of the moment while
-    a run lasts. Copy what you keep; they must not outlive the system.
+    a run lasts. Copy what you keep; they must not outlive the system. ``work`` counts what it took.
     """
 
     def __init__(self, bodies: Sequence[Solid], forces: ForceLaw, dampers: int = 0) -> None:
@@ -86,6 +103,7 @@ class System:
         self.bodies = tuple(bodies)
         self.forces = forces
         self.size = 6 * len(self.bodies) + dampers
+        self.work = Work()
         self._error: BaseException | None = None
         self._clock = (0.0, 1.0, 0)
         """Start [s], half a step [s], half steps done before Exudyn's time 0."""
@@ -111,14 +129,28 @@ class System:
                 )
                 mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(dampers)))
                 nodes.append(node)
-            mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=nodes, forceUserFunction=self._callback()))
+            size = self.size
+            mbs.AddObject(
+                items.ObjectGenericODE2(
+                    nodeNumbers=nodes,
+                    massMatrix=np.zeros((size, size)),
+                    forceUserFunction=self._force_function(),
+                    jacobianUserFunction=self._jacobian_function(),  # type: ignore[arg-type]
+                )
+            )
             mbs.Assemble()
         self._mbs = mbs
         current = exudyn.ConfigurationType.Current
         self.q: Array = cast(Array, mbs.systemData.GetODE2Coordinates(current, False))
         self.q_t: Array = cast(Array, mbs.systemData.GetODE2Coordinates_t(current, False))
+        self.q_tt: Array = cast(Array, mbs.systemData.GetODE2Coordinates_tt(current, False))
 
-    def _callback(self) -> Callable[..., Array]:
+    def _time(self, t: float) -> float:
+        """The time [s] of the moment that Exudyn calls t."""
+        start, half, before = self._clock
+        return start + (before + round(t / half)) * half
+
+    def _force_function(self) -> Callable[..., Array]:
         """The user function. Exudyn's own arguments are Python lists; the views hold the same numbers.
 
         Exudyn keeps the function for ever, so it must not keep the system (and the tables of its law) alive.
@@ -126,17 +158,36 @@ class System:
         out = np.zeros(self.size)
         reference = weakref.ref(self)
 
-        def user_function(mbs: object, t: float, item: int, q: object, q_t: object) -> Array:
+        def force(mbs: object, t: float, item: int, q: object, q_t: object) -> Array:
             system = cast(System, reference())
-            start, half, before = system._clock
+            system.work.evaluations += 1
             try:
-                system.forces(start + (before + round(t / half)) * half, system.q, system.q_t, out)
+                system.forces(system._time(t), system.q, system.q_t, out)
+                bad = first_not_finite(out, out)
+                if bad >= 0:
+                    raise NotFinite(bad, system._time(t))
             except BaseException as error:
                 system._error = error
                 raise
             return out
 
-        return user_function
+        return force
+
+    def _jacobian_function(self) -> Callable[..., Array]:
+        """The same for the derivatives of what stands on the left-hand side; see ``_force_function``."""
+        reference = weakref.ref(self)
+
+        def jacobian(mbs: object, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Array:
+            system = cast(System, reference())
+            system.work.jacobians += 1
+            try:
+                count = len(system.bodies)
+                return -force_derivative(system.forces, system.q, system.q_t, count, system._time(t), by_q, by_q_t)
+            except BaseException as error:
+                system._error = error
+                raise
+
+        return jacobian
 
     def solve(
         self,
@@ -147,40 +198,36 @@ class System:
         steps: int,
         after_step: Callable[[float], bool],
         first: int = 0,
+        integrator: Integrator = "rk44",
+        tolerance: float = 1e-3,
     ) -> None:
-        """Integrate ``steps`` steps of RK44 from the state (q, q_t), which is that after ``first`` steps.
+        """Integrate ``steps`` steps from the state (q, q_t), which is that after ``first`` steps.
 
-        Times are start + k step exactly, k whole (and half, within a step), and the step is the same number to the
-        last bit however a run is cut into calls of this function: what it computes depends on the state alone.
+        Times are start + k step exactly, k whole (and half, within a step of RK44), and the step is the same number to
+        the last bit however a run is cut into calls of this function: what RK44 computes depends on the state alone.
+        Generalised alpha starts every call with the accelerations that the forces give and a new Jacobian, and carries
+        both from step to step: there it matters where a call begins.
 
         ``after_step(t)`` runs after every step (``q`` and ``q_t`` then hold the new state), and once at the
         start; False ends the run. What it or the force law raises comes through. Exudyn does not look at the
-        numbers: check them in ``after_step``. Accelerations are not computed anew at the end of a step, so a
-        step costs four evaluations of the force law.
+        numbers: check them in ``after_step``. tolerance: norm of the forces left over [N] with which Newton's method
+        ends; it raises ``NotSolved`` when it does not get there. RK44 does not compute accelerations anew at the end of
+        a step, so a step costs four evaluations of the force law.
         """
         data = self._mbs.systemData
         initial = exudyn.ConfigurationType.Initial
-        settings = exudyn.SimulationSettings()
-        settings.solution.file.write = False
-        settings.solution.sensors.active = False
-        integration = settings.timeIntegration
-        # Exudyn divides the time by the number of steps; a power of two gives the step back exactly
-        integration.startTime = 0.0
-        integration.endTime = SPAN * step
-        integration.numberOfSteps = SPAN
-        integration.automaticStepSize = False
-        integration.adaptiveStep = False
-        integration.explicit.computeEndOfStepAccelerations = False
-        integration.explicit.useLieGroupIntegration = False
-        integration.verboseMode = 0
-        integration.verboseModeFile = 0
+        implicit = integrator == "generalised-alpha"
+        settings = _settings(step, tolerance)
+        kind = exudyn.DynamicSolverType.GeneralizedAlpha if implicit else exudyn.DynamicSolverType.RK44
         half = 0.5 * step
         going = True
         done = last = 0
+        guess = _Guess(self, step)
 
         def post_step(mbs: object, t: float) -> bool:
             nonlocal going, done
             done = round(t / step)
+            guess.keep()
             try:
                 going = after_step(start + (first + done) * step)
             except BaseException as error:
@@ -191,23 +238,79 @@ class System:
         self._error = None
         with _silence():
             self._mbs.SetPostStepUserFunction(post_step)
+            if implicit:
+                self._mbs.SetPreNewtonResidualUserFunction(guess)
             try:
                 while going and steps > 0 and self._error is None:
                     data.SetODE2Coordinates(list(map(float, q)), initial)
                     data.SetODE2Coordinates_t(list(map(float, q_t)), initial)
                     done, last = 0, min(steps, SPAN // 2)
                     self._clock = (start, half, 2 * first)
-                    self._mbs.SolveDynamic(
-                        settings, solverType=exudyn.DynamicSolverType.RK44, storeSolver=False, showCausingItems=False
-                    )
+                    self._mbs.SolveDynamic(settings, solverType=kind, storeSolver=False, showCausingItems=False)
                     if done == 0:
                         break
                     first, steps, q, q_t = first + done, steps - done, self.q.copy(), self.q_t.copy()
-            except exudyn.ExudynError:
+            except exudyn.ExudynError as error:
                 if self._error is None:
-                    raise
+                    if not isinstance(error, exudyn.SolverError):
+                        raise
+                    raise NotSolved("Newton's method does not find the end of a time step") from None
             finally:
                 self._mbs.SetPostStepUserFunction(0)  # type: ignore[arg-type]
+                self._mbs.SetPreNewtonResidualUserFunction(0)  # type: ignore[arg-type]
         if self._error is not None:  # the module that checks ranges wraps it in an error of its own
             error, self._error = self._error, None
             raise error
+
+
+class _Guess:
+    """Lets Newton's method start a step from the accelerations of the last one; Exudyn starts from none.
+
+    A user function that is called before every residual. q, q_t and q_tt then change together, as they do in an
+    iteration (Arnold and Bruls, algorithm 1).
+    """
+
+    def __init__(self, system: System, step: float) -> None:
+        rho = SPECTRAL_RADIUS
+        alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
+        gamma = 0.5 + alpha_f - alpha_m
+        beta = 0.25 * (gamma + 0.5) ** 2
+        of_acceleration = step * step * beta * (1.0 - alpha_f) / (1.0 - alpha_m)
+        self.system, self.q_of_q_tt = system, of_acceleration
+        self.q_t_of_q_tt = of_acceleration * gamma / (step * beta)
+        self.last = np.zeros(system.size)
+
+    def keep(self) -> None:
+        """Take note of the accelerations at the end of a step."""
+        self.last[:] = self.system.q_tt
+
+    def __call__(self, mbs: object, t: float, iteration: int, repetition: int) -> None:
+        if iteration == 0:
+            system = self.system
+            system.q_tt += self.last
+            system.q_t += self.q_t_of_q_tt * self.last
+            system.q += self.q_of_q_tt * self.last
+
+
+def _settings(step: float, tolerance: float) -> exudyn.SimulationSettings:
+    """How Exudyn shall go: a fixed step, nothing written."""
+    settings = exudyn.SimulationSettings()
+    settings.solution.file.write = False
+    settings.solution.sensors.active = False
+    integration = settings.timeIntegration
+    # Exudyn divides the time by the number of steps; a power of two gives the step back exactly
+    integration.startTime = 0.0
+    integration.endTime = SPAN * step
+    integration.numberOfSteps = SPAN
+    integration.automaticStepSize = False
+    integration.adaptiveStep = False
+    integration.explicit.computeEndOfStepAccelerations = False
+    integration.explicit.useLieGroupIntegration = False
+    integration.generalizedAlpha.spectralRadius = SPECTRAL_RADIUS
+    integration.newton.useModifiedNewton = True
+    integration.newton.modifiedNewtonContractivity = CONTRACTION
+    integration.newton.relativeTolerance = 1e-12
+    integration.newton.absoluteTolerance = tolerance
+    integration.verboseMode = 0
+    integration.verboseModeFile = 0
+    return settings

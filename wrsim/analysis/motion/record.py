@@ -57,11 +57,12 @@ class RunRecord:
         """Time step of the run that goes on [s]."""
         return float(read_run_file(self.path)[0]["step_s"])
 
-    def recorder(self, step: float, size: int) -> FileRecorder:
+    def recorder(self, integrator: str, step: float, size: int) -> FileRecorder:
         """The file, to be written on: from its last checkpoint, or anew. step [s]; size: number of coordinates."""
         if self.resume:
             return FileRecorder.continued(self.path)
-        return FileRecorder.create(self.path, self.header | {"step_s": step, "start_s": 0.0}, size)
+        of_run = {"integrator": integrator, "step_s": step, "start_s": 0.0}
+        return FileRecorder.create(self.path, self.header | of_run, size)
 
 
 def _same_run(path: Path, now: dict[str, Any]) -> None:

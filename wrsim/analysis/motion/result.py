@@ -7,7 +7,7 @@ largest Y/Q of each wheel.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -143,7 +143,11 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
 
 def _attributes(setup: Setup[RunPlan], motion: Motion, distance: Array) -> dict[str, str | float | int]:
     """Attributes of the result of a run whose samples lie at these distances [m]."""
-    attributes = setup.attributes(motion.reason) | {"step_s": motion.step}
+    attributes = setup.attributes(motion.reason)
+    if motion.step > 0.0:
+        steps = round(motion.end / motion.step)
+        attributes |= {"integrator": motion.integrator, "step_s": motion.step, "steps": steps}
+        attributes |= asdict(motion.work)
     if motion.status == "stopped":
         # also where what stopped it had no words
         attributes |= {"status": motion.status, "stop_reason": motion.reason, "stop_cause": motion.cause}

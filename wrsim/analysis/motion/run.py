@@ -19,7 +19,14 @@ from wrsim.analysis.motion.words import start_words
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.simulation.integrate import integrate, recorded_motion
-from wrsim.simulation.step import LARGEST_STEP, LARGEST_STEP_UNEVEN, SAFETY, round_step, stable_step
+from wrsim.simulation.step import (
+    LARGEST_STEP,
+    LARGEST_STEP_UNEVEN,
+    SAFETY,
+    implicit_step,
+    round_step,
+    stable_step,
+)
 from wrsim.simulation.system import System
 
 if TYPE_CHECKING:
@@ -36,8 +43,8 @@ class StepTooLong(InputError):
 
     def __init__(self, step: float, limit: float, speed: float) -> None:
         self.rule = (
-            f"must be at most {1e6 * limit:.0f}, where the integration becomes unstable at {3.6 * speed:g} km/h; "
-            "without step_us a good one is chosen"
+            f"must be at most {1e6 * limit:.0f}, where rk44 becomes unstable at {3.6 * speed:g} km/h; without "
+            "step_us a good one is chosen"
         )
         super().__init__(f"run.step_us = {1e6 * step:g}: {self.rule}")
 
@@ -62,12 +69,13 @@ def run_in_time(
         except NoSteadyMotion as problem:
             raise SimulationError(start_words(problem, setup)) from None
     monitor, plan = Monitor(law, setup.plan.speed), setup.plan
-    with nullcontext() if record is None else closing(record.recorder(step, system.size)) as recorder:
+    with nullcontext() if record is None else closing(record.recorder(plan.integrator, step, system.size)) as recorder:
         # whole steps, so that the run does not pass the end of the track
         duration = step * max(1, int(plan.duration / step + 1e-6))
         motion = integrate(
-            system, q, q_t, duration=duration, step=step, sample_interval=plan.output_interval, monitor=monitor,
-            monitor_interval=monitor.interval, progress=progress, recorder=recorder,
+            system, q, q_t, duration=duration, step=step, integrator=plan.integrator, weight=law.vehicle.weight,
+            sample_interval=plan.output_interval, monitor=monitor, monitor_interval=monitor.interval,
+            progress=progress, recorder=recorder,
         )  # fmt: skip
     return result_of(setup, law, motion, monitor.events())
 
@@ -83,7 +91,15 @@ def recorded_run(setup: Setup[RunPlan], path: Path) -> Result:
 
 
 def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array) -> float:
-    """Step [s] that the plan asks for, or one that is stable at the start (q, q_t) of the run and on straight track.
+    """Step [s] that the plan asks for, or a good one for its integrator; it divides the time between two samples."""
+    plan = setup.plan
+    if plan.integrator == "rk44":
+        return _stable_step(setup, law, q, q_t)
+    return plan.step or implicit_step(plan.speed, plan.output_interval)
+
+
+def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array) -> float:
+    """Step of RK44 [s] that the plan asks for, or one stable at the start (q, q_t) of the run and on straight track.
 
     It is never longer than the time between two samples. In a curve the creep forces are near saturation and allow a
     longer step than they do on straight track, so a run that starts in a curve must not rely on its start. The exact

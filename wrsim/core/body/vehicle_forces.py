@@ -32,22 +32,7 @@ from wrsim.core.body.rigid_body import PITCH, pitched
 from wrsim.core.body.suspension import ELEMENT, READING, WRENCH, suspension_forces
 from wrsim.core.body.wheelset_forces import ARRAYS, OFF_TRACK, SIDES, WHEEL, contact_forces, wheel_total
 from wrsim.core.compiling import kernel
-from wrsim.core.linalg import (
-    BODY,
-    ZERO,
-    Body,
-    Curve,
-    Vec,
-    add,
-    dot,
-    get_body,
-    mixed,
-    put,
-    put_body,
-    scale,
-    shifted,
-    vec,
-)
+from wrsim.core.linalg import BODY, ZERO, Body, Curve, Vec, dot, get_body, mixed, put, put_body, scale, shifted, vec
 from wrsim.core.track.path import NODE, frame, frame_rates
 
 # arrays of the arena before those of the wheelsets
@@ -83,13 +68,20 @@ def vehicle_forces(t, q, q_t, out, buffer, index):
 
     Returns a status: 0, or the sum of the contacts' STATUS bits, or OFF_TRACK when a body has no place on the track.
     """
+    out[:] = 0.0
+    status = add_forces_on_bodies(t, q, q_t, out, buffer, index)
+    return status | add_forces_on_wheels(q, q_t, out, buffer, index)
+
+
+@kernel
+def add_forces_on_bodies(t, q, q_t, out, buffer, index):
+    """Add everything but the contacts; writes the rates of the dampers' extensions. Returns 0 or OFF_TRACK."""
     vehicle = records(buffer, index, WHOLE, VEHICLE)[0]
     parts = records(buffer, index, PARTS, PART)
     bodies = records(buffer, index, BODIES, BODY)
     wrenches = records(buffer, index, WRENCHES, WRENCH)
     centre = Curve(records(buffer, index, CENTRE, NODE), vehicle.step)
     n = parts.shape[0]
-    out[:] = 0.0
     for i in range(n):
         body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
         if parts[i].wheelset >= 0:
@@ -119,26 +111,40 @@ def vehicle_forces(t, q, q_t, out, buffer, index):
     loads, load_tables = records(buffer, index, LOADS, LOAD), matrix(buffer, index, LOAD_TABLES)
     lost = add_loads(t, bodies, loads, load_tables, centre, wrenches)
     lost |= add_drive(t, vehicle, bodies, records(buffer, index, AXLES, AXLE), centre, wrenches)
-    status = OFF_TRACK if lost else 0
-    contacts = (index.shape[0] - FIRST_WHEELSET) // ARRAYS
     for i in range(n):
         body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
         force, moment = vec(wrenches[i].force), vec(wrenches[i].moment)
-        w = parts[i].wheelset
-        if 0 <= w < contacts:
-            first = FIRST_WHEELSET + w * ARRAYS
-            own = index[first : first + ARRAYS]
-            rails = vehicle.rails + RAIL_COORDINATES * w
-            if vehicle.rails >= 0:
-                _set_rails(q[rails:], q_t[rails:], records(buffer, own, SIDES, WHEEL))
-            push, turn, bits = contact_forces(body, buffer, own)
-            status |= bits
-            force, moment = add(force, push), add(moment, turn)
-            if vehicle.rails >= 0:
-                for side in range(2):
-                    total = wheel_total(buffer, own, side)
-                    _move_rail(q, q_t, rails + 2 * side, 1.0 - 2.0 * side, total, vehicle, out)
         add_generalised_forces(body, force, moment, out[6 * i : 6 * i + 6])
+    return OFF_TRACK if lost else 0
+
+
+@kernel
+def add_forces_on_wheels(q, q_t, out, buffer, index):
+    """Add the contacts of all wheelsets, and on elastic rails write the accelerations of the pieces under the wheels.
+
+    Those of a wheelset depend on its own coordinates and those of the rails under it alone. Returns a status.
+    """
+    vehicle = records(buffer, index, WHOLE, VEHICLE)[0]
+    parts = records(buffer, index, PARTS, PART)
+    contacts = (index.shape[0] - FIRST_WHEELSET) // ARRAYS
+    status = 0
+    for i in range(parts.shape[0]):
+        w = parts[i].wheelset
+        if w < 0 or w >= contacts:
+            continue
+        body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
+        first = FIRST_WHEELSET + w * ARRAYS
+        own = index[first : first + ARRAYS]
+        rails = vehicle.rails + RAIL_COORDINATES * w
+        if vehicle.rails >= 0:
+            _set_rails(q[rails:], q_t[rails:], records(buffer, own, SIDES, WHEEL))
+        push, turn, bits = contact_forces(body, buffer, own)
+        status |= bits
+        add_generalised_forces(body, push, turn, out[6 * i : 6 * i + 6])
+        if vehicle.rails >= 0:
+            for side in range(2):
+                total = wheel_total(buffer, own, side)
+                _move_rail(q, q_t, rails + 2 * side, 1.0 - 2.0 * side, total, vehicle, out)
     return status
 
 

@@ -10,19 +10,21 @@ from wrsim.geometry.track.track import Track
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number
 from wrsim.scenario.sections.table import Given, PlanTable, Table
+from wrsim.simulation.integrators import DEFAULT_INTEGRATOR, Integrator
 
 
 @dataclass(frozen=True)
 class RunPlan:
     """A run along the track: from ``start`` to ``end`` [m] of the centre line at ``speed`` [m/s], 0 at rest.
 
-    step: of the integration [s], None: chosen by speed; output_interval: between two samples [s]; patches_at: distances
-    [m], rising, at which the strips of the patches are kept.
+    step: of the integration [s], None: chosen for the integrator; output_interval: between two samples [s]; patches_at:
+    distances [m], rising, at which the strips of the patches are kept.
     """
 
     start: float
     end: float
     speed: float
+    integrator: Integrator = DEFAULT_INTEGRATOR
     step: float | None = None
     output_interval: float = 5e-3
     patches_at: tuple[float, ...] = ()
@@ -37,7 +39,7 @@ class RunPlan:
         if self.speed == 0.0:
             return {"at_m": self.start}
         way = {"from_m": self.start, "to_m": self.end, "speed_kmh": 3.6 * self.speed, "duration_s": self.duration}
-        return way | {"patches_at_m": list(self.patches_at)}
+        return way | {"integrator": self.integrator, "patches_at_m": list(self.patches_at)}
 
 
 class RunSection(PlanTable):
@@ -47,6 +49,7 @@ class RunSection(PlanTable):
     aliases: ClassVar[dict[str, str]] = {
         "time_s": "duration_s t_end_s end_time_s",
         "distance_m": "length_m",
+        "integrator": "method solver integration",
         "step_us": "dt_us h_us",
         "output_interval_ms": "output_step_ms sampling_ms",
     }
@@ -54,6 +57,7 @@ class RunSection(PlanTable):
     start_distance_m: Annotated[float, number(0, 1e6, "m along the centre line")] = 0.0
     distance_m: Annotated[float, number(0.01, 1e6, "m from the start")] | None = None
     time_s: Annotated[float, number(0.001, 1e5, "s from the start")] | None = None
+    integrator: Integrator = DEFAULT_INTEGRATOR
     step_us: Annotated[int, number(1, 20_000)] | None = None
     output_interval_ms: Annotated[float, number(0.01, 10_000, "ms between two samples")] = 5.0
 
@@ -97,6 +101,7 @@ class RunSection(PlanTable):
             start=start,
             end=end,
             speed=speed,
+            integrator=self.integrator,
             step=None if self.step_us is None else self.step_us * 1e-6,
             output_interval=self.output_interval_ms * 1e-3,
             patches_at=_middle_of_arcs(given.track, start, end) if patches is None else tuple(sorted(set(patches))),

@@ -1,0 +1,128 @@
+"""What a force law is, and the derivatives of its forces, by blocks where the law has any."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+COORDINATES = ("z", "x", "y", "heading", "roll", "spin")
+"""Names of the six coordinates of a body, in the order of q and q_t [m, rad]."""
+
+SMALL = {"z": 1e-7, "x": 1e-6, "y": 1e-6, "heading": 1e-6, "roll": 1e-7, "spin": 1e-4}
+"""Change of a coordinate [m, rad] over which its derivative is taken: it changes the forces by some 1e-4 of them."""
+
+SMALL_RATE = 1e-4
+"""The same of a rate [m/s, rad/s]."""
+
+SMALL_EXTENSION = 1e-4
+"""The same of the extension of a damper in series with a spring [m], and of the pitch of an axle box [rad]; forces are
+linear in it or nearly so."""
+
+Forces = Callable[[float, Array, Array, Array], object]
+"""Generalised forces at a time [s], coordinates and rates, filled into the last argument."""
+
+
+class ForceLaw(Protocol):
+    """Generalised forces on all bodies.
+
+    Called with the time [s], the coordinates q and rates q_t (6 per body, live: neither keep nor change
+    them) and ``out`` of the same length to fill: forces along z, x, y [N], moments about the vertical, the
+    forward direction and the axle [N m]. A law that cannot go on raises ``SimulationError``; the run then
+    ends in good order.
+    """
+
+    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> object: ...
+
+
+@runtime_checkable
+class Follows(Protocol):
+    """A force law that may start from its last answer, which is quicker in a run."""
+
+    def follow(self, on: bool) -> None:
+        """From now on start from the last answer, or afresh."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """One of the forces that a law is the sum of, and which coordinates may be changed at once to tell their effects
+    apart: in group g the j-th coordinate ``columns[g][j]`` acts on ``rows[g][j]`` alone.
+    """
+
+    forces: Forces
+    columns: tuple[NDArray[np.intp], ...]
+    rows: tuple[NDArray[np.intp], ...]
+
+    @classmethod
+    def full(cls, forces: Forces, size: int) -> Block:
+        """Every coordinate may act on all."""
+        columns = tuple(np.array([i]) for i in range(size))
+        return cls(forces, columns, (np.arange(size)[None],) * size)
+
+    @classmethod
+    def apart(cls, forces: Forces, own: NDArray[np.intp]) -> Block:
+        """Several things that know nothing of each other, each with coordinates of its own, a row of ``own``."""
+        return cls(forces, tuple(own.T), (own,) * own.shape[1])
+
+
+@runtime_checkable
+class HasBlocks(Protocol):
+    """A force law that is the sum of blocks."""
+
+    def blocks(self) -> Sequence[Block]:
+        """What the law is the sum of."""
+
+    def undisturbed(self) -> AbstractContextManager[None]:
+        """Calls while this lasts leave no trace in the law."""
+
+
+def rails_of(forces: ForceLaw) -> int:
+    """How many of a law's last coordinates are displacements of rails."""
+    return int(getattr(forces, "rails", 0))
+
+
+def positions_of(forces: ForceLaw) -> int:
+    """How many of a law's last coordinates are positions, of axle boxes and rails: they count, unlike those of
+    dampers."""
+    return int(getattr(forces, "positions", 0))
+
+
+def force_derivative(
+    forces: ForceLaw, q: Array, q_t: Array, bodies: int, t: float = 0.0, by_q: float = 1.0, by_q_t: float = 0.0
+) -> Array:
+    """Derivative of the generalised forces (n, n): by_q times that with respect to q and by_q_t times that to q_t.
+
+    By central differences, of both at once.
+    """
+    n, rails, positions = len(q), rails_of(forces), positions_of(forces)
+    dampers = slice(6 * bodies, n - positions)
+    change, change_t = np.full(n, SMALL_EXTENSION), np.full(n, SMALL_RATE)
+    change[: 6 * bodies] = np.tile([SMALL[name] for name in COORDINATES], bodies)
+    change[n - rails :] = np.tile([SMALL["y"], SMALL["z"]], rails // 2)
+    change[dampers] = np.inf  # these coordinates mean nothing, their rates are extensions
+    change_t[dampers] = SMALL_EXTENSION
+    with np.errstate(divide="ignore"):
+        step = np.minimum(change / abs(by_q), change_t / abs(by_q_t))
+    step[~np.isfinite(step)] = SMALL_EXTENSION
+    matrix = np.zeros((n, n))
+    state, rate = np.array(q, dtype=float), np.array(q_t, dtype=float)
+    up, down = np.zeros(n), np.zeros(n)
+    law = forces if isinstance(forces, HasBlocks) else None
+    with nullcontext() if law is None else law.undisturbed():
+        for block in (Block.full(forces, n),) if law is None else law.blocks():
+            for columns, rows in zip(block.columns, block.rows, strict=True):
+                own = step[columns]
+                for sign, out in ((1.0, up), (-1.0, down)):
+                    state[columns] = q[columns] + sign * by_q * own
+                    rate[columns] = q_t[columns] + sign * by_q_t * own
+                    block.forces(t, state, rate, out)
+                state[columns], rate[columns] = q[columns], q_t[columns]
+                up -= down
+                matrix[rows, columns[:, None]] += up[rows] / (2.0 * own[:, None])
+    return matrix
