@@ -361,7 +361,7 @@ def test_an_interrupted_run_goes_on_and_one_that_is_whole_does_not(whole, tmp_pa
     assert again.exit_code == 0, again.output
     assert before > 1000
     assert Result.load(out).dataset.identical(Result.load(whole).dataset)
-    once_more = command("run", whole / "short.toml", "-o", out, "--resume")
+    once_more = command("run", whole / "short.toml", "-o", out, "--no-pictures", "--resume")
     assert once_more.exit_code == 0
     assert "holds the whole result of this scenario already" in once_more.stderr
 
