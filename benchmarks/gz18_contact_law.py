@@ -1,0 +1,255 @@
+"""Does the contact law of the other codes explain where our GZ18 stands apart?
+
+Run: python benchmarks/gz18_contact_law.py. Their law, as the source of the car states it: where undeformed profiles,
+moved by the pose, overlap, the overlap of depth p, half width w and area centroid y is taken for a Hertzian contact at
+y of the approach p / 0.55, with the lateral radius w^2 / (2 p) and the rolling radius of the wheel, in the plane of the
+rail's slope at y. So read, the static load and the rolling radius come out that the source prints for its offset of the
+rail at rest. Creep forces: FASTSIM 21 x 21 with a parabolic bound, friction falling with the slip, no spin moment.
+Everything else is ours: the car, the track, Newton's method for the steady motion. In numpy and slow; nothing in wrsim
+uses it.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from functools import cache, lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from gz18 import has_tables, steady
+from scipy.interpolate import CubicSpline
+from scipy.special import elliprd, elliprf
+
+from wrsim.analysis.steady import steady as solver
+from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.creep_coefficients import creep_coefficients
+from wrsim.core.body.kinematics import add_generalised_forces, kinematics
+from wrsim.core.body.wheel_pose import wheel_wrench
+from wrsim.core.body.wheelset_forces import SIDES
+from wrsim.core.contact.tangential.flexibility import kalker_coefficients
+from wrsim.core.linalg import Vec
+from wrsim.core.track.path import frame
+from wrsim.scenario.build import build
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.placement import TrackPoses, poses_on_track
+from wrsim.simulation.state import Equilibrium
+from wrsim.simulation.system import Array
+
+VIRTUAL = 0.55
+CELLS = 21
+E, NU = 210e9, 0.28
+SHEAR, PLANE = 0.5 * E / (1.0 + NU), 0.5 * E / (1.0 - NU**2)
+STEP, SPACING = 2e-5, 5e-5  # of the points on the wheel, of those that the rail's spline goes through [m]
+LIFTED = 4.5e-5  # their wheels overlap the rails by so much less than ours do [m]
+ENOUGH = 1e-6  # force left over, as a part of the weight
+
+
+class Contact(NamedTuple):
+    """Normal force [N], creep forces along x and the slope [N], angle [rad], creepages, place across [m]."""
+
+    normal: float
+    fx: float
+    fy: float
+    angle: float
+    xi: float
+    eta: float
+    across: float
+
+
+@cache
+def sections(wheel: Any, rail: Any) -> tuple[Array, Array, Array, CubicSpline]:
+    """Wheel: u, height, slope; rail: height over u."""
+    u, w = wheel.at(np.linspace(0.0, wheel.length, int(wheel.length / STEP)))
+    ur, wr = rail.at(np.linspace(0.0, rail.length, int(rail.length / STEP)))
+    top = np.flatnonzero(np.diff(ur) > 1e-9)  # the part that is a graph over u
+    first, last = top[0], top[-1]
+    graph = slice(first, last + 1)
+    keep = np.concatenate([[True], np.diff(np.round(ur[graph] / SPACING)) > 0])
+    return u, w, np.gradient(w) / np.gradient(u), CubicSpline(ur[graph][keep], wr[graph][keep])
+
+
+@lru_cache(maxsize=1)
+def _ellipses() -> tuple[Array, Array]:
+    """Logarithms of the ratio of the relative curvatures, along over across, and of that of the half axes b/a."""
+    k = np.exp(np.linspace(np.log(40.0), -np.log(40.0), 2001))
+    ratio = elliprd(0.0, k**2, 1.0) / elliprd(0.0, 1.0, k**2)
+    return np.log(ratio[np.argsort(ratio)]), np.log(k[np.argsort(ratio)])
+
+
+def hertz(approach: float, rx: float, ry: float) -> tuple[float, float, float]:
+    """Normal force [N], half axes a along and b across [m] for an approach [m] and relative radii of curvature [m].
+
+    With Carlson's integrals (Johnson, Contact Mechanics, 1985, sections 3.2 and 3.3): 1/(2 rx) = p0 b R_D(0, k^2, 1) /
+    (3 E* a^2), approach = p0 b R_F(0, 1, k^2) / E*, k = b/a.
+    """
+    k = float(np.exp(np.interp(np.log(ry / rx), *_ellipses())))
+    flat = float(elliprf(0.0, 1.0, k**2))
+    a = np.sqrt(2.0 * rx * approach * elliprd(0.0, k**2, 1.0) / (3.0 * flat))
+    b = k * a
+    return float(2.0 / 3.0 * np.pi * a * approach * PLANE / flat), float(a), float(b)
+
+
+def fastsim(a: float, b: float, normal: float, creep: tuple[float, float, float], limit: float) -> tuple[float, float]:
+    """Creep forces on the wheel [N] along x and across; creepages xi, eta, spin phi [1/m]; limit: friction."""
+    xi, eta, phi = creep
+    c11, c22, c23 = kalker_coefficients(creep_coefficients(NU), a / b)
+    l1, l2 = 8.0 * a / (3.0 * c11 * SHEAR), 8.0 * a / (3.0 * c22 * SHEAR)
+    l3 = np.pi * a * np.sqrt(a / b) / (4.0 * c23 * SHEAR)
+    y = b * (2.0 * (np.arange(CELLS) + 0.5) / CELLS - 1.0)
+    edge = a * np.sqrt(1.0 - (y / b) ** 2)
+    dx = 2.0 * edge / CELLS
+    most = limit * 2.0 * normal / (np.pi * a * b)
+    px = py = np.zeros(CELLS)
+    fx = fy = 0.0
+    for i in range(CELLS):
+        x = edge - (i + 0.5) * dx
+        px = px - (xi / l1 - y * phi / l3) * dx
+        py = py - (eta / l2 + x * phi / l3) * dx
+        bound = most * (1.0 - (x / a) ** 2 - (y / b) ** 2)
+        size = np.hypot(px, py)
+        part = bound / np.maximum(size, bound)
+        px, py = part * px, part * py
+        fx += float(np.sum(px * dx)) * 2.0 * b / CELLS
+        fy += float(np.sum(py * dx)) * 2.0 * b / CELLS
+    return fx, fy
+
+
+def contact(pose: Array, wheel: Any, rail: Any, radius: float, speed: float) -> tuple[Contact, Array] | None:
+    """The contact at a pose (origin, axle, velocity, angular velocity) and (force, moment) at the wheel's origin."""
+    origin, axle, velocity, omega = pose[:3], pose[3:6], pose[6:9], pose[9:12]
+    u, w, slope, head = sections(wheel, rail)
+    level = np.sqrt(1.0 - axle[0] ** 2)
+    forward = (np.array([1.0, 0.0, 0.0]) - axle[0] * axle) / level
+    down = np.cross(axle, forward)
+    down = down if down[2] < 0.0 else -down
+    rho = radius - w
+    sine = -slope * axle[0] / level  # the lowest line of the turned wheel
+    steep = np.abs(sine) < 0.5
+    sine = np.where(steep, sine, 0.0)
+    cosine = np.sqrt(1.0 - sine**2)
+    points = origin + u[:, None] * axle + (rho * cosine)[:, None] * down + (rho * sine)[:, None] * forward
+    o, height = points[:, 1], points[:, 2]
+    inside = steep & (np.abs(slope) < 2.5) & (o > head.x[0]) & (o < head.x[-1])
+    over = np.where(inside, head(np.where(inside, o, 0.0)) - height, -1.0)
+    deepest = int(np.argmax(over))
+    depth = float(over[deepest])
+    if depth <= 0.0:
+        return None
+    first = last = deepest
+    while first > 0 and over[first - 1] > 0.0:
+        first -= 1
+    while last < len(over) - 1 and over[last + 1] > 0.0:
+        last += 1
+    begin = np.interp(0.0, [over[first - 1], over[first]], [o[first - 1], o[first]])
+    end = np.interp(0.0, [over[last + 1], over[last]], [o[last + 1], o[last]])
+    ys = np.concatenate([[begin], o[first : last + 1], [end]])
+    hs = np.concatenate([[0.0], over[first : last + 1], [0.0]])
+    order = np.argsort(ys)
+    ys, hs = ys[order], hs[order]
+    if 0 < deepest < len(over) - 1:
+        bend = over[deepest + 1] - 2.0 * depth + over[deepest - 1]
+        if bend < 0.0:
+            depth -= (over[deepest + 1] - over[deepest - 1]) ** 2 / (8.0 * bend)
+    place = float(np.trapezoid(ys * hs, ys) / np.trapezoid(hs, ys))
+    angle = float(np.arctan(head(place, 1)))
+    c, s = np.cos(angle), np.sin(angle)
+    half = 0.5 * (end - begin) / c
+    p = depth * c
+    own = slice(first, last + 1)
+    order = np.argsort(o[own])
+    at_wheel = float(np.interp(place, o[own][order], rho[own][order]))
+    normal, a, b = hertz(p / VIRTUAL, at_wheel / c, half**2 / (2.0 * p))
+    shift = float(np.interp(place, o[own][order], points[own, 0][order]))
+    at = np.array([shift, place, float(head(place))])
+    slip = velocity + np.cross(omega, at - origin)
+    across = np.array([0.0, c, s])
+    up = np.array([0.0, -s, c])
+    xi, eta, phi = slip[0] / speed, slip @ across / speed, omega @ up / speed
+    limit = 0.3 * (0.6 * np.exp(-0.55 * speed * np.hypot(xi, eta)) + 0.4)
+    fx, fy = fastsim(a, b, normal, (xi, eta, phi), limit)
+    force = normal * up + fy * across + np.array([fx, 0.0, 0.0])
+    return Contact(normal, fx, fy, angle, xi, eta, place), np.concatenate([force, np.cross(at - origin, force)])
+
+
+class EquivalentElasticOnTrack(VehicleOnTrack):
+    """The law of the vehicle with their contact in the place of ours; ``found``: contacts of the last state."""
+
+    found: list[list[Contact | None]]
+
+    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
+        """See ``ForceLaw``."""
+        status = super().__call__(t, q, q_t, out)
+        self.found = []
+        for w in range(len(self.wheels)):
+            self._exchange(w, q, q_t, out)
+        return status
+
+    def _exchange(self, w: int, q: Array, q_t: Array, out: Array) -> None:
+        own = slice(6 * w, 6 * w + 6)
+        body = kinematics(q[own], q_t[own])
+        change = np.zeros((2, 3))
+        rails = self.track.left.curve, self.track.right.curve
+        both: list[Contact | None] = []
+        for wheel, rail, place in zip(self.wheels[w], rails, self.wheelset_views[w][SIDES], strict=True):
+            found = self._contact(wheel)
+            more = wheel.model.arrays.total.copy()
+            values = np.zeros(6) if found is None else found[1]
+            for name, value in zip(("Ft", "Fo", "Fb", "Mt", "Mo", "Mb"), values, strict=True):
+                more[name] = value - more[name]
+            change += wheel_wrench(body, frame(rail, place.s), place.side, wheel.half_spacing, more)
+            both.append(None if found is None else found[0])
+        add_generalised_forces(body, Vec(*change[0]), Vec(*change[1]), out[own])
+        self.found.append(both)
+
+    def _contact(self, wheel: WheelOnRail) -> tuple[Contact, Array] | None:
+        model = wheel.model
+        return contact(np.array(model.arrays.pose), model.wheel, model.rail, model.radius, self.speed)
+
+
+def their_steady_motion(ours: solver.Found) -> tuple[EquivalentElasticOnTrack, Equilibrium]:
+    """The steady motion with their contact, from that with ours, whose law it changes and leaves the contacts in."""
+    law: Any = ours.law
+    law.__class__ = EquivalentElasticOnTrack
+    lifted = ours.q.copy()
+    lifted[: 6 * len(law.bodies) : 6] += LIFTED
+    found = solver.steady_state(law, (lifted, ours.q_t), tolerance=ENOUGH, max_iterations=20, near=law)
+    law(0.0, found.q, found.q_t, np.zeros(law.size))
+    return law, found
+
+
+def pose_of(law: VehicleOnTrack, found: Equilibrium, wheelset: int) -> TrackPoses:
+    """Pose of a wheelset against the track."""
+    own = slice(6 * wheelset, 6 * wheelset + 6)
+    place = law.start + law.vehicle.wheelsets[wheelset].x
+    return poses_on_track(law.track.centre, found.q[None, own], found.q_t[None, own], place)
+
+
+def main() -> int:
+    """Both curves with their contact."""
+    if not has_tables():
+        print("the tables of the source are not at hand: see benchmarks/gz18.py")
+        return 1
+    with tempfile.TemporaryDirectory() as folder:
+        for line in sys.argv[1:] or ("r300", "r600"):
+            setup = build(steady(Path(folder), line, {"contact.strips": 12, "contact.cells": 8}))
+            law, found = their_steady_motion(solver.steady_in_curve(setup, setup.plan.points[0]))
+            print(f"{line}, largest force left over {found.residual:.1e} of the weight")
+            for w, mounted in enumerate(law.vehicle.wheelsets):
+                pose = pose_of(law, found, w)
+                print(
+                    f"  {mounted.name}: lateral {1e3 * pose.lateral[0]:.3f} mm, yaw {1e3 * pose.yaw[0]:.3f} mrad, "
+                    f"roll {1e3 * pose.roll[0]:.3f} mrad"
+                )
+                for side, c in zip(("left", "right"), law.found[w], strict=True):
+                    if c is not None:
+                        print(
+                            f"    {side:5s} N {c.normal / 1e3:.2f} Tx {c.fx / 1e3:.2f} Ty {c.fy / 1e3:.2f} kN, angle "
+                            f"{np.degrees(c.angle):.2f} deg, creepages {1e3 * c.xi:.2f}, {1e3 * c.eta:.2f} per mille"
+                        )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
