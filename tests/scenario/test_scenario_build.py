@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.scenario_texts import CURVE, STATIC, edited, faults
 
+from wrsim.cli.showing import facts
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check_value
 from wrsim.inputs.values import Series
@@ -231,3 +232,19 @@ def test_slips_that_are_allowed_are_warned_of(changes, words):
     assert len(found) == len(words)
     assert all(warning.startswith(word) for warning, word in zip(found, words, strict=True))
     assert all("is outside of the usual" in w for w in found)
+
+
+@pytest.mark.parametrize(
+    ("normal", "creep", "strips"),
+    [("kik-piotrowski", "fastsim", 40), ("strips", "fastrip", 24), ("half-space", "half-space", 40)],
+)
+def test_each_normal_model_has_its_usual_creep_forces_and_strips(normal, creep, strips):
+    scenario = load(SCENARIOS / "static_s1002.toml").with_values({"contact.normal": normal})
+    usual = build(scenario).contact
+    assert (usual.creep_forces, usual.strip_count, usual.flexibility) == (creep, strips, "blended")
+    assert facts(build(scenario))["tangential"] == creep
+    named = build(scenario.with_values({"contact.tangential": "polach", "contact.strips": 30})).contact
+    assert (named.creep_forces, named.strip_count) == ("polach", 30)
+    by_width = build(scenario.with_values({"contact.strip_width_mm": 0.2})).contact
+    assert (by_width.strip_count, by_width.strip_width) == (None, pytest.approx(2e-4))
+    assert usual.fast().creep_forces == ("fastrip" if normal == "strips" else "fastsim")
