@@ -1,5 +1,9 @@
 """The GZ18 metro car on the wheel, rail and irregularities of its source, which are not part of this repository.
 
+Run: python benchmarks/gz18.py [--json] [MODEL ...]. How fast it runs through the curve of 300 m with AAR5
+irregularities at 60 km/h: simulated over processor time of the integration, least of the repetitions, one core; beside
+that of ORVD and that of Kik-Piotrowski with RK44 at 0.5 ms in the same process.
+
 The tables lie in ``shared/reference/gz18`` beside the clone, or in the folder that WRSIM_SHARED names in the place of
 ``shared``. Their axes are y right, z down; here they become ours.
 """
@@ -7,17 +11,39 @@ The tables lie in ``shared/reference/gz18`` beside the clone, or in the folder t
 from __future__ import annotations
 
 import gzip
+import json
 import os
+import sys
+import tempfile
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.run import chosen_step
+from wrsim.analysis.motion.start import start_state
+from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
+from wrsim.simulation.integrate import integrate
+from wrsim.simulation.system import System
 
 ROOT = Path(__file__).parents[1]
 TABLES = Path(os.environ.get("WRSIM_SHARED", ROOT.parent / "shared")) / "reference" / "gz18"
+PEER = 0.34
+"""Times real time of ORVD in this case on this class of machine."""
+RUN_M = 150.0
+REPETITIONS = 2
+REFERENCE = "kik-piotrowski, rk44"
+CASES: dict[str, dict[str, Any]] = {
+    REFERENCE: {"run.integrator": "rk44", "run.step_us": 500},
+    "kik-piotrowski": {},
+    "strips": {"contact.normal": "strips", "contact.strips": 20},
+}
+"""Keys of the models that are timed."""
+
 CANT_MM = {"r300": 120.0, "r600": 100.0, "r800": 110.0}
 """The lines of the source by their names, which say the radius [m]."""
 
@@ -105,3 +131,53 @@ def irregularity(folder: Path, name: str) -> dict[str, Any]:
     rows = np.column_stack([distance, -right, -down])
     np.savetxt(place, rows, delimiter=",", header="distance_m,alignment_mm,level_mm", comments="", fmt="%.9g")
     return {"kind": "table", "file": str(place), "fade_m": 0.1}
+
+
+def timed(folder: Path, values: Mapping[str, Any]) -> dict[str, float]:
+    """Times real time, step [ms] and evaluations a step of a run from smooth into uneven parts of the curve."""
+    uneven = {"track.irregularities": [irregularity(folder, "aar5")], "run.start_distance_m": 150.0}
+    setup = build(scenario(folder, "r300", uneven | {"run.distance_m": RUN_M} | values))
+    plan = setup.plan
+    best, result = np.inf, {}
+    for _ in range(REPETITIONS):
+        law = force_law(setup)
+        system = System(law.bodies, law, law.dampers)
+        q, q_t = start_state(setup, law)
+        step = chosen_step(setup, law, q, q_t)
+        began = time.process_time()
+        motion = integrate(
+            system, q, q_t, duration=plan.duration, step=step, integrator=plan.integrator,
+            sample_interval=plan.output_interval, weight=law.vehicle.weight,
+        )  # fmt: skip
+        spent = time.process_time() - began
+        if motion.status != "completed":
+            raise SystemExit(f"the run stopped: {motion.reason}")
+        if spent < best:
+            best = spent
+            evaluations = motion.work.evaluations / (motion.end / step)
+            result = {"real_time": motion.end / spent, "step_ms": 1e3 * step, "evaluations": evaluations}
+    return result
+
+
+def main(arguments: list[str]) -> int:
+    """Print how fast the models run."""
+    if not has_tables():
+        print(f"the tables of the source are not at hand: {TABLES}")
+        return 1
+    names = [name for name in arguments if name in CASES] or list(CASES)
+    found: dict[str, dict[str, float]] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for name in names:
+            found[name] = timed(Path(folder), CASES[name])
+            speed = found[name]["real_time"]
+            found[name]["times_orvd"] = speed / PEER
+            if REFERENCE in found:
+                found[name]["times_rk44"] = speed / found[REFERENCE]["real_time"]
+            print(f"{name}: " + ", ".join(f"{key} {value:.3g}" for key, value in found[name].items()), flush=True)
+    if "--json" in arguments:
+        print(json.dumps({"gz18": {"r300_aar5": found}}))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
