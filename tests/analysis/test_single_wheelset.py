@@ -50,7 +50,7 @@ to = "axle"
 at_mm = [0, 0, 460]
 direction = "y"
 travel_mm_force_kN = [[0.01, 0], [0.02, 0.001]]
-[[loads]]
+[[payloads]]
 name = "load"
 on = "axle"
 at_mm = [0, 0, 460]
