@@ -28,6 +28,9 @@ from wrsim.contact.models import contact_model
 from wrsim.contact.settings import Friction, HalfSpaceSettings, Material
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.core.contact.normal.elliptic import k_minus_e
+from wrsim.core.contact.strips.newton import leave
+from wrsim.core.contact.strips.records import FACTORS, System, X
+from wrsim.core.contact.strips.solution import keep, restore, substitute, walk
 from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.segments import Arc
 from wrsim.inputs.lookup import Finder, shipped_models
@@ -93,6 +96,7 @@ def contact_cases() -> dict[str, list[float]]:
     model.arrays.follow(True)
     for lateral, depth in ((6e-3, 1e-4), (6.15e-3, 2e-5)):
         found[f"lobes change {lateral:g}"] = lowered(model, lateral, 0.002, depth)
+    found["strips, not at once"] = _unsettled(model)
     coarse = HalfSpaceSettings(resolution=8, tolerance=1e-9)
     level = replace(coarse, pairing="level", influence="angle-corrected")
     for name, settings, tangential, rail in (
@@ -105,6 +109,20 @@ def contact_cases() -> dict[str, list[float]]:
         model = contact_model(model.wheel, model.rail, model.radius, choices, FRICTION)
         found[name] = lowered(model, *PLACES[0])
     found["integral"] = [k_minus_e(0.3, 0.7)]
+    return found
+
+
+def _unsettled(model: ContactModel) -> list[float]:
+    """What the strip model does where it does not find a solution at once, in the state of its last call."""
+    a = model.arrays.rows
+    system = System(a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
+    n = int(model.arrays.settings.strips)
+    found = []
+    keep(system, n)
+    for step in (lambda: walk(system, n, 0.5), lambda: restore(system, n), lambda: substitute(system, n)):
+        step()
+        found += list(a.vectors[X, : n + FACTORS])
+    leave(system, n, 0)
     return found
 
 

@@ -281,6 +281,7 @@ def _inputs(model: ContactModel) -> Arrays:
     n.normal, n.recess, n.joint, n.fewest = normal.kernel, normal.recess, normal.joint, normal.fewest
     n.projected = settings.approach == "projected"
     n.strips = normal.rows(settings.strip_count) if normal.solves_for_strips else settings.strip_count or 0
+    n.together, n.apart = settings.half_space.together, settings.half_space.apart
     n.strip_width = settings.strip_width or 0.0
     n.tangential = TANGENTIAL[settings.creep_forces]
     n.parabolic, n.blended = parabolic, settings.flexibility == "blended"

@@ -30,7 +30,7 @@ class Usual:
 
 USUAL: dict[Normal, Usual] = {
     "kik-piotrowski": Usual("fastsim", 40),
-    "strips": Usual("fastrip", 20),
+    "strips": Usual("fastrip", 16),
     "half-space": Usual("half-space", 40),
 }
 """Defaults that depend on another choice. Such a key is None in ContactSettings until it is asked for."""
@@ -61,9 +61,9 @@ class HalfSpaceSettings:
     between the normals.
     tolerance: of the gap over the approach; tractions are solved to ten times that over the largest bound.
     together, apart: distances of two zones of overlap up to which they press each other down fully, and from which on
-    not at all [m] (see contact.half_space.zones). pairing: which points of the profiles belong together,
-    ``"opposite"`` ones or, as in CONTACT, those of equal arclength from two points of the same lateral place
-    (``"level"``; see core.contact.half_space.surface).
+    not at all [m] (see contact.half_space.zones; the strip model takes them too). pairing: which points of the
+    profiles belong together, ``"opposite"`` ones or, as in CONTACT, those of equal arclength from two points of the
+    same lateral place (``"level"``; see core.contact.half_space.surface).
     """
 
     element: tuple[float, float] | None = None

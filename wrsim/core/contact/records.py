@@ -15,7 +15,9 @@ SETTINGS = record(
     # friction: on the top and on the gauge corner, the zone's ends, the fall with slip
     " mu mu_gauge zone_start zone_end fall_ratio fall_decay"
     # geometry: steps of the tables, wheel radius, grid of the rail's distances, largest hollows of both bodies
-    " wheel_step radius rail_step field_o field_b field_spacing hollow",
+    " wheel_step radius rail_step field_o field_b field_spacing hollow"
+    # distances of two places of contact that press each other down fully, and not at all (strip model)
+    " together apart",
     # nodes between two samples of the search
     "tangential parabolic blended stride"
     # normal model and the strips that it gets

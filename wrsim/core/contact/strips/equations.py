@@ -13,8 +13,8 @@ from wrsim.core.contact.strips.records import EDGES, FACTORS, F, X
 
 EDGE_RATIO = 0.84  # of a^2 in the two outer strips, over what a parabola would give: Hertz's ellipses keep their width
 LEAST_DEPTH = 1e-8  # for the longest half length [m]
+LESS = 0.1  # weight of an edge's misfit
 EVENNESS = 0.005  # weight with which neighbouring factors are kept alike
-TOGETHER, APART = 4e-3, 8e-3  # grids nearer than this press each other down fully; farther than that not at all [m]
 FADING = 0.8  # exponent, as in contact.half_space.zones
 
 
@@ -39,15 +39,16 @@ def factor_of(place):
 
 
 @kernel
-def fading(grids, i, j):
+def fading(system, i, j):
     """How much of the influence of grid i reaches grid j, by the distance of the places where they may touch."""
     if i == j:
         return 1.0
-    one, other = grids[i], grids[j]
+    memo, one, other = system.memo[0], system.grids[i], system.grids[j]
     along = max(max(one.least - other.most, other.least - one.most), 0.0)
     across = max(abs(one.x - other.x) - one.reach - other.reach, 0.0)
     apart = sqrt(along * along + across * across)
-    return min(max((APART - apart) / (APART - TOGETHER), 0.0), 1.0) ** FADING
+    share = (memo.apart - apart) / (memo.apart - memo.together)
+    return 1.0 if share >= 1.0 else max(share, 0.0) ** FADING
 
 
 @kernel
@@ -96,7 +97,7 @@ def pressed(system, n, g, target):
     for h in range(system.memo[0].grids):
         if not system.grids[h].on:
             continue
-        part = fading(system.grids, h, g)
+        part = fading(system, h, g)
         if part == 0.0:
             continue
         for j in range(h * n, (h + 1) * n):
@@ -118,7 +119,7 @@ def pressed(system, n, g, target):
 
 @kernel
 def residuals(system, n, held):
-    """Misfits of all equations to ``vectors[F]``; returns the largest, edges and curvatures counting less.
+    """Misfits of all equations to ``vectors[F]``; returns the largest, edges counting LESS.
 
     held: factors and edges stay as they are, their equations are left out.
     """
@@ -158,14 +159,14 @@ def residuals(system, n, held):
         if g > 0 and grids[g - 1].link > 0.0 and grids[g - 1].on:
             out[own] += grids[g - 1].link * (x[own] - x[own - block + FACTORS - 1])
         for f in range(FACTORS):
-            largest = max(largest, 0.1 * abs(out[own + f]))
+            largest = max(largest, abs(out[own + f]))
         for side in range(2):
             e = own + FACTORS + side
             if grid.start_held if side == 0 else grid.end_held:
                 out[e] = 0.0
                 continue
             out[e] = edge_wish(places, g * n, n, side)
-            largest = max(largest, 1e-3 * abs(out[e]))
+            largest = max(largest, LESS * abs(out[e]))
     return largest
 
 
@@ -217,7 +218,7 @@ def jacobian(system, n, held):
                 target = grids[g]
                 if not target.on:
                     continue
-                part = fading(grids, h, g)
+                part = fading(system, h, g)
                 if part == 0.0:
                     continue
                 there = g * block

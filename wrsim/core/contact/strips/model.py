@@ -54,6 +54,7 @@ def press_strips(a, wheel, rail, pose, count):
     for i in range(count):
         _set_main_point(wheel, rail, lobes[i])
     memo.modulus = settings.E
+    memo.together, memo.apart = settings.together, settings.apart
     memo.stiffness = pi * settings.E
     status = _set_grids(system, a.found, lobes, wheel, rail, pose, count, MERGED)
     known = memo.known > 0

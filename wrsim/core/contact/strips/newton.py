@@ -32,13 +32,14 @@ SLOW = 0.3  # misfit over the last one that asks for new factors
 LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0
 LARGEST_FALL, OVERSHOOT, KEPT = 1.6, -0.5, 0.1  # of a^2 in a step, over itself; below OVERSHOOT the strip leaves
 LARGEST_CHANGE = 0.8  # of a factor in a step, over itself
-FARTHEST = 3.0  # move of an edge in a step, in mean widths of strips
+FARTHEST = 1.5  # move of an edge in a step, in mean widths of strips
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
 FEWEST = 3  # strips in contact below which a grid leaves
 RETURN, LEAVE = 1e-3, 4e-4  # closing at which a grid comes into contact; a^2/R_x at which it leaves; over the deepest
 HUMP = 0.45  # closing, over its largest, up to which the contact of a new grid reaches at first
 TURNS = 12  # changes of strips and edges in one solution
-HALVINGS = 4  # of a step that makes the misfit larger
+HALVINGS, RISE = 4, 2.0  # of a step that makes the misfit larger by so much
+CALM = 0.05  # misfit below which strips may leave
 NEAR = 1e-3  # misfit at which strips and edges are looked after
 SURE = 2.0  # safety of the foretold misfit
 
@@ -74,6 +75,7 @@ def newton(system, n, held, careful, tolerance, most):
         if memo.factored == 0 or (slow and reused > 0):
             jacobian(system, n, held)
             factorise(system.matrix, size, vectors[PIVOT])
+            memo.factorisations += 1
             memo.factored = 1
             memo.rate = 1.0
             stored = reused = 0
@@ -86,7 +88,7 @@ def newton(system, n, held, careful, tolerance, most):
         _update(vectors, stored, size)
         foretold = misfit * (misfit / last if stored > 0 else memo.rate)
         vectors[SAVED, :size] = vectors[X, :size]
-        changed, cut = _advance(system, n, held, 1.0)
+        changed, cut = _advance(system, n, held, 1.0, misfit < CALM)
         if looked and not changed and not cut and SURE * foretold < tolerance:
             lay_strips(system, n)
             set_amplitudes(system, n)
@@ -96,11 +98,11 @@ def newton(system, n, held, careful, tolerance, most):
         if careful and not changed:
             share = 1.0
             for _again in range(HALVINGS):
-                if misfit < 1.1 * last or changed:
+                if misfit < RISE * last or changed:
                     break
                 share *= 0.5
                 vectors[X, :size] = vectors[SAVED, :size]
-                changed, cut = _advance(system, n, held, share)
+                changed, cut = _advance(system, n, held, share, last < CALM)
                 misfit = residuals(system, n, held)
                 memo.factored = 0
                 cut = True
@@ -155,8 +157,8 @@ def _update(vectors, stored, size):
 
 
 @kernel
-def _advance(system, n, held, share):
-    """Take a share of the step, less where it is wild.
+def _advance(system, n, held, share, calm):
+    """Take a share of the step, less where it is wild; calm: strips may leave.
 
     Returns (whether strips, edges or grids have come or gone, whether the step was cut).
     """
@@ -192,8 +194,10 @@ def _advance(system, n, held, share):
                 new = max(new, 0.0)
                 changed = changed or new == 0.0
             elif new < KEPT * y:
-                changed = True
-                new = KEPT * y if new > OVERSHOOT * y else 0.0
+                leaves = calm and new < OVERSHOOT * y
+                changed = changed or leaves
+                cut = True
+                new = 0.0 if leaves else KEPT * y
             x[base + j] = new
         if held:
             continue
@@ -298,6 +302,8 @@ def _changes(system, n, held):
             place = places[g * n + j]
             if x[base + j] <= 0.0 and place.gap < -ENTRY:
                 x[base + j] = -place.gap * memo.deepest / place.bend
+                if 0 < j < n - 1:
+                    x[base + j] = max(x[base + j], 0.5 * min(x[base + j - 1], x[base + j + 1]))
                 changed = True
         if held:
             continue

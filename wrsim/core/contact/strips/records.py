@@ -28,10 +28,14 @@ GRID = record("start end least most deepest spacing x reach link", "on start_hel
 how firmly its last factor is held to the first of the next grid. Whether it is in contact, whether its edges are held
 at their bounds, its first and last lobe."""
 
-MEMO = record("rate stiffness modulus deepest offset", "known grids factored iterations result substitutes")
+MEMO = record(
+    "rate stiffness modulus deepest offset together apart",
+    "known grids factored iterations factorisations result substitutes",
+)
 """Of the whole system: how fast the kept factors bring the misfit down at first, pi E*, E*, deepest penetration, how
-much is taken off all penetrations; number of grids in the last call (0: nothing is known) and now; whether the factors
-are of use; residuals taken in this call, and how it ended (`solution`); calls so far
+much is taken off all penetrations; distances of grids up to which they press each other down fully and from which on
+not at all [m]; number of grids in the last call (0: nothing is known) and now; whether the factors
+are of use; residuals taken and factors made in this call, and how it ended (`solution`); calls so far
 that ended with a substitute."""
 
 VECTORS = 16  # of unknowns

@@ -2,26 +2,26 @@
 
 In a run the last contact is the first guess. Else: Hertz's half lengths where the penetration is large; Newton's method
 with given factors and edges, then with all unknowns. Where that fails the wheel is lifted until it works and lowered
-in steps; where that fails neighbouring lobes share a grid (`model`); where that fails too there is a substitute: strips
-at given places with given factors, which obey u = d or carry nothing: continuous and bounded, but without the second
-condition.
+in steps; where that fails neighbouring lobes share a grid (`model`); where that fails too there is a substitute:
+Kik-Piotrowski's contact on the same rows.
 """
 
 from math import log
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.strips.equations import block_of, factor_of, lay_strips
+from wrsim.core.contact.strips.equations import block_of, factor_of, lay_strips, residuals, set_amplitudes
 from wrsim.core.contact.strips.newton import FEWEST, begin, hertz_factor, leave, move_edges, newton
 from wrsim.core.contact.strips.records import FACTORS, KEPT, ROWS, SAVED, STEP, STEPS, X
 
-TOLERANCE = 1e-9  # of u - d over the deepest penetration, with ten times that for curvatures
+# Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
+WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9
 FAIRLY = 3e-3  # the same with given factors and edges
 WARM_STEPS, COLD_STEPS = 25, 60
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 LEVELS = (0.42, 0.3, 0.55)  # of a grid's depth: where first guesses begin
 LIFTS = (0.7, 0.5, 0.85)  # of the deepest penetration
 MOST_WALKS = 40
-SUBSTITUTE_LEVEL = 0.3
+RECESS = 0.45  # of the deepest penetration, in the substitute, as in Kik-Piotrowski
 SETTLED, WALKED, MERGED_ALL, UNSOLVED = range(4)
 """How a solution was found: at once, by lifting the wheel, on one grid for all lobes that hang together; or not."""
 
@@ -30,15 +30,15 @@ SETTLED, WALKED, MERGED_ALL, UNSOLVED = range(4)
 def solve(system, n, known):
     """Solve; known: the unknowns are those of a contact near by. Returns SETTLED, WALKED or UNSOLVED."""
     memo = system.memo[0]
-    memo.iterations = 0
+    memo.iterations = memo.factorisations = 0
     memo.offset = 0.0
-    if known and newton(system, n, False, False, TOLERANCE, WARM_STEPS):
+    if known and newton(system, n, False, False, WARM_TOLERANCE, WARM_STEPS):
         return SETTLED
     for level in LEVELS:
         if _afresh(system, n, level):
             return SETTLED
     for lift in LIFTS:
-        if _walk(system, n, lift):
+        if walk(system, n, lift):
             return WALKED
     return UNSOLVED
 
@@ -114,7 +114,7 @@ def _fit_edges(system, n, g):
 
 
 @kernel
-def _walk(system, n, lift):
+def walk(system, n, lift):
     """Solve with the wheel lifted by a share of the deepest penetration, then lower it. True if that works."""
     memo = system.memo[0]
     offset = memo.offset = lift * memo.deepest
@@ -165,13 +165,46 @@ def restore(system, n):
 
 @kernel
 def substitute(system, n):
-    """Strips over the places where the penetration is large, with Hertz's factors."""
-    memo = system.memo[0]
+    """Kik-Piotrowski's contact on the same rows: half lengths from the penetration beyond RECESS of the deepest one,
+    one amplitude for all, so that on average the surfaces follow each other."""
+    memo, x = system.memo[0], system.vectors[X]
     memo.factored = 0
+    memo.offset = 0.0
+    level = RECESS * memo.deepest
     for g in range(memo.grids):
-        _guess(system, n, g, SUBSTITUTE_LEVEL)
-    newton(system, n, True, True, TOLERANCE, COLD_STEPS)
-    memo.factored = 0
+        grid, rows, base = system.grids[g], system.rows[g], g * block_of(n)
+        x[base : base + block_of(n)] = 0.0
+        grid.on = int(grid.deepest > level)
+        if not grid.on:
+            continue
+        first, last = ROWS - 1, 0
+        for r in range(ROWS):
+            if rows[r].d > level:
+                first, last = min(first, r), max(last, r)
+        start, end = rows[first].s, rows[last].s
+        if first > 0:
+            start -= grid.spacing * (rows[first].d - level) / (rows[first].d - rows[first - 1].d)
+        if last < ROWS - 1:
+            end += grid.spacing * (rows[last].d - level) / (rows[last].d - rows[last + 1].d)
+        x[base + n : base + n + FACTORS] = 1.0
+        x[base + n + FACTORS], x[base + n + FACTORS + 1] = start, end
+    lay_strips(system, n)
+    for g in range(memo.grids):
+        for j in range(n if system.grids[g].on else 0):
+            place = system.places[g * n + j]
+            x[g * block_of(n) + j] = 2.0 * max(place.d - level, 0.0) / place.bend
+    residuals(system, n, True)
+    penetration = displacement = 0.0
+    for g in range(memo.grids):
+        for j in range(n if system.grids[g].on else 0):
+            place = system.places[g * n + j]
+            weight = place.y * (place.hi - place.lo)
+            penetration += weight * place.d
+            displacement += weight * (place.gap * memo.deepest + place.d)
+    for g in range(memo.grids):
+        base = g * block_of(n) + n
+        x[base : base + FACTORS] = penetration / displacement
+    set_amplitudes(system, n)
 
 
 @kernel
