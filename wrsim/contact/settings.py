@@ -30,7 +30,7 @@ class Usual:
 
 USUAL: dict[Normal, Usual] = {
     "kik-piotrowski": Usual("fastsim", 40),
-    "strips": Usual("fastrip", 16),
+    "strips": Usual("fastrip", 20),
     "half-space": Usual("half-space", 40),
 }
 """Defaults that depend on another choice. Such a key is None in ContactSettings until it is asked for."""
