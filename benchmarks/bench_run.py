@@ -1,62 +1,64 @@
-"""How fast a wheelset runs through a curve, and where the time goes. Run: python benchmarks/bench_run.py [SCENARIO]
+"""How fast a lone wheelset runs through a curve. Run: python benchmarks/bench_run.py [--json]
 
-Integrates the scenario at h = 0.5 ms and prints simulated over computing time (processor time, which a busy machine
-disturbs less than wall time; minimum of three), the cost of one evaluation of the force law in the middle of the run,
-and what is left for Exudyn and the samples.
+Kik-Piotrowski (25 x 12) in curve_r300 and the strip model with its own number of strips in curve_r150_sharp, as a
+user's run goes: see ``bench_vehicle``. Processor time on one core, minimum of the repetitions, without the search for
+the start and the making of the result; also as a ratio to Kik-Piotrowski with RK44 at .5 ms on the same track in the
+same process.
 """
 
 from __future__ import annotations
 
-import sys
-import time
+import argparse
+import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-import numpy as np
+from bench_vehicle import REFERENCE_STEP, REPETITIONS, timed
 
 from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.start import start_state
-from wrsim.scenario.build import build
+from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
-from wrsim.simulation.integrate import integrate
-from wrsim.simulation.system import System
 
-STEP = 5e-4
-STAGES = 4  # of RK44
+SCENARIOS = Path(__file__).parents[1] / "scenarios"
+KIK_PIOTROWSKI: dict[str, Any] = {"contact": {"normal": "kik-piotrowski", "strips": 25, "cells": 12}}
+STRIPS: dict[str, Any] = {"contact": {"normal": "strips"}}
+RUNS = {"kik-piotrowski": ("curve_r300", KIK_PIOTROWSKI), "strips": ("curve_r150_sharp", STRIPS)}
+
+
+def figures(setup: Setup) -> dict[str, float]:
+    """Times real time, step, evaluations a step."""
+    law = force_law(setup)
+    q, q_t = start_state(setup, law)
+    timed(setup, law, q, q_t, 0.1, 1)  # what is compiled is compiled
+    best, motion = timed(setup, law, q, q_t, setup.plan.duration, REPETITIONS)
+    steps = round(motion.end / motion.step)
+    return {
+        "real_time": motion.end / best,
+        "step_ms": 1e3 * motion.step,
+        "evaluations": motion.work.evaluations / steps,
+        "jacobians_per_s": motion.work.jacobians / motion.end,
+        "explicit_steps": motion.work.explicit_steps,
+    }
 
 
 def main() -> None:
-    """Print the table."""
-    shipped = Path(__file__).parents[1] / "scenarios" / "curve_r300.toml"
-    file = Path(sys.argv[1]) if len(sys.argv) > 1 else shipped
-    print(f"{file.name}, h = {STEP * 1e3:g} ms, one core")
-    for strips, cells in ((40, 20), (25, 12)):
-        scenario = load(file).with_values({"contact.strips": strips, "contact.cells": cells})
-        setup = build(scenario)
-        law = force_law(setup)
-        q, q_t = start_state(setup, law)
-        system = System(law.bodies, law, law.dampers)
-        integrate(system, q, q_t, duration=0.05, step=STEP)
-        best = np.inf
-        for _ in range(3):
-            law.look_near(setup.plan.start)
-            began = time.process_time()
-            motion = integrate(
-                system, q, q_t, duration=setup.plan.duration, step=STEP, sample_interval=setup.plan.output_interval
-            )
-            best = min(best, time.process_time() - began)
-        stage = 1e6 * best / (motion.end / STEP * STAGES)
-        out = np.zeros(law.size)
-        one = np.inf
-        for i in range(0, len(motion.times), max(1, len(motion.times) // 40)):
-            law.look_near(setup.plan.start + setup.plan.speed * motion.times[i])
-            began = time.process_time()
-            for _ in range(200):
-                law(motion.times[i], motion.q[i], motion.q_t[i], out)
-            one = min(one, (time.process_time() - began) / 200) if i else one
-        print(
-            f"  {strips} strips x {cells} cells: {motion.end / best:.2f} times real time; {stage:.1f} us a stage, "
-            f"of which the cheapest force law of the run takes {1e6 * one:.1f}"
-        )
+    """Print the table, or the figures as one line of JSON."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--json", action="store_true", help="the last line is JSON")
+    as_json = parser.parse_args().json
+    found: dict[str, dict[str, dict[str, float]]] = {}
+    for model, (name, keys) in RUNS.items():
+        scenario = load(SCENARIOS / f"{name}.toml")
+        own = figures(build(scenario.with_values(keys)))
+        reference = build(scenario.with_values(KIK_PIOTROWSKI))
+        plan = replace(reference.plan, integrator="rk44", step=REFERENCE_STEP)
+        own["to_reference"] = own["real_time"] / figures(replace(reference, plan=plan))["real_time"]
+        found[name] = {model: own}
+        print(f"{name}, {model}: " + ", ".join(f"{key} {value:.3g}" for key, value in own.items()), flush=True)
+    if as_json:
+        print(json.dumps({"wheelset": found}))
 
 
 if __name__ == "__main__":

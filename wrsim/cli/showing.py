@@ -56,10 +56,12 @@ def tell_slow(setup: Setup) -> None:
     """Warn of a run whose forces all come from the exact contact solver."""
     if setup.contact.normal != "half-space" or not ANALYSES[setup.analysis].moves:
         return
-    from wrsim.simulation.step import step_for_speed
+    from wrsim.simulation.step import evaluations_for
 
-    step = setup.plan.step or step_for_speed(setup.plan.speed, setup.vehicle)
-    evaluations = 4.0 * setup.plan.duration / step
+    plan = setup.plan
+    evaluations = evaluations_for(
+        plan.integrator, plan.duration, plan.speed, plan.output_interval, plan.step, setup.vehicle
+    )
     complain(
         f'contact.normal = "half-space" solves the exact problem at every stage of the integration: about '
         f"{evaluations:.0f} times for each wheel, some {_duration(EXACT_TIME * evaluations).removesuffix(' left')}. "
@@ -112,7 +114,7 @@ def print_numbers(result: Result) -> None:
 
 
 def print_peaks(result: Result) -> None:
-    """The peaks of each wheel as a table, and the events."""
+    """The peaks of each wheel as a table, and the events; of a run, what its integration took."""
     summary = result.summary()
     if len(summary["wheelsets"]) > 1:
         _print_wheelsets(result.title, summary)
@@ -126,6 +128,17 @@ def print_peaks(result: Result) -> None:
         if guide is not None and guide["value"]:
             say("largest lateral force of the guide frame on the wheelset: {} kN at {}".format(*_peak(guide)))
     _print_events(summary.get("events", []))
+    if "integration" in summary:
+        _print_integration(**summary["integration"])
+
+
+def _print_integration(
+    integrator: str, step_ms: float, steps: int, evaluations: int, jacobians: int, explicit_steps: int
+) -> None:
+    """What the integration of a run took."""
+    print(f"{integrator}: {steps} steps of {step_ms:.4g} ms, {evaluations} evaluations of the forces", end="")
+    print(f", {jacobians} Jacobians" if jacobians else "", end="")
+    print(f"; {explicit_steps} steps that Newton's method did not solve taken by rk44" if explicit_steps else "")
 
 
 WHEEL_PEAKS = {

@@ -23,7 +23,8 @@ _SHORTEST = 5  # samples of a full curve that make a median worth reporting
 
 
 def summarise(dataset: xr.Dataset) -> dict[str, Any]:
-    """Plain numbers for ``summary.json``: status, versions, for each wheelset peaks with their place and full curves.
+    """Plain numbers for ``summary.json``: status, what the integration took, versions, for each wheelset peaks with
+    their place and full curves.
 
     Every peak is ``{"value": .., "distance_m": .., "time_s": ..}``, or with ``"pose"`` in a static analysis;
     ``None`` where there is no finite value. Peaks of patch channels run over all patches of the wheel.
@@ -32,6 +33,10 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     own = resolved(ANALYSES[str(attributes["analysis"])].summary)(dataset)
     head = {name: attributes[name] for name in ("title", "analysis", "status")} | {"stop": _stop(dataset)}
     names = [name for name in attributes if name.endswith("_version") and name != "format_version"]
+    if "integrator" in attributes:
+        counts = {name: int(attributes[name]) for name in ("steps", "evaluations", "jacobians", "explicit_steps")}
+        step = 1e3 * float(attributes["step_s"])
+        head["integration"] = {"integrator": attributes["integrator"], "step_ms": step, **counts}
     return head | own | {"versions": {name.removesuffix("_version"): attributes[name] for name in names}}
 
 

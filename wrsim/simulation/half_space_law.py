@@ -30,9 +30,9 @@ class HalfSpaceOnTrack(VehicleOnTrack):
         super().__init__(*arguments, **options)
         self.contacts: list[list[HalfSpaceContact]] = []
 
-    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
-        """See ``ForceLaw``. Returns the status of the contacts; raises SimulationError off the track."""
-        status = super().__call__(t, q, q_t, out)
+    def forces(self, t: float, q: Array, q_t: Array, out: Array) -> int:
+        """See `VehicleOnTrack`. Returns the status of the contacts; raises SimulationError off the track."""
+        status = super().forces(t, q, q_t, out)
         self.contacts = []
         for w in range(len(self.wheels)):
             status |= self._exchange_forces(w, q, q_t, out)

@@ -122,10 +122,27 @@ class VehicleOnTrack:
             _wheels(part, mounted.wheelset, track, models)
             for part, mounted, models in zip(own_parts, vehicle.wheelsets, contacts, strict=bool(contacts))
         )
+        self._asked, self._asked_at, self._status = np.zeros((2, self.size)), np.nan, 0
         self.look_near(start)
 
     def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
         """See ``ForceLaw``. Returns the status of the contacts; raises SimulationError off the track."""
+        self._asked_at = np.nan
+        self._status = self.forces(t, q, q_t, out)
+        self._asked_at, self._asked[0], self._asked[1] = t, q, q_t
+        return self._status
+
+    def at(self, t: float, q: Array, q_t: Array) -> int:
+        """Make the contacts and everything else that the law keeps those of this state; returns the status.
+
+        Nothing is computed where the law has been asked for this very state last.
+        """
+        if self._asked_at == t and np.array_equal(self._asked[0], q) and np.array_equal(self._asked[1], q_t):
+            return self._status
+        return self(t, q, q_t, np.zeros(self.size))
+
+    def forces(self, t: float, q: Array, q_t: Array, out: Array) -> int:
+        """What a call computes."""
         status = int(vehicle_forces.vehicle_forces(t, q, q_t, out, self.arena.buffer, self.arena.index))
         if status & wheelset_kernel.OFF_TRACK:
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
@@ -192,12 +209,14 @@ class VehicleOnTrack:
         """Change the speed [m/s] that the drive holds and at which the frame of the track runs on from its start."""
         self.speed = speed
         self.whole["speed"] = speed
+        self._asked_at = np.nan
 
     def look_near(self, origin: float | Array) -> None:
         """Tell where to look for the vehicle first: the distance of its origin [m], or a row of ``places``.
 
         Needed before a state far from the last one.
         """
+        self._asked_at = np.nan
         vehicle = self.vehicle
         if np.ndim(origin) == 0:
             rows = self.places(float(origin) + np.array([mounted.x for mounted in vehicle.wheelsets]))
@@ -226,6 +245,7 @@ class VehicleOnTrack:
 
     def recall(self, memory: Array) -> None:
         """Put back what ``memory`` gave."""
+        self._asked_at = np.nan
         loads = len(self._loads)
         self.whole["s_reference"] = memory[0]
         self._loads["s"] = memory[1 : 1 + loads]

@@ -47,7 +47,6 @@ class Monitor:
     def __init__(self, law: VehicleOnTrack, speed: float) -> None:
         """speed [m/s]: how far the vehicle goes between two looks."""
         self.law = law
-        self.out = np.zeros(law.size)
         self.interval = min(INTERVAL, STRETCH / speed)
         self.wheels = wheels_of(law)
         self.last_contact = np.full((len(self.wheels), 2), np.nan)
@@ -63,7 +62,7 @@ class Monitor:
 
     def look(self, t: float, q: Array, q_t: Array) -> OffRail | Overlap | None:
         """What ends the run, if anything; notes what else there is."""
-        status = self.law(t, q, q_t, self.out)
+        status = self.law.at(t, q, q_t)
         distance = self.law.distance
         ending: OffRail | Overlap | None = None
         for i, wheel in enumerate(self.wheels):

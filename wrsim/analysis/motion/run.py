@@ -18,7 +18,7 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.motion.words import start_words
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
-from wrsim.simulation.integrate import integrate, recorded_motion
+from wrsim.simulation.integrate import SEGMENT, integrate, recorded_motion
 from wrsim.simulation.step import (
     LARGEST_STEP,
     LARGEST_STEP_UNEVEN,
@@ -36,6 +36,10 @@ if TYPE_CHECKING:
     from wrsim.scenario.sections.run import RunPlan
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
+
+
+SEGMENT_EXACT = 5
+"""Steps between two checkpoints with the exact contact solver; each takes a second or more."""
 
 
 class StepTooLong(InputError):
@@ -75,7 +79,8 @@ def run_in_time(
         motion = integrate(
             system, q, q_t, duration=duration, step=step, integrator=plan.integrator, weight=law.vehicle.weight,
             sample_interval=plan.output_interval, monitor=monitor, monitor_interval=monitor.interval,
-            progress=progress, recorder=recorder,
+            segment=SEGMENT if setup.contact.fast() == setup.contact else SEGMENT_EXACT, progress=progress,
+            recorder=recorder,
         )  # fmt: skip
     return result_of(setup, law, motion, monitor.events())
 

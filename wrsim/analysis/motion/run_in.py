@@ -12,7 +12,7 @@ from wrsim.analysis.motion.outcomes import NoSteadyMotion, RunInStopped
 from wrsim.core.track import path as path_kernels
 from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.simulation.integrate import integrate
-from wrsim.simulation.step import LARGEST_STEP, SAFETY, round_step, stable_step
+from wrsim.simulation.step import implicit_step
 from wrsim.simulation.system import System
 
 if TYPE_CHECKING:
@@ -30,6 +30,9 @@ EASE = 3.0
 
 SETTLE = 3.0
 """... and in the full curve before the motion is taken as steady [s]."""
+
+SAMPLES = 0.1
+"""Time between two samples of the run [s]."""
 
 
 def run_in(setup: Setup[RunPlan], start_of: Callable[[Setup, VehicleOnTrack], State]) -> State:
@@ -55,8 +58,8 @@ def run_in(setup: Setup[RunPlan], start_of: Callable[[Setup, VehicleOnTrack], St
     law = force_law(there, drive=held_by(setup))
     q, q_t = start_of(there, law)
     system = System(law.bodies, law, law.dampers)
-    step = round_step(SAFETY * stable_step(system, q, q_t), LARGEST_STEP)
-    motion = integrate(system, q, q_t, duration=there.plan.duration, step=step, sample_interval=0.1)
+    step, weight = implicit_step(run.speed, SAMPLES), vehicle.weight
+    motion = integrate(system, q, q_t, duration=there.plan.duration, step=step, weight=weight, sample_interval=SAMPLES)
     if motion.status != "completed":
         raise NoSteadyMotion(RunInStopped(motion.reason))
     law.look_near(there.plan.end)

@@ -18,7 +18,7 @@ import numpy as np
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.stability.rolling import PLACE, RollingVehicle
 from wrsim.simulation.integrate import integrate
-from wrsim.simulation.step import LARGEST_STEP, SAFETY, round_step, stable_step
+from wrsim.simulation.step import implicit_step
 from wrsim.simulation.system import System
 
 if TYPE_CHECKING:
@@ -80,8 +80,6 @@ class CycleSearch:
         self.wheelsets = len(law.vehicle.wheelsets)
         self.radii = np.array([m.wheelset.mean_radius for m in law.vehicle.wheelsets])
         self.found: list[Cycle] = []
-        self._step = 0.0
-        self._step_speed = np.nan
 
     def from_above(self, start: float) -> float:
         """Follow the cycle down from a speed [m/s]; returns the lowest speed at which it lives.
@@ -124,7 +122,6 @@ class CycleSearch:
     def hold(self, speed: float, branch: Branch, state: tuple[Array, Array]) -> tuple[Cycle, tuple[Array, Array]]:
         """Integrate at a speed until the motion has settled; returns what it came to and the last state."""
         plan, law = self.plan, self.rolling.law
-        step = self._step_at(speed)
         law.set_speed(speed)
         q, q_t = state
         last = np.zeros(self.wheelsets)
@@ -137,8 +134,8 @@ class CycleSearch:
             law.look_near(PLACE)
             monitor = Monitor(law, speed)
             motion = integrate(
-                self.system, q, q_t, duration=plan.window, step=step, sample_interval=SAMPLES,
-                monitor=monitor, monitor_interval=monitor.interval,
+                self.system, q, q_t, duration=plan.window, step=implicit_step(speed, SAMPLES), sample_interval=SAMPLES,
+                weight=law.vehicle.weight, monitor=monitor, monitor_interval=monitor.interval,
             )  # fmt: skip
             if motion.cause == "interrupt":
                 raise Interrupted
@@ -179,14 +176,6 @@ class CycleSearch:
         q = q.copy()
         q[6 * np.arange(len(self.system.bodies)) + 1] -= q[6 * reference + 1] - PLACE - ahead
         return q
-
-    def _step_at(self, speed: float) -> float:
-        """Time step [s] for a speed: of steady rolling; kept while the speed has changed by less than 10 %."""
-        if not abs(speed - self._step_speed) < 0.1 * speed:
-            q, q_t = self.rolling.state(speed)
-            limit = stable_step(self.system, q, q_t)
-            self._step, self._step_speed = round_step(min(SAFETY * limit, SAMPLES), LARGEST_STEP), speed
-        return self._step
 
 
 def _frequency(times: Array, values: Array) -> float:
