@@ -313,7 +313,7 @@ def test_a_full_disk_at_the_end_of_a_run_is_told_plainly(tmp_path, monkeypatch):
     assert "free some space or choose another directory" in done.stderr
     assert done.stderr.count("\n") == 1
     # nothing half-written, and the run itself is safe
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"scenario.toml", "result.nc.part"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {".wrsim", "scenario.toml", "result.nc.part"}
     monkeypatch.undo()
     again = CliRunner().invoke(app, ["run", str(file), "-o", str(tmp_path / "out"), "-q", "--no-pictures", "--resume"])
     assert again.exit_code == 0, again.output
