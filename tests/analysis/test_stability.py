@@ -153,9 +153,15 @@ def test_an_interrupted_study_keeps_the_speeds_it_has():
         ({"stability.windw_s": 1}, "did you mean 'window_s'"),
         ({"stability.speed_kmh": -5}, "speed_kmh.*must be"),
         ({"contact.conical.conicity": 2}, "contact.conical.conicity = 2.*must be"),
-        ({"analysis": "equilibrium", "stability": None}, "conical.*stability"),
     ],
 )
 def test_bad_input_is_answered_with_one_clear_line(values, message):
     with pytest.raises(InputError, match=message):
         build(load(SCENARIOS / "stability_cooperrider.toml").with_values(values))
+
+
+def test_conical_wheels_are_for_stability_alone(tmp_path):
+    base = SCENARIOS / "stability_cooperrider.toml"
+    (tmp_path / "rest.toml").write_text(f'base = "{base}"\nanalysis = "equilibrium"\n')
+    with pytest.raises(InputError, match=r"conical.*stability"):
+        build(load(tmp_path / "rest.toml"))
