@@ -77,7 +77,8 @@ def step_for_speed(speed: float, vehicle: Vehicle | None = None) -> float:
     if vehicle is not None:
         wheelset = vehicle.wheelsets[0].wheelset
         mass, inertia, radius = wheelset.mass, wheelset.inertia[1], wheelset.mean_radius
-        load = 0.5 * vehicle.weight / len(vehicle.wheelsets)
+        vertical = vehicle.weight - sum(load.largest[2] for load in vehicle.loads)
+        load = 0.5 * vertical / len(vehicle.wheelsets)
     coefficient = CREEP_COEFFICIENT * (max(load, 1e3) / CREEP_LOAD) ** (2.0 / 3.0)
     return round_step(SAFETY * RK44_LIMIT / creep_rate(max(speed, 0.1), mass, inertia, radius, coefficient))
 
