@@ -1,0 +1,161 @@
+"""Mutated input files: scenarios, vehicles, tracks, profiles, tables. Run: python benchmarks/hostile.py [N] [--json]
+
+Takes N (default 1000) mutants of the shipped files, some bytes, lines, numbers or words changed in each, and checks
+each as ``wrsim check`` does. Counts what must not be: an answer other than "valid" or an InputError, a message that
+does not name a file, an answer that takes more than 20 s of processor time. ``--seed`` begins elsewhere.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import re
+import shutil
+import signal
+import tempfile
+import time
+import traceback
+from collections import Counter
+from pathlib import Path
+
+from wrsim.errors import InputError
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load
+
+ROOT = Path(__file__).parents[1]
+LONGEST = 20.0  # processor time of one answer [s]
+NUMBER = re.compile(rb"-?\d+\.?\d*(?:[eE][-+]?\d+)?")
+NUMBERS = (b"0", b"-1", b"1e-9", b"1e9", b"nan", b"inf", b"-0.0", b"1e400", b"9" * 20, b"0x10", b"3,5", b"")
+WORDS = (b"true", b'"x"', b"[]", b"[1, 2]", b"{}", b"{from = 0, to = 1e9, step = 1e-9}", b"\xff\xfe", b'"\\u0000"')
+KINDS = (
+    "scenarios/*.toml",
+    "models/vehicles/*.toml",
+    "models/tracks/*.toml",
+    "models/wheels/*.toml",
+    "models/rails/*.toml",
+    "scenarios/measured/*.csv",
+    "scenarios/measured/*.whl",
+    "scenarios/measured/*.toml",
+)
+BARE = ("ball", "hollow", "corner", "crown", "groove")  # curves that are placed by their origins
+
+
+class TooSlow(BaseException):
+    """An answer took too long."""
+
+
+def mutated(content: bytes, rng: random.Random) -> bytes:
+    """One to four changes at random places."""
+    for _ in range(rng.randint(1, 4)):
+        lines = content.split(b"\n")
+        line = rng.randrange(len(lines))
+        action = rng.randrange(8)
+        if action == 0 and content:  # a byte
+            at = rng.randrange(len(content))
+            content = content[:at] + bytes([rng.randrange(256)]) + content[at + 1 :]
+        elif action == 1:
+            content = b"\n".join(lines[:line] + lines[line + 1 :])
+        elif action == 2:
+            content = b"\n".join([*lines[:line], lines[line], *lines[line:]])
+        elif action in (3, 4, 5):  # a number becomes another one, or something else
+            found = list(NUMBER.finditer(content))
+            if found:
+                place = rng.choice(found)
+                new = rng.choice(NUMBERS if action < 5 else WORDS)
+                if action == 3:
+                    new = repr(float(place.group()) * 10.0 ** rng.uniform(-6, 6) * rng.choice((1, 1, -1))).encode()
+                content = content[: place.start()] + new + content[place.end() :]
+        elif action == 6:  # cut off
+            content = content[: rng.randrange(len(content) + 1)]
+        else:  # two lines change places
+            other = rng.randrange(len(lines))
+            lines[line], lines[other] = lines[other], lines[line]
+            content = b"\n".join(lines)
+    return content
+
+
+def user_of(file: Path) -> tuple[Path, dict[str, str]]:
+    """A scenario that reads the file, and the keys that make it do so."""
+    own = file.relative_to(ROOT)
+    if own.parts[0] == "scenarios":
+        whole = file.suffix == ".toml" and file.parent.name == "scenarios"
+        return (file if whole else ROOT / "scenarios/static_measured.toml"), {}
+    name = own.relative_to("models").as_posix()
+    if own.parts[1] == "tracks":
+        return ROOT / "scenarios/mixed_line.toml", {}
+    if own.parts[1] == "vehicles":
+        metre = "lrv" in own.name
+        return ROOT / f"scenarios/{'lrv_curve' if metre else 'manchester_r300'}.toml", {"vehicle.model": name}
+    bare = own.name.startswith(BARE)
+    user = ROOT / f"scenarios/{'static_deep_groove' if bare else 'static_s1002'}.toml"
+    return user, {"vehicle.wheel" if own.parts[1] == "wheels" else "track.rail": name}
+
+
+def check(folder: Path, file: Path, content: bytes) -> str:
+    """Check a mutant in a copy of the shipped files; says what became of it."""
+    copy = folder / file.relative_to(ROOT)
+    original = copy.read_bytes()
+    copy.write_bytes(content)
+    user, keys = user_of(file)
+
+    def stop(number: int, stack: object) -> None:
+        raise TooSlow
+
+    signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, LONGEST)
+    try:
+        scenario = load(folder / user.relative_to(ROOT), [folder / "models"])
+        build(scenario.with_values(keys) if keys else scenario)
+        return "valid"
+    except InputError as error:
+        message = str(error)
+        return (
+            "refused" if re.search(r"\.(toml|csv|whl|nc)|new value|\bkey\b", message) else f"nameless: {message[:300]}"
+        )
+    except TooSlow:
+        return "too slow"
+    except Exception as fault:
+        where = traceback.extract_tb(fault.__traceback__)[-1]
+        return f"{type(fault).__name__} in {Path(where.filename).name}:{where.lineno}: {str(fault)[:120]}"
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        copy.write_bytes(original)
+
+
+def main() -> None:
+    """Count the answers."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("number", nargs="?", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    rng = random.Random(options.seed)
+    files = [sorted(ROOT.glob(kind)) for kind in KINDS]
+    answers: Counter[str] = Counter()
+    slowest = 0.0
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for part in ("models", "scenarios"):
+            shutil.copytree(ROOT / part, folder / part)
+        for i in range(options.number):
+            file = rng.choice(files[i % len(files)])
+            content = mutated(file.read_bytes(), rng)
+            began = time.process_time()
+            answer = check(folder, file, content)
+            slowest = max(slowest, time.process_time() - began)
+            if answer not in ("valid", "refused") and answer not in answers:
+                keep = Path(tempfile.gettempdir()) / f"hostile_{i}_{file.name}"
+                keep.write_bytes(content)
+                print(f"{answer}\n    mutant of {file.relative_to(ROOT)}, kept as {keep}", flush=True)
+            answers[answer] += 1
+    wrong = sum(n for answer, n in answers.items() if answer not in ("valid", "refused"))
+    print(f"{options.number} mutants: {answers['valid']} valid, {answers['refused']} refused, {wrong} wrong answers; "
+          f"slowest {slowest:.1f} s")  # fmt: skip
+    if options.json:
+        counts = {"mutants": options.number, "valid": answers["valid"], "refused": answers["refused"], "wrong": wrong}
+        print(json.dumps({"hostile": counts | {"slowest_s": slowest}}))
+
+
+if __name__ == "__main__":
+    main()
