@@ -90,12 +90,12 @@ def test_the_deepest_are_kept_in_order_with_the_saddle_between_them():
 def test_amplitudes_are_those_of_the_linear_system_or_zero():
     matrix = np.array([[2.0, 0.5, 3.0], [0.5, 1.0, 2.0]])
     amplitude = np.ones(2)
-    solve_amplitudes(matrix, 2, np.zeros((2, 3)), amplitude)
+    solve_amplitudes(matrix, 2, np.zeros((2, 3)), amplitude, np.zeros(2))
     np.testing.assert_allclose(matrix[:, :2] @ amplitude, matrix[:, 2])
     # the second would have to pull: the first carries alone
     matrix = np.array([[2.0, 0.5, 3.0], [1.5, 1.0, 0.1]])
     amplitude = np.ones(2)
-    solve_amplitudes(matrix, 2, np.zeros((2, 3)), amplitude)
+    solve_amplitudes(matrix, 2, np.zeros((2, 3)), amplitude, np.zeros(2))
     assert amplitude == pytest.approx([1.5, 0.0])
 
 

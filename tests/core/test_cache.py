@@ -89,7 +89,7 @@ def test_without_a_safe_place_kernels_work_and_leave_nothing_behind(tmp_path: Pa
     shared = tmp_path / "shared"
     shared.mkdir()
     (shared / f"wrsim-{os.getuid()}").write_text("a file")
-    code = "import numpy as np; from wrsim.core.dense import solve_pivoted; solve_pivoted(np.eye(2), 2, np.ones(2))"
+    code = "import numpy as np; from wrsim.core.dense import factorise; factorise(np.eye(2), 2, np.ones(2))"
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "home"), "TMPDIR": str(shared)}
     environment.pop("NUMBA_CACHE_DIR", None)
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)

@@ -1,7 +1,7 @@
 """The contact models as one family: the register of normal models, and how a model is built.
 
 A new normal model is a kernel that core.contact.wheel_rail calls, its number in core.contact.records, its name in
-`wrsim.contact.settings.Normal` and an entry here.
+`wrsim.contact.settings.Normal` with its usual choices in ``USUAL``, and an entry here.
 """
 
 from __future__ import annotations

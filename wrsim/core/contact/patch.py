@@ -18,6 +18,7 @@ from typing import NamedTuple
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.profile import length, profile_point
 from wrsim.core.contact.search.locus import locus_point
+from wrsim.core.root import Bracket, crossing, narrowed
 
 
 class Pair(NamedTuple):
@@ -35,20 +36,33 @@ class Pair(NamedTuple):
 
 
 @inlined
-def pair(wheel, rail, arc_wheel, arc_rail, out_o, out_b):
-    """The pair of points at these arclengths; the gap with the wheel moved out by (out_o, out_b), else as it is."""
-    w = locus_point(wheel, arc_wheel)
-    r = profile_point(rail, arc_rail)
-    # |n_r - n_w|^2 = 4 - |n_r + n_w|^2 and the sum is small: a series replaces root and division
+def bisector(w, r):
+    """Unit normal (no, nb) from rail to wheel that bisects those of two points, a Locus and one of the rail's profile.
+
+    |n_r - n_w|^2 = 4 - |n_r + n_w|^2 and the sum is small: a series replaces root and division.
+    """
     po = w.no - r.tw
     pb = w.nb + r.tu
     t = 0.25 * (po * po + pb * pb)
     if t < 1e-3:
         inverse = 0.5 + t * (0.25 + t * (0.1875 + t * (0.15625 + t * 0.13671875)))
     else:
-        inverse = 0.5 / sqrt(1.0 - t)
-    no = (-r.tw - w.no) * inverse
-    nb = (r.tu - w.nb) * inverse
+        inverse = 0.5 / sqrt(max(1.0 - t, 1e-6))
+    return (-r.tw - w.no) * inverse, (r.tu - w.nb) * inverse
+
+
+@inlined
+def first_step(depth, curvature):
+    """First step towards an edge [m]: half of the half width that the relative curvature at the main point promises."""
+    return min(max(0.55 * sqrt(2.0 * depth / max(curvature, 0.5)), 2e-5), 4e-3)
+
+
+@inlined
+def pair(wheel, rail, arc_wheel, arc_rail, out_o, out_b):
+    """The pair of points at these arclengths; the gap with the wheel moved out by (out_o, out_b), else as it is."""
+    w = locus_point(wheel, arc_wheel)
+    r = profile_point(rail, arc_rail)
+    no, nb = bisector(w, r)
     gap = (w.o + out_o - r.u) * no + (w.b + out_b - r.w) * nb
     return Pair(gap, w.x, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w), no, nb, w.shrink, w.r_t)
 
@@ -102,32 +116,16 @@ def find_edge(wheel, rail, lobe, projected, first, direction, limit):
         inner_h = outer_h
         last_shrink = shrink
         shrink = at.shrink
-    # Illinois' regula falsi between inner (h > 0) and outer (h <= 0), in s^2, where h is nearly linear
-    lo = inner
-    hi = outer
-    lo_h = inner_h
-    hi_h = outer_h
-    s = hi
-    side = 0
+    bracket = Bracket(inner, inner_h, outer, outer_h, 0)
+    s = outer
     mid = 1.5 * shrink - 0.5 * last_shrink
     for _ in range(60):
-        s = sqrt((lo * lo * hi_h - hi * hi * lo_h) / (hi_h - lo_h))
+        s = crossing(bracket)
         at = _opposite(wheel, rail, lobe, inner_arc + direction * (s - inner) * mid, direction * s)
         h = (delta - lobe.recess) * _share(lobe, projected, at) - at.gap
-        if abs(h) < 1e-7 * delta or hi - lo < 1e-12:
+        if abs(h) < 1e-7 * delta or bracket.hi - bracket.lo < 1e-12:
             break
-        if h > 0.0:
-            lo = s
-            lo_h = h
-            if side == 1:
-                hi_h *= 0.5
-            side = 1
-        else:
-            hi = s
-            hi_h = h
-            if side == -1:
-                lo_h *= 0.5
-            side = -1
+        bracket = narrowed(bracket, s, h)
     return direction * s, 0
 
 

@@ -1,6 +1,6 @@
 """From the strips of a lobe to forces, moments and the figures that people read."""
 
-from math import atan, atan2, sqrt
+from math import atan, atan2, pi, sqrt
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.linalg import Vec, add, cross, dot, shifted, sub
@@ -40,6 +40,27 @@ def set_creepages(pose, least_speed, lobe, strips, n):
     lobe.closing = -dot(_set_creepages(lobe, pose, inverse), _normal(lobe))
     for i in range(n):
         _set_creepages(strips[i], pose, inverse)
+
+
+@kernel
+def set_pressures(strips, n, factor):
+    """Write p (peak pressure of each strip) and N (its normal force [S 30]); p comes as amplitude p / a [Pa/m].
+
+    factor: multiplies the pressures (damping). Returns (largest pressure, sum of the strip forces, area, longest half
+    length).
+    """
+    largest = force = area = longest = 0.0
+    for i in range(n):
+        strip = strips[i]
+        a = strip.a
+        ratio = strip.p * factor
+        strip.p = ratio * a
+        strip.N = 0.5 * pi * ratio * a * a * strip.ds
+        largest = max(largest, strip.p)
+        force += strip.N
+        area += 2.0 * a * strip.ds
+        longest = max(longest, a)
+    return largest, force, area, longest
 
 
 @kernel

@@ -4,13 +4,13 @@ On the right side the rail's axes (t, o, b) are left-handed; a mirrored angular 
 every formula hold as it stands, so the kernel knows no side.
 """
 
-from math import ceil, sqrt
+from math import ceil
 from typing import Any, NamedTuple
 
 from wrsim.core.arena import block, matrix, record_rows, records, vector
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.normal.kik_piotrowski import press
-from wrsim.core.contact.patch import find_edge, lay_strips
+from wrsim.core.contact.patch import find_edge, first_step, lay_strips
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.records import (
     FOUND,
@@ -27,7 +27,7 @@ from wrsim.core.contact.records import (
     read_pose,
 )
 from wrsim.core.contact.resultants import add_lobe
-from wrsim.core.contact.search.lobes import couple, select_deepest
+from wrsim.core.contact.search.lobes import couple, room_beside, select_deepest
 from wrsim.core.contact.search.locus import placed
 from wrsim.core.contact.search.points import find_contacts
 from wrsim.core.contact.strips.model import press_strips
@@ -35,7 +35,6 @@ from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW
 from wrsim.core.contact.tangential.creep_forces import creep_forces
 
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
-WIDEST = 0.08  # half width at which the search for an edge is given up [m]
 
 
 class Arrays(NamedTuple):
@@ -127,7 +126,7 @@ def wheel_rail(buffer, index):
         status |= press_strips(a, wheel, rail, pose, count)
     else:
         for i in range(count):
-            left, right = _saddles(a.found, i, count)
+            left, right = room_beside(a.found, i, count)
             status |= _bound_lobe(wheel, rail, settings, a.found, i, left, right, lobes)
         for i in range(count):
             _lay_lobe(wheel, rail, settings, lobes, count, i, a.strips[i])
@@ -186,17 +185,6 @@ def _sum_up(a, pose, count):
 
 
 @kernel
-def _saddles(found, i, count):
-    """Distances from a lobe's main point to the saddles beside it, where its neighbours begin."""
-    left = right = WIDEST
-    if i > 0 and found[i - 1].saddle >= 0.0:
-        left = max(found[i].arc_rail - found[i - 1].saddle_arc, 1e-7)
-    if i < count - 1 and found[i].saddle >= 0.0:
-        right = max(found[i].saddle_arc - found[i].arc_rail, 1e-7)
-    return left, right
-
-
-@kernel
 def _start_lobe(rail, own, lobe):
     """Main point of a lobe that the search has found, so far without pressure. Returns status bits."""
     at = profile_point(rail, own.arc_rail)
@@ -223,9 +211,7 @@ def _bound_lobe(wheel, rail, settings, found, i, left, right, lobes):
     lobe.recess = settings.recess * level
     if delta <= lobe.recess:
         return 0
-    # first step: half of the half width that the relative curvature at the main point promises
-    first = 0.55 * sqrt(2.0 * (delta - lobe.recess) / max(own.curvature, 0.5))
-    first = min(max(first, 2e-5), 4e-3)
+    first = first_step(delta - lobe.recess, own.curvature)
     lobe.end, beyond = find_edge(wheel, rail, lobe, settings.projected, first, 1.0, right)
     lobe.start, before = find_edge(wheel, rail, lobe, settings.projected, first, -1.0, left)
     lobe.width = lobe.end - lobe.start

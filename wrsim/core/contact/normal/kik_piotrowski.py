@@ -23,8 +23,8 @@ from math import log, pi, sqrt
 
 from wrsim.core.compiling import kernel
 from wrsim.core.contact.normal.elliptic import strip_potential
-from wrsim.core.contact.resultants import set_creepages
-from wrsim.core.dense import solve_pivoted
+from wrsim.core.contact.resultants import set_creepages, set_pressures
+from wrsim.core.dense import factorise, solve_factorised
 
 
 @kernel
@@ -32,7 +32,7 @@ def press(settings, pose, lobes, strips, count, work):
     """Pressures of all lobes from the displacements at their main points, with damping. work: (12, >= 8) scratch."""
     matrix = work[:3]
     rows = work[3:6]
-    amplitude = work[6]
+    amplitude, pivot = work[6], work[7]
     stiffness = pi * settings.E
     for i in range(count):
         lobe = lobes[i]
@@ -61,11 +61,13 @@ def press(settings, pose, lobes, strips, count, work):
         if partner >= 0 and lobes[partner].n_strips > 0:
             matrix[i, partner] -= share * own
     if count > 1:
-        solve_amplitudes(matrix, count, rows, amplitude)
+        solve_amplitudes(matrix, count, rows, amplitude, pivot)
     for i in range(count):
         lobe = lobes[i]
         factor = max(1.0 + settings.damping * lobe.closing, 0.0)
-        largest, normal, area, longest = set_pressures(strips[i], lobe.n_strips, amplitude[i], factor)
+        for j in range(lobe.n_strips):
+            strips[i, j].p = amplitude[i]
+        largest, normal, area, longest = set_pressures(strips[i], lobe.n_strips, factor)
         lobe.amplitude = amplitude[i] * factor
         lobe.p0 = max(largest, lobe.amplitude * lobe.half_length)
         lobe.N = normal
@@ -105,11 +107,11 @@ def far_influence(strips, n, o, b):
 
 
 @kernel
-def solve_amplitudes(matrix, count, rows, amplitude):
+def solve_amplitudes(matrix, count, rows, amplitude, pivot):
     """Amplitudes Q of all lobes. A lobe that would have to pull is lifted off by the others: its Q is zero.
 
     matrix: (count, count + 1), the right-hand side in the last column; rows: scratch of the same shape; amplitude:
-    (count,), on entry 1 for lobes that take part and 0 for the others.
+    (count,), on entry 1 for lobes that take part and 0 for the others; pivot: (count,) scratch.
     """
     for _ in range(count):
         for i in range(count):
@@ -117,7 +119,8 @@ def solve_amplitudes(matrix, count, rows, amplitude):
                 rows[i, j] = matrix[i, j] if amplitude[i] > 0.0 else 0.0
             if amplitude[i] == 0.0:
                 rows[i, i] = 1.0
-        solve_pivoted(rows, count, rows[:, count])
+        factorise(rows, count, pivot)
+        solve_factorised(rows, count, pivot, rows[:, count])
         worst = -1
         for i in range(count):
             if amplitude[i] > 0.0 and rows[i, count] <= 0.0 and (worst < 0 or rows[i, count] < rows[worst, count]):
@@ -127,25 +130,3 @@ def solve_amplitudes(matrix, count, rows, amplitude):
         amplitude[worst] = 0.0
     for i in range(count):
         amplitude[i] = max(rows[i, count], 0.0) if amplitude[i] > 0.0 else 0.0
-
-
-@kernel
-def set_pressures(strips, n, amplitude, factor):
-    """Write p (peak pressure of each strip) and N (its normal force [S 30]).
-
-    amplitude: Q = p0 / x_L(0) [Pa/m]; factor: multiplies the pressures (damping).
-    Returns (largest pressure, sum of the strip forces, area, longest half length).
-    """
-    ratio = amplitude * factor
-    force = 0.0
-    area = 0.0
-    longest = 0.0
-    for i in range(n):
-        strip = strips[i]
-        a = strip.a
-        strip.p = ratio * a
-        strip.N = 0.5 * pi * ratio * a * a * strip.ds
-        force += strip.N
-        area += 2.0 * a * strip.ds
-        longest = max(longest, a)
-    return ratio * longest, force, area, longest

@@ -15,6 +15,19 @@ makes both equal when the two are equally deep and vanishes when the shallower o
 
 from wrsim.core.compiling import inlined, kernel
 
+WIDEST = 0.08  # half width at which the search for an edge is given up [m]
+
+
+@kernel
+def room_beside(found, i, count):
+    """Distances from a lobe's main point to the saddles beside it, where its neighbours begin."""
+    left = right = WIDEST
+    if i > 0 and found[i - 1].saddle >= 0.0:
+        left = max(found[i].arc_rail - found[i - 1].saddle_arc, 1e-7)
+    if i < count - 1 and found[i].saddle >= 0.0:
+        right = max(found[i].saddle_arc - found[i].arc_rail, 1e-7)
+    return left, right
+
 
 @kernel
 def select_deepest(found, count, most):

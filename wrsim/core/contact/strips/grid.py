@@ -11,12 +11,13 @@ from math import sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
+from wrsim.core.contact.patch import bisector
 from wrsim.core.contact.profile import length, profile_point
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.contact.strips.records import FACTORS, ROWS
+from wrsim.core.root import Bracket, crossing, narrowed
 
 LEVEL = 0.1  # of a lobe's depth: rows reach so far
-WIDEST = 0.08  # half width at which the search for the end of the rows is given up [m]
 FLOOR = 0.5  # share of even density
 LEAST_FACING = 2.5e-3  # square of the sine between axle and normal, held above
 
@@ -42,15 +43,7 @@ def opposite(wheel, rail, arc_wheel, arc_rail):
     tangent."""
     w = locus_point(wheel, arc_wheel)
     r = profile_point(rail, arc_rail)
-    po = w.no - r.tw
-    pb = w.nb + r.tu
-    t = 0.25 * (po * po + pb * pb)
-    if t < 1e-3:
-        inverse = 0.5 + t * (0.25 + t * (0.1875 + t * (0.15625 + t * 0.13671875)))
-    else:
-        inverse = 0.5 / sqrt(max(1.0 - t, 1e-6))
-    no = (-r.tw - w.no) * inverse
-    nb = (r.tu - w.nb) * inverse
+    no, nb = bisector(w, r)
     ahead = (w.o - r.u) * nb - (w.b - r.w) * no
     wo = w.o + ahead * w.nb
     wb = w.b - ahead * w.no
@@ -84,27 +77,15 @@ def find_end(wheel, rail, arc_wheel, arc_rail, depth, first, direction, limit):
         inner, inner_d = outer, at.d
         inner_arc = arc - at.ahead * at.shrink
         last, shrink = shrink, at.shrink
-    lo, hi = inner, outer
-    lo_h, hi_h = inner_d - level, at.d - level
-    s = hi
-    side = 0
+    bracket = Bracket(inner, inner_d - level, outer, at.d - level, 0)
+    s = outer
     for _ in range(60):
-        # in s^2, where d is nearly linear
-        s = sqrt((lo * lo * hi_h - hi * hi * lo_h) / (hi_h - lo_h))
+        s = crossing(bracket)
         arc = inner_arc + direction * (s - inner) * (1.5 * shrink - 0.5 * last)
         h = opposite(wheel, rail, arc, arc_rail + direction * s).d - level
-        if abs(h) < 1e-6 * depth or hi - lo < 1e-12:
+        if abs(h) < 1e-6 * depth or bracket.hi - bracket.lo < 1e-12:
             break
-        if h > 0.0:
-            lo, lo_h = s, h
-            if side == 1:
-                hi_h *= 0.5
-            side = 1
-        else:
-            hi, hi_h = s, h
-            if side == -1:
-                lo_h *= 0.5
-            side = -1
+        bracket = narrowed(bracket, s, h)
     return s, 0
 
 

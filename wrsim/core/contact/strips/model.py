@@ -25,19 +25,18 @@ every lobe has its strips and nothing that is reported jumps where grids merge.
 from math import pi, sqrt
 
 from wrsim.core.compiling import kernel
+from wrsim.core.contact.patch import first_step
 from wrsim.core.contact.records import AFRESH, STATUS_PROFILE_END, STATUS_UNSETTLED
-from wrsim.core.contact.resultants import set_creepages
+from wrsim.core.contact.resultants import set_creepages, set_pressures
+from wrsim.core.contact.search.lobes import room_beside
 from wrsim.core.contact.strips.equations import block_of
-from wrsim.core.contact.strips.grid import WIDEST, find_end, grade_rows, lay_rows, opposite
+from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, opposite
 from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
 from wrsim.core.contact.strips.solution import MERGED_ALL, UNSOLVED, WALKED, carry_over, solve, substitute
 
 MERGED = 0.9  # saddle over the depth of the shallower lobe from which on both share a grid
-LINK, UNLINKED, LINKED = (
-    0.05,
-    0.5,
-    0.9,
-)  # weight that holds the factors of neighbours together, and saddles for none, all
+LINK = 0.05  # weight that holds the factors of neighbouring grids together
+UNLINKED, LINKED = 0.5, 0.9  # saddles at which none and all of it counts
 OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
 LEAST_PART = 1e-6  # of a strip's width that is worth a row of its own
 
@@ -110,15 +109,10 @@ def _set_grids(system, found, lobes, wheel, rail, pose, count, merged):
         for side in range(2):
             k = i if side == 0 else last
             own = found[k]
-            limit = WIDEST
-            if side == 0 and i > 0 and found[i - 1].saddle >= 0.0:
-                limit = max(own.arc_rail - found[i - 1].saddle_arc, 1e-7)
-            if side == 1 and last < count - 1 and own.saddle >= 0.0:
-                limit = max(own.saddle_arc - own.arc_rail, 1e-7)
-            first = min(max(0.55 * sqrt(2.0 * own.depth / max(own.curvature, 0.5)), 2e-5), 4e-3)
-            way, beyond = find_end(
-                wheel, rail, own.arc_wheel, own.arc_rail, own.depth, first, 1.0 if side == 1 else -1.0, limit
-            )
+            limit = room_beside(found, k, count)[side]
+            direction = 1.0 if side == 1 else -1.0
+            first = first_step(own.depth, own.curvature)
+            way, beyond = find_end(wheel, rail, own.arc_wheel, own.arc_rail, own.depth, first, direction, limit)
             status |= STATUS_PROFILE_END if beyond else 0
             ends = (own.arc_rail - way, 0.0) if side == 0 else (ends[0], own.arc_rail + way)
         grid.least, grid.most = ends
@@ -215,21 +209,9 @@ def _report(settings, pose, lobe, strips):
     n = lobe.n_strips
     set_creepages(pose, settings.least_speed, lobe, strips, n)
     factor = max(1.0 + settings.damping * lobe.closing, 0.0)
-    largest = normal = area = longest = 0.0
-    for j in range(n):
-        strip = strips[j]
-        a = strip.a
-        strip.N = 0.5 * pi * strip.p * factor * a * a * strip.ds
-        strip.p *= factor * a
-        largest = max(largest, strip.p)
-        normal += strip.N
-        area += 2.0 * a * strip.ds
-        longest = max(longest, a)
-    lobe.p0 = largest
-    lobe.N = normal
+    lobe.p0, lobe.N, lobe.area, longest = set_pressures(strips, n, factor)
     lobe.start = strips[0].s - 0.5 * strips[0].ds if n > 0 else 0.0
     lobe.end = strips[n - 1].s + 0.5 * strips[n - 1].ds if n > 0 else 0.0
     lobe.width = lobe.end - lobe.start
-    lobe.area = area
     lobe.length = 2.0 * longest
-    lobe.amplitude = largest / longest if longest > 0.0 else 0.0
+    lobe.amplitude = lobe.p0 / longest if longest > 0.0 else 0.0

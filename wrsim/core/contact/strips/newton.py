@@ -233,6 +233,19 @@ def leave(system, n, g):
 
 
 @kernel
+def in_contact(squares):
+    """First and last strip in contact, -1 where there is none, and how many there are; squares: a^2 of a grid's."""
+    first = last = -1
+    count = 0
+    for j in range(squares.shape[0]):
+        if squares[j] > 0.0:
+            first = j if first < 0 else first
+            last = j
+            count += 1
+    return first, last, count
+
+
+@kernel
 def trim(system, n, g):
     """Draw the edges of a grid in to its outer strips in contact. True if anything changed.
 
@@ -241,15 +254,10 @@ def trim(system, n, g):
     memo, grid, places = system.memo[0], system.grids[g], system.places[g * n : (g + 1) * n]
     base = g * block_of(n)
     x = system.vectors[X]
-    first = last = -1
-    count = 0
+    first, last, count = in_contact(x[base : base + n])
     highest = 0.0
     for j in range(n):
-        if x[base + j] > 0.0:
-            first = j if first < 0 else first
-            last = j
-            count += 1
-            highest = max(highest, x[base + j] * places[j].bend)
+        highest = max(highest, x[base + j] * places[j].bend)
     if count < FEWEST or highest < LEAVE * memo.deepest:
         leave(system, n, g)
         return True

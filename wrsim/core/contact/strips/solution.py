@@ -10,7 +10,7 @@ from math import log
 
 from wrsim.core.compiling import kernel
 from wrsim.core.contact.strips.equations import block_of, factor_of, lay_strips, residuals, set_amplitudes
-from wrsim.core.contact.strips.newton import FEWEST, begin, hertz_factor, leave, move_edges, newton
+from wrsim.core.contact.strips.newton import FEWEST, begin, hertz_factor, in_contact, leave, move_edges, newton
 from wrsim.core.contact.strips.records import FACTORS, KEPT, ROWS, SAVED, STEP, STEPS, X
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
@@ -99,13 +99,7 @@ def _afresh(system, n, level):
 def _fit_edges(system, n, g):
     """Edges at the outer strips in contact."""
     x, base = system.vectors[X], g * block_of(n)
-    first = last = -1
-    count = 0
-    for j in range(n):
-        if x[base + j] > 0.0:
-            first = j if first < 0 else first
-            last = j
-            count += 1
+    first, last, count = in_contact(x[base : base + n])
     if count < FEWEST:
         leave(system, n, g)
     elif first > 0 or last < n - 1:

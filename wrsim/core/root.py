@@ -1,0 +1,32 @@
+"""The root of a function that changes its sign within a bracket."""
+
+from math import sqrt
+from typing import NamedTuple
+
+from wrsim.core.compiling import inlined
+
+
+class Bracket(NamedTuple):
+    """The function is ``lo_h`` > 0 at lo and ``hi_h`` <= 0 at hi; side: the end that moved last (+1 lo, -1 hi, 0
+    none)."""
+
+    lo: float
+    lo_h: float
+    hi: float
+    hi_h: float
+    side: int
+
+
+@inlined
+def crossing(b):
+    """Where the chord crosses zero, for a function that is nearly linear in the square of its argument."""
+    return sqrt((b.lo * b.lo * b.hi_h - b.hi * b.hi * b.lo_h) / (b.hi_h - b.lo_h))
+
+
+@inlined
+def narrowed(b, s, h):
+    """The bracket with the value h at s in the place of one end; Illinois' regula falsi: an end that stays twice counts
+    half."""
+    if h > 0.0:
+        return Bracket(s, h, b.hi, 0.5 * b.hi_h if b.side == 1 else b.hi_h, 1)
+    return Bracket(b.lo, 0.5 * b.lo_h if b.side == -1 else b.lo_h, s, h, -1)
