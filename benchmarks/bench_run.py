@@ -14,33 +14,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from bench_vehicle import REFERENCE_STEP, REPETITIONS, timed
+from bench_vehicle import REFERENCE_STEP, figures
 
-from wrsim.analysis.motion.forces import force_law
-from wrsim.analysis.motion.start import start_state
-from wrsim.scenario.build import Setup, build
+from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
 KIK_PIOTROWSKI: dict[str, Any] = {"contact": {"normal": "kik-piotrowski", "strips": 25, "cells": 12}}
 STRIPS: dict[str, Any] = {"contact": {"normal": "strips"}}
 RUNS = {"kik-piotrowski": ("curve_r300", KIK_PIOTROWSKI), "strips": ("curve_r150_sharp", STRIPS)}
-
-
-def figures(setup: Setup) -> dict[str, float]:
-    """Times real time, step, evaluations a step."""
-    law = force_law(setup)
-    q, q_t = start_state(setup, law)
-    timed(setup, law, q, q_t, 0.1, 1)  # what is compiled is compiled
-    best, motion = timed(setup, law, q, q_t, setup.plan.duration, REPETITIONS)
-    steps = round(motion.end / motion.step)
-    return {
-        "real_time": motion.end / best,
-        "step_ms": 1e3 * motion.step,
-        "evaluations": motion.work.evaluations / steps,
-        "jacobians_per_s": motion.work.jacobians / motion.end,
-        "explicit_steps": motion.work.explicit_steps,
-    }
 
 
 def main() -> None:

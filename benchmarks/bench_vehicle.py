@@ -89,9 +89,8 @@ def timed(
     return best, motion
 
 
-def speed(case: str, model: str) -> dict[str, float]:
-    """Figures of one case with one model."""
-    setup = build(scenario_of(case, model))
+def figures(setup: Setup[RunPlan]) -> dict[str, float]:
+    """Times real time, step and what a run takes."""
     law = force_law(setup)
     q, q_t = start_state(setup, law)
     timed(setup, law, q, q_t, 0.1, 1)  # what is compiled is compiled
@@ -179,7 +178,7 @@ def main() -> None:
         print(f"{case}: Kik-Piotrowski, rk44 at {1e3 * REFERENCE_STEP:g} ms: {reference:.2f} times real time")
         found[case] = {}
         for model in chosen.models:
-            own = speed(case, model)
+            own = figures(build(scenario_of(case, model)))
             own["to_reference"] = own["real_time"] / reference
             found[case][model] = own
             print(f"  {model}: " + ", ".join(f"{name} {value:.3g}" for name, value in own.items()), flush=True)

@@ -13,30 +13,18 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
+from strip_robustness import stand
 
 from wrsim.analysis.poses.solver import PoseSolver
-from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings
-from wrsim.geometry.profile.models import load_profile
 from wrsim.scenario.cases import StaticPose
 
-MODELS = Path(__file__).parents[1] / "models"
 PAIRS = (("S1002", "60E1", 40), ("S1002", "60E1", 20), ("S1002_worn", "60E1", 40), ("S1002_worn", "60E1_worn", 40))
 STEEPEST = 12  # steps looked into
 HALVINGS = 12
-
-
-def stand(wheel: str, rail: str, inclination: int, settings: ContactSettings) -> PoseSolver:
-    """A wheel on the left rail of a track of 1435 mm."""
-    profile = load_profile(MODELS / f"rails/{rail}.toml").inclined(1.0 / inclination)
-    model = contact_model(load_profile(MODELS / f"wheels/{wheel}.toml"), profile, 0.46, settings, 0.3)
-    origin = (0.7175 - profile.gauge_point()[0], -profile.top[1])
-    return PoseSolver([WheelOnRail(model, 1, 0.75, origin)], False, 0.46)
 
 
 def sweep(bench: PoseSolver, heights: PoseSolver, load: float, states, knots, step: float):  # type: ignore[no-untyped-def]
@@ -89,7 +77,7 @@ def main() -> None:
     plain = ContactSettings(normal="kik-piotrowski", tangential="none", damping=0.0)
     jumps: dict[str, float] = {}
     for pair in PAIRS:
-        bench, heights = stand(*pair, ours), stand(*pair, plain)
+        bench, heights = stand(pair, ours), stand(pair, plain)
         for load in chosen.load:
             name = f"{pair[0]} / {pair[1]} 1:{pair[2]}, {load:g} kN"
             lateral = np.arange(-10e-3, 10e-3 + 1e-9, 2.5e-4)

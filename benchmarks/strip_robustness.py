@@ -36,21 +36,24 @@ LEAST, MOST = 1e3, 500e3  # normal force [N]
 SUSPECT = 1.6
 
 
+def stand(pair: tuple[str, str, int], settings: ContactSettings) -> PoseSolver:
+    """A wheel on the left rail of a track of 1435 mm; pair: wheel, rail, one over the rail's inclination."""
+    wheel, rail, inclination = pair
+    profile = load_profile(MODELS / f"rails/{rail}.toml").inclined(1.0 / inclination)
+    model = contact_model(load_profile(MODELS / f"wheels/{wheel}.toml"), profile, RADIUS, settings, 0.3)
+    origin = (0.7175 - profile.gauge_point()[0], -profile.top[1])
+    return PoseSolver([WheelOnRail(model, 1, 0.75, origin)], False, RADIUS)
+
+
 class Stand:
     """A wheel on a rail, by the strip model, by Kik-Piotrowski, and by the half-space solver."""
 
     def __init__(self, pair: tuple[str, str, int], strips: int) -> None:
         wheel, rail, inclination = pair
         self.name = f"{wheel}/{rail} 1:{inclination}"
-        profile = load_profile(MODELS / f"rails/{rail}.toml").inclined(1.0 / inclination)
-        self.origin = (0.7175 - profile.gauge_point()[0], -profile.top[1])
-
-        def stand(normal: str, strips: int) -> PoseSolver:
-            settings = ContactSettings(normal=normal, strips=strips, tangential="none", damping=0.0)  # type: ignore[arg-type]
-            model = contact_model(load_profile(MODELS / f"wheels/{wheel}.toml"), profile, RADIUS, settings, 0.3)
-            return PoseSolver([WheelOnRail(model, 1, 0.75, self.origin)], False, RADIUS)
-
-        self.strips, self.screen = stand("strips", strips), stand("kik-piotrowski", 40)
+        plain = {"tangential": "none", "damping": 0.0}
+        self.strips = stand(pair, ContactSettings(normal="strips", strips=strips, **plain))  # type: ignore[arg-type]
+        self.screen = stand(pair, ContactSettings(normal="kik-piotrowski", strips=40, **plain))  # type: ignore[arg-type]
         self.arrays = self.strips.wheels[0].model.arrays
 
     def touching(self, lateral: float, yaw: float) -> float | None:
