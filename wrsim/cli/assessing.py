@@ -80,18 +80,13 @@ def print_assessment(found: Assessment) -> None:
 
 
 def _cells(row: ZoneValue, first: bool, letter: str) -> list[str]:
-    worst = row.worst
+    worst, cells = row.worst, row.cells()
     shown = worst.quantity.shown
-    limit = worst.limit
     return [
         worst.quantity.symbol if first else "",
         shown.symbol if first and shown.symbol != "1" else "",
         f"{worst.section.zone} ({row.sections})",
-        f"{worst.value * shown.factor:z.4g}",
-        "" if row.estimate is None else f"{row.estimate * shown.factor:z.4g}",
-        "" if limit is None else f"{limit.value * shown.factor:.4g}",
-        "" if worst.margin is None else f"{100.0 * worst.margin:.0f} %",
-        "" if row.passed is None else "ok" if row.passed else "EXCEEDED",
+        *(cells[key] for key in ("worst", "estimate", "limit", "margin", "verdict")),
         letter,
-        f"section {worst.section.number}" + (f", {worst.place}" if worst.place else ""),
+        cells["worst in"],
     ]

@@ -1,5 +1,4 @@
-"""The commands: check, run, show, plot, profile; assess, compare, resolve, track, conicity and vehicle are in files
-of their own.
+"""The commands: check, run, show, plot, profile; every other one is in a file of its own.
 
 They import what they need when they run, so that ``wrsim --help`` answers at once.
 """
@@ -18,6 +17,7 @@ from wrsim.cli.compare import compare
 from wrsim.cli.conicity import conicity
 from wrsim.cli.ending import INTERRUPTED, any_output, exit_code, reporting_errors, usage_as_json
 from wrsim.cli.options import BesideResult, Force, Json, Models, beside, check_ending
+from wrsim.cli.report import report
 from wrsim.cli.resolve import resolve
 from wrsim.cli.riding import ride
 from wrsim.cli.showing import (
@@ -274,6 +274,7 @@ def profile(
 
 app.command()(assess)
 app.command()(compare)
+app.command()(report)
 app.command()(resolve)
 app.command()(conicity)
 app.command()(ride)

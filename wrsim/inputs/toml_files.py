@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import re
 import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -40,12 +44,29 @@ def read_text(path: Path, what: str = "file") -> str:
 def read_bytes(path: Path, what: str) -> bytes:
     """Return the content of a file; raise InputError, with what it is, for a missing one or one that cannot be read."""
     try:
-        return path.read_bytes()
+        content = path.read_bytes()
     except FileNotFoundError:
         raise InputError(f"{path}: no such {what}{similar_files(path)}") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{path}: cannot read this {what}: {reason}") from None
+    if (read := _READ.get()) is not None:
+        read[path] = hashlib.sha256(content).hexdigest()
+    return content
+
+
+_READ: ContextVar[dict[Path, str] | None] = ContextVar("_READ", default=None)
+
+
+@contextmanager
+def noting_reads() -> Iterator[dict[Path, str]]:
+    """While this lasts, every file that is read is noted with the SHA-256 of its content."""
+    noted: dict[Path, str] = {}
+    before = _READ.set(noted)
+    try:
+        yield noted
+    finally:
+        _READ.reset(before)
 
 
 def parse_toml(text: str, name: str) -> dict[str, Any]:

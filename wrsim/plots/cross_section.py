@@ -76,7 +76,7 @@ def patch_on_section(
     largest pressure of the scale is ``fan`` mm long.
     """
     for run in touching_runs(select(dataset, where)):
-        curve, normal, p = _curve(run)
+        curve, normal, p = pressed_curve(run)
         band = np.stack((curve - 0.5 * thickness * normal, curve + 0.5 * thickness * normal))
         look: Any = {"shading": "gouraud", "cmap": pressure_map(), "norm": scale, "zorder": 3.0, "gid": "patch"}
         axes.pcolormesh(band[..., 0], band[..., 1], np.tile(p, (2, 1)), **look)
@@ -91,7 +91,7 @@ def patch_on_section(
     return axes
 
 
-def _curve(strips: xr.Dataset) -> tuple[Array, Array, Array]:
+def pressed_curve(strips: xr.Dataset) -> tuple[Array, Array, Array]:
     """Points (n, 2) along an island from edge to edge in mm, normals (n, 2) and pressures (n,) in MPa.
 
     Towards an edge the pressure falls with the square root of the distance, as in ``patches``.

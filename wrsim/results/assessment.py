@@ -129,6 +129,27 @@ class ZoneValue:
             return None
         return bool(self.worst.passed) and (self.estimate is None or self.estimate <= limit.value)
 
+    @property
+    def margin(self) -> float | None:
+        """What is left to the limit, of the worst section or of the estimated maximum, as a part of it."""
+        worst, limit = self.worst.margin, self.worst.limit
+        if worst is None or limit is None or self.estimate is None:
+            return worst
+        return min(worst, 1.0 - self.estimate / limit.value)
+
+    def cells(self) -> dict[str, str]:
+        """What tables say, in the unit for readers; empty texts where there is nothing to say."""
+        worst, limit = self.worst, self.worst.limit
+        factor = worst.quantity.shown.factor
+        return {
+            "worst": f"{worst.value * factor:z.4g}",
+            "estimate": "" if self.estimate is None else f"{self.estimate * factor:z.4g}",
+            "limit": "" if limit is None else f"{limit.value * factor:.4g}",
+            "margin": "" if worst.margin is None else f"{100.0 * worst.margin:.0f} %",
+            "verdict": "" if self.passed is None else "ok" if self.passed else "EXCEEDED",
+            "worst in": f"section {worst.section.number}" + (f", {worst.place}" if worst.place else ""),
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class Assessment:
@@ -149,6 +170,11 @@ class Assessment:
     def passed(self) -> bool:
         """True when no value and no estimated maximum is beyond its limit."""
         return all(row.passed is not False for row in self.zones())
+
+    def tightest(self) -> ZoneValue | None:
+        """Where least is left to a limit; None where there are no limits."""
+        limited = [row for row in self.zones() if row.margin is not None]
+        return min(limited, key=lambda row: row.margin or 0.0, default=None)
 
     def of(self, key: str) -> list[Value]:
         """Values of one quantity."""

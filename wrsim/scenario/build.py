@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -15,6 +17,7 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.track import Track
+from wrsim.inputs.toml_files import noting_reads, read_bytes
 from wrsim.register import ANALYSES, resolved
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
@@ -33,7 +36,7 @@ class Setup(Generic[P]):
 
     drive: what holds the vehicle's speed; rails: inclined profiles of the left and right rail; conical: wheels that
     take the place of profiles and contact models; plan: what the analysis has to do, made by its own table of the
-    scenario; files: the model files that were read.
+    scenario; files: the model files that were read; inputs: SHA-256 of every file that was read, by its name.
     """
 
     title: str
@@ -47,6 +50,7 @@ class Setup(Generic[P]):
     plan: P
     text: str
     files: tuple[Path, ...]
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def wheelset(self) -> Wheelset:
@@ -57,7 +61,13 @@ class Setup(Generic[P]):
         """What every result says of itself; stop_reason: why the analysis did not reach its end, if so."""
         status = "stopped" if stop_reason else "completed"
         more = {"stop_reason": stop_reason} if stop_reason else {}
-        return {"title": self.title, "analysis": self.analysis, "status": status, "scenario_text": self.text, **more}
+        own: dict[str, str | float | int] = {
+            "title": self.title,
+            "analysis": self.analysis,
+            "status": status,
+            "scenario_text": self.text,
+        }
+        return own | {"inputs": json.dumps(dict(self.inputs))} | more
 
 
 def build(scenario: Scenario) -> Setup[Any]:
@@ -66,6 +76,15 @@ def build(scenario: Scenario) -> Setup[Any]:
     Raises InputError when a model file is missing or faulty, when the track has no unique shape, when a run
     leaves the track, and when the wheelset does not stand on the rails.
     """
+    with noting_reads() as read:
+        setup = _put_together(scenario)
+        for file in scenario.files:
+            read_bytes(file, "scenario file")
+    return replace(setup, inputs={_named(scenario, file): digest for file, digest in read.items()})
+
+
+def _put_together(scenario: Scenario) -> Setup[Any]:
+    """What ``build`` does; it notes what is read."""
     spec, analysis = scenario.spec, ANALYSES[scenario.analysis]
     files: list[Path] = []
     vehicle = vehicle_of(scenario, files)
@@ -103,6 +122,14 @@ def build(scenario: Scenario) -> Setup[Any]:
         text=scenario.text,
         files=tuple(dict.fromkeys((*files, *getattr(plan, "files", ())))),
     )
+
+
+def _named(scenario: Scenario, file: Path) -> str:
+    """A file's name as a reader of the result can use it: from the folder in which models are looked up."""
+    whole = file.resolve()
+    folders = [folder.resolve() for folder in scenario.directories]
+    within = [whole.relative_to(folder).as_posix() for folder in folders if whole.is_relative_to(folder)]
+    return min(within, key=len, default=file.name)
 
 
 def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:

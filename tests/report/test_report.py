@@ -1,0 +1,248 @@
+"""The report: what stands in it, that it needs nothing else, and what it does in a browser."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from markupsafe import escape
+from support.browser import Browser
+from support.synthetic_result import curve_run, static_poses
+from typer.testing import CliRunner
+
+from wrsim.cli import app
+from wrsim.inputs.lookup import shipped_models
+from wrsim.report import report_page
+from wrsim.report.envelope import envelope, pieces_of
+from wrsim.report.page import rerun
+from wrsim.report.svg import element, path
+from wrsim.results import Result
+from wrsim.results.wheelsets import wheelsets
+
+EVIL = "</script><script>window.evil = 1</script><img src=x onerror='window.evil=1'>\"'&{{ 7*7 }}"
+
+
+def page_of(*results: Result, sources: tuple[str, ...] = ()) -> str:
+    names = sources or tuple(f"run{i}" for i in range(len(results)))
+    return report_page(results, names, commands=[rerun(r, n) for r, n in zip(results, names, strict=True)])
+
+
+@pytest.fixture(scope="module")
+def curve() -> Result:
+    return Result(curve_run())
+
+
+@pytest.fixture(scope="module")
+def page(coach: Result) -> str:
+    return page_of(coach)
+
+
+class Structure(HTMLParser):
+    """Ids, links, tables without heads, drawings without words."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.ids: list[str] = []
+        self.links: list[str] = []
+        self.mute: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        own = dict(attrs)
+        self.ids += [own["id"] or ""] if "id" in own else []
+        self.links += [own["href"] or ""] if "href" in own else []
+        if tag == "img" and not own.get("alt"):
+            self.mute.append(self.get_starttag_text() or "")
+        if tag == "svg" and own.get("role") == "img" and not own.get("aria-label"):
+            self.mute.append(self.get_starttag_text() or "")
+
+
+# --- envelopes ----------------------------------------------------------------------------------------------
+
+
+@given(st.integers(1, 3000), st.integers(0, 2**32 - 1))
+def test_no_peak_is_lost(samples: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    places = np.sort(rng.uniform(-3.0, 500.0, samples))
+    values = rng.normal(size=samples)
+    found = envelope(places, values, pieces_of([places]))
+    assert np.nanmin(found) == values.min() and np.nanmax(found) == values.max()
+
+
+def test_every_piece_holds_its_least_and_its_largest_value() -> None:
+    places = np.linspace(0.0, 100.0, 5001)
+    values = np.sin(places) + np.where(np.arange(5001) == 2718, 40.0, 0.0)
+    pieces = pieces_of([places])
+    found = envelope(places, values, pieces).reshape(-1, 2)
+    for low, high, both in zip(pieces[:-1], pieces[1:], found, strict=True):
+        inside = values[(places >= low) & ((places < high) | (high == pieces[-1]))]
+        assert sorted(both) == [inside.min(), inside.max()]
+
+
+def test_where_a_curve_has_no_values_none_are_drawn() -> None:
+    places = np.linspace(0.0, 10.0, 101)
+    values = np.where((places > 4.0) & (places < 6.0), np.nan, 1.0)
+    pieces = pieces_of([places, np.linspace(0.0, 20.0, 101)])
+    found = envelope(places, values, pieces).reshape(-1, 2)[:, 0]
+    middles = 0.5 * (pieces[:-1] + pieces[1:])
+    assert np.isnan(found[(middles > 4.3) & (middles < 5.7)]).all()
+    assert np.isnan(found[middles > 10.5]).all() and np.isfinite(found[middles < 3.7]).all()
+
+
+@given(st.integers(2, 60), st.integers(0, 2**32 - 1))
+def test_a_drawn_line_passes_all_its_points(count: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    x, y = np.sort(rng.uniform(0.0, 900.0, count)), rng.uniform(0.0, 200.0, count)
+    drawn = np.array(re.findall(r"[-\d.]+", path(x, y)), dtype=float).reshape(-1, 2)
+    start, along = drawn[:-1], np.diff(drawn, axis=0)
+    for point in np.column_stack((x, y)):
+        share = ((point - start) * along).sum(1) / np.maximum((along**2).sum(1), 1e-12)
+        nearest = start + np.clip(share, 0.0, 1.0)[:, None] * along
+        # as far as a point left out may lie beside its line, and half of the last digit both ways
+        assert np.hypot(*(point - nearest).T).min() <= 0.15 + 0.05 * np.sqrt(2.0) + 1e-9
+
+
+# --- what stands in it --------------------------------------------------------------------------------------
+
+
+def test_a_report_says_who_it_is_and_how_it_went(page: str, coach: Result) -> None:
+    assert f"<h1>{coach.title}</h1>" in page
+    assert re.search(r'class="verdict (good|bad)">[^<]*worst margin -?\d+ %', page)
+    for section in ("identity", "assessment", "track", "histories", "wheelsets", "contacts", "again"):
+        assert f'<section id="{section}"' in page
+    assert "wrsim run scenario.toml" in page and escape(coach.dataset.attrs["scenario_text"]) in page
+    for name, digest in json.loads(coach.dataset.attrs["inputs"]).items():
+        assert name in page and digest in page
+
+
+def test_a_result_knows_the_bytes_of_the_files_it_came_from(coach: Result) -> None:
+    found = json.loads(coach.dataset.attrs["inputs"])
+    wheel = shipped_models() / "wheels/S1002.toml"
+    assert found["wheels/S1002.toml"] == hashlib.sha256(wheel.read_bytes()).hexdigest()
+    assert {"manchester_r300.toml", "vehicles/manchester_1.toml", "rails/60E1.toml"} <= set(found)
+
+
+def test_the_verdict_names_the_tightest_limit(coach: Result) -> None:
+    from wrsim.analysis.assessment import assess
+    from wrsim.report.facts import verdict
+
+    found = assess(coach)
+    margins = [v.margin for v in found.values if v.margin is not None]
+    assert f"worst margin {100 * min(margins):.0f} %" in verdict(coach, found, "").words
+
+
+def test_a_stopped_run_says_so_first() -> None:
+    result = Result(curve_run(stopped=True))
+    text = page_of(result)
+    assert re.search(r'class="verdict bad">Stopped early: derailment', text)
+    assert "stopped: derailment" in text[text.index('id="events"') :]
+
+
+def test_nothing_comes_from_elsewhere(page: str) -> None:
+    for address in re.findall(r"""(?:src|href|action|data|poster)\s*=\s*["']([^"']*)""", page):
+        assert address.startswith(("#", "data:")), address
+    assert not re.findall(r"url\((?!['\"]?(?:data:|#))|@import", page)
+    addresses = set(re.findall(r"https?://[^\s\"'<>)]+", page))
+    assert not {a for a in addresses if "www.w3.org" not in a}
+    assert "default-src 'none'" in page
+
+
+def test_every_drawing_has_words_and_every_link_a_place(page: str) -> None:
+    found = Structure(page)
+    assert not found.mute
+    assert len(found.ids) == len(set(found.ids))
+    assert {link[1:] for link in found.links} <= set(found.ids)
+    assert '<html lang="en">' in page
+
+
+def test_texts_of_users_are_escaped(curve: Result) -> None:
+    attributes = {"title": EVIL, "scenario_text": f"# {EVIL}", "inputs": '{"<b>x</b>": "00"}'}
+    evil = replace(curve, dataset=curve.dataset.assign_attrs(attributes))
+    text = page_of(evil, evil, sources=(f"{EVIL}/a", "b"))
+    assert "<script>window.evil" not in text and "<img src=x" not in text and "<b>x</b>" not in text
+    assert "{{ 7*7 }}" in text and "49" not in text[text.index("<h1>") : text.index("</h1>")]
+    drawn = str(element("text", EVIL, x='"><script>'))
+    assert "<script" not in drawn
+
+
+def test_results_of_other_analyses_have_reports_too() -> None:
+    text = page_of(Result(static_poses()))
+    assert 'id="pictures"' in text and 'id="contacts"' in text
+    assert text.count("data:image/svg+xml;base64") == 1
+
+
+def test_two_results_stand_beside_each_other() -> None:
+    text = page_of(Result(curve_run()), Result(curve_run(radius=-300.0)), sources=("a/result.nc", "b"))
+    assert text.count('class="verdict') == 2
+    assert ">A a<" in text and ">B b<" in text
+    assert "A a, left" in text and "B b, left" in text
+
+
+def test_the_bundles_can_stand_in_a_page() -> None:
+    folder = Path(__file__).parents[2] / "wrsim/report/bundle"
+    for file in folder.glob("*.js"):
+        assert "</script" not in file.read_text(), file
+    assert "MIT" in (folder / "licences.txt").read_text()
+
+
+# --- the command --------------------------------------------------------------------------------------------
+
+
+def test_the_command_writes_beside_the_result_and_over_nothing_of_the_users(tmp_path: Path, curve: Result) -> None:
+    curve.save(tmp_path / "run" / "result.nc")
+    runner = CliRunner()
+    assert runner.invoke(app, ["report", str(tmp_path / "run")]).exit_code == 0
+    assert runner.invoke(app, ["report", str(tmp_path / "run")]).exit_code == 0
+    written = tmp_path / "run" / "report.html"
+    written.write_text("mine")
+    refused = runner.invoke(app, ["report", str(tmp_path / "run")])
+    assert refused.exit_code == 2 and written.read_text() == "mine"
+    assert runner.invoke(app, ["report", str(tmp_path / "run"), "-o", str(tmp_path / "x.pdf")]).exit_code == 2
+
+
+# --- in a browser -------------------------------------------------------------------------------------------
+
+
+def test_the_charts_answer_with_the_envelope_of_the_dataset(
+    chromium: Browser, page: str, coach: Result, tmp_path: Path
+) -> None:
+    file = tmp_path / "report.html"
+    file.write_text(page)
+    chromium.open(file)
+    for s in (5.0, 31.7, 52.0, 64.0):
+        found = chromium.run(f"return wrsim.seek({s})")
+        assert found["from"] <= s <= found["to"] + 1e-9
+        for name in wheelsets(coach.dataset):
+            own = coach.wheelset(name)
+            inside = (own["distance"] >= found["from"]) & (own["distance"] < found["to"])
+            if not inside.any():  # a value between two samples
+                continue
+            for key, factor in (("Y", 1e-3), ("Q", 1e-3), ("lateral_shift", 1e3), ("yaw", 1e3)):
+                lines = [line for line in found["values"][key] if line["part"] == name]
+                values = own[key].values[inside.values].reshape(int(inside.sum()), -1) * factor
+                for line, of in zip(lines, values.T, strict=True):
+                    assert line["low"] == pytest.approx(of.min(), rel=1e-4, abs=1e-6)
+                    assert line["high"] == pytest.approx(of.max(), rel=1e-4, abs=1e-6)
+    assert chromium.run("return document.querySelectorAll('.uplot canvas').length") >= 6
+    assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
+    chromium.run("document.querySelector('.uplot').scrollIntoView()")
+    assert chromium.colours(".uplot") > 4
+    assert chromium.complaints() == []
+
+
+def test_texts_of_users_run_nothing(chromium: Browser, curve: Result, tmp_path: Path) -> None:
+    evil = replace(curve, dataset=curve.dataset.assign_attrs(title=EVIL, scenario_text=EVIL))
+    file = tmp_path / "report.html"
+    file.write_text(page_of(evil, evil, sources=(EVIL, EVIL)))
+    chromium.open(file, width=500)
+    assert chromium.run("return window.evil === undefined && wrsim.data.charts.length > 0")
+    assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
+    assert chromium.complaints() == []

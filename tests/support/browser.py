@@ -1,0 +1,69 @@
+"""A headless Chromium for pages, without network."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+FLAGS = (
+    "--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+)  # fmt: skip
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+
+
+class Browser:
+    """Opens pages from disk and says what happened in them."""
+
+    def __init__(self, driver: Any) -> None:
+        self.driver = driver
+
+    def open(self, page: Path, width: int = 1280, height: int = 900) -> None:
+        """Open a page at that size; messages of pages before are forgotten."""
+        self.driver.set_window_size(width, height)
+        self.driver.get_log("browser")
+        self.driver.get(page.resolve().as_uri())
+
+    def run(self, script: str) -> Any:
+        """What a piece of JavaScript returns; one that returns a promise is waited for."""
+        return self.driver.execute_script(script)
+
+    def complaints(self) -> list[str]:
+        """Messages in the console since the page was opened."""
+        return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] != "INFO"]
+
+    def colours(self, selector: str = "") -> int:
+        """How many colours are seen in the window or in one element."""
+        import io
+
+        from matplotlib.image import imread
+
+        seen = self.driver.find_element("css selector", selector) if selector else None
+        content = seen.screenshot_as_png if seen is not None else self.driver.get_screenshot_as_png()
+        picture = (255.0 * imread(io.BytesIO(content))[..., :3]).astype(int)
+        return len({tuple(c) for c in picture[::2, ::2].reshape(-1, 3).tolist()})
+
+
+@contextmanager
+def browser() -> Iterator[Browser]:
+    """A browser; the test is skipped where there is none."""
+    webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed")
+    program, driver = next(filter(None, map(shutil.which, NAMES)), None), shutil.which("chromedriver")
+    if program is None or driver is None:
+        pytest.skip("no Chromium with its driver here: apt-get install chromium chromium-driver")
+    options = webdriver.ChromeOptions()
+    options.binary_location = program
+    for flag in FLAGS:
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    opened = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+    try:
+        opened.set_network_conditions(offline=True, latency=0, throughput=1)
+        yield Browser(opened)
+    finally:
+        opened.quit()

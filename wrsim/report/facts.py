@@ -1,0 +1,331 @@
+"""What a report says of its results in words and numbers: identity, verdict, tables. Nothing is drawn here."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from wrsim.errors import InputError
+from wrsim.plots.moments import snapshot_letter
+from wrsim.results import CHANNELS, Result
+from wrsim.results.assessment import Assessment, ZoneValue
+from wrsim.results.ride import AXES, Ride
+
+GOOD, BAD, OPEN = "good", "bad", "open"
+"""States of a verdict: within all limits; beyond one, or stopped; nothing to say."""
+
+PEAKS = {
+    "Y_max_kN": ("Y, largest", "kN"),
+    "Q_max_kN": ("Q, largest", "kN"),
+    "Q_min_kN": ("Q, least", "kN"),
+    "Y_over_Q_max": ("Y/Q, largest", ""),
+    "T_gamma_max_N": ("wear number Tγ", "N"),
+    "N_max_kN": ("normal force of a patch", "kN"),
+    "p0_max_MPa": ("pressure p₀", "MPa"),
+    "contact_angle_max_deg": ("contact angle", "°"),
+    "contact_angle_variation_max_deg": ("turn of the normal in a patch", "°"),
+}
+"""Words and units of the peaks of a wheel in a summary."""
+
+OF_WHEELSET = {
+    "lateral_shift_max_mm": ("lateral shift, largest", "mm"),
+    "angle_of_attack_max_mrad": ("angle of attack, largest", "mrad"),
+    "guide_force_y_max_kN": ("lateral guide force, largest", "kN"),
+}
+IN_CURVES = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
+"""Channels whose medians in full curves stand on the cards."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One line: state and words."""
+
+    state: str
+    words: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table: heads, rows; the first cell of a row heads it. title: words above it; ends: first rows of groups."""
+
+    title: str
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def assessed(result: Result) -> tuple[Assessment | None, str]:
+    """The assessment of a run, or why there is none."""
+    from wrsim.analysis.assessment import assess
+
+    try:
+        return assess(result), ""
+    except InputError as problem:
+        return None, str(problem)
+
+
+def ridden(result: Result) -> tuple[Ride | None, str]:
+    """The ride of a run with points, or why there is none; no words where nobody expects one."""
+    from wrsim.analysis.ride import evaluate_ride
+
+    if "point" not in result.dataset.dims or "time" not in result.dataset.dims:
+        return None, ""
+    try:
+        return evaluate_ride(result), ""
+    except InputError as problem:
+        return None, str(problem)
+
+
+def verdict(result: Result, found: Assessment | None, why: str) -> Verdict:
+    """Within all limits or not, with the worst margin; how the analysis ended, if early."""
+    stop = f"Stopped early: {result.stop_reason}. " if result.status == "stopped" else ""
+    if found is None:
+        if "time" not in result.dataset.dims:
+            words = "Completed." if not stop else ""
+            return Verdict(BAD if stop else OPEN, stop + words)
+        return Verdict(BAD if stop else OPEN, f"{stop}Not assessed: {why}.")
+    worst = found.tightest()
+    if worst is None:
+        return Verdict(BAD if stop else OPEN, f"{stop}No limit applies to anything that was assessed.")
+    words = "Every assessed quantity is within its limit" if found.passed else "A limit is exceeded"
+    state = GOOD if found.passed and not stop else BAD
+    return Verdict(state, f"{stop}{words}; {_tightest(worst)}.")
+
+
+def _tightest(row: ZoneValue) -> str:
+    """The worst margin in words."""
+    value, limit = row.worst, row.worst.limit
+    shown, margin = value.quantity.shown, row.margin
+    unit = "" if shown.symbol == "1" else f" {shown.symbol}"
+    at_most = f"{limit.value * shown.factor:.4g}{unit}" if limit else ""
+    number, kind = value.value, ""
+    if margin is not None and value.margin is not None and margin < value.margin and row.estimate is not None:
+        number, kind = row.estimate, ", estimated maximum"
+    place = f"{value.section.label}, section {value.section.number}" + (f", {value.place}" if value.place else "")
+    return (
+        f"worst margin {100.0 * (margin or 0.0):.0f} %: {value.quantity.symbol} = {number * shown.factor:.4g}{unit}"
+        f"{kind} of {at_most} ({value.quantity.words}; {place})"
+    )
+
+
+def identity(results: Sequence[Result], sources: Sequence[str]) -> list[tuple[str, list[str]]]:
+    """Rows of the table of who is who: a name, and a text for every result."""
+    rows = [
+        ("title", [r.title for r in results]),
+        ("file", list(sources)),
+        ("analysis", [r.analysis for r in results]),
+        ("status", [_status(r) for r in results]),
+        ("extent", [_extent(r) for r in results]),
+        ("vehicle", [_named_in(r, "vehicle", "model") for r in results]),
+        ("contact", [_contact(r) for r in results]),
+        ("integration", [_integration(r) for r in results]),
+    ]
+    versions = sorted({k for r in results for k in r.dataset.attrs if k.endswith("_version") and k != "format_version"})
+    ordered = sorted(versions, key=lambda k: not k.startswith("wrsim"))
+    rows += [(k.removesuffix("_version"), [str(r.dataset.attrs.get(k, "")) for r in results]) for k in ordered]
+    return [(name, values) for name, values in rows if any(values)]
+
+
+def inputs(result: Result) -> list[tuple[str, str]]:
+    """Files that the result was computed from, each with its SHA-256; none for a result of an older wrsim."""
+    try:
+        found = json.loads(str(result.dataset.attrs.get("inputs", "{}")))
+    except ValueError:
+        return []
+    return [(str(name), str(digest)) for name, digest in found.items()] if isinstance(found, dict) else []
+
+
+def _scenario(result: Result) -> dict[str, Any]:
+    import tomllib
+
+    try:
+        return tomllib.loads(str(result.dataset.attrs.get("scenario_text", "")))
+    except tomllib.TOMLDecodeError:
+        return {}
+
+
+def _named_in(result: Result, table: str, key: str) -> str:
+    found = _scenario(result).get(table, {})
+    text = str(found.get(key, "")) if isinstance(found, dict) else ""
+    speed = found.get("speed_kmh") if isinstance(found, dict) else None
+    return text + (f", {speed:g} km/h" if text and isinstance(speed, int | float) else "")
+
+
+def _contact(result: Result) -> str:
+    attributes = result.dataset.attrs
+    if "resolved_with" in attributes:
+        return f"solved again with {attributes['resolved_with']}"
+    found = _scenario(result).get("contact", {})
+    if not isinstance(found, dict):
+        return ""
+    return ", ".join(f"{k} = {v}" for k, v in found.items() if k in ("normal", "tangential", "friction"))
+
+
+def _status(result: Result) -> str:
+    return result.status + (f": {result.stop_reason}" if result.stop_reason else "")
+
+
+def _extent(result: Result) -> str:
+    dataset = result.dataset
+    if "time" in dataset.dims and dataset.sizes["time"]:
+        time = float(dataset["time"].values[-1])
+        words = f"{dataset.sizes['time']} samples over {time:.4g} s"
+        if "distance" in dataset.coords:
+            way = dataset["distance"].values
+            words += f", {float(way[0]):z.1f} to {float(way[-1]):.1f} m"
+        return words
+    return f"{dataset.sizes['pose']} poses" if "pose" in dataset.dims else ""
+
+
+def _integration(result: Result) -> str:
+    attributes = result.dataset.attrs
+    if "integrator" not in attributes:
+        return ""
+    return f"{attributes['integrator']}, steps of {1e3 * float(attributes['step_s']):.4g} ms"
+
+
+def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, Any]], dict[str, str]]:
+    """Rows by quantity and class of track, with cells of every assessment that has them; sources of limits by letter.
+
+    first: how many rows the quantity has, in the first of them, and 0 in the others.
+    """
+    keys: dict[tuple[str, str], dict[str, Any]] = {}
+    letters: dict[str, str] = {}
+    for i, each in enumerate(found):
+        for row in each.zones() if each is not None else ():
+            quantity, zone = row.worst.quantity, row.worst.section.zone
+            own = keys.setdefault(
+                (quantity.key, zone),
+                {
+                    "key": quantity.key,
+                    "symbol": quantity.symbol,
+                    "words": quantity.words,
+                    "unit": "" if quantity.shown.symbol == "1" else quantity.shown.symbol,
+                    "zone": zone,
+                    "cells": [None] * len(found),
+                },
+            )
+            limit = row.worst.limit
+            letter = ""
+            if limit is not None:
+                letter = letters.setdefault(f"{limit.source} [{limit.mark}]", snapshot_letter(len(letters)))
+            own["cells"][i] = {**row.cells(), "sections": row.sections, "passed": row.passed, "letter": letter}
+    order = {key: i for i, key in enumerate(dict.fromkeys(key for key, _ in keys))}
+    rows = sorted(keys.values(), key=lambda row: order[row["key"]])
+    counts = Counter(row["key"] for row in rows)
+    for line in rows:
+        line["first"] = counts.pop(line["key"], 0)
+    return rows, {letter: source for source, letter in letters.items()}
+
+
+def limits_of(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str, float]]]:
+    """Limits to draw across histories: of the track shifting force both ways, of Y/Q."""
+    lines: dict[str, set[float]] = {"sum_Y": set(), "Y_over_Q": set(), "Q": set()}
+    for each in found:
+        for value in each.values if each is not None else ():
+            if value.limit is not None and value.quantity.key in lines:
+                lines[value.quantity.key].add(round(value.limit.value * value.quantity.shown.factor, 3))
+    drawn: dict[str, list[tuple[str, float]]] = {}
+    for key, values in lines.items():
+        drawn[key] = [(f"limit {v:g}", v) for v in sorted(values)]
+        if key == "sum_Y":
+            drawn[key] += [(f"limit {-v:g}", -v) for v in sorted(values)]
+    return drawn
+
+
+def cards(results: Sequence[Result], names: Sequence[str]) -> list[tuple[str, list[Table]]]:
+    """For every wheelset a card: its name, a table of peaks, a table of full curves."""
+    summaries = [r.summary() for r in results]
+    sets = list(dict.fromkeys(name for s in summaries for name in s.get("wheelsets", {})))
+    return [(name, _card([s.get("wheelsets", {}).get(name) for s in summaries], names)) for name in sets]
+
+
+def _card(of: Sequence[dict[str, Any] | None], names: Sequence[str]) -> list[Table]:
+    """Peaks, and full curves one by one."""
+    several = len(of) > 1
+    heads = [""]
+    for own, name in zip(of, names, strict=True):
+        wheels = list(own["wheels"]) if own else ["left", "right"]
+        heads += [f"{name}: {wheel}" if several else wheel for wheel in wheels]
+    rows = []
+    for key, (words, unit) in PEAKS.items():
+        cells = []
+        for own in of:
+            wheels = list(own["wheels"]) if own else ["left", "right"]
+            cells += [_peak(own["wheels"][w].get(key) if own else None) for w in wheels]
+        if any(cells):
+            rows.append((f"{words} [{unit}]" if unit else words, *cells))
+    tables = [Table("Peaks", tuple(heads), tuple(rows))]
+    rows = []
+    for key, (words, unit) in OF_WHEELSET.items():
+        cells = [_peak(own.get(key) if own else None) for own in of]
+        if any(cells):
+            rows.append((f"{words} [{unit}]", *cells))
+    if rows:
+        tables.append(Table("Wheelset", ("", *(names if several else ("",))), tuple(rows)))
+    for own, name in zip(of, names, strict=True):
+        for curve in own.get("full_curves", []) if own else []:
+            tables.append(_curve(curve, name if several else ""))
+    return tables
+
+
+def _peak(found: dict[str, Any] | None) -> str:
+    if not found or found.get("value") is None:
+        return ""
+    place = f"{found['distance_m']:.1f} m" if "distance_m" in found else str(found.get("pose", ""))
+    return f"{found['value']:.4g} at {place}" if place else f"{found['value']:.4g}"
+
+
+def _curve(curve: dict[str, Any], name: str) -> Table:
+    """Medians in one full curve."""
+    hand = "left" if curve["radius_m"] > 0.0 else "right"
+    cant = f", cant {curve['cant_mm']:.0f} mm" if "cant_mm" in curve else ""
+    title = f"Medians, R {abs(curve['radius_m']):.0f} m {hand}{cant}, {curve['from_m']:.0f} to {curve['to_m']:.0f} m"
+    rows: list[tuple[str, ...]] = []
+    for key in IN_CURVES:
+        channel = CHANNELS[key]
+        unit = "" if channel.shown.symbol == "1" else f" [{channel.shown.symbol}]"
+        both = [curve.get(w, {}).get(channel.column) for w in ("left", "right")]
+        if channel.column in curve:
+            rows.append((channel.long_name + unit, _number(curve[channel.column]), ""))
+        elif any(v is not None for v in both):
+            rows.append((channel.long_name + unit, *map(_number, both)))
+    return Table(f"{name}: {title}" if name else title, ("", "left", "right"), tuple(rows))
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None or not np.isfinite(value) else f"{value:z.4g}"
+
+
+def ride_table(found: Sequence[Ride | None], names: Sequence[str]) -> Table | None:
+    """Rows by point and axis: rms, peak, weighted rms, comfort."""
+    rows = []
+    for ride, name in zip(found, names, strict=True):
+        for point, of in ride.as_dict()["points"].items() if ride else ():
+            for axis in AXES:
+                values = [of[key][axis] for key in ("rms_m_s2", "peak_m_s2", "weighted_rms_m_s2", "comfort_95_m_s2")]
+                label = f"{name}: {point}" if len(names) > 1 else point
+                mean = _number(of["N_MV"]) if axis == AXES[0] else ""
+                rows.append((f"{label}, {axis}", *(_number(v) for v in values), mean))
+    heads = ("point, axis", "rms [m/s²]", "peak [m/s²]", "weighted rms [m/s²]", "95 % of 5 s [m/s²]", "N_MV")
+    return Table("", heads, tuple(rows)) if rows else None
+
+
+def events(results: Sequence[Result], names: Sequence[str]) -> Table | None:
+    """What happened on the way, and where a run stopped."""
+    rows = []
+    for result, name in zip(results, names, strict=True):
+        dataset = result.dataset
+        who = (name,) if len(names) > 1 else ()
+        if "event" in dataset.dims:
+            columns = (dataset[f"event_{key}"].values for key in ("distance", "time", "label"))
+            rows += [(f"{s:.1f} m", f"{t:.3f} s", str(w), *who) for s, t, w in zip(*columns, strict=True)]
+        if result.status == "stopped" and "stop_distance_m" in dataset.attrs:
+            s, t = (float(dataset.attrs[f"stop_{key}"]) for key in ("distance_m", "time_s"))
+            rows.append((f"{s:.1f} m", f"{t:.3f} s", f"stopped: {result.stop_reason}", *who))
+    heads = ("place", "time", "what happened", *(("result",) if len(names) > 1 else ()))
+    return Table("", heads, tuple(rows)) if rows else None

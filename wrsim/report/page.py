@@ -1,0 +1,167 @@
+"""The report of one result or several: one page that needs nothing else."""
+
+from __future__ import annotations
+
+import base64
+import io
+import shlex
+from collections.abc import Sequence
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+import jinja2
+import matplotlib as mpl
+from markupsafe import Markup
+
+from wrsim import __version__
+from wrsim.errors import InputError
+from wrsim.plots.pictures import standard_figures
+from wrsim.plots.style import style
+from wrsim.report import facts
+from wrsim.report.bands import bands_drawing
+from wrsim.report.charts import Charts, charts_of, drawing
+from wrsim.report.contacts import kept_contacts, pressure_key
+from wrsim.report.strip import track_strip
+from wrsim.results import Result
+
+MOST_RESULTS = 8
+"""Results in one report: more have no colours of their own."""
+
+OWN_DRAWINGS = ("patches", "sections")
+"""Standard pictures in whose place the report has drawings of its own."""
+
+
+def report_page(
+    results: Sequence[Result], sources: Sequence[str], *, commands: Sequence[str] = (), viewer: str = ""
+) -> str:
+    """The report as HTML.
+
+    sources: where the results were read from; commands: how each is made again; viewer: the page of the viewer, to be
+    had inside. Raises InputError for more results than a page can tell apart.
+    """
+    if len(results) > MOST_RESULTS:
+        raise InputError(
+            f"a report takes at most {MOST_RESULTS} results, not {len(results)}: wrsim study compares more"
+        )
+    names = _names(sources)
+    both = [facts.assessed(r) for r in results]
+    found = [assessment for assessment, _ in both]
+    charts = charts_of([r.dataset for r in results], names, facts.limits_of(found))
+    rides = [facts.ridden(r) for r in results]
+    several = len(results) > 1
+    rows, sources_of_limits = facts.assessment_rows(found)
+    page: dict[str, Any] = {
+        "title": " / ".join(dict.fromkeys(r.title for r in results)),
+        "several": several,
+        "names": names,
+        "version": __version__,
+        "verdicts": [facts.verdict(r, *own) for r, own in zip(results, both, strict=True)],
+        "identity": facts.identity(results, sources),
+        "inputs": [facts.inputs(r) for r in results],
+        "texts": [str(r.dataset.attrs.get("scenario_text", "")) for r in results],
+        "commands": list(commands),
+        "assessment": rows,
+        "limits_from": sources_of_limits,
+        "estimated": any(cell and cell["estimate"] for row in rows for cell in row["cells"]),
+        "notes": [(name, own.notes) for name, own in zip(names, found, strict=True) if own is not None and own.notes],
+        "strips": [track_strip(r.dataset, own.sections if own else ()) for r, own in zip(results, found, strict=True)],
+        "charts": _drawn(charts, several),
+        "data": charts.script_data() if charts else None,
+        "first_part": charts.worst if charts and several else "",
+        "cards": facts.cards(results, names),
+        "numbers": _numbers(results, names),
+        "contacts": [(name, *kept_contacts(r.dataset)) for name, r in zip(names, results, strict=True)],
+        "keys": [pressure_key(r.dataset) if "strip_p" in r.dataset else "" for r in results],
+        "ride": facts.ride_table([ride for ride, _ in rides], names),
+        "ride_notes": [why for _, why in rides if why],
+        "bands": bands_drawing([ride for ride, _ in rides], names),
+        "events": facts.events(results, names),
+        "pictures": [] if charts else [picture for r in results for picture in _pictures(r, several)],
+        "viewer": viewer,
+        "css": Markup(_text("templates/report.css")),
+        "script": Markup(_text("bundle/report.js")) if charts else "",
+        "script_css": Markup(_text("bundle/report.css")) if charts else "",
+    }
+    return template("report.html").render(page)
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    loader = jinja2.PackageLoader("wrsim.report", "templates")
+    return jinja2.Environment(
+        loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+
+
+def template(name: str) -> jinja2.Template:
+    """A template of this package; everything that it is given is escaped."""
+    return _environment().get_template(name)
+
+
+def _text(name: str) -> str:
+    return files("wrsim.report").joinpath(name).read_text(encoding="utf-8")
+
+
+def _names(sources: Sequence[str]) -> list[str]:
+    """Short names that tell the results apart: A, B, ... with the last part of their paths."""
+    if len(sources) == 1:
+        return [""]
+    short = [source.rstrip("/").removesuffix("/result.nc").rsplit("/", 1)[-1] for source in sources]
+    return [f"{chr(ord('A') + i)} {name}" for i, name in enumerate(short)]
+
+
+def rerun(result: Result, source: str) -> str:
+    """The command that makes a result again from the scenario that stands in the report."""
+    name = source.rstrip("/").removesuffix("/result.nc").rsplit("/", 1)[-1] or "run"
+    return f"wrsim run scenario.toml -o {shlex.quote(name)}"
+
+
+def _drawn(charts: Charts | None, several: bool) -> list[dict[str, Any]]:
+    """Every chart with its drawing; of several results that of one wheelset."""
+    if charts is None:
+        return []
+    part = charts.worst if several else ""
+    return [
+        {
+            "key": chart.key,
+            "title": chart.title,
+            "unit": chart.unit,
+            "note": chart.note,
+            "svg": drawing(charts, chart, part),
+            "lines": [line for line in chart.lines if part in ("", line.part) or not line.part],
+            "peak": chart.peak(),
+        }
+        for chart in charts.charts
+    ]
+
+
+def _numbers(results: Sequence[Result], names: Sequence[str]) -> facts.Table | None:
+    """The plain numbers of summaries without wheelsets (stability, steady, conicity)."""
+    summaries = [r.summary() for r in results]
+    if any("wheelsets" in s for s in summaries):
+        return None
+    keys = dict.fromkeys(k for s in summaries for k, v in s.items() if isinstance(v, int | float | str))
+    rows = [
+        (key, *(_plain(s.get(key)) for s in summaries)) for key in keys if key not in ("title", "analysis", "status")
+    ]
+    return facts.Table("", ("", *names), tuple(rows)) if rows else None
+
+
+def _plain(value: object) -> str:
+    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _pictures(result: Result, several: bool) -> list[tuple[str, str]]:
+    """The standard pictures of a result without histories: words and the picture as a data address."""
+    found = []
+    for name, make in standard_figures(result.dataset).items():
+        if name.endswith(OWN_DRAWINGS):
+            continue
+        stream = io.BytesIO()
+        with style(), mpl.rc_context({"svg.hashsalt": "wrsim", "svg.fonttype": "path", "savefig.dpi": 110}):
+            make().savefig(stream, format="svg", metadata={"Date": None})
+        address = "data:image/svg+xml;base64," + base64.b64encode(stream.getvalue()).decode()
+        words = name.replace("_", " ")
+        found.append((f"{result.title}: {words}" if several else words, address))
+    return found
