@@ -175,3 +175,5 @@ class ContactSettings:
     def __post_init__(self) -> None:
         if self.tangential == "half-space" and self.normal != "half-space":
             raise ValueError('tangential = "half-space" needs normal = "half-space"')
+        if self.strip_width is not None and self.normal == "strips":
+            raise ValueError('strip_width is not for normal = "strips", which takes a number of strips')

@@ -159,6 +159,12 @@ class ContactSection(Section):
                 yield Fault("strips", f'must be {model.fewest} to {model.most} with normal = "{name}"')
             if raw.get("approach") == "constant":
                 yield Fault("approach", f'"constant" is Kik-Piotrowski\'s: normal = "{name}" projects the approach')
+            if "strip_width_mm" in raw:
+                yield Fault(
+                    "strip_width_mm",
+                    f'goes with normal = "kik-piotrowski" only: normal = "{name}" takes a number of strips, '
+                    f"strips = {model.fewest} to {model.most}",
+                )
         if "strips" in raw and "strip_width_mm" in raw:
             yield Fault("strip_width_mm", "cannot stand next to strips: give one of them")
 
