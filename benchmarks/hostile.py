@@ -25,6 +25,12 @@ from wrsim.scenario.loading import load
 
 ROOT = Path(__file__).parents[1]
 LONGEST = 20.0  # processor time of one answer [s]
+NAMED = re.compile(r"\S*\.(?:toml|csv|whl)(?:, |:)")
+"""How a message begins: with the file."""
+PLACED = re.compile(
+    r"\.(?:toml|csv|whl)(?::\d+)+: |, line \d+|\(\w+[\w.\[\]]* in |: [\w.\[\]]+(?: = | is missing|: )|not UTF-8|empty"
+)
+"""Where in the file: a line, a key, the key that names the file; or that all of it is no text."""
 NUMBER = re.compile(rb"-?\d+\.?\d*(?:[eE][-+]?\d+)?")
 NUMBERS = (b"0", b"-1", b"1e-9", b"1e9", b"nan", b"inf", b"-0.0", b"1e400", b"9" * 20, b"0x10", b"3,5", b"")
 WORDS = (b"true", b'"x"', b"[]", b"[1, 2]", b"{}", b"{from = 0, to = 1e9, step = 1e-9}", b"\xff\xfe", b'"\\u0000"')
@@ -110,9 +116,7 @@ def check(folder: Path, file: Path, content: bytes) -> str:
         return "valid"
     except InputError as error:
         message = str(error)
-        return (
-            "refused" if re.search(r"\.(toml|csv|whl|nc)|new value|\bkey\b", message) else f"nameless: {message[:300]}"
-        )
+        return "refused" if NAMED.match(message) and PLACED.search(message) else f"no place: {message[:300]}"
     except TooSlow:
         return "too slow"
     except Exception as fault:
