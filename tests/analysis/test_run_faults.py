@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -197,10 +198,9 @@ def law_that(monkeypatch, does) -> None:
     true = VehicleOnTrack.__call__
 
     def call(self, t, q, q_t, out):
-        status = true(self, t, q, q_t, out)
+        true(self, t, q, q_t, out)
         if t >= 0.3:
             does(out)
-        return status
 
     monkeypatch.setattr(VehicleOnTrack, "__call__", call)
 
@@ -243,8 +243,12 @@ def test_the_complaint_about_a_long_step_names_file_and_line(tmp_path):
     file = tmp_path / "long_step.toml"
     base = SCENARIOS / "curve_r300.toml"
     file.write_text(f'base = "{base.as_posix()}"\n[run]\nintegrator = "rk44"\nstep_us = 4000\n')
-    with pytest.raises(InputError, match=r"long_step\.toml:4: run\.step_us = 4000: must be at most \d+, where"):
+    message = r"long_step\.toml:4: run\.step_us = 4000: must be at most \d+, where"
+    with pytest.raises(InputError, match=message):
         run(load(file))
+    checked = CliRunner().invoke(app, ["check", str(file)])  # what a run refuses, a check refuses
+    assert checked.exit_code == 2
+    assert re.search(message, checked.stderr.replace("\n", " "))
 
 
 def test_a_curve_that_nobody_can_start_in_is_told_with_its_place():

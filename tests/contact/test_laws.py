@@ -19,8 +19,8 @@ from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.half_space.status import GRID_EDGE, NOT_CONVERGED, TOO_MANY
 from wrsim.contact.settings import HalfSpaceSettings, Normal
+from wrsim.contact.status import GRID_EDGE, NOT_CONVERGED, TOO_MANY
 from wrsim.core.contact import records as k
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone

@@ -246,7 +246,9 @@ def test_each_normal_model_has_its_usual_creep_forces_and_strips(normal, creep):
     named = build(scenario.with_values({"contact.tangential": "polach", "contact.strips": 30})).contact
     assert (named.creep_forces, named.strip_count) == ("polach", 30)
     if normal == "strips":
-        with pytest.raises(InputError, match=r"contact\.strip_width_mm = 0\.2: goes with normal = .*strips = 12 to 200"):
+        with pytest.raises(
+            InputError, match=r"contact\.strip_width_mm = 0\.2: goes with normal = .*strips = 12 to 200"
+        ):
             build(scenario.with_values({"contact.strip_width_mm": 0.2}))
     else:
         by_width = build(scenario.with_values({"contact.strip_width_mm": 0.2})).contact

@@ -5,17 +5,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wrsim.analysis.motion.record import RunRecord, recorded_setup
-from wrsim.analysis.motion.run import StepTooLong
+from wrsim.analysis.motion.run import StepTooLong, refuse_step
 from wrsim.register import ANALYSES, resolved
 from wrsim.scenario.build import build
 
 if TYPE_CHECKING:
     from wrsim.results import Result
+    from wrsim.scenario.build import Setup
     from wrsim.scenario.loading import Scenario
 
 Progress = Callable[[float, float], None]
@@ -49,10 +51,22 @@ def run(
             raise scenario.fault(("analysis",), "nothing is kept of it to resume; run it without --resume")
         return function(setup, progress)  # type: ignore[no-any-return]
     kept = None if record is None else RunRecord.of(scenario, setup, Path(record), resume)
-    try:
+    with _naming_step(scenario):
         return function(setup, progress, kept)  # type: ignore[no-any-return]
+
+
+def check_step(scenario: Scenario, setup: Setup[Any]) -> None:
+    """Raise InputError for a time step in a scenario that ``run`` would refuse at the start of its set-up's run."""
+    with _naming_step(scenario):
+        refuse_step(setup)
+
+
+@contextmanager
+def _naming_step(scenario: Scenario) -> Iterator[None]:
+    """Give a step that is too long its file and the line of its key, which are known only here."""
+    try:
+        yield
     except StepTooLong as fault:
-        # only here are the file and the line of the key known
         raise scenario.fault(("run", "step_us"), fault.rule) from None
 
 
@@ -65,4 +79,4 @@ def recorded(record: str | Path) -> Result:
     return resolved(ANALYSES[setup.analysis].recorded)(setup, Path(record))  # type: ignore[no-any-return]
 
 
-__all__ = ["recorded", "run"]
+__all__ = ["check_step", "recorded", "run"]

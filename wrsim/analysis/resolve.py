@@ -7,9 +7,8 @@ need different approaches for one force. With ``keep = "pose"`` the height stays
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +22,11 @@ from wrsim.contact.channels import (
     StripRecorder,
     WheelOnRail,
     patch_channels,
+    remarks_channel,
     wheel_channels,
 )
 from wrsim.contact.half_space.strips import element_fields, solve_into
+from wrsim.contact.status import status_words
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result, assemble
 from wrsim.scenario.build import build
@@ -77,6 +78,7 @@ def resolve(
     samples = _samples(dataset, chosen)
     loads = dataset["Q"].values[samples]
     raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.max_patches)
+    remarks = [""] * len(chosen)
     strips = StripRecorder(wheels)
     for row, moment in enumerate(chosen):
         elements = []
@@ -84,8 +86,10 @@ def resolve(
             fields: list[ElementField] = []
             if np.isfinite(poses[moment, j]).all():
                 wheel.model.arrays.pose[:] = poses[moment, j]
-                fields = _settle(wheel, float(loads[row, j]) if keep == "load" else 0.0)
+                fields, words = _settle(wheel, float(loads[row, j]) if keep == "load" else 0.0)
                 raw.store(row, j, wheel.model)
+                words = "; ".join(filter(None, (words, status_words(wheel.model.arrays.status))))
+                remarks[row] += f"{'; ' if remarks[row] else ''}the {wheel.name} wheel: {words}" if words else ""
             elements.append(fields)
         strips.store(elements)
         if not np.isfinite(poses[moment]).all():
@@ -98,12 +102,20 @@ def resolve(
     if "rail_lateral" in dataset:
         rails = np.stack([dataset[f"rail_{way}"].values[samples] for way in ("lateral", "vertical")], axis=-1)
         widening = widening - (rails[:, 0, 0] - rails[:, 1, 0])
-    new = {**wheel_channels(raw), **patch_channels(raw, wheels, widening, rails), **strips.channels()}
+    new = {
+        **remarks_channel(remarks),
+        **wheel_channels(raw),
+        **patch_channels(raw, wheels, widening, rails),
+        **strips.channels(),
+    }
     return Result(assemble(*_kept(dataset, samples, chosen, new), _attributes(dataset, own.text, name, keep)))
 
 
-def _settle(wheel: WheelOnRail, load: float) -> list[ElementField]:
-    """Contact of one wheel at the height for a vertical force, or as it stands without one; its elements, if any."""
+def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:
+    """Contact of one wheel at the height for a vertical force, or as it stands without one.
+
+    Returns its elements, if any, and why the force is not met, if so.
+    """
     model = wheel.model
     pose, total = model.arrays.pose, model.arrays.total
     found: list[list[ElementField]] = [[]]
@@ -118,11 +130,13 @@ def _settle(wheel: WheelOnRail, load: float) -> list[ElementField]:
         return Carried(float(total["Fb"]), float(approaches.max(initial=0.0)))
 
     if load > 0.0:
-        with suppress(LoadNotReached):
+        try:
             height_for_load(carried, load, float(pose[2]), tolerance=TOLERANCE, farthest=DEEPEST)
+        except LoadNotReached as problem:
+            return found[0], str(problem)
     else:
         carried(float(pose[2]))
-    return found[0]
+    return found[0], ""
 
 
 def _samples(dataset: xr.Dataset, moments: Sequence[int]) -> NDArray[np.intp]:
@@ -134,11 +148,11 @@ def _samples(dataset: xr.Dataset, moments: Sequence[int]) -> NDArray[np.intp]:
 
 
 def _kept(
-    dataset: xr.Dataset, samples: NDArray[np.intp], moments: Sequence[int], new: dict[str, Array]
-) -> tuple[dict[str, Array], dict[str, Array]]:
+    dataset: xr.Dataset, samples: NDArray[np.intp], moments: Sequence[int], new: dict[str, Any]
+) -> tuple[dict[str, Array], dict[str, Any]]:
     """Coordinates and channels: those of the track and the wheelset at the samples, and the new ones."""
     sample = "time" if "time" in dataset.dims else "pose"
-    channels: dict[str, Array] = {}
+    channels: dict[str, Any] = {}
     for name, channel in CHANNELS.items():
         if name not in dataset.variables or (channel.coordinate and name != "distance"):
             continue

@@ -5,6 +5,7 @@ They import what they need when they run, so that ``wrsim --help`` answers at on
 
 from __future__ import annotations
 
+import logging
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -95,6 +96,10 @@ def check(file: ScenarioFile, models: Models = None, as_json: Json = False) -> N
 
         scenario = load(file, models or ())
         setup = build(scenario)
+        if getattr(setup.plan, "limited", False):
+            from wrsim.analysis import check_step
+
+            check_step(scenario, setup)
         found = facts(setup)
         if as_json:
             print_json({"status": "valid", "scenario": str(file), "warnings": warnings(setup), **found})
@@ -129,7 +134,9 @@ def run(
 
         scenario = load(file, models or ())
         setup = build(scenario)  # what cannot run leaves nothing behind
-        if not quiet:
+        if quiet:
+            logging.getLogger("wrsim").setLevel(logging.ERROR)
+        else:
             warn(file, setup)
             tell_slow(setup)
         directory = output if output is not None else Path("results") / file.stem

@@ -10,11 +10,12 @@ import typer
 
 from wrsim.cli.ending import exit_code, reporting_errors
 from wrsim.cli.options import Force, Json, ModelFiles, Pictures, Quiet
-from wrsim.cli.showing import print_json, print_table, progress_bar, say, tell_slow
+from wrsim.cli.showing import print_json, print_some, print_table, progress_bar, say, tell_slow
 from wrsim.cli.storing import writing
 
 if TYPE_CHECKING:
     from wrsim.analysis.compare import Comparison
+    from wrsim.results import Result
 
 SHOWN = ("p0", "area", "approach", "N", "contact_angle", "X", "Y", "T_gamma")
 """Quantities in the table on the screen."""
@@ -88,12 +89,20 @@ def report_of(found: Comparison, scenario: str) -> dict[str, Any]:
         models[model.name] = {
             "status": model.result.status,
             "unsolved_poses": unsolved,
+            "remarks": remarks_of(model.result),
             "evaluation_us": None if model.evaluation_time != model.evaluation_time else 1e6 * model.evaluation_time,
             "run_s": model.run_time,
             "differences": differences,
         }
     kinds = {quantity: kind for quantity, kind in DIFFERENCES.items() if kind != PLAIN}
     return {"scenario": scenario, "reference": found.reference, "relative_to": kinds, "models": models}
+
+
+def remarks_of(result: Result) -> list[str]:
+    """Events of a run, and what the contacts of poses have to say."""
+    summary = result.summary()
+    events = [f"{event['distance_m']:.1f} m: {event['event']}" for event in summary.get("events", [])]
+    return events + [f"{place}: {words}" for place, words in summary.get("remarks", {}).items()]
 
 
 def table_of(found: Comparison) -> list[list[str]]:
@@ -176,4 +185,5 @@ def _print(found: Comparison, report: dict[str, Any], directory: Path, files: in
     for name, model in models.items():
         if model["unsolved_poses"]:
             say(f"{name}: {model['unsolved_poses']} poses without a solution")
+        print_some([f"{name}: {words}" for words in model["remarks"]], "remarks")
     say(f"{files} files in {directory}")

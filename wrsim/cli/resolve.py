@@ -9,7 +9,7 @@ import typer
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, ModelFiles, Pictures, Quiet, beside
-from wrsim.cli.showing import print_json, print_table, progress_bar, say
+from wrsim.cli.showing import print_json, print_some, print_table, progress_bar, say
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -63,6 +63,7 @@ def resolve(
             print_json({"directory": str(directory), "files": [str(f) for f in files], "summary": after.summary()})
         elif not quiet:
             _print(before.wheelset(wheelset), after.wheelset())
+            print_some([f"{place}: {words}" for place, words in after.summary().get("remarks", {}).items()], "remarks")
             say(f"{len(files)} files in {directory}")
 
 

@@ -103,8 +103,9 @@ def print_table(
 
 
 def print_result(result: Result) -> None:
-    """The numbers of a result as its analysis shows them."""
+    """The numbers of a result as its analysis shows them, and what its contacts have to say."""
     resolved(ANALYSES[result.analysis].printed)(result)
+    print_some([f"{place}: {words}" for place, words in result.summary().get("remarks", {}).items()], "remarks")
 
 
 def print_numbers(result: Result) -> None:
@@ -127,18 +128,25 @@ def print_peaks(result: Result) -> None:
         guide = own.get("guide_force_y_max_kN")
         if guide is not None and guide["value"]:
             say("largest lateral force of the guide frame on the wheelset: {} kN at {}".format(*_peak(guide)))
-    _print_events(summary.get("events", []))
+    print_some([f"{event['distance_m']:.1f} m: {event['event']}" for event in summary.get("events", [])], "events")
     if "integration" in summary:
         _print_integration(**summary["integration"])
 
 
 def _print_integration(
-    integrator: str, step_ms: float, steps: int, evaluations: int, jacobians: int, explicit_steps: int
+    integrator: str,
+    step_ms: float,
+    steps: int,
+    evaluations: int,
+    jacobians: int,
+    cut_steps: int,
+    explicit_steps: int,
 ) -> None:
     """What the integration of a run took."""
     print(f"{integrator}: {steps} steps of {step_ms:.4g} ms, {evaluations} evaluations of the forces", end="")
     print(f", {jacobians} Jacobians" if jacobians else "", end="")
-    print(f"; {explicit_steps} steps that Newton's method did not solve taken by rk44" if explicit_steps else "")
+    cut = f"; {cut_steps} steps that Newton's method did not solve cut into parts, {explicit_steps} of them for rk44"
+    print(cut if cut_steps else "")
 
 
 WHEEL_PEAKS = {
@@ -162,15 +170,16 @@ def _print_wheelsets(title: str, summary: dict[str, Any]) -> None:
     print_table(["wheelset", "wheel", *WHEEL_PEAKS.values()], rows, title=title, left=("wheelset", "wheel"))
 
 
-def _print_events(events: list[dict[str, Any]]) -> None:
-    for event in events[:MOST_EVENTS]:
-        say(f"{event['distance_m']:.1f} m: {event['event']}")
-    if len(events) > MOST_EVENTS:
-        say(f"and {len(events) - MOST_EVENTS} more events: see summary.json")
+def print_some(lines: Sequence[str], what: str) -> None:
+    """The first lines, and how many more there are."""
+    for line in lines[:MOST_LINES]:
+        say(line)
+    if len(lines) > MOST_LINES:
+        say(f"and {len(lines) - MOST_LINES} more {what}: see summary.json")
 
 
-MOST_EVENTS = 10
-"""Events that are printed."""
+MOST_LINES = 10
+"""Events and remarks that are printed."""
 
 
 def print_title(title: str) -> None:

@@ -108,6 +108,11 @@ def wheel_channels(raw: RawContacts) -> dict[str, Array]:
     return {"Y": -t["Fo"], "Q": t["Fb"], "X": -t["Ft"], "T_gamma": t["wear"], "n_patches": t["patches"].astype(float)}
 
 
+def remarks_channel(remarks: Sequence[str]) -> dict[str, NDArray[np.str_]]:
+    """The channel ``contact_remark``, where contacts of solved samples have anything to say."""
+    return {"contact_remark": np.array(remarks)} if any(remarks) else {}
+
+
 def patch_channels(
     raw: RawContacts, wheels: Sequence[WheelOnRail], widening: Array | float = 0.0, uneven: Array | float = 0.0
 ) -> dict[str, Array]:

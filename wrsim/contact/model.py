@@ -156,6 +156,11 @@ class KernelArrays:
         return int(count), int(status)
 
     @property
+    def status(self) -> int:
+        """Status of the contact found last, see `wrsim.contact.status`."""
+        return int(self.total.status)
+
+    @property
     def substitutes(self) -> int:
         """Calls so far in which the strip model was not solved and a substitute stood for it."""
         return int(self.rows.memo["substitutes"][0])

@@ -34,6 +34,7 @@ def summary(dataset: xr.Dataset) -> dict[str, Any]:
 
 def tables(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
     """One row per speed and mode; one row per held speed."""
-    yield "modes", long(dataset, MODES, np.isfinite(dataset["mode_growth"].values), ("pose", "mode"))
+    said = [name for name in ("contact_remark",) if name in dataset]
+    yield "modes", long(dataset, [*MODES, *said], np.isfinite(dataset["mode_growth"].values), ("pose", "mode"))
     if "cycle" in dataset.dims:
         yield "cycles", wide(dataset, "cycle", ("wheelset",))

@@ -37,8 +37,10 @@ def tables(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
     solved = np.broadcast_to((dataset["pose_message"].values == "")[:, None, None], dataset["Y"].shape).copy()
     failed = ~solved[:, 0, 0]
     solved[failed, 0, 0] = True
-    table = long(dataset.isel(patch=0), COLUMNS, solved, ("pose", "wheelset", "wheel"))
+    said = [name for name in ("contact_remark",) if name in dataset]
+    table = long(dataset.isel(patch=0), [*COLUMNS, *said], solved, ("pose", "wheelset", "wheel"))
+    message = len(COLUMNS) - 1
     for row in table[1:]:
-        if row[-1]:
-            row[1:3], row[8:-1] = ["", ""], [""] * len(row[8:-1])
+        if row[message]:
+            row[1:3], row[8:message] = ["", ""], [""] * (message - 8)
     yield "steady", table

@@ -22,6 +22,10 @@ _STEADY = 1e-4  # change of curvature over its largest value, per metre, below w
 _SHORTEST = 5  # samples of a full curve that make a median worth reporting
 
 
+COUNTS = ("steps", "evaluations", "jacobians", "cut_steps", "explicit_steps")
+"""What the integration of a run took, among the attributes of its result."""
+
+
 def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     """Plain numbers for ``summary.json``: status, what the integration took, versions, for each wheelset peaks with
     their place and full curves.
@@ -34,10 +38,33 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     head = {name: attributes[name] for name in ("title", "analysis", "status")} | {"stop": _stop(dataset)}
     names = [name for name in attributes if name.endswith("_version") and name != "format_version"]
     if "integrator" in attributes:
-        counts = {name: int(attributes[name]) for name in ("steps", "evaluations", "jacobians", "explicit_steps")}
+        counts = {name: int(attributes.get(name, 0)) for name in COUNTS}
         step = 1e3 * float(attributes["step_s"])
         head["integration"] = {"integrator": attributes["integrator"], "step_ms": step, **counts}
-    return head | own | {"versions": {name.removesuffix("_version"): attributes[name] for name in names}}
+    return (
+        head
+        | own
+        | _remarks(dataset)
+        | {"versions": {name.removesuffix("_version"): attributes[name] for name in names}}
+    )
+
+
+def _remarks(dataset: xr.Dataset) -> dict[str, Any]:
+    """What contacts of solved samples and limit cycles have to say, by the sample."""
+    found: dict[str, str] = {}
+    if "contact_remark" in dataset:
+        (sample,) = dataset["contact_remark"].dims
+        found |= {
+            f"{sample} {at}": str(w)
+            for at, w in zip(dataset[sample].values, dataset["contact_remark"].values, strict=True)
+        }
+    if "cycle_remark" in dataset:
+        held = zip(
+            dataset["cycle_speed"].values, dataset["cycle_branch"].values, dataset["cycle_remark"].values, strict=True
+        )
+        found |= {f"{3.6 * speed:.5g} km/h {branch}": str(words) for speed, branch, words in held}
+    found = {place: words for place, words in found.items() if words}
+    return {"remarks": found} if found else {}
 
 
 def of_contacts(dataset: xr.Dataset) -> dict[str, Any]:

@@ -45,13 +45,12 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
         law.support, law.support_damping = SUPPORT, SUPPORT_DAMPING
         super().__init__(vehicle, track, (), speed=speed, start=start, drive=drive)
 
-    def forces(self, t: float, q: Array, q_t: Array, out: Array) -> int:
+    def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
         """See `VehicleOnTrack`. Raises SimulationError off the track."""
-        status = super().forces(t, q, q_t, out)
+        super().forces(t, q, q_t, out)
         curve = self.track.centre.curve
         if kernel.conical_forces(q, q_t, self.radii, self.own_places, curve, self.speed, self.law, out):
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
-        return status
 
     def blocks(self) -> list[Block]:
         """See ``HasBlocks``."""

@@ -30,15 +30,14 @@ class HalfSpaceOnTrack(VehicleOnTrack):
         super().__init__(*arguments, **options)
         self.contacts: list[list[HalfSpaceContact]] = []
 
-    def forces(self, t: float, q: Array, q_t: Array, out: Array) -> int:
-        """See `VehicleOnTrack`. Returns the status of the contacts; raises SimulationError off the track."""
-        status = super().forces(t, q, q_t, out)
+    def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
+        """See `VehicleOnTrack`. Raises SimulationError off the track."""
+        super().forces(t, q, q_t, out)
         self.contacts = []
         for w in range(len(self.wheels)):
-            status |= self._exchange_forces(w, q, q_t, out)
-        return status
+            self._exchange_forces(w, q, q_t, out)
 
-    def _exchange_forces(self, w: int, q: Array, q_t: Array, out: Array) -> int:
+    def _exchange_forces(self, w: int, q: Array, q_t: Array, out: Array) -> None:
         """Take the fast model's forces on one wheelset out and put the exact ones in."""
         own = slice(6 * w, 6 * w + 6)
         body = kinematics(q[own], q_t[own])
@@ -61,7 +60,6 @@ class HalfSpaceOnTrack(VehicleOnTrack):
                 out[own_rail + 1] -= more.Fb / self.elastic.mass[1]
         add_generalised_forces(body, Vec(*change[0]), Vec(*change[1]), out[own])
         self.contacts.append(found)
-        return found[0].status | found[1].status
 
     def elements_of_contacts(self) -> list[list[list[ElementField]]]:
         """See `VehicleOnTrack`."""

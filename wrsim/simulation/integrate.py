@@ -362,6 +362,7 @@ def _step_in_parts(after: _AfterStep, tolerance: float) -> None:
                 raise
             recall((system.forces,), memory)
         else:
+            system.work.cut_steps += parts > 1
             system.work.explicit_steps += explicit
             after.after_step(after.time_of(after.last_step + 1))
             return

@@ -122,31 +122,28 @@ class VehicleOnTrack:
             _wheels(part, mounted.wheelset, track, models)
             for part, mounted, models in zip(own_parts, vehicle.wheelsets, contacts, strict=bool(contacts))
         )
-        self._asked, self._asked_at, self._status = np.zeros((2, self.size)), np.nan, 0
+        self._asked, self._asked_at = np.zeros((2, self.size)), np.nan
         self.look_near(start)
 
-    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> int:
-        """See ``ForceLaw``. Returns the status of the contacts; raises SimulationError off the track."""
+    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> None:
+        """See ``ForceLaw``. Raises SimulationError off the track."""
         self._asked_at = np.nan
-        self._status = self.forces(t, q, q_t, out)
+        self.forces(t, q, q_t, out)
         self._asked_at, self._asked[0], self._asked[1] = t, q, q_t
-        return self._status
 
-    def at(self, t: float, q: Array, q_t: Array) -> int:
-        """Make the contacts and everything else that the law keeps those of this state; returns the status.
+    def at(self, t: float, q: Array, q_t: Array) -> None:
+        """Make the contacts and everything else that the law keeps those of this state.
 
         Nothing is computed where the law has been asked for this very state last.
         """
-        if self._asked_at == t and np.array_equal(self._asked[0], q) and np.array_equal(self._asked[1], q_t):
-            return self._status
-        return self(t, q, q_t, np.zeros(self.size))
+        if self._asked_at != t or not np.array_equal(self._asked[0], q) or not np.array_equal(self._asked[1], q_t):
+            self(t, q, q_t, np.zeros(self.size))
 
-    def forces(self, t: float, q: Array, q_t: Array, out: Array) -> int:
-        """What a call computes."""
+    def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
+        """What a call computes. What the contacts have to say stands in their models (`wrsim.contact.status`)."""
         status = int(vehicle_forces.vehicle_forces(t, q, q_t, out, self.arena.buffer, self.arena.index))
         if status & wheelset_kernel.OFF_TRACK:
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
-        return status
 
     def blocks(self) -> list[Block]:
         """See ``HasBlocks``: everything but the contacts, and the contacts, each of them of one wheelset."""

@@ -77,15 +77,16 @@ class NotCarried(SimulationError):
         )
 
 
-def design_state(law: VehicleOnTrack, *, lateral: float = 0.0) -> tuple[Array, Array]:
+def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[Array, Array]:
     """State (q, q_t) of a vehicle that follows the track in its design position, its origin at the start of the law.
 
-    Every body lies at its own place along the track, wheelsets ``lateral`` [m] to the left, bodies half as much, and a
-    wheelset with the yaw at which the guide frame holds it. The wheels do not touch the rails yet, or overlap them by
-    nothing.
+    Every body lies at its own place along the track, wheelsets ``lateral`` [m] to the left (each, or all alike), bodies
+    half as much as they on average, and a wheelset with the yaw at which the guide frame holds it. The wheels do not
+    touch the rails yet, or overlap them by nothing.
     """
     q, q_t = np.zeros(law.size), np.zeros(law.size)
     vehicle, track = law.vehicle, law.track
+    aside = np.broadcast_to(lateral, len(vehicle.wheelsets))
     lower = np.mean([mounted.height - mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
     for i, part in enumerate(vehicle.parts):
         wheelset = i < len(vehicle.wheelsets)
@@ -98,7 +99,7 @@ def design_state(law: VehicleOnTrack, *, lateral: float = 0.0) -> tuple[Array, A
             speed=law.speed,
             height=part.centre[2] - float(lower),
             spin_rate=law.speed / radius,
-            lateral=part.centre[1] + (lateral if wheelset else 0.5 * lateral),
+            lateral=part.centre[1] + float(aside[i] if wheelset else 0.5 * np.mean(aside)),
             yaw=-vehicle.guide_ahead * float(track.curvature(place)) if wheelset else 0.0,
         )
     return q, q_t

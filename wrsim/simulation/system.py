@@ -15,7 +15,7 @@ import os
 import sys
 import weakref
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, fields
 from typing import cast
 
 import numpy as np
@@ -58,23 +58,25 @@ class NotFinite(SimulationError):
 
 @dataclass
 class Work:
-    """How often the force law and its derivatives have been asked for; implicit steps that had to be taken by RK44."""
+    """How often the force law and its derivatives have been asked for; implicit steps that had to be cut into parts,
+    and how many of these RK44 had to take."""
 
     evaluations: int = 0
     jacobians: int = 0
+    cut_steps: int = 0
     explicit_steps: int = 0
 
     def clear(self) -> None:
         """Count anew."""
-        self.evaluations = self.jacobians = self.explicit_steps = 0
+        self.recall(np.zeros(len(fields(self))))
 
     def memory(self) -> Array:
         """See ``recorder.Remembers``."""
-        return np.array([self.evaluations, self.jacobians, self.explicit_steps], dtype=float)
+        return np.array(astuple(self), dtype=float)
 
     def recall(self, memory: Array) -> None:
         """Put back what ``memory`` gave."""
-        self.evaluations, self.jacobians, self.explicit_steps = (int(count) for count in memory)
+        self.evaluations, self.jacobians, self.cut_steps, self.explicit_steps = (int(count) for count in memory)
 
 
 @contextlib.contextmanager

@@ -12,10 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.analysis.motion.outcomes import OffRail
+from wrsim.analysis.motion.outcomes import OffRail, Overlap
+from wrsim.core.contact.records import STATUS_TOO_DEEP
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from wrsim.contact.channels import WheelOnRail
     from wrsim.geometry.profile.profile import Profile
     from wrsim.simulation.law import VehicleOnTrack
@@ -44,6 +47,16 @@ class Wheel:
         return None
 
     @property
+    def status(self) -> int:
+        """What its contact has to say, see `wrsim.contact.status`."""
+        return self.model.arrays.status
+
+    @property
+    def depth(self) -> float:
+        """Largest overlap with the rail [m]."""
+        return -float(self.model.arrays.total["closest"])
+
+    @property
     def in_contact(self) -> bool:
         """True if any patch carries a force."""
         a = self.model.arrays
@@ -61,9 +74,18 @@ def wheels_of(law: VehicleOnTrack) -> list[Wheel]:
     return [Wheel(mounted.name, wheel) for mounted, pair in pairs for wheel in pair]
 
 
-def derailed(law: VehicleOnTrack) -> OffRail | None:
-    """A wheel that is off its rail or carries nothing at the state that the law was asked for last."""
-    for wheel in wheels_of(law):
+def overlap(wheels: Sequence[Wheel]) -> Overlap:
+    """The wheel that is deepest in its rail."""
+    deepest = max(wheels, key=lambda wheel: wheel.depth)
+    return Overlap(deepest.wheelset, deepest.side, deepest.depth)
+
+
+def derailed(law: VehicleOnTrack) -> OffRail | Overlap | None:
+    """A wheel in its rail, off it, or without load, at the state that the law was asked for last."""
+    wheels = wheels_of(law)
+    if any(wheel.status & STATUS_TOO_DEEP for wheel in wheels):
+        return overlap(wheels)
+    for wheel in wheels:
         off = wheel.off_the_rail()
         if off is not None:
             return off

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wrsim.analysis.motion.forces import force_law, held_by
+from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.outcomes import NoSteadyMotion
 from wrsim.analysis.motion.overturning import pushed
 from wrsim.analysis.motion.result import result_of
@@ -57,7 +58,11 @@ def run_equilibrium(setup: Setup[RunPlan], progress: Callable[[float, float], No
     if progress is not None:
         progress(1.0, 0.0)
     rest = Motion(np.zeros(1), found.q[None], found.q_t[None], 0.0, "completed")
-    return result_of(setup, law, rest, [])
+    monitor = Monitor(law, 1.0)
+    outcome = monitor.look(0.0, found.q, found.q_t)
+    if outcome is not None:
+        raise SimulationError(steady_words(NoSteadyMotion(outcome), setup.vehicle))
+    return result_of(setup, law, rest, monitor.events())
 
 
 def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
@@ -87,7 +92,7 @@ def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium
     for shift in shifts(setup, pushed(setup, 0.0).left):
         try:
             law.look_near(law.start)
-            return steady_state(law, lower_on_rails(law, *design_state(law, lateral=float(shift))))
+            return steady_state(law, lower_on_rails(law, *design_state(law, lateral=shift)))
         except SimulationError as fault:
             problems.append(fault)
     try:

@@ -8,18 +8,26 @@ a step.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+import logging
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.analysis.motion.derailment import Wheel, wheels_of
+from wrsim.analysis.motion.derailment import Wheel, overlap, wheels_of
 from wrsim.analysis.motion.outcomes import Event, OffRail, Overlap
 from wrsim.analysis.motion.words import stop_words
-from wrsim.core.contact import records as k
+from wrsim.contact.status import bits_of
+from wrsim.core.contact.records import STATUS_TOO_DEEP, STATUS_UNSETTLED
+from wrsim.simulation.integrate import EXPLICIT_PARTS
+from wrsim.simulation.system import Work
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
+
+log = logging.getLogger(__name__)
 
 LIFT_DISTANCE = 3.0
 """Distance without contact on one side after which the wheelset counts as derailed [m] ..."""
@@ -33,9 +41,15 @@ INTERVAL = 5e-3
 STRETCH = 0.25
 """... and the longest way [m]. Independent of the samples that are kept."""
 
-LIFT, STOP, SUBSTITUTE = 0.0, 1.0, 2.0
-"""Kinds of events in the notes: a wheel without contact; a bump stop beyond the end of its table; a contact that has
-not been solved since the last look."""
+LIFT, STOP, STEPS = 0.0, -1.0, -2.0
+"""Kinds of events in the notes: a wheel without contact; a bump stop beyond the end of its table; steps that have been
+cut since the last look. A bit of a contact's status is its own kind."""
+
+MANY = 20
+"""Looks in a row with steps cut, after which the run says so while it lasts: it takes many times as long."""
+
+SLOWEST = 4 * EXPLICIT_PARTS // 2
+"""Evaluations of the forces in a step taken by RK44 over those of a usual one."""
 
 SAME = 1.0
 """Events of one kind and place of the vehicle that follow each other within this distance are one [m]."""
@@ -44,9 +58,10 @@ SAME = 1.0
 class Monitor:
     """Asked at regular intervals; answers with the reason to stop, or None. ``events`` tells what it has noted."""
 
-    def __init__(self, law: VehicleOnTrack, speed: float) -> None:
-        """speed [m/s]: how far the vehicle goes between two looks."""
-        self.law = law
+    def __init__(self, law: VehicleOnTrack, speed: float, work: Work | None = None) -> None:
+        """speed [m/s]: how far the vehicle goes between two looks; work: what the integration takes."""
+        self.law, self.work = law, work or Work()
+        self.cut_steps, self.cut_looks = 0, 0
         self.interval = min(INTERVAL, STRETCH / speed)
         self.wheels = wheels_of(law)
         self.last_contact = np.full((len(self.wheels), 2), np.nan)
@@ -62,20 +77,41 @@ class Monitor:
 
     def look(self, t: float, q: Array, q_t: Array) -> OffRail | Overlap | None:
         """What ends the run, if anything; notes what else there is."""
-        status = self.law.at(t, q, q_t)
+        self.law.at(t, q, q_t)
         distance = self.law.distance
         ending: OffRail | Overlap | None = None
         for i, wheel in enumerate(self.wheels):
             ending = ending or self._look_at(i, wheel, t, distance)
-            if wheel.model.arrays.substitutes > self.substitutes[i]:
+            said = wheel.status & ~STATUS_TOO_DEEP
+            if wheel.model.arrays.substitutes > self.substitutes[i]:  # also between two looks
                 self.substitutes[i] = wheel.model.arrays.substitutes
-                self._note(SUBSTITUTE, i, t, distance)
+                said |= STATUS_UNSETTLED
+            for bit in bits_of(said):
+                self._note(bit, i, t, distance)
         for i, limits, place in self.stops:
             if not limits[0] <= self.law.records[i, place] <= limits[1]:
                 self._note(STOP, i, t, distance)
-        if status & k.STATUS_TOO_DEEP:
-            ending = ending or self._overlap()
+        if self.work.cut_steps > self.cut_steps:
+            self._note(STEPS, 0, t, distance)
+            self._tell_cuts(t, distance)
+        else:
+            self.cut_looks = 0
+        self.cut_steps = self.work.cut_steps
+        if any(wheel.status & STATUS_TOO_DEEP for wheel in self.wheels):
+            ending = ending or overlap(self.wheels)
         return ending
+
+    def _tell_cuts(self, t: float, distance: float) -> None:
+        """Say once, while the run lasts, that its steps are cut again and again."""
+        self.cut_looks += 1
+        if self.cut_looks == MANY:
+            since = self.notes[self.notes[:, 0] == STEPS][-1]
+            log.warning(
+                "the time step has to be cut again and again since t = %.4g s, %.2f m along the track: the run takes "
+                "up to %d times as long as usual. A mass or a stiffness out of proportion does this (wrsim check warns "
+                "of some), or contact that comes and goes: run.integrator = \"rk44\" may be faster",
+                since[2], since[3], SLOWEST,
+            )  # fmt: skip
 
     def _look_at(self, i: int, wheel: Wheel, t: float, distance: float) -> OffRail | None:
         """How the vehicle has derailed at a wheel, if it has. Notes a lifted wheel."""
@@ -100,31 +136,37 @@ class Monitor:
         else:
             self.notes = np.vstack([self.notes, [kind, which, t, distance, t, distance]])
 
-    def _overlap(self) -> Overlap:
-        """The wheel that is deepest in its rail."""
-        depths = [-float(wheel.model.arrays.total["closest"]) for wheel in self.wheels]
-        deepest = int(np.argmax(depths))
-        return Overlap(self.wheels[deepest].wheelset, self.wheels[deepest].side, depths[deepest])
-
     def events(self) -> list[Event]:
         """Everything noted, in the order of its begin."""
         found = []
         for kind, which, t, distance, last_t, last_distance in self.notes.tolist():
             begin, end = (t, distance), (last_t, last_distance)
-            if kind != STOP:
-                wheel = self.wheels[int(which)]
-                name: Literal["lift", "substitute"] = "lift" if kind == LIFT else "substitute"
-                found.append(Event(name, wheel.wheelset, begin, end, wheel.side))
-            else:
+            if kind == STOP:
                 found.append(Event("stop", self.law.vehicle.elements[int(which)].name, begin, end))
+            elif kind == STEPS:
+                found.append(Event("steps", "", begin, end))
+            else:
+                wheel = self.wheels[int(which)]
+                found.append(
+                    Event("lift" if kind == LIFT else "contact", wheel.wheelset, begin, end, wheel.side, int(kind))
+                )
         return sorted(found, key=lambda event: (event.start, event.part, event.side))
+
+    @property
+    def said(self) -> NDArray[np.int_]:
+        """What the contact of every wheel had to say since the beginning, as one status each."""
+        found = np.zeros(len(self.wheels), dtype=int)
+        for kind, which in self.notes[self.notes[:, 0] > LIFT, :2].astype(int):
+            found[which] |= kind
+        return found
 
     def memory(self) -> Array:
         """What has been seen so far. See ``simulation.recorder.Remembers``."""
-        return np.concatenate([self.last_contact.ravel(), self.substitutes, self.notes.ravel()])
+        return np.concatenate([[self.cut_steps], self.last_contact.ravel(), self.substitutes, self.notes.ravel()])
 
     def recall(self, memory: Array) -> None:
         """Put back what ``memory`` gave."""
+        self.cut_steps, memory = int(memory[0]), memory[1:]
         size, wheels = self.last_contact.size, len(self.substitutes)
         self.last_contact = memory[:size].reshape(self.last_contact.shape).copy()
         self.substitutes = memory[size : size + wheels].copy()

@@ -51,22 +51,23 @@ class RunInStopped:
 
 @dataclass(frozen=True)
 class Event:
-    """A wheel without contact, a bump stop beyond the end of its table, or a contact that was not solved (forces of a
-    substitute, see docs/strip_model.md).
+    """A wheel without contact, a bump stop beyond the end of its table, a contact with something to say (bit of
+    `wrsim.contact.status`), or steps of the integration that had to be cut.
 
     part: name of the wheelset or of the stop; start, end: time [s] and distance of the vehicle [m].
     """
 
-    kind: Literal["lift", "stop", "substitute"]
+    kind: Literal["lift", "stop", "contact", "steps"]
     part: str
     start: tuple[float, float]
     end: tuple[float, float]
     side: str = ""
+    bit: int = 0
 
 
 class NoSteadyMotion(SimulationError):
     """No steady motion was found; ``reason`` says what became of the search."""
 
-    def __init__(self, reason: OffRail | Overturned | RunInStopped | SimulationError) -> None:
+    def __init__(self, reason: OffRail | Overlap | Overturned | RunInStopped | SimulationError) -> None:
         super().__init__(str(reason))
         self.reason = reason

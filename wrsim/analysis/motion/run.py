@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
-from contextlib import closing, nullcontext
+from contextlib import closing, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -26,6 +27,7 @@ from wrsim.simulation.step import (
     implicit_step,
     round_step,
     stable_step,
+    step_for_speed,
 )
 from wrsim.simulation.system import System
 
@@ -37,6 +39,11 @@ if TYPE_CHECKING:
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
 
+
+log = logging.getLogger(__name__)
+
+SHRUNK = 10.0
+"""By how much shorter than usual a chosen step of RK44 is said."""
 
 SEGMENT_EXACT = 5
 """Steps between two checkpoints with the exact contact solver; each takes a second or more."""
@@ -72,7 +79,7 @@ def run_in_time(
             step = chosen_step(setup, law, q, q_t)
         except NoSteadyMotion as problem:
             raise SimulationError(start_words(problem, setup)) from None
-    monitor, plan = Monitor(law, setup.plan.speed), setup.plan
+    monitor, plan = Monitor(law, setup.plan.speed, system.work), setup.plan
     with nullcontext() if record is None else closing(record.recorder(plan.integrator, step, system.size)) as recorder:
         # whole steps, so that the run does not pass the end of the track
         duration = step * max(1, int(plan.duration / step + 1e-6))
@@ -93,6 +100,13 @@ def recorded_run(setup: Setup[RunPlan], path: Path) -> Result:
     law = force_law(setup)
     monitor = Monitor(law, setup.plan.speed)
     return result_of(setup, law, recorded_motion(path, monitor), monitor.events())
+
+
+def refuse_step(setup: Setup[RunPlan]) -> None:
+    """Raise StepTooLong where a run would. That there is no steady motion to start from is for the run to say."""
+    law = force_law(setup)
+    with suppress(SimulationError):
+        chosen_step(setup, law, *start_state(setup, law))
 
 
 def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array) -> float:
@@ -125,4 +139,12 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
         law = force_law(level)
         limit = min(limit, stable_step(System(law.bodies, law, law.dampers), *start_state(level, law)))
     largest = LARGEST_STEP_UNEVEN if setup.track.is_uneven else LARGEST_STEP
-    return round_step(min(SAFETY * limit, plan.output_interval), largest)
+    step = round_step(min(SAFETY * limit, plan.output_interval), largest)
+    usual = min(step_for_speed(plan.speed), plan.output_interval)
+    if step < usual / SHRUNK:
+        log.warning(
+            "rk44 is stable here with steps of %.3g us only, %.0f times shorter than usual at %.4g km/h: %.3g steps. A "
+            "mass or a stiffness out of proportion does this (wrsim check warns of some)",
+            1e6 * step, usual / step, 3.6 * plan.speed, plan.duration / step,
+        )  # fmt: skip
+    return step

@@ -39,16 +39,19 @@ EXACT = 1e-5
 """Unbalanced part of the weight with the exact contact solver, which iterates."""
 
 
-def shifts(setup: Setup[RunPlan], direction: float) -> Array:
-    """Lateral shifts at the start of the run from which a search begins [m]: from the middle towards ``direction``.
+def shifts(setup: Setup[RunPlan], direction: float) -> list[Array]:
+    """Lateral shifts of the wheelsets (wheelsets,) at the start of the run from which a search begins [m].
 
-    In a curve a wheelset held hard against yaw does not find its way to the outer rail by itself, nor down a canted
-    track to the inner one, nor to where a load pushes it. direction: 0 for the middle alone.
+    From the middle towards ``direction``: in a curve a wheelset held hard against yaw does not find its way to the
+    outer rail by itself, nor down a canted track to the inner one, nor to where a load pushes it. Then each towards its
+    smaller wheel, if it has one: there, in the end on the root of the flange, both roll alike.
     """
-    if direction == 0.0:
-        return np.zeros(1)
     widening = float(setup.track.gauge(setup.plan.start)) - setup.track.nominal_gauge
-    return np.copysign(np.arange(0.0, PLAY + 0.5 * max(widening, 0.0), SHIFT), direction)
+    radii = np.array([[m.wheelset.left.radius, m.wheelset.right.radius] for m in setup.vehicle.wheelsets])
+    smaller = np.sign(radii[:, 1] - radii[:, 0])
+    ways = [np.full(len(radii), np.sign(direction)), smaller]
+    steps = np.arange(SHIFT, PLAY + 0.5 * max(widening, 0.0), SHIFT)
+    return [np.zeros(len(radii)), *(step * way for way in ways if way.any() for step in steps)]
 
 
 def enough(setup: Setup[RunPlan]) -> float:
@@ -81,7 +84,7 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     for shift in shifts(setup, -curvature if curvature != 0.0 else aside):
         try:
             law.look_near(law.start)
-            guess = lower_on_rails(law, *design_state(law, lateral=float(shift)))
+            guess = lower_on_rails(law, *design_state(law, lateral=shift))
             found = on_the_rails(law, steady_state(law, guess, tolerance=enough(setup)))
             if found.residual <= TOLERANCE:
                 return found

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wrsim.analysis.motion.outcomes import Event, NoSteadyMotion, OffRail, Overlap, Overturned, RunInStopped
+from wrsim.contact.status import WORDS, status_words
 from wrsim.core.contact.wheel_rail import DEEPEST
 from wrsim.simulation.state import Unbalanced
 
 if TYPE_CHECKING:
+    from wrsim.analysis.motion.derailment import Wheel
     from wrsim.scenario.build import Setup
     from wrsim.scenario.sections.run import RunPlan
     from wrsim.vehicle.vehicle import Vehicle
@@ -21,10 +24,7 @@ def stop_words(outcome: OffRail | Overlap, vehicle: Vehicle, time: float, distan
     if isinstance(outcome, OffRail):
         reason = f"derailed: {off_rail_words(outcome, vehicle)}"
     else:
-        reason = (
-            f"the contact solution is lost: {_wheel(outcome.side, outcome.wheelset, vehicle)} and its rail overlap by "
-            f"{1e3 * outcome.depth:.2g} mm (more than {1e3 * DEEPEST:g} mm); a shorter step may help"
-        )
+        reason = f"the contact solution is lost: {_overlap_words(outcome, vehicle)}; a shorter step may help"
     return f"{reason}, at t = {time:.4g} s, {distance:.2f} m along the track"
 
 
@@ -46,23 +46,37 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     lasted = f"for {way:.2f} m, {1e3 * time:.0f} ms"
     if event.kind == "lift":
         return f"{_wheel(event.side, event.part, vehicle)} is lifted {lasted}"
-    if event.kind == "substitute":
-        return f"the contact of {_wheel(event.side, event.part, vehicle)} was not solved, a substitute acted {lasted}"
+    if event.kind == "contact":
+        at_once = event.end == event.start
+        return f"{_wheel(event.side, event.part, vehicle)}: {WORDS[event.bit]}" + ("" if at_once else f", {lasted}")
+    if event.kind == "steps":
+        return f"time steps that Newton's method did not solve were cut into parts {lasted}"
     return f"bump stop {event.part} is beyond the end of its table {lasted}"
+
+
+def contact_words(said: Iterable[tuple[Wheel, int]], vehicle: Vehicle) -> str:
+    """What the contacts of wheels (and their status) have to say; empty when all is well."""
+    return "; ".join(
+        f"{_wheel(wheel.side, wheel.wheelset, vehicle)}: {words}"
+        for wheel, status in said
+        if (words := status_words(status))
+    )
 
 
 def steady_words(problem: NoSteadyMotion, vehicle: Vehicle) -> str:
     """Why there is no steady motion."""
     reason = problem.reason
     if isinstance(reason, OffRail):
-        return f"the steady motion found is a derailed one: {off_rail_words(reason, vehicle)}"
+        return f"the steady motion found is a derailed one: {off_rail_words(reason, vehicle)}{_unequal(vehicle)}"
+    if isinstance(reason, Overlap):
+        return f"the state found is no contact: {_overlap_words(reason, vehicle)}"
     if isinstance(reason, Overturned):
         what = "weight, centrifugal force and loads" if vehicle.loads else "weight and centrifugal force"
         beyond = f"{1e3 * reason.beyond:.0f} mm" if np.isfinite(reason.beyond) else "far"
         return f"the vehicle would overturn: its {what} together point {beyond} beyond the {reason.side} rail"
     if isinstance(reason, RunInStopped):
         return f"the run into the curve stopped: {reason.reason}"
-    return f"no steady motion found; {reason}" if isinstance(reason, Unbalanced) else str(reason)
+    return f"no steady motion found; {reason}{_unequal(vehicle)}" if isinstance(reason, Unbalanced) else str(reason)
 
 
 def start_words(problem: NoSteadyMotion, setup: Setup[RunPlan]) -> str:
@@ -74,6 +88,27 @@ def start_words(problem: NoSteadyMotion, setup: Setup[RunPlan]) -> str:
         f"the run has no steady motion to start from at {run.start:g} m and {3.6 * run.speed:g} km/h{curve}: "
         f"{steady_words(problem, setup.vehicle)}{advice}"
     )
+
+
+def _unequal(vehicle: Vehicle) -> str:
+    """What wheels of unequal radii ask of a wheelset; empty where all are alike."""
+    worst = max((m for m in vehicle.wheelsets), key=lambda m: abs(m.wheelset.left.radius - m.wheelset.right.radius))
+    apart = worst.wheelset.left.radius - worst.wheelset.right.radius
+    if apart == 0.0:
+        return ""
+    side = "right" if apart > 0.0 else "left"
+    name = f" of wheelset {worst.name}" if len(vehicle.wheelsets) > 1 else ""
+    return (
+        f". The {side} wheel{name} is the smaller one by {1e3 * abs(apart):.3g} mm of radius: to roll straight the "
+        "wheelset has to shift to that side until its profile there rolls on as large a radius, or springs have to "
+        "hold it against the creep forces; neither was found"
+    )
+
+
+def _overlap_words(outcome: Overlap, vehicle: Vehicle) -> str:
+    """A wheel too deep in its rail."""
+    wheel = _wheel(outcome.side, outcome.wheelset, vehicle)
+    return f"{wheel} and its rail overlap by {1e3 * outcome.depth:.2g} mm (more than {1e3 * DEEPEST:g} mm)"
 
 
 def _wheel(side: str, wheelset: str, vehicle: Vehicle) -> str:

@@ -11,9 +11,9 @@ from wrsim.analysis.poses.load import Carried, LoadNotReached, height_for_load
 from wrsim.analysis.poses.solver import DEEPEST, PoseSolver, Solved
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
-from wrsim.contact.half_space.status import TOO_MANY, status_words
 from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.contact.models import fast_model
+from wrsim.contact.status import TOO_MANY, status_words
 from wrsim.core.contact.records import STATUS_TOO_DEEP
 from wrsim.scenario.cases import StaticPose
 
@@ -26,6 +26,9 @@ class HalfSpacePoseSolver(PoseSolver):
 
     The elements are chosen at the first height of a pose and kept while its height is looked for.
     """
+
+    load_tolerance = 10.0 * LOAD_TOLERANCE
+    missed = "the load was missed"
 
     def __init__(
         self, wheels: Sequence[WheelOnRail], rolling: bool, radius: float, solver: HalfSpace | None = None
@@ -51,19 +54,6 @@ class HalfSpacePoseSolver(PoseSolver):
 
     def _touch(self, wheel: int) -> None:
         self.contacts[wheel] = solve_into(self.wheels[wheel].model, self._solvers[wheel], self.contacts[wheel])
-
-    def _remark(self, load: float) -> str:
-        words = [status_words(self._status())]
-        if abs(self.force[2] / load - 1.0) > 10.0 * LOAD_TOLERANCE:
-            words.insert(0, f"the load was missed: {self.force[2]:.6g} N instead of {load:.6g} N")
-        return "; ".join(filter(None, words))
-
-    def _status(self) -> int:
-        """All that the contacts found last have to say."""
-        status = 0
-        for contact in self.contacts:
-            status |= contact.status if contact is not None else 0
-        return status
 
     def _fix_elements(self, pose: StaticPose) -> None:
         """Elements for the deepest patch of every wheel, at the fast model's height."""

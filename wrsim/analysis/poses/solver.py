@@ -17,9 +17,9 @@ from scipy.optimize import brentq
 
 from wrsim.analysis.poses.load import LoadNotReached
 from wrsim.contact.channels import ElementField, WheelOnRail
+from wrsim.contact.status import REMARKS, status_words
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_pose import set_pose, wheel_wrench
-from wrsim.core.contact.records import STATUS_UNSETTLED
 from wrsim.core.linalg import Frame, Vec
 from wrsim.scenario.cases import StaticPose
 
@@ -33,11 +33,12 @@ LARGEST_ROLL = 0.05  # of a wheelset that looks for its balance [rad]
 @dataclass(frozen=True)
 class Solved:
     """Where the wheelset came to stand: height of its centre above the track plane [m], roll [rad]; a message when
-    there is no solution (the heights then are not-a-number, or the nearest state)."""
+    there is no solution (the heights then are not-a-number, or the nearest state); what else is to be said of it."""
 
     height: float
     roll: float
     message: str = ""
+    remark: str = ""
 
 
 class NoContact(Exception):
@@ -47,13 +48,15 @@ class NoContact(Exception):
 class PoseSolver:
     """One wheel or two over their rails on straight track."""
 
+    load_tolerance = 1e-6  # of the vertical force
+    missed = "the load lies in a jump of the force"
+
     def __init__(self, wheels: Sequence[WheelOnRail], rolling: bool, radius: float) -> None:
         self.wheels = tuple(wheels)
         self.speed = ROLLING_SPEED if rolling else 0.0
         self.radius = radius
         self.force = np.zeros(3)
         self.moment = np.zeros(3)
-        self.unsettled = False
 
     def evaluate(self, lateral: float, height: float, yaw: float, roll: float) -> None:
         """Contact of all wheels at one pose; leaves ``force`` and ``moment`` at the centre of mass."""
@@ -83,7 +86,7 @@ class PoseSolver:
             height = self._height(pose, roll)
         except (NoContact, LoadNotReached) as problem:
             return Solved(float("nan"), float("nan"), str(problem))
-        return Solved(height, roll, self._remark(pose.load))
+        return Solved(height, roll, self._problem(pose.load), status_words(self._status() & REMARKS))
 
     def elements(self) -> list[list[ElementField]]:
         """Elements of every wheel's patches at the last pose, where the solver has any."""
@@ -91,17 +94,21 @@ class PoseSolver:
 
     def _touch(self, wheel: int) -> None:
         """Contact of one wheel at the pose set in its model's arrays."""
-        self.unsettled = bool(self.wheels[wheel].model.arrays.call() & STATUS_UNSETTLED) or (
-            wheel > 0 and self.unsettled
-        )
+        self.wheels[wheel].model.arrays.call()
 
-    def _remark(self, load: float) -> str:
-        """What is to be said about the state that was found; nothing when all is well."""
-        if self.unsettled:
-            return "the strip model was not solved at this pose: the forces are those of a substitute"
-        if abs(self.force[2] / load - 1.0) <= 1e-6:
-            return ""
-        return f"the load lies in a jump of the force: {self.force[2]:.6g} N instead of {load:.6g} N"
+    def _status(self) -> int:
+        """All that the contacts found last have to say."""
+        status = 0
+        for wheel in self.wheels:
+            status |= wheel.model.arrays.status
+        return status
+
+    def _problem(self, load: float) -> str:
+        """Why the state that was found is no solution; nothing when it is one."""
+        words = [status_words(self._status() & ~REMARKS)]
+        if abs(self.force[2] / load - 1.0) > self.load_tolerance:
+            words.insert(0, f"{self.missed}: {self.force[2]:.6g} N instead of {load:.6g} N")
+        return "; ".join(filter(None, words))
 
     def _first_contact(self, pose: StaticPose, roll: float) -> float:
         """A height with contact, approached from above by the clearance between the profiles."""

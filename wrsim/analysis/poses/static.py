@@ -11,7 +11,7 @@ import numpy as np
 from wrsim.analysis.contacts import contact_models, wheels_on_rails
 from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
 from wrsim.analysis.poses.solver import PoseSolver
-from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
+from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, remarks_channel, wheel_channels
 from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
 
@@ -34,13 +34,13 @@ def run_static(setup: Setup[StaticPlan], progress: Callable[[float, float], None
     n = len(plan.poses)
     raw = RawContacts.empty(n, len(wheels), setup.contact.max_patches)
     strips = StripRecorder(wheels)
-    heights, rolls, messages = np.full(n, np.nan), np.full(n, np.nan), [""] * n
+    heights, rolls, messages, remarks = np.full(n, np.nan), np.full(n, np.nan), [""] * n, [""] * n
     began = reported = time.perf_counter()
     done = 0
     try:
         for i, pose in enumerate(plan.poses):
             solved = solver.solve(pose)
-            heights[i], rolls[i], messages[i] = solved.height, solved.roll, solved.message
+            heights[i], rolls[i], messages[i], remarks[i] = solved.height, solved.roll, solved.message, solved.remark
             for j, wheel in enumerate(wheels):
                 raw.store(i, j, wheel.model)
             strips.store(solver.elements())
@@ -64,6 +64,7 @@ def run_static(setup: Setup[StaticPlan], progress: Callable[[float, float], None
     channels = {
         "load": np.array([p.load for p in poses]),
         "pose_message": np.array(messages[:done]),
+        **remarks_channel(remarks[:done]),
         "lateral_shift": np.array([p.lateral for p in poses]),
         "vertical_shift": heights[:done] - radius,
         "yaw": np.array([p.yaw for p in poses]),

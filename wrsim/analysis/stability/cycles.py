@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from wrsim.analysis.motion.monitor import Monitor
+from wrsim.analysis.motion.words import contact_words
 from wrsim.analysis.stability.rolling import PLACE, RollingVehicle
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.step import implicit_step
@@ -48,7 +49,8 @@ class Cycle:
 
     amplitudes: of the wheelsets' lateral motion, half of peak to peak in the last window [m]; frequency of the
     wheelset that moves most [Hz], not-a-number at rest; time: how long it was held [s]. ending: a cycle that has
-    settled; rest, or well on the way there; neither within the longest time; derailed.
+    settled; rest, or well on the way there; neither within the longest time; derailed. remark: what the contacts had
+    to say on the way.
     """
 
     speed: float
@@ -58,6 +60,7 @@ class Cycle:
     time: float
     ending: Ending
     message: str = ""
+    remark: str = ""
 
     @property
     def moves(self) -> bool:
@@ -127,12 +130,13 @@ class CycleSearch:
         last = np.zeros(self.wheelsets)
         first, calm = 0.0, 0
         held = 0.0
+        said = np.zeros(2 * self.wheelsets if law.wheels else 0, dtype=int)
         ending: Ending = "unsettled"
         message = ""
         while held < plan.longest - 1e-9:
             q = self._moved_back(q)
             law.look_near(PLACE)
-            monitor = Monitor(law, speed)
+            monitor = Monitor(law, speed, self.system.work)
             motion = integrate(
                 self.system, q, q_t, duration=plan.window, step=implicit_step(speed, SAMPLES), sample_interval=SAMPLES,
                 weight=law.vehicle.weight, monitor=monitor, monitor_interval=monitor.interval,
@@ -140,6 +144,7 @@ class CycleSearch:
             if motion.cause == "interrupt":
                 raise Interrupted
             held += motion.end
+            said = said | monitor.said
             lateral = motion.q[:, 6 * np.arange(self.wheelsets) + 2]
             amplitudes = 0.5 * np.ptp(lateral, axis=0)
             q, q_t = motion.q[-1].copy(), motion.q_t[-1].copy()
@@ -163,7 +168,8 @@ class CycleSearch:
                 ending = "rest"
         most = int(np.argmax(amplitudes))
         frequency = _frequency(motion.times, lateral[:, most]) if ending in ("cycle", "unsettled") else float("nan")
-        cycle = Cycle(speed, branch, amplitudes, frequency, held, ending, message)
+        remark = contact_words(zip(monitor.wheels, map(int, said), strict=True), law.vehicle)
+        cycle = Cycle(speed, branch, amplitudes, frequency, held, ending, message, remark)
         self.found.append(cycle)
         self.report(speed)
         return cycle, (q, q_t)

@@ -5,9 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from wrsim.analysis.motion.derailment import overlap, wheels_of
 from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.outcomes import NoSteadyMotion
 from wrsim.analysis.motion.overturning import pushed
 from wrsim.analysis.motion.start import shifts
+from wrsim.analysis.motion.words import contact_words, steady_words
+from wrsim.core.contact.records import STATUS_TOO_DEEP
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.scenario.sections.run import RunPlan
@@ -40,6 +44,8 @@ class RollingVehicle:
         else:
             self.law = force_law(self.setup)
         self._last: tuple[Array, Array] | None = None
+        self.remark = ""
+        """What the contacts of the state found last have to say."""
 
     def state(self, speed: float) -> tuple[Array, Array]:
         """The steady state (q, q_t) at a speed [m/s]. Raises SimulationError when there is none."""
@@ -53,6 +59,11 @@ class RollingVehicle:
                 raise
             found = self._from_design()
         self._last = found.q, found.q_t
+        law.at(0.0, found.q, found.q_t)
+        wheels = wheels_of(law)
+        if any(wheel.status & STATUS_TOO_DEEP for wheel in wheels):
+            raise SimulationError(steady_words(NoSteadyMotion(overlap(wheels)), law.vehicle))
+        self.remark = contact_words(((wheel, wheel.status) for wheel in wheels), law.vehicle)
         return found.q.copy(), found.q_t.copy()
 
     def _from_design(self) -> Equilibrium:
@@ -62,7 +73,7 @@ class RollingVehicle:
         for shift in shifts(self.setup, pushed(self.setup, law.speed).left):
             try:
                 law.look_near(PLACE)
-                return steady_state(law, lower_on_rails(law, *design_state(law, lateral=float(shift))))
+                return steady_state(law, lower_on_rails(law, *design_state(law, lateral=shift)))
             except SimulationError as fault:
                 problems.append(fault)
         raise problems[0]

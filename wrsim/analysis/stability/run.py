@@ -11,6 +11,7 @@ import numpy as np
 from wrsim.analysis.stability.cycles import Cycle, CycleSearch, Interrupted
 from wrsim.analysis.stability.modes import Modes, critical, follow, modes_of
 from wrsim.analysis.stability.rolling import RollingVehicle
+from wrsim.contact.channels import remarks_channel
 from wrsim.results import Result, assemble
 from wrsim.simulation.modes import mode_name
 
@@ -49,6 +50,7 @@ def run_stability(setup: Setup[StabilityPlan], progress: Callable[[float, float]
         raise ValueError("the set-up has no stability plan")
     report = _Report(progress)
     found: list[Modes] = []
+    remarks: list[str] = []
     cycles: list[Cycle] = []
     outcome: dict[str, Any] = {}
     reason = ""
@@ -61,6 +63,7 @@ def run_stability(setup: Setup[StabilityPlan], progress: Callable[[float, float]
         share = SHARE_OF_MODES if plan.cycles else 1.0
         for i, speed in enumerate(plan.speeds):
             found.append(at(speed))
+            remarks.append(rolling.remark)
             report(share * 0.8 * (i + 1) / len(plan.speeds))
         worst = critical(at, found)
         outcome |= _critical_words(worst, found, vehicle)
@@ -73,7 +76,7 @@ def run_stability(setup: Setup[StabilityPlan], progress: Callable[[float, float]
         reason = f"interrupted by the user after modes at {len(found)} speeds and {len(cycles)} held speeds"
     else:
         report(1.0)
-    return _result(setup, found, cycles, outcome, reason)
+    return _result(setup, found, remarks, cycles, outcome, reason)
 
 
 def _cycles(
@@ -128,7 +131,12 @@ def _critical_words(worst: Modes | None, found: list[Modes], vehicle: Vehicle) -
 
 
 def _result(
-    setup: Setup[StabilityPlan], found: list[Modes], cycles: list[Cycle], outcome: dict[str, Any], reason: str
+    setup: Setup[StabilityPlan],
+    found: list[Modes],
+    remarks: list[str],
+    cycles: list[Cycle],
+    outcome: dict[str, Any],
+    reason: str,
 ) -> Result:
     most = max(len(m.values) for m in found)
     growth, frequency, damping = (np.full((len(found), most), np.nan) for _ in range(3))
@@ -143,6 +151,7 @@ def _result(
         names[i, :n] = [mode_name(setup.vehicle, shape) for shape in modes.shapes]
     channels: dict[str, Any] = {
         "pose_speed": [m.speed for m in found],
+        **remarks_channel(remarks),
         "growth_max": [m.largest for m in found],
         "mode_growth": growth,
         "mode_frequency": frequency,
@@ -150,6 +159,8 @@ def _result(
         "mode_branch": branch,
         "mode_name": names.astype(str),
     }
+    if any(c.remark for c in cycles):
+        channels["cycle_remark"] = np.array([c.remark for c in cycles])
     if cycles:
         channels |= {
             "cycle_speed": [c.speed for c in cycles],

@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wrsim.analysis.motion.derailment import wheels_of
 from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.outcomes import NoSteadyMotion
 from wrsim.analysis.motion.overturning import check_upright, resultant
 from wrsim.analysis.motion.start import enough, on_the_rails, start_state
-from wrsim.analysis.motion.words import steady_words
-from wrsim.contact.channels import RawContacts, patch_channels, wheel_channels
+from wrsim.analysis.motion.words import contact_words, steady_words
+from wrsim.contact.channels import RawContacts, patch_channels, remarks_channel, wheel_channels
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result, assemble
@@ -88,6 +89,7 @@ class _Table:
         count = len(self.vehicle.wheelsets)
         self.solved = np.zeros(n, dtype=bool)
         self.messages = [""] * n
+        self.remarks = [""] * n
         self.raw = [RawContacts.empty(n, 2, setup.contact.max_patches) for _ in range(count)]
         self.poses = np.full((n, count, 6), np.nan)
         self.left = np.full(n, np.nan)
@@ -111,6 +113,7 @@ class _Table:
         self._found.append(found)
         self.left[i] = found.left
         self._wheels = law.wheels
+        self.remarks[i] = contact_words(((wheel, wheel.status) for wheel in wheels_of(law)), self.vehicle)
         for w, (pair, mounted) in enumerate(zip(law.wheels, self.vehicle.wheelsets, strict=True)):
             for j, wheel in enumerate(pair):
                 self.raw[w].store(i, j, wheel.model)
@@ -136,6 +139,7 @@ class _Table:
             "cant_deficiency": [cant_deficiency(p, self.setup.track.cant_base) for p in points],
             "unbalanced": self.left[:n],
             "pose_message": np.array(self.messages[:n]),
+            **remarks_channel(self.remarks[:n]),
             "lateral_shift": lateral,
             "vertical_shift": height - radii,
             "yaw": yaw,

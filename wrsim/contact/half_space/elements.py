@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from wrsim.contact.half_space.influence import Compliance, Operator
 from wrsim.contact.half_space.normal import Pressure, solve_normal
-from wrsim.contact.half_space.status import MOST_ELEMENTS, MOST_ROWS
 from wrsim.contact.half_space.surface import Grid
 from wrsim.contact.half_space.zones import Box, Footprint
 from wrsim.contact.settings import HalfSpaceSettings
+from wrsim.contact.status import MOST_ELEMENTS, MOST_ROWS
 from wrsim.core.contact.wheel_rail import DEEPEST
 
 Array = NDArray[np.float64]

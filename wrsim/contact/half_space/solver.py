@@ -13,7 +13,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.half_space import status as status_of
+from wrsim.contact import status as status_of
 from wrsim.contact.half_space.elements import Pressed, press
 from wrsim.contact.half_space.influence import Compliance
 from wrsim.contact.half_space.normal import Pressure, solve_normal

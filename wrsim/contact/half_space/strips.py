@@ -72,7 +72,7 @@ def write_contact(model: ContactModel, contact: HalfSpaceContact) -> None:
     for name, value in zip((*FORCE, *MOMENT), (*force, *moment), strict=True):
         total[name] = value
     total.lobes = total.patches = len(regions)
-    total.wear, total.closest = wear, contact.closest
+    total.wear, total.closest, total.status = wear, contact.closest, contact.status
 
 
 def element_fields(contact: HalfSpaceContact, most: int) -> list[ElementField]:

@@ -55,14 +55,15 @@ LOBE = record(
 )
 """A lobe of a patch. Forces act on the wheel; Mz is about the main point; wear is what creep dissipates [N]."""
 
-TOTAL = record("Ft Fo Fb Mt Mo Mb wear closest", "lobes patches")
+TOTAL = record("Ft Fo Fb Mt Mo Mb wear closest", "lobes patches status")
 """Force and moment on the wheel about its profile origin, wear number, closest distance; numbers of lobes and of
-patches (lobes that share a patch count once)."""
+patches (lobes that share a patch count once); sum of the STATUS bits."""
 
-STATUS_NOT_REFINED = 1
-STATUS_PROFILE_END = 2
-STATUS_TOO_DEEP = 4
+STATUS_NOT_REFINED = 1  # a main point was not found to round-off
+STATUS_PROFILE_END = 2  # contact reaches the end of a profile
+STATUS_TOO_DEEP = 4  # an overlap, not a contact
 STATUS_UNSETTLED = 8  # the strip model was not solved, a substitute stands for it
+"""`wrsim.contact.status` has the words for each, and every analysis says them."""
 
 
 class Pose(NamedTuple):

@@ -107,7 +107,8 @@ def results(buffer, index):
 def wheel_rail(buffer, index):
     """Contact of one wheel and one rail, the pose being set in the arena; see `Arrays`.
 
-    Forces act on the wheel; a lobe with N = 0 is none. Returns a status: 0, or a sum of the STATUS bits.
+    Forces act on the wheel; a lobe with N = 0 is none. Returns a status, which stands in ``total``, too: 0, or a sum of
+    the STATUS bits.
     """
     a = arrays(buffer, index)
     settings, lobes = a.settings[0], a.patches
@@ -132,6 +133,7 @@ def wheel_rail(buffer, index):
             _lay_lobe(wheel, rail, settings, lobes, count, i, a.strips[i])
         press(settings, pose, lobes, a.strips, count, a.work)
     _sum_up(a, pose, count)
+    a.total[0].status = status
     return status
 
 
@@ -165,6 +167,7 @@ def _search(a, wheel, rail):
     field = Field(a.field, settings.field_o, settings.field_b, settings.field_spacing)
     count, closest, status = find_contacts(wheel, rail, field, settings.stride, settings.hollow, a.found)
     total.closest = closest
+    total.status = status
     return count, status
 
 

@@ -34,6 +34,11 @@ class RunPlan:
         """Time of the run [s]; 0 at rest."""
         return (self.end - self.start) / self.speed if self.speed > 0.0 else 0.0
 
+    @property
+    def limited(self) -> bool:
+        """Whether the step that the file asks for may be too long for its integrator: its start has to tell."""
+        return self.integrator == "rk44" and self.step is not None and self.speed > 0.0
+
     def facts(self) -> dict[str, Any]:
         """What a user checks."""
         if self.speed == 0.0:

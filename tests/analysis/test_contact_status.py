@@ -1,0 +1,168 @@
+"""Whatever the kernels have to say of a contact, every analysis that can meet it says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+from support.runs import SCENARIOS, STEERING
+
+from wrsim.analysis import run
+from wrsim.analysis.compare import compare
+from wrsim.analysis.motion import monitor as monitors
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.monitor import MANY, Monitor
+from wrsim.analysis.motion.words import event_words
+from wrsim.analysis.resolve import resolve
+from wrsim.cli.compare import remarks_of
+from wrsim.contact.model import KernelArrays
+from wrsim.contact.status import NOT_CONVERGED, WORDS
+from wrsim.core.contact import records
+from wrsim.core.contact.records import STATUS_PROFILE_END, STATUS_TOO_DEEP, STATUS_UNSETTLED
+from wrsim.errors import SimulationError
+from wrsim.results import Result
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import Scenario, load
+from wrsim.simulation.state import design_state, lower_on_rails
+from wrsim.simulation.system import Work
+
+KERNEL_BITS = {name: bit for name, bit in vars(records).items() if name.startswith("STATUS_")}
+COARSE = {"contact.strips": 12, "contact.cells": 4}
+OVERLAP = "overlap by"
+
+
+def scenario(name: str, **values: object) -> Scenario:
+    keys = {key.replace("__", "."): value for key, value in values.items()}
+    return load(SCENARIOS / name).with_values(COARSE | keys)
+
+
+def wheelset(name: str, **values: object) -> Scenario:
+    return scenario(name, vehicle__model=STEERING, **values)
+
+
+@cache
+def solved() -> Result:
+    return run(poses())
+
+
+def poses() -> Scenario:
+    return scenario("static_s1002.toml", static__lateral_mm=0.0)
+
+
+def remarks(result: Result) -> str:
+    return " ".join(result.summary().get("remarks", {}).values())
+
+
+def messages(result: Result) -> str:
+    return " ".join(map(str, result.dataset["pose_message"].values)) + remarks(result)
+
+
+def events(result: Result) -> str:
+    stop = result.stop_reason or ""
+    return stop + " ".join(event["event"] for event in result.summary().get("events", []))
+
+
+ANALYSES: dict[str, Callable[[], str]] = {
+    "static": lambda: messages(run(poses())),
+    "equilibrium": lambda: events(run(scenario("equilibrium_s1002.toml"))),
+    "curving": lambda: events(run(wheelset("curve_r300.toml", run__distance_m=1.0, output__patches_at_m=[]))),
+    "steady": lambda: messages(run(wheelset("steady_manchester.toml", steady__radius_m=600, steady__speed_kmh=80))),
+    "stability": lambda: remarks(
+        run(wheelset("stability_manchester.toml", stability__speed_kmh=60, stability__nonlinear=False))
+    ),
+    "resolve": lambda: remarks(resolve(solved(), poses(), "kik-piotrowski")),
+    "compare": lambda: " ".join(
+        remarks_of(
+            compare(
+                wheelset("curve_r300.toml", run__distance_m=0.5, output__patches_at_m=[]),
+                ["kik-piotrowski", "kik-piotrowski+polach"],
+            )
+            .models[0]
+            .result
+        )
+    ),
+}
+
+
+def test_every_bit_of_the_kernels_has_words() -> None:
+    assert set(KERNEL_BITS.values()) <= set(WORDS)
+    assert all(bit.bit_count() == 1 for bit in WORDS)
+    assert len(KERNEL_BITS) == len(set(KERNEL_BITS.values()))
+
+
+@pytest.mark.parametrize("name", ANALYSES)
+def test_what_a_contact_has_to_say_is_said(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    solved()
+    status = sum(KERNEL_BITS.values()) - STATUS_TOO_DEEP + NOT_CONVERGED
+    monkeypatch.setattr(KernelArrays, "status", property(lambda self: status))
+    said = ANALYSES[name]()
+    assert [words for bit, words in WORDS.items() if bit & status and words not in said] == [], said
+
+
+@pytest.mark.parametrize("name", ANALYSES)
+def test_an_overlap_ends_a_run_and_is_no_steady_motion(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    solved()
+    monkeypatch.setattr(KernelArrays, "status", property(lambda self: STATUS_TOO_DEEP))
+    try:
+        said = ANALYSES[name]()
+    except SimulationError as refused:
+        said = str(refused)
+    assert OVERLAP in said
+
+
+@pytest.mark.parametrize("name", ANALYSES)
+def test_where_all_is_well_nothing_is_said(name: str) -> None:
+    assert ANALYSES[name]().strip() == ""
+
+
+def test_the_kernel_leaves_its_status_beside_its_numbers() -> None:
+    setup = build(wheelset("curve_r300.toml"))
+    law = force_law(setup)
+    q, q_t = lower_on_rails(law, *design_state(law))
+    law(0.0, q, q_t, np.zeros(law.size))
+    arrays = law.wheels[0][0].model.arrays
+    assert arrays.status == 0
+    q[0] -= 4e-3
+    law(0.0, q, q_t, np.zeros(law.size))
+    assert arrays.status & STATUS_TOO_DEEP
+    arrays.pose[2] += 1.0
+    assert arrays.call() == 0 == arrays.status
+
+
+def watch() -> tuple[Monitor, Work, np.ndarray, np.ndarray]:
+    """A monitor of a wheelset on straight track, the work it looks at, and the state."""
+    setup = build(wheelset("curve_r300.toml"))
+    law, work = force_law(setup), Work()
+    return Monitor(law, setup.plan.speed, work), work, *lower_on_rails(law, *design_state(law))
+
+
+def test_a_contact_s_event_says_where_and_how_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    monitor, _, q, q_t = watch()
+    monitor(0.0, q, q_t)
+    monkeypatch.setattr(KernelArrays, "status", property(lambda self: STATUS_PROFILE_END | STATUS_UNSETTLED))
+    for t in (0.1, 0.105):
+        q[1] += 0.1
+        monitor(t, q, q_t)
+    words = [event_words(event, monitor.law.vehicle) for event in monitor.events()]
+    assert f"the left wheel: {WORDS[STATUS_PROFILE_END]}, for 0.10 m, 5 ms" in words
+    assert f"the right wheel: {WORDS[STATUS_UNSETTLED]}, for 0.10 m, 5 ms" in words
+    assert list(monitor.said) == [STATUS_PROFILE_END | STATUS_UNSETTLED] * 2
+
+
+def test_steps_that_are_cut_are_an_event_and_told_at_once_when_there_are_many(caplog: pytest.LogCaptureFixture) -> None:
+    monitor, work, q, q_t = watch()
+    for i in range(MANY + 3):
+        work.cut_steps += i > 0
+        q[1] += 0.01
+        monitor(0.005 * i, q, q_t)
+        assert len(caplog.records) == (i >= MANY)
+    assert "cut again and again since t = 0.005 s, 0.02 m along the track" in caplog.text
+    assert monitors.log.name in caplog.text
+    (event,) = monitor.events()
+    words = event_words(event, monitor.law.vehicle)
+    assert words == f"time steps that Newton's method did not solve were cut into parts for 0.21 m, {5 * (MANY + 1)} ms"
+    other, *_ = watch()
+    other.recall(monitor.memory())
+    assert (other.events(), other.cut_steps) == (monitor.events(), MANY + 2)

@@ -1,0 +1,50 @@
+"""What contacts have to say beside their numbers: the kernels' status bits, those of the exact solver, and their words.
+
+A bit is said wherever its contact can be met: static and steady poses carry it in their message or their remark, runs
+and states of rest as an event, stability analyses as a remark at the speed; an overlap ends a run and is no steady
+motion.
+"""
+
+from __future__ import annotations
+
+from wrsim.contact.model import MOST_STRIPS
+from wrsim.core.contact.records import (
+    STATUS_NOT_REFINED,
+    STATUS_PROFILE_END,
+    STATUS_TOO_DEEP,
+    STATUS_UNSETTLED,
+)
+from wrsim.core.contact.wheel_rail import DEEPEST
+
+MOST_ELEMENTS = 200_000
+MOST_ROWS = MOST_STRIPS
+
+TOO_MANY = 64  # elements
+GRID_EDGE = 128  # contact reaches the edge of the grid
+NOT_CONVERGED = 256
+
+WORDS = {
+    STATUS_NOT_REFINED: "a main point of contact was not found to round-off",
+    STATUS_PROFILE_END: "contact reaches the end of a profile, which is continued straight there",
+    STATUS_TOO_DEEP: f"wheel and rail overlap by more than {1e3 * DEEPEST:g} mm",
+    STATUS_UNSETTLED: "the strip model was not solved: the forces are those of a substitute",
+    TOO_MANY: (
+        f"contact needs more than {MOST_ELEMENTS} elements or {MOST_ROWS} rows of them: give larger ones "
+        "(contact.half_space)"
+    ),
+    GRID_EDGE: "contact reaches the edge of the grid of elements",
+    NOT_CONVERGED: "pressures or tractions have not converged",
+}
+
+REMARKS = STATUS_NOT_REFINED | STATUS_PROFILE_END
+"""Bits of contacts that are solved nevertheless."""
+
+
+def bits_of(status: int) -> list[int]:
+    """The bits that are set."""
+    return [bit for bit in WORDS if status & bit]
+
+
+def status_words(status: int) -> str:
+    """What a status has to say, empty when all is well."""
+    return "; ".join(WORDS[bit] for bit in bits_of(status))
