@@ -13,9 +13,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 
 from wrsim.core.body.vehicle_forces import vehicle_forces
+from wrsim.core.compiling import kernel
 from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.integrate import integrate
@@ -28,14 +28,14 @@ from wrsim.vehicle.wheelset import Wheel, Wheelset
 STEPS, STEP, REPEATS = 10_000, 5e-4, 7
 
 
-@njit(cache=True)
-def nothing(t, q, q_t, out):
+@kernel
+def nothing(t, q, q_t, out):  # type: ignore[no-untyped-def]
     """A compiled law without forces."""
     out[0] = 0.0
 
 
-@njit(cache=True)
-def loop(n, q, q_t, out, buffer, index):
+@kernel
+def loop(n, q, q_t, out, buffer, index):  # type: ignore[no-untyped-def]
     """n evaluations without Python in between."""
     total = 0.0
     for _ in range(n):

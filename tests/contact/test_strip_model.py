@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numba import njit
 from scipy.integrate import quad
 from support.allocations import allocations
 from support.contacts import (
@@ -27,6 +26,7 @@ from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.model import combined_modulus
 from wrsim.contact.strip_influence import influence_table
 from wrsim.contact.strip_influence import potential as potential_of
+from wrsim.core.compiling import kernel
 from wrsim.core.contact.records import STATUS_UNSETTLED
 from wrsim.core.contact.strips.influence import potential, primitives
 from wrsim.core.contact.wheel_rail import wheel_rail
@@ -210,7 +210,7 @@ def test_what_cannot_be_solved_is_bounded_counted_and_told():
     assert unsettled > 0
 
 
-@njit
+@kernel
 def repeat(n, *arguments):
     """Evaluations in a loop within compiled code."""
     for _ in range(n):

@@ -19,9 +19,11 @@ from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.contact.settings import ContactSettings, Friction, Tangential
 from wrsim.contact.strip_influence import influence_table
 from wrsim.core.contact import records as k
+from wrsim.core.contact.arrays import Arrays
+from wrsim.core.contact.stages import make_ready
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS, X
-from wrsim.core.contact.wheel_rail import Arrays, search, wheel_rail
+from wrsim.core.contact.wheel_rail import search, wheel_rail
 from wrsim.geometry.profile.distance_field import distance_field
 from wrsim.geometry.profile.profile import Profile
 
@@ -87,7 +89,10 @@ class ContactModel:
 
     @cached_property
     def inputs(self) -> Arrays:
-        """What the kernel's arena is packed from."""
+        """What the kernel's arena is packed from. From now on its stages can be run."""
+        make_ready(k.CONTACT, self.normal.kernel)
+        if TANGENTIAL[self.settings.creep_forces] != k.NO_CREEP_FORCES:
+            make_ready(k.CREEP_FORCES)
         return _inputs(self)
 
     @cached_property
@@ -120,7 +125,7 @@ class ContactModel:
 
 
 class KernelArrays:
-    """The arrays of an arena of one wheel on one rail by their names (core.contact.wheel_rail.Arrays), and the kernel
+    """The arrays of an arena of one wheel on one rail by their names (core.contact.arrays.Arrays), and the kernel
     that computes in them."""
 
     def __init__(self, arena: Arena, follows: bool) -> None:

@@ -7,13 +7,127 @@ function is typed once, wherever it is used (a quarter less time to compile than
 
 No fastmath: it would let the compiler drop tests for not-a-number. ``error_model="numpy"``: a division by zero gives
 infinity, as in C, instead of a test at every division.
+
+numba makes machine code of every function that another one calls, with wrappers for Python around it, and optimises it
+once more in every caller that it is linked into. Here what a kernel calls stays a *part*, as it was typed and lowered;
+the kernel that Python calls gathers its parts and is optimised, made and kept once, as a whole. So only kernels can
+call kernels. What is called by number (core.stages) is a whole of its own.
 """
 
-from numba import njit
+from typing import Any
+
+import numba
+from numba.core import compiler, event, types, typing
+from numba.core.codegen import JITCodeLibrary
+from numba.core.dispatcher import _FunctionCompiler
+from numba.core.environment import lookup_environment
+from numba.core.registry import CPUDispatcher
 
 from wrsim.core import CACHE
 
 KEPT = CACHE is not None
 
-kernel = njit(cache=KEPT, error_model="numpy")
-inlined = njit(cache=KEPT, error_model="numpy", forceinline=True)
+
+class Part(JITCodeLibrary):
+    """A function for others to take in: neither optimised as a whole nor made into machine code."""
+
+    def finalize(self):
+        self._raise_if_finalized()
+        self._finalized = True
+
+    def parts(self, found):
+        """Add this and all that it calls to ``found``, those that are called first, each of them once."""
+        for library in self._linking_libraries:
+            if isinstance(library, Part) and library not in found:
+                library.parts(found)
+            found[library] = None
+        found[self] = None
+
+
+class Whole(Part):
+    """A function that Python calls, with everything that it calls."""
+
+    def finalize(self):
+        found: dict[Any, None] = {}
+        self.parts(found)
+        del found[self]
+        # callers first: LLVM takes in nothing that is not called yet
+        self._linking_libraries = list(reversed(found))
+        super(Part, self).finalize()
+        for variable in self._final_module.global_variables:
+            environment = lookup_environment(variable.name)
+            if environment is not None:
+                self.codegen.set_env(variable.name, environment)
+
+
+class Compiler(_FunctionCompiler):
+    """Compiles into a library of this kind."""
+
+    library: type[Part] = Whole
+
+    def _compile_core(self, args, return_type):
+        description = self.targetdescr
+        flags = compiler.Flags()
+        description.options.parse_as_flags(flags, self.targetoptions)
+        flags.no_cfunc_wrapper = True
+        flags.no_cpython_wrapper = flags.no_compile = self.library is Part
+        library = self.library(description.target_context.codegen(), self.py_func.__qualname__)
+        library.enable_object_caching()
+        return compiler.compile_extra(
+            description.typing_context, description.target_context, self.py_func, args, return_type, flags,
+            self.locals, library, self.pipeline_class,
+        )  # fmt: skip
+
+
+class PartCompiler(Compiler):
+    """Compiles for other kernels."""
+
+    library = Part
+
+
+class Kernel(CPUDispatcher):
+    """A compiled function: whole where Python calls it, a part where another kernel does.
+
+    What a kernel is called with decides by its type, not by its value: numba compiles for every literal number anew.
+    """
+
+    def __init__(self, py_func, locals=None, targetoptions=None, pipeline_class=compiler.Compiler):
+        super().__init__(py_func, locals, targetoptions, pipeline_class)
+        given = py_func, self.targetdescr, self.targetoptions, self.locals, pipeline_class
+        self._compiler, self._part_compiler = Compiler(*given), PartCompiler(*given)
+        self._parts: dict[tuple[types.Type, ...], Any] = {}
+
+    def get_call_template(self, args, kws):
+        """What another kernel's types ask for: see numba's dispatcher."""
+        pysig, args = self._compiler.fold_argument_types(args, kws)
+        args = tuple(types.unliteral(one) for one in args)
+        name = self.py_func.__name__
+        template = typing.make_concrete_template(name, key=name, signatures=[self._part(args).signature])
+        return template, pysig, args, {}
+
+    def get_overload(self, sig):
+        """What stands for the part of these types in numba's registers."""
+        return self._part(tuple(sig)).fndesc
+
+    def _part(self, args):
+        if args not in self._parts:
+            with self._compiling_counter, event.trigger_event("numba:compile", {"dispatcher": self, "args": args}):
+                part = self._parts[args] = self._part_compiler.compile(args, None)
+            self.targetctx.insert_user_function(part.fndesc, part.fndesc, [part.library])
+        return self._parts[args]
+
+
+def _declared(**options):
+    def declare(function):
+        if numba.config.DISABLE_JIT:
+            return function
+        made = Kernel(function, targetoptions={"nopython": True, "error_model": "numpy", **options})
+        if KEPT:
+            made.enable_caching()
+        return made
+
+    return declare
+
+
+kernel = _declared()
+inlined = _declared(forceinline=True)

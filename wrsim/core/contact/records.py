@@ -29,8 +29,8 @@ depth, where strips begin; joint: lobes of a patch share recess and strips; proj
 NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6)
 """SETTINGS.tangential."""
 
-KIK_PIOTROWSKI, FREE_STRIPS = range(2)
-"""SETTINGS.normal; `wrsim.contact.models` lists the models."""
+KIK_PIOTROWSKI, FREE_STRIPS, CREEP_FORCES, CONTACT = range(4)
+"""Stages (core.contact.stages). The first two are SETTINGS.normal; `wrsim.contact.models` lists the models."""
 
 AFRESH, FROM_LAST = range(2)
 """SETTINGS.start of the strip model: afresh or from the last contact."""

@@ -1,0 +1,66 @@
+"""Kernels that others call by a number, through a table of addresses: `run`.
+
+What is called by its name is compiled into its caller. A stage is compiled once, by itself, and only when it is asked
+for (``make_ready``): the contact is not in the machine code of a vehicle, a normal model that nobody chose is in none.
+The table belongs to the process and compiled code knows it by the name of a symbol, so that numbers stand in the
+arenas and in the cache, never addresses. A number that was not made ready must not be run: there is no address yet.
+"""
+
+from typing import Any
+
+import numba
+import numpy as np
+from llvmlite import binding, ir
+from numba import types
+from numba.extending import intrinsic
+
+MOST = 8
+SYMBOL = "wrsim_stages"
+ARGUMENTS = types.float64[::1], types.int64[:, ::1]
+"""Of every stage: the buffer and the index of an arena. It returns a status."""
+
+_addresses = np.zeros(MOST, np.int64)
+_stages: dict[int, Any] = {}
+binding.add_symbol(SYMBOL, _addresses.ctypes.data)
+
+
+def make_ready(number, kernel):
+    """From now on ``run(number, ...)`` runs this kernel; compiles it, or takes it from the cache."""
+    if _stages.get(number) is kernel:
+        return
+    if not numba.config.DISABLE_JIT:
+        kernel.compile(ARGUMENTS)
+        found = kernel.overloads[ARGUMENTS]
+        if types.unliteral(found.signature.return_type) != types.int64:
+            raise TypeError(f"the stage {kernel.__name__} returns {found.signature.return_type}, not a status")
+        _addresses[number] = found.library.get_pointer_to_function(found.fndesc.llvm_func_name)
+    _stages[number] = kernel
+
+
+def _run(number, buffer, index):
+    """Run a stage in an arena; returns its status."""
+    return _stages[number](buffer, index)
+
+
+def _call(context, builder, signature, args):
+    """Code for a call of the address that stands in the table under a number."""
+    number, *arena = args
+    word = ir.IntType(64)
+    table = builder.module.globals.get(SYMBOL)
+    if table is None:
+        table = ir.GlobalVariable(builder.module, ir.ArrayType(word, MOST), SYMBOL)
+    convention = context.call_conv
+    kind = convention.get_function_type(types.int64, ARGUMENTS)
+    address = builder.load(builder.gep(table, [word(0), number]))
+    called = builder.inttoptr(address, kind.as_pointer())
+    _, status = convention.call_function(builder, called, types.int64, ARGUMENTS, arena)
+    return status
+
+
+@intrinsic
+def _run_compiled(_context, number, buffer, index):
+    """As `_run`."""
+    return types.int64(types.int64, *ARGUMENTS), _call
+
+
+run = _run if numba.config.DISABLE_JIT else _run_compiled
