@@ -119,7 +119,7 @@ ANALYSES = {
             name="stability",
             tables={"stability": "wrsim.scenario.sections.stability:StabilitySection"},
             run="wrsim.analysis.stability.run:run_stability",
-            **_shown_by("stability", "wrsim.cli.studies:print_stability"),
+            **_shown_by("stability", "wrsim.cli.stability:print_stability"),
             own_track=True,
             conical=True,
         ),
@@ -127,7 +127,7 @@ ANALYSES = {
             name="steady",
             tables={"steady": "wrsim.scenario.sections.steady:SteadySection"},
             run="wrsim.analysis.steady.steady:run_steady",
-            **_shown_by("steady", "wrsim.cli.studies:print_steady"),
+            **_shown_by("steady", "wrsim.cli.stability:print_steady"),
             own_track=True,
         ),
     )

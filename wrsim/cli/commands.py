@@ -17,7 +17,7 @@ from wrsim.cli.assessing import assess
 from wrsim.cli.compare import compare
 from wrsim.cli.conicity import conicity
 from wrsim.cli.ending import INTERRUPTED, any_output, exit_code, reporting_errors, usage_as_json
-from wrsim.cli.options import BesideResult, Force, Json, Models, beside, check_ending
+from wrsim.cli.options import BesideResult, Force, Json, Models, Set, beside, check_ending, with_set
 from wrsim.cli.report import report
 from wrsim.cli.resolve import resolve
 from wrsim.cli.riding import ride
@@ -46,6 +46,7 @@ from wrsim.cli.storing import (
     write,
     writing,
 )
+from wrsim.cli.study import study
 from wrsim.cli.track import track
 from wrsim.cli.vehicle import vehicle
 from wrsim.errors import InputError
@@ -87,14 +88,14 @@ def _common(
 
 
 @app.command()
-def check(file: ScenarioFile, models: Models = None, as_json: Json = False) -> None:
+def check(file: ScenarioFile, values: Set = None, models: Models = None, as_json: Json = False) -> None:
     """Check a scenario and all the files it names, without running it."""
     with reporting_errors(as_json):
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
         from wrsim.scenario.plausibility import warnings
 
-        scenario = load(file, models or ())
+        scenario = with_set(load(file, models or ()), values or ())
         setup = build(scenario)
         if getattr(setup.plan, "limited", False):
             from wrsim.analysis import check_step
@@ -115,6 +116,7 @@ def run(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>.")
     ] = None,
+    values: Set = None,
     models: Models = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the run in DIR that was cut off or interrupted.")
@@ -132,7 +134,7 @@ def run(
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
 
-        scenario = load(file, models or ())
+        scenario = with_set(load(file, models or ()), values or ())
         setup = build(scenario)  # what cannot run leaves nothing behind
         if quiet:
             logging.getLogger("wrsim").setLevel(logging.ERROR)
@@ -285,5 +287,6 @@ app.command()(report)
 app.command()(resolve)
 app.command()(conicity)
 app.command()(ride)
+app.command()(study)
 app.command()(track)
 app.command()(vehicle)

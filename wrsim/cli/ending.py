@@ -6,7 +6,8 @@ The message goes to stderr, with ``--json`` one JSON object to stdout.
 0    done
 1    the result could not be written: full disk, no permission
 2    bad input: a file, a key, a value, an argument
-3    the run stopped early; what was computed is on disk
+3    the run stopped early, cases of a study have no result; what was computed is on disk
+4    two results differ by more than allowed (``wrsim diff``)
 70   a mistake in wrsim itself; WRSIM_DEBUG=1 shows where
 130  interrupted with Ctrl-C; what was computed is on disk
 ==== ==================================================================
@@ -30,7 +31,7 @@ from wrsim.errors import WrsimError
 if TYPE_CHECKING:
     from wrsim.results import Result
 
-STOPPED, INTERNAL, INTERRUPTED = 3, 70, 130
+STOPPED, DIFFERENT, INTERNAL, INTERRUPTED = 3, 4, 70, 130
 FULL_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 DEBUG = "WRSIM_DEBUG"
 

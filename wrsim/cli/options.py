@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from wrsim.errors import InputError
+
+if TYPE_CHECKING:
+    from wrsim.scenario.loading import Scenario
 
 Models = Annotated[
     list[Path] | None,
     typer.Option("--models", metavar="DIR", help="Folder with model files of your own; may be given again."),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")]
+Set = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", "-s", metavar="KEY=VALUE", help="Change a key: vehicle.speed_kmh=60, track.segments[2].radius_m=250."
+    ),
+]
 Force = Annotated[
     bool, typer.Option("--force", help="Write also over files that wrsim did not write, or that were changed since.")
 ]
@@ -30,6 +40,18 @@ AnyResult = Annotated[
     Path, typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off.")
 ]
 BesideResult = Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: beside the result.")]
+
+
+def with_set(scenario: Scenario, asked: Sequence[str]) -> Scenario:
+    """The scenario with the keys of ``--set`` changed: values as in TOML, bare words are texts. Raises InputError."""
+    from wrsim.inputs.toml_files import parse_value
+
+    for words in asked:
+        key, equals, value = words.partition("=")
+        if not equals or not key.strip() or not value.strip():
+            raise InputError(f"--set {words}: must be key=value, such as vehicle.speed_kmh=60")
+        scenario = scenario.with_values({key.strip(): parse_value(value.strip())}, f"--set {words}")
+    return scenario
 
 
 def beside(result: Path) -> Path:

@@ -140,8 +140,8 @@ class Section(BaseModel):
             near = nearest(key, allowed) or nearest(_stem(key), list(stems))
             meant = stems.get(near, near) if near else None
         if meant is not None:
-            unit = _unit(meant)
-            in_unit = f" (in {UNITS[unit]})" if unit and unit != _unit(key) else ""
+            unit = unit_of(meant)
+            in_unit = f" (in {UNITS[unit]})" if unit and unit != unit_of(key) else ""
             if meant in raw:
                 return f"unknown key; '{meant}'{in_unit} is given already", meant
             return f"unknown key; did you mean '{meant}'{in_unit}?", meant
@@ -222,7 +222,7 @@ def _choice_of_table(base: Any, error: Any, place: KeyPath, header: str) -> Init
     return _detail(FAULT, f"must be {choice(allowed, entry[by])}", (*place, by), entry[by])
 
 
-def _unit(key: str) -> str:
+def unit_of(key: str) -> str:
     """Unit ending of a key, longest first; empty if it has none."""
     for unit in sorted(UNITS, key=len, reverse=True):
         if key.endswith("_" + unit) or key.lower().endswith("_" + unit.lower()):
@@ -231,7 +231,7 @@ def _unit(key: str) -> str:
 
 
 def _stem(key: str) -> str:
-    unit = _unit(key)
+    unit = unit_of(key)
     return key[: -len(unit) - 1].lower() if unit else key.lower()
 
 

@@ -67,6 +67,17 @@ def noting_reads() -> Iterator[dict[Path, str]]:
         yield noted
     finally:
         _READ.reset(before)
+        if before is not None:
+            before.update(noted)  # whoever notes around this sees them as well
+
+
+def parse_value(text: str) -> Any:
+    """The value of a key as it is written in TOML; a text that is none, such as a bare word, stands for itself."""
+    try:
+        found = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return found["value"] if len(found) == 1 else text  # more keys: a line break in the text
 
 
 def parse_toml(text: str, name: str) -> dict[str, Any]:

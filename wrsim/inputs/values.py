@@ -49,7 +49,7 @@ def refuse(message: str) -> PydanticCustomError:
     return PydanticCustomError("fault", message)  # type: ignore[arg-type]
 
 
-def _spread(value: Any) -> Any:
+def spread(value: Any) -> Any:
     """A number or a range as the numbers it stands for; the end of a range is kept if met within 1e-9 of a step."""
     if not isinstance(value, dict):
         return value if isinstance(value, (list, tuple)) else (value,)
@@ -75,7 +75,7 @@ List = Annotated[tuple[T, ...], Field(strict=False)]
 Series = Annotated[
     tuple[T, ...],
     Field(strict=False, min_length=1, description="{each}, a list of such numbers, or {from = .., to = .., step = ..}"),
-    BeforeValidator(_spread),
+    BeforeValidator(spread),
 ]
 """One or many numbers: a number, a list, or a range."""
 Two = Annotated[tuple[T, T], Field(strict=False)]

@@ -92,18 +92,26 @@ class Scenario:
             message = str(error)
             raise InputError(f"{message}\nnamed by {named}" if "\n" in message else f"{message} ({named})") from None
 
-    def with_values(self, values: Mapping[str, Any]) -> Scenario:
+    @property
+    def tables(self) -> dict[str, Any]:
+        """The tables of the whole as they stand in `text`."""
+        return self._merged.data
+
+    def with_values(self, values: Mapping[str, Any], owner: str = "new value") -> Scenario:
         """Return the scenario with some keys changed, checked again.
 
         ``values`` maps dotted keys to values in the file's units: ``{"vehicle.speed_kmh": 60}``; places in
-        lists stand in brackets: ``"track.segments[2].radius_m"``. Numbers and arrays of numpy will do. Raises
-        InputError like `load`.
+        lists stand in brackets: ``"track.segments[2].radius_m"``. Numbers and arrays of numpy will do.
+        owner: from where the values come, for messages. Raises InputError like `load`.
         """
         data, owners = self._merged.data, dict(self._merged.owners)
         for key, value in values.items():
-            path = _keys(key)
-            data = _changed(data, path, _plain(key, value))
-            owners[path] = "new value"
+            try:
+                path = _keys(key)
+                data = _changed(data, path, _plain(key, value))
+            except InputError as error:
+                raise InputError(f"{owner}: {error}") from None
+            owners[path] = owner
         merged = replace(self._merged, data=data, text=write_toml(data), owners=owners)
         return Scenario(check(ScenarioFile, data, merged.locate), merged.text, self.path, self.finder, merged)
 

@@ -1,0 +1,338 @@
+"""A study survives the death of its workers and of itself, and comes to the same numbers whoever computes them."""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from distributed import Client
+from support.runs import SCENARIOS
+from support.studies import AXES, study_file
+from typer.testing import CliRunner
+
+from wrsim.cli import app
+from wrsim.errors import InputError
+from wrsim.results import Result, write_atomically
+from wrsim.results.ledger import Keeper, digest_of, keeping
+from wrsim.study import task
+from wrsim.study.cluster import ONE_THREAD, local_workers, slurm_cluster, workers_at
+from wrsim.study.collect import collected, markers_of, rows_of_cases
+from wrsim.study.engine import execute, kinds, missing
+from wrsim.study.plan import PLAN, Plan, planned
+from wrsim.study.task import Marker, compile_for, run_case
+
+runner = CliRunner()
+
+
+def plan_of(file: Path, folder: Path) -> Plan:
+    """The plan of a study file, written where workers find it."""
+    plan, reads = planned(file, folder)
+    with keeping(Keeper(reads)):
+        write_atomically(folder / PLAN, plan.dumped())
+    return plan
+
+
+def in_this_process(plan: Plan) -> None:
+    """All cases one after the other, without any cluster."""
+    for i in missing(plan):
+        run_case(plan.folder, digest_of(plan.dumped()), i)
+
+
+def results(plan: Plan) -> tuple[xr.Dataset, list[list[str]]]:
+    """What a study comes to."""
+    markers = markers_of(plan)
+    return collected(plan, markers), rows_of_cases(plan, markers)
+
+
+def markers(plan: Plan) -> list[Marker]:
+    """All markers; every case has one."""
+    found = markers_of(plan)
+    assert all(found)
+    return [m for m in found if m is not None]
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Client]:
+    """One worker in a process of its own; more on demand."""
+    with local_workers(1) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def serial(cluster: Client, tmp_path_factory: pytest.TempPathFactory) -> Plan:
+    """The study, computed by one worker: what all others have to come to. Kernels are compiled by then."""
+    folder = tmp_path_factory.mktemp("serial")
+    plan = plan_of(study_file(folder), folder / "out")
+    compile_for(plan.scenario(plan.cases[0]))
+    execute(cluster, plan, missing(plan))
+    return plan
+
+
+@pytest.fixture(scope="module")
+def workers(serial: Plan, cluster: Client) -> Client:
+    """Two workers."""
+    cluster.cluster.scale(2)
+    cluster.wait_for_workers(2)
+    return cluster
+
+
+def test_workers_have_one_thread_each(workers: Client) -> None:
+    def threads() -> dict[str, str | None]:
+        return {name: os.environ.get(name) for name in ONE_THREAD}
+
+    assert set(workers.nthreads().values()) == {1}
+    assert all(own == ONE_THREAD for own in workers.run(threads).values())
+
+
+def test_two_workers_one_of_which_is_killed_come_to_the_numbers_of_one_worker(
+    serial: Plan, workers: Client, tmp_path: Path
+) -> None:
+    plan = plan_of(study_file(tmp_path), tmp_path / "out")
+    before = workers.run(os.getpid)
+    with ThreadPoolExecutor(1) as thread:
+        running = thread.submit(execute, workers, plan, missing(plan))
+        while len(missing(plan)) > 4:  # in the midst of it
+            time.sleep(0.05)
+        os.kill(random.Random(7).choice(sorted(before.values())), signal.SIGKILL)
+        running.result(timeout=300.0)
+    assert missing(plan) == []
+    (ours, our_rows), (theirs, their_rows) = results(plan), results(serial)
+    assert our_rows == their_rows
+    xr.testing.assert_identical(ours, theirs)
+    assert set(ours["status"].values.ravel()) == {"completed"}
+    assert set(workers.run(os.getpid).values()) != set(before.values())  # one of them is a new one
+
+
+def test_the_same_study_twice_runs_nothing(serial: Plan) -> None:
+    times = [m.began for m in markers(serial)]
+    file = Path(serial.folder).parent / "study.toml"
+    answer = runner.invoke(app, ["study", str(file), "-o", serial.folder])
+    assert answer.exit_code == 0, answer.output
+    assert "6 cases, 6 of them known already" in answer.output
+    assert [m.began for m in markers(serial)] == times
+    names = {p.name for p in Path(serial.folder).iterdir()}
+    assert {"study.nc", "study.csv", "times.csv", "study.json", "curves.png", "maps.png"} <= names
+    stored = xr.open_dataset(Path(serial.folder) / "study.nc", engine="h5netcdf").load()
+    assert stored.sizes == {"friction": 2, "speed_kmh": 3}
+    assert stored["Y_over_Q_max"].dims == ("friction", "speed_kmh")
+    assert stored["speed_kmh"].values.tolist() == [40.0, 45.0, 50.0]
+
+
+def test_outputs_of_a_case_are_those_of_its_result(serial: Plan) -> None:
+    dataset, _ = results(serial)
+    case = serial.cases[4]
+    at = dataset.isel(friction=case.place[0], speed_kmh=case.place[1])
+    kept = Result.load(serial.folder_of(case))
+    assert at["Q_min_kN"].item() == pytest.approx(kept.dataset["Q"].min().item() / 1e3, rel=1e-12)
+    assert at["Y_over_Q_max"].item() == pytest.approx(kept.dataset["Y_over_Q"].max().item(), rel=1e-12)
+    assert kept.dataset.attrs["title"] == "Friction and speed: friction 0.3, speed_kmh 45"
+
+
+def test_a_study_that_is_killed_goes_on_where_it_was(serial: Plan, workers: Client, tmp_path: Path) -> None:
+    """The process of the study and all of its workers die; a case that was under way goes on from its part file."""
+    out = tmp_path / "out"
+    one = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 45")
+    file = study_file(tmp_path, one, seconds=6.0)
+    plan, _ = planned(file, out)
+    command = [sys.executable, "-m", "wrsim", "study", str(file), "-o", str(out), "--workers", "2", "-q"]
+    process = subprocess.Popen(command, start_new_session=True)
+    parts = [plan.folder_of(case) / task.PART for case in plan.cases]
+    until = time.monotonic() + 240.0
+    while not any(p.exists() and p.stat().st_size > 40_000 for p in parts):  # some checkpoints
+        assert process.poll() is None and time.monotonic() < until
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    left = missing(plan)
+    assert left
+    execute(workers, plan, left)
+    found = markers(plan)
+    assert any(m.resumed for m in found)
+    assert {m.status for m in found} == {"completed"}
+    uncut = plan_of(file, tmp_path / "uncut")
+    execute(workers, uncut, missing(uncut))
+    assert [m.numbers for m in found] == [m.numbers for m in markers(uncut)]  # to the bit
+
+
+def test_more_values_run_only_what_is_new(serial: Plan, tmp_path: Path) -> None:
+    more = AXES.replace("[0.1, 0.3]", "[0.1, 0.3, 0.2]")
+    plan, _ = planned(study_file(tmp_path, more), Path(serial.folder))
+    assert [plan.cases[i].place[0] for i in missing(plan)] == [2, 2, 2]
+
+
+def test_other_outputs_are_taken_from_kept_results(serial: Plan, tmp_path: Path) -> None:
+    shutil.copytree(serial.folder, tmp_path / "out")
+    asked = """
+[outputs]
+summary = ["wheelsets.wheelset.wheels.left.Q_max_kN"]
+hook = "outputs.py:numbers"
+[[outputs.channels]]
+channel = "Y"
+reduce = "percentile"
+percentile = 95
+wheel = "right"
+from_m = 41
+"""
+    (tmp_path / "outputs.py").write_text("def numbers(result):\n    return {'samples': result.dataset.sizes['time']}\n")
+    plan = plan_of(study_file(tmp_path, more=asked), tmp_path / "out")
+    began = [m.began for m in markers(serial)]
+    in_this_process(plan)
+    dataset, _ = results(plan)
+    assert [m.began for m in markers(plan)] == began  # nothing ran
+    kept = Result.load(plan.folder_of(plan.cases[0])).dataset
+    own = kept["Y"].sel(wheel="right").values[kept["distance"].values >= 41.0]
+    assert dataset["Y_right_p95_kN"].values[0, 0] == pytest.approx(np.percentile(own, 95) / 1e3, rel=1e-12)
+    assert dataset["samples"].values[0, 0] == kept.sizes["time"]
+    assert dataset["wheelsets_wheelset_wheels_left_Q_max_kN"].values[0, 0] == pytest.approx(
+        kept["Q"].sel(wheel="left").max().item() / 1e3
+    )
+
+
+def test_a_file_that_changes_gives_its_cases_other_names(tmp_path: Path) -> None:
+    shipped = (SCENARIOS.parent / "models/vehicles/wheelset_s1002_steering.toml").read_text()
+    (tmp_path / "own.toml").write_text(shipped)
+    axes = AXES + '[[vary]]\nkind = "grid"\nkey = "vehicle.model"\nvalues = ["own.toml"]\n'
+    first, _ = planned(study_file(tmp_path, axes), tmp_path / "out")
+    second, _ = planned(study_file(tmp_path, axes.replace("[0.1, 0.3]", "[0.3, 0.1]")), tmp_path / "out")
+    (tmp_path / "own.toml").write_text(shipped + "# edited\n")
+    third, _ = planned(study_file(tmp_path, axes), tmp_path / "out")
+    names = [{case.name for case in plan.cases} for plan in (first, second, third)]
+    assert names[0] == names[1]  # in another order
+    assert not names[0] & names[2]
+
+
+def test_a_wheelset_that_derails_is_a_result_and_what_cannot_start_is_an_entry(tmp_path: Path) -> None:
+    axes = '[[vary]]\nkind = "csv"\nfile = "rows.csv"\n'
+    rows = "id,vehicle.speed_kmh,run.start_distance_m\nfast,150,30\ntoo fast,250,60\n"
+    (tmp_path / "rows.csv").write_text(rows)
+    plan = plan_of(study_file(tmp_path, axes, seconds=1.6), tmp_path / "out")
+    in_this_process(plan)
+    dataset, _ = results(plan)
+    assert dataset["vehicle.speed_kmh"].values.tolist() == [150.0, 250.0]
+    fast, start = (dataset.sel(case=name) for name in ("fast", "too fast"))
+    assert fast["status"].item() == "derailed", fast["message"].item()
+    assert np.isfinite(fast["Y_over_Q_max"].item())
+    assert start["status"].item() == "failed" and "no steady motion to start from" in start["message"].item()
+    assert np.isnan(start["Y_over_Q_max"].item())
+    answer = runner.invoke(app, ["study", str(tmp_path / "study.toml"), "-o", plan.folder, "--no-pictures"])
+    assert answer.exit_code == 3 and "1 derailed, 1 failed" in answer.output
+
+
+def test_a_case_that_takes_too_long_is_ended_and_goes_on_with_more_time(tmp_path: Path) -> None:
+    one = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 40")
+    short = plan_of(study_file(tmp_path, one, "[cases]\ntime_limit_s = 1\n", seconds=14.0), tmp_path / "out")
+    in_this_process(short)
+    (late,) = markers(short)
+    if late.status == "completed":
+        pytest.skip("this machine is too fast for the limit of this test")
+    assert late.status == "out of time" and "time_limit_s" in late.message
+    assert missing(short) == []
+    longer = plan_of(study_file(tmp_path, one, "[cases]\ntime_limit_s = 500\n", seconds=14.0), tmp_path / "out")
+    in_this_process(longer)
+    (done,) = markers(longer)
+    assert done.status == "completed" and done.resumed
+
+
+def test_a_hook_that_hangs_costs_its_worker_and_not_the_study(
+    workers: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "hang.py").write_text("import time\n\ndef numbers(result):\n    time.sleep(1e6)\n")
+    one = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 40")
+    more = '[outputs]\nhook = "hang.py:numbers"\n[cases]\ntime_limit_s = 5\n'
+    plan = plan_of(study_file(tmp_path, one, more, seconds=0.1), tmp_path / "out")
+    execute(workers, plan, missing(plan))
+    (marker,) = markers(plan)
+    assert marker.status == "out of time" and "did not answer" in marker.message
+    assert "hang.py" in (plan.folder_of(plan.cases[0]) / "last_hung.txt").read_text()
+
+
+def test_an_output_that_cannot_be_had_stops_the_study_at_its_first_case(workers: Client, tmp_path: Path) -> None:
+    more = '[outputs]\nsummary = ["wheelsets.wheelset.wheels.left.Q_maxx_kN"]\n'
+    plan = plan_of(study_file(tmp_path, more=more), tmp_path / "out")
+    with pytest.raises(InputError, match=r"\"Q_maxx_kN\" is not in the summary; there is .*did you mean 'Q_max_kN'"):
+        execute(workers, plan, missing(plan))
+
+
+def test_one_case_stands_for_every_set_of_kernels(tmp_path: Path) -> None:
+    axes = AXES + '[[vary]]\nkind = "grid"\nkey = "contact.tangential"\nvalues = ["fastsim", "polach"]\n'
+    plan, _ = planned(study_file(tmp_path, axes), tmp_path / "out")
+    first = kinds(plan, range(len(plan.cases)))
+    assert [plan.cases[i].values["contact.tangential"] for i in first] == ["fastsim", "polach"]
+
+
+def test_samples_are_the_same_for_the_same_seed_and_fill_their_ranges(tmp_path: Path) -> None:
+    axes = """
+[[vary]]
+kind = "KIND"
+samples = 16
+seed = 3
+[[vary.over]]
+key = "contact.friction"
+low = 0.1
+high = 0.5
+[[vary.over]]
+key = ["vehicle.radius_left_mm", "vehicle.radius_right_mm"]
+mean = 460
+deviation = 0.5
+"""
+    for kind in ("sobol", "latin-hypercube"):
+        file = study_file(tmp_path, axes.replace("KIND", kind))
+        first, _ = planned(file, tmp_path / "out")
+        again, _ = planned(file, tmp_path / "out")
+        assert [c.name for c in first.cases] == [c.name for c in again.cases]
+        friction = np.array([c.values["contact.friction"] for c in first.cases])
+        assert sorted((friction - 0.1) // 0.025) == list(range(16))  # one in every sixteenth
+        radius = np.array([c.values["vehicle.radius_left_mm"] for c in first.cases])
+        assert all(c.values["vehicle.radius_right_mm"] == r for c, r in zip(first.cases, radius, strict=True))
+        assert abs(np.mean(radius) - 460.0) < 0.1 and 0.3 < np.std(radius) < 0.7
+        other, _ = planned(study_file(tmp_path, axes.replace("KIND", kind).replace("seed = 3", "seed = 4")), tmp_path)
+        assert {c.name for c in other.cases}.isdisjoint(c.name for c in first.cases)
+
+
+def test_a_dry_run_lists_cases_and_foretells_the_time(serial: Plan) -> None:
+    file = Path(serial.folder).parent / "study.toml"
+    answer = runner.invoke(app, ["study", str(file), "-o", serial.folder, "--dry-run"])
+    assert answer.exit_code == 0, answer.output
+    assert "friction 0.1, speed_kmh 40" in answer.output and "6 cases, 0 to run" in answer.output
+    elsewhere = Path(serial.folder).parent / "elsewhere"
+    answer = runner.invoke(app, ["study", str(file), "-o", str(elsewhere), "--dry-run"])
+    assert answer.exit_code == 0, answer.output
+    assert "6 cases, 6 to run" in answer.output and "one case takes" in answer.output
+    assert not elsewhere.exists()
+
+
+def test_jobs_of_slurm_have_one_thread() -> None:
+    pytest.importorskip("dask_jobqueue")
+    with slurm_cluster() as cluster:
+        script = cluster.job_script()
+    assert "#SBATCH --cpus-per-task=1" in script and "--nthreads 1" in script
+    assert all(f"export {name}=1" in script for name in ONE_THREAD)
+
+
+def test_nobody_at_the_address_of_the_scheduler_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wrsim.study.cluster.WAIT", 1)
+    with (
+        pytest.raises(InputError, match=r"--scheduler tcp://127\.0\.0\.1:9: no dask scheduler answers there"),
+        workers_at("tcp://127.0.0.1:9"),
+    ):
+        pass
+
+
+def test_four_workers_come_to_the_numbers_of_one(serial: Plan, workers: Client, tmp_path: Path) -> None:
+    workers.cluster.scale(4)
+    workers.wait_for_workers(4)
+    plan = plan_of(study_file(tmp_path), tmp_path / "out")
+    execute(workers, plan, missing(plan))
+    assert len({m.process for m in markers(plan)}) == 4
+    assert results(plan)[1] == results(serial)[1]

@@ -1,0 +1,196 @@
+"""``wrsim study``: one scenario run many times with some keys varied, on as many workers as there are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wrsim.cli.ending import STOPPED, reporting_errors
+from wrsim.cli.options import Force, Json, Models, Pictures, Quiet
+from wrsim.cli.showing import complain, print_json, print_table, print_title, progress_bar, say
+from wrsim.errors import InputError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from wrsim.study.plan import Plan
+    from wrsim.study.task import Marker
+
+LISTED = 40
+"""Cases that are listed on the screen."""
+OUTPUTS = ("study.nc", "study.csv", "times.csv", "study.json", "plan.json")
+
+
+def study(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Study file (TOML).")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>.")
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers",
+            "-w",
+            metavar="N",
+            min=1,
+            help="Worker processes here, or jobs of SLURM; default: one a processor.",
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this dask scheduler.")
+    ] = None,
+    slurm: Annotated[
+        bool, typer.Option("--slurm", help="Run the workers as SLURM jobs (extra wrsim[cluster]).")
+    ] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="List the cases and the time they will take; run nothing.")
+    ] = False,
+    retry: Annotated[bool, typer.Option("--retry", help="Run again what failed, stopped or ran out of time.")] = False,
+    models: Models = None,
+    pictures: Pictures = True,
+    force: Force = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
+    with reporting_errors(as_json):
+        if scheduler is not None and (slurm or workers is not None):
+            raise InputError("--scheduler: its workers are there already: leave out --workers and --slurm")
+        from wrsim.results.ledger import Keeper, Ledger, keeping
+        from wrsim.study.collect import markers_of, report_of, write_study
+        from wrsim.study.engine import missing
+        from wrsim.study.plan import planned
+
+        directory = output if output is not None else Path("results") / file.stem
+        plan, reads = planned(file, directory, models or ())
+        if dry_run:
+            _foretell(plan, workers, as_json)
+            return
+        keeper = Keeper(reads, force)
+        with Ledger(directory).locked(), keeping(keeper):
+            keeper.check_folder(directory, OUTPUTS)
+            todo = missing(plan, retry)
+            if not quiet and not as_json:
+                kept = len(plan.cases) - len(todo)
+                say(f"{len(plan.cases)} cases" + (f", {kept} of them known already" if kept else ""))
+            try:
+                if todo:
+                    _run(plan, todo, workers, scheduler, slurm, quiet or as_json)
+            except KeyboardInterrupt:
+                write_study(plan, markers_of(plan), pictures=False)
+                raise KeyboardInterrupt(
+                    f"interrupted; what is done is safe in {directory}: start the study again to go on"
+                ) from None
+            markers = markers_of(plan)
+            files = write_study(plan, markers, pictures)
+        report = report_of(plan, markers)
+        failed = len(report["unfinished"])
+        if as_json:
+            print_json(
+                report | {"exit_code": STOPPED if failed else 0, "ran": len(todo), "files": [str(f) for f in files]}
+            )
+        else:
+            if not quiet:
+                print_study(report)
+                _say_other_code(markers)
+                say(f"{len(files)} files in {directory}")
+            if failed:
+                complain(f"{failed} of {len(plan.cases)} cases have no result; --retry runs them again")
+        if failed:
+            raise typer.Exit(STOPPED)
+
+
+def _run(plan: Plan, todo: Sequence[int], count: int | None, scheduler: str | None, slurm: bool, quiet: bool) -> None:
+    """Compile once, then let the workers do the cases."""
+    from wrsim.results import write_atomically
+    from wrsim.results.ledger import digest_of
+    from wrsim.study import cluster
+    from wrsim.study.engine import execute, kinds, warm_remotely
+    from wrsim.study.plan import PLAN
+    from wrsim.study.task import compile_for
+
+    content = plan.dumped()
+    write_atomically(Path(plan.folder) / PLAN, content)
+    first = kinds(plan, todo)
+    count = count or (1 if slurm else cluster.processors())
+    workers: AbstractContextManager[Client]
+    if scheduler is not None:
+        workers = cluster.workers_at(scheduler)
+    elif slurm:
+        workers = cluster.slurm_workers(count)
+    else:
+        for i in first:
+            compile_for(plan.scenario(plan.cases[i]))
+        workers = cluster.local_workers(min(count, len(todo)))
+    with workers as client, progress_bar(not quiet) as progress:
+        if scheduler is not None or slurm:
+            if slurm and not quiet:
+                say("waiting for the first job of SLURM")
+            client.wait_for_workers(1)
+            warm_remotely(client, plan, digest_of(content), first)
+        execute(client, plan, todo, progress)
+
+
+def _foretell(plan: Plan, count: int | None, as_json: bool) -> None:
+    """The cases, which are known already, and how long the rest will take."""
+    from wrsim.study.cluster import processors
+    from wrsim.study.collect import MISSING, markers_of
+    from wrsim.study.engine import missing
+    from wrsim.study.foretell import time_of_cases
+
+    markers, todo = markers_of(plan), missing(plan)
+    each, how = time_of_cases(plan, todo, markers)
+    count = count or processors()
+    total = each * len(todo) / min(count, max(len(todo), 1))
+    states = [MISSING if m is None else m.status for m in markers]
+    if as_json:
+        cases = [
+            {"case": c.name, "label": c.label, "values": c.values, "status": s}
+            for c, s in zip(plan.cases, states, strict=True)
+        ]
+        expected = {"of_one_case_s": each, "on_workers": count, "of_all_s": total}
+        print_json({"cases": cases, "missing": len(todo), "time": expected})
+        return
+    rows = [[c.name, c.label, s] for c, s in zip(plan.cases[:LISTED], states, strict=False)]
+    print_table(("case", "values", "state"), rows, title=plan.title, left=("case", "values", "state"))
+    if len(plan.cases) > LISTED:
+        say(f"... and {len(plan.cases) - LISTED} more; --json lists all")
+    say(f"{len(plan.cases)} cases, {len(todo)} to run")
+    if todo:
+        say(f"one case takes {in_time(each)} ({how}); on {count} workers the study takes {in_time(total)}")
+
+
+def in_time(seconds: float) -> str:
+    """A time in words."""
+    if seconds < 90.0:
+        return f"{seconds:.3g} s"
+    return f"{seconds / 60.0:.3g} min" if seconds < 5400.0 else f"{seconds / 3600.0:.3g} h"
+
+
+def print_study(report: dict[str, Any]) -> None:
+    """How the cases ended, and the range of every output."""
+    print_title(report["title"])
+    say(", ".join(f"{count} {status}" for status, count in report["status"].items()))
+    rows = [
+        [name, *(f"{own[n]:.5g}" for n in ("min", "median", "max")), own["unit"] if own["unit"] != "1" else ""]
+        for name, own in report["outputs"].items()
+    ]
+    if rows:
+        print_table(("output", "smallest", "median", "largest", "unit"), rows, left=("output", "unit"))
+    for entry in report["unfinished"][:LISTED]:
+        say(f"{entry['label']}: {entry['status']}: {entry['message']}")
+
+
+def _say_other_code(markers: Sequence[Marker | None]) -> None:
+    """Say so when results come from different states of wrsim."""
+    from wrsim.analysis.motion.record import code_digest
+
+    others = sum(m is not None and m.code not in ("", code_digest()) for m in markers)
+    if others:
+        complain(
+            f"{others} cases were computed by another state of wrsim's code; delete their folders to run them again"
+        )

@@ -1,0 +1,271 @@
+"""Pictures of a study: maps over two axes, families of curves, distributions, outputs against what was sampled.
+
+Only completed cases count; what derailed, or has no result, is marked where it lies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from math import ceil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from wrsim.inputs.section import UNITS
+from wrsim.plots.colours import GROUP_MARK, INK, QUIET, SERIES_COLOURS, STOP_COLOUR
+from wrsim.plots.style import FULL_WIDTH, headline, new_figure, pressure_map, save, style
+from wrsim.results.channels import SHOWN
+
+MOST_OUTPUTS, MOST_LINES, MOST_KEYS = 12, 8, 4
+"""Panels of a picture, lines of a panel, varied keys against which outputs are drawn."""
+ACROSS = 3
+PANEL = 46.0
+"""Height of a panel [mm]."""
+ENOUGH = 8
+"""Completed cases from which a distribution says something."""
+PERCENTILES = (5, 50, 95)
+COMPLETED, DERAILED = "completed", "derailed"
+
+
+def study_pictures(dataset: xr.Dataset, directory: str | Path) -> list[Path]:
+    """Write the pictures that suit the axes of a study: maps, curves, samples, percentiles; returns their paths."""
+    directory = Path(directory)
+    outputs = outputs_of(dataset)
+    if not outputs:
+        return []
+    files = []
+    grids = grid_axes(dataset)
+    numeric = [dim for dim in grids if dataset[dim].dtype.kind == "f"]
+    if len(numeric) >= 2:
+        files.append(save(maps_figure(dataset, outputs, numeric[:2]), directory / "maps.png"))
+    if grids:
+        files.append(save(curves_figure(dataset, outputs, (numeric or grids)[0]), directory / "curves.png"))
+    if varied := sampled_keys(dataset):
+        files.append(save(samples_figure(dataset, outputs, varied), directory / "samples.png"))
+    if int((dataset["status"] == COMPLETED).sum()) >= ENOUGH:
+        files.append(save(percentiles_figure(dataset, outputs), directory / "percentiles.png"))
+    return files
+
+
+def outputs_of(dataset: xr.Dataset) -> list[str]:
+    """Names of the outputs that have a number in some completed case."""
+    done = (dataset["status"] == COMPLETED).values
+    numbers = [str(n) for n, v in dataset.data_vars.items() if v.dtype.kind == "f" and v.dims == dataset["status"].dims]
+    return [name for name in numbers if np.isfinite(dataset[name].values[done]).any()]
+
+
+def grid_axes(dataset: xr.Dataset) -> list[str]:
+    """Axes of one key with several values, the longest first."""
+    dims = [str(d) for d in dataset["status"].dims if "key" in dataset[d].attrs and dataset.sizes[d] > 1]
+    return sorted(dims, key=lambda d: -dataset.sizes[d])
+
+
+def sampled_keys(dataset: xr.Dataset) -> list[str]:
+    """Coordinates of numbers that rows or samples vary."""
+    return [
+        str(name)
+        for name, c in dataset.coords.items()
+        if name not in dataset.dims and c.dtype.kind == "f" and np.unique(c.values).size > 1
+    ][:MOST_KEYS]
+
+
+def maps_figure(dataset: xr.Dataset, outputs: Sequence[str], dims: Sequence[str]) -> Figure:
+    """Every output over two axes, x the longer one; the median over all further axes. Derailed cases are crossed."""
+    with style():
+        figure, panels = _panels(dataset, outputs)
+        (x, y), across, up = dims, dataset[dims[0]].values, dataset[dims[1]].values
+        order_x, order_y = np.argsort(across), np.argsort(up)
+        left = [d for d in dataset["status"].dims if d not in dims]
+        off = (dataset["status"] != COMPLETED).mean(left).transpose(y, x).values[order_y][:, order_x]
+        for axes, name in zip(panels, outputs, strict=False):
+            values = _completed(dataset, name).median(left).transpose(y, x).values[order_y][:, order_x]
+            mesh = axes.pcolormesh(
+                _edges(across[order_x]), _edges(up[order_y]), np.ma.masked_invalid(values), cmap=pressure_map()
+            )
+            bar = figure.colorbar(mesh, ax=axes, pad=0.02, aspect=18)
+            bar.outline.set_linewidth(0.4)  # type: ignore[operator]
+            bar.ax.tick_params(labelsize=6.0)
+            rows, columns = np.nonzero(off > 0.0)
+            look: Any = {"linestyle": "none", "color": STOP_COLOUR, "markersize": 3.0, "markeredgewidth": 0.7}
+            axes.plot(across[order_x][columns], up[order_y][rows], "x", **look)
+            axes.set_title(label_of(dataset, name), fontsize=7.0)
+            axes.set_xlabel(axis_label(dataset, x))
+            axes.set_ylabel(axis_label(dataset, y))
+            axes.grid(False)
+        _finish(figure, dataset, outputs, "median over the other axes" if left else "")
+    return figure
+
+
+def curves_figure(dataset: xr.Dataset, outputs: Sequence[str], x: str) -> Figure:
+    """Every output over one axis, a line for every value of the second one; bands: range over all further axes."""
+    with style():
+        figure, panels = _panels(dataset, outputs)
+        others = [d for d in grid_axes(dataset) if d != x]
+        family = others[0] if others else None
+        rest = [d for d in dataset["status"].dims if d not in (x, family)]
+        size = 1 if family is None else dataset.sizes[family]
+        chosen = np.unique(np.linspace(0, size - 1, min(size, MOST_LINES)).round().astype(int))
+        abscissa = dataset[x].values
+        numeric = abscissa.dtype.kind == "f"
+        order = np.argsort(abscissa) if numeric else np.arange(abscissa.size)
+        place = abscissa[order] if numeric else np.arange(abscissa.size)
+        for axes, name in zip(panels, outputs, strict=False):
+            for k, i in enumerate(chosen):
+                values = _completed(dataset, name)
+                if family is not None:
+                    values = values.isel({family: int(i)})
+                colour = SERIES_COLOURS[k % len(SERIES_COLOURS)]
+                middle = values.median(rest).values[order] if rest else values.values[order]
+                if rest:
+                    low, high = (getattr(values, end)(rest).values[order] for end in ("min", "max"))
+                    axes.fill_between(place, low, high, color=colour, alpha=0.15, linewidth=0.0)
+                axes.plot(place, middle, color=colour, marker=GROUP_MARK[k % len(GROUP_MARK)], linewidth=0.9)
+            if not numeric:
+                axes.set_xticks(place, [str(v) for v in abscissa[order]], fontsize=6.0, rotation=20, ha="right")
+            lost = (dataset["status"] != COMPLETED).any([d for d in dataset["status"].dims if d != x]).values[order]
+            for at in place[lost]:
+                axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=(0, (1, 2)))
+            axes.set_xlabel(axis_label(dataset, x))
+            axes.set_title(label_of(dataset, name), fontsize=7.0)
+        if family is not None:
+            names = [_value(dataset[family].values[i]) for i in chosen]
+            handles = [
+                Line2D([], [], color=SERIES_COLOURS[k % len(SERIES_COLOURS)], marker=GROUP_MARK[k % len(GROUP_MARK)])
+                for k in range(len(chosen))
+            ]
+            title = axis_label(dataset, family) + (f" ({len(chosen)} of {size})" if len(chosen) < size else "")
+            figure.legend(handles, names, loc="outside lower center", ncols=8, title=title, title_fontsize=7.0)
+        _finish(figure, dataset, outputs, "median and range over the other axes" if rest else "")
+    return figure
+
+
+def samples_figure(dataset: xr.Dataset, outputs: Sequence[str], keys: Sequence[str]) -> Figure:
+    """Every output (rows) against every key that was sampled (columns), with the rank correlation of both."""
+    shown = outputs[: MOST_OUTPUTS // 2]
+    with style():
+        figure = new_figure(FULL_WIDTH, 16.0 + 32.0 * len(shown))
+        done = (dataset["status"] == COMPLETED).values.ravel()
+        for row, name in enumerate(shown):
+            values = dataset[name].values.ravel()
+            for column, key in enumerate(keys):
+                axes = figure.add_subplot(len(shown), len(keys), row * len(keys) + column + 1)
+                x = np.asarray(
+                    dataset[key].broadcast_like(dataset["status"]).transpose(*dataset["status"].dims)
+                ).ravel()
+                good = done & np.isfinite(values)
+                axes.plot(x[good], values[good], ".", color=SERIES_COLOURS[0], markersize=2.4)
+                for at in x[~done]:
+                    axes.axvline(at, ymax=0.05, color=STOP_COLOUR, linewidth=0.7)
+                axes.set_title(
+                    f"rank correlation {_rank_correlation(x[good], values[good]):z.2f}", fontsize=6.0, color=QUIET
+                )
+                if column == 0:
+                    axes.set_ylabel(label_of(dataset, name), fontsize=6.5)
+                if row == len(shown) - 1:
+                    axes.set_xlabel(axis_label(dataset, key), fontsize=6.5)
+        more = f"{len(shown)} of {len(outputs)} outputs" if len(shown) < len(outputs) else ""
+        figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - 12.0 / (16.0 + 32.0 * len(shown))))  # type: ignore[union-attr, call-arg]
+        headline(figure, str(dataset.attrs["title"]), _note(dataset, more))
+    return figure
+
+
+def percentiles_figure(dataset: xr.Dataset, outputs: Sequence[str]) -> Figure:
+    """Share of the completed cases below a value, for every output, with the percentiles 5, 50 and 95."""
+    with style():
+        figure, panels = _panels(dataset, outputs)
+        for axes, name in zip(panels, outputs, strict=False):
+            values = np.sort(_completed(dataset, name).values.ravel())
+            values = values[np.isfinite(values)]
+            axes.step(
+                values, 100.0 * np.arange(1, values.size + 1) / values.size, where="post", color=SERIES_COLOURS[0]
+            )
+            for percentile, at in zip(PERCENTILES, np.percentile(values, PERCENTILES), strict=True):
+                axes.plot([at, at], [0.0, percentile], color=INK, linewidth=0.6, linestyle=(0, (2, 2)))
+                box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.8}
+                axes.annotate(
+                    f"{at:.4g}", (at, percentile), (3.0, -6.0), textcoords="offset points", fontsize=6.0, bbox=box
+                )
+            axes.set_xlabel(label_of(dataset, name))
+            axes.set_ylabel("cases below [%]")
+            axes.set_ylim(0.0, 102.0)
+            axes.set_yticks((0, 25, 50, 75, 100))
+        _finish(figure, dataset, outputs, "")
+    return figure
+
+
+def label_of(dataset: xr.Dataset, name: str) -> str:
+    """Name of an output with its unit."""
+    unit = str(dataset[name].attrs.get("units", "1"))
+    ending = name.rpartition("_")
+    words = ending[0] if ending[2] and unit not in ("1", "") and _same_unit(ending[2], unit) else name
+    return words.replace("_", " ") + (f" [{unit}]" if unit not in ("1", "") else "")
+
+
+def _same_unit(suffix: str, unit: str) -> bool:
+    """True if the end of a name repeats the unit."""
+    return suffix in {shown.suffix for shown in SHOWN.values() if shown.symbol == unit}
+
+
+def axis_label(dataset: xr.Dataset, name: str) -> str:
+    """Name of an axis, or of what is sampled: the last part of its key, with its unit."""
+    last = name.rpartition(".")[2]
+    unit = next((u for u in sorted(UNITS, key=len, reverse=True) if last.endswith(f"_{u}")), "")
+    words = last.removesuffix(f"_{unit}") if unit else last
+    return words.replace("_", " ") + (f" [{UNITS[unit]}]" if unit else "")
+
+
+def _completed(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    return dataset[name].where(dataset["status"] == COMPLETED)
+
+
+def _panels(dataset: xr.Dataset, outputs: Sequence[str]) -> tuple[Figure, list[Axes]]:
+    """A figure with a panel for every output, at most so many."""
+    count = min(len(outputs), MOST_OUTPUTS)
+    across = min(ACROSS, count)
+    rows = ceil(count / across)
+    figure = new_figure(FULL_WIDTH, 24.0 + PANEL * rows)
+    return figure, [figure.add_subplot(rows, across, i + 1) for i in range(count)]
+
+
+def _finish(figure: Figure, dataset: xr.Dataset, outputs: Sequence[str], what: str) -> None:
+    """Title, and what to know of the picture."""
+    more = f"{MOST_OUTPUTS} of {len(outputs)} outputs" if len(outputs) > MOST_OUTPUTS else ""
+    height = figure.get_figheight() * 25.4
+    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - 11.0 / height))  # type: ignore[union-attr, call-arg]
+    headline(figure, "; ".join(filter(None, (str(dataset.attrs["title"]), what))), _note(dataset, more))
+
+
+def _note(dataset: xr.Dataset, more: str) -> str:
+    """How many cases are not among the curves, and why."""
+    status, counts = np.unique(dataset["status"].values.astype(str), return_counts=True)
+    lost = [f"{n} {s}" for s, n in zip(status, counts, strict=True) if s != COMPLETED]
+    words = [f"of {dataset['status'].size} cases {', '.join(lost)} (red)"] if lost else []
+    return "; ".join((*words, *filter(None, (more,))))
+
+
+def _edges(centres: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Borders of the cells about the points of an axis."""
+    middles = [0.5 * (a + b) for a, b in pairwise(centres)]
+    first, last = centres[0] - (middles[0] - centres[0]), centres[-1] + (centres[-1] - middles[-1])
+    return np.array([first, *middles, last])
+
+
+def _rank_correlation(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
+    """Spearman's; 0 where one of both is constant."""
+    if x.size < 3:
+        return 0.0
+    ranks = [np.argsort(np.argsort(v)).astype(float) for v in (x, y)]
+    spread = float(np.std(ranks[0]) * np.std(ranks[1]))
+    return float(np.mean((ranks[0] - ranks[0].mean()) * (ranks[1] - ranks[1].mean())) / spread) if spread else 0.0
+
+
+def _value(value: Any) -> str:
+    """A label of an axis."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,124 @@
+"""The values that an axis of a study asks for."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.errors import InputError
+from wrsim.inputs.lookup import Finder
+from wrsim.inputs.toml_files import parse_value, read_text
+from wrsim.study.spec import Axis, CsvAxis, GridAxis, LatinHypercubeAxis, SampledKey, SobolAxis, axis_name
+
+ID = "id"
+"""Column of a table that names its rows."""
+
+
+@dataclass(frozen=True)
+class Points:
+    """The points of one axis.
+
+    name: of its dimension; keys: groups of dotted keys, those of one group take the same value; columns: names of the
+    groups; values (n, groups); labels: names of the points, where they have some; places: where each stands, for
+    messages.
+    """
+
+    name: str
+    keys: tuple[tuple[str, ...], ...]
+    values: tuple[tuple[Any, ...], ...]
+    places: tuple[str, ...]
+    labels: tuple[str, ...] = ()
+    listed: bool = False
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """One name a group: that of the axis for a grid, else the first key."""
+        return (self.name,) if not self.listed else tuple(group[0] for group in self.keys)
+
+
+def points_of(axis: Axis, finder: Finder, where: str) -> Points:
+    """The points of an axis. where: file and line of its table. Raises InputError for a table that does not do."""
+    if isinstance(axis, GridAxis):
+        values = tuple((value,) for value in axis.values)
+        return Points(axis_name(axis), (axis.key,), values, (where,) * len(values))
+    if isinstance(axis, CsvAxis):
+        try:
+            path = finder.find(axis.file)
+        except InputError as error:
+            raise InputError(f'{where}: vary.file = "{axis.file}": {error}') from None
+        return _rows(path, axis.name)
+    rows = _sampled(axis)
+    found = tuple(tuple(_number(v, one) for v, one in zip(row, axis.over, strict=True)) for row in rows)
+    return Points(axis.name, tuple(one.key for one in axis.over), found, (where,) * len(found), listed=True)
+
+
+def _number(value: float, one: SampledKey) -> float | int:
+    return round(float(value)) if one.whole else float(value)
+
+
+def _sampled(axis: SobolAxis | LatinHypercubeAxis) -> NDArray[np.float64]:
+    """Samples (n, keys): the same for the same seed."""
+    from scipy.stats import norm, qmc
+
+    generator = np.random.default_rng(axis.seed)
+    sampler = (qmc.Sobol if isinstance(axis, SobolAxis) else qmc.LatinHypercube)(len(axis.over), rng=generator)
+    unit = sampler.random(axis.samples)
+    columns = []
+    for part, one in zip(unit.T, axis.over, strict=True):
+        if one.mean is not None and one.deviation is not None:
+            columns.append(norm.ppf(np.clip(part, 1e-9, 1.0 - 1e-9), one.mean, one.deviation))
+        elif one.low is not None and one.high is not None:
+            low, high = (np.log(v) if one.spacing == "log" else v for v in (one.low, one.high))
+            between = low + part * (high - low)
+            columns.append(np.exp(between) if one.spacing == "log" else between)
+    return np.stack(columns, axis=1)
+
+
+def _rows(path: Path, name: str) -> Points:
+    """The rows of a table; cells are values as in TOML, and bare words are texts."""
+    lines = [
+        (number, line)
+        for number, line in enumerate(read_text(path, "table").split("\n"), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if len(lines) < 2:
+        raise InputError(f"{path}: needs a header of dotted keys and a row for every case")
+    separator = ";" if ";" in lines[0][1] and "," not in lines[0][1] else ","
+    cells = [(number, _cells(path, number, line, separator)) for number, line in lines]
+    first, header = cells.pop(0)
+    for column in header:
+        if not column:
+            raise InputError(f"{path}:{first}: a column has no name; must be a dotted key such as vehicle.speed_kmh")
+        if header.count(column) > 1:
+            raise InputError(f"{path}:{first}: column {column}: stands there twice")
+    keys = [column for column in header if column != ID]
+    if not keys:
+        raise InputError(f"{path}:{first}: no column varies a key; must be dotted keys such as vehicle.speed_kmh")
+    values, places, labels = [], [], []
+    for number, row in cells:
+        if len(row) != len(header):
+            raise InputError(f"{path}:{number}: has {len(row)} cells; must have {len(header)} like the header")
+        own = dict(zip(header, row, strict=True))
+        empty = [key for key in header if not own[key]]
+        if empty:
+            raise InputError(f"{path}:{number}: {empty[0]}: the cell is empty; must be a value for that key")
+        if ID in own:
+            if own[ID] in labels:
+                raise InputError(f"{path}:{number}: id = {own[ID]}: is the name of another row")
+            labels.append(own[ID])
+        values.append(tuple(parse_value(own[key]) for key in keys))
+        places.append(f"{path}:{number}")
+    return Points(name, tuple((key,) for key in keys), tuple(values), tuple(places), tuple(labels), listed=True)
+
+
+def _cells(path: Path, number: int, line: str, separator: str) -> Sequence[str]:
+    try:
+        return [cell.strip() for cell in next(csv.reader([line.strip()], delimiter=separator, strict=True))]
+    except csv.Error as error:
+        raise InputError(f"{path}:{number}: no line of a CSV table: {error}") from None

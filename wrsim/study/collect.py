@@ -1,0 +1,162 @@
+"""One dataset of all cases that have come to an end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from wrsim.results import write_atomically
+from wrsim.results.dataset import versions
+from wrsim.results.files import as_csv, as_json
+from wrsim.results.rows import Row
+from wrsim.study.axes import Points
+from wrsim.study.plan import Plan, in_words
+from wrsim.study.task import Marker, read_marker
+
+FORMAT = "wrsim study"
+MISSING = "missing"
+"""Status of a case that has not come to an end."""
+
+
+def markers_of(plan: Plan) -> list[Marker | None]:
+    """The marker of every case; None where there is none."""
+    known: dict[str, Marker | None] = {}
+    for case in plan.cases:
+        if case.name not in known:
+            known[case.name] = read_marker(plan.folder_of(case))
+    return [known[case.name] for case in plan.cases]
+
+
+def collected(plan: Plan, markers: Sequence[Marker | None]) -> xr.Dataset:
+    """All outputs along the axes of the study.
+
+    One dimension an axis, labelled by its values; rows and samples have a coordinate for every key that they vary.
+    Outputs are in units for readers; ``status``, ``message`` and ``name`` of every case are texts.
+    """
+    units: dict[str, str] = {}
+    for marker in markers:
+        units |= {} if marker is None else marker.units
+    dims = tuple(axis.name for axis in plan.axes)
+    variables: dict[str, Any] = {}
+    for name, unit in units.items():
+        values = [None if m is None else m.numbers.get(name) for m in markers]
+        array = np.array([np.nan if v is None else v for v in values], dtype=float).reshape(plan.shape)
+        own = f"output_{name}" if name in (*dims, "status", "message", "name") else name
+        variables[own] = (dims, array, {"units": unit or "1"})
+    texts = {
+        "status": [MISSING if m is None else m.status for m in markers],
+        "message": ["" if m is None else m.message for m in markers],
+        "name": [case.name for case in plan.cases],
+    }
+    for name, words in texts.items():
+        variables[name] = (dims, np.array(words, dtype=object).reshape(plan.shape))
+    coords: dict[str, Any] = {}
+    for axis in plan.axes:
+        coords |= _coordinates(axis)
+    attributes = {"format": FORMAT, "title": plan.title, "analysis": plan.analysis, "scenario_text": plan.text}
+    return xr.Dataset(variables, coords, attributes | versions())
+
+
+def _coordinates(axis: Points) -> dict[str, Any]:
+    """The labels of an axis, and of rows and samples the values of their keys."""
+    if not axis.listed:
+        return {axis.name: (axis.name, _labels([row[0] for row in axis.values]), {"key": ", ".join(axis.keys[0])})}
+    found: dict[str, Any] = {axis.name: (axis.name, np.array(axis.labels or range(len(axis.values))), {})}
+    for i, column in enumerate(axis.columns):
+        key = ", ".join(axis.keys[i])
+        found[column] = (axis.name, _labels([row[i] for row in axis.values]), {"key": key})
+    return found
+
+
+def _labels(values: Sequence[Any]) -> NDArray[Any]:
+    """Numbers as they are, everything else in words."""
+    if all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
+        return np.array(values, dtype=float)
+    return np.array([in_words(v) for v in values])
+
+
+def rows_of_cases(plan: Plan, markers: Sequence[Marker | None]) -> list[Row]:
+    """One row a case: name, what is varied, status, message, outputs; the first is the header."""
+    units = list(dict.fromkeys(name for m in markers if m is not None for name in m.units))
+    varied = [group[0] for axis in plan.axes for group in axis.keys]
+    rows: list[Row] = [["case", *varied, "status", "message", *units]]
+    for case, marker in zip(plan.cases, markers, strict=True):
+        values = [axis.values[i] for axis, i in zip(plan.axes, case.place, strict=True)]
+        cells = [str(v) if isinstance(v, float) else in_words(v) for row in values for v in row]
+        status, message = (MISSING, "") if marker is None else (marker.status, marker.message)
+        numbers = [None if marker is None else marker.numbers.get(name) for name in units]
+        rows.append(
+            [
+                case.name,
+                *cells,
+                status,
+                message.replace("\n", "; "),
+                *("" if n is None else f"{n:.10g}" for n in numbers),
+            ]
+        )
+    return rows
+
+
+def times_of_cases(plan: Plan, markers: Sequence[Marker | None]) -> list[Row]:
+    """One row a case: what it took and where; the first is the header."""
+    rows: list[Row] = [["case", "host", "process", "began_s", "wall_time_s", "simulation_s", "resumed"]]
+    for case, m in zip(plan.cases, markers, strict=True):
+        if m is not None:
+            times = (f"{m.began:.3f}", f"{m.wall_time:.4g}", f"{m.simulation:.4g}")
+            rows.append([case.name, m.host, str(m.process), *times, "yes" if m.resumed else ""])
+    return rows
+
+
+def counts_of(markers: Sequence[Marker | None]) -> dict[str, int]:
+    """How many cases came to which end."""
+    found: dict[str, int] = {}
+    for marker in markers:
+        status = MISSING if marker is None else marker.status
+        found[status] = found.get(status, 0) + 1
+    return found
+
+
+def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) -> list[Path]:
+    """Write ``study.nc``, ``study.csv``, ``times.csv``, ``study.json`` and pictures into the folder of a study."""
+    folder = Path(plan.folder)
+    dataset = collected(plan, markers)
+    files = [
+        write_atomically(folder / "study.nc", bytes(dataset.to_netcdf(None, engine="h5netcdf", format="NETCDF4"))),
+        write_atomically(folder / "study.csv", as_csv(rows_of_cases(plan, markers))),
+        write_atomically(folder / "times.csv", as_csv(times_of_cases(plan, markers))),
+        write_atomically(folder / "study.json", as_json(report_of(plan, markers))),
+    ]
+    if pictures:
+        from wrsim.plots.study import study_pictures
+
+        files += study_pictures(dataset, folder)
+    return files
+
+
+def report_of(plan: Plan, markers: Sequence[Marker | None]) -> dict[str, Any]:
+    """A study in a few numbers: cases, how they ended, range of every output."""
+    dataset = collected(plan, markers)
+    ranges = {}
+    for name, variable in dataset.data_vars.items():
+        values = variable.values
+        if values.dtype.kind == "f" and np.isfinite(values).any():
+            low, middle, high = (float(v) for v in np.nanpercentile(values, (0, 50, 100)))
+            ranges[str(name)] = {"min": low, "median": middle, "max": high, "unit": variable.attrs["units"]}
+    unfinished = [
+        {"case": case.name, "label": case.label, "status": m.status, "message": m.message}
+        for case, m in zip(plan.cases, markers, strict=True)
+        if m is not None and m.status not in ("completed", "derailed")
+    ]
+    return {
+        "title": plan.title,
+        "cases": len(plan.cases),
+        "axes": {axis.name: {"keys": [list(g) for g in axis.keys], "points": len(axis.values)} for axis in plan.axes},
+        "status": counts_of(markers),
+        "unfinished": unfinished,
+        "outputs": ranges,
+    }

@@ -1,0 +1,216 @@
+"""The numbers that a study keeps of one result."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from wrsim.analysis.assessment.quantities import QUANTITIES
+from wrsim.errors import InputError, suggest
+from wrsim.inputs.toml_files import read_bytes
+from wrsim.register import ANALYSES
+from wrsim.results import CHANNELS, Result
+from wrsim.study.reductions import reduced
+from wrsim.study.spec import ChannelOutput, OutputsSection
+
+USUAL = (
+    ChannelOutput(channel="Y", reduce="peak"),
+    ChannelOutput(channel="Q", reduce="min"),
+    ChannelOutput(channel="Q", reduce="max"),
+    ChannelOutput(channel="Y_over_Q", reduce="max"),
+    ChannelOutput(channel="T_gamma", reduce="max"),
+    ChannelOutput(channel="p0", reduce="max"),
+    ChannelOutput(channel="lateral_shift", reduce="peak"),
+    ChannelOutput(channel="yaw", reduce="peak"),
+)
+"""Kept of runs and poses when the study does not say; of other analyses the plain numbers of their summary."""
+
+
+@dataclass
+class Outputs:
+    """Numbers by name, their units for readers, and what could not be found, a sentence each."""
+
+    numbers: dict[str, float] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    faults: list[str] = field(default_factory=list)
+
+    def take(self, name: str, value: Any, unit: str) -> None:
+        """Note one number; None is not-a-number."""
+        self.numbers[name] = float("nan") if value is None else float(value)
+        self.units[name] = "" if unit == "1" else unit
+
+
+def outputs_of(result: Result, asked: OutputsSection, hook: Path | None) -> Outputs:
+    """What is asked for, of one result. hook: the file of the hook, if there is one."""
+    found = Outputs()
+    channels = asked.channels
+    if asked.asks_for_nothing:
+        analysis = ANALYSES[result.analysis]
+        if analysis.moves or analysis.compared:
+            channels = tuple(one for one in USUAL if one.channel in result.dataset)
+        else:
+            for name, value in result.summary().items():
+                if isinstance(value, int | float) and not isinstance(value, bool):
+                    found.take(name, value, _unit_in(name))
+    for one in channels:
+        _take_channel(found, result, one)
+    if asked.summary:
+        summary = result.summary()
+        for place in asked.summary:
+            _take_place(found, summary, place)
+    if asked.assessment:
+        _take_assessment(found, result, asked.assessment)
+    if asked.hook is not None and hook is not None:
+        _take_hook(found, result, hook, asked.hook.rpartition(":")[2])
+    return found
+
+
+def _take_channel(found: Outputs, result: Result, one: ChannelOutput) -> None:
+    channel = CHANNELS[one.channel]
+    what = f'outputs.channels: channel = "{one.channel}"'
+    found.take(one.column, None, channel.shown.symbol)
+    if one.channel not in result.dataset:
+        present = [name for name in CHANNELS if name in result.dataset]
+        found.faults.append(f"{what}: this analysis has no such channel; it has {', '.join(present)}")
+        return
+    data = result.dataset[one.channel]
+    for dim, label in one.chosen().items():
+        names = [str(name) for name in result.dataset[dim].values]
+        if label not in names:
+            hint = suggest(label, names)
+            found.faults.append(f'{what}: {dim} = "{label}": there is {", ".join(names)}{hint}')
+            return
+        data = data.sel({dim: label})
+    if (one.from_m is not None or one.to_m is not None) and "distance" in result.dataset:
+        place = result.dataset["distance"].values
+        low = -np.inf if one.from_m is None else one.from_m
+        high = np.inf if one.to_m is None else one.to_m
+        along = data.dims[0]
+        if along != "time":
+            found.faults.append(f"{what}: from_m and to_m are for channels over time")
+            return
+        data = data.isel(time=np.flatnonzero((place >= low) & (place <= high)))
+    percentile = 50.0 if one.percentile is None else one.percentile
+    value = reduced(np.atleast_1d(data.values.astype(float)), one.reduce, percentile)
+    found.take(one.column, value * channel.shown.factor, channel.shown.symbol)
+
+
+def _take_place(found: Outputs, summary: Mapping[str, Any], place: str) -> None:
+    """A number of the summary by its dotted place; a peak counts as its value. Keys may hold dots themselves."""
+    name = "_".join("".join(c if c.isalnum() else "_" for c in part) for part in place.split("."))
+    found.take(name, None, _unit_in(place))
+    value, rest = _walk(summary, place)
+    if isinstance(value, dict) and "value" in value and not rest:
+        value = value["value"]
+    if rest:
+        keys = list(value) if isinstance(value, dict) else []
+        there = f"there is {', '.join(map(str, keys))}{suggest(rest.split('.')[0], keys)}" if keys else "nothing below"
+        found.faults.append(f'outputs.summary: "{place}": "{rest}" is not in the summary; {there}')
+    elif isinstance(value, dict | list | str):
+        more = f"; below it: {', '.join(map(str, value))}" if isinstance(value, dict) else ""
+        found.faults.append(f'outputs.summary: "{place}" is no number{more}')
+    else:
+        found.take(name, value, _unit_in(place))
+
+
+def _walk(tree: Any, place: str) -> tuple[Any, str]:
+    """Down a tree of tables and lists as far as the place leads: what stands there, and what is left of the place."""
+    while place:
+        parts = place.split(".")
+        if isinstance(tree, list) and parts[0].isdecimal() and int(parts[0]) < len(tree):
+            tree, place = tree[int(parts[0])], ".".join(parts[1:])
+            continue
+        heads = [".".join(parts[:n]) for n in range(len(parts), 0, -1)]
+        head = next((h for h in heads if isinstance(tree, dict) and h in tree), None)
+        if head is None:
+            break
+        tree, place = tree[head], place[len(head) + 1 :]
+    return tree, place
+
+
+def _unit_in(name: str) -> str:
+    """Unit at the end of a name, for axes."""
+    endings = {c.shown.suffix: c.shown.symbol for c in CHANNELS.values() if c.shown.suffix}
+    own = sorted((e for e in endings if name.endswith(f"_{e}")), key=len)
+    return endings[own[-1]] if own else ""
+
+
+def _take_assessment(found: Outputs, result: Result, asked: tuple[str, ...]) -> None:
+    """The worst value of every quantity over all sections, and the least margin to its limit where it has one."""
+    from wrsim.analysis.assessment import assess
+
+    for key in asked:
+        shown = QUANTITIES[key].shown
+        found.take(_column(key), None, shown.symbol)
+    try:
+        assessment = assess(result)
+    except InputError as error:
+        found.faults.append(f"outputs.assessment: {error}")
+        return
+    for key in asked:
+        values = assessment.of(key)
+        if not values:
+            continue  # the notes of the assessment say why: too short a track, no vehicle
+        shown = QUANTITIES[key].shown
+        found.take(_column(key), max(v.value for v in values) * shown.factor, shown.symbol)
+        margins = [v.margin for v in values if v.margin is not None]
+        if margins:
+            found.take(f"assessment_{key}_margin", min(margins), "1")
+
+
+def _column(key: str) -> str:
+    suffix = QUANTITIES[key].shown.suffix
+    return f"assessment_{key}_{suffix}" if suffix else f"assessment_{key}"
+
+
+def _take_hook(found: Outputs, result: Result, file: Path, function: str) -> None:
+    """What the user's function makes of the result. Whatever it raises becomes a fault with its message."""
+    try:
+        answer = hook_function(file, function)(result)
+        if not isinstance(answer, Mapping):
+            raise TypeError(f"returned {type(answer).__name__}, must be a dict of names and numbers")
+        for name, value in answer.items():
+            if not isinstance(name, str) or not name.isidentifier():
+                raise TypeError(f"returned the name {name!r:.40}, must be of letters, digits and _")
+            if isinstance(value, bool | str) or not np.isscalar(value):
+                raise TypeError(f"returned {name} = {value!r:.40}, must be a number")
+            found.take(name, value, _unit_in(name))
+    except InputError as error:
+        found.faults.append(str(error))
+    except Exception as error:
+        found.faults.append(f"outputs.hook: {file}: {function}: {type(error).__name__}: {error}")
+
+
+def hook_function(file: Path, function: str) -> Callable[[Result], Any]:
+    """The function of that name in a file of the user's, which is executed. Raises InputError when it is not there."""
+    spec = importlib.util.spec_from_file_location(f"wrsim_hook_{file.stem}", file)
+    if spec is None or spec.loader is None:
+        raise InputError(f"outputs.hook: {file}: is no Python file")
+    module: ModuleType = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    found = getattr(module, function, None)
+    if not callable(found):
+        names = list(_functions(module))
+        raise InputError(
+            f"outputs.hook: {file} has no function '{function}'{suggest(function, names)}; it has {', '.join(names)}"
+        )
+    return found  # type: ignore[no-any-return]
+
+
+def _functions(module: ModuleType) -> Iterator[str]:
+    return (name for name, value in vars(module).items() if callable(value) and not name.startswith("_"))
+
+
+def outputs_digest(asked: OutputsSection, hook: Path | None) -> str:
+    """Digest of what is asked for: with another one, kept results are reduced anew."""
+    digest = hashlib.sha256(asked.model_dump_json().encode())
+    if hook is not None:
+        digest.update(read_bytes(hook, "Python file"))
+    return digest.hexdigest()[:16]

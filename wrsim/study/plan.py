@@ -1,0 +1,292 @@
+"""The cases of a study: their names, their folders, and what a worker needs to know of them.
+
+A case is named by a digest of its merged scenario, but for the title, and of the bytes of every file that it reads. So
+a case keeps its name, and its result, when other values are added to the study, and gets another one when a profile
+is edited.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from itertools import product
+from math import prod
+from pathlib import Path
+from typing import Any
+
+from wrsim.errors import InputError
+from wrsim.inputs.checking import check, fault_line, opened
+from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+from wrsim.inputs.toml_files import noting_reads, shown
+from wrsim.results.ledger import digest_of
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import Scenario, load, load_text
+from wrsim.study.axes import Points, points_of
+from wrsim.study.outputs import hook_function, outputs_digest
+from wrsim.study.spec import MOST_CASES, OutputsSection, StudyFile
+
+CASES = "cases"
+PLAN = "plan.json"
+
+
+@dataclass(frozen=True)
+class Case:
+    """name: digest, see the module; values: by dotted key; place: its index along every axis; label: values in words;
+    files: which set of files it reads.
+    """
+
+    name: str
+    values: dict[str, Any]
+    place: tuple[int, ...]
+    label: str
+    files: int
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A study in full, as it stands in ``plan.json``.
+
+    folder: of the study; text, folders: the base scenario and where its models are looked up; files: sets of files, by
+    path with digest, that cases read; axes: name, columns and values of each; outputs, hook: what is kept; digest: of
+    the outputs.
+    """
+
+    folder: str
+    title: str
+    analysis: str
+    text: str
+    folders: tuple[str, ...]
+    axes: tuple[Points, ...]
+    cases: tuple[Case, ...]
+    files: tuple[dict[str, str], ...]
+    outputs: dict[str, Any]
+    hook: str
+    outputs_digest: str
+    time_limit: float
+    keep: str
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of points along every axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    def folder_of(self, case: Case) -> Path:
+        """Where a case is kept."""
+        return Path(self.folder) / CASES / case.name[:2] / case.name
+
+    def base(self) -> Scenario:
+        """The scenario that all cases start from."""
+        return load_text(self.text, self.folders[0], self.folders[1:])
+
+    def scenario(self, case: Case, base: Scenario | None = None) -> Scenario:
+        """The merged scenario of a case."""
+        titled = {"title": f"{self.title}: {case.label}"}
+        return (base or self.base()).with_values(case.values | titled)
+
+    def asked(self) -> OutputsSection:
+        """What is kept of every case."""
+        return OutputsSection.model_validate(self.outputs)
+
+    def dumped(self) -> bytes:
+        """Content of ``plan.json``."""
+        return (json.dumps(asdict(self), default=str, ensure_ascii=False) + "\n").encode()
+
+
+@lru_cache(maxsize=4)
+def plan_in(folder: str, digest: str) -> Plan:
+    """The plan in the folder of a study. Raises InputError when it is another one by now."""
+    content = (Path(folder) / PLAN).read_bytes()
+    if digest_of(content) != digest:
+        raise InputError(f"{folder}: the plan of the study has changed while it was running")
+    data = json.loads(content)
+    data["axes"] = tuple(Points(**_tuples(axis)) for axis in data["axes"])
+    data["cases"] = tuple(Case(**case | {"place": tuple(case["place"])}) for case in data["cases"])
+    return Plan(**data | {"folders": tuple(data["folders"]), "files": tuple(data["files"]), "folder": folder})
+
+
+def _tuples(axis: dict[str, Any]) -> dict[str, Any]:
+    listed = {"keys": tuple(tuple(group) for group in axis["keys"]), "values": tuple(tuple(v) for v in axis["values"])}
+    return axis | listed | {name: tuple(axis[name]) for name in ("places", "labels")}
+
+
+def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tuple[Plan, tuple[Path, ...]]:
+    """The plan of a study file, every case checked, and all files that were read.
+
+    Raises InputError with all faults, one line each.
+    """
+    with noting_reads() as seen:
+        data, locate = opened(file, "study file")
+        spec = check(StudyFile, data, locate)
+        finder = Finder(tuple(dict.fromkeys((file.parent, *user_folders(tuple(models)), shipped_models()))))
+        try:
+            base_file = finder.find(spec.base)
+        except InputError as error:
+            raise InputError(fault_line(("base",), str(error), locate, spec.base)) from None
+        base = load(base_file, models)
+        axes = tuple(points_of(axis, finder, locate(("vary", i))) for i, axis in enumerate(spec.vary))
+        _check_keys(axes)
+        count = prod(len(axis.values) for axis in axes)
+        if count > MOST_CASES:
+            message = f"describes {count} cases; must be at most {MOST_CASES}"
+            raise InputError(fault_line(("vary",), message, locate))
+        hook = ""
+        if spec.outputs.hook is not None:
+            name, _, function = spec.outputs.hook.rpartition(":")
+            try:
+                hook = str(finder.find(name).resolve())
+                _check_hook(Path(hook), function)
+            except InputError as error:
+                raise InputError(fault_line(("outputs", "hook"), str(error), locate, spec.outputs.hook)) from None
+        digest = outputs_digest(spec.outputs, Path(hook) if hook else None)
+    folders = tuple(str(part.resolve()) for part in dict.fromkeys((*base.directories, *finder.folders)))
+    plan = Plan(
+        folder=str(folder.resolve()),
+        title=spec.title or base.title,
+        analysis=base.analysis,
+        text=base.text,
+        folders=folders,
+        axes=axes,
+        cases=(),
+        files=(),
+        outputs=spec.outputs.model_dump(mode="json", exclude_none=True),
+        hook=hook,
+        outputs_digest=digest,
+        time_limit=spec.cases.time_limit_s,
+        keep=spec.cases.keep,
+    )
+    plan, models_read = _with_cases(plan, base)
+    return plan, tuple(dict.fromkeys((*seen, *models_read)))
+
+
+def _check_hook(path: Path, function: str) -> None:
+    """Raises InputError when a file cannot be executed or has no such function."""
+    try:
+        hook_function(path, function)
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"{path}: cannot be executed: {type(error).__name__}: {error}") from None
+
+
+def _check_keys(axes: Sequence[Points]) -> None:
+    """No key twice, also where tables name keys."""
+    seen: dict[str, str] = {}
+    for axis in axes:
+        for key in (key for group in axis.keys for key in group):
+            if key in seen:
+                raise InputError(f"{axis.places[0]}: {key}: is varied by axis '{seen[key]}' already")
+            seen[key] = axis.name
+
+
+MOST_FAULTS = 20
+"""Faults of cases that are listed before the rest is only counted."""
+
+
+def _with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
+    """The plan with its cases, each checked by its keys; models are read once for every set of names."""
+    cases: list[Case] = []
+    files: list[dict[str, str]] = []
+    read: list[Path] = []
+    groups: dict[tuple[str, ...], int] = {}
+    faults: list[str] = []
+    for place in product(*(range(n) for n in plan.shape)):
+        values, owner = _values_at(plan.axes, place)
+        label = _label(plan.axes, place)
+        try:
+            scenario = base.with_values(values, owner)
+            group = tuple(_texts(scenario.tables))
+            if group not in groups:
+                with noting_reads() as seen:
+                    build(scenario)
+                groups[group] = len(files)
+                own = {path: digest for path, digest in seen.items() if path not in scenario.files}  # these are merged
+                files.append({str(path.resolve()): digest for path, digest in sorted(own.items())})
+                read += own
+        except InputError as error:
+            if str(error) not in faults:
+                faults.append(str(error) if owner in str(error) else f"{owner}: case {label}: {error}")
+            if len(faults) > MOST_FAULTS:
+                break
+            continue
+        cases.append(Case(_name(scenario.tables, files[groups[group]]), values, place, label, groups[group]))
+    if faults:
+        more = ["... and more faults"] if len(faults) > MOST_FAULTS else []
+        raise InputError("\n".join(faults[:MOST_FAULTS] + more))
+    return replace(plan, cases=tuple(cases), files=tuple(files)), read
+
+
+def _values_at(axes: Sequence[Points], place: tuple[int, ...]) -> tuple[dict[str, Any], str]:
+    """Values of a case by dotted key, and the place in the study's files that its faults are put down to."""
+    values: dict[str, Any] = {}
+    for axis, i in zip(axes, place, strict=True):
+        for group, value in zip(axis.keys, axis.values[i], strict=True):
+            values |= dict.fromkeys(group, value)
+    return values, " and ".join(dict.fromkeys(axis.places[i] for axis, i in zip(axes, place, strict=True)))
+
+
+def _label(axes: Sequence[Points], place: tuple[int, ...]) -> str:
+    """The values of a case in words."""
+    words = []
+    for axis, i in zip(axes, place, strict=True):
+        if axis.labels:
+            words.append(f"{axis.name} {axis.labels[i]}")
+        elif axis.listed and len(axis.columns) > 3:
+            words.append(f"{axis.name} {i}")
+        else:
+            pairs = zip(axis.columns, axis.values[i], strict=True)
+            words += [f"{column.rpartition('.')[2]} {in_words(value)}" for column, value in pairs]
+    return ", ".join(words)
+
+
+def in_words(value: Any) -> str:
+    """A varied value for labels: six digits, texts without quotes."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return value if isinstance(value, str) else shown(value, 40)
+
+
+def _texts(data: Any) -> Iterator[str]:
+    """All texts in a tree of tables, keys included: cases that share them read the same files."""
+    if isinstance(data, dict):
+        for key, value in data.items():
+            if key != "title":
+                yield key
+                yield from _texts(value)
+    elif isinstance(data, list | tuple):
+        for value in data:
+            yield from _texts(value)
+    elif isinstance(data, str):
+        yield data
+
+
+def _name(tables: dict[str, Any], files: dict[str, str]) -> str:
+    """The name of a case: twenty hexadecimal digits."""
+    own = {key: value for key, value in tables.items() if key != "title"}
+    text = json.dumps(own, sort_keys=True, default=str, ensure_ascii=False)
+    digest = hashlib.sha256(text.encode())
+    for content in sorted(files.values()):
+        digest.update(content.encode())
+    return digest.hexdigest()[:20]
+
+
+_known: dict[str, tuple[int, int, str]] = {}
+
+
+def changed_file(files: dict[str, str]) -> str:
+    """The first of these files that is not as it was when the study was planned; empty if all are."""
+    for path, digest in files.items():
+        try:
+            now = os.stat(path)
+        except OSError:
+            return path
+        known = _known.get(path)
+        if known is None or known[:2] != (now.st_mtime_ns, now.st_size):
+            known = (now.st_mtime_ns, now.st_size, hashlib.sha256(Path(path).read_bytes()).hexdigest())
+            _known[path] = known
+        if known[2] != digest:
+            return path
+    return ""

@@ -1,0 +1,316 @@
+"""The study file: a base scenario, what is varied, what is kept of every case."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import BeforeValidator, Field
+
+from wrsim.analysis.assessment.quantities import QUANTITIES
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import List, Switch, fields, number, positive, refuse, spread, text, words
+from wrsim.results import CHANNELS
+from wrsim.study.reductions import REDUCTIONS
+
+MOST_CASES = 1_000_000
+MOST_SAMPLES = 65_536
+
+KEY = 'a dotted key of the scenario such as "vehicle.speed_kmh" or "track.segments[2].radius_m"'
+Key = Annotated[str, text(KEY)]
+Name = Annotated[
+    str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$", description="a name of letters, digits and _ in quotes")
+]
+
+
+def _one_or_many(value: Any) -> Any:
+    return value if isinstance(value, list | tuple) else (value,)
+
+
+Keys = Annotated[
+    tuple[Key, ...],
+    Field(strict=False, min_length=1, description=f"{KEY}, or a list of keys that all take the same value"),
+    BeforeValidator(_one_or_many),
+]
+
+
+def _no_scalar(value: Any) -> Any:
+    if not isinstance(value, list | tuple | dict):
+        raise refuse("must be a list of values for that key, or {from = .., to = .., step = ..}")
+    if isinstance(value, dict):  # 0.3 and not 0.30000000000000004, so that it is the same case as one of a list
+        return tuple(v if isinstance(v, int) else float(f"{v:.12g}") for v in spread(value))
+    return value
+
+
+Values = Annotated[
+    tuple[Any, ...],
+    Field(
+        strict=False,
+        min_length=1,
+        description="a list of values for that key, or {from = .., to = .., step = ..}",
+    ),
+    BeforeValidator(_no_scalar),
+]
+
+
+class GridAxis(Section):
+    """Every value of a list; axes of several tables are combined with each other."""
+
+    header: ClassVar[str] = '[[vary]] with kind = "grid"'
+    aliases: ClassVar[dict[str, str]] = {"key": "keys parameter variable", "values": "value list", "name": "axis label"}
+
+    kind: Literal["grid"]
+    key: Keys
+    values: Values
+    name: Name | None = None
+
+    def varied(self) -> tuple[str, ...]:
+        """What is varied."""
+        return self.key
+
+
+class CsvAxis(Section):
+    """Rows of a table: the header holds dotted keys, a column ``id`` names the rows."""
+
+    header: ClassVar[str] = '[[vary]] with kind = "csv"'
+    aliases: ClassVar[dict[str, str]] = {"file": "csv table rows", "name": "axis label"}
+
+    kind: Literal["csv"]
+    file: Annotated[str, text('a CSV file such as "variants.csv"')]
+    name: Name = "case"
+
+    def varied(self) -> tuple[str, ...]:
+        """What is varied stands in the file."""
+        return ()
+
+
+class SampledKey(Section):
+    """One key that is sampled: evenly from low to high, or normally about a mean."""
+
+    header: ClassVar[str] = "[[vary.over]]"
+    aliases: ClassVar[dict[str, str]] = {
+        "key": "keys parameter variable",
+        "low": "from min lower",
+        "high": "to max upper",
+        "deviation": "sigma std standard_deviation",
+        "mean": "mu",
+    }
+
+    key: Keys
+    low: Annotated[float, number()] | None = None
+    high: Annotated[float, number()] | None = None
+    spacing: Literal["linear", "log"] = "linear"
+    mean: Annotated[float, number()] | None = None
+    deviation: Annotated[float, positive()] | None = None
+    whole: Switch = False
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """A range or a normal distribution, whole."""
+        pairs = (("low", "high"), ("mean", "deviation"))
+        given = [pair for pair in pairs if set(pair) & set(raw)]
+        if not given:
+            yield Fault("low", "must be a finite number (and high; or give mean and deviation)", missing=True)
+        elif len(given) == 2:
+            yield Fault(given[1][0] if given[1][0] in raw else given[1][1], "cannot stand next to low and high")
+        else:
+            for one, other in (given[0], given[0][::-1]):
+                if one not in raw:
+                    what = words(fields(cls)[one])
+                    yield Fault(one, f"goes with {other}: must be {what}", missing=True)
+        if "mean" in raw and "spacing" in raw:
+            yield Fault("spacing", "is for low and high")
+
+    def consistency(self) -> Iterator[Fault]:
+        """A range upwards; logarithms of positive numbers."""
+        if self.low is not None and self.high is not None:
+            if not self.low < self.high:
+                yield Fault("high", f"must be above low ({self.low:g})")
+            elif self.spacing == "log" and self.low <= 0.0:
+                yield Fault("low", 'must be above 0 with spacing = "log"')
+
+
+class _Sampled(Section):
+    """What all samples have in common."""
+
+    aliases: ClassVar[dict[str, str]] = {"samples": "count n size", "over": "keys key ranges", "name": "axis label"}
+
+    samples: Annotated[int, number(1, MOST_SAMPLES)]
+    seed: Annotated[int, number(0, 2**31 - 1)] = 0
+    over: Annotated[List[SampledKey], Field(min_length=1)]
+    name: Name = "case"
+
+    def varied(self) -> tuple[str, ...]:
+        """What is varied."""
+        return tuple(key for one in self.over for key in one.key)
+
+
+class SobolAxis(_Sampled):
+    """Scrambled Sobol points: even in every projection; their number is a power of 2."""
+
+    header: ClassVar[str] = '[[vary]] with kind = "sobol"'
+
+    kind: Literal["sobol"]
+
+    def consistency(self) -> Iterator[Fault]:
+        """Only 2^m points of the sequence are balanced."""
+        if self.samples & (self.samples - 1):
+            below = 1 << (self.samples.bit_length() - 1)
+            message = f"must be a power of 2 ({below} or {2 * below}): only so many Sobol points are even"
+            yield Fault("samples", f'{message}; kind = "latin-hypercube" takes any number')
+
+
+class LatinHypercubeAxis(_Sampled):
+    """A Latin hypercube: every key takes a value in each of as many equal parts of its range as there are samples."""
+
+    header: ClassVar[str] = '[[vary]] with kind = "latin-hypercube"'
+
+    kind: Literal["latin-hypercube"]
+
+
+Axis = GridAxis | CsvAxis | SobolAxis | LatinHypercubeAxis
+
+NUMBERS = tuple(name for name, c in CHANNELS.items() if c.kind != "text" and not c.coordinate)
+LABELS = ("wheelset", "wheel", "body", "point", "suspension", "external_load")
+"""Dimensions of a channel of which one may be chosen by its name."""
+
+
+class ChannelOutput(Section):
+    """A channel, reduced to one number; of several wheels or wheelsets, the largest one counts (with min the smallest).
+
+    from_m, to_m: the part of the way that counts; the other keys choose one wheelset, wheel, body, ....
+    """
+
+    header: ClassVar[str] = "[[outputs.channels]]"
+    aliases: ClassVar[dict[str, str]] = {
+        "channel": "name_of_channel quantity variable",
+        "reduce": "reduction operation statistic",
+        "from_m": "start_m",
+        "to_m": "end_m",
+    }
+
+    channel: Literal[*NUMBERS]  # type: ignore[valid-type]
+    reduce: Literal[*REDUCTIONS]  # type: ignore[valid-type]
+    percentile: Annotated[float, number(0, 100)] | None = None
+    wheelset: Annotated[str, text("the name of a wheelset")] | None = None
+    wheel: Literal["left", "right"] | None = None
+    body: Annotated[str, text("the name of a body")] | None = None
+    point: Annotated[str, text("the name of a point")] | None = None
+    suspension: Annotated[str, text("the name of a suspension element")] | None = None
+    external_load: Annotated[str, text("the name of a load")] | None = None
+    from_m: Annotated[float, number(0, 1e6, "m along the centre line")] | None = None
+    to_m: Annotated[float, number(0, 1e6, "m along the centre line")] | None = None
+    name: Name | None = None
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """A percentile says which one; labels belong to the channel."""
+        if (raw.get("reduce") == "percentile") != ("percentile" in raw):
+            if "percentile" in raw:
+                yield Fault("percentile", 'is for reduce = "percentile"')
+            else:
+                yield Fault("percentile", "must be a number from 0 to 100", missing=True)
+        channel = CHANNELS.get(raw["channel"]) if isinstance(raw.get("channel"), str) else None
+        if channel is not None:
+            for label in LABELS:
+                if label in raw and label not in channel.dims:
+                    yield Fault(label, f'channel "{channel.name}" has none: it belongs to ({", ".join(channel.dims)})')
+
+    def consistency(self) -> Iterator[Fault]:
+        """From somewhere to further on."""
+        if self.from_m is not None and self.to_m is not None and not self.from_m < self.to_m:
+            yield Fault("to_m", f"must be above from_m ({self.from_m:g})")
+
+    def chosen(self) -> dict[str, str]:
+        """The labels that are asked for, by dimension."""
+        return {label: getattr(self, label) for label in LABELS if getattr(self, label) is not None}
+
+    @property
+    def column(self) -> str:
+        """Name of the output with its unit at the end."""
+        channel = CHANNELS[self.channel]
+        if self.name is not None:
+            return self.name
+        how = f"p{self.percentile:g}" if self.percentile is not None else self.reduce
+        words = (self.channel, *self.chosen().values(), how, channel.shown.suffix)
+        return "_".join(word.replace(" ", "_").replace(".", "_") for word in words if word)
+
+
+class OutputsSection(Section):
+    """Numbers that are kept of every case; without this table, those that people ask for first.
+
+    summary: places in ``summary.json``, with dots between; assessment: quantities of EN 14363, the worst of all
+    sections; hook: ``"file.py:function"``, which takes a Result and returns a dict of numbers.
+    """
+
+    header: ClassVar[str] = "[outputs]"
+
+    summary: List[Annotated[str, text('a place in summary.json such as "linear_critical_speed_kmh"')]] = ()
+    assessment: List[Literal[*QUANTITIES]] = ()  # type: ignore[valid-type]
+    channels: List[ChannelOutput] = ()
+    hook: (
+        Annotated[
+            str,
+            Field(
+                pattern=r"^[^\x00]*\.py:[A-Za-z_]\w*$",
+                description='a file and a function in it, such as "outputs.py:numbers", in quotes',
+            ),
+        ]
+        | None
+    ) = None
+
+    @property
+    def asks_for_nothing(self) -> bool:
+        """True where the file leaves the choice to wrsim."""
+        return not (self.summary or self.assessment or self.channels or self.hook)
+
+    def consistency(self) -> Iterator[Fault]:
+        """Names of their own."""
+        names = [one.column for one in self.channels]
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                yield Fault(("channels",), f'two outputs are called "{name}": give one of them another name')
+
+
+class CasesSection(Section):
+    """time_limit_s: of one case; keep: whole results, or the numbers alone."""
+
+    header: ClassVar[str] = "[cases]"
+    aliases: ClassVar[dict[str, str]] = {"time_limit_s": "timeout timeout_s limit_s max_time_s"}
+
+    time_limit_s: Annotated[float, number(1, 1e7, "s of one case")] = 3600.0
+    keep: Literal["results", "numbers"] = "results"
+
+
+class StudyFile(Section):
+    """A study: the scenario it starts from, what is varied, what is kept."""
+
+    header: ClassVar[str] = "a study"
+    aliases: ClassVar[dict[str, str]] = {"base": "scenario", "vary": "axes axis parameters", "outputs": "output"}
+
+    title: Annotated[str, text("a title")] | None = None
+    base: Annotated[str, text('a scenario file such as "../curve_r300.toml"')]
+    vary: Annotated[List[Annotated[Axis, Field(discriminator="kind")]], Field(min_length=1)]
+    outputs: OutputsSection = OutputsSection()
+    cases: CasesSection = CasesSection()
+
+    def consistency(self) -> Iterator[Fault]:
+        """Axes and keys once each."""
+        names: list[str] = []
+        keys: dict[str, int] = {}
+        for i, axis in enumerate(self.vary):
+            name = axis_name(axis)
+            if name in names:
+                yield Fault("vary", f'two axes are called "{name}": give one of them another name')
+            names.append(name)
+            for key in axis.varied():
+                if key in keys:
+                    yield Fault("vary", f'"{key}" is varied by vary[{keys[key]}] and again by vary[{i}]')
+                keys[key] = i
+
+
+def axis_name(axis: Axis) -> str:
+    """Name of the dimension of an axis: its own, or the last part of its key."""
+    if isinstance(axis, GridAxis) and axis.name is None:
+        return axis.key[0].rpartition(".")[2].replace("[", "_").replace("]", "")
+    return str(axis.name)

@@ -1,0 +1,276 @@
+"""What a worker does with one case: it runs it in the folder of the case and leaves a marker there.
+
+A case is done when its marker (``case.json``) stands, which is written last and moved into place. So a worker may die
+at any instant, and a case may be handed out twice: who comes second waits for the lock of the folder and finds the
+marker. A run that was cut off goes on from its part file.
+
+A case that takes too long is ended by its progress function; one that does not even call that (code that hangs) by a
+watchdog that ends the process. Who is handed the case next finds the watchdog's note.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import json
+import os
+import platform
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import dask
+
+from wrsim import __version__
+from wrsim.analysis import run
+from wrsim.analysis.motion.record import code_digest
+from wrsim.errors import InputError, SimulationError, WrsimError
+from wrsim.register import ANALYSES
+from wrsim.results import Result, write_atomically
+from wrsim.results.files import as_json
+from wrsim.results.ledger import Ledger
+from wrsim.scenario.loading import Scenario
+from wrsim.study.outputs import Outputs, outputs_of
+from wrsim.study.plan import Case, Plan, changed_file, plan_in
+
+MARKER, RESULT, PART, RECORD, HUNG = "case.json", "result.nc", "result.nc.part", "scenario.toml", "hung.txt"
+
+COMPLETED, DERAILED, STOPPED, LATE, FAILED = "completed", "derailed", "stopped", "out of time", "failed"
+STATUSES = (COMPLETED, DERAILED, STOPPED, LATE, FAILED)
+"""What became of a case. Derailed or overturned: a result; stopped: the integration could not go on."""
+
+GRACE = 5.0
+"""Time beyond its limit after which a case that does not answer loses its process [s]; and a tenth of the limit."""
+
+
+class OutOfTime(Exception):
+    """A case has used up its time; ``fraction``: how much of it is done."""
+
+    def __init__(self, fraction: float) -> None:
+        super().__init__(fraction)
+        self.fraction = fraction
+
+
+@dataclass
+class Marker:
+    """What is known of a case that has been handled; see ``STATUSES``.
+
+    numbers, units, faults: see `Outputs`; outputs: digest of what was asked for; wall_time: of this attempt,
+    simulation: the part of it that the analysis took [s]; began, ended: by the clock [s]; resumed: it went on with a
+    run that was cut off.
+    """
+
+    name: str
+    label: str
+    status: str
+    message: str
+    numbers: dict[str, float | None] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    faults: list[str] = field(default_factory=list)
+    outputs: str = ""
+    time_limit: float = 0.0
+    wall_time: float = 0.0
+    simulation: float = 0.0
+    began: float = 0.0
+    ended: float = 0.0
+    resumed: bool = False
+    host: str = ""
+    process: int = 0
+    wrsim_version: str = __version__
+    code: str = ""
+
+    def has_come_to(self, plan: Plan) -> bool:
+        """True if nothing is left to run; a larger limit gives a case that ran out of time another chance."""
+        return self.status != LATE or self.time_limit >= plan.time_limit
+
+
+def read_marker(folder: Path) -> Marker | None:
+    """The marker of a case; None where there is none."""
+    try:
+        return Marker(**json.loads((folder / MARKER).read_bytes()))
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+def write_marker(folder: Path, marker: Marker) -> None:
+    """The last thing that is done for a case. Raises ``WrsimError`` when it cannot be written."""
+    write_atomically(folder / MARKER, as_json(vars(marker), indent=1))
+
+
+def run_case(study: str, digest: str, index: int) -> str:
+    """Run a case of the plan in a folder and leave its marker; gives the folder of the case.
+
+    Raises ``WrsimError`` only where nothing can be written.
+    """
+    plan = plan_in(study, digest)
+    case = plan.cases[index]
+    folder = plan.folder_of(case)
+    # in a worker, xarray would ask the scheduler for a lock on every file
+    with dask.config.set(scheduler="synchronous"), _alone_in(folder, 2.0 * (plan.time_limit * 1.1 + GRACE)):
+        marker = read_marker(folder)
+        if marker is not None and marker.has_come_to(plan):
+            if marker.outputs != plan.outputs_digest:
+                _reduce_again(plan, case, folder, marker)
+            return str(folder)
+        _attempt(plan, case, folder)
+    return str(folder)
+
+
+@contextmanager
+def _alone_in(folder: Path, patience: float) -> Iterator[None]:
+    """Keep a folder to oneself; another worker that is thought dead may still be at it: wait for that."""
+    until = time.monotonic() + patience
+    with ExitStack() as stack:
+        while True:
+            try:
+                stack.enter_context(Ledger(folder).locked())
+                break
+            except InputError:
+                if time.monotonic() > until:
+                    raise
+                time.sleep(0.2)
+        yield
+
+
+def _attempt(plan: Plan, case: Case, folder: Path) -> None:
+    """Run the case and write its marker, whatever becomes of it."""
+    marker = Marker(case.name, case.label, FAILED, "", outputs=plan.outputs_digest, time_limit=plan.time_limit)
+    marker.began, marker.host, marker.process, marker.code = time.time(), platform.node(), os.getpid(), code_digest()
+    hung = folder / HUNG
+    if hung.exists() and hung.stat().st_size > 0:
+        marker.status = LATE
+        marker.message = f"did not answer after {plan.time_limit:g} s; its process was ended, {HUNG} shows where it was"
+        os.replace(hung, folder / f"last_{HUNG}")
+        write_marker(folder, marker)
+        return
+    with _watched(hung, plan.time_limit * 1.1 + GRACE):
+        begin = time.perf_counter()
+        try:
+            found = _simulate(plan, case, folder, marker)
+            marker.numbers, marker.units, marker.faults = _plain(found), found.units, found.faults
+        except OutOfTime as late:
+            marker.status = LATE
+            marker.message = (
+                f"not done after {plan.time_limit:g} s, at {100.0 * late.fraction:.0f} %; with a larger "
+                "[cases] time_limit_s it goes on from there"
+            )
+        except (InputError, SimulationError) as error:
+            marker.status, marker.message = FAILED, str(error)
+        except WrsimError:
+            raise  # nothing can be written here: no case has a future
+        except MemoryError:
+            marker.status, marker.message = FAILED, "out of memory"
+        except Exception as error:  # a mistake in wrsim costs this case alone
+            marker.status, marker.message = FAILED, f"internal error: {type(error).__name__}: {error}"
+        marker.wall_time, marker.ended = time.perf_counter() - begin, time.time()
+        write_marker(folder, marker)
+    if marker.status != LATE:
+        (folder / PART).unlink(missing_ok=True)
+
+
+@contextmanager
+def _watched(hung: Path, limit: float) -> Iterator[None]:
+    """End this process when the block lasts longer than the limit [s]: works also where Python itself hangs."""
+    with open(hung, "wb") as note:
+        faulthandler.dump_traceback_later(limit, exit=True, file=note)
+        try:
+            yield
+        finally:
+            faulthandler.cancel_dump_traceback_later()
+    hung.unlink(missing_ok=True)
+
+
+def _simulate(plan: Plan, case: Case, folder: Path, marker: Marker) -> Outputs:
+    """The run itself; what is kept of it is written, the marker learns its status."""
+    if changed := changed_file(plan.files[case.files]):
+        raise InputError(f"{changed}: has changed since the study was planned; start the study again")
+    scenario = plan.scenario(case)
+    write_atomically(folder / RECORD, scenario.text.encode())
+    begin = time.perf_counter()
+    result = _run(scenario, folder / PART, plan.time_limit, marker)
+    marker.simulation = time.perf_counter() - begin
+    marker.status, marker.message = status_of(result), result.stop_reason
+    if plan.keep == "results":
+        result.save(folder / RESULT)
+        write_atomically(folder / "summary.json", as_json(result.summary()))
+    return outputs_of(result, plan.asked(), Path(plan.hook) if plan.hook else None)
+
+
+def status_of(result: Result) -> str:
+    """Derailing and overturning are results; all else that ends a run early has stopped it."""
+    if result.status == "completed":
+        return COMPLETED
+    return DERAILED if result.dataset.attrs.get("stop_cause") == "monitor" else STOPPED
+
+
+def _run(scenario: Scenario, part: Path, limit: float, marker: Marker) -> Result:
+    """The result of a scenario, from its part file where that can go on."""
+    until = time.monotonic() + limit
+
+    def progress(fraction: float, seconds_left: float) -> None:
+        if time.monotonic() > until:
+            raise OutOfTime(fraction)
+
+    if ANALYSES[scenario.analysis].moves and part.exists():
+        try:
+            marker.resumed = True
+            return run(scenario, progress, record=part, resume=True)
+        except InputError:  # cut off before its start, or by another state of the code
+            marker.resumed = False
+    return run(scenario, progress, record=part)
+
+
+def _reduce_again(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
+    """Other outputs than before are asked for: from the result where it is kept, else from a new run."""
+    if marker.status in (LATE, FAILED):
+        marker.outputs = plan.outputs_digest
+    elif (folder / RESULT).exists():
+        with _watched(folder / HUNG, plan.time_limit * 1.1 + GRACE):
+            result = Result.load(folder / RESULT)
+            found = outputs_of(result, plan.asked(), Path(plan.hook) if plan.hook else None)
+        marker.numbers, marker.units, marker.faults = _plain(found), found.units, found.faults
+        marker.outputs = plan.outputs_digest
+    else:
+        _attempt(plan, case, folder)
+        return
+    write_marker(folder, marker)
+
+
+def _plain(found: Outputs) -> dict[str, float | None]:
+    """Numbers as JSON knows them."""
+    return {name: value if abs(value) < float("inf") else None for name, value in found.numbers.items()}
+
+
+def warm(study: str, digest: str, indices: list[int]) -> str:
+    """Compile the kernels that these cases need, by the first steps of each; gives the host's name."""
+    plan = plan_in(study, digest)
+    base = plan.base()
+    for index in indices:
+        compile_for(plan.scenario(plan.cases[index], base))
+    return platform.node()
+
+
+class _Enough(Exception):
+    """Whoever asks for the progress has seen enough."""
+
+
+def compile_for(scenario: Scenario) -> None:
+    """Compile what a scenario needs, by a short run; what fails in it fails again where it is told."""
+    analysis = ANALYSES[scenario.analysis]
+
+    def progress(fraction: float, seconds_left: float) -> None:
+        raise _Enough
+
+    try:
+        if not analysis.moves:
+            run(scenario, progress)
+            return
+        own = {key: value for key, value in scenario.tables.get("run", {}).items() if key != "distance_m"}
+        run(scenario.with_values({"run": own | {"time_s": SHORT}, "output.patches_at_m": []}))
+    except (_Enough, WrsimError):
+        pass
+
+
+SHORT = 0.02
+"""Time of the run that compiles [s]."""
