@@ -16,6 +16,7 @@ from wrsim import __version__
 from wrsim.cli.assessing import assess
 from wrsim.cli.compare import compare
 from wrsim.cli.conicity import conicity
+from wrsim.cli.diff import diff
 from wrsim.cli.ending import INTERRUPTED, any_output, exit_code, reporting_errors, usage_as_json
 from wrsim.cli.options import BesideResult, Force, Json, Models, Set, beside, check_ending, with_set
 from wrsim.cli.report import report
@@ -284,6 +285,7 @@ def profile(
 app.command()(assess)
 app.command()(compare)
 app.command()(report)
+app.command()(diff)
 app.command()(resolve)
 app.command()(conicity)
 app.command()(ride)

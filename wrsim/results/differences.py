@@ -1,0 +1,103 @@
+"""Two results side by side: peaks, medians in full curves, and other numbers of their summaries."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from wrsim.errors import InputError, suggest
+from wrsim.results.result import Result
+
+LEFT_OUT = ("title", "analysis", "status", "stop", "versions", "integration", "extent", "events")
+"""Parts of a summary that are no quantities."""
+PLACES = ("distance_m", "time_s", "pose", "from_m", "to_m")
+"""Where something is."""
+SMALLEST = 1e-6
+"""Values below this, in their unit for readers, count as zero."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One number of two results; None where one of them does not have it.
+
+    place: wheelset, wheel, curve; quantity: with its unit at the end; scale: the largest magnitude of that quantity
+    anywhere in both results, which differences are measured by: a force that is near zero on one wheel is not judged
+    by itself.
+    """
+
+    place: str
+    quantity: str
+    first: float | None
+    second: float | None
+    scale: float
+
+    @property
+    def absolute(self) -> float:
+        """Second minus first; infinite where one is missing."""
+        if self.first is None or self.second is None:
+            return 0.0 if self.first is self.second else math.inf
+        return self.second - self.first
+
+    @property
+    def relative(self) -> float:
+        """Magnitude of the difference over the scale."""
+        return abs(self.absolute) / self.scale
+
+
+def differences(first: Result, second: Result, only: Sequence[str] = ()) -> list[Difference]:
+    """All numbers of the summaries of two results of one kind, the largest relative difference first.
+
+    only: quantities, with or without the unit at the end. Raises ``InputError`` for results of two kinds of analysis,
+    and for a quantity that neither has.
+    """
+    if first.analysis != second.analysis:
+        raise InputError(
+            f'cannot compare analysis = "{first.analysis}" with "{second.analysis}": both must be of one kind'
+        )
+    one, other = (dict(_numbers(result.summary())) for result in (first, second))
+    keys = list(dict.fromkeys((*one, *other)))
+    names = list(dict.fromkeys(quantity for _, quantity in keys))
+    for asked in only:
+        if not any(_is_asked(name, asked) for name in names):
+            raise InputError(
+                f"--only {asked}: neither result has it{suggest(asked, names)}; there is {', '.join(names)}"
+            )
+    if only:
+        keys = [key for key in keys if any(_is_asked(key[1], asked) for asked in only)]
+    scales: dict[str, float] = {}
+    for place, quantity in keys:
+        for values in (one, other):
+            size = abs(values.get((place, quantity)) or 0.0)
+            scales[quantity] = max(scales.get(quantity, SMALLEST), size)
+    found = [Difference(p, q, one.get((p, q)), other.get((p, q)), scales[q]) for p, q in keys]
+    return sorted(found, key=lambda d: -d.relative)
+
+
+def _is_asked(name: str, asked: str) -> bool:
+    return name == asked or name.startswith(f"{asked}_")
+
+
+def _numbers(tree: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, str], float | None]]:
+    """Every number of a summary by its place and its quantity; a peak counts as its value."""
+    for key, value in tree.items():
+        if (not place and key in LEFT_OUT) or key in PLACES:
+            continue
+        if isinstance(value, Mapping) and "value" in value:
+            value = value["value"]
+        if isinstance(value, Mapping):
+            yield from _numbers(value, place if key in ("wheelsets", "wheels", "points") else (*place, str(key)))
+        elif isinstance(value, list):
+            for i, entry in enumerate(value):
+                if isinstance(entry, Mapping):
+                    yield from _numbers(entry, (*place, _name(entry, key, i)))
+        elif value is None or (isinstance(value, int | float) and not isinstance(value, bool)):
+            yield (" ".join(place), str(key)), None if value is None else float(value)
+
+
+def _name(entry: Mapping[str, Any], key: str, index: int) -> str:
+    """What an entry of a list is called."""
+    if "radius_m" in entry:
+        return f"curve {index + 1} (R {entry['radius_m']:.0f} m)"
+    return f"{key}[{index}]"
