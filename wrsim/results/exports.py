@@ -1,0 +1,145 @@
+"""A result in the files of other programs: MATLAB, CSV, Parquet, MDF.
+
+MATLAB gets every channel with its dimensions, in SI units. The others get one wide table: a row a sample (instant or
+pose), a column for every channel of every wheelset, wheel, patch, body, point, ..., in units for readers.
+"""
+
+from __future__ import annotations
+
+import io
+import tempfile
+from collections.abc import Iterator
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from wrsim.errors import InputError, WrsimError, suggest
+from wrsim.results.channels import CHANNELS, Channel
+from wrsim.results.files import write_atomically
+from wrsim.results.result import Result
+
+FORMATS = ("mat", "csv", "parquet", "mdf")
+ENDINGS = {"mdf": "mf4"}
+EXTRA = "install it with pip install 'wrsim[export]'"
+LONGEST_NAME = 63
+"""Letters of a MATLAB name."""
+
+Column = tuple[str, Channel, NDArray[Any]]
+"""Name, channel, values of one column."""
+
+
+def formats(asked: str) -> list[str]:
+    """Formats of a list with commas between. Raises ``InputError``."""
+    names = [name.strip().lower() for name in asked.split(",") if name.strip()]
+    for name in names:
+        if name not in FORMATS:
+            raise InputError(f"--to {asked}: '{name}' is none of {', '.join(FORMATS)}{suggest(name, FORMATS)}")
+    if not names:
+        raise InputError(f"--to {asked}: must be one or more of {', '.join(FORMATS)}, with commas between")
+    return list(dict.fromkeys(names))
+
+
+def export(result: Result, format: str, path: Path) -> Path:
+    """Write a result in one of ``FORMATS``. Raises ``InputError`` where a library is missing, or MDF has no time."""
+    content = {"mat": _mat, "csv": _csv, "parquet": _parquet, "mdf": _mdf}[format](result)
+    return write_atomically(path, content)
+
+
+def columns(dataset: xr.Dataset) -> Iterator[Column]:
+    """The wide table, the samples first: names as in ``Y_front.outer_left_kN``; strips and outlines are left out."""
+    sample = "time" if "time" in dataset.dims else "pose"
+    for name, channel in CHANNELS.items():
+        if name not in dataset.variables:
+            continue
+        data = dataset[name]
+        if not data.dims or data.dims[0] != sample or "strip" in data.dims:
+            continue
+        labels = [
+            [str(v) for v in dataset[d].values] if d in dataset.coords else range(dataset.sizes[d])
+            for d in data.dims[1:]
+        ]
+        for column, place in enumerate(product(*(range(dataset.sizes[d]) for d in data.dims[1:]))):
+            own = [str(label[i]) for label, i in zip(labels, place, strict=True)]
+            words = (name, *own, channel.shown.suffix if channel.kind == "number" else "")
+            values = data.values.reshape(data.shape[0], -1)[:, column]
+            if channel.kind == "number":
+                values = values * channel.shown.factor
+            yield "_".join(word.replace(" ", "_") for word in words if word), channel, values
+
+
+def _csv(result: Result) -> bytes:
+    import pandas as pd
+
+    table = pd.DataFrame({name: values for name, _, values in columns(result.dataset)})
+    return table.to_csv(index=False, float_format="%.10g", lineterminator="\n").encode()
+
+
+def _parquet(result: Result) -> bytes:
+    try:
+        import pyarrow as pa
+        import pyarrow.parquet as parquet
+    except ImportError:
+        raise InputError(f"--to parquet needs pyarrow: {EXTRA}") from None
+    arrays, about = [], []
+    for name, channel, values in columns(result.dataset):
+        arrays.append(pa.array(values))
+        about.append(
+            pa.field(name, arrays[-1].type, metadata={"unit": channel.shown.symbol, "long_name": channel.long_name})
+        )
+    schema = pa.schema(about, metadata={key: str(value) for key, value in result.dataset.attrs.items()})
+    stream = io.BytesIO()
+    parquet.write_table(pa.Table.from_arrays(arrays, schema=schema), stream)
+    return stream.getvalue()
+
+
+def _mat(result: Result) -> bytes:
+    from scipy.io import savemat
+
+    dataset = result.dataset
+    channels: dict[str, Any] = {}
+    units: dict[str, str] = {}
+    dims: dict[str, Any] = {}
+    for name, variable in dataset.variables.items():
+        key = str(name)[:LONGEST_NAME]
+        values = variable.values
+        channels[key] = values.astype(object) if values.dtype.kind in "UO" else values
+        units[key] = str(variable.attrs.get("units", ""))
+        dims[key] = np.array(variable.dims, dtype=object)
+    about = {str(key)[:LONGEST_NAME]: value for key, value in dataset.attrs.items()}
+    stream = io.BytesIO()
+    savemat(
+        stream,
+        {"channels": channels, "units": units, "dimensions": dims, "about": about},
+        long_field_names=True,
+        do_compression=True,
+        oned_as="column",
+    )
+    return stream.getvalue()
+
+
+def _mdf(result: Result) -> bytes:
+    if "time" not in result.dataset.dims:
+        raise InputError(
+            f'--to mdf: MDF keeps signals over time; analysis = "{result.analysis}" has none: take mat or csv'
+        )
+    try:
+        from asammdf import MDF, Signal
+    except ImportError:
+        raise InputError(f"--to mdf needs asammdf: {EXTRA}") from None
+    time = result.dataset["time"].values
+    signals = [
+        Signal(np.ascontiguousarray(values), time, unit=channel.shown.symbol, name=name, comment=channel.long_name)
+        for name, channel, values in columns(result.dataset)
+        if channel.kind != "text" and name != "time_s"
+    ]
+    with tempfile.TemporaryDirectory() as folder, MDF(version="4.10") as file:
+        file.append(signals, comment=result.title, common_timebase=True)
+        path = Path(file.save(Path(folder) / "result.mf4", overwrite=True, compression=2))
+        try:
+            return path.read_bytes()
+        except OSError as error:
+            raise WrsimError(f"{path}: {error}") from None
