@@ -62,13 +62,14 @@ _READ: ContextVar[dict[Path, str] | None] = ContextVar("_READ", default=None)
 def noting_reads() -> Iterator[dict[Path, str]]:
     """While this lasts, every file that is read is noted with the SHA-256 of its content."""
     noted: dict[Path, str] = {}
+    around = _READ.get()
     before = _READ.set(noted)
     try:
         yield noted
     finally:
         _READ.reset(before)
-        if before is not None:
-            before.update(noted)  # whoever notes around this sees them as well
+        if around is not None:
+            around.update(noted)
 
 
 def parse_value(text: str) -> Any:
