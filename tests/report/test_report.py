@@ -196,8 +196,8 @@ def test_the_bundles_can_stand_in_a_page() -> None:
 # --- the command --------------------------------------------------------------------------------------------
 
 
-def test_the_command_writes_beside_the_result_and_over_nothing_of_the_users(tmp_path: Path, curve: Result) -> None:
-    curve.save(tmp_path / "run" / "result.nc")
+def test_the_command_writes_beside_the_result_and_over_nothing_of_the_users(tmp_path: Path) -> None:
+    Result(curve_run(samples=40)).save(tmp_path / "run" / "result.nc")
     runner = CliRunner()
     assert runner.invoke(app, ["report", str(tmp_path / "run")]).exit_code == 0
     assert runner.invoke(app, ["report", str(tmp_path / "run")]).exit_code == 0

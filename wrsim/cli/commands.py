@@ -51,6 +51,7 @@ from wrsim.cli.storing import (
 from wrsim.cli.study import study
 from wrsim.cli.track import track
 from wrsim.cli.vehicle import vehicle
+from wrsim.cli.view import view
 from wrsim.errors import InputError
 
 app = typer.Typer(
@@ -294,3 +295,4 @@ app.command()(ride)
 app.command()(study)
 app.command()(track)
 app.command()(vehicle)
+app.command()(view)

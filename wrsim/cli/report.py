@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Force, Json, beside, check_ending
+from wrsim.cli.options import Force, Json, Models, beside, check_ending
 from wrsim.cli.showing import print_files
 from wrsim.cli.storing import read, writing
 
@@ -22,6 +22,8 @@ def report(
         Path | None,
         typer.Option("--output", "-o", metavar="HTML", help="Default: report.html beside the first result."),
     ] = None,
+    with_view: Annotated[bool, typer.Option("--view", help="With the viewer of each result inside.")] = False,
+    models: Models = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -35,6 +37,11 @@ def report(
         loaded = [read(path) for path in results]
         sources = [str(path) for path in results]
         commands = [rerun(result, source) for result, source in zip(loaded, sources, strict=True)]
-        page = report_page(loaded, sources, commands=commands)
+        viewers: list[str] = []
+        if with_view:
+            from wrsim.report.view import view_page
+
+            viewers = [view_page(r, beside(path), models or ()) for r, path in zip(loaded, results, strict=True)]
+        page = report_page(loaded, sources, commands=commands, viewers=viewers)
         target = output or beside(results[0]) / "report.html"
         print_files([write_atomically(target, page.encode())], as_json)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from wrsim.plots.vehicle import VehicleSketch
-    from wrsim.vehicle.vehicle import Body, Vehicle
+    from wrsim.vehicle.vehicle import Vehicle
 
 
 def vehicle(
@@ -153,7 +153,7 @@ def _print_under_loads(found: dict[str, Any]) -> None:
 
 def sketch_of(vehicle: Vehicle) -> VehicleSketch:
     """The vehicle as a drawing takes it; bodies become the boxes of equal mass and inertia."""
-    from wrsim.plots.vehicle import ElementSketch, VehicleSketch, WheelSketch
+    from wrsim.plots.vehicle import BoxSketch, ElementSketch, VehicleSketch, WheelSketch
     from wrsim.vehicle.elements import KINDS
 
     wheels = [
@@ -164,13 +164,5 @@ def sketch_of(vehicle: Vehicle) -> VehicleSketch:
     glyphs = [(element, KINDS[element.kind].glyph) for element in vehicle.elements]
     elements = [ElementSketch(element.kind, element.points, *glyph) for element, glyph in glyphs if glyph is not None]
     points = [point.at for point in vehicle.points]
-    return VehicleSketch(vehicle.name, [_box(b) for b in vehicle.bodies], wheels, elements, points)
-
-
-def _box(body: Body) -> Any:
-    """The box whose inertia the body has; never thinner than 0.1 m."""
-    from wrsim.plots.vehicle import BoxSketch
-
-    total = sum(body.inertia)
-    x, y, z = (max(6.0 * (total - 2.0 * i) / body.mass, 0.01) ** 0.5 for i in body.inertia)
-    return BoxSketch(body.name, body.centre, (x, y, z))
+    boxes = [BoxSketch(body.name, body.centre, body.box) for body in vehicle.bodies]
+    return VehicleSketch(vehicle.name, boxes, wheels, elements, points)

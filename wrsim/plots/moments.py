@@ -95,7 +95,7 @@ def select_elements(dataset: xr.Dataset, where: PatchAt) -> tuple[NDArray, NDArr
     return s[rows], x[columns], np.nan_to_num(p[np.ix_(rows, columns)])
 
 
-_DRAWN = ("strip_s", "strip_ds", "strip_x", "strip_a", "strip_p", "strip_angle", "strip_y", "strip_z")
+_DRAWN = ("strip_s", "strip_ds", "strip_x", "strip_a", "strip_p", "strip_angle", "strip_y", "strip_z", "strip_N")
 
 
 def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:

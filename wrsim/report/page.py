@@ -33,11 +33,11 @@ OWN_DRAWINGS = ("patches", "sections")
 
 
 def report_page(
-    results: Sequence[Result], sources: Sequence[str], *, commands: Sequence[str] = (), viewer: str = ""
+    results: Sequence[Result], sources: Sequence[str], *, commands: Sequence[str] = (), viewers: Sequence[str] = ()
 ) -> str:
     """The report as HTML.
 
-    sources: where the results were read from; commands: how each is made again; viewer: the page of the viewer, to be
+    sources: where the results were read from; commands: how each is made again; viewers: pages of their viewers, to be
     had inside. Raises InputError for more results than a page can tell apart.
     """
     if len(results) > MOST_RESULTS:
@@ -78,10 +78,10 @@ def report_page(
         "bands": bands_drawing([ride for ride, _ in rides], names),
         "events": facts.events(results, names),
         "pictures": [] if charts else [picture for r in results for picture in _pictures(r, several)],
-        "viewer": viewer,
-        "css": Markup(_text("templates/report.css")),
-        "script": Markup(_text("bundle/report.js")) if charts else "",
-        "script_css": Markup(_text("bundle/report.css")) if charts else "",
+        "viewers": list(zip(names, viewers, strict=False)),
+        "css": Markup(text_of("templates/report.css")),
+        "script": Markup(text_of("bundle/report.js")) if charts else "",
+        "script_css": Markup(text_of("bundle/report.css")) if charts else "",
     }
     return template("report.html").render(page)
 
@@ -89,9 +89,11 @@ def report_page(
 @cache
 def _environment() -> jinja2.Environment:
     loader = jinja2.PackageLoader("wrsim.report", "templates")
-    return jinja2.Environment(
+    own = jinja2.Environment(
         loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    own.policies["json.dumps_kwargs"] = {"sort_keys": False, "separators": (",", ":")}
+    return own
 
 
 def template(name: str) -> jinja2.Template:
@@ -99,7 +101,8 @@ def template(name: str) -> jinja2.Template:
     return _environment().get_template(name)
 
 
-def _text(name: str) -> str:
+def text_of(name: str) -> str:
+    """A text file of this package."""
     return files("wrsim.report").joinpath(name).read_text(encoding="utf-8")
 
 

@@ -44,13 +44,13 @@ def path(x: Array, y: Array, off: float = 0.15) -> str:
     parts = []
     for first, last in zip(ends[::2], ends[1::2], strict=True):
         own = slice(int(first), int(last))
-        kept = _needed(x[own], y[own], off)
+        kept = needed(x[own], y[own], off)
         points = zip(x[own][kept].tolist(), y[own][kept].tolist(), strict=True)
         parts.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in points))
     return "".join(parts)
 
 
-def _needed(x: Array, y: Array, off: float) -> NDArray[np.intp]:
+def needed(x: Array, y: Array, off: float) -> NDArray[np.intp]:
     """Indices of the points that a line through them cannot spare (Douglas and Peucker)."""
     keep = np.zeros(x.size, dtype=bool)
     keep[[0, -1]] = True

@@ -40,6 +40,13 @@ class Body:
     inertia: Triple
     centre: Triple
 
+    @property
+    def box(self) -> Triple:
+        """Edges of the box that has its mass and inertia [m], for drawings; never thinner than 0.1 m."""
+        total = sum(self.inertia)
+        x, y, z = (max(6.0 * (total - 2.0 * i) / self.mass, 0.01) ** 0.5 for i in self.inertia)
+        return (x, y, z)
+
 
 @dataclass(frozen=True)
 class AxleBox:

@@ -111,7 +111,7 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
         "snapshot_time": motion.times[kept],
         "snapshot_distance": reference[kept],
         "snapshot_label": np.array(list(snapshots.values())),
-        **_stacked([recorder.channels() for recorder in strips]),
+        **stacked([recorder.channels() for recorder in strips]),
         **guide_channels(law, motion.times, records),
     }
     coords: dict[str, Any] = {"time": motion.times, "wheelset": [m.name for m in vehicle.wheelsets]}
@@ -208,7 +208,7 @@ def _together(forces: list[dict[str, Array]]) -> dict[str, Array]:
     return {name: np.take_along_axis(v, worst, axis=1)[:, 0] for name, v in (("Y", y), ("Q", q))}
 
 
-def _stacked(each: list[dict[str, Array]]) -> dict[str, Array]:
+def stacked(each: list[dict[str, Array]]) -> dict[str, Array]:
     """Strip channels of all wheelsets in one, the wheelsets behind the first dimension; rails are alike for all."""
     found: dict[str, Array] = {}
     for name, first in each[0].items():

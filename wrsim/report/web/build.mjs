@@ -8,7 +8,7 @@ const here = fileURLToPath(new URL(".", import.meta.url));
 const out = process.argv[2] ?? join(here, "..", "bundle");
 await build({
   absWorkingDir: here,
-  entryPoints: { report: "src/report.js" },
+  entryPoints: { report: "src/report.js", view: "src/view.js" },
   outdir: out,
   bundle: true,
   minify: true,
@@ -19,7 +19,7 @@ await build({
   banner: { js: "/* made by wrsim/report/web/build.mjs; licences: licences.txt beside this file */" },
 });
 const licences = [];
-for (const [name, text] of [["uPlot", "uplot"]]) {
+for (const [name, text] of [["uPlot", "uplot"], ["three.js", "three"]]) {
   licences.push(`${name}\n\n${await readFile(join(here, "node_modules", text, "LICENSE"), "utf8")}`);
 }
 await writeFile(join(out, "licences.txt"), licences.join("\n\n"));

@@ -1,0 +1,241 @@
+"""The viewer: its numbers are those of the dataset, its contacts those of the run, its pictures are not blank."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import zlib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.browser import Browser
+from support.runs import SCENARIOS
+from support.synthetic_result import curve_run, static_poses
+from typer.testing import CliRunner
+
+from wrsim.analysis import run
+from wrsim.analysis.moments_along import with_moments
+from wrsim.cli import app
+from wrsim.errors import InputError
+from wrsim.plots.moments import sample_of
+from wrsim.report import report_page
+from wrsim.report.view import setup_of, view_page
+from wrsim.report.view_data import PATH_STEP, packed, steps_of, view_data
+from wrsim.results import CHANNELS, Result
+from wrsim.results.wheelsets import wheelsets
+from wrsim.scenario.loading import load
+
+EVIL = "</script><script>window.evil = 1</script><img src=x onerror='window.evil=1'>"
+
+
+def unpacked(of: dict[str, Any]) -> np.ndarray:
+    return np.frombuffer(zlib.decompress(base64.b64decode(of["data"])), f"<{of['kind']}").reshape(of["shape"])
+
+
+@pytest.fixture(scope="module")
+def stability() -> Result:
+    values = {"stability.speed_kmh": [150, 260], "stability.nonlinear": False}
+    return run(load(SCENARIOS / "stability_cooperrider.toml").with_values(values))
+
+
+@pytest.fixture(scope="module")
+def page(coach: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("view") / "view.html"
+    file.write_text(view_page(coach, Path()))
+    return file
+
+
+# --- numbers ------------------------------------------------------------------------------------------------
+
+
+def test_contacts_solved_again_are_those_of_the_run(coach: Result) -> None:
+    setup, why = setup_of(coach, Path())
+    assert setup is not None, why
+    own = coach.dataset
+    samples = [sample_of(own, m) for m in range(own.sizes["snapshot"])]
+    found = with_moments(own, setup, samples)
+    for name in ("strip_p", "strip_a", "strip_y", "strip_angle"):
+        both = [np.nan_to_num(d[name].values) for d in (own, found)]
+        # rates of the pose act through the damping alone
+        assert np.abs(both[0] - both[1]).max() < 3e-3 * np.abs(both[0]).max(), name
+    assert np.nanmax(np.abs(found["wheel_profile_z"].values - own["wheel_profile_z"].values)) < 1e-8
+
+
+def test_pressures_between_the_kept_moments_are_those_of_the_samples(coach: Result) -> None:
+    setup, _ = setup_of(coach, Path())
+    assert setup is not None
+    samples = [40, 180, 300]
+    found = with_moments(coach.dataset, setup, samples)
+    p0 = coach.dataset["p0"].values[samples]
+    again = np.nanmax(np.nan_to_num(found["strip_p"].values), axis=-1)
+    # p0 is the largest pressure of the strips as well
+    assert again[np.isfinite(p0)] == pytest.approx(p0[np.isfinite(p0)], rel=1e-2)
+
+
+def test_packing_keeps_numbers() -> None:
+    rng = np.random.default_rng(3)
+    values = rng.normal(size=(40, 7))
+    assert np.array_equal(unpacked(packed(values, "f8")), values)
+    steps = unpacked(own := steps_of(20.0 * values, 0.005)).astype(np.int64)
+    whole = (np.cumsum(steps, axis=0) + 32768) % 65536 - 32768
+    assert np.abs(whole * own["unit"] - 20.0 * values).max() <= 0.0025 + 1e-9
+
+
+def test_the_drawn_track_is_the_track_of_the_run(coach: Result, page: Path) -> None:
+    setup, _ = setup_of(coach, Path())
+    assert setup is not None
+    data = json.loads(re.findall(r'id="data">(.*?)</script>', page.read_text(), re.DOTALL)[0])
+    track = data["run"]["track"]
+    line = unpacked(track["line"])
+    s = track["start"] + PATH_STEP * np.arange(len(line))
+    inside = (s > 1.0) & (s < 75.0)
+    truth = setup.track.centre_line.position(s[inside])
+    drawn = line[inside, :3]
+    turn = setup.track.heading(s[inside])[0] - line[inside, 3][0]
+    c, d = np.cos(turn), np.sin(turn)
+    drawn = (drawn - drawn[0]) @ np.array([[c, d, 0.0], [-d, c, 0.0], [0.0, 0.0, 1.0]])
+    assert np.abs(drawn - (truth - truth[0])).max() < 0.02
+    assert line[inside, 3] - line[inside, 3][0] == pytest.approx(
+        setup.track.heading(s[inside]) - setup.track.heading(s[inside])[0], abs=1e-3
+    )
+
+
+def test_modes_are_those_of_the_result(stability: Result) -> None:
+    setup, _ = setup_of(stability, Path())
+    data = view_data(stability, setup)["modes"]
+    speeds = stability.dataset["pose_speed"].values * 3.6
+    for of in data["speeds"]:
+        if of["critical"]:
+            assert min(abs(m["damping"]) for m in of["modes"]) < 1e-2
+            continue
+        i = int(np.argmin(np.abs(speeds - of["speed"])))
+        own = stability.dataset["mode_frequency"].values[i]
+        assert [m["frequency"] for m in of["modes"]] == pytest.approx(own[np.isfinite(own)].tolist(), rel=1e-5)
+        assert [m["name"] for m in of["modes"]] == stability.dataset["mode_name"].values[i][np.isfinite(own)].tolist()
+
+
+def test_without_its_model_files_a_result_still_shows_its_contacts() -> None:
+    result = Result(curve_run())
+    assert setup_of(result, Path())[0] is None
+    data = view_data(result, None, "why")
+    assert data["notes"] == ["why"] and len(data["sections"]["at"]) == result.dataset.sizes["snapshot"]
+    assert "vehicle" not in data
+
+
+def test_there_must_be_something_to_see() -> None:
+    dataset = curve_run().isel(time=[0]).drop_dims("strip")
+    with pytest.raises(InputError, match="neither motion nor contacts"):
+        view_data(Result(dataset), None)
+
+
+def test_the_command_writes_beside_the_result(tmp_path: Path) -> None:
+    Result(static_poses(shifts_mm=(0.0, 5.0), yaws_mrad=(0.0,))).save(tmp_path / "result.nc")
+    called = CliRunner().invoke(app, ["view", str(tmp_path)])
+    assert called.exit_code == 0, called.output
+    assert "</html>" in (tmp_path / "view.html").read_text()
+    (tmp_path / "view.html").write_text("mine")
+    assert CliRunner().invoke(app, ["view", str(tmp_path)]).exit_code == 2
+
+
+# --- in a browser -------------------------------------------------------------------------------------------
+
+
+def test_seek_gives_the_numbers_of_the_dataset(chromium: Browser, page: Path, coach: Result) -> None:
+    chromium.open(page)
+    own = coach.dataset
+    for s in (3.3, 27.2, 44.9, 69.0):
+        found = chromium.run(f"return wrsim.ready.then(() => wrsim.seek({s}))")
+        i = int(np.argmin(np.abs(own["distance"].values - s)))
+        assert found["s"] == own["distance"].values[i] and found["time"] == own["time"].values[i]
+        for w, name in enumerate(wheelsets(own)):
+            for key, value in found["wheelsets"][name].items():
+                truth = own[key].values[i, w]
+                truth = (truth[..., 0] if "patch" in own[key].dims else truth) * CHANNELS[key].shown.factor
+                shown = [value[side] for side in ("left", "right")] if isinstance(value, dict) else value
+                assert shown == pytest.approx(truth.tolist(), rel=1e-6, abs=1e-12)
+        assert {"Y", "Q", "Y_over_Q", "lateral_shift", "yaw", "p0"} <= set(found["wheelsets"]["front.outer"])
+        section = found["section"]
+        near = int(np.argmin(np.abs(own["time"].values - section["time"])))
+        one = coach.wheelset(section["wheelset"]).sel(wheel=section["wheel"])
+        pressures = one["p0"].values[near] * 1e-6
+        assert max(p["p0"] for p in section["patches"]) == pytest.approx(np.nanmax(pressures), rel=1e-2)
+        assert abs(section["time"] - found["time"]) < 0.1
+    assert chromium.complaints() == []
+
+
+@pytest.mark.parametrize("size", [(1400, 900), (500, 900)], ids=["desk", "telephone"])
+def test_pictures_are_not_blank_and_fit(chromium: Browser, page: Path, size: tuple[int, int]) -> None:
+    chromium.open(page, *size)
+    chromium.run("return wrsim.ready")
+    assert chromium.colours("#section") > 20
+    assert chromium.colours("#stage") > 50
+    assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
+    assert chromium.complaints() == []
+
+
+def test_exaggeration_moves_bodies_away_from_the_track(chromium: Browser, page: Path) -> None:
+    chromium.open(page)
+    place = "return wrsim.viewer.stage.parts.get('front.outer').group.position.y"
+    chromium.run("return wrsim.ready.then(() => wrsim.seek(45))")
+    shifts = []
+    for factor in (1, 10, 50):
+        chromium.run(f"document.querySelector('[data-factor=\"{factor}\"]').click()")
+        shifts.append(chromium.run(place))
+    assert shifts[1] == pytest.approx(10.0 * shifts[0]) and shifts[2] == pytest.approx(50.0 * shifts[0])
+    assert abs(shifts[0]) > 1e-4
+
+
+def test_it_plays(chromium: Browser, page: Path) -> None:
+    chromium.open(page)
+    chromium.run("return wrsim.ready.then(() => wrsim.seek(10))")
+    chromium.run("document.getElementById('rate').value = '10'; document.getElementById('play').click()")
+    after = (
+        "return new Promise(r => setTimeout(() => r(wrsim.viewer.run.distance.data[Math.floor(wrsim.viewer.at)]), 700))"
+    )
+    assert chromium.run(after) > 15.0
+    assert chromium.complaints() == []
+
+
+def test_a_report_takes_the_viewer_inside(chromium: Browser, page: Path, coach: Result, tmp_path: Path) -> None:
+    file = tmp_path / "report.html"
+    file.write_text(report_page([coach], ["a"], viewers=[page.read_text()]))
+    chromium.open(file)
+    chromium.run("document.querySelector('iframe').scrollIntoView()")
+    inside = "document.querySelector('iframe').contentWindow.wrsim"
+    found = chromium.run(f"return {inside}.ready.then(() => {inside}.seek(45))")
+    assert found["wheelsets"]["front.outer"]["lateral_shift"] == pytest.approx(
+        1e3 * coach.wheelset("front.outer")["lateral_shift"].values[found["sample"]], rel=1e-6
+    )
+    assert chromium.colours("iframe") > 50 and chromium.complaints() == []
+    assert file.stat().st_size < 6e6
+
+
+def test_modes_move(chromium: Browser, stability: Result, tmp_path: Path) -> None:
+    file = tmp_path / "view.html"
+    file.write_text(view_page(stability, Path()))
+    chromium.open(file)
+    script = """return wrsim.ready.then(() => {
+        const v = wrsim.viewer, at = (phase) => { v.phase = phase; v.show();
+            return [...v.stage.parts.values()].map((p) => [p.group.position.y, p.group.rotation.z]).flat(); };
+        return [at(0), at(Math.PI / 2), at(Math.PI)]; })"""
+    first, quarter, opposite = map(np.array, chromium.run(script))
+    assert np.abs(first - quarter).max() > 1e-3
+    # half a period later everything stands on the other side of its place
+    assert first == pytest.approx(-opposite, abs=1e-9)
+    assert chromium.colours("#stage") > 50 and chromium.complaints() == []
+
+
+def test_poses_are_looked_at_one_by_one(chromium: Browser, tmp_path: Path) -> None:
+    result = Result(static_poses(shifts_mm=(0.0, 5.0), yaws_mrad=(0.0,)))
+    evil = replace(result, dataset=result.dataset.assign_attrs(title=EVIL))
+    file = tmp_path / "view.html"
+    file.write_text(view_page(evil, Path()))
+    chromium.open(file)
+    found = chromium.run("return wrsim.ready.then(() => wrsim.seek(1))")
+    assert found["pose"] == str(result.dataset["pose"].values[1])
+    assert chromium.run("return window.evil === undefined && document.title") == EVIL
+    assert chromium.colours("#section") > 20 and chromium.complaints() == []

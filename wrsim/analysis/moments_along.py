@@ -1,0 +1,91 @@
+"""The contacts of a run at any of its samples, from the poses that its result holds.
+
+A result keeps strips and outlines at a few moments only. The pose of every wheelset is kept at every sample, and the
+normal contact follows from the pose: it is computed again by the model of the run. Rates of the pose are left out;
+they act through the contact damping alone, some thousandths of the force.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.result import stacked
+from wrsim.contact.channels import StripRecorder
+from wrsim.errors import InputError, SimulationError
+from wrsim.results import CHANNELS
+from wrsim.results.wheelsets import wheelsets
+from wrsim.simulation.placement import place_on_track
+from wrsim.simulation.state import design_state
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from wrsim.scenario.build import Setup
+    from wrsim.scenario.sections.run import RunPlan
+
+NEEDED = ("wheelset_distance", "lateral_shift", "vertical_shift", "yaw", "roll", "spin_rate")
+RAILS = ("rail_displacement_y", "rail_displacement_z")
+
+
+def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[int]) -> xr.Dataset:
+    """The dataset of a run whose kept moments are these samples, all of them solved again.
+
+    Raises InputError when the result does not hold what is needed, belongs to another vehicle, or was solved by the
+    exact solver, which takes too long for this.
+    """
+    names = [mounted.name for mounted in setup.vehicle.wheelsets]
+    missing = [name for name in NEEDED if name not in dataset.variables]
+    if missing or "time" not in dataset.dims or list(wheelsets(dataset)) != names:
+        raise InputError("the result does not hold the poses of the wheelsets of its scenario")
+    if setup.contact.normal == "half-space":
+        raise InputError("contacts of the exact solver are drawn at kept moments only: anywhere else takes minutes")
+    law = force_law(replace(setup, contact=replace(setup.contact, tangential="none")))
+    recorders = [StripRecorder(pair) for pair in law.wheels]
+    q, q_t = design_state(law)
+    out = np.zeros(law.size)
+    columns = {name: dataset[name].transpose("time", "wheelset", ...).values for name in NEEDED}
+    time, distance, speed = (dataset[name].values for name in ("time", "distance", "speed"))
+    kept = []
+    for i in samples:
+        for w, mounted in enumerate(setup.vehicle.wheelsets):
+            own = {name: float(values[i, w]) for name, values in columns.items()}
+            q[6 * w : 6 * w + 6], q_t[6 * w : 6 * w + 6] = place_on_track(
+                law.track.centre, own["wheelset_distance"], speed=float(speed[i]),
+                height=own["vertical_shift"] + mounted.wheelset.mean_radius, spin_rate=own["spin_rate"],
+                lateral=own["lateral_shift"], yaw=own["yaw"], roll=own["roll"],
+            )  # fmt: skip
+        ahead = float(distance[i]) - (setup.vehicle.parts[setup.vehicle.reference].centre[0] if names else 0.0)
+        for b, body in enumerate(setup.vehicle.bodies):
+            at = slice(6 * (len(names) + b), 6 * (len(names) + b) + 6)
+            x, y, z = body.centre
+            q[at], q_t[at] = place_on_track(
+                law.track.centre, ahead + x, speed=float(speed[i]), height=z, spin_rate=0.0, lateral=y
+            )
+        if law.rails and all(name in dataset for name in RAILS):
+            moved = np.stack([dataset[name].values[i] for name in RAILS], axis=-1)
+            q[law.size - law.rails : law.size] = moved.ravel()
+        try:
+            law.look_near(law.places(columns["wheelset_distance"][i : i + 1])[0])
+            law(float(time[i]), q, q_t, out)
+        except SimulationError:  # a derailed wheelset may have no place on the track
+            continue
+        for recorder in recorders:
+            recorder.store()
+        kept.append(i)
+    if not kept:
+        raise InputError("no sample of the result has a place on the track of its scenario")
+    found = stacked([recorder.channels() for recorder in recorders])
+    coords = {"snapshot_time": time[kept], "snapshot_distance": distance[kept]}
+    variables = {
+        name: (CHANNELS[name].dims_in("time"), values, {"units": CHANNELS[name].unit})
+        for name, values in (found | coords).items()
+    }
+    bare = dataset.drop_dims(
+        [d for d in ("snapshot", "strip", "column", "axis", "rail_point", "wheel_point") if d in dataset.dims]
+    )
+    return bare.assign(variables)

@@ -1,0 +1,333 @@
+"""What the viewer of a result shows, as numbers for its script."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from wrsim.errors import InputError, SimulationError
+from wrsim.plots.cross_section import has_outlines, pressed_curve
+from wrsim.plots.moments import has_patches, moment_dim, patches_of, sample_of, select, touching_runs
+from wrsim.plots.style import pressure_map, shown
+from wrsim.report.svg import Array, needed
+from wrsim.results import CHANNELS, Result
+from wrsim.results.wheelsets import of_wheelset, wheelsets
+
+if TYPE_CHECKING:
+    from wrsim.scenario.build import Setup
+
+MOST_SAMPLES = 12000
+"""Samples that a page holds; of longer runs every second, third, ... one."""
+SECTIONS = 240
+"""Places, evenly spread, at which wheels are drawn on their rails."""
+NODES = 17
+"""Points of a patch along its curved axis."""
+PATH_STEP = 1.0
+"""Between two points of the track [m]."""
+BEYOND = 60.0
+"""Length of track drawn ahead of the first and behind the last place of the vehicle [m]."""
+
+OF_WHEELSETS = ("lateral_shift", "vertical_shift", "yaw", "roll", "curvature", "cant")
+OF_WHEELS = ("Y", "Q", "Y_over_Q", "T_gamma")
+OF_PATCHES = ("N", "contact_angle", "p0", "area")
+OF_BODIES = ("body_lateral", "body_vertical", "body_yaw", "body_pitch", "body_roll")
+
+
+def packed(values: NDArray[Any], kind: str) -> dict[str, Any]:
+    """An array as text: its shape, its type ("f4", "f8", "i2" little-endian), its bytes compressed."""
+    data = np.ascontiguousarray(values, dtype=f"<{kind}")
+    return {
+        "shape": list(data.shape),
+        "kind": kind,
+        "data": base64.b64encode(zlib.compress(data.tobytes(), 6)).decode(),
+    }
+
+
+def steps_of(values: Array, unit: float) -> dict[str, Any]:
+    """The same of numbers in whole units; along the first dimension differences are kept, which compress well."""
+    whole = np.clip(np.rint(np.nan_to_num(values) / unit), -32767, 32767).astype(np.int32)
+    steps = np.diff(whole, axis=0, prepend=np.zeros_like(whole[:1]))
+    return packed(((steps + 32768) % 65536 - 32768).astype(np.int16), "i2") | {"unit": unit}
+
+
+def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[str, Any]:
+    """Everything that the viewer shows of a result.
+
+    setup: of its scenario, for shapes and for contacts between the kept moments; why: what kept it from being made.
+    Raises InputError for a result with nothing to see.
+    """
+    dataset = result.dataset
+    data: dict[str, Any] = {"title": result.title, "analysis": result.analysis, "notes": [why] if why else []}
+    if result.stop_reason:
+        data["notes"].append(f"Stopped: {result.stop_reason}")
+    data["colours"] = [_hex(c) for c in pressure_map()(np.linspace(0.0, 1.0, 32))]
+    if setup is not None:
+        data["vehicle"] = _vehicle(setup)
+    if result.analysis == "stability" and setup is not None:
+        data["modes"] = _modes(result, setup)
+        return data
+    runs = "time" in dataset.dims and dataset.sizes["time"] > 1 and "resolved_with" not in dataset.attrs
+    if runs:
+        keep = np.unique(np.append(np.arange(0, dataset.sizes["time"], _every(dataset)), dataset.sizes["time"] - 1))
+        data["run"] = _run(dataset, keep)
+        dense = _dense(dataset, setup, keep, data["notes"])
+    else:
+        dense = dataset
+    if has_patches(dense) and has_outlines(dense):
+        data["sections"] = _sections(dense, dataset)
+    if "run" not in data and "sections" not in data:
+        raise InputError(f'a result of analysis = "{result.analysis}" holds neither motion nor contacts to look at')
+    return data
+
+
+def _hex(colour: Any) -> str:
+    return "#" + "".join(f"{round(255 * v):02x}" for v in colour[:3])
+
+
+def _every(dataset: xr.Dataset) -> int:
+    return -(-dataset.sizes["time"] // MOST_SAMPLES)
+
+
+def _dense(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp], notes: list[str]) -> xr.Dataset:
+    """The run with contacts at many places, where they can be solved again; else with its own kept moments."""
+    from wrsim.analysis.moments_along import with_moments
+
+    if setup is None:
+        return dataset
+    asked = keep[np.unique(np.linspace(0, keep.size - 1, min(SECTIONS, keep.size)).astype(int))].tolist()
+    if "snapshot_time" in dataset:
+        asked += [sample_of(dataset, m) for m in range(dataset.sizes["snapshot"])]
+    try:
+        return with_moments(dataset, setup, sorted(set(asked)))
+    except (InputError, SimulationError) as problem:
+        notes.append(f"Contacts are shown at the kept moments only: {problem}")
+        return dataset
+
+
+def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
+    """The motion: channels at the samples in units for readers (of forces) or SI (of poses), and the track."""
+    names = wheelsets(dataset)
+    count = len(names)
+    moves = "distance" in dataset.coords
+    distance = dataset["distance"].values if moves else np.zeros(dataset.sizes["time"])
+    place = dataset["wheelset_distance"].values if "wheelset_distance" in dataset else np.tile(distance[:, None], count)
+    spin = np.zeros((dataset.sizes["time"], count))
+    if "spin_rate" in dataset:
+        rate, dt = dataset["spin_rate"].values, np.diff(dataset["time"].values)
+        spin[1:] = np.cumsum(0.5 * (rate[1:] + rate[:-1]) * dt[:, None], axis=0)
+    run: dict[str, Any] = {
+        "wheelsets": list(names),
+        "time": packed(dataset["time"].values[keep], "f8"),
+        "distance": packed(distance[keep], "f8"),
+        "place": packed(place[keep], "f8"),
+        "spin": packed((spin[keep] % (2.0 * np.pi)), "f4"),
+        "channels": {},
+        "track": _track(dataset, place),
+        "events": _events(dataset),
+    }
+    for name in (*OF_WHEELSETS, *OF_WHEELS, *OF_PATCHES, *OF_BODIES):
+        if name not in dataset:
+            continue
+        data = dataset[name].isel(patch=0) if "patch" in dataset[name].dims else dataset[name]
+        channel = CHANNELS[name]
+        own = packed(data.values[keep] * channel.shown.factor, "f4")
+        run["channels"][name] = own | {
+            "unit": "" if channel.shown.symbol == "1" else channel.shown.symbol,
+            "factor": channel.shown.factor,
+            "dims": [d for d in data.dims if d != "time"],
+            "words": channel.long_name,
+        }
+    if "body" in dataset.dims:
+        run["bodies"] = [str(b) for b in dataset["body"].values]
+    if "suspension" in dataset.dims:
+        forces = [dataset[f"suspension_f{axis}"].values[keep] for axis in "xyz"]
+        size = np.linalg.norm(1e-3 * np.nan_to_num(np.stack(forces)), axis=0)
+        run["suspension"] = {"names": [str(n) for n in dataset["suspension"].values], "force": packed(size, "f4")}
+    return run
+
+
+def _events(dataset: xr.Dataset) -> list[dict[str, Any]]:
+    """Where to look: what happened, kept moments, the stop."""
+    found: list[dict[str, Any]] = []
+    if "event" in dataset.dims:
+        for s, words in zip(dataset["event_distance"].values, dataset["event_label"].values, strict=True):
+            found.append({"s": float(s), "words": str(words)})
+    if "snapshot" in dataset.dims and "snapshot_label" in dataset:
+        for s, words in zip(dataset["snapshot_distance"].values, dataset["snapshot_label"].values, strict=True):
+            found.append({"s": float(s), "words": f"kept: {words}"})
+    if "stop_distance_m" in dataset.attrs:
+        found.append({"s": float(dataset.attrs["stop_distance_m"]), "words": "the stop"})
+    return sorted((e for e in found if np.isfinite(e["s"])), key=lambda e: e["s"])
+
+
+def _track(dataset: xr.Dataset, place: Array) -> dict[str, Any] | None:
+    """The centre line at even steps, from the curvature, cant and grade that the first and last wheelsets passed.
+
+    x, y, z [m] from the start, heading [rad], cant [rad] about the tangent. Good for a drawing: trapezoidal steps.
+    """
+    if "curvature" not in dataset:
+        return None
+    order = np.argsort(np.concatenate((place[:, -1], place[:, 0])), kind="stable")
+    at = np.concatenate((place[:, -1], place[:, 0]))[order]
+    at, first = np.unique(at, return_index=True)
+    s = np.arange(np.floor(at[0] - BEYOND), at[-1] + BEYOND, PATH_STEP)
+
+    def along(name: str) -> Array:
+        if name not in dataset:
+            return np.zeros(s.size)
+        values = dataset[name].values
+        both = np.concatenate((values[:, -1], values[:, 0]))[order][first]
+        return np.interp(s, at, both)
+
+    curvature, grade = along("curvature"), along("grade")
+    gauge = float(np.nanmedian(dataset["gauge"].values)) if "gauge" in dataset else 1.435
+    # positive cant lifts the right rail: a turn about the tangent that is negative
+    cant = -np.arcsin(np.clip(along("cant") / (gauge + 0.065), -1.0, 1.0))
+    middle = 0.5 * (curvature[1:] + curvature[:-1])
+    heading = np.concatenate(([0.0], np.cumsum(middle * PATH_STEP)))
+    bend = 0.5 * (heading[1:] + heading[:-1])
+    x, y = (np.concatenate(([0.0], np.cumsum(f(bend) * PATH_STEP))) for f in (np.cos, np.sin))
+    z = np.concatenate(([0.0], np.cumsum(0.5 * (grade[1:] + grade[:-1]) * PATH_STEP)))
+    line = np.stack((x, y, z, heading, cant, curvature), axis=1)
+    return {"start": float(s[0]), "step": PATH_STEP, "gauge": gauge, "line": packed(line, "f8")}
+
+
+def _vehicle(setup: Setup[Any]) -> dict[str, Any]:
+    """Shapes: wheels turned from their profiles, boxes of the inertia of the bodies, elements between their ends."""
+    vehicle = setup.vehicle
+    wheels = []
+    for mounted in vehicle.wheelsets:
+        own = mounted.wheelset
+        sides = []
+        for wheel in (own.left, own.right):
+            u, w = wheel.profile.at(np.linspace(0.0, wheel.profile.length, 400))[:2]
+            i = needed(1e3 * np.asarray(u), 1e3 * np.asarray(w), 0.3)
+            sides.append({"radius": wheel.radius, "u": _short(u[i]), "r": _short(wheel.radius - np.asarray(w)[i])})
+        wheels.append(
+            {
+                "name": mounted.name,
+                "x": mounted.x,
+                "height": mounted.height,
+                "spacing": own.profile_spacing,
+                "sides": sides,
+            }
+        )
+    elements = [
+        {"name": e.name, "kind": e.kind, "first": e.first, "second": e.second, "ends": [list(p) for p in e.points]}
+        for e in vehicle.elements
+    ]
+    rails = []
+    for rail in setup.rails:
+        u, w = rail.at(np.linspace(0.0, rail.length, 300))[:2]
+        i = needed(1e3 * np.asarray(u), 1e3 * np.asarray(w), 0.5)
+        rails.append({"u": _short(np.asarray(u)[i]), "w": _short(np.asarray(w)[i])})
+    return {
+        "name": vehicle.name,
+        "wheelsets": wheels,
+        "bodies": [{"name": b.name, "centre": list(b.centre), "size": list(b.box)} for b in vehicle.bodies],
+        "boxes": {name: vehicle.carrier(name) for name in vehicle.boxes},
+        "elements": elements,
+        "reference": vehicle.parts[vehicle.reference].centre[0],
+        "rails": rails,
+        "rail_origins": [list(o) for o in setup.track.rail_origins],
+    }
+
+
+def _short(values: Any) -> list[float]:
+    return [round(float(v), 5) for v in np.asarray(values)]
+
+
+def _modes(result: Result, setup: Setup[Any]) -> dict[str, Any]:
+    """Shapes of the modes at some speeds, solved again: amplitudes of all bodies, complex."""
+    from wrsim.analysis.stability.shapes import mode_shapes
+
+    dataset = result.dataset
+    speeds = dataset["pose_speed"].values
+    critical = float(dataset.attrs.get("critical_speed_m_s", np.nan))
+    chosen = np.unique(np.linspace(0, speeds.size - 1, min(4, speeds.size)).astype(int)).tolist()
+    asked = [float(speeds[i]) for i in chosen]
+    if np.isfinite(critical):
+        asked.append(critical)
+    found = []
+    for modes, names in mode_shapes(setup, sorted(set(asked))):
+        rows = []
+        for value, shape, name in zip(modes.values, modes.shapes, names, strict=True):
+            rows.append(
+                {
+                    "name": name,
+                    "frequency": float(value.imag / (2.0 * np.pi)),
+                    "damping": float(-value.real / abs(value)),
+                    "real": [[round(float(v), 6) for v in body] for body in shape.real / np.abs(shape).max()],
+                    "imag": [[round(float(v), 6) for v in body] for body in shape.imag / np.abs(shape).max()],
+                }
+            )
+        found.append({"speed": modes.speed * 3.6, "critical": bool(modes.speed == critical), "modes": rows})
+    return {
+        "speeds": found,
+        "bodies": [*(m.name for m in setup.vehicle.wheelsets), *(b.name for b in setup.vehicle.bodies)],
+    }
+
+
+def _sections(dense: xr.Dataset, own: xr.Dataset) -> dict[str, Any]:
+    """Wheels on rails at the moments of a dataset: outlines and patches, per wheelset and wheel."""
+    dim = moment_dim(dense)
+    count = dense.sizes[dim]
+    sides = [str(w) for w in dense["wheel"].values]
+    names = wheelsets(dense)
+    most = float(np.nanmax(dense["strip_p"].values, initial=0.0)) * 1e-6 or 1.0
+    found: dict[str, Any] = {"wheelsets": list(names), "wheels": sides, "most": most, "of": []}
+    if dim == "snapshot":
+        found["at"] = [round(float(s), 4) for s in dense["snapshot_distance"].values]
+        found["time"] = [round(float(t), 6) for t in dense["snapshot_time"].values]
+    else:
+        found["poses"] = [str(p) for p in dense["pose"].values]
+    for name in names:
+        one = of_wheelset(dense, name)
+        for side in sides:
+            found["of"].append({"wheelset": name, "wheel": side, **_wheel(one, side, count, most)})
+    return found
+
+
+def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any]:
+    """One wheel at all moments. Lengths in mm; patches: moment of each, and its points from edge to edge."""
+    dim = moment_dim(one)
+    mine = one.sel(wheel=side)
+    rail = mine[["rail_profile_y", "rail_profile_z"]]
+    rail = rail.isel({dim: 0}) if dim in rail.dims else rail
+    o, b = shown(rail, "rail_profile_y"), shown(rail, "rail_profile_z")
+    kept = needed(o, b, 0.02)
+    y, z = (mine[f"wheel_profile_{n}"].transpose(dim, "wheel_point").values * 1e3 for n in "yz")
+    finite = np.flatnonzero(np.isfinite(y).all(axis=1))
+    if finite.size:
+        points = needed(y[finite[0]], z[finite[0]], 0.01)
+        outline = np.stack((y[:, points], z[:, points]), axis=-1)
+    else:
+        outline = np.full((count, 1, 2), np.nan)
+    moments, shapes, numbers = [], [], []
+    for m in range(count):
+        for where in patches_of(one, m, side):
+            for strips in touching_runs(select(one, where)):
+                curve, normal, p = pressed_curve(strips)
+                walked = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))))
+                at = 0.5 * walked[-1] * (1.0 - np.cos(np.linspace(0.0, np.pi, NODES)))
+                points_of = [np.interp(at, walked, v) for v in (*curve.T, np.arctan2(-normal[:, 0], normal[:, 1]))]
+                pressure = np.interp(at, walked, p)
+                moments.append(m)
+                shapes.append(np.stack((points_of[0], points_of[1], 10.0 * points_of[2], 50.0 * pressure / most), 1))
+                angle = strips["strip_angle"].values
+                weight = strips["strip_N"].values
+                mean = np.arctan2((weight * np.sin(angle)).sum(), (weight * np.cos(angle)).sum())
+                numbers.append((float(weight.sum()) * 1e-3, float(np.degrees(mean)), float(p.max())))
+    return {
+        "rail": [_short(o[kept]), _short(b[kept])],
+        "outline": steps_of(outline, 0.005),
+        "missing": [int(m) for m in range(count) if m not in set(finite.tolist())],
+        "patch_moment": moments,
+        "patch": steps_of(np.array(shapes).reshape(-1, NODES, 4), 0.002),
+        "patch_numbers": packed(np.array(numbers).reshape(-1, 3), "f4"),
+    }

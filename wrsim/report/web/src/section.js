@@ -1,0 +1,236 @@
+// One wheel on its rail: the section to scale above, the patches closely beneath it.
+const INK = "#222222", QUIET = "#6b6b6b", RAIL = "#e4e7eb", WHEEL = "#f4efe4";
+const FORCES = { N: "#b00020", Y: "#0072b2", Q: "#00795c" };
+const OVERVIEW = [-88, 58, -42, 22];
+
+export class Section {
+  constructor(canvas, sections, colours) {
+    Object.assign(this, { canvas, sections, colours, wheel: 0, moment: 0, forces: null, drawn: null });
+    for (const of of sections.of) {
+      of.first = [];
+      of.patch_moment.forEach((m, k) => (of.first[m] ??= []).push(k));
+    }
+  }
+
+  get count() {
+    return (this.sections.at ?? this.sections.poses).length;
+  }
+
+  /** Patches of the chosen wheel: points [o, b, angle, pressure], force, contact angle, largest pressure. */
+  patches(wheel = this.wheel, moment = this.moment) {
+    const of = this.sections.of[wheel];
+    const [, nodes] = of.patch.shape;
+    return (of.first[moment] ?? []).map((k) => {
+      const points = [];
+      for (let i = 0; i < nodes; i++) {
+        const at = (k * nodes + i) * 4;
+        const [o, b, turn, p] = of.patch.data.subarray(at, at + 4);
+        points.push([o, b, turn / 10, (p / 50) * this.sections.most]);
+      }
+      const [N, angle, p0] = of.patch_numbers.data.subarray(3 * k, 3 * k + 3);
+      return { points, N, angle, p0 };
+    });
+  }
+
+  outline(wheel, moment) {
+    const of = this.sections.of[wheel];
+    if (of.missing.includes(moment)) return [];
+    const [, points] = of.outline.shape;
+    const from = moment * points * 2;
+    return Array.from({ length: points }, (_, i) => [of.outline.data[from + 2 * i], of.outline.data[from + 2 * i + 1]]);
+  }
+
+  draw() {
+    const { canvas } = this;
+    const scale = devicePixelRatio || 1;
+    const width = canvas.clientWidth, height = canvas.clientHeight;
+    if (!width || !height) return;
+    canvas.width = width * scale;
+    canvas.height = height * scale;
+    const g = canvas.getContext("2d");
+    g.scale(scale, scale);
+    g.fillStyle = "#fff";
+    g.fillRect(0, 0, width, height);
+    const aspect = (OVERVIEW[3] - OVERVIEW[2]) / (OVERVIEW[1] - OVERVIEW[0]);
+    const top = Math.min(width * aspect, 0.46 * height);
+    const patches = this.patches();
+    this.panel(g, [0, 0, width, top], this.around(OVERVIEW, width / top), patches, false);
+    if (patches.length) this.panel(g, [0, top + 6, width, height - top - 6], this.close(patches, width / (height - top - 6)), patches, true);
+    else {
+      g.fillStyle = QUIET;
+      g.font = "14px sans-serif";
+      g.textAlign = "center";
+      g.fillText("no contact here", width / 2, top + (height - top) / 2);
+    }
+    this.key(g, width, top + 6);
+  }
+
+  /** A window of that width over height around a window. */
+  around([left, right, low, high], ratio) {
+    const width = Math.max(right - left, (high - low) * ratio), tall = width / ratio;
+    const o = (left + right) / 2, b = (low + high) / 2;
+    return [o - width / 2, o + width / 2, b - tall / 2, b + tall / 2];
+  }
+
+  /** A window around the largest patch and those near it, with room for the pressure above it. */
+  close(patches, ratio) {
+    const [first] = patches[0].points;
+    const near = patches.filter((p) => Math.hypot(p.points[0][0] - first[0], p.points[0][1] - first[1]) < 25);
+    const o = near.flatMap((p) => p.points.map((q) => q[0])), b = near.flatMap((p) => p.points.map((q) => q[1]));
+    const [left, right, low, high] = [Math.min(...o), Math.max(...o), Math.min(...b), Math.max(...b)];
+    const size = Math.max(Math.hypot(right - left, high - low) * 1.5, 9);
+    const turn = (patches[0].angle * Math.PI) / 180;
+    const middle = [(left + right) / 2 - 0.2 * size * Math.sin(turn), (low + high) / 2 + 0.2 * size * Math.cos(turn)];
+    const half = [(size / 2) * Math.max(ratio, 1), (size / 2) * Math.max(1 / ratio, 1)];
+    return [middle[0] - half[0], middle[0] + half[0], middle[1] - half[1], middle[1] + half[1]];
+  }
+
+  panel(g, [left, top, width, height], window, patches, near) {
+    const per = width / (window[1] - window[0]);
+    const X = (o) => left + (o - window[0]) * per, Y = (b) => top + (window[3] - b) * per;
+    g.save();
+    g.beginPath();
+    g.rect(left, top, width, height);
+    g.clip();
+    const of = this.sections.of[this.wheel];
+    const solid = (points, beyond, fill) => {
+      if (!points.length) return;
+      g.beginPath();
+      g.moveTo(X(points[0][0]), beyond);
+      points.forEach(([o, b]) => g.lineTo(X(o), Y(b)));
+      g.lineTo(X(points.at(-1)[0]), beyond);
+      g.closePath();
+      g.fillStyle = fill;
+      g.fill();
+      g.strokeStyle = INK;
+      g.lineWidth = 1;
+      g.stroke();
+    };
+    solid(of.rail[0].map((o, i) => [o, of.rail[1][i]]), top + height + 50, RAIL);
+    solid(this.outline(this.wheel, this.moment), top - 50, WHEEL);
+    const reach = near ? 0.3 * Math.min(window[1] - window[0], window[3] - window[2]) : 0;
+    for (const patch of patches) {
+      const line = patch.points.map(([o, b]) => [X(o), Y(b)]);
+      if (near) {
+        const tips = patch.points.map(([o, b, turn, p]) => {
+          const long = (reach * p) / this.sections.most;
+          return [X(o - long * Math.sin(turn)), Y(b + long * Math.cos(turn))];
+        });
+        g.beginPath();
+        [...line, ...tips.reverse()].forEach(([x, y], i) => (i ? g.lineTo(x, y) : g.moveTo(x, y)));
+        g.closePath();
+        g.fillStyle = "#ffffffcc";
+        g.fill();
+        g.strokeStyle = INK;
+        g.stroke();
+        tips.reverse();
+        g.strokeStyle = QUIET;
+        g.lineWidth = 0.6;
+        tips.forEach(([x, y], i) => {
+          g.beginPath();
+          g.moveTo(...line[i]);
+          g.lineTo(x, y);
+          g.stroke();
+        });
+      }
+      g.lineWidth = near ? 7 : 5;
+      g.lineCap = "round";
+      for (let i = 0; i + 1 < line.length; i++) {
+        const p = (patch.points[i][3] + patch.points[i + 1][3]) / 2 / this.sections.most;
+        g.strokeStyle = this.colours[Math.min(this.colours.length - 1, Math.floor(p * this.colours.length))];
+        g.beginPath();
+        g.moveTo(...line[i]);
+        g.lineTo(...line[i + 1]);
+        g.stroke();
+      }
+      if (near) this.angle(g, patch, line);
+    }
+    this.arrows(g, patches, X, Y, 0.34 * height, near);
+    const bar = [20, 10, 5, 2, 1].find((b) => b * per < 0.35 * width) ?? 1;
+    g.strokeStyle = g.fillStyle = INK;
+    g.lineWidth = 1.5;
+    const y = top + height - 10, x = left + 10;
+    g.beginPath();
+    g.moveTo(x, y);
+    g.lineTo(x + bar * per, y);
+    g.stroke();
+    g.font = "12px sans-serif";
+    g.textAlign = "left";
+    g.fillText(`${bar} mm`, x + bar * per + 6, y + 4);
+    g.fillStyle = QUIET;
+    g.textAlign = "right";
+    g.fillText("field side \u2192", left + width - 8, y + 4);
+    g.restore();
+    g.strokeStyle = "#d9d9d9";
+    g.lineWidth = 1;
+    g.strokeRect(left + 0.5, top + 0.5, width - 1, height - 1);
+  }
+
+  /** The contact angle: between the level and the tangent in the middle of the patch. */
+  angle(g, patch, line) {
+    const [x, y] = line[Math.floor(line.length / 2)];
+    const turn = -(patch.angle * Math.PI) / 180;
+    g.strokeStyle = INK;
+    g.lineWidth = 1;
+    g.setLineDash([4, 4]);
+    for (const a of [0, turn]) {
+      g.beginPath();
+      g.moveTo(x - 20 * Math.cos(a), y - 20 * Math.sin(a));
+      g.lineTo(x + 92 * Math.cos(a), y + 92 * Math.sin(a));
+      g.stroke();
+    }
+    g.setLineDash([]);
+    g.beginPath();
+    g.arc(x, y, 70, Math.min(0, turn), Math.max(0, turn));
+    g.stroke();
+    g.fillStyle = INK;
+    g.font = "13px sans-serif";
+    g.textAlign = "left";
+    g.fillText(`\u03b3 = ${patch.angle.toFixed(1)}\u00b0`.replace("-", "\u2212"), x + 74 * Math.cos(turn / 2) + 6, y + 74 * Math.sin(turn / 2) + 14);
+  }
+
+  /** Forces on the rail at the contacts: N of every patch along its normal, in the whole section Y and Q of the wheel. */
+  arrows(g, patches, X, Y, most, near) {
+    const largest = Math.max(1e-9, ...patches.map((p) => p.N), Math.abs(this.forces?.Y ?? 0), Math.abs(this.forces?.Q ?? 0));
+    const arrow = ([x, y], [dx, dy], colour, words) => {
+      const long = Math.hypot(dx, dy);
+      if (long < 5) return;
+      const [ux, uy] = [dx / long, dy / long], end = [x + dx, y + dy];
+      g.strokeStyle = g.fillStyle = colour;
+      g.lineWidth = 2;
+      g.beginPath();
+      g.moveTo(x, y);
+      g.lineTo(...end);
+      g.stroke();
+      g.beginPath();
+      g.moveTo(end[0] + 3 * ux, end[1] + 3 * uy);
+      g.lineTo(end[0] - 7 * ux - 4 * uy, end[1] - 7 * uy + 4 * ux);
+      g.lineTo(end[0] - 7 * ux + 4 * uy, end[1] - 7 * uy - 4 * ux);
+      g.fill();
+      g.font = "12px sans-serif";
+      g.textAlign = ux < -0.3 ? "right" : "left";
+      g.fillText(words, end[0] + 8 * ux + (Math.abs(ux) < 0.3 ? 8 : 0), end[1] + 8 * uy + 4);
+    };
+    patches.forEach((patch, i) => {
+      const [o, b] = patch.points[Math.floor(patch.points.length / 2)];
+      const turn = (patch.angle * Math.PI) / 180, long = (most * patch.N) / largest;
+      arrow([X(o), Y(b)], [long * Math.sin(turn), long * Math.cos(turn)], FORCES.N, near || patches.length === 1 ? `N ${patch.N.toFixed(1)} kN` : "");
+      if (i || near || !this.forces) return;
+      const { Y: side, Q: down } = this.forces;
+      if (Number.isFinite(side)) arrow([X(o), Y(b)], [(most * side) / largest, 0], FORCES.Y, `Y ${side.toFixed(1)} kN`);
+      if (Number.isFinite(down)) arrow([X(o), Y(b)], [0, (most * down) / largest], FORCES.Q, `Q ${down.toFixed(1)} kN`);
+    });
+  }
+
+  key(g, width, top) {
+    const n = this.colours.length, wide = 96 / n;
+    this.colours.forEach((c, i) => {
+      g.fillStyle = c;
+      g.fillRect(width - 106 + i * wide, top + 24, wide + 0.5, 8);
+    });
+    g.fillStyle = INK;
+    g.font = "11px sans-serif";
+    g.textAlign = "right";
+    g.fillText(`p to ${this.sections.most.toFixed(0)} MPa`, width - 10, top + 18);
+  }
+}
