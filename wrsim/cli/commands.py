@@ -19,6 +19,7 @@ from wrsim.cli.conicity import conicity
 from wrsim.cli.diff import diff
 from wrsim.cli.ending import INTERRUPTED, any_output, exit_code, reporting_errors, usage_as_json
 from wrsim.cli.export import export
+from wrsim.cli.keys import keys, new
 from wrsim.cli.options import BesideResult, Force, Json, Models, Set, beside, check_ending, with_set
 from wrsim.cli.report import report
 from wrsim.cli.resolve import resolve
@@ -289,6 +290,8 @@ app.command()(compare)
 app.command()(report)
 app.command()(diff)
 app.command()(export)
+app.command()(keys)
+app.command()(new)
 app.command()(resolve)
 app.command()(conicity)
 app.command()(ride)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import create_model
 
+from wrsim.inputs.reference import tables_in
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import fields, text
+from wrsim.inputs.values import text
 from wrsim.register import ANALYSES, TABLES, Analysis, resolved
 from wrsim.scenario.sections.contact import ContactSection
 from wrsim.scenario.sections.track import TrackSection
@@ -112,19 +113,9 @@ def _with_all_tables() -> type[ScenarioSpec]:
     return create_model("ScenarioFile", __base__=ScenarioSpec, **tables)
 
 
-def _sections(annotation: Any) -> Iterator[type[Section]]:
-    """All kinds of tables inside an annotation, from the top down."""
-    if isinstance(annotation, type) and issubclass(annotation, Section):
-        yield annotation
-        for inner in fields(annotation).values():
-            yield from _sections(inner)
-    for part in get_args(annotation):
-        yield from _sections(part)
-
-
 def _tell_tables_of_each_other() -> None:
     """Let every table say where a key belongs that it does not know."""
-    tables = tuple(dict.fromkeys(_sections(ScenarioFile)))
+    tables = tuple(dict.fromkeys(tables_in(ScenarioFile)))
     for table in tables:
         table.elsewhere = {
             key: "the top of the file, before the first table" if other is ScenarioFile else other.header

@@ -1,0 +1,141 @@
+"""``wrsim keys``: what a file may hold; ``wrsim new``: a scenario to start from."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wrsim.cli.ending import reporting_errors
+from wrsim.cli.options import Force, Json
+from wrsim.cli.showing import print_json, print_table, say
+from wrsim.cli.storing import writing
+from wrsim.errors import InputError, suggest
+from wrsim.register import ANALYSES, resolved
+
+if TYPE_CHECKING:
+    from wrsim.inputs.section import Section
+
+FILES = {
+    "scenario": ("a scenario", "wrsim.scenario.schema:ScenarioFile"),
+    "study": ("a study", "wrsim.study.spec:StudyFile"),
+    "vehicle": ("a vehicle file", "wrsim.vehicle.vehicle_files:VehicleFile"),
+    "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
+    "track": ("a track file", "wrsim.scenario.track_file:TrackFile"),
+}
+"""Kinds of files that users write, and the class of each."""
+WIDTH = 132
+
+
+def keys(
+    section: Annotated[
+        str | None, typer.Argument(metavar="SECTION", help="A table such as contact or track.segments; default: all.")
+    ] = None,
+    file: Annotated[
+        str, typer.Option("--file", metavar="KIND", help="scenario, study, vehicle, wheelset, track.")
+    ] = "scenario",
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the JSON schema of that kind of file, for editors.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """List the keys of a table: unit, what is allowed, default, other names, an example."""
+    with reporting_errors(as_json):
+        from wrsim.inputs.reference import entries
+
+        if file not in FILES:
+            raise InputError(f"--file {file}: must be {', '.join(FILES)}{suggest(file, list(FILES))}")
+        if schema:
+            say(schema_text(file))
+            return
+        tables = tables_of(file)
+        chosen = tables if section is None else _chosen(section, tables)
+        if as_json:
+            print_json({kind.header: [vars(entry) for entry in entries(kind)] for kind in chosen})
+            return
+        for kind in chosen:
+            own = entries(kind)
+            if section is None:
+                say(f"{kind.header}: {', '.join(entry.key for entry in own)}")
+                continue
+            rows = [[e.key, e.allowed, e.default, e.example, " ".join(e.aliases)] for e in own]
+            heads = ("key", "must be", "default", "example", "also understood as")
+            print_table(heads, rows, title=kind.header, left=heads, width=WIDTH)
+            say()
+
+
+def tables_of(file: str) -> list[type[Section]]:
+    """All tables of a kind of file, the file itself first."""
+    from wrsim.inputs.reference import tables_in
+
+    return list(dict.fromkeys(tables_in(resolved(FILES[file][1]))))
+
+
+def _chosen(section: str, tables: list[type[Section]]) -> list[type[Section]]:
+    """The tables that are meant. Raises InputError."""
+    asked = section.strip("[] ")
+    found = [kind for kind in tables if asked in _names(kind)]
+    if not found:
+        names = list(dict.fromkeys(name for kind in tables for name in _names(kind)))
+        raise InputError(f"no table is called '{section}'{suggest(asked, names)}; there is {', '.join(names)}")
+    return found
+
+
+def _names(kind: type[Section]) -> list[str]:
+    """Names of a table in its header: ``contact.material.wheel`` and ``contact.material.rail``."""
+    return [part.split("]")[0].strip("[") for part in kind.header.split(" ") if part.startswith("[")] or [kind.header]
+
+
+def schema_text(file: str) -> str:
+    """The JSON schema of a kind of file as it stands in ``docs/schema``."""
+    from wrsim.inputs.reference import json_schema
+
+    words, place = FILES[file]
+    schema = json_schema(resolved(place), f"wrsim: {words}", f"{file}.schema.json")
+    if file == "scenario":
+        _may_inherit(schema)
+    if file == "track":  # the table [track] is that of a scenario
+        whole = json_schema(resolved(FILES["scenario"][1]), "", "")
+        schema["properties"]["track"] = {"$ref": "#/definitions/TrackSection"}
+        schema["definitions"] = whole["definitions"]
+        schema["definitions"]["TrackSection"].pop("required", None)
+    return json.dumps(schema, indent=1, ensure_ascii=False)
+
+
+def _may_inherit(schema: dict[str, Any]) -> None:
+    """A scenario may start from another one and take its track from a file: then keys stand there."""
+    from wrsim.scenario.merging import BASE
+    from wrsim.scenario.track_file import FILE
+
+    start = "must be the name of a scenario file to start from; keys of this file override it"
+    schema["properties"] = {BASE: {"type": "string", "description": start}} | schema["properties"]
+    schema["anyOf"] = [{"required": [BASE]}, {"required": schema.pop("required")}]
+    for name in schema["properties"]:
+        kind = schema["properties"][name].get("$ref", "").rpartition("/")[2]
+        schema["definitions"].get(kind, {}).pop("required", None)
+    track = schema["definitions"]["TrackSection"]["properties"]
+    track[FILE] = {"type": "string", "description": "must be the name of a track file; keys of this table override it"}
+
+
+def new(
+    kind: Annotated[str, typer.Argument(metavar="ANALYSIS", help=f"One of {', '.join(ANALYSES)}.")] = "curving",
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE", help="Default: <ANALYSIS>.toml here.")
+    ] = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Write a scenario to start from: it runs as it is, and names every other key in a comment."""
+    with reporting_errors(as_json), writing(force):
+        from wrsim.results import write_atomically
+        from wrsim.scenario.templates import template
+
+        if kind not in ANALYSES:
+            raise InputError(f"{kind}: must be {', '.join(ANALYSES)}{suggest(kind, list(ANALYSES))}")
+        path = write_atomically(output or Path(f"{kind}.toml"), template(kind).encode())
+        if as_json:
+            print_json({"files": [str(path)]})
+        else:
+            say(f"{path}: run it with: wrsim run {path}; wrsim keys SECTION explains its keys")

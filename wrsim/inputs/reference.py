@@ -1,0 +1,211 @@
+"""What a file may hold, told from its sections: tables of keys for people, and a JSON schema for editors."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal, get_args, get_origin
+
+from pydantic_core import PydanticUndefined
+
+from wrsim.inputs.section import UNITS, Section, unit_of
+from wrsim.inputs.toml_files import shown
+from wrsim.inputs.values import RANGE, entry_of, fields, header_of, is_union, limits_of, plain, unpacked, words
+
+SCHEMA = "https://json-schema.org/draft-07/schema#"
+_QUOTED = re.compile(r'"([^"]+)"')
+_NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.]*\w)")
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One key: unit in words, what is allowed, default as in TOML ("needed" where there is none), habitual names."""
+
+    table: str
+    key: str
+    unit: str
+    allowed: str
+    default: str
+    aliases: tuple[str, ...]
+    example: str
+
+
+def entries(section: type[Section]) -> list[Entry]:
+    """All keys of one table."""
+    found = []
+    for key, annotation in fields(section).items():
+        if key not in section.model_fields:
+            continue  # constants of the class
+        default = _default(section, key)
+        unit = unit_of(key)
+        aliases = tuple(section.aliases.get(key, "").split())
+        allowed = words(annotation)
+        example = default if default not in ("needed", "none", "") else example_of(annotation)
+        found.append(Entry(section.header, key, UNITS.get(unit, ""), allowed, default, aliases, example))
+    return found
+
+
+def _default(section: type[Section], key: str) -> str:
+    """As it would stand in a file; "needed" or "none" where there is none, empty for tables."""
+    field = section.model_fields[key]
+    if field.is_required():
+        return "needed"
+    value = field.get_default(call_default_factory=True)
+    if value is None or value is PydanticUndefined:
+        return "none"
+    return "" if isinstance(value, Section) or (isinstance(value, dict) and not value) else shown(value)
+
+
+def example_of(annotation: Any) -> str:
+    """A value that would do, as in TOML; empty for tables."""
+    base, limits, said, _ = unpacked(annotation)
+    if get_origin(base) is Literal:
+        return shown(get_args(base)[0])
+    if base is bool:
+        return "true"
+    if base in (int, float):
+        return _number_example(base, limits, said)
+    quoted = _QUOTED.findall(said)
+    if quoted:
+        return shown(quoted[0])
+    if header_of(annotation):
+        return ""
+    if is_union(base):
+        return next(filter(None, map(example_of, get_args(base))), "")
+    each = entry_of(annotation)
+    if each is Any:
+        return "[40, 60]"
+    if each is not None:
+        inner = "" if header_of(each) else example_of(each)
+        count = len([a for a in get_args(base) if a is not ...])
+        return f"[{', '.join([inner] * count)}]" if inner else ""
+    if "date" in said:
+        return "2026-01-31"
+    return '"..."' if base is str else ""
+
+
+def _number_example(base: type, limits: tuple[Any, ...], said: str) -> str:
+    """A number that the words name, or one in the middle of what is allowed."""
+    low, high, excluded = limits_of(limits)
+    for text in _NUMBER.findall(said):
+        value = float(text)
+        if low <= value <= high and not (excluded and value == low):
+            return plain(base(value))
+    if low > 0.0 and high < float("inf"):
+        value = float(f"{(low * high) ** 0.5:.1g}")
+    elif low <= 0.0 <= high:
+        value = 0.0 if not excluded else min(1.0, high)
+    else:
+        value = low
+    return plain(base(max(low, min(high, value))))
+
+
+def tables_in(annotation: Any, seen: tuple[type, ...] = ()) -> Iterator[type[Section]]:
+    """All kinds of tables inside an annotation, from the top down; those that hold themselves once."""
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        if annotation in seen:
+            return
+        yield annotation
+        for inner in fields(annotation).values():
+            yield from tables_in(inner, (*seen, annotation))
+    for part in get_args(annotation):
+        yield from tables_in(part, seen)
+
+
+def markdown(section: type[Section], level: str = "###") -> list[str]:
+    """Heading, purpose and keys of one table."""
+    lines = [f"{level} {heading(section)}", "", *purpose(section), ""]
+    own = entries(section)
+    if own:
+        lines += ["| key | unit | must be | default | also understood as | example |", "|---|---|---|---|---|---|"]
+        for e in own:
+            cells = [
+                f"`{e.key}`",
+                e.unit,
+                e.allowed,
+                _code(e.default),
+                ", ".join(map(_code, e.aliases)),
+                _code(e.example),
+            ]
+            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+        lines.append("")
+    return lines
+
+
+def heading(section: type[Section]) -> str:
+    """How a table is called."""
+    return f"`{section.header}`" if "[" in section.header else section.header[0].upper() + section.header[1:]
+
+
+def purpose(section: type[Section]) -> list[str]:
+    """What the class says of itself, a paragraph a line."""
+    text = (section.__doc__ or "").strip()
+    return [" ".join(part.split()) + "\n" for part in text.split("\n\n") if part.strip()]
+
+
+def _code(text: str) -> str:
+    if text in ("needed", "none", ""):
+        return text
+    return f"`{text}`"
+
+
+def json_schema(section: type[Section], title: str, address: str) -> dict[str, Any]:
+    """JSON schema (draft 7) of a file, for editors: keys, kinds, ranges, defaults, words."""
+    schema = section.model_json_schema(mode="validation")
+    definitions = schema.pop("$defs", {})
+    classes = {kind.__name__: kind for kind in tables_in(section)} | {section.__name__: section}
+    schema = _cleaned(schema, classes.get(section.__name__))
+    own = {name: _cleaned(value, classes.get(name)) for name, value in sorted(definitions.items())}
+    return {"$schema": SCHEMA, "$id": address, **schema, "title": title, "definitions": own}
+
+
+def _cleaned(schema: dict[str, Any], section: type[Section] | None) -> dict[str, Any]:
+    """One table in TOML's terms: there is no null, and a series is a number, a list or a range."""
+    schema = {k: v for k, v in schema.items() if k != "title"}
+    if section is not None:
+        schema["description"] = "\n\n".join(line.strip() for line in purpose(section))
+        for key, own in schema.get("properties", {}).items():
+            annotation = fields(section)[key]
+            cleaned = _value_schema(own, annotation)
+            cleaned["description"] = _sentence(words(annotation))
+            schema["properties"][key] = cleaned
+    return _renamed(schema)
+
+
+def _sentence(text: str) -> str:
+    return f"must be {text}"
+
+
+def _value_schema(own: dict[str, Any], annotation: Any) -> dict[str, Any]:
+    """The schema of one value, without null, titles and pydantic's words."""
+    own = {k: v for k, v in own.items() if k not in ("title", "description")}
+    if own.get("default", 0) is None:
+        del own["default"]
+    if "anyOf" in own:
+        kept = [part for part in own["anyOf"] if part.get("type") != "null"]
+        rest = {k: v for k, v in own.items() if k != "anyOf"}
+        own = kept[0] | rest if len(kept) == 1 else {"anyOf": kept, **rest}
+    base, limits, said, _ = unpacked(annotation)
+    default = {"default": own.pop("default")} if "default" in own else {}
+    others: list[dict[str, Any]] = []
+    if own.get("type") == "array":
+        if own.get("items") and ("list of such" in said or "or a list" in said):  # one alone will do
+            others.append(own["items"])
+        if "from = " in said:
+            span = {"type": "object", "properties": {k: {"type": "number"} for k in RANGE}, "required": list(RANGE)}
+            others.append(span | {"additionalProperties": False})
+    elif base is float and not limits and _QUOTED.search(said):  # words that stand for numbers
+        others.append({"type": "string"})
+    return ({"anyOf": [own, *others]} if others else own) | default
+
+
+def _renamed(tree: Any) -> Any:
+    """References as draft 7 has them; without titles and patterns, which editors show to no use."""
+    if isinstance(tree, dict):
+        return {
+            k: v.replace("#/$defs/", "#/definitions/") if k == "$ref" else _renamed(v)
+            for k, v in tree.items()
+            if not (k == "title" and isinstance(v, str)) and k not in ("pattern", "discriminator")
+        }
+    return [_renamed(v) for v in tree] if isinstance(tree, list) else tree
