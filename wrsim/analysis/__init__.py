@@ -30,6 +30,7 @@ def run(
     *,
     record: str | Path | None = None,
     resume: bool = False,
+    setup: Setup | None = None,
 ) -> Result:
     """Run what the scenario asks for.
 
@@ -38,12 +39,12 @@ def run(
 
     record: a file in which a run along the track is kept while it lasts, so that nothing is lost with its process;
     delete it when the result is safe. resume: go on with the run in that file, with the same numbers as if it had never
-    been interrupted. Other analyses keep nothing.
+    been interrupted. Other analyses keep nothing. setup: what was built from this scenario, if it has been.
 
     Raises InputError when the scenario's parts do not fit together, or when there is no run of this scenario to go on
     with; SimulationError when there is not even a start.
     """
-    setup = build(scenario)
+    setup = setup or build(scenario)
     analysis = ANALYSES[setup.analysis]
     function = resolved(analysis.run)
     if not analysis.moves:

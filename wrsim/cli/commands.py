@@ -34,6 +34,7 @@ from wrsim.cli.showing import (
     print_smoothing,
     progress_bar,
     say,
+    tell_compiling,
     tell_slow,
     warn,
 )
@@ -53,6 +54,7 @@ from wrsim.cli.study import study
 from wrsim.cli.track import track
 from wrsim.cli.vehicle import vehicle
 from wrsim.cli.view import view
+from wrsim.cli.warm import warm
 from wrsim.errors import InputError
 
 app = typer.Typer(
@@ -69,6 +71,7 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no 
 def main() -> None:
     """Entry point of the ``wrsim`` command."""
     any_output()
+    tell_compiling()
     try:
         with usage_as_json("--json" in sys.argv[1:]) as standalone:
             sys.exit(app(prog_name="wrsim", standalone_mode=standalone))
@@ -164,7 +167,7 @@ def run(
             try:
                 if result is None:
                     with progress_bar(not (quiet or as_json)) as progress:
-                        result = analyse(scenario, progress=progress, record=record, resume=resume)
+                        result = analyse(scenario, progress=progress, record=record, resume=resume, setup=setup)
                 files = write(result, directory, pictures)
             except KeyboardInterrupt:
                 if record.exists():
@@ -299,3 +302,4 @@ app.command()(study)
 app.command()(track)
 app.command()(vehicle)
 app.command()(view)
+app.command()(warm)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -239,6 +240,30 @@ def plain(text: str) -> str:
     return text.translate(_PLAIN)
 
 
+class _Compiling(logging.Handler):
+    """A line on a terminal that says how far compiling is; the bar of a run has room for it."""
+
+    bar: Callable[[str], None] | None = None
+
+    def emit(self, record: logging.LogRecord) -> None:
+        done, due = record.args  # type: ignore[misc]
+        words = record.getMessage() if done != due else ""
+        if self.bar is not None:
+            self.bar(words or "running")
+        else:
+            sys.stderr.write(f"\r{words}\x1b[K")
+            sys.stderr.flush()
+
+
+def tell_compiling() -> None:
+    """From now on a terminal shows how far kernels are compiled (the logger ``wrsim.kernels``)."""
+    if sys.stderr.isatty():
+        logger = logging.getLogger("wrsim.kernels")
+        logger.addHandler(_Compiling())
+        logger.setLevel(logging.INFO)
+        logger.propagate = False
+
+
 @contextmanager
 def progress_bar(wanted: bool) -> Iterator[Progress | None]:
     """A bar with the time left on stderr if that is a terminal; the callback takes (fraction, seconds left)."""
@@ -248,14 +273,18 @@ def progress_bar(wanted: bool) -> Iterator[Progress | None]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
-    columns = (TextColumn("running"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[left]}"))
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[left]}"))
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("run", total=1.0, left="")
+        task = bar.add_task("running", total=1.0, left="")
+        _Compiling.bar = lambda words: bar.update(task, description=words)
 
         def advance(fraction: float, seconds_left: float) -> None:
             bar.update(task, completed=fraction, left=_duration(seconds_left))
 
-        yield advance
+        try:
+            yield advance
+        finally:
+            _Compiling.bar = None
 
 
 def _duration(seconds: float) -> str:

@@ -14,6 +14,8 @@ the kernel that Python calls gathers its parts and is optimised, made and kept o
 call kernels. What is called by number (core.stages) is a whole of its own.
 """
 
+import inspect
+import logging
 from typing import Any
 
 import numba
@@ -26,6 +28,34 @@ from numba.core.registry import CPUDispatcher
 from wrsim.core import CACHE
 
 KEPT = CACHE is not None
+
+LOGGER = logging.getLogger("wrsim.kernels")
+"""Says at level INFO how many kernels are compiled, of how many that are known to be needed."""
+
+
+class Count:
+    """Kernels of this process that had to be compiled, by their functions."""
+
+    def __init__(self):
+        self.due: set[Any] = set()
+        self.done: set[Any] = set()
+
+    def begin(self, function):
+        """A kernel that Python calls is compiled, with all that it calls."""
+        if LOGGER.isEnabledFor(logging.INFO) and function not in self.due:
+            self.due.add(function)
+            for thing in inspect.getclosurevars(function).globals.values():
+                if isinstance(thing, Kernel):
+                    self.begin(thing.py_func)
+
+    def end(self, function):
+        """This one is compiled."""
+        self.done.add(function)
+        if function in self.due:
+            LOGGER.info("compiling kernels, once: %d of %d", len(self.done & self.due), len(self.due))
+
+
+COUNT = Count()
 
 
 class Part(JITCodeLibrary):
@@ -73,10 +103,14 @@ class Compiler(_FunctionCompiler):
         flags.no_cpython_wrapper = flags.no_compile = self.library is Part
         library = self.library(description.target_context.codegen(), self.py_func.__qualname__)
         library.enable_object_caching()
-        return compiler.compile_extra(
+        if self.library is Whole:
+            COUNT.begin(self.py_func)
+        made = compiler.compile_extra(
             description.typing_context, description.target_context, self.py_func, args, return_type, flags,
             self.locals, library, self.pipeline_class,
         )  # fmt: skip
+        COUNT.end(self.py_func)
+        return made
 
 
 class PartCompiler(Compiler):

@@ -111,6 +111,10 @@ def save(figure: Figure, path: str | Path) -> Path:
     stream = io.BytesIO()
     vector = Path(path).suffix.lower() == ".svg"
     with style(), mpl.rc_context({"svg.hashsalt": "wrsim", "svg.fonttype": "path"}):
+        if (layout := figure.get_layout_engine()) is not None:
+            # matplotlib draws a figure twice to lay it out; once is enough
+            layout.execute(figure)
+            figure.set_layout_engine("none")
         metadata = {"Date": None} if vector else {"Software": None}
         figure.savefig(stream, format="svg" if vector else "png", metadata=metadata)
     return write_atomically(path, stream.getvalue())

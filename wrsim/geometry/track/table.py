@@ -26,7 +26,6 @@ from typing import Annotated
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.signal import butter, sosfiltfilt
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array, Piecewise
@@ -151,6 +150,8 @@ class TrackTable:
 
 def _filtered(distance: Array, values: Array, band: tuple[float, float]) -> tuple[Array, Array]:
     """Values at even distances, with the waves in the band alone."""
+    from scipy.signal import butter, sosfiltfilt  # half a second to import, for tracks from tables alone
+
     count = distance.size
     even = np.linspace(distance[0], distance[-1], count)
     values = CubicSpline(distance, values)(even)

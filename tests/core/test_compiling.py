@@ -1,0 +1,73 @@
+"""Kernels are compiled once: for their types, not for values, and with all that they call."""
+
+import logging
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import pytest
+
+from wrsim.core.compiling import COUNT, kernel
+
+ROOT = Path(__file__).parents[2]
+
+pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="there is nothing to compile")
+
+
+@kernel
+def power(x, n, inverse):
+    """x^n, or its inverse."""
+    total = 1.0
+    for _ in range(n):
+        total *= x
+    return 1.0 / total if inverse else total
+
+
+@kernel
+def outer(x):
+    """Calls one kernel with several literal arguments."""
+    return power(x, 2, False) + power(x, 3, True)
+
+
+def test_literal_arguments_make_no_kernels_of_their_own_and_how_far_it_is_is_told(caplog):
+    with caplog.at_level(logging.INFO, "wrsim.kernels"):
+        assert outer(2.0) == 4.125
+    assert len(power._parts) == 1 and not power.overloads
+    functions = {outer.py_func, power.py_func}
+    assert functions <= COUNT.due & COUNT.done
+    done, due = zip(*(record.args for record in caplog.records), strict=True)
+    assert done[-1] == due[-1] and set(due) == {due[0]} and list(done) == sorted(done)
+
+
+def test_what_another_kernel_calls_can_be_called_from_python():
+    outer(2.0)
+    assert power(2.0, 3, True) == 0.125
+
+
+COUNTED = """
+import sys
+from numba.core import event
+compiled = []
+class Compiling(event.Listener):
+    def on_start(self, event):
+        compiled.append(event.data["dispatcher"].__name__)
+    def on_end(self, event):
+        pass
+event.register("numba:compile", Compiling())
+from wrsim import load, run
+run(load(sys.argv[1]).with_values({"run": {"distance_m": 1}, "output": {"patches_at_m": [0.5]}}))
+print(*compiled)
+"""
+
+
+def test_nothing_is_left_to_compile_after_warming_up():
+    paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    environment = os.environ | {"PYTHONPATH": paths}
+    subprocess.run([sys.executable, "-m", "wrsim", "warm", "--quiet"], env=environment, check=True)
+    scenario = str(ROOT / "scenarios/curve_r300.toml")
+    told = subprocess.run(
+        [sys.executable, "-c", COUNTED, scenario], env=environment, check=True, capture_output=True, text=True
+    )
+    assert told.stdout.split() == []

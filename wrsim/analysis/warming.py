@@ -1,0 +1,54 @@
+"""Compiling ahead: short runs and poses with every contact model that is made of kernels."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from wrsim.analysis import run
+from wrsim.contact.models import NORMAL_MODELS
+from wrsim.scenario.loading import load
+
+SCENARIO = """
+title = "what runs and poses need"
+analysis = "{analysis}"
+[vehicle]
+model = "vehicles/wheelset_s1002.toml"
+{speed}
+[track]
+gauge_mm = 1435
+rail = "rails/60E1.toml"
+inclination = "1:40"
+{rest}
+[contact]
+normal = "{normal}"
+"""
+OF_RUN = """
+[[track.segments]]
+kind = "straight"
+length_m = 3
+[run]
+distance_m = 0.2
+"""
+OF_POSES = """
+[static]
+target = "wheel"
+side = "right"
+load_kN = 60
+lateral_mm = 0
+"""
+
+
+def warm_up() -> float:
+    """Compile, or find compiled, what runs along a track and static poses call; returns how long it took [s]."""
+    begin = time.perf_counter()
+    normals = [name for name, model in NORMAL_MODELS.items() if model.solve is None]
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "warm.toml"
+        for normal in normals:
+            for analysis, speed, rest in (("curving", "speed_kmh = 54", OF_RUN), ("static", "", OF_POSES)):
+                text = SCENARIO.format(analysis=analysis, speed=speed, rest=rest, normal=normal)
+                file.write_text(text, encoding="utf-8")
+                run(load(file))
+    return time.perf_counter() - begin
