@@ -92,7 +92,7 @@ def _environment() -> jinja2.Environment:
     own = jinja2.Environment(
         loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    own.policies["json.dumps_kwargs"] = {"sort_keys": False, "separators": (",", ":")}
+    own.policies["json.dumps_kwargs"] = {"sort_keys": False, "separators": (",", ":"), "allow_nan": False}
     return own
 
 

@@ -21,7 +21,7 @@ from wrsim.results.wheelsets import of_wheelset, wheelsets
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
 
-MOST_SAMPLES = 12000
+MOST_SAMPLES = 20000
 """Samples that a page holds; of longer runs every second, third, ... one."""
 SECTIONS = 240
 """Places, evenly spread, at which wheels are drawn on their rails."""
@@ -34,12 +34,12 @@ BEYOND = 60.0
 
 OF_WHEELSETS = ("lateral_shift", "vertical_shift", "yaw", "roll", "curvature", "cant")
 OF_WHEELS = ("Y", "Q", "Y_over_Q", "T_gamma")
-OF_PATCHES = ("N", "contact_angle", "p0", "area")
+OF_PATCHES = ("N", "contact_angle", "p0")
 OF_BODIES = ("body_lateral", "body_vertical", "body_yaw", "body_pitch", "body_roll")
 
 
 def packed(values: NDArray[Any], kind: str) -> dict[str, Any]:
-    """An array as text: its shape, its type ("f4", "f8", "i2" little-endian), its bytes compressed."""
+    """An array as text: its shape, its type ("u1", "f4", "f8", "i2" little-endian), its bytes compressed."""
     data = np.ascontiguousarray(values, dtype=f"<{kind}")
     return {
         "shape": list(data.shape),
@@ -147,7 +147,10 @@ def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
     if "suspension" in dataset.dims:
         forces = [dataset[f"suspension_f{axis}"].values[keep] for axis in "xyz"]
         size = np.linalg.norm(1e-3 * np.nan_to_num(np.stack(forces)), axis=0)
-        run["suspension"] = {"names": [str(n) for n in dataset["suspension"].values], "force": packed(size, "f4")}
+        least, most = size.min(axis=0), size.max(axis=0)
+        share = (size - least) / np.maximum(most - least, 1e-9)  # for colours: from the least to the largest of each
+        names_of = [str(n) for n in dataset["suspension"].values]
+        run["suspension"] = {"names": names_of, "share": packed(np.rint(250.0 * share), "u1")}
     return run
 
 

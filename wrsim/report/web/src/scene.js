@@ -267,7 +267,7 @@ export class Stage {
     this.focus = focus;
     const xs = this.vehicle.wheelsets.map((w) => w.x - this.vehicle.reference);
     const near = focus ? 3.4 : Math.max(6, 0.62 * (Math.max(...xs) - Math.min(...xs)) + 7);
-    const wide = Math.max(1, 1.25 / (this.camera.aspect || 1));
+    const wide = Math.max(1, 1.7 / (this.camera.aspect || 1));
     const from = { oblique: [-0.85, 0.8, 0.5], side: [0, 1.25, 0.12], behind: [-1.2, 0.02, 0.22], above: [0, -0.01, 1.5] }[name];
     this.controls.target.set(0, 0, focus ? 0.4 : 1);
     this.camera.position.set(...from.map((v, k) => v * near * wide + (k === 2 ? (focus ? 0.4 : 1) : 0)));

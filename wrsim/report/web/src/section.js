@@ -166,7 +166,7 @@ export class Section {
     g.strokeRect(left + 0.5, top + 0.5, width - 1, height - 1);
   }
 
-  /** The contact angle: between the level and the tangent in the middle of the patch. */
+  /** The mean contact angle of a patch, that of the sum of its strips' forces, drawn in its middle. */
   angle(g, patch, line) {
     const [x, y] = line[Math.floor(line.length / 2)];
     const turn = -(patch.angle * Math.PI) / 180;
@@ -186,7 +186,7 @@ export class Section {
     g.fillStyle = INK;
     g.font = "13px sans-serif";
     g.textAlign = "left";
-    g.fillText(`\u03b3 = ${patch.angle.toFixed(1)}\u00b0`.replace("-", "\u2212"), x + 74 * Math.cos(turn / 2) + 6, y + 74 * Math.sin(turn / 2) + 14);
+    g.fillText(`mean \u03b3 = ${patch.angle.toFixed(1)}\u00b0`.replace("-", "\u2212"), x + 74 * Math.cos(turn / 2) + 6, y + 74 * Math.sin(turn / 2) + 14);
   }
 
   /** Forces on the rail at the contacts: N of every patch along its normal, in the whole section Y and Q of the wheel. */

@@ -1,5 +1,5 @@
 // Numbers that stand in the page as compressed text (view_data.packed, view_data.steps_of).
-const KINDS = { f4: Float32Array, f8: Float64Array, i2: Int16Array };
+const KINDS = { u1: Uint8Array, f4: Float32Array, f8: Float64Array, i2: Int16Array };
 
 async function values(packed) {
   const bytes = Uint8Array.from(atob(packed.data), (c) => c.charCodeAt(0));

@@ -43,17 +43,7 @@ class Viewer {
   beginStage() {
     this.stage = new Stage($("stage"), this.vehicle, new Track(this.run?.track));
     if (this.run?.suspension) {
-      const { shape, data } = this.run.suspension.force;
-      const order = this.stage.elements.map((e) => this.run.suspension.names.indexOf(e.name));
-      this.ranges = order.map((k) => {
-        if (k < 0) return null;
-        let low = Infinity, high = -Infinity;
-        for (let i = k; i < data.length; i += shape[1]) {
-          low = Math.min(low, data[i]);
-          high = Math.max(high, data[i]);
-        }
-        return [k, low, high];
-      });
+      this.places = this.stage.elements.map((e) => this.run.suspension.names.indexOf(e.name));
     }
   }
 
@@ -224,9 +214,9 @@ class Viewer {
       poses.push([name, { place: s + centre[0] - vehicle.reference, lateral: get("body_lateral"), vertical: get("body_vertical"), yaw: get("body_yaw"), pitch: get("body_pitch"), roll: get("body_roll") }]);
     });
     this.stage.pose(s, poses, this.factor);
-    if (this.ranges) {
-      const { shape } = run.suspension.force;
-      this.stage.colour(this.ranges.map((range) => (range ? (this.mixed(run.suspension.force, at, shape[1], range[0]) - range[1]) / Math.max(range[2] - range[1], 1e-6) : 0)));
+    if (this.places) {
+      const { share, names } = run.suspension;
+      this.stage.colour(this.places.map((k) => (k < 0 ? 0 : this.mixed(share, at, names.length, k) / 250)));
     }
   }
 
