@@ -36,6 +36,10 @@ def unpacked(of: dict[str, Any]) -> np.ndarray:
     return np.frombuffer(zlib.decompress(base64.b64decode(of["data"])), f"<{of['kind']}").reshape(of["shape"])
 
 
+def data_in(page: Path) -> Any:
+    return json.loads(re.findall(r'id="data">(.*?)</script>', page.read_text(), re.DOTALL)[0])
+
+
 @pytest.fixture(scope="module")
 def stability() -> Result:
     values = {"stability.speed_kmh": [150, 260], "stability.nonlinear": False}
@@ -46,6 +50,13 @@ def stability() -> Result:
 def page(coach: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("view") / "view.html"
     file.write_text(view_page(coach, Path()))
+    return file
+
+
+@pytest.fixture(scope="module")
+def modes_page(stability: Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    file = tmp_path_factory.mktemp("modes") / "view.html"
+    file.write_text(view_page(stability, Path()))
     return file
 
 
@@ -88,8 +99,7 @@ def test_packing_keeps_numbers() -> None:
 def test_the_drawn_track_is_the_track_of_the_run(coach: Result, page: Path) -> None:
     setup, _ = setup_of(coach, Path())
     assert setup is not None
-    data = json.loads(re.findall(r'id="data">(.*?)</script>', page.read_text(), re.DOTALL)[0])
-    track = data["run"]["track"]
+    track = data_in(page)["run"]["track"]
     line = unpacked(track["line"])
     s = track["start"] + PATH_STEP * np.arange(len(line))
     inside = (s > 1.0) & (s < 75.0)
@@ -104,9 +114,8 @@ def test_the_drawn_track_is_the_track_of_the_run(coach: Result, page: Path) -> N
     )
 
 
-def test_modes_are_those_of_the_result(stability: Result) -> None:
-    setup, _ = setup_of(stability, Path())
-    data = view_data(stability, setup)["modes"]
+def test_modes_are_those_of_the_result(stability: Result, modes_page: Path) -> None:
+    data = data_in(modes_page)["modes"]
     speeds = stability.dataset["pose_speed"].values * 3.6
     for of in data["speeds"]:
         if of["critical"]:
@@ -202,7 +211,7 @@ def test_it_plays(chromium: Browser, page: Path) -> None:
 
 def test_a_report_takes_the_viewer_inside(chromium: Browser, page: Path, coach: Result, tmp_path: Path) -> None:
     file = tmp_path / "report.html"
-    file.write_text(report_page([coach], ["a"], viewers=[page.read_text()]))
+    file.write_text(report_page([Result(curve_run(samples=40))], ["a"], viewers=[page.read_text()]))
     chromium.open(file)
     chromium.run("document.querySelector('iframe').scrollIntoView()")
     inside = "document.querySelector('iframe').contentWindow.wrsim"
@@ -214,10 +223,8 @@ def test_a_report_takes_the_viewer_inside(chromium: Browser, page: Path, coach: 
     assert file.stat().st_size < 6e6
 
 
-def test_modes_move(chromium: Browser, stability: Result, tmp_path: Path) -> None:
-    file = tmp_path / "view.html"
-    file.write_text(view_page(stability, Path()))
-    chromium.open(file)
+def test_modes_move(chromium: Browser, modes_page: Path) -> None:
+    chromium.open(modes_page)
     script = """return wrsim.ready.then(() => {
         const v = wrsim.viewer, at = (phase) => { v.phase = phase; v.show();
             return [...v.stage.parts.values()].map((p) => [p.group.position.y, p.group.rotation.z]).flat(); };
