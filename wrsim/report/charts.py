@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from wrsim.plots.colours import FAINT, INK, QUIET, SERIES_COLOURS, STOP_COLOUR
+from wrsim.plots.colours import FAINT, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.report.envelope import envelope, pieces_of, points_of
 from wrsim.report.svg import Array, element, limits, path, picture, ticks
 from wrsim.results import CHANNELS
@@ -200,6 +200,8 @@ def _lines(dataset: xr.Dataset, key: str, moves: bool, run: int, names: Sequence
             words = [w for w in (names[run] if several else "", shown, wheel) if w]
             label = ", ".join(words) or _channel(key).long_name
             group = part if of == "wheelset" and key not in ("curvature", "cant") else ""
+            if wheel and not several and len(parts) == 1:
+                colour = WHEEL_COLOUR[wheel]
             dash = DASHES[i % len(DASHES)] if several and of in ("body", "point") else DASHES[j]
             lines.append(Line(label, group, run, colour, dash, places, values[:, i, j]))
     return lines

@@ -231,9 +231,9 @@ def limits_of(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str, f
                 lines[value.quantity.key].add(round(value.limit.value * value.quantity.shown.factor, 3))
     drawn: dict[str, list[tuple[str, float]]] = {}
     for key, values in lines.items():
-        drawn[key] = [(f"limit {v:g}", v) for v in sorted(values)]
+        drawn[key] = [(f"limit {v:.4g}", v) for v in sorted(values)]
         if key == "sum_Y":
-            drawn[key] += [(f"limit {-v:g}", -v) for v in sorted(values)]
+            drawn[key] += [(f"limit {-v:.4g}", -v) for v in sorted(values)]
     return drawn
 
 
