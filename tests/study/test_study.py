@@ -257,6 +257,16 @@ def test_a_hook_that_hangs_costs_its_worker_and_not_the_study(
     assert "hang.py" in (plan.folder_of(plan.cases[0]) / "last_hung.txt").read_text()
 
 
+def test_a_case_that_kills_its_workers_is_an_entry_and_spares_the_others(workers: Client, tmp_path: Path) -> None:
+    die = "import os\n\ndef numbers(result):\n    if 'friction 0.1' in result.title:\n        os._exit(7)\n"
+    (tmp_path / "die.py").write_text(die + "    return {}\n")
+    one = AXES.replace("to = 50", "to = 40")
+    plan = plan_of(study_file(tmp_path, one, '[outputs]\nhook = "die.py:numbers"\n', seconds=0.1), tmp_path / "out")
+    execute(workers, plan, missing(plan))
+    assert [m.status for m in markers(plan)] == ["failed", "completed"]
+    assert "4 workers died at it" in markers(plan)[0].message
+
+
 def test_an_output_that_cannot_be_had_stops_the_study_at_its_first_case(workers: Client, tmp_path: Path) -> None:
     more = '[outputs]\nsummary = ["wheelsets.wheelset.wheels.left.Q_maxx_kN"]\n'
     plan = plan_of(study_file(tmp_path, more=more), tmp_path / "out")

@@ -132,7 +132,7 @@ def _run(plan: Plan, todo: Sequence[int], count: int | None, scheduler: str | No
                 say("waiting for the first job of SLURM")
             client.wait_for_workers(1)
             warm_remotely(client, plan, digest_of(content), first)
-        execute(client, plan, todo, progress)
+        execute(client, plan, todo, progress, 1 if scheduler is not None else count)
 
 
 def _foretell(plan: Plan, count: int | None, as_json: bool) -> None:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,8 @@ from wrsim.results.channels import SHOWN
 MOST_OUTPUTS, MOST_LINES, MOST_KEYS = 12, 8, 4
 """Panels of a picture, lines of a panel, varied keys against which outputs are drawn."""
 ACROSS = 3
+LETTERS = 30
+"""Letters of a line above or below a panel."""
 PANEL = 46.0
 """Height of a panel [mm]."""
 ENOUGH = 8
@@ -205,7 +208,8 @@ def label_of(dataset: xr.Dataset, name: str) -> str:
     unit = str(dataset[name].attrs.get("units", "1"))
     ending = name.rpartition("_")
     words = ending[0] if ending[2] and unit not in ("1", "") and _same_unit(ending[2], unit) else name
-    return words.replace("_", " ") + (f" [{unit}]" if unit not in ("1", "") else "")
+    words = words.replace("wheelsets_", "").replace("wheels_", "").replace("_", " ")
+    return "\n".join(wrap(words + (f" [{unit}]" if unit not in ("1", "") else ""), LETTERS))
 
 
 def _same_unit(suffix: str, unit: str) -> bool:

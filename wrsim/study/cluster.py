@@ -119,8 +119,8 @@ def _settings() -> Iterator[None]:
         logger.setLevel(level)
 
 
-ATTEMPTS = 4
-"""How many workers may die at the same case before it counts as failed."""
+ATTEMPTS = 2
+"""How many workers may die at the same case before it is tried alone, and again before it counts as failed."""
 
 
 def check_threads(client: Client) -> None:

@@ -17,8 +17,8 @@ from wrsim.study.task import COMPLETED, DERAILED, FAILED, MARKER, Marker, read_m
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-WINDOW = 2000
-"""Cases that the scheduler knows of at once: its memory does not grow with the study."""
+AT_HAND = 2
+"""Cases that a worker has: the one it runs, and the next."""
 
 
 def missing(plan: Plan, retry: bool = False) -> list[int]:
@@ -83,43 +83,62 @@ def execute(
     plan: Plan,
     cases: Sequence[int],
     progress: Callable[[float, float], None] | None = None,
+    expected: int = 1,
 ) -> None:
     """Run these cases to their markers.
 
-    progress: called with the fraction of cases done and the seconds left. A case at which several workers died becomes
-    an entry. Raises ``InputError`` when the first completed case shows that an output cannot be had, ``WrsimError``
-    when a worker cannot work at all.
+    progress: called with the fraction of cases done and the seconds left; expected: workers that will come. A case at
+    which several workers died becomes an entry. Raises ``InputError`` when the first completed case shows that an
+    output cannot be had, ``WrsimError`` when a worker cannot work at all.
+    """
+    check_threads(client)
+    began = time.perf_counter()
+    suspects: list[int] = []
+    checked, count = False, 0
+    for index, died in _handed_out(client, plan, cases, expected):
+        if died:  # or another case on the same worker: looked at again when nothing else runs
+            suspects.append(index)
+            continue
+        checked = checked or _check_outputs(plan, index)
+        count += 1
+        if progress is not None:
+            fraction = count / len(cases)
+            progress(fraction, (time.perf_counter() - began) * (1.0 - fraction) / fraction)
+    for suspect in suspects:
+        for index, died in _handed_out(client, plan, [suspect], 1):
+            if died:
+                _note_killed(plan, index)
+
+
+def _handed_out(client: Client, plan: Plan, cases: Sequence[int], expected: int) -> Iterator[tuple[int, bool]]:
+    """Cases in the order in which they come to an end, and whether their workers died.
+
+    A worker has one case and the next one at hand: the scheduler's memory does not grow with the study.
     """
     from distributed import KilledWorker, as_completed
 
-    check_threads(client)
-    digest = digest_of(plan.dumped())
-    session = secrets.token_hex(4)
+    digest, session = digest_of(plan.dumped()), secrets.token_hex(4)
     waiting = iter(cases)
     running: dict[str, int] = {}
-    began = time.perf_counter()
 
     def submitted(index: int) -> Future:
         key = f"{plan.cases[index].name}-{session}"
         running[key] = index
         return client.submit(run_case, plan.folder, digest, index, key=key)
 
-    done = as_completed([submitted(i) for i in islice(waiting, WINDOW)], loop=client.loop)
-    checked = False
-    for count, future in enumerate(done, 1):
+    def room() -> int:
+        return AT_HAND * max(expected, sum(client.nthreads().values())) - len(running)
+
+    done = as_completed([submitted(i) for i in islice(waiting, room())], loop=client.loop)
+    for future in done:
         index = running.pop(future.key)
         error = future.exception() if future.status == "error" else None
-        if isinstance(error, KilledWorker):
-            _note_killed(plan, index)
-        elif error is not None:
+        if error is not None and not isinstance(error, KilledWorker):
             raise WrsimError(f"case {plan.cases[index].label}: {type(error).__name__}: {error}")
         future.release()
-        checked = checked or _check_outputs(plan, index)
-        for following in islice(waiting, 1):
+        for following in islice(waiting, max(room(), 0)):
             done.add(submitted(following))
-        if progress is not None:
-            fraction = count / len(cases)
-            progress(fraction, (time.perf_counter() - began) * (1.0 - fraction) / fraction)
+        yield index, error is not None
 
 
 def _note_killed(plan: Plan, index: int) -> None:
@@ -127,7 +146,7 @@ def _note_killed(plan: Plan, index: int) -> None:
     case = plan.cases[index]
     folder = plan.folder_of(case)
     if read_marker(folder) is None:
-        message = f"{ATTEMPTS} workers died at it one after the other: too little memory, or a crash below Python"
+        message = f"{2 * ATTEMPTS} workers died at it one after the other: too little memory, or a crash below Python"
         write_marker(
             folder, Marker(case.name, case.label, FAILED, message, outputs=plan.outputs_digest, ended=time.time())
         )
