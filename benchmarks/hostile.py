@@ -127,14 +127,8 @@ def check(folder: Path, file: Path, content: bytes) -> str:
         copy.write_bytes(original)
 
 
-def main() -> None:
-    """Count the answers."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("number", nargs="?", type=int, default=1000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--json", action="store_true")
-    options = parser.parse_args()
-    rng = random.Random(options.seed)
+def counted(number: int, rng: random.Random) -> tuple[Counter[str], float]:
+    """What became of so many mutants, and the longest processor time of an answer [s]."""
     files = [sorted(ROOT.glob(kind)) for kind in KINDS]
     answers: Counter[str] = Counter()
     slowest = 0.0
@@ -142,7 +136,7 @@ def main() -> None:
         folder = Path(name)
         for part in ("models", "scenarios"):
             shutil.copytree(ROOT / part, folder / part)
-        for i in range(options.number):
+        for i in range(number):
             file = rng.choice(files[i % len(files)])
             content = mutated(file.read_bytes(), rng)
             began = time.process_time()
@@ -153,6 +147,17 @@ def main() -> None:
                 keep.write_bytes(content)
                 print(f"{answer}\n    mutant of {file.relative_to(ROOT)}, kept as {keep}", flush=True)
             answers[answer] += 1
+    return answers, slowest
+
+
+def main() -> None:
+    """Count the answers."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("number", nargs="?", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    answers, slowest = counted(options.number, random.Random(options.seed))
     wrong = sum(n for answer, n in answers.items() if answer not in ("valid", "refused"))
     print(f"{options.number} mutants: {answers['valid']} valid, {answers['refused']} refused, {wrong} wrong answers; "
           f"slowest {slowest:.1f} s")  # fmt: skip

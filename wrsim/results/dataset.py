@@ -41,6 +41,8 @@ def assemble(
     coords: Mapping[str, ArrayLike],
     channels: Mapping[str, ArrayLike],
     attributes: Mapping[str, str | float | int],
+    *,
+    copy: bool = True,
 ) -> xr.Dataset:
     """Build the dataset of a Result; names and shapes are checked against the register.
 
@@ -60,6 +62,8 @@ def assemble(
     ``Y_over_Q`` (where Q > 0), ``contact_angle_variation`` and the ``wheelset_distance`` of a single wheelset are
     derived when they are not given.
 
+    copy: False gives the arrays away: they become those of the dataset, where their type is that of their channel.
+
     Raises ``ValueError`` for an unknown name, a wrong shape or a missing attribute: these are mistakes of the
     calling code, not of the user.
     """
@@ -74,7 +78,7 @@ def assemble(
     scalars: list[tuple[Channel, NDArray[Any]]] = []
     for name, values in arrays.items():
         channel = _registered(name)
-        array = _typed(channel, values)
+        array = _typed(channel, values, copy)
         if array.ndim == 0 and channel.dims:
             scalars.append((channel, array))
             continue
@@ -128,14 +132,14 @@ def _registered(name: str) -> Channel:
     return channel
 
 
-def _typed(channel: Channel, values: ArrayLike) -> NDArray[Any]:
-    """A private copy of the values in the channel's type."""
+def _typed(channel: Channel, values: ArrayLike, copy: bool = True) -> NDArray[Any]:
+    """The values in the channel's type, a private copy unless numbers of that type are given away."""
     if channel.kind == "text":
         array: NDArray[Any] = np.array(values, dtype=str)
         return array if array.dtype.itemsize else array.astype("<U1")
     if channel.kind == "count":
         return np.nan_to_num(np.array(values, dtype=np.float64), nan=0.0).astype(np.int64)
-    return np.array(values, dtype=np.float64)
+    return np.array(values, dtype=np.float64, copy=True if copy else None)
 
 
 def _variable(channel: Channel, sample: str, array: NDArray[Any], sizes: dict[str, int]) -> xr.Variable:

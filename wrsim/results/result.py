@@ -79,8 +79,8 @@ class Result:
             if variable.dtype.kind in "fi" and variable.size > 1000
         }
         content = self.dataset.to_netcdf(None, engine="h5netcdf", format="NETCDF4", encoding=encoding)
-        sealed = bytes(content) + _CHECKED
-        return write_atomically(path, sealed + zlib.crc32(sealed).to_bytes(4, "little"))
+        checksum = zlib.crc32(_CHECKED, zlib.crc32(content))
+        return write_atomically(path, b"".join((content, _CHECKED, checksum.to_bytes(4, "little"))))
 
     @classmethod
     def load(cls, path: str | Path) -> Result:

@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 
 RAIL_CHANNELS = ("rail_displacement_y", "rail_displacement_z")
 
+BLOCK = 500
+"""Samples whose contacts stand in memory at once beside the channels."""
+
 NEAR = 1.0
 """Distance within which the largest Y/Q of both wheels are one moment [m]."""
 
@@ -45,74 +48,35 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
     At the end of a stopped run the last states may have no place on the track any more; they are left out then.
     Raises SimulationError when not even the first one has.
     """
-    vehicle, track = law.vehicle, setup.track
+    vehicle = law.vehicle
     motion, poses = _placed(motion, law)
-    n, count, body = len(motion.times), len(vehicle.wheelsets), 6 * vehicle.reference
-    raw = [RawContacts.empty(n, 2, setup.contact.max_patches) for _ in range(count)]
+    n, body = len(motion.times), 6 * vehicle.reference
     places = law.places(np.column_stack([p.distance for p in poses]))
-    out = np.zeros(law.size)
-    points = PointMotion(law)
-    accelerations = np.zeros((n, len(vehicle.points), 3))
-    records = np.zeros((n, *law.records.shape))
-    reference, drive = np.zeros(n), np.zeros(n)
-    external = np.zeros((n, len(vehicle.loads), 3))
-
-    def evaluate(i: int) -> None:
-        law.look_near(places[i])
-        law(motion.times[i], motion.q[i], motion.q_t[i], out)
-
+    channels: dict[str, Any] = {}
     law.follow(True)
-    for i in range(n):
-        evaluate(i)
-        for w, pair in enumerate(law.wheels):
-            for j, wheel in enumerate(pair):
-                raw[w].store(i, j, wheel.model)
-        records[i] = law.records
-        external[i] = law.load_forces
-        reference[i], drive[i] = law.distance, law.drive_force
-        accelerations[i] = points.at(motion.q[i], motion.q_t[i], out)
+    for begin in range(0, n, BLOCK):
+        block = slice(begin, min(begin + BLOCK, n))
+        for name, values in _block(setup, law, motion, poses, places, block).items():
+            if name not in channels:
+                channels[name] = np.zeros((n, *values.shape[1:]))
+            channels[name][block] = values
     law.follow(False)
-    forces = [wheel_channels(r) for r in raw]
-    snapshots = choose_snapshots(setup, reference, _together(forces), motion.status == "stopped")
+    reference = channels["distance"]
+    snapshots = choose_snapshots(setup, reference, _together(channels), motion.status == "stopped")
     strips = [StripRecorder(pair) for pair in law.wheels]
+    out = np.zeros(law.size)
     for sample in snapshots:
-        evaluate(sample)
+        law.look_near(places[sample])
+        law(motion.times[sample], motion.q[sample], motion.q_t[sample], out)
         for recorder, elements in zip(strips, law.elements_of_contacts(), strict=True):
             recorder.store(elements)
     kept = np.array(list(snapshots), dtype=int)
-    moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
-    if law.rails:
-        moved = motion.q[:, law.size - law.rails :].reshape(moved.shape)
-    of_wheelsets = [
-        {
-            "wheelset_distance": p.distance,
-            **track_channels(track, p.distance),
-            **(dict(zip(RAIL_CHANNELS, np.moveaxis(moved[:, w], -1, 0), strict=True)) if law.rails else {}),
-            "lateral_shift": p.lateral,
-            "vertical_shift": p.height - mounted.wheelset.mean_radius,
-            "yaw": p.yaw,
-            "roll": p.roll,
-            "spin_rate": p.spin_rate,
-            **f,
-            **patch_channels(r, pair, track.widening(p.distance), uneven(track, p.distance) + moved[:, w]),
-        }
-        for w, (mounted, p, f, r, pair) in enumerate(
-            zip(vehicle.wheelsets, poses, forces, raw, law.wheels, strict=True)
-        )
-    ]
-    raw.clear()  # a long run fills memory: nothing is kept twice for long
-    channels: dict[str, Any] = {
-        name: np.stack([own.pop(name) for own in of_wheelsets], axis=1) for name in list(of_wheelsets[0])
-    }
     channels |= {
-        "distance": reference,
         "speed": np.linalg.norm(motion.q_t[:, body : body + 3], axis=1),
-        "drive_force": drive,
         "snapshot_time": motion.times[kept],
         "snapshot_distance": reference[kept],
         "snapshot_label": np.array(list(snapshots.values())),
         **stacked([recorder.channels() for recorder in strips]),
-        **guide_channels(law, motion.times, records),
     }
     coords: dict[str, Any] = {"time": motion.times, "wheelset": [m.name for m in vehicle.wheelsets]}
     if vehicle.bodies:
@@ -120,25 +84,76 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
         channels |= body_channels(law, motion.q, motion.q_t)
     if vehicle.points:
         coords["point"] = [point.name for point in vehicle.points]
-        channels |= {f"point_a{axis}": accelerations[:, :, k] for k, axis in enumerate("xyz")}
         channels["point_level"] = np.array([level_of(vehicle, point.body) for point in vehicle.points])
         channels["point_bogie_mass"] = [bogie_mass(vehicle, point.body) for point in vehicle.points]
     if vehicle.elements:
         coords["suspension"] = [element.name for element in vehicle.elements]
-        channels |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
-        channels |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}
         ends = np.array([e.limits or (np.nan, np.nan) for e in vehicle.elements])
         channels |= {"suspension_stop_min": ends[:, 0], "suspension_stop_max": ends[:, 1]}
     if vehicle.loads:
         coords["external_load"] = [load.name for load in vehicle.loads]
-        channels |= {f"external_f{axis}": external[:, :, k] for k, axis in enumerate("xyz")}
     if events:
         channels |= {
             "event_time": [event.start[0] for event in events],
             "event_distance": [event.start[1] for event in events],
             "event_label": np.array([event_words(event, vehicle) for event in events]),
         }
-    return Result(assemble(coords, channels, _attributes(setup, motion, reference)))
+    return Result(assemble(coords, channels, _attributes(setup, motion, reference), copy=False))
+
+
+def _block(
+    setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, poses: list[TrackPoses], places: Array, block: slice
+) -> dict[str, Array]:
+    """Channels of some samples of a motion, the sample first. A long run fills memory: raw contacts do not stay."""
+    vehicle, track = law.vehicle, setup.track
+    times, q, q_t = motion.times[block], motion.q[block], motion.q_t[block]
+    n, count, out = len(times), len(vehicle.wheelsets), np.zeros(law.size)
+    raw = [RawContacts.empty(n, 2, setup.contact.max_patches) for _ in range(count)]
+    points = PointMotion(law)
+    accelerations = np.zeros((n, len(vehicle.points), 3))
+    records = np.zeros((n, *law.records.shape))
+    reference, drive = np.zeros(n), np.zeros(n)
+    external = np.zeros((n, len(vehicle.loads), 3))
+    for i in range(n):
+        law.look_near(places[block][i])
+        law(times[i], q[i], q_t[i], out)
+        for w, pair in enumerate(law.wheels):
+            for j, wheel in enumerate(pair):
+                raw[w].store(i, j, wheel.model)
+        records[i] = law.records
+        external[i] = law.load_forces
+        reference[i], drive[i] = law.distance, law.drive_force
+        accelerations[i] = points.at(q[i], q_t[i], out)
+    moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
+    if law.rails:
+        moved = q[:, law.size - law.rails :].reshape(moved.shape)
+    of_wheelsets = [
+        {
+            "wheelset_distance": p.distance[block],
+            **track_channels(track, p.distance[block]),
+            **(dict(zip(RAIL_CHANNELS, np.moveaxis(moved[:, w], -1, 0), strict=True)) if law.rails else {}),
+            "lateral_shift": p.lateral[block],
+            "vertical_shift": p.height[block] - mounted.wheelset.mean_radius,
+            "yaw": p.yaw[block],
+            "roll": p.roll[block],
+            "spin_rate": p.spin_rate[block],
+            **wheel_channels(r),
+            **patch_channels(
+                r, pair, track.widening(p.distance[block]), uneven(track, p.distance[block]) + moved[:, w]
+            ),
+        }
+        for w, (mounted, p, r, pair) in enumerate(zip(vehicle.wheelsets, poses, raw, law.wheels, strict=True))
+    ]
+    found = {name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]}
+    found |= {"distance": reference, "drive_force": drive, **guide_channels(law, times, records)}
+    if vehicle.points:
+        found |= {f"point_a{axis}": accelerations[:, :, k] for k, axis in enumerate("xyz")}
+    if vehicle.elements:
+        found |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
+        found |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}
+    if vehicle.loads:
+        found |= {f"external_f{axis}": external[:, :, k] for k, axis in enumerate("xyz")}
+    return found
 
 
 def _attributes(setup: Setup[RunPlan], motion: Motion, distance: Array) -> dict[str, str | float | int]:
@@ -200,9 +215,9 @@ def choose_snapshots(setup: Setup[RunPlan], distance: Array, wheel: dict[str, Ar
     return dict(sorted(chosen.items()))
 
 
-def _together(forces: list[dict[str, Array]]) -> dict[str, Array]:
+def _together(channels: dict[str, Array]) -> dict[str, Array]:
     """Y and Q (samples, 2) of the wheelset that has the largest Y/Q on either side, sample by sample."""
-    y, q = (np.stack([f[name] for f in forces], axis=1) for name in ("Y", "Q"))
+    y, q = channels["Y"], channels["Q"]
     quotient = np.divide(y, q, out=np.full(q.shape, -np.inf), where=q > 1.0)
     worst = np.argmax(quotient, axis=1)[:, None]
     return {name: np.take_along_axis(v, worst, axis=1)[:, 0] for name, v in (("Y", y), ("Q", q))}

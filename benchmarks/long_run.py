@@ -1,0 +1,152 @@
+"""Memory and disk of a long run of the coach. Run: python benchmarks/long_run.py [KM] [--json]
+
+The Manchester coach at 200 km/h over curves of 3000 m and straights between them, Kik-Piotrowski with few strips: what
+is stored does not depend on that. Memory of the process (resident, MB) at a tenth, at half and at the end of the way;
+then, each in a process of its own, the largest while the result of the first tenth, half and all of it is put together
+and saved, and while its tables are written; the size of what stands on disk, a kilometre.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from wrsim.analysis import run
+from wrsim.analysis.motion import run as motion_run
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.monitor import Monitor
+from wrsim.analysis.motion.result import result_of
+from wrsim.results import Result, write_run
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load
+from wrsim.simulation.integrate import Motion, recorded_motion
+
+ROOT = Path(__file__).parents[1]
+PLACES = (0.1, 0.5, 1.0)
+
+
+def line(kilometres: float) -> list[dict[str, Any]]:
+    """Segments of a line of that length."""
+    bend = {"kind": "transition", "length_m": 150.0}
+    piece = [
+        {"kind": "straight", "length_m": 200.0}, bend,
+        {"kind": "arc", "length_m": 400.0, "radius_m": 3000.0, "cant_mm": 100.0}, bend,
+    ]  # fmt: skip
+    count = int(kilometres * 1e3 / 900.0) + 2
+    return [s | ({"radius_m": -3000.0} if i % 2 and s["kind"] == "arc" else {}) for i in range(count) for s in piece]
+
+
+def values(kilometres: float) -> dict[str, Any]:
+    """Keys of the run."""
+    return {
+        "vehicle.speed_kmh": 200.0,
+        "track.segments": line(kilometres),
+        "run.distance_m": 1e3 * kilometres,
+        "run.output_interval_ms": 5.0,
+        "output.patches_at_m": [],
+        "contact.strips": 8,
+        "contact.cells": 3,
+    }
+
+
+def resident() -> float:
+    """Memory of this process now [MB]."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def in_a_child(work: Callable[[], Any]) -> tuple[float, Any]:
+    """Largest memory of a process that does some work [MB], over what it began with, and what the work returns."""
+    back, forth = os.pipe()
+    child = os.fork()
+    if child == 0:
+        before, largest, going = resident(), [resident()], True
+
+        def watch() -> None:
+            while going:
+                largest[0] = max(largest[0], resident())
+                time.sleep(0.02)
+
+        threading.Thread(target=watch, daemon=True).start()
+        try:
+            answer = work()
+            os.write(forth, json.dumps([largest[0] - before, answer]).encode())
+        finally:
+            os._exit(0)
+    os.close(forth)
+    with os.fdopen(back) as stream:
+        told = json.loads(stream.read())
+    os.waitpid(child, 0)
+    return told[0], told[1]
+
+
+def main() -> None:
+    """Print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("kilometres", nargs="?", type=float, default=10.0)
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        figures = measured(Path(name), options.kilometres)
+    for word, value in figures.items():
+        print(f"{word}: {value}")
+    if options.json:
+        print(json.dumps({"long_run": figures}))
+
+
+def measured(folder: Path, kilometres: float) -> dict[str, Any]:
+    """Run, put together, write."""
+    scenario = load(ROOT / "scenarios/manchester_r300.toml").with_values(values(kilometres))
+    record = folder / "result.nc.part"
+    there: dict[float, float] = {}
+
+    def progress(fraction: float, left: float) -> None:
+        for place in PLACES:
+            if fraction >= place - 1e-9 and place not in there:
+                there[place] = round(resident(), 1)
+
+    def no_result(*arguments: Any) -> None:  # only the samples here; results are made in processes of their own
+        return None
+
+    whole = motion_run.result_of
+    motion_run.result_of = no_result  # type: ignore[assignment]
+    began = time.process_time()
+    run(scenario, progress, record=record)
+    seconds = time.process_time() - began
+    motion_run.result_of = whole
+    setup = build(scenario)
+    law = force_law(setup)
+    motion = recorded_motion(record, Monitor(law, setup.plan.speed))
+    n = len(motion.times)
+    together, written, disk = {}, {}, {}
+    for place in PLACES:
+        part = Motion(
+            *(a[: max(int(place * n), 2)] for a in (motion.times, motion.q, motion.q_t)), motion.step, "completed"
+        )
+        out = folder / f"{place:g}"
+        together[place], _ = in_a_child(lambda p=part, o=out: result_of(setup, law, p, []).save(o / "result.nc") and 0)
+        written[place], _ = in_a_child(lambda o=out: len(write_run(Result.load(o / "result.nc"), o)))
+        disk[place] = sum(f.stat().st_size for f in out.iterdir()) / 1e6
+    at = {place: f"{place * kilometres:g} km" for place in PLACES}
+    return {
+        "samples": n,
+        "run_MB": {at[p]: there[p] for p in PLACES},
+        "put_together_MB": {at[p]: round(together[p], 1) for p in PLACES},
+        "written_MB": {at[p]: round(written[p], 1) for p in PLACES},
+        "part_file_MB_a_km": round(record.stat().st_size / 1e6 / kilometres, 2),
+        "result_MB_a_km": round((folder / "1/result.nc").stat().st_size / 1e6 / kilometres, 2),
+        "all_files_MB_a_km": round(disk[1.0] / kilometres, 2),
+        "run_processor_s": round(seconds, 1),
+        "largest_MB": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3, 1),
+    }
+
+
+if __name__ == "__main__":
+    main()
