@@ -80,13 +80,13 @@ def set_amplitudes(system, n):
 @kernel
 def lay_strips(system, n):
     """Strips of all grids in contact between the edges that the unknowns say."""
-    memo, x = system.memo[0], system.vectors[X]
-    for g in range(memo.grids):
+    x = system.vectors[X]
+    for g in range(system.memo[0].grids):
         grid = system.grids[g]
         if grid.on:
             base = g * block_of(n) + n + FACTORS
             grid.start, grid.end = x[base], x[base + 1]
-            place_strips(grid, system.rows[g], system.places[g * n : (g + 1) * n], memo.offset)
+            place_strips(grid, system.rows[g], system.places[g * n : (g + 1) * n])
 
 
 @kernel

@@ -171,7 +171,7 @@ def _integral(grid, rows, s):
 
 
 @kernel
-def place_strips(grid, rows, places, offset):
+def place_strips(grid, rows, places):
     """Lay the strips of a grid between its edges and read the geometry there. places: its own."""
     n = places.size
     h = grid.spacing
@@ -203,7 +203,7 @@ def place_strips(grid, rows, places, offset):
         k1 = -d0 / 3.0 - 0.5 * d1 + d2 - d3 / 6.0
         k2 = 0.5 * (d0 + d2) - d1
         k3 = (d3 - d0) / 6.0 + 0.5 * (d1 - d2)
-        place.d = d1 + t * (k1 + t * (k2 + t * k3)) - offset
+        place.d = d1 + t * (k1 + t * (k2 + t * k3))
         place.d_s = (k1 + t * (2.0 * k2 + 3.0 * t * k3)) / h
         place.bend_s = (rows[c + 1].bend - rows[c].bend) / h
         place.bend = rows[c].bend + t * h * place.bend_s

@@ -32,7 +32,7 @@ from wrsim.core.contact.search.lobes import room_beside
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, opposite
 from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
-from wrsim.core.contact.strips.solution import MERGED_ALL, UNSOLVED, WALKED, carry_over, solve, substitute
+from wrsim.core.contact.strips.solution import UNSOLVED, carry_over, solve, substitute
 
 MERGED = 0.9  # saddle over the depth of the shallower lobe from which on both share a grid
 LINK = 0.05  # weight that holds the factors of neighbouring grids together
@@ -61,14 +61,7 @@ def press_strips(a, wheel, rail, pose, count):
         memo.factored = 0
         known = carry_over(system, n)
     result = solve(system, n, known)
-    if result == UNSOLVED and memo.grids > 1:
-        # two grids that meet at a saddle are the harder problem
-        result = MERGED_ALL
-        _set_grids(system, a.found, lobes, wheel, rail, pose, count, 0.0)
-        if solve(system, n, False) == UNSOLVED:
-            result = UNSOLVED
-            _set_grids(system, a.found, lobes, wheel, rail, pose, count, MERGED)
-    memo.known = memo.grids if result <= WALKED else 0
+    memo.known = memo.grids if result != UNSOLVED else 0
     if result == UNSOLVED:
         substitute(system, n)
         memo.substitutes += 1

@@ -31,6 +31,7 @@ from wrsim.core.dense import factorise, solve_factorised
 SLOW = 0.3  # misfit over the last one that asks for new factors
 LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0
 LARGEST_FALL, OVERSHOOT, KEPT = 1.6, -0.5, 0.1  # of a^2 in a step, over itself; below OVERSHOOT the strip leaves
+LARGEST_GROWTH = 0.5  # of a^2 in a step, over the largest of its grid
 LARGEST_CHANGE = 0.8  # of a factor in a step, over itself
 FARTHEST = 1.5  # move of an edge in a step, in mean widths of strips
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
@@ -172,9 +173,13 @@ def _advance(system, n, held, share, calm):
             continue
         width = (grid.end - grid.start) / n
         worst = 1.0
+        highest = 0.0
+        for j in range(base, base + n):
+            highest = max(highest, x[j])
         for j in range(base, base + n):
             if x[j] > 0.0 and not held:
                 worst = max(worst, -step[j] / (LARGEST_FALL * x[j]))
+                worst = max(worst, step[j] / (LARGEST_GROWTH * highest))
         for f in range(base + n, base + n + FACTORS):
             worst = max(worst, abs(step[f]) / (LARGEST_CHANGE * x[f]))
         for e in range(base + n + FACTORS, base + block):
@@ -334,10 +339,10 @@ def _enter(system, n, g):
     for r in range(0, ROWS, 2):
         probe.s, probe.x = rows[r].s, rows[r].x
         rows[r].closing = -1.0
-        if rows[r].d - memo.offset <= most:
+        if rows[r].d <= most:
             continue
         u, _c = pressed(system, n, g, probe)
-        rows[r].closing = rows[r].d - memo.offset - u / memo.stiffness
+        rows[r].closing = rows[r].d - u / memo.stiffness
         if rows[r].closing > most:
             most, main = rows[r].closing, r
     if main < 0:

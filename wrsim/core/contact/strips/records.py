@@ -29,18 +29,18 @@ how firmly its last factor is held to the first of the next grid. Whether it is 
 at their bounds, its first and last lobe."""
 
 MEMO = record(
-    "rate stiffness modulus deepest offset together apart",
+    "rate stiffness modulus deepest together apart",
     "known grids factored iterations factorisations result substitutes",
 )
-"""Of the whole system: how fast the kept factors bring the misfit down at first, pi E*, E*, deepest penetration, how
-much is taken off all penetrations; distances of grids up to which they press each other down fully and from which on
+"""Of the whole system: how fast the kept factors bring the misfit down at first, pi E*, E*, deepest
+penetration; distances of grids up to which they press each other down fully and from which on
 not at all [m]; number of grids in the last call (0: nothing is known) and now; whether the factors
 are of use; residuals taken and factors made in this call, and how it ended (`solution`); calls so far
 that ended with a substitute."""
 
-VECTORS = 16  # of unknowns
-X, F, STEP, SAVED, KEPT, PIVOT, SCALE, STEPS = range(8)
-"""Unknowns, misfits, step, unknowns before a step, unknowns to come back to, rows exchanged in the factors, weights of
+VECTORS = 15  # of unknowns
+X, F, STEP, SAVED, PIVOT, SCALE, STEPS = range(7)
+"""Unknowns, misfits, step, unknowns before a step, rows exchanged in the factors, weights of
 the unknowns; from STEPS on the last steps."""
 MOST_STEPS = VECTORS - STEPS
 

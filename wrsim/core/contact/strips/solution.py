@@ -1,45 +1,63 @@
 """First guesses, and what is done until the strip model has a solution.
 
-In a run the last contact is the first guess. Else: Hertz's half lengths where the penetration is large; Newton's method
-with given factors and edges, then with all unknowns. Where that fails the wheel is lifted until it works and lowered
-in steps; where that fails neighbouring lobes share a grid (`model`); where that fails too there is a substitute:
-Kik-Piotrowski's contact on the same rows.
+In a run the last contact is the first guess. Else: Hertz's ellipses where the penetration is large, then in turns half
+lengths for given factors and edges (a monotone problem: strips leave and enter as they like), edges from the outer
+strips, factors from the misfits of the curvatures; at last Newton's method for all at once. If all first guesses fail
+there is a substitute: Kik-Piotrowski's contact on the same rows.
 """
 
 from math import log
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.strips.equations import block_of, factor_of, lay_strips, residuals, set_amplitudes
-from wrsim.core.contact.strips.newton import FEWEST, begin, hertz_factor, in_contact, leave, move_edges, newton
-from wrsim.core.contact.strips.records import FACTORS, KEPT, ROWS, SAVED, STEP, STEPS, X
+from wrsim.core.contact.strips.equations import (
+    EDGE_RATIO,
+    block_of,
+    factor_of,
+    lay_strips,
+    residuals,
+    set_amplitudes,
+)
+from wrsim.core.contact.strips.newton import (
+    FEWEST,
+    LEAST_FACTOR,
+    MOST_FACTOR,
+    begin,
+    hertz_factor,
+    in_contact,
+    leave,
+    move_edges,
+    newton,
+)
+from wrsim.core.contact.strips.records import FACTORS, ROWS, SAVED, STEP, STEPS, X
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
 WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9
-FAIRLY = 3e-3  # the same with given factors and edges
-WARM_STEPS, COLD_STEPS = 25, 60
+FAIRLY = 5e-4  # the same with given factors and edges
+WARM_STEPS, HELD_STEPS, COLD_STEPS = 25, 15, 40
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
-LEVELS = (0.42, 0.3, 0.55)  # of a grid's depth: where first guesses begin
-LIFTS = (0.7, 0.5, 0.85)  # of the deepest penetration
-MOST_WALKS = 40
+LEVELS = (0.42, 0.15, 0.05, 0.3, 0.55)  # of a grid's depth: where first guesses begin
+ROUNDS = 8  # of half lengths, edges and factors in turn
+CALM_EDGES, CALM_FACTORS = 0.5, 0.15  # moves in a round, in widths of strips and over themselves, that end the turns
+PUSH, FAR = 0.6, 6.0  # ratio of a^2 of the outer strips from which on an edge is moved far out, in mean widths
+SOFT, HARD = 0.8, 2.0  # exponent of the factors' relaxation; largest ratio it acts on
+EVEN = 0.01  # weight of evenness in it
 RECESS = 0.45  # of the deepest penetration, in the substitute, as in Kik-Piotrowski
-SETTLED, WALKED, MERGED_ALL, UNSOLVED = range(4)
-"""How a solution was found: at once, by lifting the wheel, on one grid for all lobes that hang together; or not."""
+SETTLED, RETRIED, UNSOLVED = range(3)
+"""How a solution was found: at once, from another first guess; or not."""
 
 
 @kernel
 def solve(system, n, known):
-    """Solve; known: the unknowns are those of a contact near by. Returns SETTLED, WALKED or UNSOLVED."""
+    """Solve; known: the unknowns are those of a contact near by. Returns SETTLED, RETRIED or UNSOLVED."""
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
-    memo.offset = 0.0
     if known and newton(system, n, False, False, WARM_TOLERANCE, WARM_STEPS):
         return SETTLED
+    result = SETTLED
     for level in LEVELS:
         if _afresh(system, n, level):
-            return SETTLED
-    for lift in LIFTS:
-        if walk(system, n, lift):
-            return WALKED
+            return result
+        result = RETRIED
     return UNSOLVED
 
 
@@ -49,11 +67,11 @@ def _guess(system, n, g, level):
     memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
     x = system.vectors[X]
     base = g * block_of(n)
-    depth = max(grid.deepest - memo.offset, 1e-3 * grid.deepest)
+    depth = grid.deepest
     wide = main = 0
     first, last = ROWS - 1, 0
     for r in range(ROWS):
-        d = rows[r].d - memo.offset
+        d = rows[r].d
         wide += 1 if d > 0.5 * depth else 0
         if rows[r].d >= grid.deepest:
             main = r
@@ -88,73 +106,90 @@ def _afresh(system, n, level):
     for g in range(memo.grids):
         if system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
-    newton(system, n, True, True, FAIRLY, 15)
-    for g in range(memo.grids):
-        if system.grids[g].on:
-            _fit_edges(system, n, g)
+    for turn in range(ROUNDS):
+        newton(system, n, True, True, FAIRLY, HELD_STEPS)
+        moved = 0.0
+        for g in range(memo.grids):
+            if system.grids[g].on:
+                moved = max(moved, _draw_edges(system, n, g))
+        residuals(system, n, False)
+        changed = 0.0
+        for g in range(memo.grids):
+            if system.grids[g].on:
+                changed = max(changed, _relax_factors(system, n, g))
+        if turn > 0 and moved < CALM_EDGES and changed < CALM_FACTORS:
+            break
+    newton(system, n, True, True, FAIRLY, HELD_STEPS)
     return newton(system, n, False, True, TOLERANCE, COLD_STEPS)
 
 
 @kernel
-def _fit_edges(system, n, g):
-    """Edges at the outer strips in contact."""
+def _draw_edges(system, n, g):
+    """Move the edges of a grid to where its outer strips ask for them. Returns by how many mean widths of strips.
+
+    Near an edge a^2 is in proportion to the distance from it, so that the ratio of the outer strips' tells where it is.
+    """
     x, base = system.vectors[X], g * block_of(n)
+    grid, places = system.grids[g], system.places[g * n : (g + 1) * n]
     first, last, count = in_contact(x[base : base + n])
     if count < FEWEST:
         leave(system, n, g)
-    elif first > 0 or last < n - 1:
-        places = system.places[g * n : (g + 1) * n]
+        return 0.0
+    if first > 0 or last < n - 1:
         move_edges(system, n, g, places[first].lo, places[last].hi)
+    mean = (grid.end - grid.start) / n
+    ends = grid.start, grid.end
+    for side in range(2):
+        outer, inner = (0, 1) if side == 0 else (n - 1, n - 2)
+        w0, w1 = places[outer].hi - places[outer].lo, places[inner].hi - places[inner].lo
+        ratio = min(x[base + outer] / max(x[base + inner], 1e-30) / EDGE_RATIO, 0.7)
+        out = (ratio * (w0 + 0.5 * w1) - 0.5 * w0) / (1.0 - ratio)
+        if ratio > PUSH:
+            # drawn far too narrow; what is too much leaves again
+            out = max(out, FAR * mean)
+        ends = (max(ends[0] - out, grid.least), ends[1]) if side == 0 else (ends[0], min(ends[1] + out, grid.most))
+    moved = (abs(ends[0] - grid.start) + abs(ends[1] - grid.end)) / mean
+    move_edges(system, n, g, ends[0], ends[1])
+    return moved
 
 
 @kernel
-def walk(system, n, lift):
-    """Solve with the wheel lifted by a share of the deepest penetration, then lower it. True if that works."""
-    memo = system.memo[0]
-    offset = memo.offset = lift * memo.deepest
-    good = False
-    for level in LEVELS:
-        good = good or _afresh(system, n, level)
-    step = 0.25 * offset
-    for _ in range(MOST_WALKS):
-        if not good or offset <= 0.0:
-            break
-        keep(system, n)
-        memo.offset = max(offset - step, 0.0)
-        if newton(system, n, False, True, TOLERANCE, WARM_STEPS):
-            offset = memo.offset
-            step *= 1.5
-        else:
-            restore(system, n)
-            memo.factored = 0
-            step *= 0.4
-            if step < 1e-4 * memo.deepest:
-                break
-    memo.offset = 0.0
-    return good and offset <= 0.0
+def _relax_factors(system, n, g):
+    """Bring the factors of a grid nearer to what the misfits of the curvatures ask for. Returns the largest change.
 
-
-@kernel
-def keep(system, n):
-    """Keep the unknowns and the state of the grids."""
-    kept, size = system.vectors[KEPT], system.memo[0].grids * block_of(n)
-    for i in range(size):
-        kept[i] = system.vectors[X, i]
-    for g in range(system.memo[0].grids):
-        grid = system.grids[g]
-        kept[size + 3 * g], kept[size + 3 * g + 1], kept[size + 3 * g + 2] = grid.on, grid.start_held, grid.end_held
-
-
-@kernel
-def restore(system, n):
-    """Put back what ``keep`` kept."""
-    kept, size = system.vectors[KEPT], system.memo[0].grids * block_of(n)
-    for i in range(size):
-        system.vectors[X, i] = kept[i]
-    for g in range(system.memo[0].grids):
-        grid = system.grids[g]
-        grid.on, grid.start_held = int(kept[size + 3 * g]), int(kept[size + 3 * g + 1])
-        grid.end_held = int(kept[size + 3 * g + 2])
+    The curvature under the strips is about in proportion to the factors there; nodes without force follow the others.
+    """
+    x, base = system.vectors[X], g * block_of(n) + n
+    load, wish = system.vectors[STEP], system.vectors[SAVED]
+    load[:FACTORS] = 0.0
+    wish[:FACTORS] = 0.0
+    for j in range(g * n, (g + 1) * n):
+        place = system.places[j]
+        if place.y > 0.0:
+            f, r = factor_of(place)
+            load[f] += (1.0 - r) * place.weight
+            load[f + 1] += r * place.weight
+            wish[f] += (1.0 - r) * place.weight * (place.miss + 1.0)
+            wish[f + 1] += r * place.weight * (place.miss + 1.0)
+    # (load + EVEN * bend) ratio = wish: three diagonals
+    above = system.vectors[STEPS]
+    for f in range(FACTORS):
+        ends = 1.0 if f == 0 or f == FACTORS - 1 else 2.0
+        diagonal = load[f] + EVEN * ends + 1e-9
+        if f > 0:
+            diagonal += EVEN * above[f - 1]
+            wish[f] += EVEN * wish[f - 1]
+        above[f] = -EVEN / diagonal
+        wish[f] /= diagonal
+    for f in range(FACTORS - 2, -1, -1):
+        wish[f] -= above[f] * wish[f + 1]
+    largest = 0.0
+    for f in range(FACTORS):
+        ratio = min(max(wish[f], 1.0 / HARD), HARD)
+        k = min(max(x[base + f] / ratio**SOFT, LEAST_FACTOR), MOST_FACTOR)
+        largest = max(largest, abs(k / x[base + f] - 1.0))
+        x[base + f] = k
+    return largest
 
 
 @kernel
@@ -163,7 +198,6 @@ def substitute(system, n):
     one amplitude for all, so that on average the surfaces follow each other."""
     memo, x = system.memo[0], system.vectors[X]
     memo.factored = 0
-    memo.offset = 0.0
     level = RECESS * memo.deepest
     for g in range(memo.grids):
         grid, rows, base = system.grids[g], system.rows[g], g * block_of(n)
