@@ -23,7 +23,7 @@ from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings
 from wrsim.core.contact.records import STATUS_UNSETTLED
-from wrsim.core.contact.strips.solution import RETRIED
+from wrsim.core.contact.strips.solution import RETRIED, UNSOLVED
 from wrsim.geometry.profile.models import load_profile
 
 MODELS = Path(__file__).parents[1] / "models"
@@ -93,7 +93,7 @@ def main() -> None:
     arguments = parser.parse_args()
     random = np.random.default_rng(arguments.seed)
     stands = [Stand(pair, arguments.strips) for pair in PAIRS]
-    counted = unsolved = retried = 0
+    counted = unsolved = retried = lost = 0
     times, iterations, suspects, worst = [], [], [], 0.0
     while counted < arguments.poses:
         stand = stands[random.integers(len(stands))]
@@ -116,6 +116,7 @@ def main() -> None:
             ours = force(stand.strips)
             counted += 1
             retried += int(memo["result"]) == RETRIED
+            lost += int(memo["result"]) == UNSOLVED
             place = f"{stand.name} y {lateral:.9f} yaw {yaw:.9f} depth {depth:.9g}"
             if status & STATUS_UNSETTLED:
                 unsolved += 1
@@ -128,7 +129,7 @@ def main() -> None:
                     print(f"too much: {place}: {ratio:.3f} of the half-space", flush=True)
     t = 1e6 * np.array(times)
     result = {
-        "poses": counted, "strips": arguments.strips, "unsolved": unsolved, "retried": retried,
+        "poses": counted, "strips": arguments.strips, "unsolved": unsolved, "retried": retried, "without_any": lost,
         "suspects": len(suspects), "worst_over_half_space": worst, "median_us": float(np.median(t)),
         "p99_us": float(np.percentile(t, 99.0)), "slowest_us": float(t.max()),
         "slowest_over_median": float(t.max() / np.median(t)), "median_residuals": float(np.median(iterations)),

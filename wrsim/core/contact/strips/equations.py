@@ -250,6 +250,8 @@ def jacobian(system, n, held):
                     more_u, more_c = more_u / place.over, more_c / place.over
                     row = there + i
                     m[row, column] += unit * place.q * more_u
+                    if held:
+                        continue
                     m[row, k0] += unit * u * half * (1.0 - rj)
                     m[row, k0 + 1] += unit * u * half * rj
                     fi, ri = factor_of(at)
@@ -279,6 +281,8 @@ def jacobian(system, n, held):
                         m[row, e_target + side] += unit * (u0 - u1) * at_mid
                         m[w0, e_target + side] += s0 * (v0 - v1) * at_mid
                         m[w0 + 1, e_target + side] += s1 * (v0 - v1) * at_mid
+            if held:
+                continue
             # the geometry at the strip's own centre, and the weights of the means
             w0 = k0
             moment = place.weight * place.miss

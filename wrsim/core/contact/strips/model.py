@@ -32,7 +32,7 @@ from wrsim.core.contact.search.lobes import room_beside
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, opposite
 from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
-from wrsim.core.contact.strips.solution import UNSOLVED, carry_over, solve, substitute
+from wrsim.core.contact.strips.solution import ROUGH, UNSOLVED, carry_over, solve, substitute
 
 MERGED = 0.9  # saddle over the depth of the shallower lobe from which on both share a grid
 LINK = 0.05  # weight that holds the factors of neighbouring grids together
@@ -64,13 +64,14 @@ def press_strips(a, wheel, rail, pose, count):
     memo.known = memo.grids if result != UNSOLVED else 0
     if result == UNSOLVED:
         substitute(system, n)
+    if result >= ROUGH:
         memo.substitutes += 1
     memo.result = result
     for g in range(memo.grids):
         _hand_out(system, n, g, a.found, lobes, a.strips)
     for i in range(count):
         _report(settings, pose, lobes[i], a.strips[i])
-    return status | (STATUS_UNSETTLED if result == UNSOLVED else 0)
+    return status | (STATUS_UNSETTLED if result >= ROUGH else 0)
 
 
 @kernel

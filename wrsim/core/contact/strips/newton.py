@@ -4,6 +4,8 @@ The factors serve as long as they bring the misfit down; Broyden's updates of ra
 changes the equations (strips that leave and enter, edges that come to their bounds and go) needs new ones.
 """
 
+from math import sqrt
+
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.equations import (
     block_of,
@@ -30,26 +32,25 @@ from wrsim.core.dense import factorise, solve_factorised
 
 SLOW = 0.3  # misfit over the last one that asks for new factors
 LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0
-LARGEST_FALL, OVERSHOOT, KEPT = 1.6, -0.5, 0.1  # of a^2 in a step, over itself; below OVERSHOOT the strip leaves
+OVERSHOOT, KEPT = -0.5, 0.1  # of a^2 after a step, over itself: below the first the strip leaves; what it keeps else
 LARGEST_GROWTH = 0.5  # of a^2 in a step, over the largest of its grid
-LARGEST_CHANGE = 0.8  # of a factor in a step, over itself
+LARGEST_CHANGE = 0.5  # of a factor in a step, over itself
 FARTHEST = 1.5  # move of an edge in a step, in mean widths of strips
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
 FEWEST = 3  # strips in contact below which a grid leaves
 RETURN, LEAVE = 1e-3, 4e-4  # closing at which a grid comes into contact; a^2/R_x at which it leaves; over the deepest
 HUMP = 0.45  # closing, over its largest, up to which the contact of a new grid reaches at first
 TURNS = 12  # changes of strips and edges in one solution
-HALVINGS, RISE = 4, 2.0  # of a step that makes the misfit larger by so much
+HALVINGS = 6  # of a step, at most
 CALM = 0.05  # misfit below which strips may leave
 NEAR = 1e-3  # misfit at which strips and edges are looked after
 SURE = 2.0  # safety of the foretold misfit
 
 
 @kernel
-def newton(system, n, held, careful, tolerance, most):
-    """Solve for all unknowns from where they are. Returns True if the misfit has come below the tolerance.
-
-    n: strips of a grid; held: factors and edges stay; careful: halve steps that make the misfit larger; most: steps.
+def newton(system, n, tolerance, most):
+    """Solve for all unknowns from near a solution, with kept factors. Returns True if the misfit has come below the
+    tolerance. n: strips of a grid; most: steps.
     """
     memo, vectors = system.memo[0], system.vectors
     size = memo.grids * block_of(n)
@@ -57,24 +58,22 @@ def newton(system, n, held, careful, tolerance, most):
     turns = stored = reused = 0
     last = 1e9
     looked = False
-    if held:
-        memo.factored = 0
-    misfit = residuals(system, n, held)
+    misfit = residuals(system, n, False)
     for _ in range(most):
         if misfit < NEAR and not looked:
             looked = True
             turns += 1
-            if turns <= TURNS and _changes(system, n, held):
+            if turns <= TURNS and _changes(system, n, False):
                 looked = False
                 memo.factored = stored = 0
                 last = 1e9
-                misfit = residuals(system, n, held)
+                misfit = residuals(system, n, False)
                 continue
         if misfit < tolerance:
             return True
         slow = misfit > SLOW * last or stored == MOST_STEPS
         if memo.factored == 0 or (slow and reused > 0):
-            jacobian(system, n, held)
+            jacobian(system, n, False)
             factorise(system.matrix, size, vectors[PIVOT])
             memo.factorisations += 1
             memo.factored = 1
@@ -82,35 +81,21 @@ def newton(system, n, held, careful, tolerance, most):
             stored = reused = 0
             last = 1e9
         reused += 1
-        step = vectors[STEP]
-        for i in range(size):
-            step[i] = -vectors[F, i]
-        solve_factorised(system.matrix, size, vectors[PIVOT], step)
+        _solve_into(system, size, STEP)
         _update(vectors, stored, size)
         foretold = misfit * (misfit / last if stored > 0 else memo.rate)
-        vectors[SAVED, :size] = vectors[X, :size]
-        changed, cut = _advance(system, n, held, 1.0, misfit < CALM)
-        if looked and not changed and not cut and SURE * foretold < tolerance:
+        share = _longest_step(system, n)
+        changed = _advance(system, n, False, share, misfit < CALM)
+        if looked and not changed and share == 1.0 and SURE * foretold < tolerance:
             lay_strips(system, n)
             set_amplitudes(system, n)
             return True
         last = misfit
-        misfit = residuals(system, n, held)
-        if careful and not changed:
-            share = 1.0
-            for _again in range(HALVINGS):
-                if misfit < RISE * last or changed:
-                    break
-                share *= 0.5
-                vectors[X, :size] = vectors[SAVED, :size]
-                changed, cut = _advance(system, n, held, share, last < CALM)
-                misfit = residuals(system, n, held)
-                memo.factored = 0
-                cut = True
+        misfit = residuals(system, n, False)
         if changed:
             memo.factored = 0
             looked = False
-        if changed or cut:
+        if changed or share < 1.0:
             stored = 0
             last = 1e9
             continue
@@ -119,6 +104,70 @@ def newton(system, n, held, careful, tolerance, most):
         vectors[STEPS + stored, :size] = vectors[STEP, :size]
         stored += 1
     return False
+
+
+@kernel
+def descend(system, n, held, tolerance, most):
+    """Newton's method from far: new factors and a damped step each time. Returns as ``newton``.
+
+    held: factors and edges stay as they are. A step is halved until the next one by the same factors is shorter: a test
+    that does not depend on how the equations are scaled (Deuflhard, Newton Methods for Nonlinear Problems, 2004,
+    section 3.3).
+    """
+    memo, vectors = system.memo[0], system.vectors
+    size = memo.grids * block_of(n)
+    _set_scale(system, n)
+    memo.factored = turns = 0
+    looked = False
+    misfit = residuals(system, n, held)
+    for _ in range(most):
+        if misfit < NEAR and not looked:
+            looked = True
+            turns += 1
+            if turns <= TURNS and _changes(system, n, held):
+                looked = False
+                misfit = residuals(system, n, held)
+                continue
+        if misfit < tolerance:
+            return True
+        jacobian(system, n, held)
+        factorise(system.matrix, size, vectors[PIVOT])
+        memo.factorisations += 1
+        _solve_into(system, size, STEP)
+        vectors[SAVED, :size] = vectors[X, :size]
+        length = _norm(vectors, STEP, size)
+        share = 1.0 if held else _longest_step(system, n)
+        for halving in range(HALVINGS + 1):
+            changed = _advance(system, n, held, share, misfit < CALM)
+            after = residuals(system, n, held)
+            if changed:
+                looked = False
+                break
+            _solve_into(system, size, STEPS)
+            if halving == HALVINGS or _norm(vectors, STEPS, size) <= (1.0 - 0.25 * share) * length:
+                break
+            share *= 0.5
+            vectors[X, :size] = vectors[SAVED, :size]
+        misfit = after
+    return False
+
+
+@inlined
+def _solve_into(system, size, row):
+    """A step by the factors as they are, from the misfits."""
+    step = system.vectors[row]
+    for i in range(size):
+        step[i] = -system.vectors[F, i]
+    solve_factorised(system.matrix, size, system.vectors[PIVOT], step)
+
+
+@inlined
+def _norm(vectors, row, size):
+    """Length of a step by the weights of the unknowns."""
+    total = 0.0
+    for i in range(size):
+        total += vectors[SCALE, i] * vectors[row, i] ** 2
+    return sqrt(total)
 
 
 @kernel
@@ -158,34 +207,39 @@ def _update(vectors, stored, size):
 
 
 @kernel
-def _advance(system, n, held, share, calm):
-    """Take a share of the step, less where it is wild; calm: strips may leave.
-
-    Returns (whether strips, edges or grids have come or gone, whether the step was cut).
-    """
-    memo = system.memo[0]
+def _longest_step(system, n):
+    """Share of the step at which no unknown changes too much: 1.0 or less."""
     x, step = system.vectors[X], system.vectors[STEP]
     block = block_of(n)
-    changed = cut = False
-    for g in range(memo.grids):
+    worst = 1.0
+    for g in range(system.memo[0].grids):
         grid, base = system.grids[g], g * block
         if not grid.on:
             continue
-        width = (grid.end - grid.start) / n
-        worst = 1.0
         highest = 0.0
         for j in range(base, base + n):
             highest = max(highest, x[j])
         for j in range(base, base + n):
-            if x[j] > 0.0 and not held:
-                worst = max(worst, -step[j] / (LARGEST_FALL * x[j]))
+            if x[j] > 0.0:
                 worst = max(worst, step[j] / (LARGEST_GROWTH * highest))
         for f in range(base + n, base + n + FACTORS):
             worst = max(worst, abs(step[f]) / (LARGEST_CHANGE * x[f]))
         for e in range(base + n + FACTORS, base + block):
-            worst = max(worst, abs(step[e]) / (FARTHEST * width))
-        part = share / worst
-        cut = cut or part < 1.0
+            worst = max(worst, n * abs(step[e]) / (FARTHEST * (grid.end - grid.start)))
+    return 1.0 / worst
+
+
+@kernel
+def _advance(system, n, held, share, calm):
+    """Take a share of the step; calm: strips may leave. Returns whether strips, edges or grids have come or gone."""
+    memo = system.memo[0]
+    x, step = system.vectors[X], system.vectors[STEP]
+    block = block_of(n)
+    changed = False
+    for g in range(memo.grids):
+        grid, base = system.grids[g], g * block
+        if not grid.on:
+            continue
         for j in range(n):
             y = x[base + j]
             if y <= 0.0:
@@ -194,25 +248,22 @@ def _advance(system, n, held, share, calm):
                     x[base + j] = -place.gap * memo.deepest / place.bend
                     changed = True
                 continue
-            new = y + part * step[base + j]
+            new = y + share * step[base + j]
             if held:
                 new = max(new, 0.0)
                 changed = changed or new == 0.0
             elif new < KEPT * y:
                 leaves = calm and new < OVERSHOOT * y
                 changed = changed or leaves
-                cut = True
                 new = 0.0 if leaves else KEPT * y
             x[base + j] = new
         if held:
             continue
         for f in range(base + n, base + n + FACTORS):
-            new = x[f] + part * step[f]
-            x[f] = min(max(new, LEAST_FACTOR), MOST_FACTOR)
-            cut = cut or x[f] != new
+            x[f] = min(max(x[f] + share * step[f], LEAST_FACTOR), MOST_FACTOR)
         e = base + n + FACTORS
-        x[e] += part * step[e]
-        x[e + 1] += part * step[e + 1]
+        x[e] += share * step[e]
+        x[e + 1] += share * step[e + 1]
         if x[e] < grid.least:
             x[e] = grid.least
             changed = changed or not grid.start_held
@@ -226,7 +277,7 @@ def _advance(system, n, held, share, calm):
             changed = True
         elif trim(system, n, g):
             changed = True
-    return changed, cut
+    return changed
 
 
 @kernel

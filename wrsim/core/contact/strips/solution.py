@@ -2,8 +2,9 @@
 
 In a run the last contact is the first guess. Else: Hertz's ellipses where the penetration is large, then in turns half
 lengths for given factors and edges (a monotone problem: strips leave and enter as they like), edges from the outer
-strips, factors from the misfits of the curvatures; at last Newton's method for all at once. If all first guesses fail
-there is a substitute: Kik-Piotrowski's contact on the same rows.
+strips, factors from the misfits of the curvatures; at last Newton's method for all at once. If that fails from all first
+guesses the contact as it is before the last step stands for it: u = d in all strips, edges and factors roughly.
+Kik-Piotrowski's contact on the same rows is what is left if there is none.
 """
 
 from math import log
@@ -21,7 +22,9 @@ from wrsim.core.contact.strips.newton import (
     FEWEST,
     LEAST_FACTOR,
     MOST_FACTOR,
+    NEAR,
     begin,
+    descend,
     hertz_factor,
     in_contact,
     leave,
@@ -35,30 +38,32 @@ WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9
 FAIRLY = 5e-4  # the same with given factors and edges
 WARM_STEPS, HELD_STEPS, COLD_STEPS = 25, 15, 40
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
-LEVELS = (0.42, 0.15, 0.05, 0.3, 0.55)  # of a grid's depth: where first guesses begin
+LEVELS = (0.42, 0.15, 0.05)  # of a grid's depth: where first guesses begin
+ROUGH_LEVEL = 0.15
 ROUNDS = 8  # of half lengths, edges and factors in turn
 CALM_EDGES, CALM_FACTORS = 0.5, 0.15  # moves in a round, in widths of strips and over themselves, that end the turns
 PUSH, FAR = 0.6, 6.0  # ratio of a^2 of the outer strips from which on an edge is moved far out, in mean widths
 SOFT, HARD = 0.8, 2.0  # exponent of the factors' relaxation; largest ratio it acts on
+PUSHES = 3  # first turns in which that is done
 EVEN = 0.01  # weight of evenness in it
 RECESS = 0.45  # of the deepest penetration, in the substitute, as in Kik-Piotrowski
-SETTLED, RETRIED, UNSOLVED = range(3)
-"""How a solution was found: at once, from another first guess; or not."""
+SETTLED, RETRIED, ROUGH, UNSOLVED = range(4)
+"""How a solution was found: at once, from another first guess, with edges and factors only roughly; or not."""
 
 
 @kernel
 def solve(system, n, known):
-    """Solve; known: the unknowns are those of a contact near by. Returns SETTLED, RETRIED or UNSOLVED."""
+    """Solve; known: the unknowns are those of a contact near by. Returns SETTLED, RETRIED, ROUGH or UNSOLVED."""
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
-    if known and newton(system, n, False, False, WARM_TOLERANCE, WARM_STEPS):
+    if known and newton(system, n, WARM_TOLERANCE, WARM_STEPS):
         return SETTLED
     result = SETTLED
     for level in LEVELS:
-        if _afresh(system, n, level):
+        if _afresh(system, n, level, True):
             return result
         result = RETRIED
-    return UNSOLVED
+    return ROUGH if _afresh(system, n, ROUGH_LEVEL, False) else UNSOLVED
 
 
 @kernel
@@ -95,8 +100,8 @@ def _guess(system, n, g, level):
 
 
 @kernel
-def _afresh(system, n, level):
-    """Solve from Hertz's ellipses. True if that works."""
+def _afresh(system, n, level, whole):
+    """Solve from Hertz's ellipses; whole: for edges and factors as well. True if that works."""
     memo = system.memo[0]
     memo.factored = 0
     for g in range(memo.grids):
@@ -107,11 +112,11 @@ def _afresh(system, n, level):
         if system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
     for turn in range(ROUNDS):
-        newton(system, n, True, True, FAIRLY, HELD_STEPS)
+        descend(system, n, True, FAIRLY, HELD_STEPS)
         moved = 0.0
         for g in range(memo.grids):
             if system.grids[g].on:
-                moved = max(moved, _draw_edges(system, n, g))
+                moved = max(moved, _draw_edges(system, n, g, turn))
         residuals(system, n, False)
         changed = 0.0
         for g in range(memo.grids):
@@ -119,12 +124,14 @@ def _afresh(system, n, level):
                 changed = max(changed, _relax_factors(system, n, g))
         if turn > 0 and moved < CALM_EDGES and changed < CALM_FACTORS:
             break
-    newton(system, n, True, True, FAIRLY, HELD_STEPS)
-    return newton(system, n, False, True, TOLERANCE, COLD_STEPS)
+    held = descend(system, n, True, FAIRLY, HELD_STEPS)
+    if not whole:
+        return held
+    return descend(system, n, False, NEAR, COLD_STEPS) and newton(system, n, TOLERANCE, WARM_STEPS)
 
 
 @kernel
-def _draw_edges(system, n, g):
+def _draw_edges(system, n, g, turn):
     """Move the edges of a grid to where its outer strips ask for them. Returns by how many mean widths of strips.
 
     Near an edge a^2 is in proportion to the distance from it, so that the ratio of the outer strips' tells where it is.
@@ -144,7 +151,10 @@ def _draw_edges(system, n, g):
         w0, w1 = places[outer].hi - places[outer].lo, places[inner].hi - places[inner].lo
         ratio = min(x[base + outer] / max(x[base + inner], 1e-30) / EDGE_RATIO, 0.7)
         out = (ratio * (w0 + 0.5 * w1) - 0.5 * w0) / (1.0 - ratio)
-        if ratio > PUSH:
+        if first > 0 if side == 0 else last < n - 1:
+            # strips have just left
+            out = min(out, 0.5 * mean)
+        elif ratio > PUSH and turn < PUSHES:
             # drawn far too narrow; what is too much leaves again
             out = max(out, FAR * mean)
         ends = (max(ends[0] - out, grid.least), ends[1]) if side == 0 else (ends[0], min(ends[1] + out, grid.most))
