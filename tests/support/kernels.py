@@ -30,7 +30,7 @@ from wrsim.core.body.kinematics import first_not_finite
 from wrsim.core.contact.normal.elliptic import k_minus_e
 from wrsim.core.contact.strips.newton import leave
 from wrsim.core.contact.strips.records import FACTORS, System, X
-from wrsim.core.contact.strips.solution import keep, restore, substitute, walk
+from wrsim.core.contact.strips.solution import solve, substitute
 from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.segments import Arc
 from wrsim.inputs.lookup import Finder, shipped_models
@@ -113,13 +113,12 @@ def contact_cases() -> dict[str, list[float]]:
 
 
 def _unsettled(model: ContactModel) -> list[float]:
-    """What the strip model does where it does not find a solution at once, in the state of its last call."""
+    """What the strip model does afresh and where it finds no solution, in the state of its last call."""
     a = model.arrays.rows
     system = System(a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
     n = int(model.arrays.settings.strips)
     found = []
-    keep(system, n)
-    for step in (lambda: walk(system, n, 0.5), lambda: restore(system, n), lambda: substitute(system, n)):
+    for step in (lambda: solve(system, n, False), lambda: substitute(system, n)):
         step()
         found += list(a.vectors[X, : n + FACTORS])
     leave(system, n, 0)
