@@ -24,7 +24,7 @@ every lobe has its strips and nothing that is reported jumps where grids merge.
 
 from math import pi, sqrt
 
-from wrsim.core.compiling import kernel
+from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.patch import first_step
 from wrsim.core.contact.records import AFRESH, STATUS_PROFILE_END, STATUS_UNSETTLED
 from wrsim.core.contact.resultants import set_creepages, set_pressures
@@ -36,7 +36,8 @@ from wrsim.core.contact.strips.solution import ROUGH, UNSOLVED, carry_over, solv
 
 MERGED = 0.9  # saddle over the depth of the shallower lobe from which on both share a grid
 LINK = 0.05  # weight that holds the factors of neighbouring grids together
-UNLINKED, LINKED = 0.5, 0.9  # saddles at which none and all of it counts
+LINKED = 0.5, 0.9  # saddles over the shallower depth at which none and all of it counts
+ALIKE = 0.5, 0.8  # the same for the shallower depth over the other: a lobe that leaves holds nothing
 OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
 LEAST_PART = 1e-6  # of a strip's width that is worth a row of its own
 
@@ -82,6 +83,13 @@ def _set_main_point(wheel, rail, lobe):
     lobe.half_length = sqrt(2.0 * max(at.d, 0.0) * at.r_t)
 
 
+@inlined
+def _rise(x, ends):
+    """From 0 to 1 between two ends, smoothly."""
+    t = min(max((x - ends[0]) / (ends[1] - ends[0]), 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
 @kernel
 def _set_grids(system, found, lobes, wheel, rail, pose, count, merged):
     """Grids over all lobes, their bounds and rows. Returns a status.
@@ -121,9 +129,9 @@ def _set_grids(system, found, lobes, wheel, rail, pose, count, merged):
         grid.reach = lobes[main].half_length
         grid.link = 0.0
         if last < count - 1 and found[last].saddle > 0.0:
-            t = found[last].saddle / min(found[last].depth, found[last + 1].depth)
-            t = min(max((t - UNLINKED) / (LINKED - UNLINKED), 0.0), 1.0)
-            grid.link = LINK * t * t * (3.0 - 2.0 * t)
+            shallow = min(found[last].depth, found[last + 1].depth)
+            deep = max(found[last].depth, found[last + 1].depth)
+            grid.link = LINK * _rise(found[last].saddle / shallow, LINKED) * _rise(shallow / deep, ALIKE)
         memo.grids += 1
         i = last + 1
     return status

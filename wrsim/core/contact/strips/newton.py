@@ -371,6 +371,7 @@ def _changes(system, n, held):
                 changed = True
         if held:
             continue
+        changed = _reach_out(system, n, g) or changed
         if grid.start_held and edge_wish(places, g * n, n, 0) < 0.0:
             grid.start_held = 0
             changed = True
@@ -380,20 +381,22 @@ def _changes(system, n, held):
     return changed
 
 
+@inlined
+def _closing(system, n, g, r):
+    """How far the bodies would overlap at a row, over what all strips press them down there [m]."""
+    row = system.rows[g, r]
+    u, _c = pressed(system, n, g, row)
+    return row.d - u / system.memo[0].stiffness
+
+
 @kernel
 def _enter(system, n, g):
     """A grid out of contact comes into it where its gap has closed. True if it does."""
     memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
-    probe = system.places[g * n]
     most = RETURN * memo.deepest
     main = -1
     for r in range(0, ROWS, 2):
-        probe.s, probe.x = rows[r].s, rows[r].x
-        rows[r].closing = -1.0
-        if rows[r].d <= most:
-            continue
-        u, _c = pressed(system, n, g, probe)
-        rows[r].closing = rows[r].d - u / memo.stiffness
+        rows[r].closing = _closing(system, n, g, r) if rows[r].d > most else -1.0
         if rows[r].closing > most:
             most, main = rows[r].closing, r
     if main < 0:
@@ -406,6 +409,40 @@ def _enter(system, n, g):
     start = max(rows[first].s - 0.6 * grid.spacing, grid.least)
     end = min(rows[last].s + 0.6 * grid.spacing, grid.most)
     begin(system, n, g, start, end, most, rows[main].bend)
+    return True
+
+
+@kernel
+def _reach_out(system, n, g):
+    """Edges of a grid move out over a gap to where it has closed again beyond. True if one does."""
+    memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
+    least = RETURN * memo.deepest
+    start, end = grid.start, grid.end
+    for side in range(2):
+        step = -1 if side == 0 else 1
+        r = int(((start if side == 0 else end) - grid.least) / grid.spacing) + (0 if side == 0 else 1)
+        apart = beyond = False
+        while 0 <= r < ROWS:
+            closing = _closing(system, n, g, r) if rows[r].d > least else -1.0
+            if closing < 0.0:
+                apart = True
+                if beyond:
+                    break
+            elif apart and closing > least:
+                beyond = True
+                if side == 0:
+                    start = max(rows[r].s - 0.6 * grid.spacing, grid.least)
+                else:
+                    end = min(rows[r].s + 0.6 * grid.spacing, grid.most)
+            r += step
+    if start == grid.start and end == grid.end:
+        return False
+    before = grid.start, grid.end
+    move_edges(system, n, g, start, end)
+    for j in range(n):
+        s = system.places[g * n + j].s
+        if s < before[0] or s > before[1]:
+            system.vectors[X, g * block_of(n) + j] = 0.0
     return True
 
 
