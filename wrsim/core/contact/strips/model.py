@@ -35,6 +35,7 @@ from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
 from wrsim.core.contact.strips.solution import ROUGH, UNSOLVED, carry_over, solve, substitute
 
 MERGED = 0.9  # saddle over the depth of the shallower lobe from which on both share a grid
+DEEP = 0.5  # and over the deeper lobe: what is less touches apart from it
 LINK = 0.05  # weight that holds the factors of neighbouring grids together
 LINKED = 0.5, 0.9  # saddles over the shallower depth at which none and all of it counts
 ALIKE = 0.5, 0.8  # the same for the shallower depth over the other: a lobe that leaves holds nothing
@@ -56,7 +57,7 @@ def press_strips(a, wheel, rail, pose, count):
     memo.modulus = settings.E
     memo.together, memo.apart = settings.together, settings.apart
     memo.stiffness = pi * settings.E
-    status = _set_grids(system, a.found, lobes, wheel, rail, pose, count, MERGED)
+    status = _set_grids(system, a.found, lobes, wheel, rail, pose, count)
     known = memo.known > 0
     if known and not _same_grids(system, n, memo.known):
         memo.factored = 0
@@ -84,6 +85,14 @@ def _set_main_point(wheel, rail, lobe):
 
 
 @inlined
+def _hang_together(lobe, other):
+    """Whether neighbouring lobes share a grid: their saddle is nearly as deep as they are, and they are deep enough
+    beside each other to touch there."""
+    shallow = min(lobe.depth, other.depth)
+    return lobe.saddle > MERGED * shallow and shallow > DEEP * max(lobe.depth, other.depth)
+
+
+@inlined
 def _rise(x, ends):
     """From 0 to 1 between two ends, smoothly."""
     t = min(max((x - ends[0]) / (ends[1] - ends[0]), 0.0), 1.0)
@@ -91,11 +100,8 @@ def _rise(x, ends):
 
 
 @kernel
-def _set_grids(system, found, lobes, wheel, rail, pose, count, merged):
-    """Grids over all lobes, their bounds and rows. Returns a status.
-
-    merged: saddle over the depth of the shallower lobe beyond which both share a grid.
-    """
+def _set_grids(system, found, lobes, wheel, rail, pose, count):
+    """Grids over all lobes, their bounds and rows. Returns a status."""
     memo = system.memo[0]
     status = 0
     memo.grids = 0
@@ -103,7 +109,7 @@ def _set_grids(system, found, lobes, wheel, rail, pose, count, merged):
     i = 0
     while i < count:
         last = i
-        while last < count - 1 and found[last].saddle > merged * min(found[last].depth, found[last + 1].depth):
+        while last < count - 1 and _hang_together(found[last], found[last + 1]):
             last += 1
         grid = system.grids[memo.grids]
         grid.first, grid.last = i, last
