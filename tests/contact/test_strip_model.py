@@ -178,6 +178,20 @@ def test_no_strip_stands_out_where_lobes_meet():
         assert ours == pytest.approx(peak, rel=0.03), lateral
 
 
+@pytest.mark.parametrize("pair", ["S1002/60E1 1:40", "worn/60E1 1:40", "worn/worn 1:40"])
+def test_random_poses_are_solved_afresh(pair):
+    # one lobe or several, shoulders, flanks, 1 to 300 um deep at large yaw: 1 of 20 000 was not
+    random = np.random.default_rng(5)
+    stand = bench(pair_model(pair, **STRIPS, **PLAIN), rolling=False)
+    model = stand.wheels[0].model
+    for _ in range(60):
+        lateral, yaw = random.uniform(-12e-3, 12e-3), random.uniform(-60e-3, 60e-3)
+        touching = settle(stand, lateral, yaw, 10.0)[0].height
+        for depth in 1e-6 * 300.0 ** random.uniform(0.0, 1.0, 4):
+            stand.evaluate(lateral, touching - depth, yaw, 0.0)
+            assert not model.arrays.call() & STATUS_UNSETTLED, (lateral, yaw, depth)
+
+
 @cache
 def rippled():
     """S1002 with furrows of 2 mm, some 50 um deep, on 60E1: more contacts than the model is made for."""

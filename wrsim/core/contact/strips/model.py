@@ -59,9 +59,9 @@ def press_strips(a, wheel, rail, pose, count):
     memo.stiffness = pi * settings.E
     status = _set_grids(system, a.found, lobes, wheel, rail, pose, count)
     known = memo.known > 0
-    if known and not _same_grids(system, n, memo.known):
+    if known and (memo.strips != n or not _same_grids(system, n, memo.known)):
         memo.factored = 0
-        known = carry_over(system, n)
+        known = carry_over(system, memo.strips, n)
     result = solve(system, n, known)
     memo.known = memo.grids if result != UNSOLVED else 0
     if result == UNSOLVED:
@@ -70,7 +70,7 @@ def press_strips(a, wheel, rail, pose, count):
         memo.substitutes += 1
     memo.result = result
     for g in range(memo.grids):
-        _hand_out(system, n, g, a.found, lobes, a.strips)
+        _hand_out(system, memo.strips, g, a.found, lobes, a.strips)
     for i in range(count):
         _report(settings, pose, lobes[i], a.strips[i])
     return status | (STATUS_UNSETTLED if result >= ROUGH else 0)

@@ -39,6 +39,7 @@ FARTHEST = 1.5  # move of an edge in a step, in mean widths of strips
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
 FEWEST = 3  # strips in contact below which a grid leaves
 RETURN, LEAVE = 1e-3, 4e-4  # closing at which a grid comes into contact; a^2/R_x at which it leaves; over the deepest
+REACH = 0.01  # closing at which edges move out over a gap, as well: a hump so flat bears some .001 of the load
 HUMP = 0.45  # closing, over its largest, up to which the contact of a new grid reaches at first
 TURNS = 12  # changes of strips and edges in one solution
 HALVINGS = 6  # of a step, at most
@@ -416,7 +417,7 @@ def _enter(system, n, g):
 def _reach_out(system, n, g):
     """Edges of a grid move out over a gap to where it has closed again beyond. True if one does."""
     memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
-    least = RETURN * memo.deepest
+    least = REACH * memo.deepest
     start, end = grid.start, grid.end
     for side in range(2):
         step = -1 if side == 0 else 1

@@ -30,11 +30,12 @@ at their bounds, its first and last lobe."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",
-    "known grids factored iterations factorisations result substitutes",
+    "known strips grids factored iterations factorisations result substitutes",
 )
 """Of the whole system: how fast the kept factors bring the misfit down at first, pi E*, E*, deepest
 penetration; distances of grids up to which they press each other down fully and from which on
-not at all [m]; number of grids in the last call (0: nothing is known) and now; whether the factors
+not at all [m]; number of grids in the last call (0: nothing is known),
+strips of a grid in it, grids now; whether the factors
 are of use; residuals taken and factors made in this call, and how it ended (`solution`); calls so far
 that ended with a substitute."""
 

@@ -2,9 +2,9 @@
 
 In a run the last contact is the first guess. Else: Hertz's ellipses where the penetration is large, then in turns half
 lengths for given factors and edges (a monotone problem: strips leave and enter as they like), edges from the outer
-strips, factors from the misfits of the curvatures; at last Newton's method for all at once. If that fails from all first
-guesses the contact as it is before the last step stands for it: u = d in all strips, edges and factors roughly.
-Kik-Piotrowski's contact on the same rows is what is left if there is none.
+strips, factors from the misfits of the curvatures; at last Newton's method for all at once. If that fails from all
+first guesses and with fewer strips too, the contact as it is before the last step stands for it: u = d in all strips,
+edges and factors roughly. Kik-Piotrowski's contact on the same rows is what is left if there is none.
 """
 
 from math import log
@@ -31,14 +31,15 @@ from wrsim.core.contact.strips.newton import (
     move_edges,
     newton,
 )
-from wrsim.core.contact.strips.records import FACTORS, ROWS, SAVED, STEP, STEPS, X
+from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, ROWS, SAVED, STEP, STEPS, X
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
 WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9
 FAIRLY = 5e-4  # the same with given factors and edges
 WARM_STEPS, HELD_STEPS, COLD_STEPS = 25, 15, 40
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
-LEVELS = (0.42, 0.15, 0.05)  # of a grid's depth: where first guesses begin
+FEWER = (0, 2, 3, 5)  # strips than asked for: edges on a shoulder may have no place with some numbers
+LEVELS = (0.42, 0.15)  # of a grid's depth: where first guesses begin
 ROUGH_LEVEL = 0.15
 ROUNDS = 8  # of half lengths, edges and factors in turn
 CALM_EDGES, CALM_FACTORS = 0.5, 0.15  # moves in a round, in widths of strips and over themselves, that end the turns
@@ -48,28 +49,38 @@ PUSHES = 3  # first turns in which that is done
 EVEN = 0.01  # weight of evenness in it
 RECESS = 0.45  # of the deepest penetration, in the substitute, as in Kik-Piotrowski
 SETTLED, RETRIED, ROUGH, UNSOLVED = range(4)
-"""How a solution was found: at once, from another first guess, with edges and factors only roughly; or not."""
+"""How a solution was found: at once, from another first guess or with fewer strips, with edges and factors only
+roughly; or not."""
 
 
 @kernel
 def solve(system, n, known):
-    """Solve; known: the unknowns are those of a contact near by. Returns SETTLED, RETRIED, ROUGH or UNSOLVED."""
+    """Solve; known: the unknowns are those of a contact near by. Returns SETTLED, RETRIED, ROUGH or UNSOLVED.
+
+    ``memo.strips`` says with how many strips a grid.
+    """
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
+    memo.strips = n
     if known and newton(system, n, WARM_TOLERANCE, WARM_STEPS):
         return SETTLED
     result = SETTLED
-    for level in LEVELS:
-        if _afresh(system, n, level, True):
-            return result
-        result = RETRIED
+    for fewer in FEWER:
+        if n - fewer < FEWEST_FREE_STRIPS and fewer > 0:
+            break
+        memo.strips = n - fewer
+        for level in LEVELS:
+            if _afresh(system, memo.strips, level, True):
+                return result
+            result = RETRIED
+    memo.strips = n
     return ROUGH if _afresh(system, n, ROUGH_LEVEL, False) else UNSOLVED
 
 
 @kernel
 def _guess(system, n, g, level):
     """A grid's contact where its penetration is more than a level of its depth: Hertz's ellipse."""
-    memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
+    grid, rows = system.grids[g], system.rows[g]
     x = system.vectors[X]
     base = g * block_of(n)
     depth = grid.deepest
@@ -246,9 +257,9 @@ def substitute(system, n):
 
 
 @kernel
-def carry_over(system, n):
-    """Unknowns of the grids by their places on the rail, from the last call's of other grids. Returns whether any is in
-    contact.
+def carry_over(system, before, n):
+    """Unknowns of the grids by their places on the rail, from the last call's of other grids with ``before`` strips.
+    Returns whether any is in contact.
 
     Places, unknowns and state of the grids still are those of the last call, their bounds new.
     """
@@ -258,13 +269,14 @@ def carry_over(system, n):
                                   system.vectors[STEPS + 1])  # fmt: skip
     count = 0
     for g in range(memo.known):
-        for j in range(n):
-            place = system.places[g * n + j]
-            y = x[g * block + j]
+        own = g * block_of(before)
+        for j in range(before):
+            place = system.places[g * before + j]
+            y = x[own + j]
             if grids[g].on and y > 0.0:
                 f, r = factor_of(place)
                 old_s[count], old_y[count], old_w[count] = place.s, y, place.hi - place.lo
-                old_k[count] = (1.0 - r) * x[g * block + n + f] + r * x[g * block + n + f + 1]
+                old_k[count] = (1.0 - r) * x[own + before + f] + r * x[own + before + f + 1]
                 count += 1
     found = False
     for g in range(memo.grids):
