@@ -68,19 +68,6 @@ def test_forces_do_not_jump_between_equal_radii_at_yaw(pair, load):
     assert jumps(pair, -0.012, load, (6e-3, 7e-3))[:, 1].max() < 2e-3
 
 
-@pytest.mark.parametrize(
-    ("pair", "yaw", "load", "span"),
-    [
-        ("S1002/60E1 1:20", -0.012, 60e3, (6e-3, 7e-3)),
-        ("S1002/60E1 1:40", 0.02, 100e3, (5.5e-3, 6.25e-3)),  # a lobe leaves its neighbour: 0.09 once
-        ("worn/worn 1:40", -0.012, 60e3, (7e-3, 7.5e-3)),  # 0.05 once
-    ],
-)
-def test_strips_do_not_jump_between_equal_radii(pair, yaw, load, span):
-    found = jumps(pair, yaw, load, span, most=5, normal="strips", strips=20, **PLAIN)
-    assert found[:, 1].max() < 5e-3
-
-
 def normal_forces(pair, lateral, yaw, depths, **choices):
     """Sum of N over the wheel's descent below its touching height."""
     stand = bench(pair_model(pair, **PLAIN, **choices), rolling=False)
