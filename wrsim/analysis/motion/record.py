@@ -143,7 +143,7 @@ def code_digest() -> str:
 
 
 def numbers_digest(setup: Setup) -> str:
-    """Digest of all numbers and words of a set-up, however deep they lie; not of its text and of names of files."""
+    """Digest of all numbers and words of a set-up, however deep they lie; not of its text, nor of its files as such."""
     digest = hashlib.sha256()
     _feed(digest, setup)
     return digest.hexdigest()[:32]
@@ -155,7 +155,7 @@ def _feed(digest: Any, value: object) -> None:
         digest.update(np.ascontiguousarray(value).tobytes())
     elif is_dataclass(value):
         for field in fields(value):
-            if not field.name.startswith("_") and field.name not in ("text", "title"):
+            if not field.name.startswith("_") and field.name not in ("text", "title", "inputs"):
                 digest.update(field.name.encode())
                 _feed(digest, getattr(value, field.name))
     elif isinstance(value, dict):
