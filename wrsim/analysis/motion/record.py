@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -46,6 +46,7 @@ class RunRecord:
             "folders": [str(folder.resolve()) for folder in scenario.directories],
             "files": {str(file): _file_digest(file) for file in setup.files},
             "numbers": numbers_digest(setup),
+            "inputs": dict(setup.inputs),
             "code": code_digest(),
             **versions(),
         }
@@ -124,7 +125,7 @@ def recorded_setup(path: Path) -> Setup:
     files = {str(file): _file_digest(file) for file in setup.files}
     now = {"numbers": numbers_digest(setup), "files": files, "code": code_digest()}
     _same_models(path, header, now, "what is in the file can no longer be read: run the scenario again")
-    return setup
+    return replace(setup, inputs=header["inputs"])  # of the scenario's own file, too
 
 
 def _file_digest(file: Path) -> str:
