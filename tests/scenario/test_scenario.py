@@ -92,7 +92,7 @@ ONE_FAULT = [
         "contact.strip_width_mm = 0.1: cannot stand next to strips",
     ),
     ("friction = 0.35", "strips = 40.0", "contact.strips = 40.0: must be a whole number from 5 to 1000"),
-    ("friction = 0.35", "max_patches = 4", "contact.max_patches = 4: must be a whole number from 1 to 3"),
+    ("friction = 0.35", "max_patches = 7", "contact.max_patches = 7: must be a whole number from 1 to 6"),
     ("friction = 0.35", "cant_mm = 60", "contact.cant_mm = 60: unknown key; 'cant_mm' belongs in [[track.segments]]"),
     (
         "friction = 0.35",

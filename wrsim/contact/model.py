@@ -322,8 +322,7 @@ def _inputs(model: ContactModel) -> Arrays:
         rows=np.zeros((grids, ROWS), ROW),
         places=np.zeros(grids * most, PLACE),
         grids=np.zeros(grids, GRID),
-        # with room for the state of the grids
-        vectors=np.zeros((VECTORS, unknowns + 3 * grids)),
+        vectors=np.zeros((VECTORS, unknowns)),
         matrix=np.zeros((unknowns, unknowns)),
         memo=np.zeros(1, MEMO),
         total=np.zeros(1, k.TOTAL),

@@ -133,7 +133,7 @@ class ContactSettings:
     strip_width: width of a strip along the curved axis [m], or None when a number rules.
     cells: cells of a strip along the rolling direction (FASTSIM, FaStrip).
     damping: c [s/m]; the elastic normal force N becomes ``N (1 + c d(approach)/dt)``, never negative.
-    max_patches: patches kept on one wheel, largest first; 1 to 3.
+    max_patches: patches kept on one wheel, largest first; 1 to 6. A new wheel beside a new rail can touch at four.
     wheel, rail: the two materials.
     half_space: numbers of the exact solver.
     """
@@ -150,7 +150,7 @@ class ContactSettings:
     strip_width: float | None = None
     cells: int = 20
     damping: float = 2.0
-    max_patches: int = 3
+    max_patches: int = 4
     wheel: Material = field(default_factory=Material)
     rail: Material = field(default_factory=Material)
     half_space: HalfSpaceSettings = field(default_factory=HalfSpaceSettings)

@@ -27,8 +27,8 @@ GROUP_LINE: tuple[Dashes | Literal["-"], ...] = (
     (0, (7, 1, 1, 1, 1, 1)),
 )
 """Line style of the first, second, ... yaw or load."""
-PATCH_LINE = GROUP_LINE[:3]
-"""Line style of patch 0, 1, 2."""
+PATCH_LINE = GROUP_LINE
+"""Line style of patch 0, 1, 2, ..."""
 GROUP_MARK = ("o", "s", "^", "D", "v", "x")
 SERIES_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", CANT_COLOUR, QUIET)
 """Colours of the first, second, ... mode or wheelset."""

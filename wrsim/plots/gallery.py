@@ -20,7 +20,7 @@ from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
 from wrsim.plots.moments import PatchAt, moment_title
 from wrsim.plots.style import FULL_WIDTH, place, pressure_map, write
 
-PATCH_NAMES = ("main patch", "second patch", "third patch")
+PATCH_NAMES = ("main patch", *(f"{n} patch" for n in ("second", "third", "fourth", "fifth", "sixth")))
 LEFT, RIGHT, GAP = 16.0, 3.0, 7.0
 """Margins and the space between panels, mm."""
 WIDEST_PANEL = 46.0

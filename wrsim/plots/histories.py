@@ -50,7 +50,7 @@ def history(axes: Axes, dataset: xr.Dataset, name: str, **options: Any) -> Axes:
             line = x, values[:, j, k]
             if of_patches and "contact_angle" in dataset:
                 line = broken(*line, ANGLE_JUMP, by=shown(dataset, "contact_angle")[:, j, k])
-            draw_line(axes, *line, **({"color": colour, "linestyle": PATCH_LINE[k % 3]} | options))
+            draw_line(axes, *line, **({"color": colour, "linestyle": PATCH_LINE[k]} | options))
     channel = CHANNELS[name]
     axes.set_ylabel(channel.label.replace(" $" if channel.symbol else " [", "\n$" if channel.symbol else "\n[", 1))
     return axes
@@ -68,7 +68,7 @@ def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
     for k in range(main.shape[1]):
         if not np.isfinite(main[:, k]).any():
             continue
-        line = PATCH_LINE[k % 3]
+        line = PATCH_LINE[k]
         draw_line(axes, *broken(x, main[:, k], ANGLE_JUMP), color=colour, linestyle=line, zorder=3.0)
         draw_line(axes, *broken(x, mean[:, k], ANGLE_JUMP), color=INK, linewidth=0.6, linestyle=line, zorder=3.1)
         shade: Any = {"color": colour, "alpha": 0.28 if k == 0 else 0.16, "zorder": 2.0}
@@ -216,4 +216,4 @@ def channels_figure(dataset: xr.Dataset, names: Sequence[str]) -> Figure:
 def _later_patches(data: xr.DataArray) -> list[Artist]:
     """Legend entries for the second and third patch, where there are any."""
     used = [k for k in range(1, data.sizes["patch"]) if np.isfinite(data.isel(patch=k)).any()]
-    return [Line2D([], [], color=QUIET, linestyle=PATCH_LINE[k % 3], label=PATCH_NAMES[k]) for k in used]
+    return [Line2D([], [], color=QUIET, linestyle=PATCH_LINE[k], label=PATCH_NAMES[k]) for k in used]

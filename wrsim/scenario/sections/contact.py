@@ -139,7 +139,7 @@ class ContactSection(Section):
     damping_s_per_m: Annotated[float, number(0, 1000, "normal force times this times the rate of approach")] = (
         DEFAULTS.damping
     )
-    max_patches: Annotated[int, number(1, 3)] = DEFAULTS.max_patches
+    max_patches: Annotated[int, number(1, 6)] = DEFAULTS.max_patches
     material: MaterialSection = MaterialSection()
     half_space: HalfSpaceSection = HalfSpaceSection()
     conical: ConicalSection | None = None
