@@ -152,6 +152,7 @@ def test_a_contact_s_event_says_where_and_how_long(monkeypatch: pytest.MonkeyPat
 
 
 def test_steps_that_are_cut_are_an_event_and_told_at_once_when_there_are_many(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("WARNING", "wrsim")  # a command with --quiet before this test has set it higher
     monitor, work, q, q_t = watch()
     for i in range(MANY + 3):
         work.cut_steps += i > 0

@@ -41,7 +41,7 @@ def analysed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """A synthetic run and two cheap pictures in the place of the real ones; the list gains a title for every run."""
     runs: list[str] = []
 
-    def run(scenario: Any, progress: Any = None, record: Any = None, resume: bool = False) -> Result:
+    def run(scenario: Any, progress: Any = None, record: Any = None, resume: bool = False, setup: Any = None) -> Result:
         runs.append(scenario.title)
         dataset = curve_run(samples=40)
         dataset.attrs["scenario_text"] = scenario.text

@@ -150,7 +150,7 @@ class ContactSettings:
     strip_width: float | None = None
     cells: int = 20
     damping: float = 2.0
-    max_patches: int = 4
+    max_patches: int = 3
     wheel: Material = field(default_factory=Material)
     rail: Material = field(default_factory=Material)
     half_space: HalfSpaceSettings = field(default_factory=HalfSpaceSettings)
