@@ -45,7 +45,7 @@ LEAST_PART = 1e-6  # of a strip's width that is worth a row of its own
 
 @kernel
 def press_strips(a, wheel, rail, pose, count):
-    """Pressures of all lobes, with damping; a: Arrays of core.contact.wheel_rail. Returns a status."""
+    """Pressures of all lobes, with damping; a: Arrays of core.contact.arrays. Returns a status."""
     settings, lobes = a.settings[0], a.patches
     n = settings.strips
     system = System(a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)

@@ -32,17 +32,15 @@ MEMO = record(
     "rate stiffness modulus deepest together apart",
     "known strips grids factored iterations factorisations result substitutes",
 )
-"""Of the whole system: how fast the kept factors bring the misfit down at first, pi E*, E*, deepest
-penetration; distances of grids up to which they press each other down fully and from which on
-not at all [m]; number of grids in the last call (0: nothing is known),
-strips of a grid in it, grids now; whether the factors
-are of use; residuals taken and factors made in this call, and how it ended (`solution`); calls so far
-that ended with a substitute."""
+"""Of the whole system: how fast the kept factors bring the misfit down at first, pi E*, E*, deepest penetration;
+distances of grids up to which they press each other down fully and from which on not at all [m]; number of grids in the
+last call (0: nothing is known), strips of a grid in it, grids now; whether the factors are of use; residuals taken and
+factors made in this call, and how it ended (`solution`); calls so far without a whole solution."""
 
 VECTORS = 15  # of unknowns
 X, F, STEP, SAVED, PIVOT, SCALE, STEPS = range(7)
-"""Unknowns, misfits, step, unknowns before a step, rows exchanged in the factors, weights of
-the unknowns; from STEPS on the last steps."""
+"""Unknowns, misfits, step, unknowns before a step, rows exchanged in the factors, weights of the unknowns; from STEPS
+on the last steps."""
 MOST_STEPS = VECTORS - STEPS
 
 

@@ -40,12 +40,12 @@ WARM_STEPS, HELD_STEPS, COLD_STEPS = 25, 15, 40
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 FEWER = (0, 2, 3, 5)  # strips than asked for: edges on a shoulder may have no place with some numbers
 LEVELS = (0.42, 0.15)  # of a grid's depth: where first guesses begin
-ROUGH_LEVEL = 0.15
+ROUGH_LEVEL = LEVELS[1]
 ROUNDS = 8  # of half lengths, edges and factors in turn
 CALM_EDGES, CALM_FACTORS = 0.5, 0.15  # moves in a round, in widths of strips and over themselves, that end the turns
 PUSH, FAR = 0.6, 6.0  # ratio of a^2 of the outer strips from which on an edge is moved far out, in mean widths
-SOFT, HARD = 0.8, 2.0  # exponent of the factors' relaxation; largest ratio it acts on
 PUSHES = 3  # first turns in which that is done
+SOFT, HARD = 0.8, 2.0  # exponent of the factors' relaxation; largest ratio it acts on
 EVEN = 0.01  # weight of evenness in it
 RECESS = 0.45  # of the deepest penetration, in the substitute, as in Kik-Piotrowski
 SETTLED, RETRIED, ROUGH, UNSOLVED = range(4)
@@ -89,7 +89,7 @@ def _guess(system, n, g, level):
     for r in range(ROWS):
         d = rows[r].d
         wide += 1 if d > 0.5 * depth else 0
-        if rows[r].d >= grid.deepest:
+        if d >= depth:
             main = r
         if d > level * depth:
             first, last = min(first, r), max(last, r)
