@@ -84,6 +84,12 @@ def test_every_fault_of_a_study_file_is_one_clear_error(axes: str, message: str,
     assert "Traceback" not in str(problem.value)
 
 
+def test_an_axis_that_is_refused_is_not_missing_as_well(tmp_path: Path) -> None:
+    with pytest.raises(InputError) as problem:
+        planned(study_file(tmp_path, '[[vary]]\nkey = "a"\n'), tmp_path / "out")
+    assert len(str(problem.value).splitlines()) == 1
+
+
 def test_a_base_that_is_not_there_names_the_nearest_file(tmp_path: Path) -> None:
     file = study_file(tmp_path)
     file.write_text(file.read_text().replace('"base.toml"', '"bsae.toml"'))

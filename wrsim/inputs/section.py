@@ -87,10 +87,14 @@ class Section(BaseModel):
         try:
             kept = handler(data)
         except ValidationError as error:
-            for e in error.errors(include_url=False):
+            found = error.errors(include_url=False)
+            inside = {e["loc"][0] for e in found if len(e["loc"]) > 1}
+            for e in found:
                 key = str(e["loc"][0])
                 if key not in data or key in guessed:
                     continue  # named above
+                if e["type"] == "too_short" and e["loc"] == (key,) and key in inside:
+                    continue  # pydantic counts good entries only, and the bad ones are told
                 fault = _in_our_words(fields(cls)[key], e, data[key])
                 if e["type"] in (FAULT, ABSENT) or fault["loc"] not in [f["loc"] for f in faults]:
                     faults.append(fault)
