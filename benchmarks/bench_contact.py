@@ -30,7 +30,7 @@ from wrsim.core.contact.wheel_rail import search as search_contacts
 from wrsim.core.contact.wheel_rail import wheel_rail
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
-from wrsim.scenario.cases import StaticPose
+from wrsim.scenario.cases import Pose
 
 MODELS = Path(__file__).parents[1] / "models"
 POSES = (("tread, two lobes", 0.0, 0.002), ("tread", 3e-3, 0.002), ("tread and root", 5.06e-3, 0.001),
@@ -92,7 +92,7 @@ def creep_time(
     name, _, option = tangential.partition(", ")
     settings = ContactSettings(strips=strips, cells=cells, tangential=name, flexibility=option or "three")  # type: ignore[arg-type]
     model = contact_model(wheel, rail, 0.46, settings, friction)
-    PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(StaticPose("tread", 3e-3, 0.002, 55e3))
+    PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(Pose("tread", 3e-3, 0.002, 55e3))
     a = model.arrays
     arguments = a.buffer, a.index
     whole = microseconds(lambda: wheel_rail(*arguments))
@@ -122,7 +122,7 @@ def strip_model(wheel: Profile, rail: Profile) -> None:
         for strips in (16, 24, 36):
             settings = ContactSettings(normal="strips", strips=strips)
             model = contact_model(wheel, rail, 0.46, settings, 0.35)
-            PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(StaticPose(name, lateral, yaw, 55e3))
+            PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(Pose(name, lateral, yaw, 55e3))
             a = model.arrays
             arguments = a.buffer, a.index
             afresh = microseconds(lambda arguments=arguments: wheel_rail(*arguments), 20, 20)
@@ -157,7 +157,7 @@ def main() -> None:
         floors: dict[str, float] = {}
         measured = min(strips, 20)  # strips in the bare loop, scaled up
         for name, lateral, yaw in POSES:
-            bench.solve(StaticPose(name, lateral, yaw, 55e3))
+            bench.solve(Pose(name, lateral, yaw, 55e3))
             if not floors:
                 rows = a.strips[0]
                 for kind, side_by_side in (("scalar", False), ("side by side", True)):

@@ -20,7 +20,7 @@ from strip_robustness import stand
 
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.settings import ContactSettings
-from wrsim.scenario.cases import StaticPose
+from wrsim.scenario.cases import Pose
 
 PAIRS = (("S1002", "60E1", 40), ("S1002", "60E1", 20), ("S1002_worn", "60E1", 40), ("S1002_worn", "60E1_worn", 40))
 STEEPEST = 12  # steps looked into
@@ -29,7 +29,7 @@ HALVINGS = 12
 
 def sweep(bench: PoseSolver, heights: PoseSolver, load: float, states, knots, step: float):  # type: ignore[no-untyped-def]
     """One sweep: ``states`` gives (lateral, yaw) of a number between the ends of ``knots``. Largest jump, in words."""
-    path = [heights.solve(StaticPose("", *states(x), load)).height for x in knots]
+    path = [heights.solve(Pose("", *states(x), load)).height for x in knots]
     good = np.isfinite(path)
     height = PchipInterpolator(knots[good], np.array(path)[good])
 

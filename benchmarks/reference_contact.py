@@ -29,7 +29,7 @@ from wrsim.geometry.profile.files import read_profile
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle
-from wrsim.scenario.cases import StaticPose
+from wrsim.scenario.cases import Pose
 
 Array = NDArray[np.float64]
 Row = dict[str, str]
@@ -247,7 +247,7 @@ class Place:
     rolling: bool
 
 
-def solve(chosen: Chosen, place: Place, pose: StaticPose, spin: float = 0.0, element: float = 0.0) -> Answer | None:
+def solve(chosen: Chosen, place: Place, pose: Pose, spin: float = 0.0, element: float = 0.0) -> Answer | None:
     """Contact of a model at a prescribed vertical load; None where it finds none, with a line that says so.
 
     spin: rate about the axle at 2 m/s [rad/s], 0: no slip at the tape circle; element: of the reference [m].
@@ -328,10 +328,10 @@ def arc_place(radius_wheel: float, radius_rail: float, radius: float) -> Place:
     return Place(wheel, rail, (HALF_SPACING, 0.0), radius, False)
 
 
-def pose_of(row: Row) -> StaticPose:
+def pose_of(row: Row) -> Pose:
     """The pose of a row of either side as that of our left wheel."""
     mirrored = 1.0 if row.get("side", "R") == "R" else -1.0
-    return StaticPose(
+    return Pose(
         row["case_id"],
         mirrored * 1e-3 * float(row["y_ws_mm"]),
         mirrored * float(row["yaw_rad"]),
@@ -362,4 +362,4 @@ def groove_answer(chosen: Chosen, groove: float, spin: float) -> Answer | None:
     wheel = circle("ball", "wheel", -0.010, 0.0098)
     rail = circle("groove", "rail", -groove, 0.98 * groove)
     place = Place(wheel, rail, (HALF_SPACING, 0.0), 0.42, True)
-    return solve(ball, place, StaticPose("ball", 0.0, 0.0, 10e3), spin * 2.0 / 0.42)
+    return solve(ball, place, Pose("ball", 0.0, 0.0, 10e3), spin * 2.0 / 0.42)

@@ -42,7 +42,7 @@ from reference_contact import (
 from tangential_cases import score_tangential
 
 from wrsim.contact.settings import Normal
-from wrsim.scenario.cases import StaticPose
+from wrsim.scenario.cases import Pose
 
 QUANTITIES = {"p0_MPa": "pmax_MPa", "area_mm2": "area_mm2", "approach_mm": "pen_mm", "N_N": "Fn_N"}
 PEERS = ("contact_planar", "kpec", "analyn")
@@ -302,7 +302,7 @@ def arc_errors(board: Board) -> dict[str, dict[str, list[Values]]]:
         said = {m: arc_figures(r) for m, r in methods.items() if m != "contact_conf_hs"}
         place = arc_place(*(1e-3 * float(truth[key]) for key in ("R_wheel_mm", "R_rail_mm", "R_roll_mm")))
         for chosen in board.models:
-            case = StaticPose("_".join(pose), 1e-3 * float(truth["y_ws_mm"]), 0.0, float(truth["Fz_req_N"]))
+            case = Pose("_".join(pose), 1e-3 * float(truth["y_ws_mm"]), 0.0, float(truth["Fz_req_N"]))
             answer = solve(chosen, place, case, element=1e-3 * float(truth["dx_mm"]))
             if answer is not None:
                 angles = np.degrees(answer.angles)

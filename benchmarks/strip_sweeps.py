@@ -17,7 +17,7 @@ import numpy as np
 from strip_robustness import PAIRS, Stand
 
 from wrsim.contact.half_space.solver import HalfSpace
-from wrsim.scenario.cases import StaticPose
+from wrsim.scenario.cases import Pose
 
 STEP = 20e-6
 
@@ -48,7 +48,7 @@ def main() -> None:
         solver = HalfSpace()
         errors, outer, poses, places = [], 0.0, 0, []
         for i, y in enumerate(np.arange(1e-3 * a.first, 1e-3 * a.to + 1e-9, STEP)):
-            solved = stand.strips.solve(StaticPose("", float(y), 1e-3 * a.yaw, 1e3 * a.load))
+            solved = stand.strips.solve(Pose("", float(y), 1e-3 * a.yaw, 1e3 * a.load))
             if solved.message:
                 print(f"  {stand.name} y {1e3 * y:.3f}: {solved.message}")
                 continue

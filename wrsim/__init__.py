@@ -5,8 +5,10 @@
     from wrsim import load, run
 
     result = run(load("scenarios/curve_r300.toml"))
-    print(result.summary())
+    result.plot("Y", "Q").savefig("forces.png")
     result.save("curve_r300.nc")
+
+docs/python.md lists what is here; ``__init__.pyi`` tells it to type checkers and editors.
 """
 
 from importlib import import_module as _import_module
@@ -16,16 +18,31 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "load": "wrsim.scenario.loading",
-    "run": "wrsim.analysis",
+    "load_text": "wrsim.scenario.loading",
     "Scenario": "wrsim.scenario.loading",
+    "run": "wrsim.analysis",
     "Result": "wrsim.results",
+    "load_profile": "wrsim.geometry.profile.models",
+    "Profile": "wrsim.geometry.profile.profile",
+    "Pose": "wrsim.scenario.cases",
+    "contact_model": "wrsim.contact.models",
+    "solve_poses": "wrsim.analysis.poses.static",
+    "ContactModel": "wrsim.contact.model",
+    "ContactSettings": "wrsim.contact.settings",
+    "Friction": "wrsim.contact.settings",
+    "Track": "wrsim.geometry.track.track",
+    "Straight": "wrsim.geometry.track.segments",
+    "Arc": "wrsim.geometry.track.segments",
+    "Transition": "wrsim.geometry.track.segments",
+    "load_vehicle": "wrsim.vehicle.vehicle_files",
+    "Vehicle": "wrsim.vehicle.vehicle",
     "WrsimError": "wrsim.errors",
     "InputError": "wrsim.errors",
     "SimulationError": "wrsim.errors",
 }
 """Public names and their modules, imported on first use: ``import wrsim`` alone costs nothing."""
 
-__all__ = ["InputError", "Result", "Scenario", "SimulationError", "WrsimError", "__version__", "load", "run"]
+__all__ = ["__version__", *_HOMES]
 
 
 def __getattr__(name: str) -> _Any:

@@ -25,7 +25,7 @@ from wrsim.core.contact import records as k
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
 from wrsim.geometry.profile.wear import Removal, worn
-from wrsim.scenario.cases import StaticPose
+from wrsim.scenario.cases import Pose
 
 NORMALS = get_args(Normal)
 FAST = tuple(n for n in NORMALS if n != "half-space")
@@ -376,7 +376,7 @@ def test_loads_from_1_newton_to_1_meganewton_are_met_or_refused(normal, load, fr
     stand_of = HalfSpacePoseSolver if normal == "half-space" else PoseSolver
     stand = stand_of([WheelOnRail(model, 1, HALF_SPACING, origin)], True, RADIUS)
     for lateral, yaw in ((3e-3, 0.01), (8e-3, 0.0873)):
-        solved = stand.solve(StaticPose("any", lateral, yaw, load))
+        solved = stand.solve(Pose("any", lateral, yaw, load))
         if solved.message:
             assert "load" in solved.message or "contact" in solved.message or "element" in solved.message
             continue

@@ -8,7 +8,7 @@ from support.contacts import HALF_SPACING, PAIRS, RADIUS, bench, contact_of, fin
 
 from wrsim.contact.settings import Friction
 from wrsim.core.contact import records as k
-from wrsim.scenario.cases import StaticPose
+from wrsim.scenario.cases import Pose
 
 ALL_BITS = k.STATUS_NOT_REFINED | k.STATUS_PROFILE_END | k.STATUS_TOO_DEEP
 VERY_DEEP = 3e-3  # the approach from which a status says that this is an overlap, not a contact
@@ -113,7 +113,7 @@ def test_the_same_pose_gives_the_same_numbers_whatever_came_before(state):
 )
 def test_a_load_between_1_newton_and_1_meganewton_is_carried(pair, lateral, yaw, load, friction):
     stand = bench(pair_model(pair, friction=friction, strips=20, cells=10))
-    solved = stand.solve(StaticPose("any", lateral, yaw, load))
+    solved = stand.solve(Pose("any", lateral, yaw, load))
     contact = contact_of(stand)
     if solved.message:
         # refused with a reason, never with numbers that look good

@@ -14,14 +14,15 @@ from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.settings import ContactSettings, Material
 from wrsim.core.contact import records as k
-from wrsim.core.contact.records import Pose, Wheel
+from wrsim.core.contact.records import Pose as WheelPose
 from wrsim.core.contact.records import Profile as Table
+from wrsim.core.contact.records import Wheel
 from wrsim.core.contact.search.locus import placed
 from wrsim.core.linalg import Vec
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
-from wrsim.scenario.cases import StaticPose
+from wrsim.scenario.cases import Pose
 
 Array = NDArray[np.float64]
 
@@ -89,7 +90,7 @@ def bench(model: ContactModel, *, rolling: bool = True, sides: tuple[int, ...] =
 
 def settle(stand: PoseSolver, lateral: float, yaw: float, load: float, roll: float = 0.0) -> tuple[Solved, Contact]:
     """Lower the first wheel of a bench until it carries the load."""
-    solved = stand.solve(StaticPose("test", lateral, yaw, load, roll))
+    solved = stand.solve(Pose("test", lateral, yaw, load, roll))
     return solved, contact_of(stand)
 
 
@@ -113,7 +114,7 @@ def numbers(contact: Contact) -> list[float]:
 
 def wheel_at(table: Array, step: float, radius: float, origin: Array, axle: Array) -> Wheel:
     """A wheel as the kernels take it, from its profile's table; origin, axle: (3,) in rail axes."""
-    pose = Pose(Vec(*map(float, origin)), Vec(*map(float, axle)), Vec(0.0, 0.0, 0.0), Vec(0.0, 0.0, 0.0))
+    pose = WheelPose(Vec(*map(float, origin)), Vec(*map(float, axle)), Vec(0.0, 0.0, 0.0), Vec(0.0, 0.0, 0.0))
     return placed(Table(table, float(step)), radius, pose)
 
 

@@ -32,17 +32,34 @@ def run(
     resume: bool = False,
     setup: Setup | None = None,
 ) -> Result:
-    """Run what the scenario asks for.
+    """Run what a scenario asks for.
 
-    progress: called some ten times a second with the fraction done and the seconds left. A run that has to stop
-    (derailment, Ctrl-C, not-a-number) returns what it computed; ``result.status`` and ``result.stop_reason`` say so.
+    Parameters
+    ----------
+    scenario : Scenario
+        From `load`, perhaps changed by `Scenario.with_values`.
+    progress : callable, optional
+        Called some ten times a second with the fraction done and the seconds left.
+    record : str or Path, optional
+        A file in which a run along the track is kept while it lasts, so that nothing is lost with its process; delete
+        it when the result is safe. Other analyses keep nothing.
+    resume : bool
+        Go on with the run in that file, with the same numbers as if it had never been interrupted.
+    setup : Setup, optional
+        What was built from this scenario, if it has been.
 
-    record: a file in which a run along the track is kept while it lasts, so that nothing is lost with its process;
-    delete it when the result is safe. resume: go on with the run in that file, with the same numbers as if it had never
-    been interrupted. Other analyses keep nothing. setup: what was built from this scenario, if it has been.
+    Returns
+    -------
+    Result
+        A run that has to stop (derailment, Ctrl-C, not-a-number) returns what it computed; ``result.status`` and
+        ``result.stop_reason`` say so.
 
-    Raises InputError when the scenario's parts do not fit together, or when there is no run of this scenario to go on
-    with; SimulationError when there is not even a start.
+    Raises
+    ------
+    InputError
+        When the scenario's parts do not fit together, or when there is no run of this scenario to go on with.
+    SimulationError
+        When there is not even a start.
     """
     setup = setup or build(scenario)
     analysis = ANALYSES[setup.analysis]

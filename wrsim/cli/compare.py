@@ -139,7 +139,7 @@ def _write(found: Comparison, report: dict[str, Any], directory: Path, pictures:
     if pictures:
         from wrsim.plots import save
         from wrsim.plots.compare import patches_figure, values_figure
-        from wrsim.plots.moments import has_patches
+        from wrsim.results.moments import has_patches
         from wrsim.results.wheelsets import of_wheelset, wheelsets
 
         main = found.main

@@ -45,14 +45,15 @@ def resolve(
         if same not in ("load", "pose"):
             raise InputError(f"--same {same}: must be load or pose")
         from wrsim.analysis.resolve import resolve as solve
-        from wrsim.cli.storing import RECORD, claimed, moments_at, read, write
+        from wrsim.cli.storing import RECORD, claimed, read, write
         from wrsim.results import write_atomically
+        from wrsim.results.moments import moments_at
         from wrsim.scenario.loading import load_text
 
         before = read(result)
         folder = beside(result)
         scenario = load_text(before.dataset.attrs["scenario_text"], folder, model_files or ())
-        moments = moments_at(before.dataset, at) if at else None
+        moments = moments_at(before.dataset, at, "--at") if at else None
         with progress_bar(not (quiet or as_json)) as progress:
             after = solve(before, scenario, model, keep=same, moments=moments, wheelset=wheelset, progress=progress)  # type: ignore[call-arg, arg-type]
         directory = output or folder / "".join(c if c.isalnum() or c in "-+._" else "_" for c in model)

@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wrsim.errors import InputError, suggest
 from wrsim.register import ANALYSES, resolved
 
 if TYPE_CHECKING:
@@ -19,10 +18,6 @@ if TYPE_CHECKING:
 RESULT = "result.nc"
 PART = RESULT + ".part"
 """The run in a folder while it lasts, and after that if it did not come to its end."""
-
-NEAR = 1.0
-"""Distance to the place asked for at which kept patches still count as being there [m]."""
-
 
 RECORD = "scenario.toml"
 """The scenario of the run in a folder."""
@@ -137,41 +132,11 @@ def patch_pictures(dataset: Dataset, at: list[str], directory: Path) -> list[Pat
     """Patches and sections of one wheelset at the given distances [m] or poses."""
     from wrsim.plots import patch_gallery, save, section_gallery
     from wrsim.plots.cross_section import has_outlines
+    from wrsim.results.moments import moments_at
 
-    moments = moments_at(dataset, at)
+    moments = moments_at(dataset, at, "--at")
     name = "_".join("".join(c if c.isalnum() or c in "+-." else "-" for c in place) for place in at)
     files = [save(patch_gallery(dataset, moments), directory / f"patches_at_{name}.png")]
     if has_outlines(dataset):
         files.append(save(section_gallery(dataset, moments), directory / f"sections_at_{name}.png"))
     return files
-
-
-def moments_at(dataset: Dataset, at: list[str]) -> list[int]:
-    """Places of the asked distances or poses among those whose patches the result holds. Raises InputError."""
-    from wrsim.plots.moments import has_patches
-
-    if not has_patches(dataset):
-        raise InputError("--at: this result holds no contact patches; choose places with [output] patches_at_m")
-    if "pose" in dataset.dims:
-        names = [str(name) for name in dataset["pose"].values]
-        for place in at:
-            if place not in names:
-                raise InputError(f"--at {place}: there is no such pose{suggest(place, names)}; {_some(names)}")
-        return [names.index(place) for place in at]
-    distances = [float(d) for d in dataset["snapshot_distance"].values]
-    moments = []
-    for place in at:
-        try:
-            offsets = [abs(d - float(place)) for d in distances]
-        except ValueError:
-            raise InputError(f"--at {place}: must be a distance in m") from None
-        if not min(offsets) <= NEAR:
-            kept = _some([f"{d:.1f}" for d in distances])
-            raise InputError(f"--at {place}: no patches are kept within {NEAR:g} m of there; {kept}")
-        moments.append(offsets.index(min(offsets)))
-    return moments
-
-
-def _some(names: list[str], most: int = 12) -> str:
-    """What there is, cut short."""
-    return "there are " + ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

@@ -87,6 +87,10 @@ class ContactModel:
     normal: NormalModel
     arena: Arena | None = field(default=None, repr=False, compare=False)
 
+    def __repr__(self) -> str:
+        models = f"{self.settings.normal} and {self.settings.creep_forces}"
+        return f"ContactModel({self.wheel.name} on {self.rail.name}, radius {1e3 * self.radius:g} mm, {models})"
+
     @cached_property
     def inputs(self) -> Arrays:
         """What the kernel's arena is packed from. From now on its stages can be run."""
@@ -113,8 +117,22 @@ class ContactModel:
     ) -> Contact:
         """Contact for one pose.
 
-        origin: wheel profile origin on the axle; axle: unit vector outward; velocity of that origin; omega: angular
-        velocity; all (3,) in rail axes (t, o, b) of this side, m and rad; see docs/conventions.md.
+        Vectors (3,) in the axes of the rail on this side: along the track, outward, up; see docs/conventions.md.
+
+        Parameters
+        ----------
+        origin : array_like
+            Origin of the wheel's profile on the axle [m].
+        axle : array_like
+            Direction of the axle, outward, of length 1.
+        velocity : array_like
+            Of that origin [m/s].
+        omega : array_like
+            Angular velocity of the wheel [rad/s].
+
+        Returns
+        -------
+        Contact
         """
         self.arrays.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
         return Contact.copy_from(self.arrays, self.solve())
@@ -223,6 +241,11 @@ class Contact:
     wear_number: float
     closest: float
     status: int
+
+    def __repr__(self) -> str:
+        count = len(self.patches)
+        words = f"{count} patch{'es' * (count != 1)}" if count else f"none, {1e3 * self.closest:.4g} mm apart"
+        return f"Contact({words}, normal force {self.normal_force / 1e3:.4g} kN)"
 
     @classmethod
     def copy_from(cls, a: KernelArrays, status: int) -> Contact:

@@ -10,9 +10,10 @@ from dataclasses import replace
 
 from wrsim.contact.half_space.strips import solve_into
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
-from wrsim.contact.settings import ContactSettings, Friction, Normal
+from wrsim.contact.settings import DRY, ContactSettings, Friction, Normal
 from wrsim.core.contact.records import FREE_STRIPS, KIK_PIOTROWSKI
 from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS
+from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.profile import Profile
 
 _KIK_PIOTROWSKI = NormalModel(KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, fewest=3, most=MOST_STRIPS)
@@ -27,9 +28,53 @@ NORMAL_MODELS: dict[Normal, NormalModel] = {
 
 
 def contact_model(
-    wheel: Profile, rail: Profile, radius: float, settings: ContactSettings, friction: float | Friction
+    wheel: Profile,
+    rail: Profile,
+    radius: float,
+    settings: ContactSettings | None = None,
+    friction: float | Friction = DRY,
 ) -> ContactModel:
-    """The model of one wheel on one rail. The rail profile is given with its inclination; radius [m]."""
+    """The contact model of one wheel on one rail.
+
+    Parameters
+    ----------
+    wheel, rail : Profile
+        The rail as it is laid: with its inclination, ``rail.inclined(1 / 40)``.
+    radius : float
+        Of the wheel at the tape circle [m].
+    settings : ContactSettings, optional
+        Normal model, model of the creep forces, number of strips ...; what is not given there has its usual value.
+    friction : float or Friction
+        Coefficient of friction, or a law of place and slip.
+
+    Returns
+    -------
+    ContactModel
+        It is evaluated at one pose by `ContactModel.evaluate`, or at prescribed loads by `solve_poses`.
+
+    Raises
+    ------
+    InputError
+        For profiles of the wrong kind, and for numbers that cannot be.
+
+    Examples
+    --------
+    >>> from wrsim import ContactSettings, contact_model, load_profile
+    >>> rail = load_profile("rails/60E1.toml").inclined(1 / 40)
+    >>> wheel = load_profile("wheels/S1002.toml")
+    >>> model = contact_model(wheel, rail, 0.46, ContactSettings(normal="strips"), friction=0.3)
+    """
+    settings = settings or ContactSettings()
+    for profile, kind in ((wheel, "wheel"), (rail, "rail")):
+        if profile.kind != kind:
+            raise InputError(f"profile '{profile.name}' is a {profile.kind}; a {kind} is needed here")
+    if not radius > 0.0:
+        raise InputError(f"radius = {radius:g}: must be a radius above 0 m")
+    if settings.normal not in NORMAL_MODELS:
+        raise InputError(
+            f"normal = {settings.normal!r:.40}: must be one of {', '.join(NORMAL_MODELS)}"
+            f"{suggest(str(settings.normal), tuple(NORMAL_MODELS))}"
+        )
     return ContactModel(wheel, rail, radius, settings, Friction.of(friction), NORMAL_MODELS[settings.normal])
 
 

@@ -62,6 +62,25 @@ def shipped_models() -> Path:
     return inside if inside.is_dir() else package.parent / "models"
 
 
+def model_file(name: str | Path) -> Path:
+    """Return a file that is named from Python or on a command line: as it stands, or among the models.
+
+    The folders of the environment variable WRSIM_MODELS come before the models that are shipped. Raises InputError for
+    a relative name that is found nowhere.
+    """
+    if os.path.isabs(name) or os.path.exists(name):
+        return Path(name)
+    try:
+        return usual_finder().find(str(name))
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from None
+
+
+def usual_finder() -> Finder:
+    """Return a finder for names from Python or from a command line."""
+    return Finder((Path(), *user_folders(), shipped_models()))
+
+
 def user_folders(extra: tuple[str | Path, ...] = ()) -> tuple[Path, ...]:
     """Return the folders that the user names, by argument and then by the environment.
 

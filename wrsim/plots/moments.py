@@ -28,11 +28,6 @@ def moment_dim(dataset: xr.Dataset) -> str:
     return "snapshot" if "time" in dataset.dims else "pose"
 
 
-def has_patches(dataset: xr.Dataset) -> bool:
-    """True when the dataset holds strips of at least one moment."""
-    return "strip_p" in dataset and bool(np.isfinite(dataset["strip_p"].values).any())
-
-
 def sample_of(dataset: xr.Dataset, moment: int) -> int:
     """Index along ``time`` or ``pose`` of the values that belong to the moment."""
     if moment_dim(dataset) == "pose":

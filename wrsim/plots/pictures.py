@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -10,14 +10,16 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from wrsim.errors import InputError, suggest
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.histories import ANGLES, channels_figure, contact_angle_figure, overview_figure
-from wrsim.plots.moments import has_patches
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.static import PANELS, static_figure
 from wrsim.plots.style import save
 from wrsim.plots.vehicle_run import vehicle_figures
 from wrsim.register import ANALYSES, resolved
+from wrsim.results import CHANNELS, Result
+from wrsim.results.moments import has_patches
 from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
 HISTORIES: dict[str, tuple[str, ...]] = {
@@ -76,6 +78,38 @@ def standard_pictures(dataset: xr.Dataset, directory: str | Path) -> list[Path]:
     """Write the standard pictures as PNG into ``directory``; returns their paths. Raises ``WrsimError``."""
     directory = Path(directory)
     return [save(make(), directory / f"{name}.png") for name, make in standard_figures(dataset).items()]
+
+
+def picture(result: Result, names: Sequence[str], wheelset: str | None) -> Figure:
+    """A standard picture by its name (without names the first), or channels; see `wrsim.results.Result.plot`."""
+    chosen = result.dataset if wheelset is None else result.wheelset(wheelset)
+    figures = standard_figures(chosen)
+    if not names and figures:
+        names = (next(iter(figures)),)
+    if len(names) == 1 and names[0] in figures:
+        return figures[names[0]]()
+    drawn = [n for n in chosen.variables if CHANNELS[str(n)].kind == "number" and _is_history(chosen[n])]
+    channels = tuple(str(n) for n in drawn if n not in chosen.dims)
+    for name in names:
+        if name not in channels:
+            known = (*figures, *channels)
+            raise InputError(
+                f"plot: '{name}' is neither a picture nor a channel of this result{suggest(str(name), known)}; "
+                f"pictures: {', '.join(figures) or 'none'}; channels: {', '.join(channels) or 'none'}"
+            )
+    if not names:
+        raise InputError("plot: this result has no pictures")
+    several = len(wheelsets(chosen)) > 1 and any("wheelset" in chosen[name].dims for name in names)
+    one = result.wheelset() if several else of_wheelset(chosen, wheelsets(chosen)[0])
+    return static_figure(one, names) if "pose" in one.dims else channels_figure(one, names)
+
+
+def _is_history(data: xr.DataArray) -> bool:
+    """True for what can be drawn over the samples of a result: a line, or one a wheel, or one a wheel and patch."""
+    others = tuple(d for d in data.dims if d != "wheelset")
+    if others[:1] == ("pose",):
+        return others[1:] in (("wheel",), ("wheel", "patch"))
+    return others in (("time",), ("time", "wheel"), ("time", "wheel", "patch"))
 
 
 def _has_values(dataset: xr.Dataset, name: str) -> bool:

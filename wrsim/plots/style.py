@@ -78,10 +78,20 @@ def style() -> Iterator[None]:
         yield
 
 
+class Picture(Figure):
+    """A figure that notebooks show by themselves, without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        stream = io.BytesIO()
+        with style():
+            self.savefig(stream, format="png", dpi=120)
+        return stream.getvalue()
+
+
 def new_figure(width_mm: float, height_mm: float, *, constrained: bool = True) -> Figure:
     """Empty figure on an Agg canvas, of a size in mm."""
     size = (width_mm * MM, height_mm * MM)
-    figure = Figure(figsize=size, layout="constrained") if constrained else Figure(figsize=size)
+    figure = Picture(figsize=size, layout="constrained") if constrained else Picture(figsize=size)
     FigureCanvasAgg(figure)
     return figure
 

@@ -17,7 +17,6 @@ from wrsim.plots.cross_section import OVERVIEW, has_outlines, pressed_curve, zoo
 from wrsim.plots.moments import (
     PatchAt,
     choose_moments,
-    has_patches,
     moment_dim,
     patches_of,
     sample_of,
@@ -29,6 +28,7 @@ from wrsim.plots.patches import islands, pressure_scale
 from wrsim.plots.style import pressure_map, shown
 from wrsim.report.svg import Array, element, path, picture
 from wrsim.results import CHANNELS
+from wrsim.results.moments import has_patches
 from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
 MOST = 6

@@ -8,17 +8,13 @@ from __future__ import annotations
 
 import io
 import tempfile
-from collections.abc import Iterator
-from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
-from numpy.typing import NDArray
 
 from wrsim.errors import InputError, WrsimError, suggest
-from wrsim.results.channels import CHANNELS, Channel
+from wrsim.results.columns import columns, frame
 from wrsim.results.files import write_atomically
 from wrsim.results.result import Result
 
@@ -27,9 +23,6 @@ ENDINGS = {"mdf": "mf4"}
 EXTRA = "install it with pip install 'wrsim[export]'"
 LONGEST_NAME = 63
 """Letters of a MATLAB name."""
-
-Column = tuple[str, Channel, NDArray[Any]]
-"""Name, channel, values of one column."""
 
 
 def formats(asked: str) -> list[str]:
@@ -49,33 +42,8 @@ def export(result: Result, format: str, path: Path) -> Path:
     return write_atomically(path, content)
 
 
-def columns(dataset: xr.Dataset) -> Iterator[Column]:
-    """The wide table, the samples first: names as in ``Y_front.outer_left_kN``; strips and outlines are left out."""
-    sample = "time" if "time" in dataset.dims else "pose"
-    for name, channel in CHANNELS.items():
-        if name not in dataset.variables:
-            continue
-        data = dataset[name]
-        if not data.dims or data.dims[0] != sample or "strip" in data.dims:
-            continue
-        labels = [
-            [str(v) for v in dataset[d].values] if d in dataset.coords else range(dataset.sizes[d])
-            for d in data.dims[1:]
-        ]
-        for column, place in enumerate(product(*(range(dataset.sizes[d]) for d in data.dims[1:]))):
-            own = [str(label[i]) for label, i in zip(labels, place, strict=True)]
-            words = (name, *own, channel.shown.suffix if channel.kind == "number" else "")
-            values = data.values.reshape(data.shape[0], -1)[:, column]
-            if channel.kind == "number":
-                values = values * channel.shown.factor
-            yield "_".join(word.replace(" ", "_") for word in words if word), channel, values
-
-
 def _csv(result: Result) -> bytes:
-    import pandas as pd
-
-    table = pd.DataFrame({name: values for name, _, values in columns(result.dataset)})
-    return table.to_csv(index=False, float_format="%.10g", lineterminator="\n").encode()
+    return frame(result.dataset).to_csv(index=False, float_format="%.10g", lineterminator="\n").encode()
 
 
 def _parquet(result: Result) -> bytes:

@@ -8,16 +8,20 @@ import sys
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from wrsim.errors import InputError
-from wrsim.register import ANALYSES
+from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS
 from wrsim.results.dataset import FORMAT, FORMAT_VERSION, NAMED, REQUIRED_ATTRIBUTES, SINGLE, STATUSES
 from wrsim.results.files import write_atomically
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _SEALED_SINCE = 2
@@ -30,11 +34,33 @@ _CHECKED = b"wrsim CRC-32"
 class Result:
     """What an analysis computed, with everything needed to redraw and to rerun it.
 
-    ``dataset`` comes from ``assemble``: channels as variables with ``units`` and ``long_name``; scenario
-    text, status and versions as attributes. A stopped run holds what was computed until it stopped.
+    A stopped run holds what was computed until it stopped.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Channels as variables with ``units`` (SI) and ``long_name``; scenario text, status and versions as attributes.
+
+    Examples
+    --------
+    >>> from wrsim import Result
+    >>> result = Result.load("results/curve_r300")
+    >>> result.plot("Y", "Q").savefig("forces.png")
+    >>> patch = result.patch(120.0, "right")
+    >>> patch.s, patch.x, patch.p
     """
 
     dataset: xr.Dataset
+
+    def __repr__(self) -> str:
+        from wrsim.results.portrait import as_text
+
+        return as_text(self.dataset)
+
+    def _repr_html_(self) -> str:
+        from wrsim.results.portrait import as_html
+
+        return as_html(self.dataset)
 
     @property
     def title(self) -> str:
@@ -59,20 +85,146 @@ class Result:
     def wheelset(self, name: str | None = None) -> xr.Dataset:
         """Channels of one wheelset, without the dimension ``wheelset``; ``distance`` is its own.
 
-        name: not needed where there is only one. Raises ``InputError`` for a wrong name, or when one is needed.
+        Parameters
+        ----------
+        name : str, optional
+            Not needed where there is only one.
+
+        Returns
+        -------
+        xarray.Dataset
+
+        Raises
+        ------
+        InputError
+            For a wrong name, or when one is needed; says which there are.
         """
         from wrsim.results.wheelsets import of_wheelset
 
         return of_wheelset(self.dataset, name)
 
+    def patch(
+        self,
+        at: str | float,
+        wheel: str | None = None,
+        *,
+        wheelset: str | None = None,
+        number: int = 0,
+        columns: int = 101,
+    ) -> xr.Dataset:
+        """One contact patch as arrays.
+
+        Parameters
+        ----------
+        at : float or str
+            Distance along the track [m] of a moment whose patches are kept (the nearest within 1 m), or name of a pose.
+        wheel : {"left", "right"}, optional
+            Not needed where there is only one.
+        wheelset : str, optional
+            Not needed where there is only one.
+        number : int
+            Of the patch, 0 for the one with the largest normal force.
+        columns : int
+            Number of points along x; the exact solver's elements have columns of their own.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``p`` (s, x): pressures [Pa], zero outside of contact; coordinates ``s`` (s,), curved axis from the main
+            point to the field side [m], and ``x`` (x,), along the track [m]; with the exact solver ``qx`` and ``qs``,
+            tractions [Pa]. The strips' own channels along ``s`` (``strip_ds``, ``strip_a``, ``strip_N`` ...), and the
+            numbers of the patch (``N``, ``p0``, ``area``, ``contact_angle`` ...), all in SI units.
+
+        Raises
+        ------
+        InputError
+            For a wheelset, a wheel, a place, a pose or a patch that is not there; says which there are.
+        """
+        from wrsim.results.patch_field import patch_of
+
+        return patch_of(self.wheelset(wheelset), at, wheel, number, columns)
+
+    def to_dataframe(self, wheelset: str | None = None) -> DataFrame:
+        """All channels over time or poses as one wide table, as ``wrsim export`` writes it.
+
+        Parameters
+        ----------
+        wheelset : str, optional
+            This one alone, its columns without its name. Default: all.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row an instant or pose, a column for every wheelset, wheel and patch, in units for readers, which stand
+            at the end of the name (``Y_wheelset_left_kN``) and in ``attrs["units"]``.
+
+        Raises
+        ------
+        InputError
+            For a wheelset that is not there; says which there are.
+        """
+        from wrsim.results.columns import frame
+
+        return frame(self.dataset if wheelset is None else self.wheelset(wheelset))
+
+    def plot(self, *names: str, wheelset: str | None = None) -> Figure:
+        """One of the standard pictures, or histories of channels.
+
+        Parameters
+        ----------
+        *names : str
+            One of ``pictures``; or channels (``"Y"``, ``"lateral_shift"``), drawn above each other over the distance,
+            of poses over the lateral shift. Default: the first picture.
+        wheelset : str, optional
+            Needed for channels where there are several wheelsets.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Made without pyplot: ``savefig`` writes it, notebooks show it.
+
+        Raises
+        ------
+        InputError
+            For a name that is neither a picture nor a channel of this result, and for a wheelset that is not there.
+        """
+        figure: Figure = resolved("wrsim.plots.pictures:picture")(self, names, wheelset)
+        return figure
+
+    @property
+    def pictures(self) -> tuple[str, ...]:
+        """Names of the standard pictures, for `plot`."""
+        return tuple(resolved("wrsim.plots.pictures:standard_figures")(self.dataset))
+
     def summary(self) -> dict[str, Any]:
-        """Peak and quasi-static values as plain numbers in units for readers; what ``summary.json`` holds."""
+        """Peak and quasi-static values as plain numbers in units for readers; what ``summary.json`` holds.
+
+        Returns
+        -------
+        dict
+            Units stand in the keys: ``summary["wheelsets"]["wheelset"]["wheels"]["left"]["Y_max_kN"]``.
+        """
         from wrsim.results.summary import summarise
 
         return summarise(self.dataset)
 
     def save(self, path: str | Path) -> Path:
-        """Write the dataset as NetCDF 4; the file appears whole or not at all. Raises ``WrsimError``."""
+        """Write the dataset as NetCDF 4; the file appears whole or not at all.
+
+        Parameters
+        ----------
+        path : str or Path
+            An older file of that name is replaced.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        WrsimError
+            When the disk is full or the place cannot be written to.
+        """
         encoding = {
             str(name): {"zlib": True, "complevel": 1, "shuffle": True}
             for name, variable in self.dataset.variables.items()
@@ -84,7 +236,21 @@ class Result:
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
-        """Read a file that ``save`` wrote. Raises ``InputError`` when it is missing, damaged or not ours."""
+        """Read a file that `save` wrote, or the result in the folder of a run.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Returns
+        -------
+        Result
+
+        Raises
+        ------
+        InputError
+            When it is missing, damaged or not ours.
+        """
         path = Path(path)
         if path.is_dir():
             path = path / "result.nc"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
@@ -28,34 +28,61 @@ FACTORS = {"lateral_mm": 1e-3, "yaw_mrad": 1e-3, "load_kN": 1e3, "roll_mrad": 1e
 
 
 @dataclass(frozen=True)
-class StaticPose:
-    """What is prescribed: lateral shift [m], yaw [rad], vertical load [N], roll [rad] (one wheel only)."""
+class Pose:
+    """A pose of one wheel or of a wheelset on straight track, and the load that it carries there.
 
-    name: str
-    lateral: float
-    yaw: float
-    load: float
+    Parameters
+    ----------
+    name : str
+        For tables and pictures; poses without one are named after what sets them apart.
+    lateral : float
+        Lateral shift of the wheelset's centre, positive to the left [m].
+    yaw : float
+        Angle of attack, positive to the left [rad].
+    load : float
+        Vertical force of the wheel, or of the whole wheelset, on the track [N].
+    roll : float
+        Of one wheel, positive lifts the left wheel [rad]; a wheelset finds its own.
+    """
+
+    name: str = ""
+    lateral: float = 0.0
+    yaw: float = 0.0
+    load: float = 0.0
     roll: float = 0.0
 
 
-def grid_of_poses(axes: Mapping[str, Sequence[float]]) -> Iterator[StaticPose]:
+def grid_of_poses(axes: Mapping[str, Sequence[float]]) -> Iterator[Pose]:
     """Every combination of ``y`` [mm], ``yaw`` [mrad], ``load`` [kN] and ``roll`` [mrad]; names are unique."""
+    varied = [name for name, axis in axes.items() if len(axis) > 1 or name == "y"]
     seen: dict[str, int] = {}
     for values in product(*axes.values()):
-        varied = [
-            f"{name}{value:+.10g}" if name != "load" else f"{value:.10g}kN"
-            for (name, axis), value in zip(axes.items(), values, strict=True)
-            if len(axis) > 1 or name == "y"
-        ]
-        name = "_".join(varied)
-        seen[name] = seen.get(name, 0) + 1
-        if seen[name] > 1:
-            name += f"_{seen[name]}"
         y, yaw, load, roll = values
-        yield StaticPose(name, y / 1e3, yaw / 1e3, load * 1e3, roll / 1e3)
+        name = _name(dict(zip(axes, values, strict=True)), varied, seen)
+        yield Pose(name, y / 1e3, yaw / 1e3, load * 1e3, roll / 1e3)
 
 
-def read_cases(path: Path, with_roll: bool = True) -> tuple[StaticPose, ...]:
+def named(poses: Sequence[Pose]) -> tuple[Pose, ...]:
+    """The poses, those without a name called as in a grid. Raises InputError for a name that is taken twice."""
+    values = [{"y": 1e3 * p.lateral, "yaw": 1e3 * p.yaw, "load": 1e-3 * p.load, "roll": 1e3 * p.roll} for p in poses]
+    varied = [name for name in ("y", "yaw", "load", "roll") if name == "y" or len({v[name] for v in values}) > 1]
+    seen: dict[str, int] = {}
+    for name in (p.name for p in poses if p.name):
+        if name in seen:
+            raise InputError(f"pose '{name}': there are two of this name")
+        seen[name] = 1
+    return tuple(p if p.name else replace(p, name=_name(v, varied, seen)) for p, v in zip(poses, values, strict=True))
+
+
+def _name(values: Mapping[str, float], varied: Sequence[str], seen: dict[str, int]) -> str:
+    """The name of a pose by those of its values (mm, mrad, kN) that vary, no name twice."""
+    parts = (f"{values[k]:.10g}kN" if k == "load" else f"{k}{values[k] + 0.0:+.10g}" for k in varied)
+    name = "_".join(parts)
+    seen[name] = seen.get(name, 0) + 1
+    return name if seen[name] == 1 else f"{name}_{seen[name]}"
+
+
+def read_cases(path: Path, with_roll: bool = True) -> tuple[Pose, ...]:
     """Read a CSV table of poses.
 
     Columns ``id, lateral_mm, load_kN`` and, where they are not zero, ``yaw_mrad, roll_mrad``, in any order.
@@ -75,4 +102,4 @@ def read_cases(path: Path, with_roll: bool = True) -> tuple[StaticPose, ...]:
         taken[str(name)] = int(line)
     nothing = np.zeros(lines.size)
     columns = (table.get(name, nothing) * factor for name, factor in FACTORS.items())
-    return tuple(StaticPose(name, *map(float, row)) for name, *row in zip(taken, *columns, strict=True))
+    return tuple(Pose(name, *map(float, row)) for name, *row in zip(taken, *columns, strict=True))

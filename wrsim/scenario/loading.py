@@ -40,6 +40,9 @@ class Scenario:
     finder: Finder
     _merged: Merged = field(repr=False, compare=False)
 
+    def __repr__(self) -> str:
+        return f"Scenario({self.title!r}, {self.analysis}, {self.path or 'from a text'})"
+
     @property
     def title(self) -> str:
         """The title in the file."""
@@ -98,11 +101,29 @@ class Scenario:
         return self._merged.data
 
     def with_values(self, values: Mapping[str, Any], owner: str = "new value") -> Scenario:
-        """Return the scenario with some keys changed, checked again.
+        """Return the scenario with some keys changed, checked again; the scenario itself stays as it is.
 
-        ``values`` maps dotted keys to values in the file's units: ``{"vehicle.speed_kmh": 60}``; places in
-        lists stand in brackets: ``"track.segments[2].radius_m"``. Numbers and arrays of numpy will do.
-        owner: from where the values come, for messages. Raises InputError like `load`.
+        Parameters
+        ----------
+        values : mapping
+            From dotted keys to values in the file's units: ``{"vehicle.speed_kmh": 60}``. Places in lists stand in
+            brackets: ``"track.segments[2].radius_m"``. Whole tables and lists, numbers and arrays of numpy will do.
+        owner : str
+            From where the values come, for messages.
+
+        Returns
+        -------
+        Scenario
+
+        Raises
+        ------
+        InputError
+            With all faults, like `load`.
+
+        Examples
+        --------
+        >>> from wrsim import load
+        >>> slow = load("scenarios/curve_r300.toml").with_values({"vehicle.speed_kmh": 36, "contact.friction": 0.2})
         """
         data, owners = self._merged.data, dict(self._merged.owners)
         for key, value in values.items():
@@ -119,11 +140,28 @@ class Scenario:
 def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
     """Read and check a scenario file.
 
-    models: folders with model files of your own. Model names are looked up beside the scenario file (then
-    beside the files it starts from), in ``models``, in the folders of the environment variable WRSIM_MODELS,
-    and in the models that come with wrsim.
+    Parameters
+    ----------
+    path : str or Path
+        The file (TOML); ``wrsim new`` writes one to start from.
+    models : sequence of str or Path
+        Folders with model files of your own. Names are looked up beside the scenario file (then beside the files it
+        starts from), in these folders, in those of the environment variable WRSIM_MODELS, and in the models that come
+        with wrsim.
 
-    Raises InputError with all faults of the file, one line each.
+    Returns
+    -------
+    Scenario
+
+    Raises
+    ------
+    InputError
+        With all faults of the file, one line each.
+
+    Examples
+    --------
+    >>> from wrsim import load, run
+    >>> result = run(load("scenarios/curve_r300.toml"))
     """
     merged = read_merged(Path(path))
     analysis = ANALYSES.get(str(merged.data.get("analysis")))
@@ -141,7 +179,23 @@ def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
 def load_text(text: str, folder: str | Path = ".", models: Sequence[str | Path] = ()) -> Scenario:
     """Check a scenario given as TOML text, such as the one that a result carries.
 
-    folder: where model names are looked up first. Raises InputError like `load`.
+    Parameters
+    ----------
+    text : str
+        What a scenario file holds; ``result.dataset.attrs["scenario_text"]`` is one.
+    folder : str or Path
+        Where names of model files are looked up first.
+    models : sequence of str or Path
+        As for `load`.
+
+    Returns
+    -------
+    Scenario
+
+    Raises
+    ------
+    InputError
+        With all faults of the text, one line each.
     """
     merged = from_text(text, "scenario")
     return _scenario(merged, None, models, Path(folder))

@@ -188,6 +188,14 @@ class Vehicle:
     drive: Drive = "train"
     gravity: float = STANDARD_GRAVITY
 
+    def __repr__(self) -> str:
+        counted = ", ".join(
+            f"{len(things)} {word}{'s' * (len(things) != 1)}"
+            for things, word in ((self.wheelsets, "wheelset"), (self.bodies, "bodie"), (self.elements, "element"))
+            if things
+        )
+        return f"Vehicle({self.name!r}, {counted.replace('bodie,', 'body,')}, {self.mass / 1e3:.4g} t)"
+
     @property
     def parts(self) -> tuple[MountedWheelset | Body, ...]:
         """Everything with mass, in the order of the state."""

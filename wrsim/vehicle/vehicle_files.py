@@ -15,7 +15,7 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.checking import Locate, check, fault_line, opened
 from wrsim.inputs.lines import KeyPath
-from wrsim.inputs.lookup import Finder
+from wrsim.inputs.lookup import Finder, model_file, usual_finder
 from wrsim.inputs.section import Section
 from wrsim.inputs.values import Day, Source, number, text
 from wrsim.vehicle.assembly import Assembly
@@ -64,12 +64,26 @@ class VehicleFile(PartTable):
 def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
     """Read a vehicle file and the wheel profiles it names; check that its springs can hold it.
 
-    find: where profiles are looked up after the folder of the vehicle file itself.
-    Raises InputError with all faults of the file at once: file, line, key, value, what is allowed.
+    Parameters
+    ----------
+    path : str or Path
+        A vehicle file (docs/vehicles.md); a name that is not found as it stands is looked up among the models:
+        ``"vehicles/manchester_1.toml"``.
+    find : Finder, optional
+        Where profiles are looked up after the folder of the vehicle file itself.
+
+    Returns
+    -------
+    Vehicle
+
+    Raises
+    ------
+    InputError
+        With all faults of the file at once: file, line, key, value, what is allowed.
     """
-    path = Path(path)
+    path = model_file(path)
     data, locate = opened(path, "vehicle file")
-    finder = (find or Finder(())).beside(path)
+    finder = (find or usual_finder()).beside(path)
     if any(key in data for key in OF_PARTS):
         return _of_parts(check(VehicleFile, data, locate), path, finder, locate)
     if "wheelset" not in data and "body" in data:

@@ -27,7 +27,7 @@ from wrsim.contact.settings import ContactSettings, Material
 from wrsim.contact.status import TOO_MANY
 from wrsim.core.contact import records as k
 from wrsim.geometry.profile.sections import circle
-from wrsim.scenario.cases import StaticPose
+from wrsim.scenario.cases import Pose
 
 EXACT = {"normal": "half-space", "tangential": "half-space"}
 FRICTIONLESS = EXACT | {"tangential": "none"}
@@ -76,7 +76,7 @@ def test_a_round_wheel_on_a_plane_is_hertz():
 def test_force_grows_steadily_with_the_approach():
     model = pair_model("S1002/60E1 1:40", **FRICTIONLESS)
     b = pose_solver(**FRICTIONLESS)
-    b.solve(StaticPose("start", 0.0, 0.0, 5e3))
+    b.solve(Pose("start", 0.0, 0.0, 5e3))
     pose = b.wheels[0].model.arrays.pose.copy()
     forces = []
     for depth in np.linspace(0.0, 60e-6, 13):
@@ -141,7 +141,7 @@ def test_rail_corner_in_hollow_arcs(row):
     hollow = circle("hollow", "wheel", 1e-3 * row["R_wheel_mm"], 0.95e-3 * row["R_wheel_mm"])
     model = contact_model(hollow, circle("corner", "rail", 0.013, 0.98 * 0.013), radius=radius, **FRICTIONLESS)
     b = HalfSpacePoseSolver([WheelOnRail(model, 1, HALF_SPACING, (HALF_SPACING, 0.0))], False, radius)
-    assert not b.solve(StaticPose("", 1e-3 * row["y_ws_mm"], 0.0, row["Fz_req_N"])).message
+    assert not b.solve(Pose("", 1e-3 * row["y_ws_mm"], 0.0, row["Fz_req_N"])).message
     (patch,) = b.contacts[0].patches
     (region,) = patch.regions
     assert 1e-6 * patch.p0 == pytest.approx(row["pmax_MPa"], rel=2e-3)
@@ -171,7 +171,7 @@ def solve_case(row, pairing):
     b = pose_solver(
         solver=HalfSpace((element, element), pairing=pairing), tangential="half-space" if row["tang"] == "3" else "none"
     )
-    solved = b.solve(StaticPose("", 1e-3 * float(row["y_ws_mm"]), float(row["yaw_rad"]), float(row["Fz_req_N"])))
+    solved = b.solve(Pose("", 1e-3 * float(row["y_ws_mm"]), float(row["yaw_rad"]), float(row["Fz_req_N"])))
     assert not solved.message
     return b, b.contacts[0].patches[0]
 
@@ -204,7 +204,7 @@ def test_opposite_points_move_the_flange_s_normal():
 
 
 def test_default_elements_are_converged():
-    pose = StaticPose("", 3e-3, 0.005, 60e3)
+    pose = Pose("", 3e-3, 0.005, 60e3)
     coarse, fine = pose_solver(), pose_solver(solver=HalfSpace(resolution=80))
     figures = []
     for b in (coarse, fine):
@@ -217,7 +217,7 @@ def test_default_elements_are_converged():
 def test_a_narrow_peak_gets_finer_rows():
     # where the rail's radius jumps from 80 to 13 mm S1002 at 6.5 mm presses a second peak, half a millimetre wide
     b = pose_solver("S1002/60E1 1:20", **FRICTIONLESS)
-    b.solve(StaticPose("", 6.5e-3, 0.0, 24e3))
+    b.solve(Pose("", 6.5e-3, 0.0, 24e3))
     (patch,) = b.contacts[0].patches
     fine = solve(b.wheels[0].model, b.wheels[0].model.arrays.pose.copy(), HalfSpace((patch.grid.dx, 2e-5))).patches[0]
     assert patch.grid.ds < 1.2e-4
@@ -235,7 +235,7 @@ def test_planar_patch_needs_no_angle_correction():
 
 def test_friction_holds_and_dissipates():
     b = pose_solver()
-    b.solve(StaticPose("", 4e-3, 0.004, 60e3))
+    b.solve(Pose("", 4e-3, 0.004, 60e3))
     for patch in b.contacts[0].patches:
         assert (np.hypot(*patch.q) <= 0.3 * patch.p * (1.0 + 1e-9)).all()
         assert patch.wear > 0.0
@@ -245,7 +245,7 @@ def test_friction_holds_and_dissipates():
 
 def test_forces_are_the_sum_over_the_patch():
     b = pose_solver()
-    b.solve(StaticPose("", 6e-3, 0.0, 80e3))
+    b.solve(Pose("", 6e-3, 0.0, 80e3))
     contact = b.contacts[0]
     patch = contact.patches[0]
     grid, p, q = patch.grid, patch.p, patch.q
@@ -265,8 +265,8 @@ def test_forces_are_the_sum_over_the_patch():
 def test_the_other_wheel_is_the_mirror_image(lateral):
     model = pair_model("S1002/60E1 1:40", **EXACT)
     left, right = (HalfSpacePoseSolver(bench(model, sides=(side,)).wheels, True, 0.46) for side in (1, -1))
-    left.solve(StaticPose("", lateral, 0.003, 50e3))
-    right.solve(StaticPose("", -lateral, -0.003, 50e3))
+    left.solve(Pose("", lateral, 0.003, 50e3))
+    right.solve(Pose("", -lateral, -0.003, 50e3))
     assert right.force * [1.0, -1.0, 1.0] == pytest.approx(left.force, rel=1e-6, abs=1e-2)
     assert right.moment * [-1.0, 1.0, -1.0] == pytest.approx(left.moment, rel=1e-6, abs=1e-2)
 
@@ -275,7 +275,7 @@ def test_a_wheelset_finds_its_roll():
     b = HalfSpacePoseSolver(
         bench(pair_model("S1002/60E1 1:40", **EXACT), sides=(1, -1)).wheels, True, 0.46, HalfSpace(resolution=16)
     )
-    solved = b.solve(StaticPose("", 3e-3, 0.002, 110e3))
+    solved = b.solve(Pose("", 3e-3, 0.002, 110e3))
     assert not solved.message
     assert b.force[2] == pytest.approx(110e3, rel=1e-4)
     assert abs(b.moment[0]) < 1e-3 * 110e3 * HALF_SPACING
@@ -295,7 +295,7 @@ def test_a_scaled_wheel_on_a_scaled_rail():
 def test_contacts_grow_together_without_jumps():
     # tread and gauge corner of S1002 on 60E1 at 5.06 mm: zones approach each other as the wheel comes down
     b = pose_solver(solver=HalfSpace((3e-4, 3e-4)), **FRICTIONLESS)
-    b.solve(StaticPose("", 5.0e-3, 0.0, 5e3))
+    b.solve(Pose("", 5.0e-3, 0.0, 5e3))
     pose = b.wheels[0].model.arrays.pose.copy()
     model, start = b.wheels[0].model, pose[2]
     forces, patches = [], set()
@@ -312,7 +312,7 @@ def test_contacts_grow_together_without_jumps():
 
 def test_before_is_a_start_not_an_answer():
     b = pose_solver()
-    b.solve(StaticPose("", 2e-3, 0.002, 50e3))
+    b.solve(Pose("", 2e-3, 0.002, 50e3))
     model, contact = b.wheels[0].model, b.contacts[0]
     solver = replace(b.solver, element=(contact.patches[0].grid.dx, contact.patches[0].grid.ds))
     cold, warm = solver.solve_pose(model), solver.solve_pose(model, contact)
@@ -349,13 +349,13 @@ def test_a_patch_wider_than_the_profile_is_said():
 @pytest.mark.parametrize("lateral", [-8e-3, 5.06e-3, 9e-3])
 def test_any_load_finds_its_height(load, lateral):
     b = pose_solver(solver=HalfSpace(resolution=20))
-    solved = b.solve(StaticPose("", lateral, 0.0, load))
+    solved = b.solve(Pose("", lateral, 0.0, load))
     assert not solved.message
     assert b.force[2] == pytest.approx(load, rel=1e-4)
 
 
 def test_a_wheel_beside_its_rail_is_said():
-    solved = pose_solver().solve(StaticPose("", 0.2, 0.0, 1e4))
+    solved = pose_solver().solve(Pose("", 0.2, 0.0, 1e4))
     assert "beside its rail" in solved.message
 
 

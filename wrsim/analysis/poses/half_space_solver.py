@@ -15,7 +15,7 @@ from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.contact.models import fast_model
 from wrsim.contact.status import TOO_MANY, status_words
 from wrsim.core.contact.records import STATUS_TOO_DEEP
-from wrsim.scenario.cases import StaticPose
+from wrsim.scenario.cases import Pose
 
 LOAD_TOLERANCE = 2e-5  # of the vertical force
 PATIENCE = 4  # evaluations with an overlap that is no contact any more
@@ -39,7 +39,7 @@ class HalfSpacePoseSolver(PoseSolver):
         self._solvers = [self.solver] * len(self.wheels)
         self._fast = PoseSolver([replace(w, model=fast_model(w.model)) for w in wheels], rolling, radius)
 
-    def solve(self, pose: StaticPose) -> Solved:
+    def solve(self, pose: Pose) -> Solved:
         """See `PoseSolver.solve`; ``contacts`` then holds the contact found."""
         self._fix_elements(pose)
         solved = super().solve(pose)
@@ -55,7 +55,7 @@ class HalfSpacePoseSolver(PoseSolver):
     def _touch(self, wheel: int) -> None:
         self.contacts[wheel] = solve_into(self.wheels[wheel].model, self._solvers[wheel], self.contacts[wheel])
 
-    def _fix_elements(self, pose: StaticPose) -> None:
+    def _fix_elements(self, pose: Pose) -> None:
         """Elements for the deepest patch of every wheel, at the fast model's height."""
         self.contacts = [None] * len(self.wheels)
         self._solvers = [self.solver] * len(self.wheels)
@@ -66,7 +66,7 @@ class HalfSpacePoseSolver(PoseSolver):
             if element is not None:
                 self._solvers[i] = replace(self.solver, element=element)
 
-    def _height(self, pose: StaticPose, roll: float) -> float:
+    def _height(self, pose: Pose, roll: float) -> float:
         """See `PoseSolver._height`; starts from the fast model's height."""
         try:
             height = self._fast._height(pose, roll)

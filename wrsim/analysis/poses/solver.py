@@ -21,7 +21,7 @@ from wrsim.contact.status import REMARKS, status_words
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_pose import set_pose, wheel_wrench
 from wrsim.core.linalg import Frame, Vec
-from wrsim.scenario.cases import StaticPose
+from wrsim.scenario.cases import Pose
 
 Array = NDArray[np.float64]
 
@@ -79,7 +79,7 @@ class PoseSolver:
             self.force += force
             self.moment += moment
 
-    def solve(self, pose: StaticPose) -> Solved:
+    def solve(self, pose: Pose) -> Solved:
         """Height (and roll, with two wheels) for the pose's load. The models then hold the contact found."""
         try:
             roll = pose.roll if len(self.wheels) == 1 else self._balanced_roll(pose)
@@ -110,7 +110,7 @@ class PoseSolver:
             words.insert(0, f"{self.missed}: {self.force[2]:.6g} N instead of {load:.6g} N")
         return "; ".join(filter(None, words))
 
-    def _first_contact(self, pose: StaticPose, roll: float) -> float:
+    def _first_contact(self, pose: Pose, roll: float) -> float:
         """A height with contact, approached from above by the clearance between the profiles."""
         height = self.radius + 0.02 + abs(sin(roll)) * self.wheels[0].half_spacing
         lowest = height - 0.1
@@ -124,7 +124,7 @@ class PoseSolver:
                 break
         raise NoContact(f"no contact: at a lateral shift of {1e3 * pose.lateral:g} mm the wheel is beside its rail")
 
-    def _height(self, pose: StaticPose, roll: float) -> float:
+    def _height(self, pose: Pose, roll: float) -> float:
         """Height at which the vertical force is the load. The models then hold the contact there."""
 
         def excess(height: float) -> float:
@@ -145,7 +145,7 @@ class PoseSolver:
         excess(height)
         return height
 
-    def _balanced_roll(self, pose: StaticPose) -> float:
+    def _balanced_roll(self, pose: Pose) -> float:
         def moment(roll: float) -> float:
             self._height(pose, roll)
             return float(self.moment[0])

@@ -3,42 +3,149 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from wrsim.analysis.contacts import contact_models, wheels_on_rails
 from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
 from wrsim.analysis.poses.solver import PoseSolver
-from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, remarks_channel, wheel_channels
-from wrsim.errors import SimulationError
+from wrsim.contact.channels import (
+    RawContacts,
+    StripRecorder,
+    WheelOnRail,
+    patch_channels,
+    remarks_channel,
+    wheel_channels,
+)
+from wrsim.contact.model import ContactModel
+from wrsim.errors import InputError, SimulationError
+from wrsim.geometry.track.track import STANDARD_GAUGE
 from wrsim.results import Result, assemble
+from wrsim.scenario.cases import Pose, named
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
     from wrsim.scenario.sections.static import StaticPlan
 
 REPORT_INTERVAL = 0.1  # between two calls of the progress function [s]
+STANDARD_SPACING = 1.5
+"""Distance of the tape circles of wheelsets for standard gauge [m]."""
+
+Progress = Callable[[float, float], None]
 
 
-def run_static(setup: Setup[StaticPlan], progress: Callable[[float, float], None] | None = None) -> Result:
+def run_static(setup: Setup[StaticPlan], progress: Progress | None = None) -> Result:
     """Solve every pose of the plan. Poses without a solution carry a message; Ctrl-C keeps those already solved."""
     plan = setup.plan
     both = wheels_on_rails(setup, contact_models(setup, frictionless=not plan.rolling))
     wheels = both if plan.target == "wheelset" else tuple(w for w in both if w.name == plan.side)
     wheelset = setup.wheelset
     radius = wheelset.mean_radius if len(wheels) == 2 else getattr(wheelset, plan.side).radius
-    exact = setup.contact.normal == "half-space"
-    solver = (HalfSpacePoseSolver if exact else PoseSolver)(wheels, plan.rolling, radius)
-    n = len(plan.poses)
-    raw = RawContacts.empty(n, len(wheels), setup.contact.max_patches)
+    return _solved(wheels, plan.poses, plan.rolling, radius, setup.attributes, progress)
+
+
+def solve_poses(
+    model: ContactModel,
+    poses: Sequence[Pose],
+    *,
+    side: Literal["left", "right"] = "left",
+    gauge: float = STANDARD_GAUGE,
+    profile_spacing: float = STANDARD_SPACING,
+    rolling: bool = True,
+    title: str = "",
+    progress: Progress | None = None,
+) -> Result:
+    """Contact of one wheel on one rail at prescribed poses, each under its own vertical load.
+
+    The same as a scenario with ``analysis = "static"`` and ``target = "wheel"``, of profiles and settings that are at
+    hand in Python.
+
+    Parameters
+    ----------
+    model : ContactModel
+        The wheel on its rail, from `contact_model`.
+    poses : sequence of Pose
+        What is prescribed.
+    side : {"left", "right"}
+        Of the wheelset that the wheel is on.
+    gauge : float
+        Track gauge [m].
+    profile_spacing : float
+        Distance of the origins of both wheels' profiles, the tape circles [m].
+    rolling : bool
+        Whether the wheel rolls without slip at the tape circle. If not, the poses are frictionless.
+    title : str
+        For pictures and tables.
+    progress : callable, optional
+        Called some ten times a second with the fraction done and the seconds left.
+
+    Returns
+    -------
+    Result
+        Of kind ``"static"``. A pose without a solution carries a message in ``pose_message``.
+
+    Raises
+    ------
+    InputError
+        For a side that there is not, for poses without a load, for two poses of one name.
+    SimulationError
+        When none of the poses has a solution.
+
+    Examples
+    --------
+    >>> from wrsim import Pose, contact_model, load_profile, solve_poses
+    >>> rail = load_profile("rails/60E1.toml").inclined(1 / 40)
+    >>> model = contact_model(load_profile("wheels/S1002.toml"), rail, radius=0.46)
+    >>> result = solve_poses(model, [Pose(lateral=1e-3 * y, load=60e3) for y in (0, 3, 6)])
+    """
+    if side not in ("left", "right"):
+        raise InputError(f"side = {side!r:.40}: must be left or right")
+    if isinstance(poses, Pose) or not poses:
+        raise InputError("poses: must be a list of at least one Pose")
+    for pose in poses:
+        if not pose.load > 0.0:
+            raise InputError(f"pose '{pose.name}': load = {pose.load:g}: must be a vertical force above 0 N")
+    if not rolling:
+        model = replace(model, settings=replace(model.settings, tangential="none"))
+    outward, height = 0.5 * gauge - model.rail.gauge_point()[0], -model.rail.top[1]
+    wheel = WheelOnRail(model, 1 if side == "left" else -1, 0.5 * profile_spacing, (outward, height))
+
+    def attributes(stop_reason: str) -> dict[str, str | float | int]:
+        more = {"stop_reason": stop_reason} if stop_reason else {}
+        return {
+            "title": title or f"{model.wheel.name} on {model.rail.name}",
+            "analysis": "static",
+            "status": "stopped" if stop_reason else "completed",
+            "scenario_text": "# poses that were solved from Python: there is no scenario file\n",
+            **more,
+        }
+
+    return _solved((wheel,), named(poses), rolling, model.radius, attributes, progress)
+
+
+def _solved(
+    wheels: Sequence[WheelOnRail],
+    poses: Sequence[Pose],
+    rolling: bool,
+    radius: float,
+    attributes: Callable[[str], dict[str, str | float | int]],
+    progress: Progress | None,
+) -> Result:
+    """The result of poses; attributes: of the result, by the reason for which it has stopped."""
+    settings = wheels[0].model.settings
+    exact = settings.normal == "half-space"
+    solver = (HalfSpacePoseSolver if exact else PoseSolver)(wheels, rolling, radius)
+    n = len(poses)
+    raw = RawContacts.empty(n, len(wheels), settings.max_patches)
     strips = StripRecorder(wheels)
     heights, rolls, messages, remarks = np.full(n, np.nan), np.full(n, np.nan), [""] * n, [""] * n
     began = reported = time.perf_counter()
     done = 0
     try:
-        for i, pose in enumerate(plan.poses):
+        for i, pose in enumerate(poses):
             solved = solver.solve(pose)
             heights[i], rolls[i], messages[i], remarks[i] = solved.height, solved.roll, solved.message, solved.remark
             for j, wheel in enumerate(wheels):
@@ -59,7 +166,7 @@ def run_static(setup: Setup[StaticPlan], progress: Callable[[float, float], None
         progress(1.0, 0.0)
     if not np.isfinite(heights[:done]).any():
         raise SimulationError(f"none of the {done} poses has a solution; the first: {messages[0]}")
-    poses = plan.poses[:done]
+    poses = poses[:done]
     raw = raw.first(done)
     channels = {
         "load": np.array([p.load for p in poses]),
@@ -75,4 +182,4 @@ def run_static(setup: Setup[StaticPlan], progress: Callable[[float, float], None
     }
     reason = f"interrupted by the user after {done} of {n} poses" if done < n else ""
     coords = {"pose": [p.name for p in poses], "wheel": [w.name for w in wheels]}
-    return Result(assemble(coords, channels, setup.attributes(reason)))
+    return Result(assemble(coords, channels, attributes(reason)))

@@ -39,7 +39,7 @@ from wrsim.geometry.profile.sections import (
 from wrsim.geometry.profile.sections import Section as Piece
 from wrsim.geometry.profile.wear import Direction, Removal, worn
 from wrsim.inputs.checking import check, opened
-from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+from wrsim.inputs.lookup import Finder, model_file, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import Day, List, Source, Switch, Two, number, positive, text
 
@@ -400,15 +400,29 @@ class _AnyFile(Section):
 
 
 def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
-    """Read a profile from a TOML file of one of the kinds above, or from a file of points
-    (``.prw .prr .whl .ban .csv .txt .dat``).
+    """Read a wheel or rail profile.
 
-    kind: ``"wheel"`` or ``"rail"``. A TOML file says it itself, most files of points by their suffix (any other answer
-    is then an error); two columns need it unless wrsim wrote them.
+    Parameters
+    ----------
+    path : str or Path
+        A TOML file of one of the kinds of docs/profiles.md, or a file of points
+        (``.prw .prr .whl .ban .csv .txt .dat``); a name that is not found as it stands is looked up among the models:
+        ``"rails/60E1.toml"``.
+    kind : {"wheel", "rail"}, optional
+        A TOML file says it itself, most files of points by their suffix (any other answer is then an error); two
+        columns need it unless wrsim wrote them.
 
-    Raises InputError, with all faults of a TOML file at once: file, line, key, value, what is allowed.
+    Returns
+    -------
+    Profile
+        A rail stands upright: ``inclined(1 / 40)`` inclines it.
+
+    Raises
+    ------
+    InputError
+        With all faults of a TOML file at once: file, line, key, value, what is allowed.
     """
-    path = Path(path)
+    path = model_file(path)
     if path.suffix.lower() != ".toml":
         return read_profile(path, kind)
     model = _read_toml(path, kind)
@@ -430,7 +444,7 @@ def load_points(path: str | Path, kind: Kind | None = None) -> Reading | None:
 
     Parameters and errors as for `load_profile`.
     """
-    path = Path(path)
+    path = model_file(path)
     if path.suffix.lower() != ".toml":
         return read_points(path, kind)
     model = _read_toml(path, kind)

@@ -92,12 +92,32 @@ class Track:
         rounding: float = ROUNDING,
         **options: Any,
     ) -> Track:
-        """Lay the segments one behind the other.
+        """Lay segments one behind the other.
 
-        gauge: nominal gauge [m]. rounding: half length over which the kinks of cant and gauge at joints are rounded
-        [m]. options: as `lay` takes them.
+        Parameters
+        ----------
+        segments : sequence of Straight, Arc or Transition
+        gauge : float
+            Nominal gauge [m].
+        rounding : float
+            Half length over which the kinks of cant and gauge at joints are rounded [m].
+        **options
+            As `lay` takes them: grades, irregularities, cant_base, ...
 
-        Raises InputError naming segment, key, value and what is allowed.
+        Returns
+        -------
+        Track
+
+        Raises
+        ------
+        InputError
+            Naming segment, key, value and what is allowed.
+
+        Examples
+        --------
+        >>> from wrsim import Arc, Straight, Track, Transition
+        >>> track = Track.build([Straight(30.0), Transition(40.0), Arc(120.0, radius=300.0, cant=0.06)])
+        >>> track.curvature([0.0, 100.0])
         """
         within("track", "gauge_mm", gauge, 0.3, 3.0, 1e3)
         within("track", "rounding_m", rounding, 1e-3, 20.0)
@@ -172,6 +192,11 @@ class Track:
             right_curve=right,
             elasticity=elasticity,
         )
+
+    def __repr__(self) -> str:
+        pieces = ", ".join(f"{f.label} {f.start:g}..{f.end:g} m" for f in self.features())
+        uneven = ", with irregularities" if self.is_uneven else ""
+        return f"Track({self.length:g} m, gauge {1e3 * self.nominal_gauge:g} mm: {pieces}{uneven})"
 
     @property
     def length(self) -> float:

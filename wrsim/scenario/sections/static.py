@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, Switch, text, words
-from wrsim.scenario.cases import MOST_POSES, Lateral, Load, Roll, StaticPose, Yaw, grid_of_poses, read_cases
+from wrsim.scenario.cases import MOST_POSES, Lateral, Load, Pose, Roll, Yaw, grid_of_poses, read_cases
 from wrsim.scenario.sections.table import Given, PlanTable
 
 GRID = ("lateral_mm", "yaw_mrad", "load_kN", "roll_mrad")
@@ -25,7 +25,7 @@ class StaticPlan:
     target: Literal["wheel", "wheelset"]
     side: Literal["left", "right"]
     rolling: bool
-    poses: tuple[StaticPose, ...]
+    poses: tuple[Pose, ...]
     files: tuple[Path, ...] = ()
 
     def facts(self) -> dict[str, Any]:

@@ -1,0 +1,216 @@
+"""The names of the package itself: they are documented, quick to import, and do what the page says."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+from support.synthetic_result import curve_run, static_poses
+
+import wrsim
+from wrsim import ContactSettings, InputError, Pose, Result, contact_model, load_profile, solve_poses
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs" / "python.md"
+SHIFTS = (0.0, 3.0, 6.0)
+FIRST = float(curve_run()["snapshot_distance"].values[0])
+"""Place of the first kept patches [m]."""
+
+
+@pytest.fixture(scope="module", params=["kik-piotrowski", "strips"])
+def study(request: pytest.FixtureRequest) -> Result:
+    """A right wheel at three shifts."""
+    rail = load_profile("rails/60E1.toml").inclined(1 / 40)
+    model = contact_model(load_profile("wheels/S1002.toml"), rail, 0.46, ContactSettings(normal=request.param))
+    return solve_poses(model, [Pose(lateral=1e-3 * y, yaw=2e-3, load=60e3) for y in SHIFTS], side="right")
+
+
+@pytest.fixture(scope="module")
+def curve() -> Result:
+    """A run that nobody ran."""
+    return Result(curve_run())
+
+
+def test_the_page_lists_exactly_the_public_names() -> None:
+    rows = [line.split("|")[1] for line in PAGE.read_text().splitlines() if line.startswith("| `")]
+    listed = {name for row in rows for name in re.findall(r"`(\w+)`", row)}
+    assert listed == set(wrsim.__all__) - {"__version__"}
+
+
+def test_type_checkers_are_told_the_same_names_from_the_same_places() -> None:
+    stub = ast.parse((ROOT / "wrsim" / "__init__.pyi").read_text())
+    told = {n.asname: (i.module, n.name) for i in stub.body if isinstance(i, ast.ImportFrom) for n in i.names}
+    assert told == {name: (home, name) for name, home in wrsim._HOMES.items()}
+    assert (ROOT / "wrsim" / "py.typed").exists()
+
+
+@pytest.mark.parametrize("name", [name for name in wrsim.__all__ if name != "__version__"])
+def test_every_public_name_says_what_it_is(name: str) -> None:
+    thing = getattr(wrsim, name)
+    assert thing.__doc__, name
+    if not isinstance(thing, type) and callable(thing):
+        assert all(f"{part}\n    ----" in thing.__doc__ for part in ("Parameters", "Returns", "Raises")), name
+
+
+def test_importing_the_package_imports_nothing_heavy() -> None:
+    code = "import sys, wrsim; print([m for m in ('numpy', 'numba', 'xarray', 'matplotlib') if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_a_wheel_carries_its_load_and_its_patch_adds_up_to_its_normal_force(study: Result) -> None:
+    np.testing.assert_allclose(study.dataset["Q"].values.ravel(), 60e3, rtol=1e-6)
+    for shift in SHIFTS:
+        found = []
+        for columns in (51, 101, 201):
+            patch = study.patch(f"y{shift:+g}", columns=columns)
+            dx = float(patch.x[1] - patch.x[0])
+            found.append(abs(float((patch.p.sum("x") * dx * patch.strip_ds).sum()) / float(patch.N) - 1.0))
+        # the trapezoidal rule on a semi-ellipse converges with the power 1.5 of the columns' distance; its ends lie
+        # anywhere between two columns
+        assert found[0] < 2e-3, "of the normal force, 51 columns"
+        assert found[2] < 0.5 * found[0] < 1e-3
+
+
+def test_poses_in_python_are_those_of_a_scenario(study: Result, request: pytest.FixtureRequest) -> None:
+    scenario = wrsim.load(ROOT / "scenarios/static_s1002.toml").with_values(
+        {"static.side": "right", "static.lateral_mm": list(SHIFTS), "static.yaw_mrad": 2, "static.load_kN": 60}
+    )
+    normal = request.node.callspec.params["study"]
+    changes = {
+        "vehicle.radius_mm": 460,
+        "contact": {"normal": normal},
+        "track.gauge_mm": 1435,
+        "track.inclination": "1:40",
+    }
+    same = wrsim.run(scenario.with_values(changes))
+    assert list(same.dataset["pose"].values) == list(study.dataset["pose"].values) == ["y+0", "y+3", "y+6"]
+    for name in ("N", "p0", "contact_angle", "Fy", "strip_p"):
+        np.testing.assert_allclose(study.dataset[name], same.dataset[name], rtol=1e-9, err_msg=name)
+
+
+def test_patches_of_the_exact_solver_have_their_elements() -> None:
+    dataset = static_poses((0.0,), (0.0,), ("left",), 24e3)
+    strips = dataset["strip_p"]
+    dims = (*strips.dims, "column")
+    shape = (*strips.shape, 4)
+    x = np.full((*strips.shape[:-1], 4), np.nan)
+    x[..., :3] = [-1e-3, 0.0, 1e-3]
+    numbers = {"p": 7.0, "qx": 8.0, "qs": 9.0}
+    fields = {f"element_{name}": (dims, np.full(shape, value)) for name, value in numbers.items()}
+    patch = Result(dataset.assign(fields | {"element_x": ((*strips.dims[:-1], "column"), x)})).patch(
+        str(dataset["pose"].values[0])
+    )
+    assert patch.p.dims == ("s", "x") and patch.sizes["x"] == 3
+    assert (patch.p == 7.0).all() and (patch.qx == 8.0).all() and (patch.qs == 9.0).all()
+
+
+def test_a_patch_of_a_run_is_the_one_of_the_nearest_kept_moment(curve: Result) -> None:
+    patch = curve.patch(FIRST + 0.4, "right")
+    assert patch.attrs["distance_m"] == pytest.approx(FIRST)
+    assert patch.p.attrs["units"] == "Pa" and patch.s.attrs["units"] == "m"
+    assert np.all(np.diff(patch.s) > 0.0)
+    at = int(np.argmin(np.abs(curve.dataset["time"].values - curve.dataset["snapshot_time"].values[0])))
+    assert float(patch.p0) == float(curve.wheelset()["p0"].sel(wheel="right")[at, 0])
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        (lambda r: r.patch(1e6, "left"), r"at 1000000\.0: no patches are kept within 1 m .*there are \d"),
+        (lambda r: r.patch(60.0), "choose a wheel: left, right"),
+        (lambda r: r.patch(60.0, "rigth"), r"wheel = 'rigth': .*did you mean 'right'.*: left, right"),
+        (lambda r: r.patch("here", "left"), "must be a distance in m"),
+        (
+            lambda r: r.patch(FIRST, "left", number=9),
+            "number = 9: the left wheel has",
+        ),
+        (lambda r: r.wheelset("front"), "no wheelset is called 'front'.*there are wheelset"),
+        (lambda r: r.plot("Yq"), "neither a picture nor a channel.*pictures: overview.*channels: .*Y"),
+        (lambda r: r.to_dataframe("front"), "no wheelset is called 'front'"),
+        (lambda r: load_profile("rails/60E11.toml"), r'not found in .*did you mean "rails/60E1.toml"'),
+        (lambda r: wrsim.load_vehicle("vehicles/manchester.toml"), 'did you mean "vehicles/manchester_1.toml"'),
+    ],
+)
+def test_what_is_not_there_is_told_in_one_line_with_what_there_is(asked, told: str, curve: Result) -> None:
+    with pytest.raises(InputError, match=told) as found:
+        asked(curve)
+    assert "\n" not in str(found.value)
+
+
+def test_poses_that_cannot_be_are_refused() -> None:
+    wheel, rail = load_profile("wheels/S1002.toml"), load_profile("rails/60E1.toml")
+    with pytest.raises(InputError, match="'60E1' is a rail; a wheel is needed"):
+        contact_model(rail, rail, 0.46)
+    with pytest.raises(InputError, match=r"normal = 'strip': must be one of .*did you mean 'strips'"):
+        contact_model(wheel, rail, 0.46, ContactSettings(normal="strip"))  # type: ignore[arg-type]
+    model = contact_model(wheel, rail, 0.46)
+    for given, told in (
+        ([], "at least one"),
+        ([Pose("a")], "pose 'a': load = 0: must be"),
+        ([Pose("a", load=1e3), Pose("a", load=2e3)], "pose 'a': there are two of this name"),
+    ):
+        with pytest.raises(InputError, match=told):
+            solve_poses(model, given)
+    with pytest.raises(InputError, match="side = 'middle': must be left or right"):
+        solve_poses(model, [Pose(load=1e3)], side="middle")  # type: ignore[arg-type]
+
+
+def test_a_result_draws_its_standard_pictures_and_any_channel(curve: Result, study: Result) -> None:
+    assert curve.pictures[0] == "overview"
+    drawn = curve.plot("Y", "lateral_shift")
+    assert isinstance(drawn, Figure) and drawn._repr_png_().startswith(b"\x89PNG")
+    labels = [axes.get_ylabel() for axes in drawn.axes]
+    assert any("Lateral force" in label for label in labels) and any("Lateral shift" in label for label in labels)
+    assert [axes.get_ylabel() for axes in study.plot("Q").axes] == ["Vertical force $Q$ [kN]"]
+    assert isinstance(study.plot(), Figure)
+
+
+def test_the_data_frame_says_its_units(curve: Result) -> None:
+    table = curve.to_dataframe()
+    np.testing.assert_allclose(table["Y_wheelset_left_kN"], curve.dataset["Y"].sel(wheel="left")[:, 0] / 1e3)
+    assert table.attrs["units"]["Y_wheelset_left_kN"] == "kN"
+    assert "Y_left_kN" in curve.to_dataframe("wheelset")
+
+
+def test_a_result_introduces_itself(curve: Result, study: Result) -> None:
+    words = repr(curve)
+    peak = curve.summary()["wheelsets"]["wheelset"]["wheels"]["left"]["Q_max_kN"]["value"]
+    assert curve.title in words and f"{peak:.4g}" in words and "completed" in words
+    assert "3 poses" in repr(study) and "y+3" in repr(study)
+    stopped = Result(curve_run(stopped=True))
+    assert stopped.stop_reason in repr(stopped)
+    for result in (curve, study, stopped):
+        assert max(map(len, repr(result).splitlines())) < 160
+
+
+def test_the_card_for_notebooks_escapes_what_users_wrote() -> None:
+    dataset = curve_run()
+    dataset.attrs["title"] = "<script>alert('x')</script> & more"
+    card = Result(dataset)._repr_html_()
+    assert "<script>" not in card and "&lt;script&gt;" in card and "&amp; more" in card
+
+
+def test_what_is_put_together_introduces_itself_in_one_line() -> None:
+    rail = load_profile("rails/60E1.toml").inclined(1 / 40)
+    things = [
+        (contact_model(load_profile("wheels/S1002.toml"), rail, 0.46), "S1002 on 60E1"),
+        (wrsim.load_vehicle("vehicles/manchester_1.toml"), "4 wheelsets, 3 bodies"),
+        (wrsim.Track.build([wrsim.Straight(30.0), wrsim.Arc(20.0, radius=-300.0)]), "R 300 m right 30..50 m"),
+        (wrsim.load(ROOT / "scenarios/curve_r300.toml"), "curving"),
+    ]
+    for thing, words in things:
+        assert words in repr(thing) and "\n" not in repr(thing) and len(repr(thing)) < 160
+
+
+def test_a_result_with_no_contacts_still_introduces_itself() -> None:
+    dataset = static_poses((0.0,), (0.0,), ("left",), 24e3)
+    bare = dataset.drop_vars([name for name in dataset.data_vars if str(name) in ("Y", "Q", "Y_over_Q", "p0")])
+    assert isinstance(bare, xr.Dataset) and "1 pose\n" in repr(Result(bare))
