@@ -8,20 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
-from wrsim.core.contact.strips.influence import (
-    F_SERIES,
-    FAR,
-    LARGE,
-    NODES,
-    PHI_SERIES,
-    PSI_SERIES,
-    SMALL,
-    TABLE_ROWS,
-)
+from wrsim.core.contact.strips.influence import CUTS, LOWEST, PIECES
 
 Array = NDArray[np.float64]
 
-TERMS = 4
 CANCELS = 40.0  # beyond, K - E loses digits and the asymptotic series has them all
 
 
@@ -36,34 +26,19 @@ def potential(t: Array) -> Array:
 
 @cache
 def influence_table() -> Array:
-    """(TABLE_ROWS, 4), see `core.contact.strips.influence`."""
-    table = np.zeros((TABLE_ROWS, 4))
-    small = np.geomspace(1e-4, 1.3 * SMALL, 400)
-    powers = np.column_stack([small ** (2 * i) for i in range(TERMS)])
-    basis = np.hstack([powers, powers * np.log(small)[:, None]])
-    f = np.linalg.lstsq(basis, potential(small), rcond=None)[0].reshape(2, TERMS)
-    g = np.linalg.lstsq(basis, potential(small) / (1.0 + small**2), rcond=None)[0].reshape(2, TERMS)
-    odd = 2.0 * np.arange(TERMS) + 1.0
-    # int t^(2i) (A + L ln t) = t^(2i+1) (A/(2i+1) - L/(2i+1)^2 + L ln t/(2i+1))
-    phi, psi = (np.stack([c[0] / odd - c[1] / odd**2, c[1] / odd]) for c in (f, g))
-    table[F_SERIES : F_SERIES + 2] = f
-    table[PHI_SERIES : PHI_SERIES + 2] = phi
-    table[PSI_SERIES : PSI_SERIES + 2] = psi
-    share = np.arange(NODES) / NODES
-    t = share / (1.0 - share)
-    first = int(np.ceil(0.8 * SMALL / (1.0 + 0.8 * SMALL) * NODES))
-    start = t[first] ** (2 * np.arange(TERMS))
-    value = [t[first] * float(c @ start @ [1.0, np.log(t[first])]) for c in (phi, psi)]
+    """(PIECES, 8), see `core.contact.strips.influence`: cubics through values and slopes at the ends of the pieces."""
+    number = np.arange(PIECES + 1)
+    t = np.ldexp(1.0 + (number & ((1 << CUTS) - 1)) / 2.0**CUTS, LOWEST + (number >> CUTS))
     x, w = np.polynomial.legendre.leggauss(8)
-    for i in range(first, NODES):
-        if i > first:
-            half = 0.5 * (t[i] - t[i - 1])
-            at = t[i - 1] + half * (1.0 + x)
-            value[0] += half * float(w @ potential(at))
-            value[1] += half * float(w @ (potential(at) / (1.0 + at**2)))
-        slope = float(potential(t[i])) * (1.0 + t[i]) ** 2 / NODES
-        table[i] = value[0], slope, value[1], slope / (1.0 + t[i] ** 2)
-    i = int(LARGE / (1.0 + LARGE) * NODES)
-    table[FAR, 0] = table[i, 0] - 0.5 * np.pi * (np.log(t[i]) + 0.0625 / t[i] ** 2)
-    table[FAR, 1] = table[i, 2] + 0.25 * np.pi / t[i] ** 2 * (1.0 - 0.5625 / t[i] ** 2)
-    return table
+    half = 0.5 * np.diff(t)
+    at = t[:-1, None] + half[:, None] * (1.0 + x)
+    f, first = potential(at), t[0] * 2.0 * np.log(4.0 / t[0])  # f(1, t) = 2 ln(4/t) - 2 for small t
+    table = []
+    for integral, slope in (
+        (f @ w * half, potential(t)),
+        (f / (1.0 + at**2) @ w * half, potential(t) / (1.0 + t**2)),
+    ):
+        value = np.concatenate([[first], first + np.cumsum(integral)])
+        rise = 2.0 * half * slope[:-1], 2.0 * half * slope[1:]
+        table += [value[:-1], rise[0], 3.0 * integral - 2.0 * rise[0] - rise[1], rise[0] + rise[1] - 2.0 * integral]
+    return np.ascontiguousarray(np.transpose(table))

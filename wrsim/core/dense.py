@@ -17,11 +17,24 @@ def factorise(a, n, pivot):
                 a[c, j], a[p, j] = a[p, j], a[c, j]
         inverse = 1.0 / a[c, c] if a[c, c] != 0.0 else 0.0
         for i in range(c + 1, n):
-            f = a[i, c] * inverse
-            a[i, c] = f
-            if f != 0.0:
+            a[i, c] *= inverse
+        i = c + 1
+        while i < n - 3:
+            # four rows at once: each number of the pivot's row is read once for all
+            f0, f1, f2, f3 = a[i, c], a[i + 1, c], a[i + 2, c], a[i + 3, c]
+            if f0 != 0.0 or f1 != 0.0 or f2 != 0.0 or f3 != 0.0:
                 for j in range(c + 1, n):
-                    a[i, j] -= f * a[c, j]
+                    upper = a[c, j]
+                    a[i, j] -= f0 * upper
+                    a[i + 1, j] -= f1 * upper
+                    a[i + 2, j] -= f2 * upper
+                    a[i + 3, j] -= f3 * upper
+            i += 4
+        while i < n:
+            f0 = a[i, c]
+            for j in range(c + 1, n):
+                a[i, j] -= f0 * a[c, j]
+            i += 1
 
 
 @kernel

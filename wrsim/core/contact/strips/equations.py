@@ -8,14 +8,14 @@ from math import sqrt
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.grid import place_strips
-from wrsim.core.contact.strips.influence import potential, primitives
-from wrsim.core.contact.strips.records import EDGES, FACTORS, F, X
+from wrsim.core.contact.strips.influence import potential, pressed_by, primitives
+from wrsim.core.contact.strips.records import CURVE, EDGES, FACTORS, FADING, FROM, INVERSE, PUSH, TO, F, X
 
 EDGE_RATIO = 0.84  # of a^2 in the two outer strips, over what a parabola would give: Hertz's ellipses keep their width
 LEAST_DEPTH = 1e-8  # for the longest half length [m]
 LESS = 0.1  # weight of an edge's misfit
 EVENNESS = 0.005  # weight with which neighbouring factors are kept alike
-FADING = 0.8  # exponent, as in contact.half_space.zones
+WEAKENING = 0.8  # exponent, as in contact.half_space.zones
 
 
 @inlined
@@ -39,22 +39,32 @@ def factor_of(place):
 
 
 @kernel
+def set_fading(system):
+    """Write how much of the influence of each grid reaches each other one, by the distance of the places where they may
+    touch."""
+    memo, grids = system.memo[0], system.grids
+    for i in range(memo.grids):
+        for j in range(memo.grids):
+            one, other = grids[i], grids[j]
+            along = max(max(one.least - other.most, other.least - one.most), 0.0)
+            across = max(abs(one.x - other.x) - one.reach - other.reach, 0.0)
+            apart = sqrt(along * along + across * across)
+            share = (memo.apart - apart) / (memo.apart - memo.together)
+            part = 1.0 if share >= 1.0 or i == j else max(share, 0.0) ** WEAKENING
+            system.vectors[FADING, i * memo.grids + j] = part
+
+
+@inlined
 def fading(system, i, j):
-    """How much of the influence of grid i reaches grid j, by the distance of the places where they may touch."""
-    if i == j:
-        return 1.0
-    memo, one, other = system.memo[0], system.grids[i], system.grids[j]
-    along = max(max(one.least - other.most, other.least - one.most), 0.0)
-    across = max(abs(one.x - other.x) - one.reach - other.reach, 0.0)
-    apart = sqrt(along * along + across * across)
-    share = (memo.apart - apart) / (memo.apart - memo.together)
-    return 1.0 if share >= 1.0 else max(share, 0.0) ** FADING
+    """How much of the influence of grid i reaches grid j: nothing if i is out of contact."""
+    return system.vectors[FADING, i * system.memo[0].grids + j] if system.grids[i].on else 0.0
 
 
 @kernel
 def set_amplitudes(system, n):
     """Amplitudes of the strips and the weights of their curvatures, from the unknowns."""
-    memo, places, x = system.memo[0], system.places, system.vectors[X]
+    memo, places, vectors = system.memo[0], system.places, system.vectors
+    x = vectors[X]
     for g in range(memo.grids):
         grid = system.grids[g]
         force = 0.0
@@ -62,7 +72,7 @@ def set_amplitudes(system, n):
         for j in range(n):
             place = places[g * n + j]
             place.q = place.weight = place.y = 0.0
-            place.over = 1.0
+            place.over = inverse = 1.0
             if grid.on and x[base + j] > 0.0:
                 most = longest(place)
                 place.y = min(x[base + j], most)
@@ -71,7 +81,13 @@ def set_amplitudes(system, n):
                 k = (1.0 - r) * x[base + n + f] + r * x[base + n + f + 1]
                 place.q = 0.5 * memo.modulus * place.bend * k * place.over
                 place.weight = place.q * place.y * (place.hi - place.lo)
+                inverse = 1.0 / sqrt(place.y)
                 force += place.weight
+            vectors[FROM, g * n + j] = place.lo
+            vectors[TO, g * n + j] = place.hi
+            vectors[INVERSE, g * n + j] = inverse
+            vectors[PUSH, g * n + j] = place.q * place.y
+            vectors[CURVE, g * n + j] = place.q
         if force > 0.0:
             for j in range(n):
                 places[g * n + j].weight /= force
@@ -90,30 +106,15 @@ def lay_strips(system, n):
 
 
 @kernel
-def pressed(system, n, g, target):
-    """Displacement at a place of grid g and its curvature, both times pi E*, under all strips."""
-    places, table = system.places, system.table
+def pressed(system, n, g, s):
+    """Displacement at a place s of grid g and its curvature, both times pi E*, under all strips."""
     u = c = 0.0
     for h in range(system.memo[0].grids):
-        if not system.grids[h].on:
-            continue
         part = fading(system, h, g)
-        if part == 0.0:
-            continue
-        for j in range(h * n, (h + 1) * n):
-            place = places[j]
-            if place.y <= 0.0:
-                continue
-            inverse = 1.0 / sqrt(place.y)
-            lo, hi = (place.lo - target.s) * inverse, (place.hi - target.s) * inverse
-            p0, c0 = primitives(table, abs(lo))
-            p1, c1 = primitives(table, abs(hi))
-            if lo < 0.0:
-                p0, c0 = -p0, -c0
-            if hi < 0.0:
-                p1, c1 = -p1, -c1
-            u += part * place.q * place.y * (p1 - p0)
-            c += part * place.q * (c1 - c0)
+        if part > 0.0:
+            own_u, own_c = pressed_by(system.table, system.vectors, h * n, (h + 1) * n, s)
+            u += part * own_u
+            c += part * own_c
     return u, c
 
 
@@ -138,7 +139,7 @@ def residuals(system, n, held):
         own = base + n
         for j in range(n):
             place = places[g * n + j]
-            u, c = pressed(system, n, g, place)
+            u, c = pressed(system, n, g, place.s)
             place.gap = (u / memo.stiffness - place.d) / memo.deepest
             place.miss = c / (memo.stiffness * place.bend) - 1.0
             if place.y <= 0.0:
@@ -184,122 +185,151 @@ def edge_wish(places, first, n, side):
 
 
 @kernel
+def _press_row(system, n, g, i, held):
+    """Derivatives of displacement and curvature at strip i of grid g by all unknowns, through the strips, to
+    ``matrix``."""
+    memo, places, table, m = system.memo[0], system.places, system.table, system.matrix
+    block = block_of(n)
+    unit = 1.0 / (memo.stiffness * memo.deepest)
+    at = places[g * n + i]
+    s = at.s
+    row = g * block + i
+    f, r = factor_of(at)
+    w = g * block + n + f
+    scale = at.weight / (memo.stiffness * at.bend)
+    s0, s1 = (1.0 - r) * scale, r * scale
+    by_s_u = by_s_c = 0.0
+    for h in range(memo.grids):
+        part = fading(system, h, g)
+        if part == 0.0:
+            continue
+        base = h * block
+        start_u = start_c = end_u = end_c = 0.0
+        for j in range(n):
+            place = places[h * n + j]
+            if place.y <= 0.0:
+                continue
+            inverse = 1.0 / place.root
+            lo, hi = (place.lo - s) * inverse, (place.hi - s) * inverse
+            t0, t1 = abs(lo), abs(hi)
+            p0, c0 = primitives(table, t0)
+            p1, c1 = primitives(table, t1)
+            f0, f1 = potential(table, t0), potential(table, t1)
+            g0, g1 = f0 / (1.0 + t0 * t0), f1 / (1.0 + t1 * t1)
+            if lo < 0.0:
+                p0, c0 = -p0, -c0
+            if hi < 0.0:
+                p1, c1 = -p1, -c1
+            u, c = part * place.y * (p1 - p0), part * (c1 - c0)
+            du = part * ((p1 - p0) - 0.5 * (hi * f1 - lo * f0))
+            dc = -0.5 * part * (hi * g1 - lo * g0) / place.y
+            # by a^2, or by the amplitude where a^2 is as large as can be
+            more_u, more_c = (u, c) if place.over > 1.0 else (place.y * du, place.y * dc)
+            more = place.q / (place.y * place.over)
+            column = base + j
+            m[row, column] = unit * more * more_u
+            if held:
+                continue
+            m[w, column] += s0 * more * more_c
+            m[w + 1, column] += s1 * more * more_c
+            fj, rj = factor_of(place)
+            k = base + n + fj
+            by_u, by_c = unit * place.half * u, place.half * c
+            m[row, k] += (1.0 - rj) * by_u
+            m[row, k + 1] += rj * by_u
+            m[w, k] += s0 * (1.0 - rj) * by_c
+            m[w, k + 1] += s0 * rj * by_c
+            m[w + 1, k] += s1 * (1.0 - rj) * by_c
+            m[w + 1, k + 1] += s1 * rj * by_c
+            # by the ends of the strip, over pi E*, and by its middle
+            at_end, at_end_c = part * place.q * place.root, part * place.q * inverse
+            u0, u1, v0, v1 = at_end * f0, at_end * f1, at_end_c * g0, at_end_c * g1
+            mid_u = place.q * (u * place.lean + place.growing * (place.y * du - u))
+            mid_c = place.q * (c * place.lean + place.growing * (place.y * dc - c))
+            start_u += u1 * place.hi_start - u0 * place.lo_start + mid_u * place.mid_start
+            start_c += v1 * place.hi_start - v0 * place.lo_start + mid_c * place.mid_start
+            end_u += u1 * place.hi_end - u0 * place.lo_end + mid_u * place.mid_end
+            end_c += v1 * place.hi_end - v0 * place.lo_end + mid_c * place.mid_end
+            by_s_u += u0 - u1
+            by_s_c += v0 - v1
+        if held:
+            continue
+        e = base + n + FACTORS
+        _add_edges(m, row, e, unit * start_u, unit * end_u)
+        _add_edges(m, w, e, s0 * start_c, s0 * end_c)
+        _add_edges(m, w + 1, e, s1 * start_c, s1 * end_c)
+    if not held:
+        e = g * block + n + FACTORS
+        _add_edges(m, row, e, unit * by_s_u * at.mid_start, unit * by_s_u * at.mid_end)
+        _add_edges(m, w, e, s0 * by_s_c * at.mid_start, s0 * by_s_c * at.mid_end)
+        _add_edges(m, w + 1, e, s1 * by_s_c * at.mid_start, s1 * by_s_c * at.mid_end)
+
+
+@inlined
+def _add_edges(m, row, e, by_start, by_end):
+    """Add derivatives by both edges to a row."""
+    m[row, e] += by_start
+    m[row, e + 1] += by_end
+
+
+@kernel
+def _own_row(system, n, g, i):
+    """Derivatives of the geometry at strip i of grid g, and of its weight in the means of the curvature, to
+    ``matrix``."""
+    m, at = system.matrix, system.places[g * n + i]
+    row = g * block_of(n) + i
+    e = g * block_of(n) + n + FACTORS
+    f, r = factor_of(at)
+    w = g * block_of(n) + n + f
+    moment, width, deepest = at.weight * at.miss, at.hi - at.lo, system.memo[0].deepest
+    _add_edges(m, row, e, -at.d_s * at.mid_start / deepest, -at.d_s * at.mid_end / deepest)
+    lean = (moment - at.weight * (at.miss + 1.0)) * at.lean
+    start = lean * at.mid_start + moment * (at.hi_start - at.lo_start) / width
+    end = lean * at.mid_end + moment * (at.hi_end - at.lo_end) / width
+    share = at.half / at.q
+    for b in range(2):
+        part = 1.0 - r if b == 0 else r
+        _add_edges(m, w + b, e, part * start, part * end)
+        m[w + b, row] += part * moment / (at.y * at.over)
+        m[w + b, w] += part * moment * share * (1.0 - r)
+        m[w + b, w + 1] += part * moment * share * r
+
+
+@kernel
 def jacobian(system, n, held):
     """Derivatives of all equations by all unknowns to ``matrix``, for the state of the last ``residuals``."""
-    memo, places, grids, table = system.memo[0], system.places, system.grids, system.table
+    memo, places, grids = system.memo[0], system.places, system.grids
     m = system.matrix
     block = block_of(n)
     size = memo.grids * block
     m[:size, :size] = 0.0
-    unit = 1.0 / (memo.stiffness * memo.deepest)
-    for h in range(memo.grids):
-        source, base = grids[h], h * block
-        if not source.on:
-            for i in range(block):
-                m[base + i, base + i] = 1.0
+    for g in range(memo.grids):
+        base = g * block
+        if not grids[g].on:
+            for i in range(base, base + block):
+                m[i, i] = 1.0
             continue
         for j in range(n):
-            place = places[h * n + j]
-            column = base + j
+            place = places[g * n + j]
             if place.y <= 0.0:
-                m[column, column] = 1.0
+                m[base + j, base + j] = 1.0
                 continue
-            fj, rj = factor_of(place)
-            k0 = base + n + fj
-            a = sqrt(place.y)
-            inverse = 1.0 / a
-            half = 0.5 * memo.modulus * place.bend * place.over
-            full = place.over > 1.0
-            growing = place.d_s / max(place.d, LEAST_DEPTH) - place.bend_s / place.bend if full else 0.0
-            lean = place.bend_s / place.bend
-            mid_start, mid_end = 0.5 * (place.lo_start + place.hi_start), 0.5 * (place.lo_end + place.hi_end)
-            width = place.hi - place.lo
-            for g in range(memo.grids):
-                target = grids[g]
-                if not target.on:
-                    continue
-                part = fading(system, h, g)
-                if part == 0.0:
-                    continue
-                there = g * block
-                e_source, e_target = base + n + FACTORS, there + n + FACTORS
-                for i in range(n):
-                    at = places[g * n + i]
-                    if at.y <= 0.0:
-                        continue
-                    lo, hi = (place.lo - at.s) * inverse, (place.hi - at.s) * inverse
-                    t0, t1 = abs(lo), abs(hi)
-                    p0, c0 = primitives(table, t0)
-                    p1, c1 = primitives(table, t1)
-                    f0, f1 = potential(table, t0), potential(table, t1)
-                    g0, g1 = f0 / (1.0 + t0 * t0), f1 / (1.0 + t1 * t1)
-                    if lo < 0.0:
-                        p0, c0 = -p0, -c0
-                    if hi < 0.0:
-                        p1, c1 = -p1, -c1
-                    u = part * place.y * (p1 - p0)
-                    c = part * (c1 - c0)
-                    du = part * ((p1 - p0) - 0.5 * (hi * f1 - lo * f0))
-                    dc = -0.5 * part * (hi * g1 - lo * g0) / place.y
-                    # by the ends of the strip, over pi E*
-                    u0, u1 = part * place.q * a * f0, part * place.q * a * f1
-                    v0, v1 = part * place.q * g0 * inverse, part * place.q * g1 * inverse
-                    # by a^2, or by the amplitude where a^2 is as large as can be
-                    more_u = u / place.y if full else du
-                    more_c = c / place.y if full else dc
-                    more_u, more_c = more_u / place.over, more_c / place.over
-                    row = there + i
-                    m[row, column] += unit * place.q * more_u
-                    if held:
-                        continue
-                    m[row, k0] += unit * u * half * (1.0 - rj)
-                    m[row, k0 + 1] += unit * u * half * rj
-                    fi, ri = factor_of(at)
-                    w0 = there + n + fi
-                    scale = at.weight / (memo.stiffness * at.bend)
-                    s0, s1 = (1.0 - ri) * scale, ri * scale
-                    m[w0, column] += s0 * more_c * place.q
-                    m[w0 + 1, column] += s1 * more_c * place.q
-                    by_k = c * half
-                    m[w0, k0] += s0 * by_k * (1.0 - rj)
-                    m[w0, k0 + 1] += s0 * by_k * rj
-                    m[w0 + 1, k0] += s1 * by_k * (1.0 - rj)
-                    m[w0 + 1, k0 + 1] += s1 * by_k * rj
-                    for side in range(2):
-                        by_lo, by_hi, by_mid = place.lo_start, place.hi_start, mid_start
-                        at_mid = 0.5 * (at.lo_start + at.hi_start)
-                        if side == 1:
-                            by_lo, by_hi, by_mid = place.lo_end, place.hi_end, mid_end
-                            at_mid = 0.5 * (at.lo_end + at.hi_end)
-                        move_u = u1 * by_hi - u0 * by_lo
-                        move_c = v1 * by_hi - v0 * by_lo
-                        move_u += place.q * (u * lean + growing * (place.y * du - u)) * by_mid
-                        move_c += place.q * (c * lean + growing * (place.y * dc - c)) * by_mid
-                        m[row, e_source + side] += unit * move_u
-                        m[w0, e_source + side] += s0 * move_c
-                        m[w0 + 1, e_source + side] += s1 * move_c
-                        m[row, e_target + side] += unit * (u0 - u1) * at_mid
-                        m[w0, e_target + side] += s0 * (v0 - v1) * at_mid
-                        m[w0 + 1, e_target + side] += s1 * (v0 - v1) * at_mid
-            if held:
-                continue
-            # the geometry at the strip's own centre, and the weights of the means
-            w0 = k0
-            moment = place.weight * place.miss
-            share = half / place.q
-            for side in range(2):
-                mid = mid_start if side == 0 else mid_end
-                growth = (place.hi_start - place.lo_start) if side == 0 else (place.hi_end - place.lo_end)
-                e = base + n + FACTORS + side
-                m[column, e] -= place.d_s * mid / memo.deepest
-                by_edge = moment * (lean * mid + growth / width) - place.weight * (place.miss + 1.0) * lean * mid
-                m[w0, e] += (1.0 - rj) * by_edge
-                m[w0 + 1, e] += rj * by_edge
-            for b in range(2):
-                own = (1.0 - rj if b == 0 else rj) * moment
-                m[w0 + b, column] += own / (place.y * place.over)
-                m[w0 + b, k0] += own * share * (1.0 - rj)
-                m[w0 + b, k0 + 1] += own * share * rj
+            place.root = sqrt(place.y)
+            place.half = 0.5 * memo.modulus * place.bend * place.over
+            place.lean = place.bend_s / place.bend
+            place.growing = 0.0
+            if place.over > 1.0:
+                place.growing = place.d_s / max(place.d, LEAST_DEPTH) - place.lean
+            place.mid_start = 0.5 * (place.lo_start + place.hi_start)
+            place.mid_end = 0.5 * (place.lo_end + place.hi_end)
+    for g in range(memo.grids):
+        if not grids[g].on:
+            continue
+        for i in range(n):
+            if places[g * n + i].y > 0.0:
+                _press_row(system, n, g, i, held)
+                if not held:
+                    _own_row(system, n, g, i)
     for g in range(memo.grids):
         grid, own = grids[g], g * block + n
         if not grid.on:

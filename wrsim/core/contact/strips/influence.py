@@ -5,69 +5,62 @@ f(a, s) = int sqrt((a^2 - x^2)/(x^2 + s^2)) dx over -a..a is of degree one in (a
     int_0^z f ds = a^2 PHI(t),    int_0^z f/(a^2 + s^2) ds = PSI(t),    PHI' = f(1, t),    PSI' = f(1, t)/(1 + t^2),
 
 so a strip of any width, near or far, acts on a centre by differences of two values. `wrsim.contact.strip_influence`
-makes the table: rows at equal steps of t/(1 + t) with PHI, PSI and their slopes over a row, for cubic Hermite
-interpolation; behind them coefficients for small t (series in t^2 and t^2 ln t) and for large t (asymptotes).
+makes the table: every octave of t from 2^LOWEST to 2^HIGHEST is cut into 2^CUTS equal pieces, and a row holds the
+cubics of PHI and PSI over a piece. Number and place in a piece stand in the bits of t: no logarithm, no branch, so that
+the compiler takes several strips at once. Below the first piece t counts as its start, beyond the last as its end.
 """
 
-from math import log, pi
+from wrsim.core.bits import bits_of, number_of
+from wrsim.core.compiling import inlined, summing
+from wrsim.core.contact.strips.records import CURVE, FROM, INVERSE, PUSH, TO
 
-from wrsim.core.compiling import inlined
-
-NODES = 1024
-SMALL, LARGE = 0.1, 30.0
-PHI_SERIES, PSI_SERIES, F_SERIES, FAR = NODES + 1, NODES + 3, NODES + 5, NODES + 7
-TABLE_ROWS = NODES + 8
+LOWEST, HIGHEST, CUTS = -36, 16, 6
+PIECES = (HIGHEST - LOWEST) << CUTS
+_SHIFT = 52 - CUTS  # bits of a double behind those that tell the piece
+_FIRST = (1023 + LOWEST) << CUTS
+_WITHIN = (1 << _SHIFT) - 1
+_ONE = 1023 << 52
+_EXPONENT = 2047 << 52
+_LARGEST = 2046 << 52
+_START, _END = 2.0**LOWEST, 2.0**HIGHEST * (1.0 - 2.0**-20)
 
 
 @inlined
-def _series(table, first, q, ln):
-    """The smooth part in powers of q and what goes with the logarithm."""
-    return (
-        table[first, 0]
-        + q * (table[first, 1] + q * (table[first, 2] + q * table[first, 3]))
-        + ln * (table[first + 1, 0] + q * (table[first + 1, 1] + q * (table[first + 1, 2] + q * table[first + 1, 3])))
-    )
+def _piece(t):
+    """Number of the piece that holds t, and the place in it, 0 to 1."""
+    bits = bits_of(min(_END, max(_START, t)))
+    return (bits >> _SHIFT) - _FIRST, number_of((bits & _WITHIN) << CUTS | _ONE) - 1.0
 
 
 @inlined
 def primitives(table, t):
     """PHI(t) and PSI(t), t >= 0."""
-    if t < SMALL:
-        if t < 1e-12:
-            return 0.0, 0.0
-        q, ln = t * t, log(t)
-        return t * _series(table, PHI_SERIES, q, ln), t * _series(table, PSI_SERIES, q, ln)
-    if t > LARGE:
-        inverse = 1.0 / (t * t)
-        return table[FAR, 0] + 0.5 * pi * (log(t) + 0.0625 * inverse), table[FAR, 1] - 0.25 * pi * inverse * (
-            1.0 - 0.5625 * inverse
-        )
-    x = NODES * (t / (1.0 + t))
-    i = int(x)
-    r = x - i
-    r2 = r * r
-    r3 = r2 * r
-    h01 = 3.0 * r2 - 2.0 * r3
-    h10 = r3 - 2.0 * r2 + r
-    h11 = r3 - r2
+    i, z = _piece(t)
     return (
-        table[i, 0] + h01 * (table[i + 1, 0] - table[i, 0]) + h10 * table[i, 1] + h11 * table[i + 1, 1],
-        table[i, 2] + h01 * (table[i + 1, 2] - table[i, 2]) + h10 * table[i, 3] + h11 * table[i + 1, 3],
+        table[i, 0] + z * (table[i, 1] + z * (table[i, 2] + z * table[i, 3])),
+        table[i, 4] + z * (table[i, 5] + z * (table[i, 6] + z * table[i, 7])),
     )
 
 
 @inlined
 def potential(table, t):
     """f(1, t)."""
-    if t < SMALL:
-        return _series(table, F_SERIES, t * t, log(max(t, 1e-12)))
-    if t > LARGE:
-        return 0.5 * pi / t * (1.0 - 0.125 / (t * t))
-    x = NODES * (t / (1.0 + t))
-    i = int(x)
-    r = x - i
-    r2 = r * r
-    d01 = 6.0 * (r - r2)
-    slope = d01 * (table[i + 1, 0] - table[i, 0])
-    slope += (3.0 * r2 - 4.0 * r + 1.0) * table[i, 1] + (3.0 * r2 - 2.0 * r) * table[i + 1, 1]
-    return slope * NODES / ((1.0 + t) * (1.0 + t))
+    i, z = _piece(t)
+    # pieces in a unit of t
+    per_piece = number_of(_LARGEST - (bits_of(max(_START, t)) & _EXPONENT)) * 2.0**CUTS
+    return (table[i, 1] + z * (2.0 * table[i, 2] + z * (3.0 * table[i, 3]))) * per_piece
+
+
+@summing
+def pressed_by(table, vectors, first, last, s):
+    """Displacement at s and its curvature, both times pi E*, under strips that follow each other."""
+    u = c = 0.0
+    for j in range(first, last):
+        lo, hi = (vectors[FROM, j] - s) * vectors[INVERSE, j], (vectors[TO, j] - s) * vectors[INVERSE, j]
+        p0, c0 = primitives(table, abs(lo))
+        p1, c1 = primitives(table, abs(hi))
+        p0, c0 = (-p0, -c0) if lo < 0.0 else (p0, c0)
+        p1, c1 = (-p1, -c1) if hi < 0.0 else (p1, c1)
+        u += vectors[PUSH, j] * (p1 - p0)
+        c += vectors[CURVE, j] * (c1 - c0)
+    return u, c

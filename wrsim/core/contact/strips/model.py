@@ -29,7 +29,7 @@ from wrsim.core.contact.patch import first_step
 from wrsim.core.contact.records import AFRESH, STATUS_PROFILE_END, STATUS_UNSETTLED
 from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.contact.search.lobes import room_beside
-from wrsim.core.contact.strips.equations import block_of
+from wrsim.core.contact.strips.equations import block_of, set_fading
 from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, opposite
 from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
 from wrsim.core.contact.strips.solution import ROUGH, UNSOLVED, carry_over, solve, substitute
@@ -140,6 +140,7 @@ def _set_grids(system, found, lobes, wheel, rail, pose, count):
             grid.link = LINK * _rise(found[last].saddle / shallow, LINKED) * _rise(shallow / deep, ALIKE)
         memo.grids += 1
         i = last + 1
+    set_fading(system)
     return status
 
 

@@ -386,7 +386,7 @@ def _changes(system, n, held):
 def _closing(system, n, g, r):
     """How far the bodies would overlap at a row, over what all strips press them down there [m]."""
     row = system.rows[g, r]
-    u, _c = pressed(system, n, g, row)
+    u, _c = pressed(system, n, g, row.s)
     return row.d - u / system.memo[0].stiffness
 
 
@@ -413,6 +413,17 @@ def _enter(system, n, g):
     return True
 
 
+@inlined
+def _bulges(rows, r, step):
+    """Whether the penetration bends up anywhere from row r on. Else a gap there never closes again: what the strips
+    press down bends up everywhere beside them."""
+    while 0 < r < ROWS - 1:
+        if rows[r - 1].d + rows[r + 1].d > 2.0 * rows[r].d:
+            return True
+        r += step
+    return False
+
+
 @kernel
 def _reach_out(system, n, g):
     """Edges of a grid move out over a gap to where it has closed again beyond. True if one does."""
@@ -422,6 +433,8 @@ def _reach_out(system, n, g):
     for side in range(2):
         step = -1 if side == 0 else 1
         r = int(((start if side == 0 else end) - grid.least) / grid.spacing) + (0 if side == 0 else 1)
+        if not _bulges(rows, r, step):
+            continue
         apart = beyond = False
         while 0 <= r < ROWS:
             closing = _closing(system, n, g, r) if rows[r].d > least else -1.0

@@ -18,10 +18,15 @@ ROW = record("s d x o b no nb r_t bend density xi closing")
 along the rail, mean of its inverse over what a strip runs over, density of strips and its integral; closing of the gap,
 penetration less displacement."""
 
-PLACE = record("lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x at y over q weight gap miss")
+PLACE = record(
+    "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x at y over q weight gap miss"
+    # for the derivatives
+    " root half lean growing mid_start mid_end"
+)
 """A strip: from lo to hi, middle s; slopes of lo and hi over both edges; penetration d and its slope; 1/R_x and its
 slope; shift x; place among the factors; a^2 (0 out of contact) and what its amplitude is more than k asks for,
-amplitude, weight of its curvature; u - d and the misfit of the curvature."""
+amplitude, weight of its curvature; u - d and the misfit of the curvature. a; amplitude over k; slope of the logarithm
+of 1/R_x, and of d R_x where a is as long as it can be; slopes of s over both edges."""
 
 GRID = record("start end least most deepest spacing x reach link", "on start_held end_held first last")
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length along x;
@@ -37,10 +42,11 @@ distances of grids up to which they press each other down fully and from which o
 last call (0: nothing is known), strips of a grid in it, grids now; whether the factors are of use; residuals taken and
 factors made in this call, and how it ended (`solution`); calls so far without a whole solution."""
 
-VECTORS = 15  # of unknowns
-X, F, STEP, SAVED, PIVOT, SCALE, STEPS = range(7)
-"""Unknowns, misfits, step, unknowns before a step, rows exchanged in the factors, weights of the unknowns; from STEPS
-on the last steps."""
+VECTORS = 21  # of unknowns
+X, F, STEP, SAVED, PIVOT, SCALE, FADING, FROM, TO, INVERSE, PUSH, CURVE, STEPS = range(13)
+"""Unknowns, misfits, step, unknowns before a step, rows exchanged in the factors, weights of the unknowns; how much of
+the influence of a grid reaches another one, row after row; of all strips both ends, 1/a, amplitude times a^2, amplitude
+(0 out of contact); from STEPS on the last steps."""
 MOST_STEPS = VECTORS - STEPS
 
 
