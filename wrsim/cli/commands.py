@@ -5,6 +5,7 @@ They import what they need when they run, so that ``wrsim --help`` answers at on
 
 from __future__ import annotations
 
+import gc
 import logging
 import sys
 from pathlib import Path
@@ -71,6 +72,8 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no 
 def main() -> None:
     """Entry point of the ``wrsim`` command."""
     any_output()
+    # a hundred thousand lasting objects of libraries are looked through again and again otherwise: a second of a run
+    gc.set_threshold(50_000, 20, 100)
     tell_compiling()
     try:
         with usage_as_json("--json" in sys.argv[1:]) as standalone:

@@ -12,6 +12,7 @@ from wrsim.register import ANALYSES, resolved
 if TYPE_CHECKING:
     from xarray import Dataset
 
+    from wrsim.plots.drawing import Finish
     from wrsim.results import Result
     from wrsim.scenario.loading import Scenario
 
@@ -67,7 +68,7 @@ def _is_record(directory: Path, scenario: Path | None) -> bool:
 
 
 def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
-    """Numbers first, pictures last: what fails late costs least.
+    """Numbers first, pictures last: what fails late costs least. A second process begins to draw at once.
 
     Only when all files stand has the run's own file done its work, unless the user may want to go on with it.
     """
@@ -77,17 +78,27 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
     record = directory / RECORD
     if not record.exists():  # somebody has deleted the folder of a run: it is made anew
         write_atomically(record, result.dataset.attrs["scenario_text"].encode())
-    files = [record, *write_run(result, directory)]
-    if further := ANALYSES[result.analysis].further:
-        files += resolved(further)(result, directory, pictures)
-    if pictures:
-        from wrsim.plots import standard_pictures
-
-        files += standard_pictures(result.dataset, directory)
+    with _pictures_of(result, pictures) as finish:
+        files = [record, *write_run(result, directory)]
+        if further := ANALYSES[result.analysis].further:
+            files += resolved(further)(result, directory, pictures)
+        files += [write_atomically(directory / f"{name}.png", content) for name, content in finish().items()]
     if not can_go_on(result):
         (directory / PART).unlink(missing_ok=True)
         Ledger(directory).note(done=result.status, pictures=pictures)
     return files
+
+
+@contextmanager
+def _pictures_of(result: Result, wanted: bool) -> Iterator[Finish]:
+    """Draw the standard pictures of a result, if they are wanted, while its numbers are written."""
+    if not wanted:
+        yield dict
+        return
+    from wrsim.plots import drawing, standard_figures
+
+    with drawing(standard_figures(result.dataset)) as finish:
+        yield finish
 
 
 def can_go_on(result: Result) -> bool:

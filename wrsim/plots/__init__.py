@@ -5,6 +5,7 @@ panels on axes of the caller, or whole figures without pyplot.
 """
 
 from wrsim.plots.cross_section import cross_section, cross_section_zoom, section_gallery
+from wrsim.plots.drawing import drawing
 from wrsim.plots.histories import (
     channels_figure,
     contact_angle,
@@ -32,6 +33,7 @@ __all__ = [
     "contact_patch",
     "cross_section",
     "cross_section_zoom",
+    "drawing",
     "history",
     "mark_snapshots",
     "mark_stop",

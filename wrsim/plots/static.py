@@ -78,7 +78,7 @@ def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
             against_pose(axes, dataset, name)
             if name == "contact_angle" and {"contact_angle_min", "contact_angle_max"} <= set(dataset):
                 angle_band(axes, dataset)
-            if name != "contact_angle":
+            if name != "contact_angle" and axes.dataLim.y0 >= 0.0:
                 axes.set_ylim(0.0, 1.06 * max(axes.dataLim.y1, 1e-9))
         legend = wheel_entries(dataset["wheel"].values) if dataset.sizes["wheel"] > 1 else []
         if len(groups) > 1:

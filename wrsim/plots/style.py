@@ -118,8 +118,12 @@ def headline(figure: Figure, title: str, note: str = "") -> None:
 
 def save(figure: Figure, path: str | Path) -> Path:
     """Write the figure as PNG, or SVG by its name, whole or not at all; the same figure gives the same bytes."""
+    return write_atomically(path, rendered(figure, vector=Path(path).suffix.lower() == ".svg"))
+
+
+def rendered(figure: Figure, vector: bool = False) -> bytes:
+    """The figure as PNG, or SVG."""
     stream = io.BytesIO()
-    vector = Path(path).suffix.lower() == ".svg"
     with style(), mpl.rc_context({"svg.hashsalt": "wrsim", "svg.fonttype": "path"}):
         if (layout := figure.get_layout_engine()) is not None:
             # matplotlib draws a figure twice to lay it out; once is enough
@@ -127,7 +131,7 @@ def save(figure: Figure, path: str | Path) -> Path:
             figure.set_layout_engine("none")
         metadata = {"Date": None} if vector else {"Software": None}
         figure.savefig(stream, format="svg" if vector else "png", metadata=metadata)
-    return write_atomically(path, stream.getvalue())
+    return stream.getvalue()
 
 
 def shown(dataset: xr.Dataset, name: str) -> NDArray[np.float64]:

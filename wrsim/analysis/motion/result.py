@@ -123,7 +123,8 @@ def _block(
         records[i] = law.records
         external[i] = law.load_forces
         reference[i], drive[i] = law.distance, law.drive_force
-        accelerations[i] = points.at(q[i], q_t[i], out)
+        if vehicle.points:
+            accelerations[i] = points.at(q[i], q_t[i], out)
     moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
     if law.rails:
         moved = q[:, law.size - law.rails :].reshape(moved.shape)

@@ -1,0 +1,79 @@
+"""Two processes draw what one draws, whatever happens to the second."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+from wrsim.plots import drawing
+from wrsim.plots.style import new_figure, rendered
+
+HERE = os.getpid()
+
+
+def maker(height: float) -> Callable[[], Figure]:
+    """A figure that differs from others by its height [mm]."""
+
+    def make() -> Figure:
+        figure = new_figure(40.0, height)
+        figure.add_subplot().plot([0.0, height], [0.0, 1.0])
+        return figure
+
+    return make
+
+
+FIGURES = {f"picture {n}": maker(20.0 + n) for n in range(5)}
+
+
+@pytest.fixture(autouse=True)
+def two_processors(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0, 1})
+
+
+def test_pictures_of_two_processes_are_those_of_one_in_their_order() -> None:
+    with drawing(FIGURES) as finish:
+        drawn = finish()
+    assert list(drawn.items()) == [(name, rendered(make())) for name, make in FIGURES.items()]
+
+
+def test_the_second_process_begins_before_its_pictures_are_asked_for(tmp_path: Path) -> None:
+    def noting(name: str) -> Callable[[], Figure]:
+        def make() -> Figure:
+            (tmp_path / name).write_text(str(os.getpid()))
+            return FIGURES["picture 0"]()
+
+        return make
+
+    with drawing({name: noting(name) for name in "ab"}) as finish:
+        for _ in range(1000):
+            if (tmp_path / "b").exists():
+                break
+            time.sleep(0.01)
+        finish()
+    drew = {(tmp_path / name).read_text() for name in "ab"}
+    assert len(drew) == 1 and str(HERE) not in drew
+
+
+def test_all_pictures_are_there_when_the_second_process_is_killed() -> None:
+    def deadly() -> Figure:
+        if os.getpid() != HERE:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return FIGURES["picture 0"]()
+
+    with drawing(dict.fromkeys("abc", deadly)) as finish:
+        drawn = finish()
+    assert list(drawn.values()) == [rendered(FIGURES["picture 0"]())] * 3
+
+
+def test_an_error_of_a_picture_is_met_here() -> None:
+    def faulty() -> Figure:
+        raise ValueError("no such picture")
+
+    with pytest.raises(ValueError, match="no such picture"), drawing({"a": faulty, "b": faulty}) as finish:
+        finish()

@@ -1,0 +1,83 @@
+"""Pictures drawn by two processes at once.
+
+A second process is forked where there is a second processor for it. It draws while this one writes the numbers, then
+both take picture after picture until all are drawn. What the second one does not bring, this one draws: so errors are
+met here, as they are without it.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from wrsim.plots.style import rendered
+
+Makers = Mapping[str, Callable[[], Figure]]
+Finish = Callable[[], dict[str, bytes]]
+"""Draws what is left, and gives all pictures by their names, as PNG."""
+
+
+@contextmanager
+def drawing(figures: Makers) -> Iterator[Finish]:
+    """Draw pictures while other work is done in the block, if there is a second processor."""
+    if not _worth_a_process(len(figures)):
+        yield lambda: {name: rendered(make()) for name, make in figures.items()}
+        return
+    context = multiprocessing.get_context("fork")
+    taken = context.Value("i", 0)
+    receiver, sender = context.Pipe(duplex=False)
+    second = context.Process(target=_second, args=(figures, taken, sender), daemon=True)
+    with warnings.catch_warnings():
+        # from 3.12 on: "may lead to deadlocks"; the only other threads are those of BLAS, which stop for a fork
+        warnings.simplefilter("ignore", DeprecationWarning)
+        second.start()
+    sender.close()
+
+    def finish() -> dict[str, bytes]:
+        drawn = _share(figures, taken)
+        with suppress(EOFError, OSError):  # it was killed, or has met an error
+            drawn |= receiver.recv()
+        return {name: drawn[name] if name in drawn else rendered(make()) for name, make in figures.items()}
+
+    try:
+        yield finish
+    finally:
+        second.terminate()
+        second.join()
+        receiver.close()
+
+
+def _worth_a_process(pictures: int) -> bool:
+    """Whether there is a second processor, a safe way to fork, and enough to draw."""
+    if sys.platform != "linux" or multiprocessing.current_process().daemon:
+        return False
+    return pictures > 1 and len(os.sched_getaffinity(0)) > 1
+
+
+def _share(figures: Makers, taken: Any) -> dict[str, bytes]:
+    """Draw one picture after the other that nobody has taken yet."""
+    names = list(figures)
+    drawn: dict[str, bytes] = {}
+    while True:
+        with taken.get_lock():
+            place, taken.value = taken.value, taken.value + 1
+        if place >= len(names):
+            return drawn
+        drawn[names[place]] = rendered(figures[names[place]]())
+
+
+def _second(figures: Makers, taken: Any, sender: Any) -> None:
+    """What the second process does; it says nothing, and leaves what goes wrong to the first."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        sender.send(_share(figures, taken))
+    except Exception:
+        os._exit(1)
