@@ -38,7 +38,7 @@ class Analysis:
     summary: str = "wrsim.results.summary:of_contacts"
     csv_files: str = "wrsim.results.tables:of_contacts"
     pictures: str = "wrsim.plots.pictures:of_contacts"
-    printed: str = "wrsim.cli.showing:print_peaks"
+    printed: str = "wrsim.cli.peaks:print_peaks"
     further: str = ""
     own_track: bool = False
     loaded: bool = True
@@ -112,7 +112,7 @@ ANALYSES = {
             name="conicity",
             tables={"conicity": "wrsim.scenario.sections.conicity:ConicitySection"},
             run="wrsim.analysis.conicity.conicity:run_conicity",
-            **_shown_by("conicity", "wrsim.cli.showing:print_peaks"),
+            **_shown_by("conicity", "wrsim.cli.conicity:print_conicity"),
             loaded=False,
         ),
         Analysis(

@@ -93,11 +93,11 @@ def test_names_choose_models():
     ],
 )
 def test_wrong_names_are_one_clear_error(tmp_path, names, words):
-    with pytest.raises(InputError, match="model") as error:
+    with pytest.raises(InputError, match=r"model|--contact") as error:
         compare(load_text(STATIC), split_names(names))
     assert words in str(error.value)
     (tmp_path / "case.toml").write_text(STATIC)
-    ended = CliRunner().invoke(app, ["compare", str(tmp_path / "case.toml"), "--models", names])
+    ended = CliRunner().invoke(app, ["compare", str(tmp_path / "case.toml"), "--contact", names])
     assert ended.exit_code == 2
     assert words in ended.output + ended.stderr
     assert "Traceback" not in ended.output
@@ -105,7 +105,7 @@ def test_wrong_names_are_one_clear_error(tmp_path, names, words):
 
 def test_the_command_leaves_tables_and_pictures(tmp_path):
     (tmp_path / "case.toml").write_text(POSES.replace(", -100", ""))
-    models = ["--models", "half-space,kik-piotrowski", "--reference", "half-space"]
+    models = ["--contact", "half-space,kik-piotrowski", "--reference", "half-space"]
     ended = CliRunner().invoke(
         app, ["compare", str(tmp_path / "case.toml"), *models, "-o", str(tmp_path / "out"), "--json"]
     )
@@ -125,7 +125,15 @@ def test_a_short_table_is_printed_whole(tmp_path):
     (tmp_path / "case.toml").write_text(STATIC)
     ended = CliRunner().invoke(
         app,
-        ["compare", str(tmp_path / "case.toml"), "--models", "file,polach", "-o", str(tmp_path / "o"), "--no-pictures"],
+        [
+            "compare",
+            str(tmp_path / "case.toml"),
+            "--contact",
+            "file,polach",
+            "-o",
+            str(tmp_path / "o"),
+            "--no-pictures",
+        ],
         env={"COLUMNS": "200"},
     )
     assert ended.exit_code == 0, ended.output
@@ -141,5 +149,5 @@ def test_every_wheel_of_a_vehicle_is_compared():
     assert c.values.sizes["wheel"] == 8
     vehicle = resolve(c.main.result, load_text(text), wheelset="rear.inner", moments=[0]).wheelset()
     assert vehicle["Q"].values[0] == pytest.approx(c.values["Q"].sel(model="file").values[-1, 4:6], rel=1e-3)
-    with pytest.raises(InputError, match=r"choose one of the wheelsets: front\.outer"):
+    with pytest.raises(InputError, match=r"choose a wheelset: 1 front\.outer, 2 front"):
         resolve(c.main.result, load_text(text))

@@ -153,9 +153,8 @@ def test_the_scenario_and_the_command_tell_the_same(tmp_path):
     result = run(load(ROOT / "scenarios" / "conicity_s1002.toml"))
     assert result.summary()["wheelsets"]["wheelset"]["equivalent_conicity"]["3_mm"] == pytest.approx(0.174, abs=2e-3)
     assert len(tables(result.dataset)["conicity"]) == 1 + result.dataset.sizes["amplitude"]
-    picture, table = tmp_path / "c.png", tmp_path / "c.csv"
-    files = ["--picture", str(picture), "--table", str(table)]
-    told = CliRunner().invoke(app, ["conicity", "wheels/S1002.toml", "rails/60E1.toml", "--json", *files])
+    picture, table = tmp_path / "conicity.png", tmp_path / "conicity.csv"
+    told = CliRunner().invoke(app, ["conicity", "wheels/S1002.toml", "rails/60E1.toml", "--json", "-o", str(tmp_path)])
     assert told.exit_code == 0, told.output
     answer = json.loads(told.output)
     values = result.wheelset()["equivalent_conicity"].values
@@ -175,7 +174,6 @@ def test_the_scenario_and_the_command_tell_the_same(tmp_path):
         (["wheels/S1002.toml", "rails/60E1.toml", "--roll", "center"], 'did you mean "centre"'),
         (["wheels/S1002.toml", "rails/60E1.toml", "--diameters-mm", "920", "9"], "--diameters-mm 9.0: must be"),
         (["wheels/S1002.toml", "rails/60E1.toml", "--gauge-mm", "1700"], "do not stand on the rails"),
-        (["wheels/S1002.toml", "rails/60E1.toml", "--picture", "a.jpg"], "must end in .png"),
     ],
 )
 def test_the_command_refuses_what_it_cannot_use(arguments, message):

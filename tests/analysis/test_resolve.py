@@ -75,7 +75,7 @@ def test_a_result_without_poses_says_so():
 
 def test_the_command_writes_a_result_of_the_moments(tmp_path):
     ran(SHORT).save(tmp_path / "result.nc")
-    command = ["resolve", str(tmp_path), "--model", "half-space+fastsim", "--at"]
+    command = ["resolve", str(tmp_path), "--contact", "half-space+fastsim", "--at"]
     ended = CliRunner().invoke(app, [*command, "80.2"])
     assert ended.exit_code == 0, ended.output
     saved = Result.load(tmp_path / "half-space+fastsim").dataset

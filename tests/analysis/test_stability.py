@@ -12,6 +12,7 @@ from support.runs import SCENARIOS
 from wrsim.analysis import run
 from wrsim.analysis.stability.cycles import CycleSearch
 from wrsim.analysis.stability.rolling import RollingVehicle
+from wrsim.analysis.stability.run import nonlinear_outcome
 from wrsim.cli.showing import print_result
 from wrsim.errors import InputError
 from wrsim.plots import standard_pictures
@@ -109,6 +110,15 @@ def test_below_the_linear_critical_speed_a_small_kick_dies_and_a_limit_cycle_liv
     assert 9.1e-3 < large.amplitudes.max() < first.amplitudes.max() < 11.5e-3
     assert 3.5 < large.frequency < first.frequency < 4.3
     assert search.found == [first, large, small, slower]
+
+
+def test_a_limit_cycle_above_the_linear_critical_speed_is_no_critical_speed():
+    """Where the two agree the search ends a little above: straight running is unstable there without any cycle."""
+    soft = nonlinear_outcome(233.4 / 3.6, 231.5 / 3.6, 60.0 / 3.6)
+    assert np.isnan(soft["nonlinear_critical_speed_m_s"])
+    assert "no limit cycle below the linear critical speed; the lowest one found is at 233.4 km/h" in soft.values()
+    hard = nonlinear_outcome(220.0 / 3.6, 231.5 / 3.6, 60.0 / 3.6)
+    assert hard == {"nonlinear_critical_speed_m_s": 220.0 / 3.6}
 
 
 def test_a_study_reads_well_on_screen_on_disk_and_as_pictures(tmp_path, capsys):

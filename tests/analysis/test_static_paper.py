@@ -149,6 +149,18 @@ def test_every_case_carries_24_kN_without_friction(dataset: xr.Dataset, main: xr
         np.testing.assert_array_equal(main[name], 0.0)
 
 
+def test_a_wheel_that_carries_its_load_on_a_flank_is_told_with_what_it_takes(
+    dataset: xr.Dataset, main: xr.Dataset
+) -> None:
+    """Without friction the lateral force is the vertical one times the tangent of the flank's angle."""
+    words = [str(w) for w in dataset["contact_remark"].values]
+    steep = np.degrees(np.arctan2(main["Y"].values, main["Q"].values)) > 60.0
+    assert [bool(w) for w in words] == steep.tolist()
+    assert 0 < steep.sum() < steep.size
+    for word, y in zip(np.array(words)[steep], main["Y"].values[steep], strict=True):
+        assert f"{y / 1e3:.4g} kN sideways to hold it there" in word
+
+
 def test_only_the_tread_is_flat(main: xr.Dataset) -> None:
     """Degrees by which the contact angle varies: the reason for curved patches."""
     variation = np.degrees(main["contact_angle_variation"].values)

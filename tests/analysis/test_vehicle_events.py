@@ -96,6 +96,6 @@ def test_a_monitor_that_recalls_its_memory_goes_on_where_it_was() -> None:
 def test_a_vehicle_gets_pictures_of_its_own_and_those_of_its_worst_wheelset(tmp_path: Path) -> None:
     figures = standard_figures(into_the_curve().dataset)
     assert {"vehicle_guiding", "vehicle_steering", "vehicle_bodies", "vehicle_accelerations"} < set(figures)
-    assert {"front.outer_overview", "front.outer_patches"} < set(figures)
+    assert {"wheelset_1/overview", "wheelset_1/patches"} < set(figures)
     picture = save(figures["vehicle_steering"](), tmp_path / "steering.png")
     assert picture.stat().st_size > 10_000

@@ -132,7 +132,7 @@ def test_a_run_leaves_dataset_tables_summary_pictures_and_its_scenario(
     names = {p.name for p in (tmp_path / "out").iterdir()}
     assert {"result.nc", "summary.json", "history.csv", "patches.csv", "scenario.toml", "overview.png"} <= names
     assert (tmp_path / "out/scenario.toml").read_text() == CURVE
-    assert "Y_over_Q_max" in result.stdout
+    assert "Y/Q, largest" in result.stdout
     assert str(tmp_path / "out") in result.stdout
 
 

@@ -26,7 +26,7 @@ def wrsim(*arguments: str | Path, **options: object) -> subprocess.CompletedProc
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A result whose title would colour the terminal and rename its window."""
     folder = tmp_path_factory.mktemp("run")
-    dataset = curve_run(samples=40)
+    dataset = curve_run(samples=40).copy()  # it is kept for others
     dataset.attrs["title"] = "Kurve \u00e4 \u03b3 \x1b]0;owned\x07 \x1b[31mred\x9b5m"
     Result(dataset).save(folder / "result.nc")
     (folder / "curve.toml").write_text(edited(CURVE, 'title = "a curve"', 'title = "\u00e4 \\u001b[31m"'))

@@ -62,18 +62,21 @@ def contents(folder: Path) -> dict[str, bytes]:
 # --- the user's files ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["scenario.toml", "history.csv", "summary.json", "result.nc", "patches_mine.csv"])
+@pytest.mark.parametrize(
+    "name", ["scenario.toml", "history.csv", "summary.json", "result.nc", "wheelset_1/patches.csv"]
+)
 def test_a_run_does_not_write_over_a_file_of_the_users(
     scenario: Path, tmp_path: Path, name: str, analysed: list[str]
 ) -> None:
     out = tmp_path / "out"
-    out.mkdir()
+    (out / name).parent.mkdir(parents=True)
     (out / name).write_text("mine")
     refused = call("run", scenario, "-o", out)
     assert refused.exit_code == 2
     assert f"{out / name}: would be written over, but wrsim did not write it" in refused.stderr
     assert "--force" in refused.stderr
-    assert contents(out) == {name: b"mine"}
+    assert (out / name).read_text() == "mine"
+    assert len([path for path in out.rglob("*") if path.is_file() and path.name != ".wrsim"]) == 1
     assert not analysed, "refused before anything is computed"
     assert call("run", scenario, "-o", out, "--no-pictures", "--force").exit_code == 0
     assert (out / "scenario.toml").read_text() == CURVE

@@ -91,7 +91,7 @@ def compare(
     anything is computed; SimulationError, with the model's name, when one has no result at all.
     """
     if len(names) < 2:
-        raise InputError(f"--models {','.join(names)}: needs two models at least, such as kik-piotrowski,half-space")
+        raise InputError(f"--contact {','.join(names)}: needs two models at least, such as kik-piotrowski,half-space")
     reference = names[0] if reference is None else reference
     if reference not in names:
         raise InputError(f"--reference {reference}: is none of the models{suggest(reference, list(names))}")

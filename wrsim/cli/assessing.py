@@ -25,7 +25,7 @@ def assess(
     as_json: Json = False,
 ) -> None:
     """Assess a run: EN 14363 quantities section by section, limits and margins; leaves tables and pictures."""
-    with reporting_errors(as_json), writing(force, result):
+    with reporting_errors(as_json), writing(force, of=result):
         from wrsim.analysis.assessment import assess as assessed
         from wrsim.results import write_atomically
         from wrsim.scenario.loading import load

@@ -8,8 +8,9 @@ from __future__ import annotations
 import gc
 import logging
 import sys
+import time
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,7 +22,17 @@ from wrsim.cli.diff import diff
 from wrsim.cli.ending import INTERRUPTED, any_output, exit_code, reporting_errors, usage_as_json
 from wrsim.cli.export import export
 from wrsim.cli.keys import keys, new
-from wrsim.cli.options import BesideResult, Force, Json, Models, Set, beside, check_ending, with_set
+from wrsim.cli.options import (
+    BesideResult,
+    Force,
+    Json,
+    Models,
+    Set,
+    beside,
+    check_ending,
+    with_set,
+)
+from wrsim.cli.peaks import print_wall_time
 from wrsim.cli.report import report
 from wrsim.cli.resolve import resolve
 from wrsim.cli.riding import ride
@@ -58,10 +69,13 @@ from wrsim.cli.view import view
 from wrsim.cli.warm import warm
 from wrsim.errors import InputError
 
+if TYPE_CHECKING:
+    from wrsim.results import Result
+
 app = typer.Typer(
     help="Railway vehicles and wheelsets on curved track, with conformal wheel-rail contact.",
     no_args_is_help=True,
-    add_completion=False,
+    context_settings={"help_option_names": ["--help", "-h"]},
     pretty_exceptions_enable=False,
 )
 
@@ -91,7 +105,7 @@ def _version(asked: bool) -> None:
 @app.callback()
 def _common(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+        bool, typer.Option("--version", "-v", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
     pass
@@ -153,7 +167,7 @@ def run(
             tell_slow(setup)
         directory = output if output is not None else Path("results") / file.stem
         record = directory / PART
-        with claimed(directory, force, (*scenario.files, *setup.files), file):
+        with claimed(directory, force, (*scenario.files, *setup.files), file) as keeper:
             result = whole_result(directory, scenario) if resume else None
             if result is not None and has_all_files(directory, scenario, pictures):
                 if as_json:
@@ -167,11 +181,17 @@ def run(
             from wrsim.analysis import run as analyse
 
             begin(directory, scenario)
+            started = time.perf_counter()
             try:
                 if result is None:
                     with progress_bar(not (quiet or as_json)) as progress:
                         result = analyse(scenario, progress=progress, record=record, resume=resume, setup=setup)
+                lasted, wall = _lasted(result), time.perf_counter() - started
+                took = {} if resume else {"wall_time_s": round(wall, 3)}
+                if lasted and took:
+                    took["times_real_time"] = round(wall / lasted, 4)
                 files = write(result, directory, pictures)
+                removed = keeper.clear(files)
             except KeyboardInterrupt:
                 if record.exists():
                     raise KeyboardInterrupt(f"interrupted; the run is safe in {record}: go on with --resume") from None
@@ -184,13 +204,18 @@ def run(
                     "exit_code": code,
                     "directory": str(directory),
                     "files": [str(f) for f in files],
-                    "summary": result.summary(),
+                    "removed": [str(f) for f in removed],
+                    "summary": {**result.summary(), **took},
                 }
             )
         else:
             if not quiet:
                 print_result(result)
+                if "times_real_time" in took:
+                    print_wall_time(wall, lasted)
                 say(f"{len(files)} files in {directory}")
+                if removed:
+                    say(f"{len(removed)} files of the result before are gone from there")
             if code:
                 complain(f"{file}: stopped: {result.stop_reason}")
                 if not quiet:
@@ -199,6 +224,12 @@ def run(
                         complain("go on with the same command and --resume")
         if code:
             raise typer.Exit(code)
+
+
+def _lasted(result: Result) -> float:
+    """How long the vehicle of a result has run [s]; 0 of what does not run along the track."""
+    times = result.dataset.coords.get("time")
+    return 0.0 if times is None or times.size == 0 else float(times[-1] - times[0])
 
 
 ResultFile = Annotated[
@@ -227,25 +258,30 @@ def plot(
     at: Annotated[
         list[str] | None,
         typer.Option(
-            "--at", metavar="PLACE", help="Patches at this distance in m, or of this pose; may be given again."
+            "--at",
+            metavar="PLACE",
+            help="Patches where the wheelset is there, in m, or of this pose; may be repeated.",
         ),
     ] = None,
-    wheelset: Annotated[str | None, typer.Option(metavar="NAME", help="Pictures of this wheelset alone.")] = None,
+    wheelset: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Pictures of this wheelset, or of that number, alone.")
+    ] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Draw the pictures of a result; with --at the contact patches at chosen places only."""
-    with reporting_errors(as_json), writing(force, result):
+    with reporting_errors(as_json), writing(force, of=result):
         from wrsim.plots import standard_pictures
-        from wrsim.results.wheelsets import worst_wheelset
+        from wrsim.results.wheelsets import folder_of, wheelsets, worst_wheelset
 
         loaded = read(result)
-        dataset = loaded.dataset if wheelset is None else loaded.wheelset(wheelset)
-        directory = output or beside(result)
-        if wheelset is not None and output is None:
-            directory /= wheelset
+        dataset, directory = loaded.dataset, output or beside(result)
+        if wheelset is not None or at:
+            dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
+            if output is None:
+                directory /= folder_of(wheelsets(loaded.dataset), str(dataset["wheelset"].item()))
         if at:
-            files = patch_pictures(loaded.wheelset(wheelset or worst_wheelset(dataset)), at, directory)
+            files = patch_pictures(dataset, at, directory)
         else:
             files = standard_pictures(dataset, directory)
         print_files(files, as_json)
@@ -253,7 +289,9 @@ def plot(
 
 @app.command()
 def profile(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Wheel or rail profile: TOML or points.")],
+    file: Annotated[
+        str, typer.Argument(metavar="FILE", help="Wheel or rail profile: TOML or points, such as wheels/S1002.toml.")
+    ],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="PNG", help="Default: <name of FILE>.png here.")
     ] = None,
@@ -268,19 +306,22 @@ def profile(
             help="Smooth the points as measured ones, halving waves of this length; up to four, to compare them.",
         ),
     ] = None,
+    models: Models = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Draw a profile with its slope and curvature; of measured points also what smoothing did to them."""
-    with reporting_errors(as_json), writing(force, file):
+    with reporting_errors(as_json), writing(force, Path(file)):
         if kind not in (None, "wheel", "rail"):
             raise InputError(f"--kind {kind}: must be wheel or rail")
-        picture = output or Path(file.stem + ".png")
+        picture = output or Path(Path(file).stem + ".png")
         check_ending("-o", picture, ".png")
         from wrsim.cli.profiles import loaded_and_smoothed
+        from wrsim.inputs.lookup import model_file
         from wrsim.plots.profile import profile_picture
 
-        loaded, reports = loaded_and_smoothed(file, kind, cutoff or [])  # type: ignore[arg-type]
+        path = model_file(file, models)
+        loaded, reports = loaded_and_smoothed(path, kind, cutoff or [])  # type: ignore[arg-type]
         files = [profile_picture(loaded, picture, reports)]
         if as_json:
             smoothing = {"smoothing": [r.numbers() for r in reports]} if reports else {}

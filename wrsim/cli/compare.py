@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import exit_code, reporting_errors
-from wrsim.cli.options import Force, Json, ModelFiles, Pictures, Quiet
+from wrsim.cli.options import Force, Json, Models, Pictures, Quiet
 from wrsim.cli.showing import print_json, print_some, print_table, progress_bar, say, tell_slow
 from wrsim.cli.storing import writing
 
@@ -27,10 +27,10 @@ FEW = 4
 
 def compare(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Scenario file (TOML): static poses or a run.")],
-    models: Annotated[
+    contact: Annotated[
         str,
         typer.Option(
-            "--models",
+            "--contact",
             metavar="A,B,...",
             help="Contact models: half-space, kik-piotrowski+polach, kik-piotrowski+strips=80; file: as in FILE.",
         ),
@@ -41,7 +41,7 @@ def compare(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>_compared.")
     ] = None,
-    model_files: ModelFiles = None,
+    models: Models = None,
     pictures: Pictures = True,
     force: Force = False,
     as_json: Json = False,
@@ -54,8 +54,8 @@ def compare(
         from wrsim.scenario.contact_choice import split_names, with_contact_model
         from wrsim.scenario.loading import load
 
-        scenario = load(file, model_files or ())
-        names = split_names(models)
+        scenario = load(file, models or ())
+        names = split_names(contact)
         for name in names:
             setup = build(with_contact_model(scenario, name))
             if not quiet:

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Force, Json, Models, check_ending
+from wrsim.cli.options import Force, Json, Models, Pictures
 from wrsim.cli.showing import print_json, print_table, say
 from wrsim.cli.storing import writing
-from wrsim.errors import InputError
 
 if TYPE_CHECKING:
     from wrsim.geometry.profile.profile import Kind, Profile
-    from wrsim.inputs.lookup import Finder
     from wrsim.results import Result
 
 TAPE_TO_BACK = 70.0
@@ -38,8 +37,13 @@ def conicity(
         str, typer.Option(help='none (EN 15302), rail-top or centre: see "Equivalent conicity" in docs/conicity.md.')
     ] = "none",
     models: Models = None,
-    picture: Annotated[Path | None, typer.Option(metavar="PNG", help="Draw it there.")] = None,
-    table: Annotated[Path | None, typer.Option(metavar="CSV", help="Write tan gamma_e every 0.1 mm there.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="DIR", help="Leave there a table with a line every 0.1 mm, and a picture."
+        ),
+    ] = None,
+    pictures: Pictures = True,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -47,7 +51,6 @@ def conicity(
     with reporting_errors(as_json), writing(force):
         from wrsim.analysis.conicity.conicity import conicity as analyse
         from wrsim.inputs.checking import check_value
-        from wrsim.inputs.lookup import Finder, shipped_models, user_folders
         from wrsim.inputs.values import number
         from wrsim.scenario.sections.conicity import AMPLITUDES, ConicityPlan, Roll
         from wrsim.vehicle.wheelset import Wheel, Wheelset
@@ -59,14 +62,11 @@ def conicity(
         for diameter in diameters:
             key = "--radius-mm" if diameters_mm is None else "--diameters-mm"
             check_value(Annotated[float, number(100 * factor, 1500 * factor)], 0.5 * factor * diameter, key)
-        check_ending("--picture", picture, ".png")
-        check_ending("--table", table, ".csv")
-        finder = Finder((Path(), *user_folders(tuple(models or ())), shipped_models()))
         slope = _slope(inclination)
-        left_wheel = _profile(finder, wheel, "wheel")
-        left_rail = _profile(finder, rail, "rail").inclined(slope)
-        right_wheel = left_wheel if wheel_right is None else _profile(finder, wheel_right, "wheel")
-        right_rail = left_rail if rail_right is None else _profile(finder, rail_right, "rail").inclined(slope)
+        left_wheel = _profile(models, wheel, "wheel")
+        left_rail = _profile(models, rail, "rail").inclined(slope)
+        right_wheel = left_wheel if wheel_right is None else _profile(models, wheel_right, "wheel")
+        right_rail = left_rail if rail_right is None else _profile(models, rail_right, "rail").inclined(slope)
         wheelset = Wheelset(
             name="wheelset",
             mass=0.0,
@@ -79,11 +79,11 @@ def conicity(
         plan = ConicityPlan(tuple(a / 1e3 for a in AMPLITUDES), check_value(Roll, roll, "--roll"))
         title = f"{names[0]} on {names[1]}" + (f", inclined {inclination}" if slope else "")
         result = analyse(wheelset, (left_rail, right_rail), gauge_mm / 1e3, plan, title)
-        files = _files(result, picture, table)
+        files = [] if output is None else _files(result, output, pictures)
         if as_json:
             print_json({**_numbers(result), "files": [str(f) for f in files]})
         else:
-            _print(result)
+            print_conicity(result)
             for file in files:
                 say(str(file))
 
@@ -99,31 +99,26 @@ def _slope(text: str) -> float:
     return check_value(Inclination, slope, "--inclination")  # type: ignore[no-any-return]
 
 
-def _profile(finder: Finder, name: str, kind: Kind) -> Profile:
+def _profile(models: Sequence[Path] | None, name: str, kind: Kind) -> Profile:
     from wrsim.geometry.profile.models import load_profile
+    from wrsim.inputs.lookup import model_file
 
-    try:
-        file = finder.find(name)
-    except InputError as error:
-        raise InputError(f"{name}: {error}") from None
-    return load_profile(file, kind)
+    return load_profile(model_file(name, models), kind)
 
 
 def _both(left: str, right: str) -> str:
     return left if left == right else f"{left} / {right}"
 
 
-def _files(result: Result, picture: Path | None, table: Path | None) -> list[Path]:
+def _files(result: Result, directory: Path, pictures: bool) -> list[Path]:
+    """``conicity.csv`` and ``conicity.png``."""
     from wrsim.results.tables import write_table
 
-    files = []
-    if table is not None:
-        files.append(write_table(result.dataset, "conicity", table))
-    if picture is not None:
-        from wrsim.plots import save
-        from wrsim.plots.conicity import conicity_figure
+    files = [write_table(result.dataset, "conicity", directory / "conicity.csv")]
+    if pictures:
+        from wrsim.plots import standard_pictures
 
-        files.append(save(conicity_figure(result.wheelset()), picture))
+        files += standard_pictures(result.dataset, directory)
     return files
 
 
@@ -141,7 +136,7 @@ def _numbers(result: Result) -> dict[str, Any]:
     }
 
 
-def _print(result: Result) -> None:
+def print_conicity(result: Result) -> None:
     """Every half millimetre: conicity and wavelength over amplitude, and what lies at that shift."""
     import numpy as np
 

@@ -22,7 +22,7 @@ def export(
     as_json: Json = False,
 ) -> None:
     """Write a result for other programs: MATLAB, CSV, Parquet or MDF (result.mat, .csv, .parquet, .mf4)."""
-    with reporting_errors(as_json), writing(force, result):
+    with reporting_errors(as_json), writing(force, of=result):
         from wrsim.results.exports import ENDINGS, formats
         from wrsim.results.exports import export as exported
 

@@ -28,9 +28,6 @@ Force = Annotated[
     bool, typer.Option("--force", help="Write also over files that wrsim did not write, or that were changed since.")
 ]
 Pictures = Annotated[bool, typer.Option(help="Draw the pictures.")]
-ModelFiles = Annotated[
-    list[Path] | None, typer.Option("--model-files", metavar="DIR", help="Folder with model files of your own.")
-]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")]
 SectionsOf = Annotated[
     Path | None,

@@ -28,7 +28,7 @@ def report(
     as_json: Json = False,
 ) -> None:
     """Write a page about a result: identity, verdict, assessment, histories, contacts; several are compared."""
-    with reporting_errors(as_json), writing(force, *results):
+    with reporting_errors(as_json), writing(force, *results[1:], of=results[0]):
         check_ending("-o", output, ".html")
         from wrsim.report import report_page
         from wrsim.report.page import rerun

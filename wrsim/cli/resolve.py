@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Force, Json, ModelFiles, Pictures, Quiet, beside
+from wrsim.cli.options import Force, Json, Models, Pictures, Quiet, beside
 from wrsim.cli.showing import print_json, print_some, print_table, progress_bar, say
 from wrsim.errors import InputError
 
@@ -20,21 +20,25 @@ COLUMNS = ("N", "p0", "area", "approach", "Fx", "Fy")
 
 def resolve(
     result: Annotated[Path, typer.Argument(metavar="RESULT", help="A result file, or the folder of a run.")],
-    model: Annotated[
-        str, typer.Option("--model", metavar="NAME", help="Contact model, such as half-space+fastsim.")
+    contact: Annotated[
+        str, typer.Option("--contact", metavar="NAME", help="Contact model, such as half-space+fastsim.")
     ] = "half-space",
     at: Annotated[
         list[str] | None,
-        typer.Option("--at", metavar="PLACE", help="At this distance in m, or this pose, only; may be given again."),
+        typer.Option(
+            "--at", metavar="PLACE", help="Only where the wheelset is there, in m, or this pose; may be repeated."
+        ),
     ] = None,
-    wheelset: Annotated[str | None, typer.Option(metavar="NAME", help="Where there are several: this one.")] = None,
+    wheelset: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Where there are several: this one, or that number.")
+    ] = None,
     same: Annotated[
         str, typer.Option(metavar="load|pose", help="What every wheel keeps: its vertical force or its height.")
     ] = "load",
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")
     ] = None,
-    model_files: ModelFiles = None,
+    models: Models = None,
     pictures: Pictures = True,
     force: Force = False,
     as_json: Json = False,
@@ -51,15 +55,16 @@ def resolve(
         from wrsim.scenario.loading import load_text
 
         before = read(result)
+        moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
         folder = beside(result)
-        scenario = load_text(before.dataset.attrs["scenario_text"], folder, model_files or ())
-        moments = moments_at(before.dataset, at, "--at") if at else None
+        scenario = load_text(before.dataset.attrs["scenario_text"], folder, models or ())
         with progress_bar(not (quiet or as_json)) as progress:
-            after = solve(before, scenario, model, keep=same, moments=moments, wheelset=wheelset, progress=progress)  # type: ignore[call-arg, arg-type]
-        directory = output or folder / "".join(c if c.isalnum() or c in "-+._" else "_" for c in model)
-        with claimed(directory, force, (result,)):
+            after = solve(before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress)  # type: ignore[call-arg, arg-type]
+        directory = output or folder / "".join(c if c.isalnum() or c in "-+._" else "_" for c in contact)
+        with claimed(directory, force, (result,)) as keeper:
             write_atomically(directory / RECORD, after.dataset.attrs["scenario_text"].encode())
             files = write(after, directory, pictures)
+            keeper.clear(files)
         if as_json:
             print_json({"directory": str(directory), "files": [str(f) for f in files], "summary": after.summary()})
         elif not quiet:

@@ -25,7 +25,7 @@ def ride(
     as_json: Json = False,
 ) -> None:
     """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
-    with reporting_errors(as_json), writing(force, result):
+    with reporting_errors(as_json), writing(force, of=result):
         from wrsim.analysis.ride import evaluate_ride
         from wrsim.scenario.loading import load
         from wrsim.scenario.sections.ride import RideSection

@@ -115,62 +115,6 @@ def print_numbers(result: Result) -> None:
     print_facts({name: value for name, value in result.summary().items() if isinstance(value, int | float)})
 
 
-def print_peaks(result: Result) -> None:
-    """The peaks of each wheel as a table, and the events; of a run, what its integration took."""
-    summary = result.summary()
-    if len(summary["wheelsets"]) > 1:
-        _print_wheelsets(result.title, summary)
-    else:
-        (own,) = summary["wheelsets"].values()
-        heads = ["peak", *(head for wheel in own["wheels"] for head in (wheel, "at"))]
-        names = list(next(iter(own["wheels"].values()), {}))
-        rows = [[name, *(cell for peaks in own["wheels"].values() for cell in _peak(peaks[name]))] for name in names]
-        print_table(heads, (r for r in rows if set(r[1::2]) != {"-"}), title=result.title, left=("peak", "at"))
-        guide = own.get("guide_force_y_max_kN")
-        if guide is not None and guide["value"]:
-            say("largest lateral force of the guide frame on the wheelset: {} kN at {}".format(*_peak(guide)))
-    print_some([f"{event['distance_m']:.1f} m: {event['event']}" for event in summary.get("events", [])], "events")
-    if "integration" in summary:
-        _print_integration(**summary["integration"])
-
-
-def _print_integration(
-    integrator: str,
-    step_ms: float,
-    steps: int,
-    evaluations: int,
-    jacobians: int,
-    cut_steps: int,
-    explicit_steps: int,
-) -> None:
-    """What the integration of a run took."""
-    print(f"{integrator}: {steps} steps of {step_ms:.4g} ms, {evaluations} evaluations of the forces", end="")
-    print(f", {jacobians} Jacobians" if jacobians else "", end="")
-    cut = f"; {cut_steps} steps that Newton's method did not solve cut into parts, {explicit_steps} of them for rk44"
-    print(cut if cut_steps else "")
-
-
-WHEEL_PEAKS = {
-    "Y_max_kN": "Y kN",
-    "Q_min_kN": "Q min kN",
-    "Q_max_kN": "Q max kN",
-    "Y_over_Q_max": "Y/Q",
-    "T_gamma_max_N": "T gamma N",
-    "p0_max_MPa": "p0 MPa",
-}
-"""Peaks in the table of several wheelsets, and their headings."""
-
-
-def _print_wheelsets(title: str, summary: dict[str, Any]) -> None:
-    """The peaks of every wheel of several wheelsets, a line each."""
-    rows = [
-        [wheelset, wheel, *(_peak(peaks.get(name))[0] for name in WHEEL_PEAKS)]
-        for wheelset, own in summary["wheelsets"].items()
-        for wheel, peaks in own["wheels"].items()
-    ]
-    print_table(["wheelset", "wheel", *WHEEL_PEAKS.values()], rows, title=title, left=("wheelset", "wheel"))
-
-
 def print_some(lines: Sequence[str], what: str) -> None:
     """The first lines, and how many more there are."""
     for line in lines[:MOST_LINES]:
@@ -188,15 +132,6 @@ def print_title(title: str) -> None:
     from typer import secho
 
     secho(plain(title), bold=True)
-
-
-def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:
-    if peak is None or peak["value"] is None:
-        return "-", ""
-    place = peak.get("pose")
-    if place is None:
-        place = f"{peak['distance_m']:z.1f} m" if "distance_m" in peak else f"{peak['time_s']:z.3f} s"
-    return f"{peak['value']:.4g}", str(place)
 
 
 def print_smoothing(reports: Sequence[SmoothingReport]) -> None:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wrsim.cli.options import beside
 from wrsim.register import ANALYSES, resolved
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
     from wrsim.plots.drawing import Finish
     from wrsim.results import Result
+    from wrsim.results.ledger import Keeper
     from wrsim.scenario.loading import Scenario
 
 RESULT = "result.nc"
@@ -23,32 +25,37 @@ PART = RESULT + ".part"
 RECORD = "scenario.toml"
 """The scenario of the run in a folder."""
 
-OUTPUTS = (RESULT, RECORD, "summary.json", "vehicle.csv", "history*.csv", "patches*.csv", "strips*.csv")
+OUTPUTS = (RESULT, RECORD, "summary.json", "vehicle.csv", "history.csv", "patches.csv", "strips.csv")
 """Names of files that an analysis writes; pictures and further tables are looked at when they are written."""
 
 
 @contextmanager
-def writing(force: bool, *reads: Path) -> Iterator[None]:
-    """While this lasts, no file of the user's is written over, none of ``reads`` above all (`wrsim.results.ledger`)."""
+def writing(force: bool, *reads: Path, of: Path | None = None) -> Iterator[None]:
+    """While this lasts, no file of the user's is written over, none of ``reads`` above all (`wrsim.results.ledger`).
+
+    of: the result that is told about.
+    """
     from wrsim.results.ledger import Keeper, keeping
 
-    with keeping(Keeper(reads, force)):
+    with keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else beside(of))):
         yield
 
 
 @contextmanager
-def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path | None = None) -> Iterator[None]:
+def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path | None = None) -> Iterator[Keeper]:
     """Keep a folder for one analysis: nobody else writes into it, and nothing of the user's is written over.
 
     reads: files of its input; scenario: the file that is run. Raises ``InputError`` before anything is changed there.
     """
     from wrsim.results.ledger import Keeper, Ledger, keeping
 
-    keeper = Keeper(tuple(reads), force)
+    keeper = Keeper(tuple(reads), force, directory)
     with Ledger(directory).locked(), keeping(keeper):
         kept = (RECORD,) if _is_record(directory, scenario) else ()
         keeper.check_folder(directory, [name for name in OUTPUTS if name not in kept])
-        yield
+        for folder in directory.glob("wheelset_*/"):
+            keeper.check_folder(folder, OUTPUTS)
+        yield keeper
 
 
 def begin(directory: Path, scenario: Scenario) -> None:
@@ -85,7 +92,8 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
         files += [write_atomically(directory / f"{name}.png", content) for name, content in finish().items()]
     if not can_go_on(result):
         (directory / PART).unlink(missing_ok=True)
-        Ledger(directory).note(done=result.status, pictures=pictures)
+        names = [path.relative_to(directory).as_posix() for path in files]
+        Ledger(directory).note(done=result.status, pictures=pictures, files=names)
     return files
 
 

@@ -44,7 +44,7 @@ def study(
         str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this dask scheduler.")
     ] = None,
     slurm: Annotated[
-        bool, typer.Option("--slurm", help="Run the workers as SLURM jobs (extra wrsim[cluster]).")
+        bool, typer.Option("--slurm", help="Run the workers as SLURM jobs (extra wrsim\\[cluster]).")
     ] = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="List the cases and the time they will take; run nothing.")

@@ -12,7 +12,6 @@ from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, Models, check_ending
 from wrsim.cli.showing import print_json, print_table, print_title, say
 from wrsim.cli.storing import writing
-from wrsim.errors import InputError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,8 +23,8 @@ if TYPE_CHECKING:
 
 def vehicle(
     file: Annotated[str, typer.Argument(metavar="FILE", help="Vehicle file, such as vehicles/manchester_1.toml.")],
-    picture: Annotated[
-        Path | None, typer.Option("--picture", "-p", metavar="PNG|SVG", help="Draw it there, from three sides.")
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="PNG|SVG", help="Draw it there, from three sides.")
     ] = None,
     models: Models = None,
     force: Force = False,
@@ -33,21 +32,16 @@ def vehicle(
 ) -> None:
     """Print mass, centre, static wheel loads and natural modes of a vehicle; draw it."""
     with reporting_errors(as_json), writing(force):
-        from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+        from wrsim.inputs.lookup import model_file, usual_finder
         from wrsim.vehicle.vehicle_files import load_vehicle
 
-        check_ending("--picture", picture, ".png", ".svg")
-        finder = Finder((Path(), *user_folders(tuple(models or ())), shipped_models()))
-        try:
-            path = finder.find(file)
-        except InputError as error:
-            raise InputError(f"{file}: {error}") from None
-        loaded = load_vehicle(path, finder)
+        check_ending("-o", output, ".png", ".svg")
+        loaded = load_vehicle(model_file(file, models), usual_finder(models))
         found = facts_of(loaded)
-        if picture is not None:
+        if output is not None:
             from wrsim.plots.vehicle import vehicle_picture
 
-            found["picture"] = str(vehicle_picture(sketch_of(loaded), picture))
+            found["picture"] = str(vehicle_picture(sketch_of(loaded), output))
         if as_json:
             print_json(found)
         else:

@@ -23,7 +23,7 @@ def view(
     as_json: Json = False,
 ) -> None:
     """Write a page to look at a run: wheels on their rails, the vehicle on its track, modes of a stability analysis."""
-    with reporting_errors(as_json), writing(force, result):
+    with reporting_errors(as_json), writing(force, of=result):
         check_ending("-o", output, ".html")
         from wrsim.report.view import view_page
         from wrsim.results import write_atomically

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -62,23 +63,23 @@ def shipped_models() -> Path:
     return inside if inside.is_dir() else package.parent / "models"
 
 
-def model_file(name: str | Path) -> Path:
+def model_file(name: str | Path, extra: Sequence[str | Path] | None = ()) -> Path:
     """Return a file that is named from Python or on a command line: as it stands, or among the models.
 
-    The folders of the environment variable WRSIM_MODELS come before the models that are shipped. Raises InputError for
+    Folders ``extra``, and those of the environment variable WRSIM_MODELS, come before the models that are shipped. Raises InputError for
     a relative name that is found nowhere.
     """
     if os.path.isabs(name) or os.path.exists(name):
         return Path(name)
     try:
-        return usual_finder().find(str(name))
+        return usual_finder(extra).find(str(name))
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
 
 
-def usual_finder() -> Finder:
+def usual_finder(extra: Sequence[str | Path] | None = ()) -> Finder:
     """Return a finder for names from Python or from a command line."""
-    return Finder((Path(), *user_folders(), shipped_models()))
+    return Finder((Path(), *user_folders(tuple(extra or ())), shipped_models()))
 
 
 def user_folders(extra: tuple[str | Path, ...] = ()) -> tuple[Path, ...]:

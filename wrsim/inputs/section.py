@@ -57,6 +57,8 @@ class Section(BaseModel):
     """Our key -> names of it that users bring from other programs, with spaces between."""
     elsewhere: ClassVar[dict[str, str]] = {}
     """Keys of other tables -> the header of that table."""
+    also_called: ClassVar[str] = ""
+    """What entries of this kind are called elsewhere, with spaces between; of tables that are told apart by a key."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -223,7 +225,22 @@ def _choice_of_table(base: Any, error: Any, place: KeyPath, header: str) -> Init
     allowed = tuple(tag for member in get_args(base) for tag in get_args(unpacked(fields(member)[by]).base))
     if by not in entry:
         return _detail(ABSENT, f"must be {choice(allowed)}", (*place, by), entry)
-    return _detail(FAULT, f"must be {choice(allowed, entry[by])}", (*place, by), entry[by])
+    words = choice(allowed, entry[by])
+    if "did you mean" not in words:
+        words += _kind_meant(base, by, entry[by])
+    return _detail(FAULT, f"must be {words}", (*place, by), entry[by])
+
+
+def _kind_meant(base: Any, by: str, value: Any) -> str:
+    """The kind of table that is called so elsewhere, or has a key that takes the value, as the end of a sentence."""
+    for member in get_args(base):
+        (tag,) = get_args(unpacked(fields(member)[by]).base)
+        if value in member.also_called.split():
+            return f'; did you mean "{tag}"?'
+        for key, annotation in fields(member).items():
+            if key != by and value in get_args(unpacked(annotation).base):
+                return f'; did you mean "{tag}" with {key} = "{value}"?'
+    return ""
 
 
 def unit_of(key: str) -> str:

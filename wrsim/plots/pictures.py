@@ -20,7 +20,7 @@ from wrsim.plots.vehicle_run import vehicle_figures
 from wrsim.register import ANALYSES, resolved
 from wrsim.results import CHANNELS, Result, write_atomically
 from wrsim.results.moments import has_patches
-from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
+from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets, worst_wheelset
 
 HISTORIES: dict[str, tuple[str, ...]] = {
     "forces": ("Q", "Y", "guide_force_y"),
@@ -42,9 +42,9 @@ def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
 
 def of_contacts(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Pictures of the vehicle (``vehicle_figures``) and of the wheelset with the largest Y/Q (``wheelset_figures``),
-    under its name where there are several."""
+    in a folder of its own where there are several."""
     worst = worst_wheelset(dataset)
-    own = f"{worst}_" if len(wheelsets(dataset)) > 1 else ""
+    own = folder_of(wheelsets(dataset), worst)
     of_worst = wheelset_figures(of_wheelset(dataset, worst))
     return vehicle_figures(dataset) | {f"{own}{name}": make for name, make in of_worst.items()}
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,15 +14,12 @@ from wrsim.plots.colours import FAINT, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, 
 from wrsim.report.envelope import envelope, pieces_of, points_of
 from wrsim.report.svg import Array, element, limits, path, picture, ticks
 from wrsim.results import CHANNELS
-from wrsim.results.channels import Channel
 from wrsim.results.wheelsets import wheelsets, worst_wheelset
 
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, FOOT = 1000.0, 190.0, 62.0, 12.0, 8.0, 24.0
 """Units of a chart's drawing."""
 
-SUM_Y = "sum_Y"
-"""What both wheels of a wheelset push the track sideways with: of no channel, the difference of two."""
-OF_WHEELS = ("Y", "Q", "Y_over_Q", SUM_Y)
+OF_WHEELS = ("Y", "Q", "Y_over_Q", "sum_Y")
 OF_WHEELSETS = ("lateral_shift", "yaw", "curvature", "cant")
 FURTHER = ("p0", "contact_angle", "T_gamma", "guide_force_y")
 OF_BODIES = ("body_lateral", "body_roll", "body_yaw")
@@ -34,7 +31,7 @@ DASHES = ("", "5 3", "1 3", "8 3 2 3", "12 4")
 
 SIGNS = {
     "Y": "positive: the wheel pushes its rail outward",
-    SUM_Y: "Y of the left wheel less that of the right one, positive to the left",
+    "sum_Y": "Y of the left wheel less that of the right one, positive to the left",
     "Q": "positive: the wheel presses its rail down",
     "lateral_shift": "positive to the left",
     "yaw": "positive: turned to the left",
@@ -131,13 +128,6 @@ class Charts:
         }
 
 
-def _channel(key: str) -> Channel:
-    """The channel of that name; of the sum of the lateral forces one like that of a lateral force."""
-    if key == SUM_Y:
-        return replace(CHANNELS["Y"], name=SUM_Y, long_name="track shifting force", symbol="")
-    return CHANNELS[key]
-
-
 def _numbers(values: Array) -> list[float | None]:
     """Five digits of each; null for not-a-number."""
     return [float(f"{v:.5g}") if np.isfinite(v) else None for v in values.tolist()]
@@ -157,7 +147,7 @@ def charts_of(
     for key in (*OF_WHEELS, *OF_WHEELSETS, *FURTHER, *OF_BODIES, *OF_POINTS):
         lines = [line for run, d in enumerate(datasets) for line in _lines(d, key, moves, run, names)]
         if lines and any(np.nan_to_num(line.values).any() for line in lines):
-            channel = _channel(key)
+            channel = CHANNELS[key]
             title = channel.long_name[0].upper() + channel.long_name[1:].replace(" of the body", "")
             title += f" {key}" if len(key) == 1 else ""
             unit = "" if channel.shown.symbol == "1" else channel.shown.symbol
@@ -172,16 +162,13 @@ def charts_of(
 
 def _lines(dataset: xr.Dataset, key: str, moves: bool, run: int, names: Sequence[str]) -> list[Line]:
     """The curves of one channel of one result."""
-    if key == SUM_Y and "Y" in dataset and {"left", "right"} <= set(dataset["wheel"].values.tolist()):
-        data = dataset["Y"].sel(wheel="left", drop=True) - dataset["Y"].sel(wheel="right", drop=True)
-    elif key in dataset:
-        data = dataset[key]
-    else:
+    if key not in dataset:
         return []
+    data = dataset[key]
     if "patch" in data.dims:
         data = data.isel(patch=0)
     several = len(names) > 1
-    values = data.values.astype(float) * _channel(key).shown.factor
+    values = data.values.astype(float) * CHANNELS[key].shown.factor
     of = next((d for d in ("wheelset", "body", "point") if d in data.dims), "")
     parts = [str(p) for p in np.atleast_1d(dataset[of].values)] if of else [""]
     if key in ("curvature", "cant"):  # of the track: that of one wheelset says it all
@@ -198,7 +185,7 @@ def _lines(dataset: xr.Dataset, key: str, moves: bool, run: int, names: Sequence
         for j, wheel in enumerate(wheels):
             shown = part if len(parts) > 1 or of in ("body", "point") else ""
             words = [w for w in (names[run] if several else "", shown, wheel) if w]
-            label = ", ".join(words) or _channel(key).long_name
+            label = ", ".join(words) or CHANNELS[key].long_name
             group = part if of == "wheelset" and key not in ("curvature", "cant") else ""
             if wheel and not several and len(parts) == 1:
                 colour = WHEEL_COLOUR[wheel]

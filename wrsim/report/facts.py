@@ -15,29 +15,12 @@ from wrsim.plots.moments import snapshot_letter
 from wrsim.results import CHANNELS, Result
 from wrsim.results.assessment import Assessment, ZoneValue
 from wrsim.results.ride import AXES, Ride
+from wrsim.results.summary import OF_WHEELSET, PEAKS
 
 GOOD, BAD, OPEN = "good", "bad", "open"
 """States of a verdict: within all limits; beyond one, or stopped; nothing to say."""
 
-PEAKS = {
-    "Y_max_kN": ("Y, largest", "kN"),
-    "Q_max_kN": ("Q, largest", "kN"),
-    "Q_min_kN": ("Q, least", "kN"),
-    "Y_over_Q_max": ("Y/Q, largest", ""),
-    "T_gamma_max_N": ("wear number Tγ", "N"),
-    "N_max_kN": ("normal force of a patch", "kN"),
-    "p0_max_MPa": ("pressure p₀", "MPa"),
-    "contact_angle_max_deg": ("contact angle", "°"),
-    "contact_angle_variation_max_deg": ("turn of the normal in a patch", "°"),
-}
-"""Words and units of the peaks of a wheel in a summary."""
-
-OF_WHEELSET = {
-    "lateral_shift_max_mm": ("lateral shift, largest", "mm"),
-    "angle_of_attack_max_mrad": ("angle of attack, largest", "mrad"),
-    "guide_force_y_max_kN": ("lateral guide force, largest", "kN"),
-}
-IN_CURVES = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
+IN_CURVES = ("lateral_shift", "yaw", "sum_Y", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
 """Channels whose medians in full curves stand on the cards."""
 
 
@@ -264,7 +247,7 @@ def _card(of: Sequence[dict[str, Any] | None], names: Sequence[str]) -> list[Tab
     for key, (words, unit) in OF_WHEELSET.items():
         cells = [_peak(own.get(key) if own else None) for own in of]
         if any(cells):
-            rows.append((f"{words} [{unit}]", *cells))
+            rows.append((f"{words}, largest either way [{unit}]", *cells))
     if rows:
         tables.append(Table("Wheelset", ("", *(names if several else ("",))), tuple(rows)))
     for own, name in zip(of, names, strict=True):

@@ -59,8 +59,8 @@ def assemble(
     adds ``stop_reason`` and, over time, ``stop_time_s`` and ``stop_distance_m``. More attributes (text or numbers)
     are kept. The versions are added here.
 
-    ``Y_over_Q`` (where Q > 0), ``contact_angle_variation`` and the ``wheelset_distance`` of a single wheelset are
-    derived when they are not given.
+    ``Y_over_Q`` (where Q > 0), ``sum_Y`` (of both wheels), ``contact_angle_variation`` and the ``wheelset_distance`` of
+    a single wheelset are derived when they are not given.
 
     copy: False gives the arrays away: they become those of the dataset, where their type is that of their channel.
 
@@ -70,7 +70,7 @@ def assemble(
     if ("time" in coords) == ("pose" in coords):
         raise ValueError("coords needs either 'time' (runs) or 'pose' (static analyses)")
     sample = "time" if "time" in coords else "pose"
-    arrays = _with_derived(channels)
+    arrays = _with_derived(channels, coords.get("wheel", WHEELS))
     if isinstance(coords.get("wheelset", SINGLE), str):
         arrays = _of_single_wheelset(arrays)
     sizes, labels = _labels(sample, coords)
@@ -157,9 +157,12 @@ def _variable(channel: Channel, sample: str, array: NDArray[Any], sizes: dict[st
     return xr.Variable(dims, array, {"units": channel.unit, "long_name": channel.long_name})
 
 
-def _with_derived(channels: Mapping[str, ArrayLike]) -> dict[str, ArrayLike]:
-    """The channels, with Y/Q and the variation of the contact angle where they follow from others."""
+def _with_derived(channels: Mapping[str, ArrayLike], wheels: ArrayLike) -> dict[str, ArrayLike]:
+    """The channels, with Y/Q, the track shifting force and the variation of the contact angle where they follow."""
     arrays = dict(channels)
+    if "Y" in arrays and "sum_Y" not in arrays and tuple(np.atleast_1d(wheels)) == WHEELS and np.ndim(arrays["Y"]) > 1:
+        left_and_right = np.asarray(arrays["Y"], dtype=float)
+        arrays["sum_Y"] = left_and_right[..., 0] - left_and_right[..., -1]
     if "Y_over_Q" not in arrays and {"Y", "Q"} <= arrays.keys():
         force, load = (np.asarray(arrays[name], dtype=float) for name in ("Y", "Q"))
         if force.shape == load.shape:

@@ -84,7 +84,7 @@ class Ledger:
         if own[0]["begin"] != digest_of(scenario_text.encode()):
             return False
         done = [entry for entry in own if "done" in entry]
-        names = [entry["file"] for entry in own if "file" in entry]
+        names = [entry["file"] for entry in own if "file" in entry] + [n for e in done for n in e.get("files", ())]
         drawn = not pictures or any(entry.get("pictures") for entry in done)
         return bool(done) and drawn and all((self.folder / name).exists() for name in names)
 
@@ -105,16 +105,19 @@ class Ledger:
 class Keeper:
     """Decides on every file that a command writes.
 
-    reads: files that it has read its input from; force: write over whatever stands there.
+    reads: files that it has read its input from; force: write over whatever stands there; of: the folder of the result
+    that it writes or tells about, whose files go when another one takes its place.
     """
 
     reads: tuple[Path, ...] = ()
     force: bool = False
+    of: Path | None = None
 
     def admit(self, path: Path, content: bytes) -> None:
         """Note a file before it is written. Raises ``InputError`` when it would replace one of the user's."""
         self.check(path)
-        Ledger(path.parent).note(file=path.name, sha256=digest_of(content))
+        inside = self.of is not None and self.of.absolute() in list(path.absolute().parents)[:2]
+        Ledger(path.parent).note(file=path.name, sha256=digest_of(content), **({"of_result": True} if inside else {}))
 
     def check(self, path: Path) -> None:
         """Raises ``InputError`` when a file of the user's stands there."""
@@ -132,6 +135,26 @@ class Keeper:
                 f"{path}: would be written over, but wrsim did not write it, or it has changed since; "
                 "move it away, choose another directory with -o, or write over it with --force"
             )
+
+    def clear(self, kept: Iterable[Path]) -> list[Path]:
+        """Remove what wrsim wrote of an earlier result of this folder, beside the files ``kept``; returns what went.
+
+        Files that were changed since are the user's and stay.
+        """
+        if self.of is None:
+            return []
+        stay, gone = {path.absolute() for path in kept}, []
+        for folder in (*sorted(self.of.glob("wheelset_*/")), self.of):
+            ledger = Ledger(folder)
+            names = dict.fromkeys(str(e["file"]) for e in ledger.entries() if e.get("of_result"))
+            for path in (folder / name for name in names):
+                if path.absolute() not in stay and ledger.wrote(path):
+                    path.unlink()
+                    gone.append(path)
+            if folder != self.of and [path.name for path in folder.iterdir()] == [LEDGER]:
+                (folder / LEDGER).unlink()
+                folder.rmdir()
+        return gone
 
     def check_folder(self, folder: Path, patterns: Iterable[str]) -> None:
         """The same for all files of a folder whose names match one of the patterns: before long work begins."""

@@ -15,8 +15,33 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
-CURVE_CHANNELS = ("lateral_shift", "yaw", "guide_force_y", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
+CURVE_CHANNELS = (
+    "lateral_shift", "yaw", "guide_force_y", "sum_Y", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma",
+)  # fmt: skip
 """Channels whose median in each full curve is reported."""
+
+PEAKS = {
+    "Y_max_kN": ("Y, largest", "kN"),
+    "Y_min_kN": ("Y, least", "kN"),
+    "Y_abs_max_kN": ("Y, largest either way", "kN"),
+    "Q_max_kN": ("Q, largest", "kN"),
+    "Q_min_kN": ("Q, least", "kN"),
+    "Y_over_Q_max": ("Y/Q, largest", ""),
+    "T_gamma_max_N": ("wear number Tγ, largest", "N"),
+    "N_max_kN": ("normal force of a patch, largest", "kN"),
+    "p0_max_MPa": ("pressure p₀, largest", "MPa"),
+    "contact_angle_max_deg": ("contact angle, largest", "°"),
+    "contact_angle_variation_max_deg": ("turn of the normal in a patch, largest", "°"),
+}
+"""Words and units of the peaks of a wheel."""
+
+OF_WHEELSET = {
+    "lateral_shift_max_mm": ("lateral shift", "mm"),
+    "angle_of_attack_max_mrad": ("angle of attack", "mrad"),
+    "sum_Y_max_kN": ("track shifting force ΣY", "kN"),
+    "guide_force_y_max_kN": ("lateral force of the guide frame", "kN"),
+}
+"""Words and units of the peaks of a wheelset: those largest either way, with their sign."""
 
 _STEADY = 1e-4  # change of curvature over its largest value, per metre, below which a curve counts as full
 _SHORTEST = 5  # samples of a full curve that make a median worth reporting
@@ -91,6 +116,8 @@ def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
         "angle_of_attack_max_mrad": peak(one, "yaw", largest_magnitude=True),
         "wheels": {str(wheel): _wheel(one, str(wheel)) for wheel in one["wheel"].values},
     }
+    if "sum_Y" in one:
+        found["sum_Y_max_kN"] = peak(one, "sum_Y", largest_magnitude=True)
     if "guide_force_y" in one:
         found["guide_force_y_max_kN"] = peak(one, "guide_force_y", largest_magnitude=True)
     if "time" in one.dims:
@@ -192,6 +219,8 @@ def _wheel(dataset: xr.Dataset, wheel: str) -> dict[str, Any]:
     """Peaks of one wheel."""
     return {
         "Y_max_kN": peak(dataset, "Y", wheel),
+        "Y_min_kN": peak(dataset, "Y", wheel, smallest=True),
+        "Y_abs_max_kN": peak(dataset, "Y", wheel, largest_magnitude=True),
         "Q_max_kN": peak(dataset, "Q", wheel),
         "Q_min_kN": peak(dataset, "Q", wheel, smallest=True),
         "Y_over_Q_max": peak(dataset, "Y_over_Q", wheel),

@@ -12,7 +12,7 @@ from wrsim.results.dataset import OF_VEHICLE
 from wrsim.results.files import as_csv, as_json, write_atomically
 from wrsim.results.result import Result
 from wrsim.results.rows import Row, chosen, long, present, wide
-from wrsim.results.wheelsets import of_wheelset, wheelsets
+from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets
 
 BLOCK = 2000
 """Instants of a run that stand in memory as text at once."""
@@ -24,7 +24,7 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     Runs get ``history.csv`` (one row per instant), ``patches.csv`` (one row per instant, wheel and patch in contact)
     and ``strips.csv`` (the strips of the snapshots). Static analyses get ``patches.csv`` (one row per pose, wheel and
     patch; a wheel without contact keeps one row) and ``strips.csv``. Where there are several wheelsets, each has tables
-    under its name, such as ``history_front.outer.csv``; bodies, points and suspension elements stand in
+    in a folder of its own, such as ``wheelset_1/history.csv``; bodies, points and suspension elements stand in
     ``vehicle.csv``. Other analyses have tables of their own, as the register says. The dataset goes first, so that a
     full disk costs the tables before the numbers. A stopped analysis is written like any other.
     Raises ``WrsimError`` when something cannot be written.
@@ -59,8 +59,8 @@ def of_contacts(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     if "time" in dataset.dims and (len(names) > 1 or set(OF_VEHICLE) & set(dataset.dims)):
         yield "vehicle", _in_blocks(lambda part: wide(part, "time", OF_VEHICLE), dataset)
     for name in names:
-        own = f"_{name}" if len(names) > 1 else ""
-        yield from ((table + own, rows) for table, rows in _of_wheelset(of_wheelset(dataset, name)))
+        own = folder_of(names, name)
+        yield from ((own + table, rows) for table, rows in _of_wheelset(of_wheelset(dataset, name)))
 
 
 def _of_wheelset(one: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:

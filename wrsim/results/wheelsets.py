@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
@@ -14,23 +16,38 @@ def wheelsets(dataset: xr.Dataset) -> tuple[str, ...]:
     return tuple(str(name) for name in np.atleast_1d(dataset["wheelset"].values))
 
 
+def numbered(names: Sequence[str]) -> dict[str, str]:
+    """Names of several wheelsets with their numbers from the front, as the trade counts them: ``1 front.outer``."""
+    if len(names) < 2:
+        return {name: name for name in names}
+    return {name: name if name == str(i) else f"{i} {name}" for i, name in enumerate(names, 1)}
+
+
+def folder_of(names: Sequence[str], name: str) -> str:
+    """Where files of one of several wheelsets are, with a stroke at the end: ``wheelset_1/``; empty for a lone one."""
+    return f"wheelset_{names.index(name) + 1}/" if len(names) > 1 else ""
+
+
 def of_wheelset(dataset: xr.Dataset, name: str | None = None) -> xr.Dataset:
     """What a dataset holds of one wheelset, without the dimension ``wheelset``; of the only one without a name.
 
+    name: its number from the front, from 1, does as well.
     ``distance`` is that of the wheelset. What belongs to bodies, points, suspension, loads and events is left out.
     Raises InputError for a name that is none of the wheelsets, and when there are several to choose from.
     """
     names = wheelsets(dataset)
     if name is None and len(names) == 1:
         name = names[0]
+    if name is not None and name not in names and name in map(str, range(1, len(names) + 1)):
+        name = names[int(name) - 1]
     if name not in names:
-        what = f"no wheelset is called '{name}'{suggest(name, names)}" if name else "choose one of the wheelsets"
-        raise InputError(f"{what}; there are {', '.join(names)}" if name else f"{what}: {', '.join(names)}")
+        what = f"no wheelset is called '{name}'{suggest(name, names)}; there are" if name else "choose a wheelset:"
+        raise InputError(f"{what} {', '.join(numbered(names).values())}")
     if "wheelset" not in dataset.dims:
         return dataset
     one = dataset.sel(wheelset=name).drop_dims([*OF_VEHICLE, "event"], errors="ignore")
     if len(names) > 1:
-        one.attrs["title"] = f"{dataset.attrs['title']}: {name}"
+        one.attrs["title"] = f"{dataset.attrs['title']}: wheelset {numbered(names)[name]}"
     if "wheelset_distance" not in one:
         return one
     own = one["wheelset_distance"].values

@@ -34,9 +34,9 @@ def split_names(names: str) -> list[str]:
     found = [name.strip() for name in names.split(",")]
     for name in found:
         if not name:
-            raise InputError(f'--models {names}: has an empty name; write for example "kik-piotrowski,half-space"')
+            raise InputError(f'--contact {names}: has an empty name; write for example "kik-piotrowski,half-space"')
         if found.count(name) > 1:
-            raise InputError(f'--models {names}: "{name}" stands there twice')
+            raise InputError(f'--contact {names}: "{name}" stands there twice')
     return found
 
 

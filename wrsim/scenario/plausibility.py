@@ -19,8 +19,14 @@ USUAL_RADIUS = (0.15, 0.75)
 
 
 def warnings(setup: Setup) -> list[str]:
-    """One sentence for every implausible value of a vehicle, in the words and units of its file."""
-    return [
+    """One sentence for every implausible value, in the words and units of its file, and for what a run leaves out."""
+    plan = setup.plan
+    left_out = [
+        f"output.patches_at_m: {place:g} m is not passed by the run, which is from {plan.start:.6g} to {plan.end:.6g} "
+        "m; no patches are kept there"
+        for place in getattr(plan, "left_out", ())
+    ]
+    return left_out + [
         f"{what} = {value:.4g} {unit} is outside of the usual {low:g} to {high:g} {unit}: is it meant so?"
         for what, value, (low, high), unit in _values(setup)
         if not low <= value <= high

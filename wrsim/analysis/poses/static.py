@@ -27,8 +27,14 @@ from wrsim.results import Result, assemble
 from wrsim.scenario.cases import Pose, named
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from wrsim.scenario.build import Setup
     from wrsim.scenario.sections.static import StaticPlan
+
+STEEP = np.radians(60.0)
+"""Steepest direction of a wheel's force, from the vertical, that passes without a word: to carry a vertical load on a
+steeper flank takes a lateral force beyond what any rail vehicle has, and pressures to match."""
 
 REPORT_INTERVAL = 0.1  # between two calls of the progress function [s]
 STANDARD_SPACING = 1.5
@@ -168,6 +174,11 @@ def _solved(
         raise SimulationError(f"none of the {done} poses has a solution; the first: {messages[0]}")
     poses = poses[:done]
     raw = raw.first(done)
+    forces, patches = wheel_channels(raw), patch_channels(raw, wheels)
+    names = [w.name for w in wheels]
+    for i in range(done):
+        words = [_flank_words(names[j], {n: v[i, j] for n, v in (forces | patches).items()}) for j in range(len(names))]
+        remarks[i] = "; ".join(filter(None, [remarks[i], *words]))
     channels = {
         "load": np.array([p.load for p in poses]),
         "pose_message": np.array(messages[:done]),
@@ -176,10 +187,23 @@ def _solved(
         "vertical_shift": heights[:done] - radius,
         "yaw": np.array([p.yaw for p in poses]),
         "roll": rolls[:done],
-        **wheel_channels(raw),
-        **patch_channels(raw, wheels),
+        **forces,
+        **patches,
         **strips.channels(),
     }
     reason = f"interrupted by the user after {done} of {n} poses" if done < n else ""
-    coords = {"pose": [p.name for p in poses], "wheel": [w.name for w in wheels]}
+    coords = {"pose": [p.name for p in poses], "wheel": names}
     return Result(assemble(coords, channels, attributes(reason)))
+
+
+def _flank_words(wheel: str, of: dict[str, NDArray[np.float64]]) -> str:
+    """A sentence on a wheel that carries its vertical load on a flank; empty for any other."""
+    y, q = float(of["Y"]), float(of["Q"])
+    if not (q > 0.0 and np.arctan2(abs(y), q) > STEEP):
+        return ""
+    k = int(np.nanargmax(of["N"]))
+    angle, normal, pressure = (float(of[name][k]) for name in ("contact_angle", "N", "p0"))
+    return (
+        f"the {wheel} wheel carries {q / 1e3:.4g} kN down on a flank of {np.degrees(angle):.3g} degrees: "
+        f"N = {normal / 1e3:.4g} kN, p0 = {pressure / 1e6:.4g} MPa, and {abs(y) / 1e3:.4g} kN sideways to hold it there"
+    )

@@ -99,17 +99,32 @@ def _cycles(
     search = CycleSearch(rolling, cycle_plan, one_more)
     search.found = kept
     lowest = search.from_above(start)
-    outcome: dict[str, Any] = {"cycle_start_m_s": start, "nonlinear_critical_speed_m_s": lowest}
     first = kept[0]
+    outcome: dict[str, Any] = {"cycle_start_m_s": start, "nonlinear_critical_speed_m_s": lowest}
     if not first.moves:
         words = first.message or "the vehicle comes to rest"
         outcome["nonlinear_note"] = f"no limit cycle at {3.6 * start:.4g} km/h, where the search begins: {words}"
-    elif lowest <= cycle_plan.lowest:
-        outcome["nonlinear_note"] = f"the limit cycle is still there at {3.6 * lowest:.4g} km/h, where the search ends"
+    else:
+        outcome |= nonlinear_outcome(lowest, np.inf if worst is None else worst.speed, cycle_plan.lowest)
     steps = np.arange(start, max(lowest, cycle_plan.lowest) - cycle_plan.step, -cycle_plan.step)
     if first.moves:
         search.from_below([float(v) for v in steps if v >= cycle_plan.lowest])
     return outcome
+
+
+def nonlinear_outcome(lowest: float, linear: float, end: float) -> dict[str, Any]:
+    """What the lowest limit cycle found means, as attributes.
+
+    lowest, linear, end: speeds of that cycle, of instability, and where the search ends [m/s]. Above the linear
+    critical speed straight running is unstable anyway: a cycle found only there is no critical speed of its own.
+    """
+    if lowest > linear:
+        words = f"no limit cycle below the linear critical speed; the lowest one found is at {3.6 * lowest:.4g} km/h"
+        return {"nonlinear_critical_speed_m_s": np.nan, "nonlinear_note": words}
+    if lowest <= end:
+        words = f"the limit cycle is still there at {3.6 * lowest:.4g} km/h, where the search ends"
+        return {"nonlinear_critical_speed_m_s": lowest, "nonlinear_note": words}
+    return {"nonlinear_critical_speed_m_s": lowest}
 
 
 def _critical_words(worst: Modes | None, found: list[Modes], vehicle: Vehicle) -> dict[str, Any]:

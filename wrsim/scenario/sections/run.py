@@ -18,7 +18,8 @@ class RunPlan:
     """A run along the track: from ``start`` to ``end`` [m] of the centre line at ``speed`` [m/s], 0 at rest.
 
     step: of the integration [s], None: chosen for the integrator; output_interval: between two samples [s]; patches_at:
-    distances [m], rising, at which the strips of the patches are kept.
+    distances [m], rising, at which the strips of the patches are kept; left_out: those asked for on the track that the
+    run does not pass.
     """
 
     start: float
@@ -28,6 +29,7 @@ class RunPlan:
     step: float | None = None
     output_interval: float = 5e-3
     patches_at: tuple[float, ...] = ()
+    left_out: tuple[float, ...] = ()
 
     @property
     def duration(self) -> float:
@@ -97,11 +99,12 @@ class RunSection(PlanTable):
             key = "distance_m" if self.distance_m is not None else "time_s"
             raise given.fault(("run", key), f"ends at {end:.6g} m: {room}")
         end = min(end, last)
-        patches = given.table(OutputSection).patches_at_m
-        for place in patches or ():
-            if not start <= place <= end:
-                message = f"{place:g} m is not passed by the run: must lie from {start:.6g} to {end:.6g} m"
+        asked = given.table(OutputSection).patches_at_m
+        for place in asked or ():
+            if place > given.track.length:
+                message = f"{place:g} m is not on the track: must lie from {start:.6g} to {end:.6g} m"
                 raise given.fault(("output", "patches_at_m"), message)
+        places = _middle_of_arcs(given.track, start, end) if asked is None else tuple(sorted(set(asked)))
         return RunPlan(
             start=start,
             end=end,
@@ -109,7 +112,8 @@ class RunSection(PlanTable):
             integrator=self.integrator,
             step=None if self.step_us is None else self.step_us * 1e-6,
             output_interval=self.output_interval_ms * 1e-3,
-            patches_at=_middle_of_arcs(given.track, start, end) if patches is None else tuple(sorted(set(patches))),
+            patches_at=tuple(place for place in places if start <= place <= end),
+            left_out=tuple(place for place in places if not start <= place <= end),
         )
 
 

@@ -58,6 +58,7 @@ class Straight(Section):
     """A straight piece; cant and gauge may run from one value to another along it."""
 
     header: ClassVar[str] = "[[track.segments]] with kind = straight"
+    also_called: ClassVar[str] = "tangent line"
     aliases: ClassVar[dict[str, str]] = {"length_m": "l L"}
 
     kind: Literal["straight"]
@@ -79,6 +80,7 @@ class Transition(Section):
     """From the curvature and cant of the segment before to those of the segment after."""
 
     header: ClassVar[str] = "[[track.segments]] with kind = transition"
+    also_called: ClassVar[str] = "spiral easement ramp"
     aliases: ClassVar[dict[str, str]] = {"length_m": "l L", "form": "type shape"}
 
     kind: Literal["transition"]
@@ -94,6 +96,7 @@ class Arc(Section):
     """A circular arc: radius (positive: curves to the left), length or angle, cant, gauge widening."""
 
     header: ClassVar[str] = "[[track.segments]] with kind = arc"
+    also_called: ClassVar[str] = "curve circle circular radius"
     aliases: ClassVar[dict[str, str]] = {
         "length_m": "l L",
         "radius_m": "r R",

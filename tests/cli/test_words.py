@@ -1,0 +1,182 @@
+"""What commands say: peaks with their signs, medians, times, help that is whole, one meaning of every option."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from support.scenario_texts import CURVE, edited
+from support.synthetic_result import curve_run, static_poses
+from typer.main import get_command
+from typer.testing import CliRunner
+
+import wrsim.analysis
+from wrsim import __version__
+from wrsim.cli import app
+from wrsim.results import Result
+
+runner = CliRunner()
+COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
+
+
+def call(*arguments: str | Path) -> Any:
+    return runner.invoke(app, [str(a) for a in arguments], env={"COLUMNS": "160"})
+
+
+@pytest.fixture(scope="module")
+def run() -> Result:
+    return Result(curve_run(samples=60))
+
+
+def test_a_wheel_that_pulls_inward_shows_how_far(run: Result) -> None:
+    """Y of a wheel that is negative all along: its largest value says next to nothing, its least one says all."""
+    dataset = run.dataset.copy(deep=True)
+    dataset["Y"].values[:, 0, 1] = -6400.0 + 100.0 * np.sin(dataset["time"].values)
+    dataset["Y"].values[7, 0, 1] = 50.0
+    wheel = Result(dataset).summary()["wheelsets"]["wheelset"]["wheels"]["right"]
+    assert wheel["Y_max_kN"]["value"] == pytest.approx(0.05)
+    assert wheel["Y_min_kN"]["value"] == wheel["Y_abs_max_kN"]["value"] == pytest.approx(-6.5, abs=0.01)
+
+
+def test_the_track_shifting_force_is_the_left_wheel_less_the_right_one(run: Result) -> None:
+    y = run.dataset["Y"].values
+    assert run.dataset["sum_Y"].values == pytest.approx(y[:, :, 0] - y[:, :, 1])
+    largest = run.summary()["wheelsets"]["wheelset"]["sum_Y_max_kN"]["value"]
+    assert abs(largest) == pytest.approx(1e-3 * np.abs(y[:, 0, 0] - y[:, 0, 1]).max())
+
+
+def test_a_run_is_told_in_words(run: Result, tmp_path: Path) -> None:
+    run.save(tmp_path / "result.nc")
+    told = call("show", tmp_path).stdout
+    for words in (
+        "Y, least [kN]",
+        "track shifting force ΣY",
+        "angle of attack",
+        "lateral shift",
+        "medians of its second",
+    ):
+        assert words in told, words
+    (curve,) = run.summary()["wheelsets"]["wheelset"]["full_curves"]
+    assert f"{curve['lateral_shift_mm']:z.4g}" in told
+    assert f"{curve['right']['Y_kN']:z.4g}" in told
+
+
+def test_the_time_that_a_run_took_is_told_beside_the_time_on_the_track(
+    run: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(wrsim.analysis, "run", lambda *_, **__: run, raising=False)
+    (tmp_path / "curve.toml").write_text(CURVE)
+    command = ("run", tmp_path / "curve.toml", "-o", tmp_path / "out", "--no-pictures")
+    lasted = float(np.ptp(run.dataset["time"].values))
+    assert f"{lasted:.4g} s on the track in " in call(*command).stdout
+    summary = json.loads(call(*command, "--json").stdout)["summary"]
+    assert summary["times_real_time"] == pytest.approx(summary["wall_time_s"] / lasted, abs=1e-3)
+
+
+def test_a_conicity_analysis_prints_its_table(tmp_path: Path) -> None:
+    scenario = Path(__file__).parents[2] / "scenarios/conicity_s1002.toml"
+    told = call("run", scenario, "-o", tmp_path, "--no-pictures").stdout
+    assert re.search(r"3\.0 +0\.17\d", told), told
+    assert "tan gamma_e" in told
+
+
+@pytest.mark.parametrize("name", sorted(COMMANDS))
+def test_help_loses_no_word(name: str) -> None:
+    """What stands in brackets is no markup of the terminal's."""
+    command = COMMANDS[name]
+    texts = [command.help, *(p.help for p in command.params if getattr(p, "help", None))]
+    told = " ".join(runner.invoke(app, [name, "-h"], env={"COLUMNS": "400", "NO_COLOR": "1"}).stdout.split())
+    for words in re.findall(r"\S*\[[^\]]+\]", " ".join(filter(None, texts)).replace("\\[", "[")):
+        assert words in told, words
+
+
+def test_one_option_means_one_thing_in_all_commands() -> None:
+    meanings: dict[str, set[str]] = {}
+    for command in COMMANDS.values():
+        for option in command.params:
+            for name in getattr(option, "opts", ()):
+                meanings.setdefault(name, set()).add(str(option.name))
+    assert {name: own for name, own in meanings.items() if name.startswith("-") and len(own) > 1} == {}
+    assert meanings["-o"] == {"output"}
+    assert meanings["--models"] == {"models"}
+    assert "--picture" not in meanings
+    assert {o.metavar for c in COMMANDS.values() for o in c.params if "--models" in getattr(o, "opts", ())} == {"DIR"}
+
+
+def test_short_options_are_there() -> None:
+    assert call("-h").stdout == call("--help").stdout != ""
+    assert call("run", "-h").exit_code == 0
+    assert call("-v").stdout == f"wrsim {__version__}\n"
+    assert "--install-completion" in call("-h").stdout
+
+
+def test_profile_finds_the_models_that_come_with_wrsim(tmp_path: Path) -> None:
+    told = call("profile", "wheels/S1002.toml", "-o", tmp_path / "wheel.png")
+    assert told.exit_code == 0, told.output
+    assert 'did you mean "wheels/S1002.toml"' in call("profile", "wheels/S1003.toml").stderr
+
+
+def test_the_same_place_means_the_same_to_plot_and_resolve(tmp_path: Path) -> None:
+    """A place is where the chosen wheelset is, as its pictures say, not where the vehicle is."""
+    front = curve_run(samples=40).assign_coords(wheelset=["front"])
+    rear = front.assign_coords(wheelset=["rear"])
+    rear["wheelset_distance"] = rear["wheelset_distance"] - 17.5
+    both = xr.concat(
+        [front, rear], "wheelset", data_vars="minimal", coords="minimal", compat="override", join="override"
+    )
+    Result(both).save(tmp_path / "result.nc")
+    here = float(front["snapshot_distance"].values[0])
+    for name, place in (("front", here), ("rear", here - 17.5), ("2", here - 17.5)):
+        for command in ("plot", "resolve"):
+            told = call(command, tmp_path, "--wheelset", name, "--at", "9999")
+            assert f"there are {place:.1f}, " in told.stderr, (command, name)
+    told = call("plot", tmp_path, "--wheelset", "2", "--at", f"{here - 17.5:.1f}")
+    assert (tmp_path / f"wheelset_2/patches_at_{here - 17.5:.1f}.png").is_file(), told.output
+
+
+def test_a_result_does_not_keep_files_of_the_one_before(
+    run: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Files of wrsim's go, also what later commands made of that result; the user's and changed ones stay."""
+    monkeypatch.setattr(wrsim.analysis, "run", lambda *_, **__: run, raising=False)
+    (tmp_path / "curve.toml").write_text(CURVE)
+    out = tmp_path / "out"
+    assert call("run", tmp_path / "curve.toml", "-o", out).exit_code == 0
+    assert call("export", out, "--to", "mat").exit_code == 0
+    assert call("new", "-o", out / "template.toml").exit_code == 0
+    (out / "notes.txt").write_text("mine")
+    (out / "forces.png").write_bytes((out / "forces.png").read_bytes() + b"edited")
+    poses = Result(static_poses())
+    monkeypatch.setattr(wrsim.analysis, "run", lambda *_, **__: poses, raising=False)
+    told = json.loads(call("run", tmp_path / "curve.toml", "-o", out, "--no-pictures", "--json").stdout)
+    names = {path.name for path in out.iterdir()}
+    assert {"notes.txt", "forces.png", "template.toml", "patches.csv", "result.nc"} <= names
+    assert not {"overview.png", "history.csv", "result.mat"} & names
+    assert {Path(f).name for f in told["removed"]} >= {"overview.png", "history.csv", "result.mat"}
+
+
+def test_kinds_of_segments_from_other_programs_are_understood(tmp_path: Path) -> None:
+    for kind, words in {
+        "clothoid": 'did you mean "transition" with form = "clothoid"?',
+        "bloss": 'did you mean "transition" with form = "bloss"?',
+        "curve": 'did you mean "arc"?',
+        "tangent": 'did you mean "straight"?',
+    }.items():
+        (tmp_path / "case.toml").write_text(edited(CURVE, 'kind = "transition"', f'kind = "{kind}"'))
+        told = call("check", tmp_path / "case.toml")
+        assert (told.exit_code, words in told.stderr) == (2, True), told.stderr
+
+
+def test_a_shortened_run_leaves_out_the_patches_that_it_does_not_reach(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(CURVE + "\n[output]\npatches_at_m = [40, 150]\n")
+    told = call("check", tmp_path / "case.toml", "--set", "run.distance_m=60")
+    assert told.exit_code == 0
+    assert "150 m is not passed by the run" in told.stderr
+    (tmp_path / "case.toml").write_text(CURVE + "\n[output]\npatches_at_m = [40, 5000]\n")
+    told = call("check", tmp_path / "case.toml")
+    assert (told.exit_code, "5000 m is not on the track" in told.stderr) == (2, True)
