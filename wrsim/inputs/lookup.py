@@ -66,8 +66,8 @@ def shipped_models() -> Path:
 def model_file(name: str | Path, extra: Sequence[str | Path] | None = ()) -> Path:
     """Return a file that is named from Python or on a command line: as it stands, or among the models.
 
-    Folders ``extra``, and those of the environment variable WRSIM_MODELS, come before the models that are shipped. Raises InputError for
-    a relative name that is found nowhere.
+    Folders ``extra``, and those of the environment variable WRSIM_MODELS, come before the models that are shipped.
+    Raises InputError for a relative name that is found nowhere.
     """
     if os.path.isabs(name) or os.path.exists(name):
         return Path(name)
