@@ -203,13 +203,13 @@ class KernelArrays:
     def recall(self, memory: Array) -> int:
         """Put back what ``memory`` gave at the front of a longer row; returns how much of it that was.
 
-        What follows a recall is the same to the bit wherever it is done: factors that are kept besides are given up.
+        What follows a recall is the same to the bit wherever it is done: an inverse that is kept besides is given up.
         """
         place = 0
         for part in self._kept():
             part[...] = memory[place : place + part.size].reshape(part.shape)
             place += part.size
-        self.rows.memo["factored"] = 0
+        self.rows.memo["inverted"] = 0
         return place
 
     def _kept(self) -> tuple[NDArray[Any], ...]:

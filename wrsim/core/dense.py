@@ -1,40 +1,89 @@
 """Small dense systems, solved in place."""
 
-from wrsim.core.compiling import kernel
+from wrsim.core.compiling import kernel, summing
 
 
 @kernel
 def factorise(a, n, pivot):
     """LU factors of a with row pivots, in place; ``pivot`` (n,) receives the rows that were exchanged."""
     for c in range(n):
-        p = c
-        for i in range(c + 1, n):
-            if abs(a[i, c]) > abs(a[p, c]):
-                p = i
-        pivot[c] = p
-        if p != c:
-            for j in range(n):
-                a[c, j], a[p, j] = a[p, j], a[c, j]
+        pivot[c] = _exchange(a, c, n)
         inverse = 1.0 / a[c, c] if a[c, c] != 0.0 else 0.0
         for i in range(c + 1, n):
             a[i, c] *= inverse
-        i = c + 1
-        while i < n - 3:
-            # four rows at once: each number of the pivot's row is read once for all
-            f0, f1, f2, f3 = a[i, c], a[i + 1, c], a[i + 2, c], a[i + 3, c]
-            if f0 != 0.0 or f1 != 0.0 or f2 != 0.0 or f3 != 0.0:
-                for j in range(c + 1, n):
-                    upper = a[c, j]
-                    a[i, j] -= f0 * upper
-                    a[i + 1, j] -= f1 * upper
-                    a[i + 2, j] -= f2 * upper
-                    a[i + 3, j] -= f3 * upper
-            i += 4
-        while i < n:
-            f0 = a[i, c]
-            for j in range(c + 1, n):
-                a[i, j] -= f0 * a[c, j]
-            i += 1
+        _subtract(a, c, c + 1, n, c + 1, n)
+
+
+@kernel
+def invert(a, n, pivot):
+    """The inverse of a, in place, by Gauss and Jordan with row pivots; pivot: (n,) scratch."""
+    for c in range(n):
+        pivot[c] = _exchange(a, c, n)
+        inverse = 1.0 / a[c, c] if a[c, c] != 0.0 else 0.0
+        a[c, c] = 1.0
+        for j in range(n):
+            a[c, j] *= inverse
+        for first, last in ((0, c), (c + 1, n)):
+            _subtract(a, c, first, last, 0, c)
+            _subtract(a, c, first, last, c + 1, n)
+            for i in range(first, last):
+                a[i, c] *= -inverse
+    for c in range(n - 1, -1, -1):
+        p = int(pivot[c])
+        if p != c:
+            for i in range(n):
+                a[i, c], a[i, p] = a[i, p], a[i, c]
+
+
+@kernel
+def _exchange(a, c, n):
+    """Exchange row c with the one at or below it that has the largest number in column c; returns which that was."""
+    p = c
+    for i in range(c + 1, n):
+        if abs(a[i, c]) > abs(a[p, c]):
+            p = i
+    if p != c:
+        for j in range(n):
+            a[c, j], a[p, j] = a[p, j], a[c, j]
+    return p
+
+
+@kernel
+def _subtract(a, c, first, last, start, end):
+    """Subtract row c times a[i, c] from the rows i = first to last, in the columns from start to end."""
+    i = first
+    while i < last - 3:
+        # four rows at once: each number of row c is read once for all
+        f0, f1, f2, f3 = a[i, c], a[i + 1, c], a[i + 2, c], a[i + 3, c]
+        if f0 != 0.0 or f1 != 0.0 or f2 != 0.0 or f3 != 0.0:
+            for j in range(start, end):
+                above = a[c, j]
+                a[i, j] -= f0 * above
+                a[i + 1, j] -= f1 * above
+                a[i + 2, j] -= f2 * above
+                a[i + 3, j] -= f3 * above
+        i += 4
+    while i < last:
+        f0 = a[i, c]
+        for j in range(start, end):
+            a[i, j] -= f0 * a[c, j]
+        i += 1
+
+
+@kernel
+def multiply(a, n, x, out):
+    """Write a x to out (n,)."""
+    for i in range(n):
+        out[i] = _row_product(a, i, n, x)
+
+
+@summing
+def _row_product(a, i, n, x):
+    """Row i of a times x."""
+    total = 0.0
+    for j in range(n):
+        total += a[i, j] * x[j]
+    return total
 
 
 @kernel

@@ -8,8 +8,8 @@ from math import sqrt
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.grid import place_strips
-from wrsim.core.contact.strips.influence import potential, pressed_by, primitives
-from wrsim.core.contact.strips.records import CURVE, EDGES, FACTORS, FADING, FROM, INVERSE, PUSH, TO, F, X
+from wrsim.core.contact.strips.influence import find_terms, pressed_by
+from wrsim.core.contact.strips.records import CURVE, EDGES, FACTORS, FADING, FROM, INVERSE, PUSH, TERMS, TO, F, X
 
 EDGE_RATIO = 0.84  # of a^2 in the two outer strips, over what a parabola would give: Hertz's ellipses keep their width
 LEAST_DEPTH = 1e-8  # for the longest half length [m]
@@ -188,11 +188,12 @@ def edge_wish(places, first, n, side):
 def _press_row(system, n, g, i, held):
     """Derivatives of displacement and curvature at strip i of grid g by all unknowns, through the strips, to
     ``matrix``."""
-    memo, places, table, m = system.memo[0], system.places, system.table, system.matrix
+    memo, places, vectors, m = system.memo[0], system.places, system.vectors, system.matrix
+    u, c, du, dc = vectors[TERMS], vectors[TERMS + 1], vectors[TERMS + 2], vectors[TERMS + 3]
+    f0, f1, g0, g1 = vectors[TERMS + 4], vectors[TERMS + 5], vectors[TERMS + 6], vectors[TERMS + 7]
     block = block_of(n)
     unit = 1.0 / (memo.stiffness * memo.deepest)
     at = places[g * n + i]
-    s = at.s
     row = g * block + i
     f, r = factor_of(at)
     w = g * block + n + f
@@ -203,38 +204,29 @@ def _press_row(system, n, g, i, held):
         part = fading(system, h, g)
         if part == 0.0:
             continue
-        base = h * block
+        first, base = h * n, h * block
+        find_terms(
+            system.table, vectors[FROM], vectors[TO], vectors[INVERSE], first, first + n, at.s,
+            u, c, du, dc, f0, f1, g0, g1,
+        )  # fmt: skip
         start_u = start_c = end_u = end_c = 0.0
-        for j in range(n):
-            place = places[h * n + j]
+        for j in range(first, first + n):
+            place = places[j]
             if place.y <= 0.0:
                 continue
-            inverse = 1.0 / place.root
-            lo, hi = (place.lo - s) * inverse, (place.hi - s) * inverse
-            t0, t1 = abs(lo), abs(hi)
-            p0, c0 = primitives(table, t0)
-            p1, c1 = primitives(table, t1)
-            f0, f1 = potential(table, t0), potential(table, t1)
-            g0, g1 = f0 / (1.0 + t0 * t0), f1 / (1.0 + t1 * t1)
-            if lo < 0.0:
-                p0, c0 = -p0, -c0
-            if hi < 0.0:
-                p1, c1 = -p1, -c1
-            u, c = part * place.y * (p1 - p0), part * (c1 - c0)
-            du = part * ((p1 - p0) - 0.5 * (hi * f1 - lo * f0))
-            dc = -0.5 * part * (hi * g1 - lo * g0) / place.y
+            full = place.over > 1.0
             # by a^2, or by the amplitude where a^2 is as large as can be
-            more_u, more_c = (u, c) if place.over > 1.0 else (place.y * du, place.y * dc)
-            more = place.q / (place.y * place.over)
-            column = base + j
-            m[row, column] = unit * more * more_u
+            q = part * place.q
+            column = base + j - first
+            m[row, column] = unit * q * (u[j] if full else u[j] - 0.5 * du[j]) / place.over
             if held:
                 continue
-            m[w, column] += s0 * more * more_c
-            m[w + 1, column] += s1 * more * more_c
+            by_y = q * (c[j] if full else -0.5 * dc[j]) / (place.y * place.over)
+            m[w, column] += s0 * by_y
+            m[w + 1, column] += s1 * by_y
             fj, rj = factor_of(place)
             k = base + n + fj
-            by_u, by_c = unit * place.half * u, place.half * c
+            by_u, by_c = part * unit * place.half * place.y * u[j], part * place.half * c[j]
             m[row, k] += (1.0 - rj) * by_u
             m[row, k + 1] += rj * by_u
             m[w, k] += s0 * (1.0 - rj) * by_c
@@ -242,10 +234,10 @@ def _press_row(system, n, g, i, held):
             m[w + 1, k] += s1 * (1.0 - rj) * by_c
             m[w + 1, k + 1] += s1 * rj * by_c
             # by the ends of the strip, over pi E*, and by its middle
-            at_end, at_end_c = part * place.q * place.root, part * place.q * inverse
-            u0, u1, v0, v1 = at_end * f0, at_end * f1, at_end_c * g0, at_end_c * g1
-            mid_u = place.q * (u * place.lean + place.growing * (place.y * du - u))
-            mid_c = place.q * (c * place.lean + place.growing * (place.y * dc - c))
+            qa, qc = q * place.root, q / place.root
+            u0, u1, v0, v1 = qa * f0[j], qa * f1[j], qc * g0[j], qc * g1[j]
+            mid_u = q * place.y * (u[j] * place.lean - 0.5 * place.growing * du[j])
+            mid_c = q * (c[j] * place.lean - place.growing * (c[j] + 0.5 * dc[j]))
             start_u += u1 * place.hi_start - u0 * place.lo_start + mid_u * place.mid_start
             start_c += v1 * place.hi_start - v0 * place.lo_start + mid_c * place.mid_start
             end_u += u1 * place.hi_end - u0 * place.lo_end + mid_u * place.mid_end

@@ -11,7 +11,7 @@ the compiler takes several strips at once. Below the first piece t counts as its
 """
 
 from wrsim.core.bits import bits_of, number_of
-from wrsim.core.compiling import inlined, summing
+from wrsim.core.compiling import filling, inlined, summing
 from wrsim.core.contact.strips.records import CURVE, FROM, INVERSE, PUSH, TO
 
 LOWEST, HIGHEST, CUTS = -36, 16, 6
@@ -64,3 +64,25 @@ def pressed_by(table, vectors, first, last, s):
         u += vectors[PUSH, j] * (p1 - p0)
         c += vectors[CURVE, j] * (c1 - c0)
     return u, c
+
+
+@filling
+def find_terms(table, begin, end, inverse, first, last, s, u, c, du, dc, f0, f1, g0, g1):
+    """What the derivatives at s by strips that follow each other are made of, each (>= last,); begin, end, inverse:
+    both ends and 1/a of the strips.
+
+    Differences of PHI and of PSI; how they change with the logarithm of 1/a; f(1, t) at both ends, the same over
+    1 + t^2.
+    """
+    for j in range(first, last):
+        lo, hi = (begin[j] - s) * inverse[j], (end[j] - s) * inverse[j]
+        t0, t1 = abs(lo), abs(hi)
+        p0, c0 = primitives(table, t0)
+        p1, c1 = primitives(table, t1)
+        p0, c0 = (-p0, -c0) if lo < 0.0 else (p0, c0)
+        p1, c1 = (-p1, -c1) if hi < 0.0 else (p1, c1)
+        at_lo, at_hi = potential(table, t0), potential(table, t1)
+        less_lo, less_hi = at_lo / (1.0 + t0 * t0), at_hi / (1.0 + t1 * t1)
+        u[j], c[j] = p1 - p0, c1 - c0
+        du[j], dc[j] = hi * at_hi - lo * at_lo, hi * less_hi - lo * less_lo
+        f0[j], f1[j], g0[j], g1[j] = at_lo, at_hi, less_lo, less_hi

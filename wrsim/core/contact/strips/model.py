@@ -60,7 +60,7 @@ def press_strips(a, wheel, rail, pose, count):
     status = _set_grids(system, a.found, lobes, wheel, rail, pose, count)
     known = memo.known > 0
     if known and (memo.strips != n or not _same_grids(system, n, memo.known)):
-        memo.factored = 0
+        memo.inverted = 0
         known = carry_over(system, memo.strips, n)
     result = solve(system, n, known)
     memo.known = memo.grids if result != UNSOLVED else 0
@@ -165,11 +165,11 @@ def _same_grids(system, n, before):
         e = g * block_of(n) + n + FACTORS
         if grid.start_held or x[e] < grid.least:
             x[e] = grid.least
-            memo.factored = memo.factored if grid.start_held else 0
+            memo.inverted = memo.inverted if grid.start_held else 0
             grid.start_held = 1
         if grid.end_held or x[e + 1] > grid.most:
             x[e + 1] = grid.most
-            memo.factored = memo.factored if grid.end_held else 0
+            memo.inverted = memo.inverted if grid.end_held else 0
             grid.end_held = 1
     return True
 

@@ -1,7 +1,7 @@
-"""Newton's method for all unknowns of the strip model at once, with factors of the Jacobian that are kept.
+"""Newton's method for all unknowns of the strip model at once, with an inverse of the Jacobian that is kept.
 
-The factors serve as long as they bring the misfit down; Broyden's updates of rank one make up for their age. What
-changes the equations (strips that leave and enter, edges that come to their bounds and go) needs new ones.
+The inverse serves from call to call as long as it brings the misfit down; Broyden's updates of rank one keep it young.
+What changes the equations (strips that leave and enter, edges that come to their bounds and go) needs a new one.
 """
 
 from math import sqrt
@@ -18,19 +18,20 @@ from wrsim.core.contact.strips.equations import (
 )
 from wrsim.core.contact.strips.records import (
     FACTORS,
-    MOST_STEPS,
+    NEXT,
     PIVOT,
     ROWS,
     SAVED,
     SCALE,
     STEP,
-    STEPS,
     F,
     X,
 )
-from wrsim.core.dense import factorise, solve_factorised
+from wrsim.core.dense import factorise, invert, multiply, solve_factorised
 
-SLOW = 0.3  # misfit over the last one that asks for new factors
+SLOW = 0.3  # misfit over the last one that asks for a new inverse
+KEPT_RATE = 0.95  # of the slowest of the last steps, when the next one is faster
+LEAST_REST = 0.2  # of a step that has to be left of it along itself for the inverse to learn from it
 LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0
 OVERSHOOT, KEPT = -0.5, 0.1  # of a^2 after a step, over itself: below the first the strip leaves; what it keeps else
 LARGEST_GROWTH = 0.5  # of a^2 in a step, over the largest of its grid
@@ -50,60 +51,58 @@ SURE = 2.0  # safety of the foretold misfit
 
 @kernel
 def newton(system, n, tolerance, most):
-    """Solve for all unknowns from near a solution, with kept factors. Returns True if the misfit has come below the
+    """Solve for all unknowns from near a solution, with a kept inverse. Returns True if the misfit has come below the
     tolerance. n: strips of a grid; most: steps.
     """
     memo, vectors = system.memo[0], system.vectors
     size = memo.grids * block_of(n)
     _set_scale(system, n)
-    turns = stored = reused = 0
+    turns = 0
     last = 1e9
-    looked = False
+    looked = whole = False  # whole: the last step was one by the kept inverse, of full length
     misfit = residuals(system, n, False)
     for _ in range(most):
         if misfit < NEAR and not looked:
             looked = True
             turns += 1
             if turns <= TURNS and _changes(system, n, False):
-                looked = False
-                memo.factored = stored = 0
+                looked = whole = False
+                memo.inverted = 0
                 last = 1e9
                 misfit = residuals(system, n, False)
                 continue
         if misfit < tolerance:
             return True
-        slow = misfit > SLOW * last or stored == MOST_STEPS
-        if memo.factored == 0 or (slow and reused > 0):
+        if memo.inverted == 0 or misfit > SLOW * last:
             jacobian(system, n, False)
-            factorise(system.matrix, size, vectors[PIVOT])
+            invert(system.matrix, size, vectors[PIVOT])
             memo.factorisations += 1
-            memo.factored = 1
+            memo.inverted = 1
             memo.rate = 1.0
-            stored = reused = 0
+            whole = False
             last = 1e9
-        reused += 1
-        _solve_into(system, size, STEP)
-        _update(vectors, stored, size)
-        foretold = misfit * (misfit / last if stored > 0 else memo.rate)
+        _multiply_into(system, size, NEXT)
+        again = whole
+        if again:
+            _learn(system, size)
+        vectors[STEP, :size] = vectors[NEXT, :size]
+        foretold = misfit * max(memo.rate, misfit / last if again else 0.0)
         share = _longest_step(system, n)
-        changed = _advance(system, n, False, share, misfit < CALM)
-        if looked and not changed and share == 1.0 and SURE * foretold < tolerance:
+        changed, whole = _advance(system, n, False, share, misfit < CALM)
+        if looked and whole and SURE * foretold < tolerance:
             lay_strips(system, n)
             set_amplitudes(system, n)
             return True
         last = misfit
         misfit = residuals(system, n, False)
         if changed:
-            memo.factored = 0
+            memo.inverted = 0
             looked = False
-        if changed or share < 1.0:
-            stored = 0
+        if not whole:
             last = 1e9
-            continue
-        if stored == 0:
-            memo.rate = min(max(memo.rate if memo.rate < 1.0 else 0.0, misfit / last), 1.0)
-        vectors[STEPS + stored, :size] = vectors[STEP, :size]
-        stored += 1
+        elif again:
+            # first steps of calls go where the ones before went, and say nothing of others
+            memo.rate = max(min(misfit / last, 1.0), KEPT_RATE * memo.rate if memo.rate < 1.0 else 0.0)
     return False
 
 
@@ -118,7 +117,7 @@ def descend(system, n, held, tolerance, most):
     memo, vectors = system.memo[0], system.vectors
     size = memo.grids * block_of(n)
     _set_scale(system, n)
-    memo.factored = turns = 0
+    memo.inverted = turns = 0
     looked = False
     misfit = residuals(system, n, held)
     for _ in range(most):
@@ -139,18 +138,27 @@ def descend(system, n, held, tolerance, most):
         length = _norm(vectors, STEP, size)
         share = 1.0 if held else _longest_step(system, n)
         for halving in range(HALVINGS + 1):
-            changed = _advance(system, n, held, share, misfit < CALM)
+            changed, _whole = _advance(system, n, held, share, misfit < CALM)
             after = residuals(system, n, held)
             if changed:
                 looked = False
                 break
-            _solve_into(system, size, STEPS)
-            if halving == HALVINGS or _norm(vectors, STEPS, size) <= (1.0 - 0.25 * share) * length:
+            _solve_into(system, size, NEXT)
+            if halving == HALVINGS or _norm(vectors, NEXT, size) <= (1.0 - 0.25 * share) * length:
                 break
             share *= 0.5
             vectors[X, :size] = vectors[SAVED, :size]
         misfit = after
     return False
+
+
+@inlined
+def _multiply_into(system, size, row):
+    """A step by the inverse as it is, from the misfits."""
+    step = system.vectors[row]
+    multiply(system.matrix, size, system.vectors[F], step)
+    for i in range(size):
+        step[i] = -step[i]
 
 
 @inlined
@@ -185,26 +193,30 @@ def _set_scale(system, n):
 
 
 @kernel
-def _update(vectors, stored, size):
-    """Broyden's update of the step from the ones before (Kelley, Solving Nonlinear Equations with Newton's Method,
+def _learn(system, size):
+    """Broyden's update of the inverse, and of the next step by it, from what the last step was short of: the change of
+    the misfits comes to be mapped to the step that made it (Kelley, Solving Nonlinear Equations with Newton's Method,
     2003, section 4.1)."""
-    step, scale = vectors[STEP], vectors[SCALE]
-    for k in range(stored):
-        before = vectors[STEPS + k]
-        product = square = 0.0
-        for i in range(size):
-            weighted = before[i] * scale[i]
-            product += weighted * step[i]
-            square += weighted * before[i]
-        part = product / max(square, 1e-300)
-        if k < stored - 1:
-            after = vectors[STEPS + k + 1]
-            for i in range(size):
-                step[i] += part * after[i]
-        else:
-            part = 1.0 / max(1.0 - part, 0.2)
-            for i in range(size):
-                step[i] *= part
+    inverse, vectors = system.matrix, system.vectors
+    step, missing, scale, row = vectors[STEP], vectors[NEXT], vectors[SCALE], vectors[SAVED]
+    square = product = 0.0
+    for i in range(size):
+        weighted = step[i] * scale[i]
+        square += weighted * step[i]
+        product += weighted * missing[i]
+    rest = square - product
+    if rest < LEAST_REST * square:
+        return
+    row[:size] = 0.0
+    for i in range(size):
+        weighted = step[i] * scale[i]
+        for j in range(size):
+            row[j] += weighted * inverse[i, j]
+    for i in range(size):
+        part = missing[i] / rest
+        for j in range(size):
+            inverse[i, j] += part * row[j]
+        missing[i] *= square / rest
 
 
 @kernel
@@ -232,11 +244,13 @@ def _longest_step(system, n):
 
 @kernel
 def _advance(system, n, held, share, calm):
-    """Take a share of the step; calm: strips may leave. Returns whether strips, edges or grids have come or gone."""
+    """Take a share of the step; calm: strips may leave. Returns whether strips, edges or grids have come or gone, and
+    whether it was the whole step in all unknowns."""
     memo = system.memo[0]
     x, step = system.vectors[X], system.vectors[STEP]
     block = block_of(n)
     changed = False
+    whole = share == 1.0
     for g in range(memo.grids):
         grid, base = system.grids[g], g * block
         if not grid.on:
@@ -256,12 +270,15 @@ def _advance(system, n, held, share, calm):
             elif new < KEPT * y:
                 leaves = calm and new < OVERSHOOT * y
                 changed = changed or leaves
+                whole = False
                 new = 0.0 if leaves else KEPT * y
             x[base + j] = new
         if held:
             continue
         for f in range(base + n, base + n + FACTORS):
-            x[f] = min(max(x[f] + share * step[f], LEAST_FACTOR), MOST_FACTOR)
+            k = x[f] + share * step[f]
+            x[f] = min(max(k, LEAST_FACTOR), MOST_FACTOR)
+            whole = whole and x[f] == k
         e = base + n + FACTORS
         x[e] += share * step[e]
         x[e + 1] += share * step[e + 1]
@@ -278,7 +295,7 @@ def _advance(system, n, held, share, calm):
             changed = True
         elif trim(system, n, g):
             changed = True
-    return changed
+    return changed, whole and not changed
 
 
 @kernel

@@ -35,26 +35,27 @@ at their bounds, its first and last lobe."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",
-    "known strips grids factored iterations factorisations result substitutes",
+    "known strips grids inverted iterations factorisations result substitutes",
 )
-"""Of the whole system: how fast the kept factors bring the misfit down at first, pi E*, E*, deepest penetration;
+"""Of the whole system: about the worst of what the last steps left of the misfit, pi E*, E*, deepest penetration;
 distances of grids up to which they press each other down fully and from which on not at all [m]; number of grids in the
-last call (0: nothing is known), strips of a grid in it, grids now; whether the factors are of use; residuals taken and
-factors made in this call, and how it ended (`solution`); calls so far without a whole solution."""
+last call (0: nothing is known), strips of a grid in it, grids now; whether ``matrix`` is an inverse of use; residuals
+taken and Jacobians made in this call, and how it ended (`solution`); calls so far without a whole solution."""
 
-VECTORS = 21  # of unknowns
-X, F, STEP, SAVED, PIVOT, SCALE, FADING, FROM, TO, INVERSE, PUSH, CURVE, STEPS = range(13)
-"""Unknowns, misfits, step, unknowns before a step, rows exchanged in the factors, weights of the unknowns; how much of
-the influence of a grid reaches another one, row after row; of all strips both ends, 1/a, amplitude times a^2, amplitude
-(0 out of contact); from STEPS on the last steps."""
-MOST_STEPS = VECTORS - STEPS
+X, F, STEP, SAVED, NEXT, PIVOT, SCALE, FADING, FROM, TO, INVERSE, PUSH, CURVE, TERMS = range(14)
+"""Rows of ``vectors``: unknowns, misfits, step, unknowns before a step, a step besides, rows exchanged in the factors,
+weights of the unknowns; how much of the influence of a grid reaches another one, row after row; of all strips both
+ends, 1/a, amplitude times a^2, amplitude (0 out of contact); from TERMS on what all strips do to the derivatives at one
+place (`influence.find_terms`)."""
+VECTORS = TERMS + 8
 
 
 class System(NamedTuple):
     """What Newton's method solves for, and with.
 
     table: of the influence (`influence`); rows: (grids, ROWS) ROW; places: (grids * n,) PLACE; grids: (grids,) GRID;
-    vectors: (VECTORS, unknowns); matrix: (unknowns, unknowns), factorised; memo: (1,) MEMO.
+    vectors: (VECTORS, unknowns); matrix: (unknowns, unknowns), of the derivatives, their factors or their inverse;
+    memo: (1,) MEMO.
     """
 
     table: Any

@@ -31,7 +31,7 @@ from wrsim.core.contact.strips.newton import (
     move_edges,
     newton,
 )
-from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, ROWS, SAVED, STEP, STEPS, X
+from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, NEXT, ROWS, SAVED, STEP, TERMS, X
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
 WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9
@@ -114,7 +114,7 @@ def _guess(system, n, g, level):
 def _afresh(system, n, level, whole):
     """Solve from Hertz's ellipses; whole: for edges and factors as well. True if that works."""
     memo = system.memo[0]
-    memo.factored = 0
+    memo.inverted = 0
     for g in range(memo.grids):
         system.grids[g].on = 0
         base = g * block_of(n)
@@ -193,7 +193,7 @@ def _relax_factors(system, n, g):
             wish[f] += (1.0 - r) * place.weight * (place.miss + 1.0)
             wish[f + 1] += r * place.weight * (place.miss + 1.0)
     # (load + EVEN * bend) ratio = wish: three diagonals
-    above = system.vectors[STEPS]
+    above = system.vectors[NEXT]
     for f in range(FACTORS):
         ends = 1.0 if f == 0 or f == FACTORS - 1 else 2.0
         diagonal = load[f] + EVEN * ends + 1e-9
@@ -218,7 +218,7 @@ def substitute(system, n):
     """Kik-Piotrowski's contact on the same rows: half lengths from the penetration beyond RECESS of the deepest one,
     one amplitude for all, so that on average the surfaces follow each other."""
     memo, x = system.memo[0], system.vectors[X]
-    memo.factored = 0
+    memo.inverted = 0
     level = RECESS * memo.deepest
     for g in range(memo.grids):
         grid, rows, base = system.grids[g], system.rows[g], g * block_of(n)
@@ -265,8 +265,8 @@ def carry_over(system, before, n):
     """
     memo, x, grids = system.memo[0], system.vectors[X], system.grids
     block = block_of(n)
-    old_s, old_y, old_k, old_w = (system.vectors[SAVED], system.vectors[STEP], system.vectors[STEPS],
-                                  system.vectors[STEPS + 1])  # fmt: skip
+    old_s, old_y, old_k, old_w = (system.vectors[SAVED], system.vectors[STEP], system.vectors[NEXT],
+                                  system.vectors[TERMS])  # fmt: skip
     count = 0
     for g in range(memo.known):
         own = g * block_of(before)
