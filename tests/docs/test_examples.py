@@ -1,29 +1,84 @@
-"""The Python examples of the pages run."""
+"""The examples of the pages: Python runs, command lines are understood, keys exist, every page is on the site."""
 
 from __future__ import annotations
 
 import re
+import shlex
+import tomllib
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
+from typer.main import get_command
 
 from wrsim import load
+from wrsim.cli import app
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
-def blocks(page: Path) -> list[str]:
-    """The Python examples of a page, one after the other."""
-    return re.findall(r"^```python\n(.*?)^```", page.read_text(), re.M | re.S)
+NAMES = {"carbody", "bogie", "front", "rear", "outer", "inner", "frame", "outer box", "motor", "from", "to", "step"}
+"""Names that the files on the pages give to their parts, and the words of a series."""
+KEYS = set(re.findall(r"`(\w+)`", (ROOT / "docs" / "keys.md").read_text()))
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page)], ids=lambda page: page.name)
+def blocks(page: Path, language: str) -> list[str]:
+    """The examples of a page in a language, one after the other."""
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.M | re.S)
+
+
+def command_lines(page: Path) -> list[list[str]]:
+    """Words of all lines that call wrsim, in fenced and in indented examples; comments, explanations and what stands
+    in brackets as optional are left out."""
+    lines = [line for block in blocks(page, "sh") for line in block.splitlines()]
+    lines += re.findall(r"^ {4}(wrsim .*)$", page.read_text(), re.M)
+    plain = (re.split(r"\s{2,}", re.sub(r"\[-[^]]*\]", "", line))[0] for line in lines if line.startswith("wrsim "))
+    return [shlex.split(line, comments=True)[1:] for line in plain]
+
+
+def keys_of(table: Any) -> Iterator[str]:
+    """All keys of a table and of those in it."""
+    if isinstance(table, dict):
+        for key, value in table.items():
+            yield key
+            yield from keys_of(value)
+    elif isinstance(table, list):
+        for value in table:
+            yield from keys_of(value)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.name)
 def test_the_python_examples_of_a_page_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scenarios").mkdir()
     short = load(ROOT / "scenarios/curve_r300.toml").with_values({"run.distance_m": 20, "output.patches_at_m": [10]})
     (tmp_path / "scenarios/curve_r300.toml").write_text(short.text)
     names: dict[str, object] = {}
-    for number, block in enumerate(blocks(page), 1):
+    for number, block in enumerate(blocks(page, "python"), 1):
         exec(compile(block, f"{page.name}, example {number}", "exec"), names)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if command_lines(page)], ids=lambda page: page.name)
+def test_the_command_lines_of_a_page_are_understood(page: Path) -> None:
+    commands = get_command(app).commands  # type: ignore[attr-defined]
+    for name, *words in command_lines(page):
+        if not name.startswith("-"):
+            commands[name].make_context(name, words)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "toml")], ids=lambda page: page.name)
+def test_the_keys_in_the_files_that_a_page_shows_exist(page: Path) -> None:
+    for block in blocks(page, "toml"):
+        found = tomllib.loads(block)
+        names = set(keys_of(found))
+        assert names, page.name
+        assert names <= KEYS | NAMES, f"{page.name}: {sorted(names - KEYS - NAMES)}"
+
+
+def test_every_page_is_on_the_site() -> None:
+    listed = (ROOT / "docs" / "index.md").read_text().split()
+    for page in (ROOT / "docs").rglob("*.md"):
+        name = page.relative_to(ROOT / "docs").with_suffix("").as_posix()
+        assert name == "index" or name in listed, name

@@ -79,11 +79,18 @@ class HalfSpaceSettings:
 class Friction:
     """Coefficient of friction of one rail that depends on the place and the slip.
 
-    static: at no slip, on the top of the rail [1].
-    gauge_corner: the same at contact angles from ``ramp[1]`` on, or None where it is as on the top; between
-        ``ramp[0]`` and ``ramp[1]`` [rad] it changes smoothly.
-    falling_ratio, falling_decay: A [1] and B [s/m] of ``mu = static ((1 - A) exp(-B w) + A)``, w the slip speed;
-        A = 1 is friction that does not fall.
+    Parameters
+    ----------
+    static : float
+        At no slip, on the top of the rail [1].
+    gauge_corner : float, optional
+        The same at contact angles from ``ramp[1]`` on, or None where it is as on the top; between ``ramp[0]`` and
+        ``ramp[1]`` it changes smoothly.
+    ramp : tuple of float
+        The two contact angles [rad].
+    falling_ratio, falling_decay : float
+        A [1] and B [s/m] of ``mu = static ((1 - A) exp(-B w) + A)``, w the slip speed; A = 1 is friction that does not
+        fall.
     """
 
     static: float
@@ -117,25 +124,42 @@ class Friction:
 class ContactSettings:
     """What the user chose for the contact of both wheels.
 
-    normal: model of the normal pressure: ``"kik-piotrowski"``, the paper's, or ``"strips"``, two contact
-        conditions per strip (docs/strip_model.md); ``"half-space"`` is the exact solver.
-    approach: how a rigid approach closes the gap along the curved axis: ``"constant"`` everywhere alike, as
-        in the paper; ``"projected"`` by its share along the normal of each strip.
-    tangential: model of the creep forces, None for the usual one of the normal model (``creep_forces`` says which);
+    Parameters
+    ----------
+    normal : {"kik-piotrowski", "strips", "half-space"}
+        Model of the normal pressure: the paper's; two contact conditions per strip (docs/strip_model.md); the exact
+        solver.
+    approach : {"projected", "constant"}
+        How a rigid approach closes the gap along the curved axis: by its share along the normal of each strip, or
+        everywhere alike, as in the paper.
+    tangential : str, optional
+        Model of the creep forces, ``"fastsim"``, ``"fastrip"``, ``"polach"``, ``"linear"``, ``"shen-hedrick-elkins"``,
+        ``"half-space"`` or ``"none"``; None for the usual one of the normal model (``creep_forces`` says which).
         ``"half-space"`` is the exact one and needs that normal model; ``"none"`` is frictionless.
-    traction_bound: shape of the bound ``mu p`` along a strip that FASTSIM holds the tractions under.
-    flexibility: FASTSIM's, one for each kind of creepage: everywhere (``"three"``, Kalker's original), or where the
-        surfaces stick, with a single one where they slide (``"blended"``).
-    polach_adhesion, polach_slip: Polach's factors kA and kS, ``0 < kS <= kA <= 1``.
-    friction: on the left and right rail: a coefficient [1] or a Friction.
-    strips: number of strips over the width of a patch, 12 to 200 for ``"strips"``; None where ``strip_width`` rules or,
+    traction_bound : {"elliptic", "parabolic"}
+        Shape of the bound ``mu p`` along a strip that FASTSIM holds the tractions under.
+    flexibility : {"blended", "three"}
+        FASTSIM's, one for each kind of creepage: where the surfaces stick, with a single one where they slide, or
+        everywhere (Kalker's original).
+    polach_adhesion, polach_slip : float
+        Polach's factors kA and kS, ``0 < kS <= kA <= 1``.
+    friction : tuple of float or Friction
+        On the left and right rail: a coefficient [1] or a law.
+    strips : int, optional
+        Number of strips over the width of a patch, 12 to 200 for ``"strips"``; None where ``strip_width`` rules or,
         without that, for the usual one of the normal model (``strip_count`` says which).
-    strip_width: width of a strip along the curved axis [m], or None when a number rules.
-    cells: cells of a strip along the rolling direction (FASTSIM, FaStrip).
-    damping: c [s/m]; the elastic normal force N becomes ``N (1 + c d(approach)/dt)``, never negative.
-    max_patches: patches kept on one wheel, largest first; 1 to 6. A new wheel beside a new rail can touch at four.
-    wheel, rail: the two materials.
-    half_space: numbers of the exact solver.
+    strip_width : float, optional
+        Width of a strip along the curved axis [m], or None when a number rules.
+    cells : int
+        Cells of a strip along the rolling direction (FASTSIM, FaStrip).
+    damping : float
+        c [s/m]; the elastic normal force N becomes ``N (1 + c d(approach)/dt)``, never negative.
+    max_patches : int
+        Patches kept on one wheel, largest first; 1 to 6. A new wheel beside a new rail can touch at four.
+    wheel, rail : Material
+        The two materials.
+    half_space : HalfSpaceSettings
+        Numbers of the exact solver.
     """
 
     normal: Normal = "kik-piotrowski"

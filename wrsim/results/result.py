@@ -69,7 +69,7 @@ class Result:
 
     @property
     def analysis(self) -> str:
-        """Kind of the analysis: ``"static"``, ``"equilibrium"``, ``"curving"`` ..."""
+        """Its kind, such as ``"static"``, ``"equilibrium"`` or ``"curving"``."""
         return str(self.dataset.attrs["analysis"])
 
     @property

@@ -1,0 +1,60 @@
+"""The documentation site: every page of this folder, the gallery, the names of the package. Built by ``.ci/site``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import matplotlib
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import wrsim  # noqa: E402
+
+matplotlib.use("agg")
+
+project = "wrsim"
+author = "the wrsim authors"
+copyright = "2026, the wrsim authors"
+release = version = wrsim.__version__
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_gallery.gen_gallery"]
+exclude_patterns = ["gallery", "data", "**/GALLERY_HEADER.*"]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+highlight_language = "none"
+nitpicky = True
+nitpick_ignore_regex = [
+    ("py:.*", r"(numpy|xarray|matplotlib|pandas|pathlib)\..*"),  # types of other libraries: no inventory is fetched
+    ("py:.*", r"(array_like|callable|mapping|sequence|Path)"),
+    ("py:.*", r"(Contact|Finder|HalfSpaceSettings|Material|Setup)"),  # of wrsim, not among its public names
+]
+
+myst_enable_extensions = ["deflist"]
+myst_heading_anchors = 3
+
+autodoc_typehints = "none"  # docstrings say the types in words
+autodoc_member_order = "bysource"
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+napoleon_preprocess_types = True
+
+html_theme = "furo"
+html_title = f"wrsim {release}"
+html_copy_source = False
+html_static_path: list[str] = []
+
+
+sphinx_gallery_conf = {
+    "examples_dirs": ["gallery"],
+    "gallery_dirs": ["auto_gallery"],
+    "filename_pattern": r".*\.py",
+    "image_scrapers": ("gallery_pictures.scrape",),
+    "reset_modules": (),
+    "capture_repr": ("_repr_html_", "__repr__"),
+    "abort_on_example_error": True,
+    "download_all_examples": False,
+    "show_signature": False,
+    "write_computation_times": False,  # a page of it would load scripts from outside
+    "plot_gallery": True,
+}
