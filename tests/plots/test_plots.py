@@ -132,7 +132,7 @@ def test_curvature_and_cant_are_beneath_and_keep_their_hand(axes):
 
 def test_panels_share_the_distance_axis_and_snapshots_are_lettered():
     figure = channels_figure(curve_run(), ("Q", "Y"))
-    track, *rows = [a for a in figure.axes if a.get_ylabel() != "Cant\n[mm]"]
+    *rows, track = [a for a in figure.axes if a.get_ylabel() != "Cant\n[mm]"]
     assert len(rows) == 2
     assert all(a.get_xlim() == track.get_xlim() == (0.0, 260.0) for a in rows)
     assert [t.get_text() for t in rows[0].texts] == list("abcde")

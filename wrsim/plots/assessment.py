@@ -16,6 +16,7 @@ from wrsim.plots.colours import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEE
 from wrsim.plots.marks import note, note_above, wheel_entries
 from wrsim.plots.style import FULL_WIDTH, new_figure, save, style
 from wrsim.results.assessment import Assessment, Section, Value
+from wrsim.results.wheelsets import numbered
 
 ZONE_SHADE = {
     "straight": "none",
@@ -167,9 +168,9 @@ def _number_sections(axes: Axes, sections: Sequence[Section]) -> None:
 
 def _legend(found: Assessment) -> list[Artist]:
     entries = wheel_entries()
-    names = found.signals["wheelset"].values
+    names = [str(name) for name in found.signals["wheelset"].values]
     if len(names) > 1:
-        for i, name in enumerate(names):
+        for i, label in enumerate(numbered(names).values()):
             line = GROUP_LINE[i % len(GROUP_LINE)]
-            entries.append(Line2D([], [], color=INK, linestyle=line, label=f"wheelset {name}"))
+            entries.append(Line2D([], [], color=INK, linestyle=line, label=f"wheelset {label}"))
     return [*entries, Line2D([], [], color=STOP_COLOUR, linewidth=0.9, label="limit")]

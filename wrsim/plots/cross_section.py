@@ -26,6 +26,7 @@ from wrsim.plots.gallery import (
     draw_label,
     draw_titles,
     rows_of,
+    selection_words,
     titles_height,
 )
 from wrsim.plots.marks import few_ticks
@@ -156,6 +157,7 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
             draw_label(figure, f"{wheel} wheel" if wheel else "", WHEEL_COLOUR.get(wheel, INK), top + 0.5 * flat)
             for j, column in enumerate(columns):
                 axes = _framed(page.axes(figure, j, top, flat), 3)
+                _label_axes(axes, first=j == 0)
                 cross_section(axes, dataset, column.moment, wheel or column.wheel, scale)
                 _mark_windows(axes, dataset, column.moment, wheel or column.wheel)
             top += flat + _UNDER_OVERVIEW
@@ -167,18 +169,25 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
                     axes = _framed(page.axes(figure, j, top, page.panel), 4)
                     cross_section_zoom(axes, dataset, where, scale)
                     note = patch_note(dataset, where, force=page.panel > 28.0)
-                    axes.set_xlabel(note, fontsize=6.0, color=QUIET, labelpad=1.5)
+                    _label_axes(axes, first=j == row.used[0][0], beneath=note)
                 top += page.panel + _UNDER_ZOOM
         reading = (
             "Axes: outward $o$ (field side to the right) and up $b$\n"
-            "from the rail's profile origin [mm].\n"
-            "Thin lines: pressure along the normals."
+            "from the rail's profile origin.\n"
+            "Thin lines: pressure along the normals." + selection_words(dataset, chosen)
         )
         colour_bar(figure, scale, top + 1.0, reading)
     return figure
 
 
-_UNDER_OVERVIEW, _UNDER_ZOOM = 5.5, 12.0
+_UNDER_OVERVIEW, _UNDER_ZOOM = 8.5, 15.0
+
+
+def _label_axes(axes: Axes, *, first: bool, beneath: str = "") -> None:
+    """Names of the axes, the upward one at the first panel of a row, and a note beneath."""
+    axes.set_xlabel("$o$ [mm]" + (f"\n{beneath}" if beneath else ""), fontsize=6.0, color=QUIET, labelpad=1.0)
+    if first:
+        axes.set_ylabel("$b$ [mm]", fontsize=6.0, color=QUIET, labelpad=1.0)
 
 
 def _framed(axes: Axes, ticks: int) -> Axes:

@@ -17,14 +17,14 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
-from wrsim.plots.moments import PatchAt, moment_title
+from wrsim.plots.moments import PatchAt, moment_dim, moment_title
 from wrsim.plots.style import FULL_WIDTH, place, pressure_map, write
 
 PATCH_NAMES = ("main patch", *(f"{n} patch" for n in ("second", "third", "fourth", "fifth", "sixth")))
 LEFT, RIGHT, GAP = 16.0, 3.0, 7.0
 """Margins and the space between panels, mm."""
 WIDEST_PANEL = 46.0
-FOOT = 12.0
+FOOT = 14.0
 """Height of the colour bar with its label, mm."""
 _NARROWEST = 142.0
 _LETTER = 1.35  # mean width of a letter of the titles, mm
@@ -106,6 +106,14 @@ class Page:
     def axes(self, figure: Figure, column: int, top: float, height: float) -> Axes:
         """Axes of a column at a distance from the upper edge."""
         return place(figure, LEFT + column * (self.panel + GAP), top, self.panel, height)
+
+
+def selection_words(dataset: xr.Dataset, chosen: Sequence[int]) -> str:
+    """How many of the moments that have patches are drawn, where it is not all of them; on a line of its own."""
+    strips = np.isfinite(dataset["strip_p"].values)
+    there = int(strips.reshape(strips.shape[0], -1).any(axis=1).sum())
+    what = "moments" if moment_dim(dataset) == "snapshot" else "poses"
+    return f"\n{len(chosen)} of {there} {what}; any other: wrsim plot --at." if len(chosen) < there else ""
 
 
 def titles_height(page: Page, dataset: xr.Dataset, columns: Sequence[Column]) -> float:

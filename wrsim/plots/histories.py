@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 
 from wrsim.plots.colours import CANT_COLOUR, INK, PATCH_LINE, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.gallery import PATCH_NAMES
-from wrsim.plots.marks import broken, draw_line, note_above, right_axis, wheel_entries, without_neighbours
+from wrsim.plots.marks import broken, draw_line, note, note_above, right_axis, wheel_entries, without_neighbours
 from wrsim.plots.moments import snapshot_letter
 from wrsim.plots.stops import is_stopped, mark_stop, stop_note
 from wrsim.plots.style import FULL_WIDTH, abscissa, headline, new_figure, shown, style
 from wrsim.results import CHANNELS
+from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS
 
 ANGLE_JUMP = 6.0
 """Degrees between two samples beyond which a contact has jumped elsewhere: the line is interrupted."""
@@ -30,13 +31,19 @@ CLOSE = 0.015
 """Share of the axis within which letters of snapshots are written together."""
 ANGLES = ("contact_angle", "contact_angle_min", "contact_angle_max", "contact_angle_mean")
 
+CROWDED = 60
+"""How often a line goes through its whole range before it is drawn thin and lets lines behind it through."""
+SEEN = 2.5
+"""A limit is drawn as a line up to so many times the largest value; beyond that it is told in words."""
+
 Panel = Callable[[Axes, xr.Dataset], Axes]
 
 
-def history(axes: Axes, dataset: xr.Dataset, name: str, **options: Any) -> Axes:
+def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None = None, **options: Any) -> Axes:
     """Draw a channel: one line, one a wheel, or one a wheel and patch, as its dimensions ask.
 
-    Lines of patches are interrupted where the contact jumps or two patches change their order.
+    Lines of patches are interrupted where the contact jumps or two patches change their order. largest: absolute value
+    in all panels that share the scale, by default in this one.
     """
     x, _ = abscissa(dataset)
     values = shown(dataset, name)
@@ -50,9 +57,35 @@ def history(axes: Axes, dataset: xr.Dataset, name: str, **options: Any) -> Axes:
             line = x, values[:, j, k]
             if of_patches and "contact_angle" in dataset:
                 line = broken(*line, ANGLE_JUMP, by=shown(dataset, "contact_angle")[:, j, k])
-            draw_line(axes, *line, **({"color": colour, "linestyle": PATCH_LINE[k]} | options))
+            look: dict[str, Any] = {"color": colour, "linestyle": PATCH_LINE[k]} | crowded(values[:, j, k])
+            draw_line(axes, *line, **(look | options))
+    if name == "Y_over_Q":
+        derailment_limit(axes, dataset, largest or float(np.nanmax(np.abs(values), initial=0.0)))
     channel = CHANNELS[name]
     axes.set_ylabel(channel.label.replace(" $" if channel.symbol else " [", "\n$" if channel.symbol else "\n[", 1))
+    return axes
+
+
+def crowded(values: NDArray[Any]) -> dict[str, Any]:
+    """How a line looks that goes up and down so often that it fills its panel and hides the others."""
+    known = values[np.isfinite(values)]
+    often = known.size > 1 and float(np.abs(np.diff(known)).sum()) > CROWDED * float(np.ptp(known)) > 0.0
+    return {"linewidth": 0.45, "alpha": 0.6} if often else {}
+
+
+def derailment_limit(axes: Axes, dataset: xr.Dataset, largest: float) -> Axes:
+    """The limit of the filtered quotient where there is one: a red line, or words alone where that is far above."""
+    x, _ = abscissa(dataset)
+    curvature = dataset["curvature"].values if "curvature" in dataset else np.zeros(x.shape)
+    limit = np.where(np.abs(curvature) * DERAILMENT_RADIUS <= 1.0 + 1e-6, DERAILMENT_LIMIT, np.nan)
+    if not np.isfinite(limit).any():
+        return axes
+    words = f"limit {DERAILMENT_LIMIT:g} after 20 Hz and 2 m (EN 14363)"
+    if largest * SEEN >= DERAILMENT_LIMIT:
+        axes.plot(x, limit, color=STOP_COLOUR, linewidth=0.8, gid="limit")
+        axes.set_ylim(top=max(axes.get_ylim()[1], 1.08 * DERAILMENT_LIMIT))
+    corner: Any = {"xycoords": "axes fraction", "ha": "right", "va": "bottom", "color": STOP_COLOUR}
+    note(axes, words, (1.0, 1.0), (0.0, 1.5), **corner)
     return axes
 
 
@@ -69,8 +102,10 @@ def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
         if not np.isfinite(main[:, k]).any():
             continue
         line = PATCH_LINE[k]
-        draw_line(axes, *broken(x, main[:, k], ANGLE_JUMP), color=colour, linestyle=line, zorder=3.0)
-        draw_line(axes, *broken(x, mean[:, k], ANGLE_JUMP), color=INK, linewidth=0.6, linestyle=line, zorder=3.1)
+        thin: Any = crowded(main[:, k])
+        fine: Any = {"linewidth": 0.6} | crowded(mean[:, k])
+        draw_line(axes, *broken(x, main[:, k], ANGLE_JUMP), color=colour, linestyle=line, zorder=3.0, **thin)
+        draw_line(axes, *broken(x, mean[:, k], ANGLE_JUMP), color=INK, linestyle=line, zorder=3.1, **fine)
         shade: Any = {"color": colour, "alpha": 0.28 if k == 0 else 0.16, "zorder": 2.0}
         band_x, least = broken(x, low[:, k], ANGLE_JUMP, by=main[:, k])
         _, largest = broken(x, high[:, k], ANGLE_JUMP, by=main[:, k])
@@ -86,9 +121,6 @@ def track_layout(axes: Axes, dataset: xr.Dataset) -> Axes:
     """Curvature (grey area, left axis) and cant (dashed, right axis) in a slim panel; up is to the left."""
     x, name = abscissa(dataset)
     axes.set_xlabel(CHANNELS[name].label)
-    if "curvature" not in dataset:
-        axes.set_yticks([])
-        return axes
     curvature = shown(dataset, "curvature")
     axes.fill_between(x, 0.0, curvature, color="#ccd2da", linewidth=0.0, zorder=1.5)
     draw_line(axes, x, curvature, color="#8f98a5", linewidth=0.7)
@@ -142,7 +174,7 @@ def stacked(
 ) -> Figure:
     """Figure of panels above each other over one slim panel of the track; they share the horizontal axis.
 
-    ``legend`` holds labelled artists for one legend beneath everything.
+    ``legend`` holds labelled artists for one legend beneath everything. A straight and level track has no panel.
     """
     with style():
         if dataset.sizes["time"] == 0:
@@ -150,29 +182,43 @@ def stacked(
             headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
             figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=QUIET)
             return figure
-        figure = new_figure(FULL_WIDTH, panel_height_mm * len(panels) + 36.0)
-        grid = figure.add_gridspec(len(panels) + 1, 1, height_ratios=[panel_height_mm] * len(panels) + [17.0])
-        track = figure.add_subplot(grid[-1])
-        rows = [figure.add_subplot(grid[i], sharex=track) for i in range(len(panels))]
+        curved = any(np.nan_to_num(dataset[n].values).any() for n in ("curvature", "cant") if n in dataset)
+        heights = [panel_height_mm] * len(panels) + [17.0] * curved
+        figure = new_figure(FULL_WIDTH, sum(heights) + 19.0)
+        rows = list(figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0])
+        track = rows.pop() if curved else None
         figure.suptitle(dataset.attrs.get("title", ""), x=0.01, ha="left", fontsize=8.5)
         for i, (panel, axes) in enumerate(zip(panels, rows, strict=True)):
             panel(axes, dataset)
-            axes.tick_params(labelbottom=False)
             mark_snapshots(axes, dataset, letters=i == 0)
             mark_stop(axes, dataset)
-        track_layout(track, dataset)
-        mark_snapshots(track, dataset, letters=False)
-        mark_stop(track, dataset)
-        x, _ = abscissa(dataset)
+        if track is not None:
+            track_layout(track, dataset)
+            mark_snapshots(track, dataset, letters=False)
+            mark_stop(track, dataset)
+        x, name = abscissa(dataset)
+        lowest = track or rows[-1]
+        lowest.set_xlabel(CHANNELS[name].label)
         if x[-1] > x[0]:
-            track.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if is_stopped(dataset) else 0.0))
-        figure.align_ylabels([*rows, track])
+            lowest.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if is_stopped(dataset) else 0.0))
+        figure.align_ylabels([*rows, lowest])
+        legend = [*legend, *_letters_entry(dataset)]
         if legend:
             columns = len(legend) if len(legend) <= 5 else (len(legend) + 1) // 2
             figure.legend(handles=list(legend), loc="outside lower center", ncols=columns)
         if stop_note(dataset):
             rows[0].set_title(stop_note(dataset), color=STOP_COLOUR, pad=11.0)
     return figure
+
+
+def _letters_entry(dataset: xr.Dataset) -> list[Artist]:
+    """Legend entry that says what the letters above the panels are."""
+    count = dataset.sizes.get("snapshot", 0)
+    if count == 0:
+        return []
+    letters = snapshot_letter(0) + (f" to {snapshot_letter(count - 1)}" if count > 1 else "")
+    look: Any = {"color": QUIET, "linewidth": 0.8, "linestyle": (0, (1, 2))}
+    return [Line2D([], [], label=f"{letters}: see patches, sections", **look)]
 
 
 def contact_angle_figure(dataset: xr.Dataset) -> Figure:

@@ -16,7 +16,17 @@ from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from wrsim.plots.colours import INK, QUIET
-from wrsim.plots.gallery import FOOT, Page, colour_bar, columns_of, draw_label, draw_titles, rows_of, titles_height
+from wrsim.plots.gallery import (
+    FOOT,
+    Page,
+    colour_bar,
+    columns_of,
+    draw_label,
+    draw_titles,
+    rows_of,
+    selection_words,
+    titles_height,
+)
 from wrsim.plots.marks import few_ticks, minus
 from wrsim.plots.moments import PatchAt, choose_moments, sample_of, select, select_elements, touching_runs
 from wrsim.plots.stops import stop_note
@@ -29,6 +39,8 @@ ACROSS = 49
 """Points along each strip of the raster."""
 NEAR_EDGE = np.array([0.0, 0.05, 0.2, 0.5])
 """Distances from a patch's edge, over half a strip, of the points that round its end."""
+TALLEST_PANEL = 75.0
+"""Height of a panel, mm, that the scale leaves room for."""
 MOST_MOMENTS = 12
 """Moments in one gallery."""
 
@@ -124,10 +136,12 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
     blocks = [columns[i : i + page.columns] for i in range(0, len(columns), page.columns)]
     rows = [(number, row) for number, block in enumerate(blocks) for row in rows_of(dataset, block)]
     scale = pressure_scale(dataset, chosen)
-    across = _reach(dataset, [where for _, row in rows for where in row.places])[0]
-    reaches = [_reach(dataset, row.places)[1] for _, row in rows]
-    per_mm = page.panel / (across[1] - across[0])
-    heights = [per_mm * (high - low) for low, high in reaches]
+    reaches = {where: _reach(dataset, where) for _, row in rows for where in row.places if where is not None}
+    spans = [[np.ptp(reaches[where], axis=1) for _, where in row.used] for _, row in rows]
+    tall = [max(float(span[1]) for span in own) for own in spans]
+    wide = max([float(span[0]) for own in spans for span in own], default=1.0)
+    wide = max(wide, max(tall, default=1.0) * page.panel / TALLEST_PANEL)
+    heights = [page.panel / wide * one for one in tall]
     top = 11.0 if stop_note(dataset) else 7.0
     titles = titles_height(page, dataset, columns)
     total = top + sum(heights) + len(rows) * _BENEATH + len(blocks) * titles + FOOT
@@ -135,7 +149,7 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
         figure = new_figure(page.width, total, constrained=False)
         headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
         before = -1
-        for (number, row), height, reach in zip(rows, heights, reaches, strict=True):
+        for (number, row), height, up in zip(rows, heights, tall, strict=True):
             if number != before:
                 draw_titles(figure, page, dataset, blocks[number], top + 0.8)
                 top += titles
@@ -144,19 +158,23 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
             for j, where in row.used:
                 axes = page.axes(figure, j, top, height)
                 contact_patch(axes, dataset, where, scale)
-                axes.set(xlim=across, ylim=reach)
+                (s, x), (half, long) = np.mean(reaches[where], axis=1), (0.5 * wide, 0.5 * up)
+                axes.set(xlim=(s - half, s + half), ylim=(x - long, x + long))
                 few_ticks(axes, 4, 6.2)
                 note = patch_note(dataset, where, force=page.panel > 28.0)
-                axes.set_xlabel(note, fontsize=6.0, color=QUIET, labelpad=1.5)
+                axes.set_xlabel(f"$s$ [mm]\n{note}", fontsize=6.0, color=QUIET, labelpad=1.0)
                 if j == row.used[0][0]:
                     axes.set_ylabel("$x$ [mm]", labelpad=1.0, fontsize=6.8)
             top += height + _BENEATH
-        reading = "Across: curved axis $s$ [mm], field side to the right.\nUp: rolling direction $x$ [mm]."
+        reading = (
+            "Across: curved axis $s$, field side to the right. Up: rolling direction $x$.\n"
+            "One scale everywhere; every panel is cut out around its patch." + selection_words(dataset, chosen)
+        )
         colour_bar(figure, scale, top + 1.0, reading)
     return figure
 
 
-_BENEATH = 12.5
+_BENEATH = 15.0
 
 
 def _columns(count: int, rows: int) -> int:
@@ -166,9 +184,9 @@ def _columns(count: int, rows: int) -> int:
     return min((6, 5, 4), key=lambda n: -count % n)
 
 
-def _reach(dataset: xr.Dataset, places: Sequence[PatchAt | None]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Common limits in s and x of some patches, mm."""
-    found = extent((dataset, where, 0.0) for where in places if where is not None)
+def _reach(dataset: xr.Dataset, where: PatchAt) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Limits in s and x of a patch with a margin, mm."""
+    found = extent([(dataset, where, 0.0)])
     if found is None:
         return (-1.0, 1.0), (-1.0, 1.0)
     (low, high), (back, front) = found

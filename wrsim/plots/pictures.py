@@ -23,7 +23,7 @@ from wrsim.results.moments import has_patches
 from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets, worst_wheelset
 
 HISTORIES: dict[str, tuple[str, ...]] = {
-    "forces": ("Q", "Y", "guide_force_y"),
+    "forces": ("Q", "Y", "sum_Y", "guide_force_y"),
     "derailment": ("Y_over_Q", "T_gamma"),
     "motion": ("lateral_shift", "yaw"),
     "pressure": ("p0", "area"),

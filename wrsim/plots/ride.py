@@ -21,6 +21,8 @@ LOWEST = 0.3
 TICKS = (0.5, 1, 2, 5, 10, 20, 50, 100, 200)
 DECADES = 6
 """Decades of density beneath the highest that are drawn."""
+BAND_DECADES = 4
+"""The same for third-octaves, whose rms is a root of density."""
 
 
 def ride_pictures(found: Ride, directory: str | Path) -> list[Path]:
@@ -74,8 +76,10 @@ def bands(axes: Axes, found: Ride, axis: str) -> Axes:
         values = found.data["band_rms"].sel(point=point, axis=axis).values
         colour = POINT_COLOURS[i % len(POINT_COLOURS)]
         marker = GROUP_MARK[i % len(GROUP_MARK)]
-        axes.plot(middle, values, color=colour, marker=marker, markersize=2.4, linewidth=0.8, label=point)
-    axes.set_xscale("log")
-    axes.set_ylim(bottom=0.0)
+        values = np.maximum(values, 1e-300)
+        axes.loglog(middle, values, color=colour, marker=marker, markersize=2.4, linewidth=0.8, label=point)
+    highest = float(found.data["band_rms"].sel(axis=axis).max())
+    if highest > 0.0:
+        axes.set_ylim(highest * 10.0**-BAND_DECADES, highest * 2.0)
     axes.set_ylabel(f"{DIRECTIONS[axis].capitalize()} rms\n[m/s²] in 1/3 octave")
     return axes

@@ -79,7 +79,8 @@ def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
         line: dict[str, Any] = {"color": "#c4c4c4", "linewidth": 0.8, "zorder": 1.5}
         if rank < NAMED:
             at = int(np.argmin(damping[i, j]))
-            label = str(dataset["mode_name"].values[i[at], j[at]])
+            frequency = float(dataset["mode_frequency"].values[i[at], j[at]])
+            label = f"{dataset['mode_name'].values[i[at], j[at]]}, {frequency:.2f} Hz at {speed[i[at]]:.0f} km/h"
             line = {"color": SERIES_COLOURS[rank], "zorder": 3.0, "label": label}
         axes.plot(speed[i], values[i, j], marker="o" if len(i) == 1 else None, markersize=2.0, **line)
     if name == "mode_damping":
@@ -111,8 +112,8 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:
         own = own[np.argsort(speed[own])]
         if not own.size:
             continue
-        alive = own[(amplitude[own] > 0.0) & (ending[own] == "cycle")]
-        axes.plot(speed[alive], amplitude[alive], color=colour, linewidth=0.9)
+        alive = (amplitude[own] > 0.0) & (ending[own] == "cycle")
+        axes.plot(speed[own], np.where(alive, amplitude[own], np.nan), color=colour, linewidth=0.9, gid=name)
         settled = own[ending[own] != "unsettled"]
         open_ = own[ending[own] == "unsettled"]
         axes.plot(speed[settled], amplitude[settled], mark, color=colour, markersize=4.0, label=name)
@@ -123,11 +124,11 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:
     if lost.size:
         axes.plot(speed[lost], np.zeros(lost.size), "x", color=INK, markersize=5.0, label="derailed")
     top = axes.get_ylim()[1]
-    for kind, words, height in (("", "linear", 0.97), ("nonlinear_", "nonlinear", 0.88)):
+    for kind, words in (("", "linear"), ("nonlinear_", "nonlinear")):
         value = _speed(dataset, f"{kind}critical_speed_m_s")
         if np.isfinite(value) and speed.min() - 50.0 <= value <= speed.max() + 50.0:
             axes.axvline(value, color=QUIET, linewidth=0.8, linestyle=(0, (3, 2)))
-            note(axes, f"{words} {value:.1f}", (value, height * top), (3.0, 0.0), va="top")
+            note(axes, f"{words} {value:.1f}", (value, 0.4 * top), (-2.0, 0.0), rotation=90, ha="right", va="center")
     axes.set_ylim(bottom=-0.03 * top, top=top)
     axes.set(xlabel=CHANNELS["cycle_speed"].label, ylabel="Amplitude of the wheelset that moves most [mm]")
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=6.5)

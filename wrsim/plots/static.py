@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from wrsim.plots.colours import GROUP_LINE, GROUP_MARK, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.histories import ANGLE_JUMP
@@ -80,7 +81,9 @@ def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
                 angle_band(axes, dataset)
             if name != "contact_angle" and axes.dataLim.y0 >= 0.0:
                 axes.set_ylim(0.0, 1.06 * max(axes.dataLim.y1, 1e-9))
-        legend = wheel_entries(dataset["wheel"].values) if dataset.sizes["wheel"] > 1 else []
+        legend = wheel_entries(dataset["wheel"].values)
+        if {"contact_angle_min", "contact_angle_max"} <= set(dataset) and "contact_angle" in present:
+            legend.append(Patch(facecolor=QUIET, alpha=0.3, label="angles over the main patch"))
         if len(groups) > 1:
             for g, (label, _) in enumerate(groups):
                 line, mark = GROUP_LINE[g % len(GROUP_LINE)], GROUP_MARK[g % len(GROUP_MARK)]

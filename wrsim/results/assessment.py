@@ -25,6 +25,10 @@ ESTIMATE = {SAFETY: 3.0, LOADING: 2.2, RIDE: 2.2, INFORMATION: 2.2}
 """Estimated maximum: mean plus this times the standard deviation over the sections (EN 14363, one dimension [mem])."""
 
 
+DERAILMENT_LIMIT, DERAILMENT_RADIUS = 0.8, 250.0
+"""Limit of Y/Q by EN 14363, from memory of the standard, and the radius [m] below which it sets none."""
+
+
 @dataclass(frozen=True)
 class Section:
     """A piece of track that is assessed for itself.

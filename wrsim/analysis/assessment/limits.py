@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wrsim.results.assessment import Limit
+from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS, Limit
 from wrsim.scenario.sections.assessment import Kind
 
 EN = "EN 14363"
@@ -27,7 +27,9 @@ def instability(axle_load: float, kind: Kind) -> Limit:
 
 def derailment(radius: float) -> Limit | None:
     """Y/Q over 2 m: 0.8; not set below 250 m radius. radius [m] of either sign."""
-    return Limit(0.8, f"{EN}, R >= 250 m", "mem") if abs(radius) >= 250.0 * (1.0 - 1e-6) else None
+    if abs(radius) < DERAILMENT_RADIUS * (1.0 - 1e-6):
+        return None
+    return Limit(DERAILMENT_LIMIT, f"{EN}, R >= {DERAILMENT_RADIUS:g} m", "mem")
 
 
 def vertical_force(wheel_load: float, speed: float) -> Limit:

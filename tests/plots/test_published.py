@@ -1,0 +1,192 @@
+"""Pictures that can be published: nothing overlaps, nothing is hidden, cut short or left unexplained."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.collections import QuadMesh
+from support import synthetic_result
+
+from wrsim.plots import (
+    channels_figure,
+    overview_figure,
+    patch_gallery,
+    section_gallery,
+    standard_figures,
+    static_figure,
+)
+from wrsim.plots.colours import STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.ride import bands, ride_figure
+from wrsim.plots.stability import bifurcation_figure, modes_figure
+from wrsim.plots.vehicle_run import wheelsets_figure
+from wrsim.results import Result
+
+
+@pytest.fixture(scope="module")
+def one() -> xr.Dataset:
+    return Result(synthetic_result.curve_run(samples=120)).wheelset()
+
+
+@pytest.fixture(scope="module")
+def four() -> xr.Dataset:
+    """Four wheelsets; the last ones turn the derailment quotient down."""
+    whole = synthetic_result.curve_run(samples=60)
+    names = ["front.outer", "front.inner", "rear.inner", "rear.outer"]
+    each = [whole.assign_coords(wheelset=[name]) for name in names]
+    both = xr.concat(each, "wheelset", data_vars="minimal", coords="minimal", compat="override", join="override")
+    both["Y_over_Q"] = both["Y_over_Q"] * xr.DataArray([1.0, 0.5, 0.2, 0.1], dims="wheelset")
+    return both.transpose("time", ..., missing_dims="ignore")
+
+
+def labels(figure) -> list[str]:
+    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+def rows_of(figure) -> list:
+    return [axes for axes in figure.axes if axes.get_title("left")]
+
+
+def test_words_beside_the_panels_of_a_vehicle_do_not_overlap(four) -> None:
+    figure = wheelsets_figure(four, "Y_over_Q")
+    figure.canvas.draw()
+    boxes = [axes.yaxis.label.get_window_extent() for axes in figure.axes]
+    spans = sorted((box.y0, box.y1) for box in boxes if box.x1 < 0.5 * figure.bbox.width)
+    assert len(spans) >= 5
+    assert all(low[1] <= high[0] for low, high in pairwise(spans))
+    assert figure.get_suptitle().endswith("derailment quotient")
+
+
+def test_wheelsets_are_numbered_from_the_front_and_on_one_scale(four) -> None:
+    rows = rows_of(wheelsets_figure(four, "Y_over_Q"))
+    assert [axes.get_title("left") for axes in rows] == [
+        "1 front.outer",
+        "2 front.inner",
+        "3 rear.inner",
+        "4 rear.outer",
+    ]
+    assert len({axes.get_ylim() for axes in rows}) == 1
+    assert "1 front.outer" in labels(standard_figures(four)["vehicle_shifting"]())
+
+
+@pytest.mark.parametrize("radius", [300.0, 150.0])
+def test_the_derailment_quotient_has_its_limit_where_there_is_one(one, radius) -> None:
+    """EN 14363 sets none in curves below 250 m."""
+    dataset = one.assign(curvature=("time", np.where(one["distance"] > 100.0, 1.0 / radius, 0.0)))
+    dataset["Y_over_Q"] = dataset["Y_over_Q"] * (0.5 / float(np.nanmax(dataset["Y_over_Q"])))
+    figure = channels_figure(dataset, ("Y_over_Q",))
+    (limit,) = [line for axes in figure.axes for line in axes.lines if line.get_gid() == "limit"]
+    assert limit.get_color() == STOP_COLOUR
+    values = np.asarray(limit.get_ydata())
+    assert np.nanmax(values) == 0.8
+    assert np.isfinite(values).all() == (radius >= 250.0)
+    assert np.isfinite(values[one["distance"].values < 100.0]).all()
+    assert limit.axes.get_ylim()[1] > 0.8
+
+
+def test_a_far_limit_is_told_in_words_and_does_not_flatten_the_curves(one) -> None:
+    dataset = one.copy()
+    dataset["Y_over_Q"] = one["Y_over_Q"] * (0.05 / float(np.nanmax(one["Y_over_Q"])))
+    (axes, *_) = channels_figure(dataset, ("Y_over_Q",)).axes
+    assert axes.get_ylim()[1] < 0.1
+    assert any("limit 0.8" in text.get_text() for text in axes.texts)
+
+
+def test_a_straight_track_takes_no_panel(one) -> None:
+    straight = one.assign(curvature=one["curvature"] * 0.0, cant=one["cant"] * 0.0)
+    with_curve, without = (overview_figure(dataset) for dataset in (one, straight))
+    assert len(with_curve.axes) == len(without.axes) + 2  # curvature and cant
+    assert without.axes[-1].get_xlabel() == "Distance along the track [m]"
+
+
+def test_letters_are_explained(one) -> None:
+    last = "abcdefgh"[one.sizes["snapshot"] - 1]
+    assert f"a to {last}: see patches, sections" in labels(channels_figure(one, ("Q",)))
+
+
+def test_a_wheel_does_not_hide_the_other_where_lines_are_crowded(one) -> None:
+    long = xr.concat([one[["Q"]]] * 20, "time").assign_coords(time=np.arange(20.0 * one.sizes["time"]))
+    noise = np.random.default_rng(1).standard_normal(long["Q"].shape)
+    crowd = long.assign(Q=long["Q"] + 1e4 * noise).assign_attrs(one.attrs).drop_vars("distance")
+    (axes, *_) = channels_figure(crowd, ("Q",)).axes
+    (left, right) = [line for line in axes.lines if line.get_color() in WHEEL_COLOUR.values()]
+    assert left.get_alpha() == right.get_alpha() < 1.0
+    (quiet, *_) = channels_figure(one.assign(Q=one["Q"] + 1e-6 * one["Y"]), ("Q",)).axes
+    assert {line.get_alpha() for line in quiet.lines} == {None}
+
+
+def test_a_panel_is_cut_out_around_its_patch(one) -> None:
+    """Large yaw carries patches far ahead; no panel is mostly empty for that, and one scale holds for all."""
+    far = one.copy(deep=True)
+    far["strip_x"].values[1] += 0.2
+    figures = [patch_gallery(dataset) for dataset in (one, far)]
+    heights = [figure.get_figheight() for figure in figures]
+    assert heights[1] == pytest.approx(heights[0], rel=1e-6)
+    for figure in figures:
+        for axes in figure.axes:
+            meshes = [mesh for mesh in axes.collections if isinstance(mesh, QuadMesh)]
+            if meshes and axes.get_xlabel().startswith("$s$"):
+                (low, high), (line, *_) = axes.get_ylim(), axes.lines
+                assert low < np.min(line.get_ydata()) < np.max(line.get_ydata()) < high
+
+
+def test_galleries_say_of_how_many_poses_theirs_are_a_choice() -> None:
+    poses = Result(synthetic_result.static_poses()).wheelset()
+    for make, most in ((patch_gallery, 12), (section_gallery, 6)):
+        assert any(f"{most} of 41 poses" in text.get_text() for text in make(poses).texts)
+    assert not any(" of 41 poses" in text.get_text() for text in patch_gallery(poses, list(range(41))).texts)
+
+
+def test_sections_name_their_axes_and_statics_their_lines() -> None:
+    poses = Result(synthetic_result.static_poses((0.0, 4.0, 7.0), (0.0,), ("left",), 24e3)).wheelset()
+    panels = [axes for axes in section_gallery(poses).axes if axes.lines]
+    assert panels and all(axes.get_xlabel().startswith("$o$ [mm]") for axes in panels)
+    assert {axes.get_ylabel() for axes in panels} == {"$b$ [mm]", ""}
+    assert {"left wheel", "angles over the main patch"} <= set(labels(static_figure(poses)))
+
+
+def test_the_floor_is_seen_beside_the_frames() -> None:
+    band = np.array([1.0, 2.0, 4.0])
+    rms = np.stack([np.full((3, 3), 1e-3), np.full((3, 3), 2.0)])
+    data = xr.Dataset(
+        {"band_rms": (("point", "axis", "band"), rms)},
+        coords={"point": ["floor", "frame"], "axis": ["x", "y", "z"], "band": band},
+    )
+    found = SimpleNamespace(data=data, points=["floor", "frame"], title="ride", start=0.0, end=1.0)
+    axes = ride_figure(found, bands).axes[0]
+    assert axes.get_yscale() == "log"
+    assert axes.get_ylim()[0] < 1e-3 < 2.0 < axes.get_ylim()[1]
+
+
+def stability(ending: list[str]) -> xr.Dataset:
+    """Two modes of one name; limit cycles that ended so."""
+    speed, damping = np.array([10.0, 20.0]), np.array([[0.1, 0.2], [0.05, 0.15]])
+    modes = {"damping": damping, "growth": -damping, "frequency": np.array([[1.0, 5.0], [1.2, 5.2]])}
+    cycles = np.arange(20.0, 20.0 + len(ending))
+    return xr.Dataset(
+        {f"mode_{name}": (("pose", "mode"), values) for name, values in modes.items()}
+        | {
+            "pose_speed": ("pose", speed),
+            "mode_branch": (("pose", "mode"), np.array([[1, 2], [1, 2]])),
+            "mode_name": (("pose", "mode"), np.full((2, 2), "bogie lateral")),
+            "cycle_speed": ("cycle", cycles),
+            "cycle_amplitude": (("cycle", "wheelset"), np.full((len(ending), 1), 8e-3)),
+            "cycle_branch": ("cycle", np.full(len(ending), "from above")),
+            "cycle_ending": ("cycle", np.array(ending)),
+        },
+        attrs={"title": "stability", "critical_note": ""},
+    )
+
+
+def test_two_modes_of_one_name_can_be_told_apart() -> None:
+    named = labels(modes_figure(stability(["cycle"])))
+    assert len(named) == len(set(named)) == 2
+
+
+def test_no_line_runs_over_a_motion_that_has_not_settled() -> None:
+    (axes,) = bifurcation_figure(stability(["cycle", "cycle", "unsettled", "cycle", "cycle"])).axes
+    (line,) = [line for line in axes.lines if line.get_gid() == "from above"]
+    assert np.isfinite(np.asarray(line.get_ydata())).tolist() == [True, True, False, True, True]
