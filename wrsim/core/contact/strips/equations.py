@@ -8,7 +8,7 @@ from math import sqrt
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.grid import place_strips
-from wrsim.core.contact.strips.influence import find_terms, pressed_by
+from wrsim.core.contact.strips.influence import find_presses, find_terms, pressed_by
 from wrsim.core.contact.strips.records import CURVE, EDGES, FACTORS, FADING, FROM, INVERSE, PUSH, TERMS, TO, F, X
 
 EDGE_RATIO = 0.84  # of a^2 in the two outer strips, over what a parabola would give: Hertz's ellipses keep their width
@@ -185,7 +185,27 @@ def edge_wish(places, first, n, side):
 
 
 @kernel
-def _press_row(system, n, g, i, held):
+def _press_held(system, n, g, i):
+    """Derivatives of the displacement at strip i of grid g by a^2 of all strips, to ``matrix``."""
+    memo, vectors, m = system.memo[0], system.vectors, system.matrix
+    u, du = vectors[TERMS], vectors[TERMS + 1]
+    unit = 1.0 / (memo.stiffness * memo.deepest)
+    at = system.places[g * n + i]
+    for h in range(memo.grids):
+        part = unit * fading(system, h, g)
+        if part == 0.0:
+            continue
+        first, base = h * n, h * block_of(n)
+        find_presses(system.table, vectors[FROM], vectors[TO], vectors[INVERSE], first, first + n, at.s, u, du)
+        for j in range(n):
+            place = system.places[first + j]
+            if place.y > 0.0:
+                less = 0.0 if place.over > 1.0 else 0.5 * du[first + j]
+                m[g * block_of(n) + i, base + j] = part * place.q * (u[first + j] - less) / place.over
+
+
+@kernel
+def _press_row(system, n, g, i):
     """Derivatives of displacement and curvature at strip i of grid g by all unknowns, through the strips, to
     ``matrix``."""
     memo, places, vectors, m = system.memo[0], system.places, system.vectors, system.matrix
@@ -219,8 +239,6 @@ def _press_row(system, n, g, i, held):
             q = part * place.q
             column = base + j - first
             m[row, column] = unit * q * (u[j] if full else u[j] - 0.5 * du[j]) / place.over
-            if held:
-                continue
             by_y = q * (c[j] if full else -0.5 * dc[j]) / (place.y * place.over)
             m[w, column] += s0 * by_y
             m[w + 1, column] += s1 * by_y
@@ -244,17 +262,14 @@ def _press_row(system, n, g, i, held):
             end_c += v1 * place.hi_end - v0 * place.lo_end + mid_c * place.mid_end
             by_s_u += u0 - u1
             by_s_c += v0 - v1
-        if held:
-            continue
         e = base + n + FACTORS
         _add_edges(m, row, e, unit * start_u, unit * end_u)
         _add_edges(m, w, e, s0 * start_c, s0 * end_c)
         _add_edges(m, w + 1, e, s1 * start_c, s1 * end_c)
-    if not held:
-        e = g * block + n + FACTORS
-        _add_edges(m, row, e, unit * by_s_u * at.mid_start, unit * by_s_u * at.mid_end)
-        _add_edges(m, w, e, s0 * by_s_c * at.mid_start, s0 * by_s_c * at.mid_end)
-        _add_edges(m, w + 1, e, s1 * by_s_c * at.mid_start, s1 * by_s_c * at.mid_end)
+    e = g * block + n + FACTORS
+    _add_edges(m, row, e, unit * by_s_u * at.mid_start, unit * by_s_u * at.mid_end)
+    _add_edges(m, w, e, s0 * by_s_c * at.mid_start, s0 * by_s_c * at.mid_end)
+    _add_edges(m, w + 1, e, s1 * by_s_c * at.mid_start, s1 * by_s_c * at.mid_end)
 
 
 @inlined
@@ -318,10 +333,13 @@ def jacobian(system, n, held):
         if not grids[g].on:
             continue
         for i in range(n):
-            if places[g * n + i].y > 0.0:
-                _press_row(system, n, g, i, held)
-                if not held:
-                    _own_row(system, n, g, i)
+            if places[g * n + i].y <= 0.0:
+                continue
+            if held:
+                _press_held(system, n, g, i)
+            else:
+                _press_row(system, n, g, i)
+                _own_row(system, n, g, i)
     for g in range(memo.grids):
         grid, own = grids[g], g * block + n
         if not grid.on:

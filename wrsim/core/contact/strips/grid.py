@@ -89,37 +89,49 @@ def find_end(wheel, rail, arc_wheel, arc_rail, depth, first, direction, limit):
     return s, 0
 
 
+class Walk(NamedTuple):
+    """Where a walk along the rows has come to: arclengths on wheel and rail; the wheel's shrink there and a row before;
+    how fast the pair has drifted apart on the way."""
+
+    arc: float
+    s: float
+    shrink: float
+    last: float
+    drift: float
+
+
 @kernel
 def lay_rows(wheel, rail, arc_wheel, arc_rail, grid, rows):
     """Rows of a grid from ``least`` to ``most``; the main point is one of its lobes'."""
     h = (grid.most - grid.least) / (ROWS - 1)
     grid.spacing = h
-    main = min(max(int((arc_rail - grid.least) / h), 0), ROWS - 1)
-    shrink0 = opposite(wheel, rail, arc_wheel, arc_rail).shrink
-    deepest = 1e-12
-    for sweep in range(2):
-        direction = 1 if sweep == 0 else -1
-        i = main if sweep == 0 else main - 1
-        arc, at_s = arc_wheel, arc_rail
-        shrink = last = shrink0
-        drift = 0.0
-        while 0 <= i < ROWS:
-            s = grid.least + i * h
-            # how far the pair drifts apart in a step is foretold from the last one
-            arc += (s - at_s) * (1.5 * shrink - 0.5 * last - drift)
-            at = opposite(wheel, rail, arc, s)
-            taken = at.ahead * at.shrink
-            if s != at_s:
-                drift += taken / (s - at_s)
-            arc -= taken
-            at_s = s
-            last, shrink = shrink, at.shrink
-            row = rows[i]
-            row.s, row.d, row.x, row.o, row.b = s, at.d, at.x, at.o, at.b
-            row.no, row.nb, row.r_t = at.no, at.nb, at.r_t
-            deepest = max(deepest, at.d)
-            i += direction
-    grid.deepest = deepest
+    grid.deepest = 1e-12
+    right = min(max(int((arc_rail - grid.least) / h), 0), ROWS - 1)
+    left = right - 1
+    shrink = opposite(wheel, rail, arc_wheel, arc_rail).shrink
+    up = down = Walk(arc_wheel, arc_rail, shrink, shrink, 0.0)
+    # to both sides at a time: a processor does one while it waits for the other
+    while left >= 0 or right < ROWS:
+        if right < ROWS:
+            up = _lay_row(wheel, rail, up, grid, rows[right], grid.least + right * h)
+            right += 1
+        if left >= 0:
+            down = _lay_row(wheel, rail, down, grid, rows[left], grid.least + left * h)
+            left -= 1
+
+
+@inlined
+def _lay_row(wheel, rail, walk, grid, row, s):
+    """Write the row at s, the next one of a walk; returns where that has come to."""
+    # how far the pair drifts apart in a step is foretold from the last one
+    arc = walk.arc + (s - walk.s) * (1.5 * walk.shrink - 0.5 * walk.last - walk.drift)
+    at = opposite(wheel, rail, arc, s)
+    taken = at.ahead * at.shrink
+    drift = walk.drift + taken / (s - walk.s) if s != walk.s else walk.drift
+    row.s, row.d, row.x, row.o, row.b = s, at.d, at.x, at.o, at.b
+    row.no, row.nb, row.r_t = at.no, at.nb, at.r_t
+    grid.deepest = max(grid.deepest, at.d)
+    return Walk(arc - taken, s, at.shrink, walk.shrink, drift)
 
 
 @kernel
@@ -132,9 +144,11 @@ def grade_rows(grid, rows, axle):
     """
     h = grid.spacing
     total = 0.0
+    unit = 0.5 / (h * sqrt(grid.deepest))
+    skew = 0.7 * abs(axle.x) / h
     for r in range(ROWS):
         c = min(max(r, 2), ROWS - 3)
-        rows[r].xi = sqrt(abs(rows[c - 2].d - 2.0 * rows[c].d + rows[c + 2].d) / (4.0 * grid.deepest)) / h
+        rows[r].xi = unit * sqrt(abs(rows[c - 2].d - 2.0 * rows[c].d + rows[c + 2].d))
         total += rows[r].xi
     floor = FLOOR * total / ROWS
     for r in range(ROWS):
@@ -144,8 +158,11 @@ def grade_rows(grid, rows, axle):
             near += rows[min(max(r + q, 0), ROWS - 1)].xi
         row.density = 0.2 * near + floor
         lean = row.no * axle.y + row.nb * axle.z
-        skew = abs(axle.x) / sqrt(max(1.0 - lean * lean, LEAST_FACING))
-        reach = max(0.7 * sqrt(2.0 * row.r_t * max(row.d, 0.0)) * skew / h, 1.0)
+        reach = skew * skew * 2.0 * row.r_t * max(row.d, 0.0) / max(1.0 - lean * lean, LEAST_FACING)
+        if reach <= 1.0:
+            row.bend = 1.0 / row.r_t
+            continue
+        reach = sqrt(reach)
         bend = weights = 0.0
         for q in range(max(int(r - reach), 0), min(int(r + reach) + 2, ROWS)):
             weight = 1.0 - abs(q - r) / reach

@@ -22,6 +22,7 @@ _WITHIN = (1 << _SHIFT) - 1
 _ONE = 1023 << 52
 _EXPONENT = 2047 << 52
 _LARGEST = 2046 << 52
+_IN_AN_OCTAVE = 2.0**CUTS
 _START, _END = 2.0**LOWEST, 2.0**HIGHEST * (1.0 - 2.0**-20)
 
 
@@ -47,7 +48,7 @@ def potential(table, t):
     """f(1, t)."""
     i, z = _piece(t)
     # pieces in a unit of t
-    per_piece = number_of(_LARGEST - (bits_of(max(_START, t)) & _EXPONENT)) * 2.0**CUTS
+    per_piece = number_of(_LARGEST - (bits_of(max(_START, t)) & _EXPONENT)) * _IN_AN_OCTAVE
     return (table[i, 1] + z * (2.0 * table[i, 2] + z * (3.0 * table[i, 3]))) * per_piece
 
 
@@ -64,6 +65,18 @@ def pressed_by(table, vectors, first, last, s):
         u += vectors[PUSH, j] * (p1 - p0)
         c += vectors[CURVE, j] * (c1 - c0)
     return u, c
+
+
+@filling
+def find_presses(table, begin, end, inverse, first, last, s, u, du):
+    """Of ``find_terms`` what is due to PHI alone."""
+    for j in range(first, last):
+        lo, hi = (begin[j] - s) * inverse[j], (end[j] - s) * inverse[j]
+        t0, t1 = abs(lo), abs(hi)
+        p0, _c0 = primitives(table, t0)
+        p1, _c1 = primitives(table, t1)
+        u[j] = (-p1 if hi < 0.0 else p1) - (-p0 if lo < 0.0 else p0)
+        du[j] = hi * potential(table, t1) - lo * potential(table, t0)
 
 
 @filling

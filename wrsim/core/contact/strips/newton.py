@@ -431,11 +431,14 @@ def _enter(system, n, g):
 
 
 @inlined
-def _bulges(rows, r, step):
-    """Whether the penetration bends up anywhere from row r on. Else a gap there never closes again: what the strips
-    press down bends up everywhere beside them."""
+def _may_close(rows, r, step, rise):
+    """Whether a gap beside the contact may close again by so much from row r on: no more than the penetration bends up
+    there, for what the strips press down bends up everywhere beside them."""
+    slope = risen = 0.0
     while 0 < r < ROWS - 1:
-        if rows[r - 1].d + rows[r + 1].d > 2.0 * rows[r].d:
+        slope += max(rows[r - 1].d + rows[r + 1].d - 2.0 * rows[r].d, 0.0)
+        risen += slope
+        if risen > rise:
             return True
         r += step
     return False
@@ -450,11 +453,20 @@ def _reach_out(system, n, g):
     for side in range(2):
         step = -1 if side == 0 else 1
         r = int(((start if side == 0 else end) - grid.least) / grid.spacing) + (0 if side == 0 else 1)
-        if not _bulges(rows, r, step):
+        if not _may_close(rows, r, step, 0.5 * least):
             continue
         apart = beyond = False
+        # displacements at the last two rows that were asked; it bends up, so beyond it is more than in line with them
+        u = slope = 0.0
+        asked = -1
         while 0 <= r < ROWS:
-            closing = _closing(system, n, g, r) if rows[r].d > least else -1.0
+            closing = -1.0
+            if rows[r].d > least and (slope == 0.0 or rows[r].d > u + slope * abs(r - asked)):
+                last = u
+                u = rows[r].d - _closing(system, n, g, r)
+                slope = (u - last) / abs(r - asked) if asked >= 0 else 0.0
+                asked = r
+                closing = rows[r].d - u
             if closing < 0.0:
                 apart = True
                 if beyond:
