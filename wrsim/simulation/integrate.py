@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import FrameType
-from typing import Literal
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -30,6 +30,15 @@ from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 Monitor = Callable[[float, Array, Array], str | None]
 Progress = Callable[[float, float], None]
+
+
+@runtime_checkable
+class Watches(Protocol):
+    """A monitor that is told of every step, beside the looks that it is asked for."""
+
+    def step(self, t: float, sampled: bool) -> None:
+        """After a step at time t [s]; sampled: whether its state is kept."""
+
 
 PROGRESS_INTERVAL = 0.1
 """Least time between two calls of the progress function [s]."""
@@ -137,6 +146,7 @@ class _AfterStep:
     def __post_init__(self) -> None:
         self.last_step, self.last_q, self.last_q_t = self.begin.step, self.begin.q.copy(), self.begin.q_t.copy()
         self.began = self.reported = time.perf_counter()
+        self.watch = self.monitor if isinstance(self.monitor, Watches) else None
 
     @property
     def things(self) -> tuple[object, ...]:
@@ -167,7 +177,10 @@ class _AfterStep:
             return self.stop("not-finite", f"{_name(bad, self.system)} is not a number at t = {self.time_of(k):.6g} s")
         self.last_step = k
         self.last_q[:], self.last_q_t[:] = q, q_t
-        if k % self.every == 0 or k == self.steps:
+        sampled = k % self.every == 0 or k == self.steps
+        if self.watch is not None:
+            self.watch.step(self.time_of(k), sampled)
+        if sampled:
             self.recorder.sample(self.time_of(k), q, q_t)
         if self.monitor is not None and (k % self.monitor_every == 0 or k == self.steps):
             reason = self.monitor(self.time_of(k), q, q_t)

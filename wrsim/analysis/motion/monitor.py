@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.analysis.motion.between import Between
 from wrsim.analysis.motion.derailment import Wheel, overlap, wheels_of
 from wrsim.analysis.motion.outcomes import Event, OffRail, Overlap
 from wrsim.analysis.motion.words import stop_words
@@ -70,6 +71,11 @@ class Monitor:
         self.stops = [(i, e.limits, e.travel_place) for i, e in enumerate(elements) if e.limits]
         self.notes = np.zeros((0, 6))
         """Rows (kind, which wheel or element, time, distance, last time, last distance)."""
+        self.between = Between([wheel.model for wheel in self.wheels])
+
+    def step(self, t: float, sampled: bool) -> None:
+        """After every step, with what the law has computed last; sampled: whether its state is kept."""
+        self.between.step(t, self.law.distance, sampled)
 
     def __call__(self, t: float, q: Array, q_t: Array) -> str | None:
         outcome = self.look(t, q, q_t)
@@ -150,6 +156,9 @@ class Monitor:
                 found.append(
                     Event("lift" if kind == LIFT else "contact", wheel.wheelset, begin, end, wheel.side, int(kind))
                 )
+        if (missed := self.between.missed(0.5 * self.law.vehicle.weight / len(self.law.vehicle.wheelsets))) is not None:
+            wheel, at = self.wheels[missed.wheel], (missed.time, missed.distance)
+            found.append(Event("between", wheel.wheelset, at, at, wheel.side, 0, (missed.force, missed.beyond)))
         return sorted(found, key=lambda event: (event.start, event.part, event.side))
 
     @property
@@ -162,11 +171,15 @@ class Monitor:
 
     def memory(self) -> Array:
         """What has been seen so far. See ``simulation.recorder.Remembers``."""
-        return np.concatenate([[self.cut_steps], self.last_contact.ravel(), self.substitutes, self.notes.ravel()])
+        between = self.between.memory()
+        own = (self.last_contact.ravel(), self.substitutes, self.notes.ravel())
+        return np.concatenate([[self.cut_steps, between.size], between, *own])
 
     def recall(self, memory: Array) -> None:
         """Put back what ``memory`` gave."""
-        self.cut_steps, memory = int(memory[0]), memory[1:]
+        self.cut_steps, behind = int(memory[0]), 2 + int(memory[1])
+        self.between.recall(memory[2:behind])
+        memory = memory[behind:]
         size, wheels = self.last_contact.size, len(self.substitutes)
         self.last_contact = memory[:size].reshape(self.last_contact.shape).copy()
         self.substitutes = memory[size : size + wheels].copy()

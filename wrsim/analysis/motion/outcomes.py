@@ -52,17 +52,19 @@ class RunInStopped:
 @dataclass(frozen=True)
 class Event:
     """A wheel without contact, a bump stop beyond the end of its table, a contact with something to say (bit of
-    `wrsim.contact.status`), or steps of the integration that had to be cut.
+    `wrsim.contact.status`), steps of the integration that had to be cut, or a vertical force that the samples miss.
 
-    part: name of the wheelset or of the stop; start, end: time [s] and distance of the vehicle [m].
+    part: name of the wheelset or of the stop; start, end: time [s] and distance of the vehicle [m]; missed: the force
+    between samples, and by how much it is beyond those beside it [N].
     """
 
-    kind: Literal["lift", "stop", "contact", "steps"]
+    kind: Literal["lift", "stop", "contact", "steps", "between"]
     part: str
     start: tuple[float, float]
     end: tuple[float, float]
     side: str = ""
     bit: int = 0
+    missed: tuple[float, float] = (0.0, 0.0)
 
 
 class NoSteadyMotion(SimulationError):

@@ -49,6 +49,12 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     if event.kind == "contact":
         at_once = event.end == event.start
         return f"{_wheel(event.side, event.part, vehicle)}: {WORDS[event.bit]}" + ("" if at_once else f", {lasted}")
+    if event.kind == "between":
+        force, beyond = (1e-3 * value for value in event.missed)
+        return (
+            f"between two samples Q of {_wheel(event.side, event.part, vehicle)} is {force:.4g} kN, {beyond:.3g} kN "
+            "beyond both: a smaller run.output_interval_ms shows what happens there"
+        )
     if event.kind == "steps":
         return f"time steps that Newton's method did not solve were cut into parts {lasted}"
     return f"bump stop {event.part} is beyond the end of its table {lasted}"
