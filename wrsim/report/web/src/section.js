@@ -54,6 +54,7 @@ export class Section {
     const aspect = (OVERVIEW[3] - OVERVIEW[2]) / (OVERVIEW[1] - OVERVIEW[0]);
     const top = Math.min(width * aspect, 0.46 * height);
     const patches = this.patches();
+    this.words = [];
     this.panel(g, [0, 0, width, top], this.around(OVERVIEW, width / top), patches, false);
     if (patches.length) this.panel(g, [0, top + 6, width, height - top - 6], this.close(patches, width / (height - top - 6)), patches, true);
     else {
@@ -63,6 +64,31 @@ export class Section {
       g.fillText("no contact here", width / 2, top + (height - top) / 2);
     }
     this.key(g, width, top + 6);
+  }
+
+  /** Words whose anchor is wanted at (x, y): moved until they are inside of the panel and clear of what stands there. */
+  say(g, words, x, y, size, colour) {
+    const [left, top, width, height] = this.frame;
+    g.font = `${size}px sans-serif`;
+    const wide = g.measureText(words).width, line = size + 2;
+    const [least, most] = [left + 4, left + width - 4 - wide];
+    const from = Math.max(least, Math.min(g.textAlign === "right" ? x - wide : x, most));
+    const free = (at) => {
+      const box = [from, at - size, from + wide, at + 4];
+      const clear = this.taken.every(([l, t, r, b]) => box[2] < l || box[0] > r || box[3] < t || box[1] > b);
+      return box[1] >= top && box[3] <= top + height && clear ? box : null;
+    };
+    let box = null;
+    for (let k = 0; k < 60 && !box; k++) box = free(y + (k % 2 ? 1 : -1) * Math.ceil(k / 2) * (line / 2));
+    if (!box) return;
+    this.taken.push(box);
+    this.words.push({ words, box, panel: this.frame });
+    g.textAlign = "left";
+    g.lineWidth = 3;
+    g.strokeStyle = "#ffffffd0";
+    g.strokeText(words, from, box[1] + size);
+    g.fillStyle = colour;
+    g.fillText(words, from, box[1] + size);
   }
 
   /** A window of that width over height around a window. */
@@ -87,6 +113,9 @@ export class Section {
 
   panel(g, [left, top, width, height], window, patches, near) {
     const per = width / (window[1] - window[0]);
+    this.frame = [left, top, width, height];
+    this.taken = [[left, top + height - 24, left + width, top + height]];
+    if (near) this.taken.push([left + width - 116, top, left + width, top + 36]);
     const X = (o) => left + (o - window[0]) * per, Y = (b) => top + (window[3] - b) * per;
     g.save();
     g.beginPath();
@@ -143,9 +172,10 @@ export class Section {
         g.lineTo(...line[i + 1]);
         g.stroke();
       }
-      if (near) this.angle(g, patch, line);
+      for (const [px, py] of line) this.taken.push([px - 5, py - 5, px + 5, py + 5]);
     }
     this.arrows(g, patches, X, Y, 0.34 * height, near);
+    if (near) for (const patch of patches) this.angle(g, patch, patch.points.map(([o, b]) => [X(o), Y(b)]));
     const bar = [20, 10, 5, 2, 1].find((b) => b * per < 0.35 * width) ?? 1;
     g.strokeStyle = g.fillStyle = INK;
     g.lineWidth = 1.5;
@@ -183,10 +213,9 @@ export class Section {
     g.beginPath();
     g.arc(x, y, 70, Math.min(0, turn), Math.max(0, turn));
     g.stroke();
-    g.fillStyle = INK;
-    g.font = "13px sans-serif";
     g.textAlign = "left";
-    g.fillText(`mean \u03b3 = ${patch.angle.toFixed(1)}\u00b0`.replace("-", "\u2212"), x + 74 * Math.cos(turn / 2) + 6, y + 74 * Math.sin(turn / 2) + 14);
+    const words = `mean \u03b3 = ${patch.angle.toFixed(1)}\u00b0`.replace("-", "\u2212");
+    this.say(g, words, x + 74 * Math.cos(turn / 2) + 6, y + 74 * Math.sin(turn / 2) + 14, 13, INK);
   }
 
   /** Forces on the rail at the contacts: N of every patch along its normal, in the whole section Y and Q of the wheel. */
@@ -207,9 +236,8 @@ export class Section {
       g.lineTo(end[0] - 7 * ux - 4 * uy, end[1] - 7 * uy + 4 * ux);
       g.lineTo(end[0] - 7 * ux + 4 * uy, end[1] - 7 * uy - 4 * ux);
       g.fill();
-      g.font = "12px sans-serif";
       g.textAlign = ux < -0.3 ? "right" : "left";
-      g.fillText(words, end[0] + 8 * ux + (Math.abs(ux) < 0.3 ? 8 : 0), end[1] + 8 * uy + 4);
+      if (words) this.say(g, words, end[0] + 8 * ux + (Math.abs(ux) < 0.3 ? 8 : 0), end[1] + 8 * uy + 4, 12, colour);
     };
     patches.forEach((patch, i) => {
       const [o, b] = patch.points[Math.floor(patch.points.length / 2)];
