@@ -11,26 +11,17 @@ Contract of every function below this package:
 The compiled code is cached on disk (``wrsim.core.cache``), in a folder named after a hash of this whole package.
 """
 
-import hashlib
 import os
 import sys
-from pathlib import Path
 
 import numba
 
 from wrsim.core.cache import cache_folder
+from wrsim.core.shipped import digest_of_sources
 
-
-def sources_digest() -> str:
-    """Digest of the sources of this package, the numba and the Python version: of what the kernels compute."""
-    digest = hashlib.sha256(f"{numba.__version__} {sys.version}".encode())
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(source.relative_to(Path(__file__).parent).as_posix().encode())
-        digest.update(source.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-CACHE = os.environ.get("NUMBA_CACHE_DIR") or cache_folder("kernels-" + sources_digest())
+CACHE = os.environ.get("NUMBA_CACHE_DIR") or cache_folder(
+    "kernels-" + digest_of_sources(numba.__version__, sys.version)
+)
 """Folder of compiled kernels; None where they are not kept."""
 if CACHE:
     numba.config.CACHE_DIR = CACHE

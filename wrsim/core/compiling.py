@@ -28,8 +28,10 @@ from numba.core.environment import lookup_environment
 from numba.core.registry import CPUDispatcher
 
 from wrsim.core import CACHE
+from wrsim.core.shipped import KernelCache, shipped
 
 KEPT = CACHE is not None
+KernelCache.shipped = shipped(CACHE)
 
 LOGGER = logging.getLogger("wrsim.kernels")
 """Says at level INFO how many kernels are compiled, of how many that are known to be needed."""
@@ -135,6 +137,9 @@ class Kernel(CPUDispatcher):
         given = py_func, self.targetdescr, self.targetoptions, self.locals, pipeline_class
         self._compiler, self._part_compiler = Compiler(*given), PartCompiler(*given)
         self._parts: dict[tuple[types.Type, ...], Any] = {}
+
+    def enable_caching(self):
+        self._cache = KernelCache(self.py_func)
 
     def get_call_template(self, args, kws):
         """What another kernel's types ask for: see numba's dispatcher."""

@@ -1,0 +1,146 @@
+"""Kernels that come with the package are taken where all that they depend on is the same, and only there."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from llvmlite import binding
+
+from wrsim.analysis.shipping import gather
+from wrsim.core import CACHE
+from wrsim.core.compiling import kernel
+from wrsim.core.shipped import ABOUT, CONTACT, KernelCache, Shipped, shipped
+
+ROOT = Path(__file__).parents[2]
+
+pytestmark = [
+    pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="there is nothing to compile"),
+    pytest.mark.skipif(not hasattr(os, "getuid") or CACHE is None, reason="nothing is kept here"),
+]
+
+FIRST_CONTACT = """
+from numba.core import event
+with event.install_recorder("numba:compile") as recorder:
+    from wrsim import contact_model, load_profile
+    rail = load_profile("rails/60E1.toml").inclined(1 / 40)
+    model = contact_model(load_profile("wheels/S1002.toml"), rail, 0.46)
+    contact = model.evaluate((0.0, 0.0, 0.46 - 50e-6), velocity=(10.0, 0.0, 0.0), omega=(0.0, 10.0 / 0.46, 0.0))
+print(len(recorder.buffer), contact.normal_force.hex())
+"""
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with wrsim in it, as installed from a wheel that holds kernels for this machine."""
+    place = tmp_path_factory.mktemp("installed")
+    shutil.copytree(ROOT / "wrsim", place / "wrsim", ignore=shutil.ignore_patterns("__pycache__", "kernels"))
+    shutil.copytree(ROOT / "models", place / "wrsim" / "models")
+    gather(Path(str(CACHE)), place / "wrsim" / "kernels", ())
+    return place
+
+
+def first_contact(package: Path, home: Path) -> tuple[int, str]:
+    """How many kernels a new user's first contact compiles, and its normal force."""
+    unwanted = ("NUMBA_CACHE_DIR", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES")
+    env = {name: value for name, value in os.environ.items() if name not in unwanted}
+    env |= {"PYTHONPATH": str(package), "XDG_CACHE_HOME": str(home)}
+    done = subprocess.run([sys.executable, "-P", "-c", FIRST_CONTACT], env=env, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    count, force = done.stdout.split()
+    return int(count), force
+
+
+def kept(home: Path) -> bool:
+    """What was found out about the kernels."""
+    (found,) = home.glob("wrsim/*/shipped.json")
+    return bool(json.loads(found.read_text())["usable"])
+
+
+def test_a_new_users_first_contact_compiles_nothing_and_is_the_same_to_the_bit(package: Path, tmp_path: Path) -> None:
+    count, force = first_contact(package, tmp_path)
+    assert count == 0 and kept(tmp_path)
+    names: dict[str, Any] = {}
+    exec(FIRST_CONTACT.replace("print", "result = "), names)
+    assert force == names["contact"].normal_force.hex()
+
+
+def test_kernels_that_compute_a_wrong_bit_are_not_taken(package: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "wrsim" / "kernels"
+    shutil.copytree(package / "wrsim", tmp_path / "wrsim")
+    path = folder / CONTACT.format("kik-piotrowski")
+    stored = dict(np.load(path))
+    changed = np.flatnonzero(stored["after"] != stored["before"])[0]
+    stored["after"][changed] = np.nextafter(stored["after"][changed], np.inf)
+    np.savez(path, **stored)
+    code = "from wrsim.core.compiling import KernelCache; print(KernelCache.shipped.usable)"
+    home = tmp_path / "home"
+    home.mkdir()
+    env = os.environ | {"PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(home)}
+    done = subprocess.run([sys.executable, "-P", "-c", code], env=env, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False" and not kept(home)
+
+
+@pytest.mark.parametrize("what", ["numba", "llvmlite", "python", "platform", "sources"])
+def test_kernels_made_with_anything_else_are_not_taken(package: Path, tmp_path: Path, what: str) -> None:
+    folder = with_about(package, tmp_path, lambda about: about | {what: "another"})
+    assert shipped(str(tmp_path), folder) is None
+
+
+def test_kernels_for_another_processor_are_not_taken(package: Path, tmp_path: Path) -> None:
+    missing = next(name for name, there in binding.get_host_cpu_features().items() if not there)
+    folder = with_about(package, tmp_path, lambda about: about | {"needs": [missing]})
+    assert shipped(str(tmp_path), folder) is None
+
+
+def test_the_folder_itself_is_taken(package: Path, tmp_path: Path) -> None:
+    assert isinstance(shipped(str(tmp_path), with_about(package, tmp_path, dict)), Shipped)
+    assert shipped(None, tmp_path / "kernels") is None, "nothing can be kept"
+    assert shipped(str(tmp_path), tmp_path / "none") is None
+
+
+def test_a_folder_that_others_can_write_to_is_not_taken(package: Path, tmp_path: Path) -> None:
+    folder = with_about(package, tmp_path, dict)
+    (folder / "contact").chmod(0o777)
+    assert shipped(str(tmp_path), folder) is None
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", "no json"])
+def test_a_damaged_description_is_no_error(package: Path, tmp_path: Path, text: str) -> None:
+    folder = with_about(package, tmp_path, dict)
+    (folder / ABOUT).write_text(text)
+    assert shipped(str(tmp_path), folder) is None
+
+
+def test_a_damaged_kernel_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Damaged:
+        usable = True
+
+        def data(self, *_: object) -> object:
+            raise EOFError("cut off")
+
+    monkeypatch.setattr(KernelCache, "shipped", Damaged())
+
+    @kernel
+    def twice(x):
+        return 2.0 * x
+
+    assert twice(4.0) == 8.0
+
+
+def with_about(package: Path, place: Path, change: Callable[[dict[str, Any]], dict[str, Any]]) -> Path:
+    """A copy of the kernels with a changed description."""
+    folder = place / "kernels"
+    shutil.copytree(package / "wrsim" / "kernels", folder)
+    about = json.loads((folder / ABOUT).read_text())
+    (folder / ABOUT).write_text(json.dumps(change(about)))
+    return folder

@@ -1,0 +1,81 @@
+"""Makes the folder of compiled kernels that a wheel may hold (``wrsim.core.shipped``); called by ``.ci/wheel``.
+
+NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= NUMBA_CACHE_DIR=CACHE python -m wrsim.analysis.shipping FOLDER
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+from numba.core.caching import UserProvidedCacheLocator
+
+from wrsim.analysis.warming import warm_up
+from wrsim.contact.models import NORMAL_MODELS, contact_model
+from wrsim.contact.settings import ContactSettings
+from wrsim.core.contact import records as k
+from wrsim.core.contact.stages import make_ready
+from wrsim.core.contact.wheel_rail import wheel_rail
+from wrsim.core.shipped import ABOUT, CONTACT, LEVEL, NEEDED, SOURCES, made_with
+from wrsim.errors import WrsimError
+from wrsim.geometry.profile.models import load_profile
+
+RADIUS = 0.46
+APPROACH = 50e-6
+"""Of the wheel in the pose that the kernels are tried on [m]: some 50 kN."""
+
+
+def ship(folder: Path) -> int:
+    """Compile what runs and poses need and put it into a new folder; returns how many files it holds.
+
+    Raises WrsimError where numba compiles for this machine alone, or into a folder that holds more than that.
+    """
+    config: Any = numba.config
+    if config.CPU_NAME != LEVEL or config.CPU_FEATURES != "" or not config.CACHE_DIR:
+        raise WrsimError(f"NUMBA_CPU_NAME must be {LEVEL}, NUMBA_CPU_FEATURES empty, NUMBA_CACHE_DIR an empty folder")
+    warm_up()
+    gather(Path(config.CACHE_DIR), folder, NEEDED)
+    return sum(1 for path in folder.rglob("*") if path.is_file())
+
+
+def gather(cache: Path, folder: Path, needs: Sequence[str]) -> None:
+    """Put the compiled kernels of a cache into a new folder, with contacts to try them on.
+
+    needs: features of the processor that they take.
+    """
+    folder.mkdir(parents=True)
+    for name, normal in NORMAL_MODELS.items():
+        if normal.solve is None:
+            np.savez_compressed(folder / CONTACT.format(name), **_contact(ContactSettings(normal=name)))
+    for room in sorted({source.parent for source in SOURCES.rglob("*.py")}):
+        kept = cache / UserProvidedCacheLocator.get_suitable_cache_subpath(str(room / "any.py"))
+        for file in sorted(kept.glob("*.nb[ic]")):
+            place = folder / room.relative_to(SOURCES)
+            place.mkdir(parents=True, exist_ok=True)
+            shutil.copy(file, place)
+    target = wheel_rail.targetctx.codegen().magic_tuple()
+    about = made_with() | {"target": list(target), "needs": list(needs)}
+    (folder / ABOUT).write_text(json.dumps(about, indent=2))
+
+
+def _contact(settings: ContactSettings) -> dict[str, Any]:
+    """The arena of one rolling contact before and after the kernel, its status, and the stages that it takes."""
+    wheel, rail = load_profile("wheels/S1002.toml"), load_profile("rails/60E1.toml").inclined(1 / 40)
+    arrays = contact_model(wheel, rail, RADIUS, settings).arrays
+    speed = 10.0
+    arrays.pose[:] = (0.0, 0.002, RADIUS - APPROACH, 0.002, 1.0, 0.0, speed, 0.0, 0.0, 0.0, speed / RADIUS, 0.0)
+    stages = [k.CONTACT, NORMAL_MODELS[settings.normal].kernel, k.CREEP_FORCES]
+    make_ready(*stages)
+    before = arrays.buffer.copy()
+    status = arrays.call()
+    return {"before": before, "after": arrays.buffer, "index": arrays.index, "status": status, "stages": stages}
+
+
+if __name__ == "__main__":
+    print(f"{ship(Path(sys.argv[1]))} files in {sys.argv[1]}")
