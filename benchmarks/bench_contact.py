@@ -119,7 +119,7 @@ def strip_model(wheel: Profile, rail: Profile) -> None:
     origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
     for name, lateral, yaw in POSES:
         last: tuple[int, float] | None = None
-        for strips in (16, 24, 36):
+        for strips in (16, 20, 24):
             settings = ContactSettings(normal="strips", strips=strips)
             model = contact_model(wheel, rail, 0.46, settings, 0.35)
             PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(Pose(name, lateral, yaw, 55e3))

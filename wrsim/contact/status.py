@@ -42,7 +42,7 @@ REMARKS = STATUS_NOT_REFINED | STATUS_PROFILE_END
 
 def bits_of(status: int) -> list[int]:
     """The bits that are set."""
-    return [bit for bit in WORDS if status & bit]
+    return [bit for bit in WORDS if status & bit] if status else []
 
 
 def status_words(status: int) -> str:

@@ -35,11 +35,12 @@ class Wheel:
         self.wheelset, self.side, self.model = wheelset, wheel.name, wheel.model
         self.tip = flange_tip(wheel.model.wheel)
         self.face = gauge_face(wheel.model.rail)
+        self.level = self.model.radius + self.model.rail.top[1]  # height of the axle on the rail's highest point
 
     def off_the_rail(self) -> OffRail | None:
         """How the wheel has left its rail, if it has."""
         pose = self.model.arrays.pose
-        height = float(pose[2]) - self.model.radius - self.model.rail.top[1]
+        height = float(pose[2]) - self.level
         if height < -DROP:
             return OffRail(self.wheelset, self.side, "dropped")
         if self.tip is not None and self._outward(pose, self.tip) > self.face:
