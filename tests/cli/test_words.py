@@ -73,7 +73,9 @@ def test_the_time_that_a_run_took_is_told_beside_the_time_on_the_track(
     (tmp_path / "curve.toml").write_text(CURVE)
     command = ("run", tmp_path / "curve.toml", "-o", tmp_path / "out", "--no-pictures")
     lasted = float(np.ptp(run.dataset["time"].values))
-    assert f"{lasted:.4g} s on the track in " in call(*command).stdout
+    told = call(*command).stdout
+    assert f"{lasted:.4g} s on the track in " in told
+    assert told.splitlines()[-1] == f"a page about it for the browser: wrsim report {tmp_path / 'out'}"
     summary = json.loads(call(*command, "--json").stdout)["summary"]
     assert summary["times_real_time"] == pytest.approx(summary["wall_time_s"] / lasted, abs=1e-3)
 

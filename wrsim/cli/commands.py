@@ -155,6 +155,8 @@ def run(
     While it lasts, a run is kept in DIR/result.nc.part, so that one that was cut off goes on with --resume.
     """
     with reporting_errors(as_json):
+        from shlex import quote
+
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
 
@@ -216,6 +218,7 @@ def run(
                 say(f"{len(files)} files in {directory}")
                 if removed:
                     say(f"{len(removed)} files of the result before are gone from there")
+                say(f"a page about it for the browser: wrsim report {quote(str(directory))}")
             if code:
                 complain(f"{file}: stopped: {result.stop_reason}")
                 if not quiet:

@@ -230,7 +230,8 @@ class Result:
             for name, variable in self.dataset.variables.items()
             if variable.dtype.kind in "fi" and variable.size > 1000
         }
-        content = self.dataset.to_netcdf(None, engine="h5netcdf", format="NETCDF4", encoding=encoding)
+        ordered = _labels_first(self.dataset)
+        content = ordered.to_netcdf(None, engine="h5netcdf", format="NETCDF4", encoding=encoding)
         checksum = zlib.crc32(_CHECKED, zlib.crc32(content))
         return write_atomically(path, b"".join((content, _CHECKED, checksum.to_bytes(4, "little"))))
 
@@ -336,6 +337,14 @@ def _without_encoding(dataset: xr.Dataset) -> xr.Dataset:
     clean: xr.Dataset = dataset.drop_encoding()
     clean.attrs = {name: value.item() if hasattr(value, "item") else value for name, value in clean.attrs.items()}
     return clean
+
+
+def _labels_first(dataset: xr.Dataset) -> xr.Dataset:
+    """The same dataset, coordinates first: with every label that h5netcdf meets it ties all variables before it anew,
+    a third of the time that the file of a short run takes."""
+    coords = {name: dataset[name].variable for name in sorted(map(str, dataset.coords))}
+    bare = xr.Dataset(coords=coords, attrs=dataset.attrs)
+    return bare.assign({name: dataset[name].variable for name in dataset.data_vars})
 
 
 def _with_wheelset(dataset: xr.Dataset) -> xr.Dataset:
