@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import shutil
@@ -337,6 +338,43 @@ def test_nobody_at_the_address_of_the_scheduler_is_one_sentence(monkeypatch: pyt
         workers_at("tcp://127.0.0.1:9"),
     ):
         pass
+
+
+@pytest.fixture
+def standing_scheduler(serial: Plan, tmp_path: Path) -> Iterator[str]:
+    """Address of a dask scheduler that somebody has started, with one worker, as the page on studies says."""
+    file, quiet = tmp_path / "scheduler.json", {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    dask = [sys.executable, "-m", "dask"]
+    own = ["--scheduler-file", str(file)]
+    commands = (
+        [*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", *own],
+        [*dask, "worker", "--nthreads", "1", "--no-dashboard", "--local-directory", str(tmp_path), *own],
+    )
+    processes = [subprocess.Popen(command, env=os.environ | ONE_THREAD, **quiet) for command in commands]  # type: ignore[call-overload]
+    try:
+        until = time.monotonic() + 60.0
+        while not file.exists() and time.monotonic() < until:
+            time.sleep(0.1)
+        yield json.loads(file.read_text())["address"]
+    finally:
+        for process in processes:
+            process.terminate()
+        for process in processes:
+            process.wait(30)
+
+
+def test_workers_of_a_scheduler_that_stands_already_come_to_the_same_numbers(
+    serial: Plan, standing_scheduler: str, tmp_path: Path
+) -> None:
+    few = AXES.replace("[0.1, 0.3]", "[0.1]").replace("to = 50", "to = 45")
+    out = tmp_path / "out"
+    command = ["study", str(study_file(tmp_path, few)), "-o", str(out), "--scheduler", standing_scheduler]
+    told = runner.invoke(app, [*command, "--no-pictures", "--json"])
+    assert told.exit_code == 0, told.output
+    assert json.loads(told.stdout)["status"] == {"completed": 2}
+    kept = {path.parent.name: path.read_bytes() for path in Path(serial.folder).rglob("result.nc")}
+    assert len(list(out.rglob("result.nc"))) == 2
+    assert all(path.read_bytes() == kept[path.parent.name] for path in out.rglob("result.nc"))
 
 
 def test_four_workers_come_to_the_numbers_of_one(serial: Plan, workers: Client, tmp_path: Path) -> None:
