@@ -66,6 +66,16 @@ def test_importing_the_package_imports_nothing_heavy() -> None:
     assert done.stdout.strip() == "[]"
 
 
+def test_a_run_waits_for_no_library_that_it_does_not_need() -> None:
+    code = (
+        "import sys, wrsim, wrsim.scenario.build as b, wrsim.analysis.motion.run\n"
+        "b.build(wrsim.load('scenarios/curve_r300.toml'))\n"
+        "print([m for m in ('scipy.signal', 'scipy.stats', 'scipy.ndimage', 'matplotlib', 'dask') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert done.stdout.strip() == "[]"
+
+
 def test_a_wheel_carries_its_load_and_its_patch_adds_up_to_its_normal_force(study: Result) -> None:
     np.testing.assert_allclose(study.dataset["Q"].values.ravel(), 60e3, rtol=1e-6)
     for shift in SHIFTS:

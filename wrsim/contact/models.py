@@ -8,13 +8,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from wrsim.contact.half_space.strips import solve_into
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
 from wrsim.contact.settings import DRY, ContactSettings, Friction, Normal
 from wrsim.core.contact.records import FREE_STRIPS, KIK_PIOTROWSKI
 from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.profile import Profile
+
+
+def _solve_exactly(model: ContactModel) -> int:
+    """See `NormalModel.solve`."""
+    from wrsim.contact.half_space.strips import solve_into  # brings parts of scipy that nothing else needs
+
+    return solve_into(model).status
+
 
 _KIK_PIOTROWSKI = NormalModel(KIK_PIOTROWSKI, recess=1.0 - EPSILON, joint=True, fewest=3, most=MOST_STRIPS)
 
@@ -23,7 +30,7 @@ NORMAL_MODELS: dict[Normal, NormalModel] = {
     "strips": NormalModel(
         FREE_STRIPS, recess=0.0, joint=False, fewest=FEWEST_FREE_STRIPS, most=200, solves_for_strips=True
     ),
-    "half-space": replace(_KIK_PIOTROWSKI, solve=lambda model: solve_into(model).status),
+    "half-space": replace(_KIK_PIOTROWSKI, solve=_solve_exactly),
 }
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wrsim.analysis.contacts import contact_models
-from wrsim.simulation.half_space_law import HalfSpaceOnTrack
 from wrsim.simulation.law import VehicleOnTrack
 
 if TYPE_CHECKING:
@@ -17,7 +16,11 @@ if TYPE_CHECKING:
 def force_law(setup: Setup[RunPlan], speed: float | None = None, drive: Drive | None = None) -> VehicleOnTrack:
     """The law of the set-up's vehicle on its track; speed and drive, where given, in the place of the run's."""
     run = setup.plan
-    kind = HalfSpaceOnTrack if setup.contact.normal == "half-space" else VehicleOnTrack
+    kind = VehicleOnTrack
+    if setup.contact.normal == "half-space":
+        from wrsim.simulation.half_space_law import HalfSpaceOnTrack  # brings parts of scipy that nothing else needs
+
+        kind = HalfSpaceOnTrack
     return kind(
         setup.vehicle,
         setup.track,
