@@ -90,7 +90,9 @@ def creep_time(
     """Time of a tangential model alone: the whole evaluation on the tread less that without creep forces [us]."""
     origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
     name, _, option = tangential.partition(", ")
-    settings = ContactSettings(strips=strips, cells=cells, tangential=name, flexibility=option or "three")  # type: ignore[arg-type]
+    settings = ContactSettings(
+        "kik-piotrowski", strips=strips, cells=cells, tangential=name, flexibility=option or "three"
+    )  # type: ignore[arg-type]
     model = contact_model(wheel, rail, 0.46, settings, friction)
     PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46).solve(Pose("tread", 3e-3, 0.002, 55e3))
     a = model.arrays
@@ -148,7 +150,7 @@ def main() -> None:
     origin = (0.7175 - rail.gauge_point()[0], -rail.top[1])
     print(f"{'us':24s}{'total':>8s}{'call':>8s}{'search':>8s}{'patch':>8s}{'creep':>8s}{'lobes':>7s}{'x bare':>8s}")
     for strips, cells in ((40, 20), (25, 12)):
-        settings = ContactSettings(strips=strips, cells=cells)
+        settings = ContactSettings("kik-piotrowski", strips=strips, cells=cells)
         model = contact_model(wheel, rail, 0.46, settings, 0.35)
         bench = PoseSolver([WheelOnRail(model, 1, 0.75, origin)], True, 0.46)
         a = model.arrays

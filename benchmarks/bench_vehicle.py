@@ -62,11 +62,7 @@ def scenario_of(case: str, model: str) -> Scenario:
     """The case with a model."""
     file, keys = CASES[case]
     base = {"run.output_interval_ms": 10.0, "output.patches_at_m": []}
-    scenario = load(SCENARIOS / file)
-    if model == "strips":  # its own number, not that of the file
-        base |= {"contact": {"normal": "strips"}}
-        return scenario.with_values(base | keys)
-    return scenario.with_values(base | keys | MODELS[model])
+    return load(SCENARIOS / file).with_values(base | keys | MODELS[model])
 
 
 def timed(

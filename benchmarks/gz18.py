@@ -37,10 +37,11 @@ PEER = 0.34
 RUN_M = 150.0
 REPETITIONS = 2
 REFERENCE = "kik-piotrowski, rk44"
+KIK_PIOTROWSKI = {"contact.normal": "kik-piotrowski", "contact.strips": 25}
 CASES: dict[str, dict[str, Any]] = {
-    REFERENCE: {"run.integrator": "rk44", "run.step_us": 500},
-    "kik-piotrowski": {},
-    "strips": {"contact.normal": "strips", "contact.strips": 20},
+    REFERENCE: KIK_PIOTROWSKI | {"run.integrator": "rk44", "run.step_us": 500},
+    "kik-piotrowski": KIK_PIOTROWSKI,
+    "strips": {"contact.normal": "strips"},
 }
 """Keys of the models that are timed."""
 
@@ -106,7 +107,6 @@ gauge_depth_mm = 16
 rail = "{rail}"
 inclination = "1:40"
 [contact]
-strips = 25
 cells = 12
 friction = {{ static = 0.3, falling_ratio = 0.4, falling_decay_s_per_m = 0.55 }}
 [steady]

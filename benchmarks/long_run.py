@@ -52,6 +52,7 @@ def values(kilometres: float) -> dict[str, Any]:
         "run.distance_m": 1e3 * kilometres,
         "run.output_interval_ms": 5.0,
         "output.patches_at_m": [],
+        "contact.normal": "kik-piotrowski",
         "contact.strips": 8,
         "contact.cells": 3,
     }

@@ -11,7 +11,8 @@ slashes: kik-piotrowski/constant (the paper's), strips=20 (any strip model), hal
 size, area by counting them), half-space/level (points paired as CONTACT does), half-space/angle-corrected.
 
 -o DIR: predictions as "TABLE MODEL.csv", one row a case: case_id, p0_MPa, area_mm2, approach_mm, N_N, Fx_N, n_patches.
---standing DIR: the errors of all cases and the times, as the figures of docs/standing.md read them.
+--standing DIR: the errors of all cases and the times, as the figures of docs/standing.md read them; files there keep
+what they hold of models that did not run.
 
 Scoring. The truth is contact_conf_hs, or contact_planar where that is missing, on cases where it is one patch of one
 connected region and met its load. Errors are |prediction / truth - 1|: median, 95 % (linear between order statistics),
@@ -379,13 +380,24 @@ def write_predictions(board: Board, directory: Path) -> None:
 
 
 def write_standing(board: Board, directory: Path) -> None:
-    """The rows that were noted, a file for every table."""
+    """The rows that were noted, a file for every table; what the files hold of models that did not run stays."""
     directory.mkdir(parents=True, exist_ok=True)
     for table, rows in board.records.items():
-        with (directory / f"{table}.csv").open("w", newline="") as out:
+        path = directory / f"{table}.csv"
+        rows = beside(read(path) if path.is_file() else [], rows)
+        with path.open("w", newline="") as out:
             writer = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
             writer.writeheader()
             writer.writerows(rows)
+
+
+def beside(before: Sequence[Row], rows: Sequence[dict[str, object]]) -> list[dict[str, object]]:
+    """New rows with those of other models: columns of the same case, or rows."""
+    if "model" in rows[0]:
+        ran = {row["model"] for row in rows}
+        return [*(dict(row) for row in before if row["model"] not in ran), *rows]
+    known = {row["case"]: row for row in before}
+    return [{**known.get(str(row["case"]), {}), **row} for row in rows]
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.runs import SCENARIOS, arc, straight
+from support.runs import FAST, SCENARIOS, arc, straight
 
 from wrsim.analysis import run
 from wrsim.analysis.stability.rolling import RollingVehicle
@@ -19,7 +19,6 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 
 COACH = "vehicles/manchester_1.toml"
-FAST = {"contact.normal": "kik-piotrowski", "contact.tangential": "fastsim", "contact.strips": 12, "contact.cells": 6}
 BODIES = {"carbody": 32000.0, "front.frame": 2615.0, "rear.frame": 2615.0}
 AXLE, HEIGHT, GRAVITY = 1813.0, 2.2, 9.80665
 

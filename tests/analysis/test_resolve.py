@@ -37,12 +37,14 @@ def test_the_same_model_finds_the_same_contacts(text):
     after = resolve(before, load_text(text), "file", keep="pose")
     rows = samples(before)
     assert len(rows) == after.wheelset()["Q"].shape[0] > 0
+    # a run's contact comes from the one before, this one afresh: alike to what strips are solved to
     for name in ("N", "Fx", "Fy", "p0", "contact_angle", "y_contact", "u_rail", "Q", "T_gamma"):
         assert after.wheelset()[name].values == pytest.approx(
-            before.wheelset()[name].values[rows], rel=1e-9, nan_ok=True
+            before.wheelset()[name].values[rows], rel=2e-7, nan_ok=True
         )
     for name in MOMENTS:
-        assert after.wheelset()[name].values == pytest.approx(before.wheelset()[name].values, rel=1e-9, nan_ok=True)
+        values = before.wheelset()[name].values
+        assert after.wheelset()[name].values == pytest.approx(values, abs=2e-7 * np.nanmax(np.abs(values)), nan_ok=True)
 
 
 @pytest.mark.parametrize("text", [SHORT, POSES])
@@ -51,8 +53,8 @@ def test_the_exact_solver_takes_over_the_load(text):
     after = resolve(before, load_text(text)).wheelset()
     rows = samples(before)
     assert after["Q"].values == pytest.approx(before.wheelset()["Q"].values[rows], rel=1e-4)
-    # Kik-Piotrowski's peaks are too low (docs/contact.md), creepages are those of the same motion
-    assert (after["p0"].values[..., 0] > 1.03 * before.wheelset()["p0"].values[rows][..., 0]).all()
+    # the strip model's peaks are near the exact ones (docs/standing.md), creepages are those of the same motion
+    assert after["p0"].values[..., 0] == pytest.approx(before.wheelset()["p0"].values[rows][..., 0], rel=0.02)
     assert after["xi"].values[..., 0] == pytest.approx(before.wheelset()["xi"].values[rows][..., 0], abs=2e-5)
     assert np.isfinite(after["element_p"].values).any()
     moved = np.abs(after["wheel_origin"].values - before.wheelset()["wheel_origin"].values)
@@ -62,9 +64,10 @@ def test_the_exact_solver_takes_over_the_load(text):
 
 def test_a_height_kept_gives_another_load():
     # at equal approach Kik-Piotrowski carries 2 to 5 % more than Hertz (docs/contact.md)
-    after = resolve(ran(POSES), load_text(POSES), keep="pose", moments=[0]).wheelset()
-    assert after["pose"].values.tolist() == ran(POSES).wheelset()["pose"].values[:1].tolist()
-    assert 0.85 < after["Q"].values[0, 0] / ran(POSES).wheelset()["Q"].values[0, 0] < 0.99
+    text = POSES + '[contact]\nnormal = "kik-piotrowski"\n'
+    after = resolve(ran(text), load_text(text), keep="pose", moments=[0]).wheelset()
+    assert after["pose"].values.tolist() == ran(text).wheelset()["pose"].values[:1].tolist()
+    assert 0.85 < after["Q"].values[0, 0] / ran(text).wheelset()["Q"].values[0, 0] < 0.99
 
 
 def test_a_result_without_poses_says_so():

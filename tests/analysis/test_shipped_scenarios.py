@@ -1,7 +1,8 @@
 """Every shipped scenario and model works; a few numbers of the scenarios are pinned.
 
 Long scenarios run in short: a run that starts in a full curve starts in steady curving (`docs/runs.md`), so that half a
-metre there shows what the whole run comes to. The numbers are those of the day of writing, to two or three digits.
+metre there shows what the whole run comes to. The numbers are those of the day of writing, to two or three digits;
+pressures, widths, angles and T-gamma those of the half-space solver at the same pose and load (`wrsim resolve`).
 Better numerics move them by less than the tolerances; what moves them by more has changed the physics.
 """
 
@@ -84,7 +85,7 @@ def test_every_scenario_runs_in_short(file):
         assert np.isfinite(result.dataset["equivalent_conicity"].values).all()
         return
     assert np.isfinite(result.dataset["Q"].values).all()
-    assert (result.dataset["T_gamma"].values >= 0.0).all()  # creep forces never do positive work
+    assert (result.dataset["T_gamma"].values >= -1e-30).all()  # creep forces never do positive work; at rest round-off
 
 
 def test_the_300_m_curve():
@@ -93,10 +94,12 @@ def test_the_300_m_curve():
     assert 1e3 * sample["lateral_shift"].item() == pytest.approx(-5.06, rel=NUMBERS)
     assert abs(sample["yaw"].item()) < 0.3e-3
     assert of_wheels(sample, "Q", 1e-3) == pytest.approx([49.6, 59.7], rel=NUMBERS)
-    assert of_wheels(sample, "Y", 1e-3) == pytest.approx([1.22, 4.38], rel=0.05)
+    assert of_wheels(sample, "Y", 1e-3) == pytest.approx([1.43, 4.59], rel=0.05)  # exact: inner 1.446
     assert list(sample["n_patches"].values) == [1, 2]
     angles = np.degrees(np.sort(sample["contact_angle"].sel(wheel="right").values[:2]))
     assert angles == pytest.approx([7.4, 17.3], abs=0.3)
+    p0 = sample["p0"].values
+    assert [*p0[:1, 0], *p0[1, :2]] == pytest.approx([942.4e6, 880.1e6, 2246.6e6], rel=0.01)  # exact
 
 
 def test_the_sharp_curve_is_conformal_contact_on_the_flange_root():
@@ -104,24 +107,22 @@ def test_the_sharp_curve_is_conformal_contact_on_the_flange_root():
     assert 1e3 * sample["lateral_shift"].item() == pytest.approx(-8.72, rel=NUMBERS)
     assert 1e3 * sample["yaw"].item() == pytest.approx(-8.45, rel=NUMBERS)  # 1.28 m / 150 m but for the springs
     assert of_wheels(sample, "Q", 1e-3) == pytest.approx([49.3, 59.9], rel=NUMBERS)
-    assert of_wheels(sample, "Y", 1e-3) == pytest.approx([17.3, 19.7], rel=0.03)
+    assert of_wheels(sample, "Y", 1e-3) == pytest.approx([17.6, 20.0], rel=0.03)
     outer = sample.sel(wheel="right").isel(patch=0)
     assert int(outer["n_patches"]) == 1  # one patch from the throat of the root up its flank
-    assert np.degrees(outer["contact_angle"].item()) == pytest.approx(29.8, abs=0.5)
-    assert np.degrees(outer["contact_angle_min"].item()) == pytest.approx(20.8, abs=0.5)
-    # between equal radii Kik-Piotrowski moves the upper edge by 8 degrees at 0.1 degrees of the main point
-    assert np.degrees(outer["contact_angle_max"].item()) == pytest.approx(70.0, abs=2.0)
-    assert np.degrees(outer["contact_angle_variation"].item()) > 35.0
-    assert 1e3 * outer["width"].item() == pytest.approx(11.6, rel=0.05)
-    # spread over so much of the root the pressure is lower than on the small patch of the inner wheel
-    assert outer["p0"].item() < sample["p0"].sel(wheel="left").isel(patch=0).item()
-    assert outer["T_gamma"].item() == pytest.approx(242.0, rel=0.05)
+    assert np.degrees(outer["contact_angle"].item()) == pytest.approx(30.06, abs=0.5)
+    # angles are those of strips' middles, of exact rows likewise
+    assert np.degrees(outer["contact_angle_min"].item()) == pytest.approx(22.24, abs=0.6)
+    assert np.degrees(outer["contact_angle_max"].item()) == pytest.approx(70.69, abs=0.6)
+    assert 1e3 * outer["width"].item() == pytest.approx(11.30, rel=0.03)
+    assert 1e-6 * outer["p0"].item() == pytest.approx(1321.7, rel=0.01)
+    assert outer["T_gamma"].item() == pytest.approx(279.8, rel=0.08)
 
 
 def test_grease_on_the_gauge_corner_saves_wear_and_costs_steering():
     dry, greased = in_the_curve("curve_r150_sharp"), in_the_curve("curve_r150_lubricated")
     # the outer wheel slides on grease; with it goes its share of the longitudinal forces that steer the wheelset
-    assert of_wheels(greased, "T_gamma")[1] == pytest.approx(94.5, rel=0.05)
+    assert of_wheels(greased, "T_gamma")[1] == pytest.approx(91.6, rel=0.05)
     assert of_wheels(greased, "T_gamma")[1] < 0.5 * of_wheels(dry, "T_gamma")[1]
     assert of_wheels(greased, "X", 1e-3) == pytest.approx([0.90, -0.70], abs=0.1)
     assert of_wheels(greased, "X")[0] < 0.4 * of_wheels(dry, "X")[0]
@@ -135,7 +136,7 @@ def test_both_curves_of_the_s_show_the_same_on_opposite_wheels():
     assert second["lateral_shift"].item() == pytest.approx(-first["lateral_shift"].item(), rel=1e-6)
     for name in ("Y", "Q", "contact_angle", "p0", "T_gamma"):
         assert of_wheels(second, name) == pytest.approx(of_wheels(first, name)[::-1], rel=1e-6), name
-    assert of_wheels(first, "Y_over_Q") == pytest.approx([0.0298, 0.0810], rel=0.05)
+    assert of_wheels(first, "Y_over_Q") == pytest.approx([0.0250, 0.0772], rel=0.05)
 
 
 def test_the_static_scenario_moves_the_contact_from_field_side_to_flange():
@@ -151,18 +152,19 @@ def test_the_static_scenario_moves_the_contact_from_field_side_to_flange():
     assert (np.diff(angle[(shift > -7.5e-3) & (shift < 1.5e-3)]) < 0.0).all()
     assert np.abs(straight["Q"].values / 60e3 - 1.0).max() < 1e-6
     centred = straight.isel(pose=int(np.argmin(np.abs(shift))))
-    assert 1e-6 * centred["p0"].values[0, 0] == pytest.approx(530.0, rel=0.05)
+    assert 1e-6 * centred["p0"].values[0, 0] == pytest.approx(785.8, rel=0.03)
 
 
 def test_the_worn_pair_in_the_sharp_curve_touches_in_the_worn_root():
     sample = in_the_curve("curve_r150_worn")
     assert 1e3 * sample["lateral_shift"].item() == pytest.approx(-9.36, rel=NUMBERS)
     assert of_wheels(sample, "Q", 1e-3) == pytest.approx([49.4, 59.9], rel=NUMBERS)
-    assert of_wheels(sample, "Y", 1e-3) == pytest.approx([16.1, 18.3], rel=0.03)
+    assert of_wheels(sample, "Y", 1e-3) == pytest.approx([16.3, 18.6], rel=0.03)
     outer = sample.sel(wheel="right")
     assert int(outer["n_patches"]) == 2  # root and flank
     assert np.degrees(outer["contact_angle"].values[:2]) == pytest.approx([32.5, 68.5], abs=1.0)
-    assert np.degrees(outer["contact_angle_variation"].values[0]) == pytest.approx(11.5, abs=2.0)
+    assert np.degrees(outer["contact_angle_variation"].values[0]) == pytest.approx(8.1, abs=0.8)
+    assert 1e-6 * outer["p0"].values[:2] == pytest.approx([3138.0, 1200.0], rel=0.03)
 
 
 def test_the_hollow_wheel_jumps_over_its_hollow_and_fits_the_worn_corner():
@@ -173,22 +175,22 @@ def test_the_hollow_wheel_jumps_over_its_hollow_and_fits_the_worn_corner():
     assert (angle[shift <= -3.0] < 0.0).all() and (angle[shift >= -2.0] > 9.0).all()
     at_7 = int(np.argmin(np.abs(shift - 7.0)))
     assert np.degrees(straight["contact_angle_variation"].values[at_7, 0, 0]) > 15.0
-    # so close a fit halves the pressure
-    assert straight["p0"].values[at_7, 0, 0] < 0.75 * straight["p0"].values[at_7 - 1, 0, 0]
+    # the corner takes a share, and the pressure falls
+    assert 1e-6 * straight["p0"].values[[at_7 - 1, at_7], 0, 0] == pytest.approx([2238.3, 1944.9], rel=0.01)
 
 
 def test_bare_arcs_are_placed_by_their_origins():
     # CONTACT 25.2 on the curved surface, 0.707 mm and 17 kN: p0 891.8 MPa, resultant 23200 N, contact angle over 21.2
-    # degrees. Kik-Piotrowski is 10 % low in p0 and 20 % too wide there; better models are nearer.
+    # degrees
     pose = run(load(SCENARIOS / "static_rail_corner.toml")).wheelset().isel(pose=2, wheel=0)
     assert pose["load"].item() == pytest.approx(16970.563)
     assert np.hypot(pose["Y"].item(), pose["Q"].item()) == pytest.approx(23200.0, rel=0.01)
-    assert 1e-6 * pose["p0"].values[0] == pytest.approx(891.8, rel=0.10)
-    assert np.degrees(pose["contact_angle_variation"].values[0]) == pytest.approx(21.2, rel=0.2)
+    assert 1e-6 * pose["p0"].values[0] == pytest.approx(891.8, rel=0.01)
+    assert np.degrees(pose["contact_angle_variation"].values[0]) == pytest.approx(21.2, rel=0.07)  # of strips' middles
     # ball in a groove, CONTACT: approach 22.37 um, p0 530 MPa
     pose = run(load(SCENARIOS / "static_deep_groove.toml")).wheelset().isel(pose=0, wheel=0)
-    assert 1e6 * pose["approach"].values[0] == pytest.approx(22.37, rel=0.05)
-    assert 1e-6 * pose["p0"].values[0] == pytest.approx(530.0, rel=0.09)
+    assert 1e6 * pose["approach"].values[0] == pytest.approx(22.37, rel=0.01)
+    assert 1e-6 * pose["p0"].values[0] == pytest.approx(530.0, rel=0.01)
     assert pose["contact_angle"].values[0] == pytest.approx(0.0, abs=1e-6)
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.runs import LEADING, SCENARIOS, STEERING, arc, ride, setup_of, straight
+from support.runs import FAST, LEADING, SCENARIOS, STEERING, arc, ride, setup_of, straight
 
 from wrsim.analysis import recorded, run
 from wrsim.analysis.motion.run import run_in_time
@@ -16,8 +16,6 @@ from wrsim.plots import standard_pictures
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
-
-COARSE = {"contact.strips": 12, "contact.cells": 6}
 
 FILE = """\
 name = "an axle in a bench"
@@ -65,7 +63,7 @@ at_mm = [0, 1000, 460]
 def study(analysis: str, **values: object) -> dict[str, object]:
     """Keys of a study of the steering wheelset."""
     keys = {f"{analysis}.{key}": value for key, value in values.items()}
-    return COARSE | {"vehicle.model": STEERING} | keys
+    return FAST | {"vehicle.model": STEERING} | keys
 
 
 def test_the_steady_motion_of_a_wheelset_is_where_its_run_starts() -> None:
@@ -73,7 +71,7 @@ def test_the_steady_motion_of_a_wheelset_is_where_its_run_starts() -> None:
     setup = build(load(SCENARIOS / "steady_manchester.toml").with_values(keys))
     found = steady_in_curve(setup, setup.plan.points[0])
     started = run_in_time(
-        setup_of([arc(40.0, 300.0, 60.0)], 15.0, STEERING, start=10.0, values=COARSE | {"run.distance_m": 0.1})
+        setup_of([arc(40.0, 300.0, 60.0)], 15.0, STEERING, start=10.0, values=FAST | {"run.distance_m": 0.1})
     )
     first = started.wheelset().isel(time=0)
     found.law(0.0, found.q, found.q_t, np.zeros(found.law.size))
@@ -101,7 +99,7 @@ def test_a_wheelset_hunts_from_its_critical_speed_on() -> None:
     assert "lateral" in attributes["critical_mode"] or "yaw" in attributes["critical_mode"]
     # a run says the same: a small swing dies below this speed and grows above it
     for factor in (0.8, 1.3):
-        going = ride(setup_of([straight(400.0)], factor * critical, STEERING, start=20.0, values=COARSE))
+        going = ride(setup_of([straight(400.0)], factor * critical, STEERING, start=20.0, values=FAST))
         start = going.steady(("z", "x", "y", "heading", "roll", "spin"))
         q = start.q.copy()
         q[2] += 2e-4
@@ -117,7 +115,7 @@ def test_a_wheelset_sinks_into_elastic_rails_by_its_load() -> None:
         for way, stiffness in ways.items()
         for key, value in (("stiffness_MN_per_m", stiffness), ("damping_kNs_per_m", 100), ("mass_kg", 200))
     }
-    values = COARSE | elastic | {"run.distance_m": 1.0}
+    values = FAST | elastic | {"run.distance_m": 1.0}
     result = run_in_time(setup_of([straight(30.0)], 20.0, STEERING, start=5.0, values=values))
     dataset = result.wheelset()
     assert result.status == "completed"
@@ -127,7 +125,7 @@ def test_a_wheelset_sinks_into_elastic_rails_by_its_load() -> None:
 
 @pytest.mark.parametrize("drive", ["train", "wheels"])
 def test_a_drive_holds_the_speed_of_a_wheelset_too(drive: str) -> None:
-    keys = COARSE | {"vehicle.drive": drive, "run.distance_m": 5.0}
+    keys = FAST | {"vehicle.drive": drive, "run.distance_m": 5.0}
     dataset = run_in_time(setup_of([arc(40.0, 300.0, 60.0)], 15.0, LEADING, start=10.0, values=keys)).wheelset()
     assert dataset["speed"].values == pytest.approx(15.0, rel=1e-3)
 
@@ -136,7 +134,7 @@ def over_a_dip(folder: Path, **values: object) -> Scenario:
     """The axle of ``FILE`` over a dip, at 20 m/s."""
     (folder / "axle.toml").write_text(FILE)
     dip = {"kind": "dip", "at_m": 20.0, "length_m": 2.0, "amplitude_mm": 3.0, "rail": "left"}
-    keys = COARSE | {
+    keys = FAST | {
         "vehicle.model": str(folder / "axle.toml"),
         "vehicle.speed_kmh": 72.0,
         "track.segments": [straight(120.0)],
@@ -170,7 +168,7 @@ def test_the_events_of_a_run_in_its_file_are_those_that_it_noted(tmp_path: Path)
 
 def test_an_accelerometer_on_the_axle_box_shows_the_unbalanced_acceleration(tmp_path: Path) -> None:
     (tmp_path / "axle.toml").write_text(FILE)
-    keys = COARSE | {"run.distance_m": 0.5}
+    keys = FAST | {"run.distance_m": 0.5}
     setup = setup_of([arc(40.0, 400.0, 60.0)], 20.0, str(tmp_path / "axle.toml"), start=10.0, values=keys)
     dataset = run_in_time(setup).dataset.isel(time=0)
     cant = np.arcsin(0.06 / setup.track.cant_base)

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.runs import SCENARIOS
+from support.runs import FAST, SCENARIOS
 
 from wrsim.analysis import run
 from wrsim.analysis.motion.forces import force_law
@@ -26,13 +26,11 @@ from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.system import System
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
-COARSE = {"contact.strips": 12, "contact.cells": 6}
-
 
 def manchester(**values) -> Scenario:
     """The shipped scenario with some keys of [steady] changed, coarse patches."""
     keys = {f"steady.{key}": value for key, value in values.items()}
-    return load(SCENARIOS / "steady_manchester.toml").with_values(COARSE | keys)
+    return load(SCENARIOS / "steady_manchester.toml").with_values(FAST | keys)
 
 
 @cache

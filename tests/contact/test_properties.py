@@ -80,7 +80,7 @@ def test_any_pose_gives_finite_forces_that_push_and_stay_within_friction(state):
     if state["tangential"] != "linear":  # which knows no limit
         assert (tangential <= limit * (1.0 + 1e-9) + 1e-300).all()
     assert contact.wear_number >= -1e-12 * limit.sum()
-    assert len(lobes) <= model.settings.max_patches
+    assert len(lobes) <= model.settings.patch_count
     assert model.arrays.total["patches"] <= model.arrays.total["lobes"] == len(lobes)
     assert bool(contact.status & k.STATUS_TOO_DEEP) == bool((lobes["approach"] > VERY_DEEP).any())
     assert (contact.closest < 0.0) >= (len(lobes) > 0)

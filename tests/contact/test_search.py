@@ -137,7 +137,7 @@ def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
         # search's stride, and touch shallower than 1 um are below the brute force's own resolution
         clear = [zone for zone in zones if min(zone[1:]) > 1e-6]
         several += len(clear) > 1
-        if len(found) < model.settings.max_patches:
+        if len(found) < model.settings.patch_count:
             for arc, depth, _ in clear:
                 assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d in found), (origin, axle, zones)
         for arc, depth in found[found[:, 1] > 1e-6]:

@@ -89,6 +89,11 @@ ONE_FAULT = [
     (
         "friction = 0.35",
         "strips = 40\nstrip_width_mm = 0.1",
+        'contact.strip_width_mm = 0.1: goes with normal = "kik-piotrowski" only',
+    ),
+    (
+        "friction = 0.35",
+        'normal = "kik-piotrowski"\nstrips = 40\nstrip_width_mm = 0.1',
         "contact.strip_width_mm = 0.1: cannot stand next to strips",
     ),
     ("friction = 0.35", "strips = 40.0", "contact.strips = 40.0: must be a whole number from 5 to 1000"),

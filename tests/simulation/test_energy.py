@@ -19,7 +19,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.step import SAFETY, round_step, stable_step
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
-PLAIN = ContactSettings(tangential="none", damping=0.0, strips=8)
+PLAIN = ContactSettings("kik-piotrowski", tangential="none", damping=0.0, strips=8)
 """Frictionless and undamped; few strips, for their number does not matter to the energy."""
 
 # --- what is kept -----------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
-from support.runs import LEADING, STEERING, arc, mirrored, relaid, setup_of, straight, transition
+from support.runs import FAST, LEADING, STEERING, arc, mirrored, relaid, setup_of, straight, transition
 
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.scenario.build import Setup
@@ -20,8 +20,11 @@ LATERAL = ("lateral_shift", "yaw", "roll", "curvature", "cant", "y_contact", "gu
 
 @cache
 def setup(vehicle: str) -> Setup:
-    """3 m straight, 9 m of transition, 4 m of the arc at 12 m/s. Newton's method leaves the last digits open."""
-    values = {"run.integrator": "rk44"}
+    """3 m straight, 9 m of transition, 4 m of the arc at 12 m/s. Newton's method leaves the last digits open.
+
+    The steering contact leaves the tread at 10.77 m, sticking: with strips, rounding grows to .004 of X there.
+    """
+    values = {"run.integrator": "rk44"} | (FAST if vehicle == STEERING else {})
     return setup_of([straight(3.0), transition(9.0), arc(4.0, 150.0, 50.0, 5.0)], 12.0, vehicle, values=values)
 
 
@@ -82,7 +85,7 @@ def test_more_than_a_full_circle_is_steady_all_the_way_round():
     # 25 m of radius is tight even for a tram. The circle is long, hence few strips and cells, and a step that only the
     # saturated creep forces of such a curve allow
     radius, speed = 25.0, 10.0
-    coarse = {"contact.strips": 8, "contact.cells": 6, "run.output_interval_ms": 20, "run.step_us": 500}
+    coarse = FAST | {"contact.strips": 8, "run.output_interval_ms": 20, "run.step_us": 500}
     way = 1.03 * 2.0 * np.pi * radius
     circle = setup_of([arc(way + 2.0, radius, 160.0, 15.0)], speed, STEERING, start=2.0, values=coarse)
     dataset = run_in_time(circle).wheelset()

@@ -65,8 +65,9 @@ def flat_rail(half_width: float = 0.05) -> Profile:
 def contact_model(
     wheel: Profile, rail: Profile, *, radius: float = RADIUS, friction: float = 0.3, **choices
 ) -> ContactModel:
-    """Contact model without damping, in the tables' steel; choices as in ContactSettings."""
-    settings = ContactSettings(**{"wheel": STEEL, "rail": STEEL, "damping": 0.0} | choices)
+    """Contact model without damping, in the tables' steel; choices as in ContactSettings, but Kik-Piotrowski unless
+    they name another normal model."""
+    settings = ContactSettings(**{"normal": "kik-piotrowski", "wheel": STEEL, "rail": STEEL, "damping": 0.0} | choices)
     return models.contact_model(wheel, rail, radius, settings, friction)
 
 

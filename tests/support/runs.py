@@ -37,6 +37,13 @@ ROOT = Path(__file__).parents[2]
 SCENARIOS = ROOT / "scenarios"
 STEERING = "vehicles/wheelset_s1002_steering.toml"
 LEADING = "vehicles/wheelset_s1002_leading.toml"
+FAST = {
+    "contact.normal": "kik-piotrowski",
+    "contact.tangential": "fastsim",
+    "contact.strips": 12,
+    "contact.cells": 6,
+}
+"""The fastest contact with creep forces, for laws of the motion that hold with any."""
 
 
 def straight(length: float) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from support.runs import FAST
 from wrsim.analysis import run
 from wrsim.contact.models import contact_model
 from wrsim.geometry.track.elasticity import RailElasticity
@@ -24,7 +25,7 @@ from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 ROOT = Path(__file__).parents[2]
 MANCHESTER = ROOT / "models/vehicles/manchester_1.toml"
-COARSE = {"contact.strips": 15, "contact.cells": 8}
+COARSE = FAST | {"contact.strips": 15, "contact.cells": 8}
 
 
 @cache

@@ -77,7 +77,7 @@ def resolve(
     chosen = list(range(len(poses))) if moments is None else list(moments)
     samples = _samples(dataset, chosen)
     loads = dataset["Q"].values[samples]
-    raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.max_patches)
+    raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.patch_count)
     remarks = [""] * len(chosen)
     strips = StripRecorder(wheels)
     for row, moment in enumerate(chosen):

@@ -36,7 +36,7 @@ def facts(setup: Setup) -> dict[str, Any]:
     }
     if setup.conical is None:
         chosen = setup.contact
-        facts |= {"normal": chosen.normal, "tangential": chosen.creep_forces}
+        facts |= {"normal": chosen.normal, "tangential": chosen.creep_forces, "max_patches": chosen.patch_count}
         facts |= {"strip_width_mm": 1e3 * chosen.strip_width} if chosen.strip_width else {"strips": chosen.strip_count}
     else:
         facts["contact"] = f"conical wheels, {setup.conical.conicity:g}, with a prescribed creep law"

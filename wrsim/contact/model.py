@@ -326,7 +326,7 @@ def _inputs(model: ContactModel) -> Arrays:
     (n.field_o, n.field_b), n.field_spacing = field_.origin, field_.spacing
     n.stride = max(1, round(SEARCH_REACH / wheel_step))
     n.hollow = max(1.5 * hollows, 1.0)
-    lobes, most = settings.max_patches, normal.rows(settings.strip_count)
+    lobes, most = settings.patch_count, normal.rows(settings.strip_count)
     grids = lobes if normal.solves_for_strips else 0
     unknowns = grids * block_of(most)
     return Arrays(

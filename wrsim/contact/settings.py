@@ -22,16 +22,18 @@ TractionBound = Literal["elliptic", "parabolic"]
 
 @dataclass(frozen=True)
 class Usual:
-    """What goes with a normal model where the user chose nothing else: model of the creep forces, number of strips."""
+    """What goes with a normal model where the user chose nothing else: model of the creep forces, numbers of strips
+    and of patches."""
 
     tangential: Tangential
     strips: int
+    patches: int
 
 
 USUAL: dict[Normal, Usual] = {
-    "kik-piotrowski": Usual("fastsim", 40),
-    "strips": Usual("fastrip", 20),
-    "half-space": Usual("half-space", 40),
+    "kik-piotrowski": Usual("fastsim", 40, 3),
+    "strips": Usual("fastrip", 20, 4),
+    "half-space": Usual("half-space", 40, 4),
 }
 """Defaults that depend on another choice. Such a key is None in ContactSettings until it is asked for."""
 
@@ -126,8 +128,8 @@ class ContactSettings:
 
     Parameters
     ----------
-    normal : {"kik-piotrowski", "strips", "half-space"}
-        Model of the normal pressure: the paper's; two contact conditions per strip (docs/strip_model.md); the exact
+    normal : {"strips", "kik-piotrowski", "half-space"}
+        Model of the normal pressure: two contact conditions per strip (docs/strip_model.md); the paper's; the exact
         solver.
     approach : {"projected", "constant"}
         How a rigid approach closes the gap along the curved axis: by its share along the normal of each strip, or
@@ -154,15 +156,16 @@ class ContactSettings:
         Cells of a strip along the rolling direction (FASTSIM, FaStrip).
     damping : float
         c [s/m]; the elastic normal force N becomes ``N (1 + c d(approach)/dt)``, never negative.
-    max_patches : int
-        Patches kept on one wheel, largest first; 1 to 6. A new wheel beside a new rail can touch at four.
+    max_patches : int, optional
+        Patches kept on one wheel, largest first, 1 to 6; None for the usual number of the normal model (``patch_count``
+        says which). A new wheel beside a new rail can touch at four.
     wheel, rail : Material
         The two materials.
     half_space : HalfSpaceSettings
         Numbers of the exact solver.
     """
 
-    normal: Normal = "kik-piotrowski"
+    normal: Normal = "strips"
     approach: Approach = "projected"
     tangential: Tangential | None = None
     traction_bound: TractionBound = "elliptic"
@@ -174,7 +177,7 @@ class ContactSettings:
     strip_width: float | None = None
     cells: int = 20
     damping: float = 2.0
-    max_patches: int = 3
+    max_patches: int | None = None
     wheel: Material = field(default_factory=Material)
     rail: Material = field(default_factory=Material)
     half_space: HalfSpaceSettings = field(default_factory=HalfSpaceSettings)
@@ -184,7 +187,9 @@ class ContactSettings:
         if self.normal != "half-space":
             return self
         tangential = None if self.tangential == "half-space" else self.tangential
-        return replace(self, normal="kik-piotrowski", tangential=tangential)
+        return replace(
+            self, normal="strips", approach="projected", tangential=tangential, strips=None, strip_width=None
+        )
 
     @property
     def creep_forces(self) -> Tangential:
@@ -195,6 +200,11 @@ class ContactSettings:
     def strip_count(self) -> int | None:
         """Number of strips over the width of a patch: the one chosen, or the usual one; None for a strip width."""
         return self.strips or (None if self.strip_width else USUAL[self.normal].strips)
+
+    @property
+    def patch_count(self) -> int:
+        """Number of patches kept on one wheel: the one chosen, or the usual one of the normal model."""
+        return self.max_patches or USUAL[self.normal].patches
 
     def __post_init__(self) -> None:
         if self.tangential == "half-space" and self.normal != "half-space":

@@ -64,6 +64,6 @@ class HalfSpaceOnTrack(VehicleOnTrack):
     def elements_of_contacts(self) -> list[list[list[ElementField]]]:
         """See `VehicleOnTrack`."""
         return [
-            [element_fields(contact, pair[0].model.settings.max_patches) for contact in contacts]
+            [element_fields(contact, pair[0].model.settings.patch_count) for contact in contacts]
             for contacts, pair in zip(self.contacts, self.wheels, strict=True)
         ]

@@ -332,9 +332,9 @@ def integrate(
             after.stop("not-finite", f"the force along {what} is not a number at t = {error.time:.6g} s")
         except SimulationError as error:
             after.stop("forces", str(error))
-    if progress is not None and not after.cause:
-        progress(1.0, 0.0)
-    after.end()
+        if progress is not None and not after.cause:
+            progress(1.0, 0.0)
+        after.end()  # here, where the law still keeps what it remembers
     return _motion(recorder.rows(), step, Ending(after.cause, after.reason), integrator, system.work)
 
 

@@ -73,7 +73,7 @@ def test_fastsim_on_exact_pressures_is_near_exact_creep():
 
 def test_angles_and_places_agree_with_the_strip_model():
     # two models of one contact: the main points lie together, the patches reach about as far
-    exact, strips = solved(EXACT), solved('normal = "kik-piotrowski"')
+    exact, strips = solved(EXACT), solved('normal = "strips"')
     main = np.isfinite(exact["N"].values[:, 0, 0])
     for name, within in (("u_rail", 2e-4), ("u_wheel", 2e-4), ("contact_angle", 0.02), ("x_contact", 3e-4)):
         assert np.abs(exact[name].values - strips[name].values)[main, 0, 0].max() < within

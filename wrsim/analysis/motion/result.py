@@ -108,7 +108,7 @@ def _block(
     vehicle, track = law.vehicle, setup.track
     times, q, q_t = motion.times[block], motion.q[block], motion.q_t[block]
     n, count, out = len(times), len(vehicle.wheelsets), np.zeros(law.size)
-    raw = [RawContacts.empty(n, 2, setup.contact.max_patches) for _ in range(count)]
+    raw = [RawContacts.empty(n, 2, setup.contact.patch_count) for _ in range(count)]
     points = PointMotion(law)
     accelerations = np.zeros((n, len(vehicle.points), 3))
     records = np.zeros((n, *law.records.shape))

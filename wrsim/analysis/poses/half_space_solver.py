@@ -49,7 +49,7 @@ class HalfSpacePoseSolver(PoseSolver):
 
     def elements(self) -> list[list[ElementField]]:
         """See `PoseSolver.elements`."""
-        most = self.wheels[0].model.settings.max_patches
+        most = self.wheels[0].model.settings.patch_count
         return [[] if contact is None else element_fields(contact, most) for contact in self.contacts]
 
     def _touch(self, wheel: int) -> None:

@@ -145,7 +145,7 @@ def _solved(
     exact = settings.normal == "half-space"
     solver = (HalfSpacePoseSolver if exact else PoseSolver)(wheels, rolling, radius)
     n = len(poses)
-    raw = RawContacts.empty(n, len(wheels), settings.max_patches)
+    raw = RawContacts.empty(n, len(wheels), settings.patch_count)
     strips = StripRecorder(wheels)
     heights, rolls, messages, remarks = np.full(n, np.nan), np.full(n, np.nan), [""] * n, [""] * n
     began = reported = time.perf_counter()

@@ -90,7 +90,7 @@ class _Table:
         self.solved = np.zeros(n, dtype=bool)
         self.messages = [""] * n
         self.remarks = [""] * n
-        self.raw = [RawContacts.empty(n, 2, setup.contact.max_patches) for _ in range(count)]
+        self.raw = [RawContacts.empty(n, 2, setup.contact.patch_count) for _ in range(count)]
         self.poses = np.full((n, count, 6), np.nan)
         self.left = np.full(n, np.nan)
         self._wheels: tuple[tuple[WheelOnRail, ...], ...] = ()

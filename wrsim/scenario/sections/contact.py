@@ -139,7 +139,7 @@ class ContactSection(Section):
     damping_s_per_m: Annotated[float, number(0, 1000, "normal force times this times the rate of approach")] = (
         DEFAULTS.damping
     )
-    max_patches: Annotated[int, number(1, 6)] = DEFAULTS.max_patches
+    max_patches: Annotated[int, number(1, 6)] | None = None
     material: MaterialSection = MaterialSection()
     half_space: HalfSpaceSection = HalfSpaceSection()
     conical: ConicalSection | None = None
@@ -153,20 +153,22 @@ class ContactSection(Section):
             )
         yield from both_or_sides(raw, "friction", complete=True)
         name = raw.get("normal", DEFAULTS.normal)
-        if name in get_args(Normal) and (model := NORMAL_MODELS[name]).solves_for_strips:
-            strips = raw.get("strips")
-            if isinstance(strips, int) and not model.fewest <= strips <= model.most:
-                yield Fault("strips", f'must be {model.fewest} to {model.most} with normal = "{name}"')
-            if raw.get("approach") == "constant":
-                yield Fault("approach", f'"constant" is Kik-Piotrowski\'s: normal = "{name}" projects the approach')
-            if "strip_width_mm" in raw:
-                yield Fault(
-                    "strip_width_mm",
-                    f'goes with normal = "kik-piotrowski" only: normal = "{name}" takes a number of strips, '
-                    f"strips = {model.fewest} to {model.most}",
-                )
-        if "strips" in raw and "strip_width_mm" in raw:
-            yield Fault("strip_width_mm", "cannot stand next to strips: give one of them")
+        model = NORMAL_MODELS[name] if name in get_args(Normal) else None
+        if model is None or not model.solves_for_strips:
+            if "strips" in raw and "strip_width_mm" in raw:
+                yield Fault("strip_width_mm", "cannot stand next to strips: give one of them")
+            return
+        strips = raw.get("strips")
+        if isinstance(strips, int) and not model.fewest <= strips <= model.most:
+            yield Fault("strips", f'must be {model.fewest} to {model.most} with normal = "{name}"')
+        if raw.get("approach") == "constant":
+            yield Fault("approach", f'"constant" is Kik-Piotrowski\'s: normal = "{name}" projects the approach')
+        if "strip_width_mm" in raw:
+            yield Fault(
+                "strip_width_mm",
+                f'goes with normal = "kik-piotrowski" only: normal = "{name}" takes a number of strips, '
+                f"strips = {model.fewest} to {model.most}",
+            )
 
     def consistency(self) -> Iterator[Fault]:
         """Polach's factors in order: with kS above kA his law would pull more than mu N."""
