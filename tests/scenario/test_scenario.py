@@ -114,7 +114,7 @@ ONE_FAULT = [
     ),
     ("output_interval_ms = 5", "time_s = 60", "run.time_s = 60: ends at 900 m: must lie on the track"),
     ("output_interval_ms = 5", "start_distance_m = 190", "run.start_distance_m = 190: must lie on the track"),
-    ("output_interval_ms = 5", "[output]\npatches_at_m = [10, 200]", "200 m is not passed by the run"),
+    ("output_interval_ms = 5", "[output]\npatches_at_m = [10, 200]", "200 m is not on the track"),
     ("output_interval_ms = 5", "[output]\npatches_at_m = 10", "output.patches_at_m = 10: must be a list"),
     (
         "output_interval_ms = 5",
