@@ -373,4 +373,10 @@ def jacobian(system, n, held):
             y1 = max(places[inner].y, 1e-30)
             m[r, g * block + outer - g * n] = 1.0 / y1
             m[r, g * block + inner - g * n] = -places[outer].y / (y1 * y1)
+            one, two = places[outer], places[inner]
+            w0, w1 = one.hi - one.lo, two.hi - two.lo
+            rate = -EDGE_RATIO / (2.0 * w0 + w1) ** 2
+            by_start = (one.hi_start - one.lo_start) * w1 - (two.hi_start - two.lo_start) * w0
+            by_end = (one.hi_end - one.lo_end) * w1 - (two.hi_end - two.lo_end) * w0
+            _add_edges(m, r, own + FACTORS, rate * by_start, rate * by_end)
     return size

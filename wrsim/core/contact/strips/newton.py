@@ -30,6 +30,7 @@ from wrsim.core.contact.strips.records import (
 from wrsim.core.dense import factorise, invert, multiply, solve_factorised
 
 SLOW = 0.3  # misfit over the last one that asks for a new inverse
+LEAST_RATE = 0.03  # of what a step leaves of the misfit, when the next one is foretold
 KEPT_RATE = 0.95  # of the slowest of the last steps, when the next one is faster
 LEAST_REST = 0.2  # of a step that has to be left of it along itself for the inverse to learn from it
 LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0
@@ -102,7 +103,9 @@ def newton(system, n, tolerance, most):
             last = 1e9
         elif again:
             # first steps of calls go where the ones before went, and say nothing of others
-            memo.rate = max(min(misfit / last, 1.0), KEPT_RATE * memo.rate if memo.rate < 1.0 else 0.0)
+            memo.rate = max(
+                min(misfit / last, 1.0), KEPT_RATE * memo.rate if memo.rate < 1.0 else LEAST_RATE, LEAST_RATE
+            )
     return False
 
 
