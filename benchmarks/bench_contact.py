@@ -5,7 +5,7 @@ curved patch with its pressure, the creep forces. The bare arithmetic is measure
 evaluations and FASTSIM cells in a plain loop as one patch needs, once with the cells one after the other along each
 strip ("scalar") and once as the kernel does it, all strips side by side ("side by side"). A second table holds the
 tangential models: the time of each, what a strip more costs and what a cell more costs. A third one holds the strip
-model with FASTSIM: afresh as in static analyses, and from the last contact as in runs, at rest and moving sideways by
+model with FaStrip: afresh as in static analyses, and from the last contact as in runs, at rest and moving sideways by
 up to 0.6 um from call to call.
 """
 
