@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from markupsafe import escape
@@ -22,6 +23,7 @@ from wrsim.cli import app
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report import report_page
 from wrsim.report.envelope import envelope, pieces_of
+from wrsim.report.facts import cards
 from wrsim.report.page import rerun
 from wrsim.report.svg import element, path
 from wrsim.results import Result
@@ -246,3 +248,11 @@ def test_texts_of_users_run_nothing(chromium: Browser, curve: Result, tmp_path: 
     assert chromium.run("return window.evil === undefined && wrsim.data.charts.length > 0")
     assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
     assert chromium.complaints() == []
+
+
+def test_cards_number_the_wheelsets_from_the_front() -> None:
+    front = curve_run(samples=40).assign_coords(wheelset=["front.outer"])
+    rear = front.assign_coords(wheelset=["rear.outer"])
+    both = Result(xr.concat([front, rear], "wheelset", data_vars="minimal", coords="minimal", join="override"))
+    assert [name for name, _ in cards([both], ["A"])] == ["1 front.outer", "2 rear.outer"]
+    assert [name for name, _ in cards([Result(front)], ["A"])] == ["front.outer"]

@@ -16,6 +16,7 @@ from wrsim.results import CHANNELS, Result
 from wrsim.results.assessment import Assessment, ZoneValue
 from wrsim.results.ride import AXES, Ride
 from wrsim.results.summary import OF_WHEELSET, PEAKS
+from wrsim.results.wheelsets import numbered
 
 GOOD, BAD, OPEN = "good", "bad", "open"
 """States of a verdict: within all limits; beyond one, or stopped; nothing to say."""
@@ -224,7 +225,8 @@ def cards(results: Sequence[Result], names: Sequence[str]) -> list[tuple[str, li
     """For every wheelset a card: its name, a table of peaks, a table of full curves."""
     summaries = [r.summary() for r in results]
     sets = list(dict.fromkeys(name for s in summaries for name in s.get("wheelsets", {})))
-    return [(name, _card([s.get("wheelsets", {}).get(name) for s in summaries], names)) for name in sets]
+    words = numbered(sets) if len({tuple(s.get("wheelsets", {})) for s in summaries}) == 1 else {n: n for n in sets}
+    return [(words[name], _card([s.get("wheelsets", {}).get(name) for s in summaries], names)) for name in sets]
 
 
 def _card(of: Sequence[dict[str, Any] | None], names: Sequence[str]) -> list[Table]:
