@@ -218,9 +218,30 @@ def _report(settings, pose, lobe, strips):
     n = lobe.n_strips
     set_creepages(pose, settings.least_speed, lobe, strips, n)
     factor = max(1.0 + settings.damping * lobe.closing, 0.0)
-    lobe.p0, lobe.N, lobe.area, longest = set_pressures(strips, n, factor)
+    largest, lobe.N, lobe.area, longest = set_pressures(strips, n, factor)
+    lobe.p0 = max(largest, _peak(strips, n))
     lobe.start = strips[0].s - 0.5 * strips[0].ds if n > 0 else 0.0
     lobe.end = strips[n - 1].s + 0.5 * strips[n - 1].ds if n > 0 else 0.0
     lobe.width = lobe.end - lobe.start
     lobe.length = 2.0 * longest
     lobe.amplitude = lobe.p0 / longest if longest > 0.0 else 0.0
+
+
+@kernel
+def _peak(strips, n):
+    """Peak of the pressure between the middles of strips: p^2 over s is a parabola where the contact is Hertz's."""
+    i = 0
+    for j in range(1, n):
+        if strips[j].p > strips[i].p:
+            i = j
+    if i == 0 or i == n - 1:
+        return 0.0
+    left, middle, right = strips[i - 1], strips[i], strips[i + 1]
+    to_left, to_right = middle.s - left.s, right.s - middle.s
+    before = (middle.p * middle.p - left.p * left.p) / to_left
+    behind = (right.p * right.p - middle.p * middle.p) / to_right
+    bend = (behind - before) / (to_left + to_right)
+    if bend >= 0.0:
+        return 0.0
+    slope = before + bend * to_left
+    return sqrt(middle.p * middle.p - 0.25 * slope * slope / bend)
