@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from support.runs import SCENARIOS, STEERING, setup_of, straight
+from support.runs import FAST, SCENARIOS, STEERING, setup_of, straight
 
 from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.run import run_in_time
@@ -19,12 +19,10 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.vehicle.vehicle import MountedWheelset
 
-COARSE = {"contact.strips": 12, "contact.cells": 4}
-
 
 def wheelset(left_mm: float, right_mm: float, **values: Any) -> Setup:
     """Five metres of straight track at 54 km/h."""
-    keys = COARSE | {"vehicle.radius_left_mm": left_mm, "vehicle.radius_right_mm": right_mm}
+    keys = FAST | {"vehicle.radius_left_mm": left_mm, "vehicle.radius_right_mm": right_mm}
     return setup_of([straight(5.0)], 15.0, STEERING, values=keys | {k.replace("__", "."): v for k, v in values.items()})
 
 
@@ -64,7 +62,7 @@ def test_cones_shift_by_half_the_difference_over_their_conicity():
 
 
 def test_a_coach_with_one_unequal_wheelset_has_a_steady_motion_too():
-    keys = COARSE | {"track.segments": [straight(60.0)], "output.patches_at_m": []}
+    keys = FAST | {"track.segments": [straight(60.0)], "output.patches_at_m": []}
     setup = build(load(SCENARIOS / "manchester_r300.toml").with_values(keys))
     first, *others = setup.vehicle.wheelsets
     whole = replace(setup, vehicle=replace(setup.vehicle, wheelsets=(_unequal(first, 3e-3), *others)))

@@ -31,12 +31,12 @@ def test_every_wheelset_of_the_result_can_be_taken_out() -> None:
         assert variable.dims == tuple(d for d in CHANNELS[str(name)].dims_in("time") if d != "wheelset"), name
     assert np.array_equal(one["Q"].values, dataset["Q"].values[:, 1])
     assert np.array_equal(one["distance"].values, dataset["wheelset_distance"].values[:, 1])
-    own = {name.removesuffix(f"_{names[1]}") for name in tables(dataset) if name.endswith(names[1])}
+    own = {name.removeprefix("wheelset_2/") for name in tables(dataset) if name.startswith("wheelset_2/")}
     assert own == set(tables(one))
     assert set(result.summary()["wheelsets"]) == set(names)
     with pytest.raises(InputError, match="did you mean 'front"):
         result.wheelset("front.oter")
-    with pytest.raises(InputError, match=r"choose one of the wheelsets: front\.outer, "):
+    with pytest.raises(InputError, match=r"choose a wheelset: 1 front\.outer, 2 "):
         result.wheelset()
 
 
@@ -103,7 +103,7 @@ def test_driven_axles_hold_the_speed_as_a_pull_does() -> None:
 def test_steady_motion_in_a_curve_is_where_a_long_run_into_it_ends() -> None:
     curve = {"kind": "arc", "radius_m": 1500.0, "length_m": 200.0, "cant_mm": 60.0}
     keys = {"track.segments": [curve], "vehicle.speed_kmh": 110.0, "run.start_distance_m": 100.0}
-    setup = build(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | keys))
+    setup = build(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | keys | {"contact.strips": 20}))
     law = force_law(setup)
     out = np.zeros(law.size)
 

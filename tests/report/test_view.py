@@ -83,8 +83,9 @@ def test_pressures_between_the_kept_moments_are_those_of_the_samples(coach: Resu
     found = with_moments(coach.dataset, setup, samples)
     p0 = coach.dataset["p0"].values[samples]
     again = np.nanmax(np.nan_to_num(found["strip_p"].values), axis=-1)
-    # p0 is the largest pressure of the strips as well
-    assert again[np.isfinite(p0)] == pytest.approx(p0[np.isfinite(p0)], rel=1e-2)
+    # p0 is that between the middles of strips, up to some 2 % above the largest of them
+    ratio = again[np.isfinite(p0)] / p0[np.isfinite(p0)]
+    assert ratio.min() > 0.98 and ratio.max() < 1.003
 
 
 def test_packing_keeps_numbers() -> None:
@@ -171,7 +172,7 @@ def test_seek_gives_the_numbers_of_the_dataset(chromium: Browser, page: Path, co
         near = int(np.argmin(np.abs(own["time"].values - section["time"])))
         one = coach.wheelset(section["wheelset"]).sel(wheel=section["wheel"])
         pressures = one["p0"].values[near] * 1e-6
-        assert max(p["p0"] for p in section["patches"]) == pytest.approx(np.nanmax(pressures), rel=1e-2)
+        assert 0.98 < max(p["p0"] for p in section["patches"]) / np.nanmax(pressures) < 1.003  # of strips' middles
         assert abs(section["time"] - found["time"]) < 0.1
     assert chromium.complaints() == []
 

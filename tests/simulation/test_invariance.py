@@ -14,7 +14,7 @@ from support.runs import FAST, LEADING, STEERING, arc, mirrored, relaid, setup_o
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.scenario.build import Setup
 
-LATERAL = ("lateral_shift", "yaw", "roll", "curvature", "cant", "y_contact", "guide_force_y", "guide_moment")
+LATERAL = ("lateral_shift", "yaw", "roll", "curvature", "cant", "y_contact", "guide_force_y", "guide_moment", "sum_Y")
 """Channels that change their sign in a mirror; those of wheels and patches are written outward and do not."""
 
 
