@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -47,6 +47,19 @@ class Follows(Protocol):
 
     def follow(self, on: bool) -> None:
         """From now on start from the last answer, or afresh."""
+
+
+@contextmanager
+def following(forces: object) -> Iterator[None]:
+    """While this lasts, a law that can starts from its last answer."""
+    if not isinstance(forces, Follows):
+        yield
+        return
+    forces.follow(True)
+    try:
+        yield
+    finally:
+        forces.follow(False)
 
 
 @dataclass(frozen=True)

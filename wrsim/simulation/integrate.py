@@ -22,7 +22,7 @@ import numpy as np
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
-from wrsim.simulation.force_law import Follows, positions_of, rails_of
+from wrsim.simulation.force_law import following, positions_of, rails_of
 from wrsim.simulation.integrators import DEFAULT_INTEGRATOR, Integrator
 from wrsim.simulation.recorder import Cause, Checkpoint, Ending, Recorder, Recording, memory_of, recall
 from wrsim.simulation.system import COORDINATES, Array, NotFinite, System, Work
@@ -238,19 +238,6 @@ def recorded_motion(path: str | Path, monitor: object = None) -> Motion:
     return _motion(rows, step, ending, recording.header["integrator"], work)
 
 
-@contextmanager
-def _following(forces: object) -> Iterator[None]:
-    """While this lasts, a law that can starts from its last answer."""
-    if not isinstance(forces, Follows):
-        yield
-        return
-    forces.follow(True)
-    try:
-        yield
-    finally:
-        forces.follow(False)
-
-
 def integrate(
     system: System,
     q: Array,
@@ -300,11 +287,11 @@ def integrate(
     things = (system.work, system.forces, monitor)
     if recorder.ending is not None:
         if recorder.last is not None:
-            with _following(system.forces):
+            with following(system.forces):
                 recall(things, recorder.last.memory)
         return _motion(recorder.rows(), step, recorder.ending, integrator, system.work)
     begin = recorder.checkpoint
-    with _interruptible() as interrupt, _following(system.forces):
+    with _interruptible() as interrupt, following(system.forces):
         if begin is None:
             begin = Checkpoint(0, q, q_t, memory_of(things))
             recorder.sample(start, q, q_t)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,18 +24,20 @@ def newton(
     tolerance: float,
     max_iterations: int,
     near: Callable[[Array], Array] | None = None,
+    while_deriving: Callable[[], AbstractContextManager[None]] = nullcontext,
 ) -> tuple[Array, Array, int]:
     """The best x, its residual (evaluated last), the iterations; the caller judges.
 
     small: changes of the unknowns that change the residual by a few per cent. near: a cheaper function with nearly the
-    same derivatives, of which they are taken.
+    same derivatives, of which they are taken. while_deriving: what holds while derivatives are taken.
     """
     r = residual(x)
     damping = 0.0
     iteration = 0
     while iteration < max_iterations and np.max(np.abs(r)) > tolerance:
         iteration += 1
-        jacobian = _jacobian(near or residual, x, small)
+        with while_deriving():
+            jacobian = _jacobian(near or residual, x, small)
         for _ in range(15):
             step = _solve(jacobian, -r, damping)
             step *= min(1.0, LONGEST / float(np.max(np.abs(step))))

@@ -16,6 +16,7 @@ import numpy as np
 from wrsim.core.body import steady as kernels
 from wrsim.core.linalg import Vec
 from wrsim.errors import SimulationError
+from wrsim.simulation.force_law import following
 from wrsim.simulation.newton import bracket, newton
 from wrsim.simulation.placement import place_on_track
 from wrsim.simulation.system import COORDINATES, Array
@@ -203,7 +204,10 @@ def steady_state(
         if not np.all(np.isfinite(steady.residual(x))):
             raise SimulationError("steady motion: the forces at its start are not finite")
         first = _place_bodies(steady, x, max_iterations)
-        x, left, iterations = newton(steady.residual, x, steady.small, goal, max_iterations, slope)
+        # derivatives from one contact to the next, residuals afresh: the answer does not hang on the way to it
+        x, left, iterations = newton(
+            steady.residual, x, steady.small, goal, max_iterations, slope, lambda: following(near or law)
+        )
     largest = float(np.max(np.abs(left)))
     if not largest <= tolerance:
         raise Unbalanced(_largest(law, left))
