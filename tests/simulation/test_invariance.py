@@ -78,7 +78,8 @@ def test_a_left_curve_mirrors_a_right_curve(vehicle):
     # 63 MN/m times the round-off of 16 m, over 0.3 kN
     assert differences.pop("guide_force_x") < 1e-8
     worst = max(differences, key=lambda name: differences[name])
-    assert differences[worst] < 1e-9, worst
+    # the start is solved to 1e-10 of the weight, 1e-5 N, with left and right wheels in turn: 4e-8 of the sum of Y
+    assert differences[worst] < 1e-7, worst
 
 
 def test_more_than_a_full_circle_is_steady_all_the_way_round():
