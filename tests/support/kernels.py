@@ -28,7 +28,7 @@ from wrsim.contact.models import contact_model
 from wrsim.contact.settings import Friction, HalfSpaceSettings, Material
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.core.contact.normal.elliptic import k_minus_e
-from wrsim.core.contact.strips.newton import leave
+from wrsim.core.contact.strips.changes import leave
 from wrsim.core.contact.strips.records import FACTORS, System, X
 from wrsim.core.contact.strips.solution import solve, substitute
 from wrsim.geometry.track.elasticity import RailElasticity

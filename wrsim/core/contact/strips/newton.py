@@ -7,15 +7,8 @@ What changes the equations (strips that leave and enter, edges that come to thei
 from math import sqrt
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.strips.equations import (
-    block_of,
-    edge_wish,
-    jacobian,
-    lay_strips,
-    pressed,
-    residuals,
-    set_amplitudes,
-)
+from wrsim.core.contact.strips.changes import ENTRY, enter, leave, trim
+from wrsim.core.contact.strips.equations import block_of, jacobian, lay_strips, residuals, set_amplitudes
 from wrsim.core.contact.strips.records import (
     FACTORS,
     NEXT,
@@ -38,11 +31,6 @@ OVERSHOOT, KEPT = -0.5, 0.1  # of a^2 after a step, over itself: below the first
 LARGEST_GROWTH = 0.5  # of a^2 in a step, over the largest of its grid
 LARGEST_CHANGE = 0.5  # of a factor in a step, over itself
 FARTHEST = 1.5  # move of an edge in a step, in mean widths of strips
-ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
-FEWEST = 3  # strips in contact below which a grid leaves
-RETURN, LEAVE = 1e-3, 4e-4  # closing at which a grid comes into contact; a^2/R_x at which it leaves; over the deepest
-REACH = 0.01  # closing at which edges move out over a gap, as well: a hump so flat bears some .001 of the load
-HUMP = 0.45  # closing, over its largest, up to which the contact of a new grid reaches at first
 TURNS = 12  # changes of strips and edges in one solution
 HALVINGS = 6  # of a step, at most
 CALM = 0.05  # misfit below which strips may leave
@@ -66,7 +54,7 @@ def newton(system, n, tolerance, most):
         if misfit < NEAR and not looked:
             looked = True
             turns += 1
-            if turns <= TURNS and _changes(system, n, False):
+            if turns <= TURNS and enter(system, n, False):
                 looked = whole = False
                 memo.inverted = 0
                 last = 1e9
@@ -127,7 +115,7 @@ def descend(system, n, held, tolerance, most):
         if misfit < NEAR and not looked:
             looked = True
             turns += 1
-            if turns <= TURNS and _changes(system, n, held):
+            if turns <= TURNS and enter(system, n, held):
                 looked = False
                 misfit = residuals(system, n, held)
                 continue
@@ -299,215 +287,3 @@ def _advance(system, n, held, share, calm):
         elif trim(system, n, g):
             changed = True
     return changed, whole and not changed
-
-
-@kernel
-def leave(system, n, g):
-    """Take a grid out of contact."""
-    base = g * block_of(n)
-    system.grids[g].on = 0
-    system.vectors[X, base : base + n] = 0.0
-
-
-@kernel
-def in_contact(squares):
-    """First and last strip in contact, -1 where there is none, and how many there are; squares: a^2 of a grid's."""
-    first = last = -1
-    count = 0
-    for j in range(squares.shape[0]):
-        if squares[j] > 0.0:
-            first = j if first < 0 else first
-            last = j
-            count += 1
-    return first, last, count
-
-
-@kernel
-def trim(system, n, g):
-    """Draw the edges of a grid in to its outer strips in contact. True if anything changed.
-
-    With fewer than FEWEST strips, or hardly pressed ones, the grid leaves.
-    """
-    memo, grid, places = system.memo[0], system.grids[g], system.places[g * n : (g + 1) * n]
-    base = g * block_of(n)
-    x = system.vectors[X]
-    first, last, count = in_contact(x[base : base + n])
-    highest = 0.0
-    for j in range(n):
-        highest = max(highest, x[base + j] * places[j].bend)
-    if count < FEWEST or highest < LEAVE * memo.deepest:
-        leave(system, n, g)
-        return True
-    if first == 0 and last == n - 1:
-        return False
-    start = places[first].lo if first > 0 else grid.start
-    end = places[last].hi if last < n - 1 else grid.end
-    move_edges(system, n, g, start, end)
-    return True
-
-
-@kernel
-def move_edges(system, n, g, start, end):
-    """New edges for a grid; half lengths stay where they are, ground that is new has none."""
-    grid, places = system.grids[g], system.places[g * n : (g + 1) * n]
-    base = g * block_of(n)
-    x, saved = system.vectors[X], system.vectors[STEP]
-    for j in range(n):
-        places[j].gap = places[j].s
-        saved[j] = x[base + j]
-    grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
-    x[base + n + FACTORS], x[base + n + FACTORS + 1] = max(start, grid.least), min(end, grid.most)
-    lay_strips(system, n)
-    for j in range(n):
-        s = places[j].s
-        c = 0
-        while c < n - 2 and places[c + 1].gap < s:
-            c += 1
-        r = min(max((s - places[c].gap) / (places[c + 1].gap - places[c].gap), 0.0), 1.0)
-        y = saved[c] * (1.0 - r) + saved[c + 1] * r
-        # outside of the old strips
-        if s < places[0].gap or s > places[n - 1].gap:
-            y *= 0.5
-        x[base + j] = y
-
-
-@kernel
-def _changes(system, n, held):
-    """Strips, edges and grids that come into contact, edges that leave their bounds. True if there are any."""
-    memo, places = system.memo[0], system.places
-    x = system.vectors[X]
-    block = block_of(n)
-    changed = False
-    for g in range(memo.grids):
-        grid, base = system.grids[g], g * block
-        if not grid.on:
-            changed = _enter(system, n, g) or changed
-            continue
-        for j in range(n):
-            place = places[g * n + j]
-            if x[base + j] <= 0.0 and place.gap < -ENTRY:
-                x[base + j] = -place.gap * memo.deepest / place.bend
-                if 0 < j < n - 1:
-                    x[base + j] = max(x[base + j], 0.5 * min(x[base + j - 1], x[base + j + 1]))
-                changed = True
-        if held:
-            continue
-        changed = _reach_out(system, n, g) or changed
-        if grid.start_held and edge_wish(places, g * n, n, 0) < 0.0:
-            grid.start_held = 0
-            changed = True
-        if grid.end_held and edge_wish(places, g * n, n, 1) < 0.0:
-            grid.end_held = 0
-            changed = True
-    return changed
-
-
-@inlined
-def _closing(system, n, g, r):
-    """How far the bodies would overlap at a row, over what all strips press them down there [m]."""
-    row = system.rows[g, r]
-    u, _c = pressed(system, n, g, row.s)
-    return row.d - u / system.memo[0].stiffness
-
-
-@kernel
-def _enter(system, n, g):
-    """A grid out of contact comes into it where its gap has closed. True if it does."""
-    memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
-    most = RETURN * memo.deepest
-    main = -1
-    for r in range(0, ROWS, 2):
-        rows[r].closing = _closing(system, n, g, r) if rows[r].d > most else -1.0
-        if rows[r].closing > most:
-            most, main = rows[r].closing, r
-    if main < 0:
-        return False
-    first = last = main
-    while first - 2 >= 0 and rows[first - 2].closing > HUMP * most:
-        first -= 2
-    while last + 2 < ROWS and rows[last + 2].closing > HUMP * most:
-        last += 2
-    start = max(rows[first].s - 0.6 * grid.spacing, grid.least)
-    end = min(rows[last].s + 0.6 * grid.spacing, grid.most)
-    begin(system, n, g, start, end, most, rows[main].bend)
-    return True
-
-
-@inlined
-def _may_close(rows, r, step, rise):
-    """Whether a gap beside the contact may close again by so much from row r on: no more than the penetration bends up
-    there, for what the strips press down bends up everywhere beside them."""
-    slope = risen = 0.0
-    while 0 < r < ROWS - 1:
-        slope += max(rows[r - 1].d + rows[r + 1].d - 2.0 * rows[r].d, 0.0)
-        risen += slope
-        if risen > rise:
-            return True
-        r += step
-    return False
-
-
-@kernel
-def _reach_out(system, n, g):
-    """Edges of a grid move out over a gap to where it has closed again beyond. True if one does."""
-    memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
-    least = REACH * memo.deepest
-    start, end = grid.start, grid.end
-    for side in range(2):
-        step = -1 if side == 0 else 1
-        r = int(((start if side == 0 else end) - grid.least) / grid.spacing) + (0 if side == 0 else 1)
-        if not _may_close(rows, r, step, 0.5 * least):
-            continue
-        apart = beyond = False
-        # displacements at the last two rows that were asked; it bends up, so beyond it is more than in line with them
-        u = slope = 0.0
-        asked = -1
-        while 0 <= r < ROWS:
-            closing = -1.0
-            if rows[r].d > least and (slope == 0.0 or rows[r].d > u + slope * abs(r - asked)):
-                last = u
-                u = rows[r].d - _closing(system, n, g, r)
-                slope = (u - last) / abs(r - asked) if asked >= 0 else 0.0
-                asked = r
-                closing = rows[r].d - u
-            if closing < 0.0:
-                apart = True
-                if beyond:
-                    break
-            elif apart and closing > least:
-                beyond = True
-                if side == 0:
-                    start = max(rows[r].s - 0.6 * grid.spacing, grid.least)
-                else:
-                    end = min(rows[r].s + 0.6 * grid.spacing, grid.most)
-            r += step
-    if start == grid.start and end == grid.end:
-        return False
-    before = grid.start, grid.end
-    move_edges(system, n, g, start, end)
-    for j in range(n):
-        s = system.places[g * n + j].s
-        if s < before[0] or s > before[1]:
-            system.vectors[X, g * block_of(n) + j] = 0.0
-    return True
-
-
-@inlined
-def hertz_factor(ratio):
-    """Roughly k of Hertz's ellipse, by the ratio of the curvatures across and along."""
-    return min(1.0 + 0.27 * ratio**0.63, 12.0)
-
-
-@kernel
-def begin(system, n, g, start, end, depth, bend):
-    """First guess of a grid: a hump of this depth between these edges. bend: 1/R_x [1/m]."""
-    grid, x = system.grids[g], system.vectors[X]
-    base = g * block_of(n)
-    grid.on = 1
-    grid.start_held = grid.end_held = 0
-    factor = hertz_factor(depth / (bend * (0.5 * (end - start)) ** 2))
-    for j in range(n):
-        z = 2.0 * (j + 0.5) / n - 1.0
-        x[base + j] = depth / bend * (1.0 - z * z)
-    x[base + n : base + n + FACTORS] = factor
-    x[base + n + FACTORS], x[base + n + FACTORS + 1] = start, end

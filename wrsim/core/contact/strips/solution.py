@@ -10,6 +10,7 @@ edges and factors roughly. Kik-Piotrowski's contact on the same rows is what is 
 from math import log
 
 from wrsim.core.compiling import kernel
+from wrsim.core.contact.strips.changes import FEWEST, begin, hertz_factor, in_contact, leave, move_edges
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     block_of,
@@ -18,19 +19,7 @@ from wrsim.core.contact.strips.equations import (
     residuals,
     set_amplitudes,
 )
-from wrsim.core.contact.strips.newton import (
-    FEWEST,
-    LEAST_FACTOR,
-    MOST_FACTOR,
-    NEAR,
-    begin,
-    descend,
-    hertz_factor,
-    in_contact,
-    leave,
-    move_edges,
-    newton,
-)
+from wrsim.core.contact.strips.newton import LEAST_FACTOR, MOST_FACTOR, NEAR, descend, newton
 from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, NEXT, ROWS, SAVED, STEP, TERMS, X
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
