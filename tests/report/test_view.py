@@ -21,11 +21,11 @@ from wrsim.analysis import run
 from wrsim.analysis.moments_along import with_moments
 from wrsim.cli import app
 from wrsim.errors import InputError
-from wrsim.plots.moments import sample_of
 from wrsim.report import report_page
 from wrsim.report.view import setup_of, view_page
 from wrsim.report.view_data import PATH_STEP, packed, steps_of, view_data
 from wrsim.results import CHANNELS, Result
+from wrsim.results.moments import sample_of
 from wrsim.results.wheelsets import wheelsets
 from wrsim.scenario.loading import load
 

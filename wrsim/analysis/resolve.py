@@ -29,6 +29,7 @@ from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.contact.status import status_words
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result, assemble
+from wrsim.results.moments import sample_of
 from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import with_contact_model
 
@@ -141,10 +142,7 @@ def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:
 
 def _samples(dataset: xr.Dataset, moments: Sequence[int]) -> NDArray[np.intp]:
     """Samples that the moments belong to."""
-    if "pose" in dataset.dims:
-        return np.array(moments, dtype=np.intp)
-    times = dataset["time"].values
-    return np.array([np.argmin(np.abs(times - dataset["snapshot_time"].values[m])) for m in moments], dtype=np.intp)
+    return np.array([sample_of(dataset, m) for m in moments], dtype=np.intp)
 
 
 def _kept(

@@ -64,8 +64,10 @@ def _print_wheelset(title: str, own: dict[str, Any]) -> None:
 def _print_wheelsets(title: str, summary: dict[str, Any]) -> None:
     """The peaks of every wheel of several wheelsets, a line each, and those of the wheelsets."""
     from wrsim.results.summary import OF_WHEELSET
+    from wrsim.results.wheelsets import numbered
 
-    wheelsets = [(f"{i} {name}", own) for i, (name, own) in enumerate(summary["wheelsets"].items(), 1)]
+    labels = numbered(tuple(summary["wheelsets"]))
+    wheelsets = [(labels[name], own) for name, own in summary["wheelsets"].items()]
     rows = [
         [name if j == 0 else "", wheel, *(_peak(peaks.get(key))[0] for key in OF_WHEELS)]
         for name, own in wheelsets
@@ -91,18 +93,20 @@ def _print_wheelsets(title: str, summary: dict[str, Any]) -> None:
 def _print_curves(summary: dict[str, Any]) -> None:
     """Quasi-static values of every wheel in the first full curves."""
     from wrsim.results import CHANNELS
+    from wrsim.results.wheelsets import numbered
 
-    several = len(summary["wheelsets"]) > 1
+    labels = numbered(tuple(summary["wheelsets"]))
+    several = len(labels) > 1
     curves = [own.get("full_curves", []) for own in summary["wheelsets"].values()]
     least = min(map(len, curves), default=0)
     for k in range(min(least, MOST_CURVES)):
         first, rows = curves[0][k], []
-        for i, (name, own) in enumerate(summary["wheelsets"].items(), 1):
+        for name, own in summary["wheelsets"].items():
             curve = own["full_curves"][k]
             for j, wheel in enumerate(own["wheels"]):
                 values = curve | curve.get(wheel, {}) if j == 0 else curve.get(wheel, {})
                 cells = ["" if (v := values.get(CHANNELS[key].column)) is None else f"{v:z.4g}" for key in MEDIANS]
-                rows.append([*([f"{i} {name}" if j == 0 else ""] if several else []), wheel, *cells])
+                rows.append([*([labels[name] if j == 0 else ""] if several else []), wheel, *cells])
         hand = "left" if first["radius_m"] > 0.0 else "right"
         place = f"{first['from_m']:z.0f} to {first['to_m']:.0f} m"
         title = f"full curve, R {abs(first['radius_m']):.0f} m to the {hand}, {place}: medians of its second half"

@@ -14,11 +14,12 @@ from matplotlib.lines import Line2D
 from wrsim.plots.colours import GROUP_LINE, INK, QUIET
 from wrsim.plots.gallery import colour_bar
 from wrsim.plots.marks import draw_line, few_ticks
-from wrsim.plots.moments import PatchAt, choose_moments, moment_dim, moment_title, patches_of, select
+from wrsim.plots.moments import PatchAt, choose_moments, moment_title, patches_of, select
 from wrsim.plots.patches import contact_patch, extent
 from wrsim.plots.poses import pose_abscissa, pose_groups
 from wrsim.plots.style import FULL_WIDTH, headline, new_figure, place, shown, style, write
 from wrsim.results import CHANNELS
+from wrsim.results.moments import moment_dim
 
 MODEL_COLOUR = ("#222222", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Colours of the models (Okabe and Ito); more than seven begin again."""

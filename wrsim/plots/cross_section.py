@@ -30,10 +30,11 @@ from wrsim.plots.gallery import (
     titles_height,
 )
 from wrsim.plots.marks import few_ticks
-from wrsim.plots.moments import PatchAt, choose_moments, moment_dim, patches_of, select, touching_runs
+from wrsim.plots.moments import PatchAt, choose_moments, patches_of, select, touching_runs
 from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, rounded
 from wrsim.plots.stops import stop_note
 from wrsim.plots.style import headline, new_figure, pressure_map, shown, style
+from wrsim.results.moments import moment_dim
 
 MOST_MOMENTS = 6
 OVERVIEW = (-88.0, 58.0, -42.0, 22.0)

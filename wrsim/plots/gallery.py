@@ -17,8 +17,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
-from wrsim.plots.moments import PatchAt, moment_dim, moment_title
+from wrsim.plots.moments import PatchAt, moment_title
 from wrsim.plots.style import FULL_WIDTH, place, pressure_map, write
+from wrsim.results.moments import moment_dim, with_patches
 
 PATCH_NAMES = ("main patch", *(f"{n} patch" for n in ("second", "third", "fourth", "fifth", "sixth")))
 LEFT, RIGHT, GAP = 16.0, 3.0, 7.0
@@ -110,8 +111,7 @@ class Page:
 
 def selection_words(dataset: xr.Dataset, chosen: Sequence[int]) -> str:
     """How many of the moments that have patches are drawn, where it is not all of them; on a line of its own."""
-    strips = np.isfinite(dataset["strip_p"].values)
-    there = int(strips.reshape(strips.shape[0], -1).any(axis=1).sum())
+    there = int(with_patches(dataset).sum())
     what = "moments" if moment_dim(dataset) == "snapshot" else "poses"
     return f"\n{len(chosen)} of {there} {what}; any other: wrsim plot --at." if len(chosen) < there else ""
 

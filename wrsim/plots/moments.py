@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wrsim.plots.marks import minus
 from wrsim.plots.poses import pose_groups
 from wrsim.plots.style import shown
+from wrsim.results.moments import moment_dim, used_strips, with_patches
 
 
 @dataclass(frozen=True)
@@ -23,25 +24,12 @@ class PatchAt:
     patch: int
 
 
-def moment_dim(dataset: xr.Dataset) -> str:
-    """``"snapshot"`` in runs, ``"pose"`` in static analyses."""
-    return "snapshot" if "time" in dataset.dims else "pose"
-
-
-def sample_of(dataset: xr.Dataset, moment: int) -> int:
-    """Index along ``time`` or ``pose`` of the values that belong to the moment."""
-    if moment_dim(dataset) == "pose":
-        return moment
-    return int(np.argmin(np.abs(dataset["time"].values - dataset["snapshot_time"].values[moment])))
-
-
 def choose_moments(dataset: xr.Dataset, most: int) -> list[int]:
     """At most ``most`` moments that have strips, evenly spread, first and last among them.
 
     Poses come in the order of their groups (yaw, load), each group with its share.
     """
-    strips = np.isfinite(dataset["strip_p"].values)
-    has_strips = strips.reshape(strips.shape[0], -1).any(axis=1)
+    has_strips = with_patches(dataset)
     runs = moment_dim(dataset) == "snapshot"
     groups = [np.arange(has_strips.size)] if runs else [member for _, member in pose_groups(dataset)]
     groups = [used for used in (group[has_strips[group]] for group in groups) if used.size]
@@ -67,8 +55,7 @@ def snapshot_letter(index: int) -> str:
 def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
     """The strips of one patch by increasing s: the channels that are drawn, with the ``strip`` dimension alone."""
     patch = dataset[[name for name in _DRAWN if name in dataset]].isel(_indices(dataset, where))
-    used = np.flatnonzero(np.isfinite(patch["strip_p"].values))
-    return patch.isel(strip=used[np.argsort(patch["strip_s"].values[used], kind="stable")])
+    return patch.isel(strip=used_strips(patch))
 
 
 def _indices(dataset: xr.Dataset, where: PatchAt) -> dict[str, int]:

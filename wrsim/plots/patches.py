@@ -28,10 +28,11 @@ from wrsim.plots.gallery import (
     titles_height,
 )
 from wrsim.plots.marks import few_ticks, minus
-from wrsim.plots.moments import PatchAt, choose_moments, sample_of, select, select_elements, touching_runs
+from wrsim.plots.moments import PatchAt, choose_moments, select, select_elements, touching_runs
 from wrsim.plots.stops import stop_note
 from wrsim.plots.style import headline, new_figure, pressure_map, shown, style
 from wrsim.results import CHANNELS
+from wrsim.results.moments import sample_of
 
 Array = NDArray[np.float64]
 

@@ -14,21 +14,12 @@ from matplotlib.colors import Normalize, to_hex
 
 from wrsim.plots.colours import FAINT, INK, QUIET, RAIL_FILL, WHEEL_FILL
 from wrsim.plots.cross_section import OVERVIEW, has_outlines, pressed_curve, zoom_window
-from wrsim.plots.moments import (
-    PatchAt,
-    choose_moments,
-    moment_dim,
-    patches_of,
-    sample_of,
-    select,
-    snapshot_letter,
-    touching_runs,
-)
+from wrsim.plots.moments import PatchAt, choose_moments, patches_of, select, snapshot_letter, touching_runs
 from wrsim.plots.patches import islands, pressure_scale
 from wrsim.plots.style import pressure_map, shown
 from wrsim.report.svg import Array, element, path, picture
 from wrsim.results import CHANNELS
-from wrsim.results.moments import has_patches
+from wrsim.results.moments import has_patches, moment_dim, sample_of
 from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
 MOST = 6

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from wrsim.errors import InputError, SimulationError
 from wrsim.plots.cross_section import has_outlines, pressed_curve
-from wrsim.plots.moments import moment_dim, patches_of, sample_of, select, touching_runs
+from wrsim.plots.moments import patches_of, select, touching_runs
 from wrsim.plots.style import pressure_map, shown
 from wrsim.report.svg import Array, needed
 from wrsim.results import CHANNELS, Result
-from wrsim.results.moments import has_patches
+from wrsim.results.moments import has_patches, moment_dim, sample_of
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 if TYPE_CHECKING:

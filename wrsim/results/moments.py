@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
 
@@ -16,6 +17,30 @@ NEAR = 1.0
 def has_patches(dataset: xr.Dataset) -> bool:
     """True when the dataset holds strips of at least one moment."""
     return "strip_p" in dataset and bool(np.isfinite(dataset["strip_p"].values).any())
+
+
+def with_patches(dataset: xr.Dataset) -> NDArray[np.bool_]:
+    """Of every moment, whether it holds strips."""
+    strips = np.isfinite(dataset["strip_p"].values)
+    return strips.reshape(strips.shape[0], -1).any(axis=1)
+
+
+def used_strips(patch: xr.Dataset) -> NDArray[np.intp]:
+    """Places of the strips of one patch along ``strip``, by increasing s."""
+    used = np.flatnonzero(np.isfinite(patch["strip_p"].values))
+    return used[np.argsort(patch["strip_s"].values[used], kind="stable")]
+
+
+def moment_dim(dataset: xr.Dataset) -> str:
+    """``"snapshot"`` in runs, ``"pose"`` in static analyses."""
+    return "snapshot" if "time" in dataset.dims else "pose"
+
+
+def sample_of(dataset: xr.Dataset, moment: int) -> int:
+    """Index along ``time`` or ``pose`` of the values that belong to the moment."""
+    if moment_dim(dataset) == "pose":
+        return moment
+    return int(np.argmin(np.abs(dataset["time"].values - dataset["snapshot_time"].values[moment])))
 
 
 def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list[int]:

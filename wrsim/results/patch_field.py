@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
 from wrsim.results.channels import CHANNELS
-from wrsim.results.moments import moments_at
+from wrsim.results.moments import moment_dim, moments_at, sample_of, used_strips
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ def patch_of(one: xr.Dataset, at: str | float, wheel: str | None, number: int, c
     if columns < 2:
         raise InputError(f"columns = {columns}: must be at least 2")
     (moment,) = moments_at(one, [at], "at")
-    dim = "snapshot" if "time" in one.dims else "pose"
+    dim = moment_dim(one)
     of_wheel = one.isel({dim: moment}).sel(wheel=wheel)
     there = int(np.isfinite(of_wheel["strip_p"].values).any(axis=-1).sum())
     if not 0 <= number < there:
@@ -35,9 +35,8 @@ def patch_of(one: xr.Dataset, at: str | float, wheel: str | None, number: int, c
         raise InputError(f"number = {number}: the {wheel} wheel has {has} at {at}; the first is number 0")
     patch = of_wheel.isel(patch=number)
     if dim == "snapshot":
-        patch = patch.isel(time=int(np.argmin(np.abs(one["time"].values - float(patch["snapshot_time"])))))
-    used = np.flatnonzero(np.isfinite(patch["strip_p"].values))
-    used = used[np.argsort(patch["strip_s"].values[used], kind="stable")]
+        patch = patch.isel(time=sample_of(one, moment))
+    used = used_strips(patch)
     strips = {str(n): v.values[used] for n, v in patch.variables.items() if v.dims == ("strip",)}
     fields = _elements(patch, used) or _strips(strips, columns)
     about = {name: (CHANNELS[channel].unit, CHANNELS[channel].long_name) for channel, name in TRACTIONS.items()}

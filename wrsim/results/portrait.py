@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from html import escape
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
-from wrsim.results.moments import has_patches
+from wrsim.results.moments import has_patches, with_patches
 from wrsim.results.summary import peak
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
@@ -71,8 +70,7 @@ def _facts(dataset: xr.Dataset) -> Iterator[Line]:
         if "snapshot_distance" in dataset:
             yield "patches", _listed([f"{d:.1f}" for d in dataset["snapshot_distance"].values]) + " m"
         else:
-            kept = np.isfinite(dataset["strip_p"].values).reshape(sizes["pose"], -1).any(axis=1)
-            yield "patches", _listed([str(name) for name in dataset["pose"].values[kept]])
+            yield "patches", _listed([str(name) for name in dataset["pose"].values[with_patches(dataset)]])
 
 
 def _listed(names: list[str]) -> str:
