@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -190,3 +191,25 @@ def test_no_line_runs_over_a_motion_that_has_not_settled() -> None:
     (axes,) = bifurcation_figure(stability(["cycle", "cycle", "unsettled", "cycle", "cycle"])).axes
     (line,) = [line for line in axes.lines if line.get_gid() == "from above"]
     assert np.isfinite(np.asarray(line.get_ydata())).tolist() == [True, True, False, True, True]
+
+
+def test_nothing_of_a_legend_is_cut_off(one) -> None:
+    """Entries that do not fit beside each other stand below each other."""
+    figures = standard_figures(one)
+    for name in ("overview", "contact_angle", "pressure", "derailment"):
+        figure = figures[name]()
+        figure.savefig(io.BytesIO(), format="png")
+        for legend in figure.legends:
+            box = legend.get_window_extent()
+            assert box.x0 >= 0.0 and box.x1 <= figure.bbox.width, name
+
+
+def test_the_words_of_a_limit_keep_clear_of_the_letters(one) -> None:
+    figure = standard_figures(one)["derailment"]()
+    figure.savefig(io.BytesIO(), format="png")
+    letters, words = [], []
+    for axes in figure.axes:
+        for text in axes.texts:
+            (words if "limit" in text.get_text() else letters).append(text.get_window_extent())
+    assert letters and words
+    assert not any(word.overlaps(letter) for word in words for letter in letters)

@@ -18,7 +18,16 @@ from numpy.typing import NDArray
 
 from wrsim.plots.colours import CANT_COLOUR, INK, PATCH_LINE, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.gallery import PATCH_NAMES
-from wrsim.plots.marks import broken, draw_line, note, note_above, right_axis, wheel_entries, without_neighbours
+from wrsim.plots.marks import (
+    broken,
+    draw_line,
+    legend_beneath,
+    note,
+    note_above,
+    right_axis,
+    wheel_entries,
+    without_neighbours,
+)
 from wrsim.plots.moments import snapshot_letter
 from wrsim.plots.stops import is_stopped, mark_stop, stop_note
 from wrsim.plots.style import FULL_WIDTH, abscissa, headline, new_figure, shown, style
@@ -80,12 +89,12 @@ def derailment_limit(axes: Axes, dataset: xr.Dataset, largest: float) -> Axes:
     limit = np.where(np.abs(curvature) * DERAILMENT_RADIUS <= 1.0 + 1e-6, DERAILMENT_LIMIT, np.nan)
     if not np.isfinite(limit).any():
         return axes
-    words = f"limit {DERAILMENT_LIMIT:g} after 20 Hz and 2 m (EN 14363)"
+    words = f"limit {DERAILMENT_LIMIT:g} after 20 Hz\nand 2 m (EN 14363)"
     if largest * SEEN >= DERAILMENT_LIMIT:
         axes.plot(x, limit, color=STOP_COLOUR, linewidth=0.8, gid="limit")
         axes.set_ylim(top=max(axes.get_ylim()[1], 1.08 * DERAILMENT_LIMIT))
-    corner: Any = {"xycoords": "axes fraction", "ha": "right", "va": "bottom", "color": STOP_COLOUR}
-    note(axes, words, (1.0, 1.0), (0.0, 1.5), **corner)
+    beside: Any = {"xycoords": "axes fraction", "rotation": 90, "ha": "left", "va": "center", "color": STOP_COLOUR}
+    note(axes, words, (1.0, 0.5), (2.5, 0.0), **beside)
     return axes
 
 
@@ -204,8 +213,7 @@ def stacked(
         figure.align_ylabels([*rows, lowest])
         legend = [*legend, *_letters_entry(dataset)]
         if legend:
-            columns = len(legend) if len(legend) <= 5 else (len(legend) + 1) // 2
-            figure.legend(handles=list(legend), loc="outside lower center", ncols=columns)
+            legend_beneath(figure, legend, len(legend) if len(legend) <= 5 else (len(legend) + 1) // 2)
         if stop_note(dataset):
             rows[0].set_title(stop_note(dataset), color=STOP_COLOUR, pad=11.0)
     return figure

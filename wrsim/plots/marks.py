@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -29,6 +30,15 @@ def note_above(axes: Axes, text: str, x: float, lift: float = 1.5, **options: An
 def remark(axes: Axes, words: str) -> None:
     """How to read the axes, small above them."""
     axes.set_title(words, fontsize=6.5, color=QUIET, pad=2.0)
+
+
+def legend_beneath(figure: Figure, entries: Sequence[Artist], columns: int) -> None:
+    """One legend beneath all panels, in so many columns, or in as many as the figure is wide enough for."""
+    for ncols in range(columns, 0, -1):
+        legend = figure.legend(handles=list(entries), loc="outside lower center", ncols=ncols)
+        if ncols == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()
 
 
 def minus(words: str) -> str:

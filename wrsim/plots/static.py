@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 
 from wrsim.plots.colours import GROUP_LINE, GROUP_MARK, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.histories import ANGLE_JUMP
-from wrsim.plots.marks import broken, draw_line, wheel_entries
+from wrsim.plots.marks import broken, draw_line, legend_beneath, wheel_entries
 from wrsim.plots.poses import pose_abscissa, pose_groups
 from wrsim.plots.stops import stop_note
 from wrsim.plots.style import FULL_WIDTH, new_figure, shown, style
@@ -92,5 +92,5 @@ def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
             hollow: Any = {"linestyle": "none", "marker": "o", "markerfacecolor": "none"}
             legend.append(Line2D([], [], color=QUIET, label="further patch", **hollow))
         if legend:
-            figure.legend(handles=legend, loc="outside lower center", ncols=min(len(legend), 5))
+            legend_beneath(figure, legend, min(len(legend), 5))
     return figure
