@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from typer.testing import CliRunner
 
 from wrsim.cli import app
 from wrsim.errors import InputError
+from wrsim.report.study import study_page
 from wrsim.results import Result, write_atomically
 from wrsim.results.ledger import Keeper, digest_of, keeping
 from wrsim.study import task
@@ -128,6 +130,36 @@ def test_the_same_study_twice_runs_nothing(serial: Plan) -> None:
     assert stored.sizes == {"friction": 2, "speed_kmh": 3}
     assert stored["Y_over_Q_max"].dims == ("friction", "speed_kmh")
     assert stored["speed_kmh"].values.tolist() == [40.0, 45.0, 50.0]
+
+
+def test_the_report_of_a_study_says_how_every_case_ended_and_where_extremes_are(serial: Plan) -> None:
+    found = markers(serial)
+    found[1] = replace(found[1], status="failed", message="<b>no</b> steady start", numbers={})
+    dataset = collected(serial, found)
+    page = study_page(dataset, "results/study")
+    assert "6 cases: 5 completed, 1 failed." in page and 'class="verdict bad"' in page
+    assert "&lt;b&gt;no&lt;/b&gt; steady start" in page and "<b>no" not in page
+    assert "http" not in page.replace("http-equiv", "").replace("http://www.w3.org", "")
+    best = dataset["Q_max_kN"].where(dataset["status"] == "completed").stack(case=dataset["status"].dims)
+    friction, speed = best.idxmax().item()
+    row = next(part for part in page.split("<tr>") if "Q max [kN]</th><td" in part)
+    assert f"<td>{best.max().item():.6g}</td>" in row
+    assert row.rpartition("<td>")[2].startswith(f"friction {friction:g}, speed_kmh {speed:g}")
+    for text in ('key = "vehicle.speed_kmh"', "base.toml", "wrsim study study.toml -o study"):
+        assert text.replace('"', "&#34;") in page
+    assert all(case.name[:12] in page for case in serial.cases)
+
+
+def test_the_report_takes_one_study_and_nothing_beside_it(serial: Plan, tmp_path: Path) -> None:
+    study, file = str(Path(serial.folder).parent / "study.toml"), str(tmp_path / "page.html")
+    assert runner.invoke(app, ["study", study, "-o", serial.folder, "--no-pictures"]).exit_code == 0
+    assert runner.invoke(app, ["report", serial.folder, "-o", file]).exit_code == 0
+    assert "6 cases: 6 completed." in Path(file).read_text()
+    for more in ([serial.folder], ["--view"]):
+        refused = runner.invoke(app, ["report", serial.folder, *more, "-o", file])
+        assert refused.exit_code == 2 and "study" in refused.output
+    (tmp_path / "study.nc").write_bytes(b"no dataset")
+    assert "damaged, or no study" in runner.invoke(app, ["report", str(tmp_path)]).output
 
 
 def test_outputs_of_a_case_are_those_of_its_result(serial: Plan) -> None:

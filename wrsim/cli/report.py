@@ -1,4 +1,4 @@
-"""``wrsim report``: one page about one result, or about several beside each other."""
+"""``wrsim report``: one page about one result, about several beside each other, or about a study."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, Models, beside, check_ending
 from wrsim.cli.showing import print_files
 from wrsim.cli.storing import read, writing
+from wrsim.errors import InputError
 
 
 def report(
     results: Annotated[
         list[Path],
-        typer.Argument(metavar="RESULT...", help="Result files, folders of runs, or runs that were cut off."),
+        typer.Argument(metavar="RESULT...", help="Results: files, folders, runs that were cut off; or one study."),
     ],
     output: Annotated[
         Path | None,
@@ -27,9 +28,19 @@ def report(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Write a page about a result: identity, verdict, assessment, histories, contacts; several are compared."""
+    """Write a page about a result, several results beside each other, or a study.
+
+    It holds identity, verdict, assessment, histories and contacts; of a study outputs, pictures and cases.
+    """
     with reporting_errors(as_json), writing(force, *results[1:], of=results[0]):
         check_ending("-o", output, ".html")
+        target = output or beside(results[0]) / "report.html"
+        from wrsim.study.collect import is_study
+
+        studies = [path for path in results if is_study(path)]
+        if studies:
+            _report_study(studies[0], len(results), with_view, target, as_json)
+            return
         from wrsim.report import report_page
         from wrsim.report.page import rerun
         from wrsim.results import write_atomically
@@ -43,5 +54,18 @@ def report(
 
             viewers = [view_page(r, beside(path), models or ()) for r, path in zip(loaded, results, strict=True)]
         page = report_page(loaded, sources, commands=commands, viewers=viewers)
-        target = output or beside(results[0]) / "report.html"
         print_files([write_atomically(target, page.encode())], as_json)
+
+
+def _report_study(path: Path, count: int, with_view: bool, target: Path, as_json: bool) -> None:
+    """Write the page about a study."""
+    from wrsim.report.study import study_page
+    from wrsim.results import write_atomically
+    from wrsim.study.collect import read_study
+
+    if count > 1:
+        raise InputError(f"{path}: is a study: a report takes one study, or results of runs")
+    if with_view:
+        raise InputError(f"--view: {path} is a study; it is for results of runs, as each case of a study is")
+    page = study_page(read_study(path), str(path))
+    print_files([write_atomically(target, page.encode())], as_json)

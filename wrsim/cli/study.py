@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -98,6 +99,7 @@ def study(
                 print_study(report)
                 _say_other_code(markers)
                 say(f"{len(files)} files in {directory}")
+                say(f"a page about it for the browser: wrsim report {quote(str(directory))}")
             if failed:
                 complain(f"{failed} of {len(plan.cases)} cases have no result; --retry runs them again")
         if failed:

@@ -5,7 +5,7 @@ Only completed cases count; what derailed, or has no result, is marked where it 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import ceil
 from pathlib import Path
@@ -38,23 +38,27 @@ COMPLETED, DERAILED = "completed", "derailed"
 
 
 def study_pictures(dataset: xr.Dataset, directory: str | Path) -> list[Path]:
-    """Write the pictures that suit the axes of a study: maps, curves, samples, percentiles; returns their paths."""
-    directory = Path(directory)
+    """Write the pictures that suit the axes of a study into a folder; returns their paths."""
+    return [save(make(), Path(directory) / f"{name}.png") for name, make in study_figures(dataset).items()]
+
+
+def study_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Makers of the pictures that suit the axes of a study, by name: maps, curves, samples, percentiles."""
     outputs = outputs_of(dataset)
     if not outputs:
-        return []
-    files = []
+        return {}
+    makers: dict[str, Callable[[], Figure]] = {}
     grids = grid_axes(dataset)
     numeric = [dim for dim in grids if dataset[dim].dtype.kind == "f"]
     if len(numeric) >= 2:
-        files.append(save(maps_figure(dataset, outputs, numeric[:2]), directory / "maps.png"))
+        makers["maps"] = lambda: maps_figure(dataset, outputs, numeric[:2])
     if grids:
-        files.append(save(curves_figure(dataset, outputs, (numeric or grids)[0]), directory / "curves.png"))
+        makers["curves"] = lambda: curves_figure(dataset, outputs, (numeric or grids)[0])
     if varied := sampled_keys(dataset):
-        files.append(save(samples_figure(dataset, outputs, varied), directory / "samples.png"))
+        makers["samples"] = lambda: samples_figure(dataset, outputs, varied)
     if int((dataset["status"] == COMPLETED).sum()) >= ENOUGH:
-        files.append(save(percentiles_figure(dataset, outputs), directory / "percentiles.png"))
-    return files
+        makers["percentiles"] = lambda: percentiles_figure(dataset, outputs)
+    return makers
 
 
 def outputs_of(dataset: xr.Dataset) -> list[str]:

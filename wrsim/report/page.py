@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import io
 import shlex
 from collections.abc import Sequence
 from functools import cache
@@ -13,11 +12,12 @@ from typing import Any
 import jinja2
 import matplotlib as mpl
 from markupsafe import Markup
+from matplotlib.figure import Figure
 
 from wrsim import __version__
 from wrsim.errors import InputError
 from wrsim.plots.pictures import standard_figures
-from wrsim.plots.style import style
+from wrsim.plots.style import rendered
 from wrsim.report import facts
 from wrsim.report.bands import bands_drawing
 from wrsim.report.charts import Charts, charts_of, drawing
@@ -161,10 +161,13 @@ def _pictures(result: Result, several: bool) -> list[tuple[str, str]]:
     for name, make in standard_figures(result.dataset).items():
         if name.endswith(OWN_DRAWINGS):
             continue
-        stream = io.BytesIO()
-        with style(), mpl.rc_context({"svg.hashsalt": "wrsim", "svg.fonttype": "path", "savefig.dpi": 110}):
-            make().savefig(stream, format="svg", metadata={"Date": None})
-        address = "data:image/svg+xml;base64," + base64.b64encode(stream.getvalue()).decode()
-        words = name.replace("_", " ")
+        words, address = as_picture(name, make())
         found.append((f"{result.title}: {words}" if several else words, address))
     return found
+
+
+def as_picture(name: str, figure: Figure) -> tuple[str, str]:
+    """A figure for a page: its name in words, and the drawing as a data address."""
+    with mpl.rc_context({"savefig.dpi": 110}):
+        drawn = rendered(figure, vector=True)
+    return name.replace("_", " "), "data:image/svg+xml;base64," + base64.b64encode(drawn).decode()

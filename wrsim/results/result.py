@@ -268,7 +268,7 @@ class Result:
         sealed = content[:-4].endswith(_CHECKED)
         if sealed and content[-4:] != zlib.crc32(content[:-4]).to_bytes(4, "little"):
             raise InputError(damaged)
-        opened = _opened(content)
+        opened = dataset_in(content)
         if opened is None:
             raise InputError(damaged)
         dataset = _without_encoding(opened)
@@ -294,7 +294,7 @@ class Result:
         return cls(dataset)
 
 
-def _opened(content: bytes) -> xr.Dataset | None:
+def dataset_in(content: bytes) -> xr.Dataset | None:
     """The dataset in the bytes of a NetCDF file; None if they are damaged."""
     hook = sys.unraisablehook
     sys.unraisablehook = lambda unraisable: None  # the library complains when it lets go of a damaged file

@@ -10,15 +10,18 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from wrsim.errors import InputError
 from wrsim.results import write_atomically
 from wrsim.results.dataset import versions
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.result import dataset_in
 from wrsim.results.rows import Row
 from wrsim.study.axes import Points
 from wrsim.study.plan import Plan, in_words
 from wrsim.study.task import Marker, read_marker
 
 FORMAT = "wrsim study"
+NUMBERS = "study.nc"
 MISSING = "missing"
 """Status of a case that has not come to an end."""
 
@@ -58,7 +61,8 @@ def collected(plan: Plan, markers: Sequence[Marker | None]) -> xr.Dataset:
     coords: dict[str, Any] = {}
     for axis in plan.axes:
         coords |= _coordinates(axis)
-    attributes = {"format": FORMAT, "title": plan.title, "analysis": plan.analysis, "scenario_text": plan.text}
+    attributes = {"format": FORMAT, "title": plan.title, "analysis": plan.analysis}
+    attributes |= {"study_text": plan.source, "scenario_text": plan.text}
     return xr.Dataset(variables, coords, attributes | versions())
 
 
@@ -126,7 +130,7 @@ def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) ->
     folder = Path(plan.folder)
     dataset = collected(plan, markers)
     files = [
-        write_atomically(folder / "study.nc", bytes(dataset.to_netcdf(None, engine="h5netcdf", format="NETCDF4"))),
+        write_atomically(folder / NUMBERS, bytes(dataset.to_netcdf(None, engine="h5netcdf", format="NETCDF4"))),
         write_atomically(folder / "study.csv", as_csv(rows_of_cases(plan, markers))),
         write_atomically(folder / "times.csv", as_csv(times_of_cases(plan, markers))),
         write_atomically(folder / "study.json", as_json(report_of(plan, markers))),
@@ -136,6 +140,27 @@ def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) ->
 
         files += study_pictures(dataset, folder)
     return files
+
+
+def read_study(path: Path) -> xr.Dataset:
+    """The dataset of a study, from its folder or its ``study.nc``. Raises InputError for anything else."""
+    file = path / NUMBERS if path.is_dir() else path
+    try:
+        content = file.read_bytes()
+    except OSError as error:
+        raise InputError(f"{file}: cannot be read: {error.strerror or error}") from None
+    dataset = dataset_in(content)
+    if dataset is None or dataset.attrs.get("format") != FORMAT:
+        raise InputError(f"{file}: is damaged, or no study of wrsim")
+    lacking = [name for name in ("status", "message", "name") if name not in dataset.data_vars]
+    if lacking or "title" not in dataset.attrs:
+        raise InputError(f"{file}: says that it is a study, but has no {(lacking or ['title'])[0]}; run it again")
+    return dataset
+
+
+def is_study(path: Path) -> bool:
+    """True for the folder of a study, and for its file of numbers."""
+    return path.name == NUMBERS or (path / NUMBERS).is_file()
 
 
 def report_of(plan: Plan, markers: Sequence[Marker | None]) -> dict[str, Any]:

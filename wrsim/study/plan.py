@@ -50,14 +50,15 @@ class Case:
 class Plan:
     """A study in full, as it stands in ``plan.json``.
 
-    folder: of the study; text, folders: the base scenario and where its models are looked up; files: sets of files, by
-    path with digest, that cases read; axes: name, columns and values of each; outputs, hook: what is kept; digest: of
-    the outputs.
+    folder: of the study; source: the study file; text, folders: the base scenario and where its models are looked up;
+    files: sets of files, by path with digest, that cases read; axes: name, columns and values of each; outputs, hook:
+    what is kept; digest: of the outputs.
     """
 
     folder: str
     title: str
     analysis: str
+    source: str
     text: str
     folders: tuple[str, ...]
     axes: tuple[Points, ...]
@@ -147,6 +148,7 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
         folder=str(folder.resolve()),
         title=spec.title or base.title,
         analysis=base.analysis,
+        source=file.read_text(encoding="utf-8"),
         text=base.text,
         folders=folders,
         axes=axes,
