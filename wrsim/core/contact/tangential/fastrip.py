@@ -25,7 +25,9 @@ Behind the adhesion zone the tractions are followed as in FASTSIM, with one flex
 where they stick again (`march`).
 
 With much spin (|psi| -> 1) strip theory has no answer. The adhesion zone is faded out from |psi| = 0.85 on; for
-|psi| >= 1 the march starts at the leading edge from zero.
+|psi| >= 1 the march starts at the leading edge from zero. The slip zone then is longer than e: alpha is taken for the
+length that it has, so that what sticks still follows the rigid slip. |alpha| is below 1 then, and no creepage at all is
+no place where the direction of a traction at the bound changes by itself.
 Not in the paper: the one flexibility and the sticking again, the fading, and that the longitudinal creepage by spin
 works through L1 like the rest of it.
 """
@@ -83,7 +85,7 @@ def fastrip(strips, n, half_length, soft, direction, shape, work):
 
 @kernel
 def _adhesion(x, y, psi):
-    """Direction alpha at the end of the adhesion zone and its half length d over a; x, y: xi'/a, eta'/a."""
+    """alpha and half length d of the adhesion zone over a; x, y: xi'/a, eta'/a."""
     size2 = x * x + y * y
     e = 1.0
     if abs(psi) < 1.0:
@@ -92,16 +94,16 @@ def _adhesion(x, y, psi):
             e = 0.0
         elif size2 < root:
             e = size2 / root
-    ax = x
-    ay = y + psi * e
-    size = sqrt(ax * ax + ay * ay)
+    # smooth, from 1 at FADING to 0 at |psi| = 1
+    part = min(max((1.0 - abs(psi)) / (1.0 - FADING), 0.0), 1.0)
+    kept = part * part * (3.0 - 2.0 * part)
+    start = min(2.0 * kept, 1.0)
+    d = kept * (1.0 - e)
+    ax, ay = x, y + psi * (1.0 - d)
+    size = max(sqrt(ax * ax + ay * ay), 1.0 - d)
     if size > 0.0:
         ax /= size
         ay /= size
     elif psi != 0.0:
         ay = 1.0 if psi > 0.0 else -1.0
-    # smooth, from 1 at FADING to 0 at |psi| = 1
-    part = min(max((1.0 - abs(psi)) / (1.0 - FADING), 0.0), 1.0)
-    kept = part * part * (3.0 - 2.0 * part)
-    start = min(2.0 * kept, 1.0)
-    return start * ax, start * ay, kept * (1.0 - e)
+    return start * ax, start * ay, d
