@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.interpolate import CubicSpline
-from support.runs import FAST, LEADING, STEERING, arc, setup_of, straight, transition
+from support.runs import LEADING, STEERING, arc, setup_of, straight, transition
 from support.vehicles import ROOT, SHORT
 
 from wrsim.analysis import run
@@ -90,14 +90,11 @@ def test_the_implicit_step_divides_the_time_between_two_samples(speed, interval_
 
 
 def test_after_the_low_pass_a_coach_over_a_dip_is_within_half_a_percent_and_converges():
-    # with Kik-Piotrowski; strips: docs/runs.md
     # one rail dips by 3 mm over 2 m. The low-pass of 20 Hz is that of the assessment; what it takes away, wheels that
     # bounce on their contacts at some 200 Hz, is out of phase with a step of 2 ms
     dip = {"kind": "dip", "at_m": 17.0, "length_m": 2.0, "amplitude_mm": 3.0, "rail": "left"}
     keys = {"track.segments": [straight(60.0)], "track.irregularities": [dip], "run.distance_m": 8.0}
-    scenario = load(ROOT / "scenarios/manchester_r300.toml").with_values(
-        SHORT | FAST | keys | {"run.start_distance_m": 4.0}
-    )
+    scenario = load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | keys | {"run.start_distance_m": 4.0})
 
     def filtered(step_us, integrator="generalised-alpha"):
         values = {"run.integrator": integrator, "run.output_interval_ms": max(1e-3 * step_us, 0.5)}

@@ -40,6 +40,10 @@ SPECTRAL_RADIUS = 0.9
 CONTRACTION = 0.5
 """Newton's method keeps its Jacobian as long as an iteration leaves less than this of the residual."""
 
+TREND = 0.5
+"""Part of the last change of the accelerations that is taken to go on in the next step. Tried 0, 0.5 and 1, coach with
+strips at 2 ms over a dip: 0.63, 0.44, 0.25 % of the largest Y are left; into a curve: 78, 78, 125 Jacobians."""
+
 SPAN = 1 << 20
 """Steps that Exudyn is asked for at once; it is stopped after half of them, or sooner."""
 
@@ -266,10 +270,12 @@ class System:
 
 
 class _Guess:
-    """Lets Newton's method start a step from the accelerations of the last one; Exudyn starts from none.
+    """Lets Newton's method start a step from the accelerations of the last one and a part of their trend; Exudyn starts
+    from none.
 
-    A user function that is called before every residual. q, q_t and q_tt then change together, as they do in an
-    iteration (Arnold and Bruls, algorithm 1).
+    Without the trend, what the method does not finish lies on the same side step after step. A user function that is
+    called before every residual. q, q_t and q_tt then change together, as they do in an iteration (Arnold and Bruls,
+    algorithm 1).
     """
 
     def __init__(self, system: System, step: float) -> None:
@@ -280,18 +286,22 @@ class _Guess:
         of_acceleration = step * step * beta * (1.0 - alpha_f) / (1.0 - alpha_m)
         self.system, self.q_of_q_tt = system, of_acceleration
         self.q_t_of_q_tt = of_acceleration * gamma / (step * beta)
-        self.last = np.zeros(system.size)
+        self.last, self.ahead = np.zeros((2, system.size))
+        self.steps = 0
 
     def keep(self) -> None:
         """Take note of the accelerations at the end of a step."""
-        self.last[:] = self.system.q_tt
+        q_tt = self.system.q_tt
+        self.ahead[:] = q_tt + TREND * (q_tt - self.last) if self.steps else q_tt
+        self.last[:] = q_tt
+        self.steps += 1
 
     def __call__(self, mbs: object, t: float, iteration: int, repetition: int) -> None:
         if iteration == 0:
             system = self.system
-            system.q_tt += self.last
-            system.q_t += self.q_t_of_q_tt * self.last
-            system.q += self.q_of_q_tt * self.last
+            system.q_tt += self.ahead
+            system.q_t += self.q_t_of_q_tt * self.ahead
+            system.q += self.q_of_q_tt * self.ahead
 
 
 def _settings(step: float, tolerance: float) -> exudyn.SimulationSettings:
