@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
+from xarray.core import indexing
 
 from wrsim import __version__
 from wrsim.errors import suggest
 from wrsim.results.channels import CHANNELS, WHEELS, Channel
+from wrsim.results.room import OnDisk
 
 FORMAT = "wrsim result"
 FORMAT_VERSION = 2
@@ -63,6 +65,7 @@ def assemble(
     a single wheelset are derived when they are not given.
 
     copy: False gives the arrays away: they become those of the dataset, where their type is that of their channel.
+    Those on disk (`wrsim.results.room`) stay there.
 
     Raises ``ValueError`` for an unknown name, a wrong shape or a missing attribute: these are mistakes of the
     calling code, not of the user.
@@ -70,7 +73,7 @@ def assemble(
     if ("time" in coords) == ("pose" in coords):
         raise ValueError("coords needs either 'time' (runs) or 'pose' (static analyses)")
     sample = "time" if "time" in coords else "pose"
-    arrays = _with_derived(channels, coords.get("wheel", WHEELS))
+    arrays = with_derived(channels, coords.get("wheel", WHEELS))
     if isinstance(coords.get("wheelset", SINGLE), str):
         arrays = _of_single_wheelset(arrays)
     sizes, labels = _labels(sample, coords)
@@ -132,8 +135,15 @@ def _registered(name: str) -> Channel:
     return channel
 
 
+def typed(name: str, values: ArrayLike) -> NDArray[Any]:
+    """The values in the type of a channel, without a copy if they have it."""
+    return _typed(CHANNELS[name], values, copy=False)
+
+
 def _typed(channel: Channel, values: ArrayLike, copy: bool = True) -> NDArray[Any]:
     """The values in the channel's type, a private copy unless numbers of that type are given away."""
+    if isinstance(values, OnDisk):
+        return indexing.LazilyIndexedArray(values)  # type: ignore[return-value]
     if channel.kind == "text":
         array: NDArray[Any] = np.array(values, dtype=str)
         return array if array.dtype.itemsize else array.astype("<U1")
@@ -157,8 +167,9 @@ def _variable(channel: Channel, sample: str, array: NDArray[Any], sizes: dict[st
     return xr.Variable(dims, array, {"units": channel.unit, "long_name": channel.long_name})
 
 
-def _with_derived(channels: Mapping[str, ArrayLike], wheels: ArrayLike) -> dict[str, ArrayLike]:
-    """The channels, with Y/Q, the track shifting force and the variation of the contact angle where they follow."""
+def with_derived(channels: Mapping[str, ArrayLike], wheels: ArrayLike = WHEELS) -> dict[str, ArrayLike]:
+    """The channels, of some samples or of all, with Y/Q, the track shifting force and the variation of the contact
+    angle where they follow."""
     arrays = dict(channels)
     if "Y" in arrays and "sum_Y" not in arrays and tuple(np.atleast_1d(wheels)) == WHEELS and np.ndim(arrays["Y"]) > 1:
         left_and_right = np.asarray(arrays["Y"], dtype=float)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import errno
+import hashlib
 import io
 import json
 import os
@@ -11,6 +12,7 @@ import secrets
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from itertools import islice
 from pathlib import Path
 from typing import IO, Any, Protocol
 
@@ -23,7 +25,9 @@ except ImportError:  # no such locks on this system: two runs into one folder go
 
 
 class _Keeper(Protocol):
-    def admit(self, path: Path, content: bytes) -> None: ...
+    def check(self, path: Path) -> None: ...
+
+    def note(self, path: Path, sha256: str) -> None: ...
 
 
 KEEPER: ContextVar[_Keeper | None] = ContextVar("KEEPER", default=None)
@@ -37,6 +41,9 @@ _REASONS = {
     errno.EEXIST: "a part of this path is a file, not a directory",
     errno.EISDIR: "there is a directory of that name",
 }
+_ROWS = 1000
+"""Rows of a table that stand in memory as text at once."""
+
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
@@ -56,8 +63,8 @@ def plain_disk_errors(path: Path, size: int | None = None) -> Iterator[None]:
         raise WrsimError(f"cannot write {path}: {why}") from problem
 
 
-def write_atomically(path: str | Path, content: bytes) -> Path:
-    """Write ``content`` to a neighbour of ``path``, bring it to the disk, then give it its name.
+def write_atomically(path: str | Path, content: bytes | Iterable[bytes]) -> Path:
+    """Write ``content``, whole or in parts, to a neighbour of ``path``, bring it to the disk, then give it its name.
 
     An older file of that name stays whole until the new one is. Directories are made. Raises ``WrsimError``
     with one sentence when the disk is full or the place cannot be written; nothing half-written remains. In a command,
@@ -65,15 +72,20 @@ def write_atomically(path: str | Path, content: bytes) -> Path:
     """
     path = Path(path)
     if (keeper := KEEPER.get()) is not None:
-        keeper.admit(path, content)
+        keeper.check(path)
+    digest = hashlib.sha256()
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    with plain_disk_errors(path, len(content)):
+    with plain_disk_errors(path, len(content) if isinstance(content, bytes) else None):
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             with open(temporary, "xb") as stream:
-                stream.write(content)
+                for part in (content,) if isinstance(content, bytes) else content:
+                    stream.write(part)
+                    digest.update(part)
                 stream.flush()
                 os.fsync(stream.fileno())
+            if keeper is not None:
+                keeper.note(path, digest.hexdigest())
             os.replace(temporary, path)
         except BaseException:
             temporary.unlink(missing_ok=True)
@@ -105,11 +117,16 @@ def lock(stream: IO[bytes]) -> bool:
 
 def as_csv(rows: Iterable[Sequence[str]]) -> bytes:
     """Rows as comma-separated values (RFC 4180 quoting, line feeds, UTF-8)."""
-    stored = io.BytesIO()
-    stream = io.TextIOWrapper(stored, encoding="utf-8", newline="")
-    csv.writer(stream, lineterminator="\n").writerows(rows)
-    stream.flush()
-    return stored.getvalue()
+    return b"".join(csv_parts(rows))
+
+
+def csv_parts(rows: Iterable[Sequence[str]]) -> Iterator[bytes]:
+    """The same, some rows at a time."""
+    rest = iter(rows)
+    while some := list(islice(rest, _ROWS)):
+        stream = io.StringIO(newline="")
+        csv.writer(stream, lineterminator="\n").writerows(some)
+        yield stream.getvalue().encode()
 
 
 def as_json(content: Any, indent: int = 2) -> bytes:

@@ -28,9 +28,13 @@ from wrsim.results.files import lock, open_no_link, plain_disk_errors
 LEDGER = ".wrsim"
 
 
+_KEPT = 32
+"""Characters of a digest that are kept."""
+
+
 def digest_of(content: bytes) -> str:
     """What the ledger keeps of a file, or of a scenario's text."""
-    return hashlib.sha256(content).hexdigest()[:32]
+    return hashlib.sha256(content).hexdigest()[:_KEPT]
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,8 @@ class Ledger:
         known = {entry.get("sha256") for entry in self.entries() if entry.get("file") == path.name}
         if not known or path.is_symlink() or not path.is_file():
             return False
-        return digest_of(path.read_bytes()) in known
+        with open(path, "rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()[:_KEPT] in known
 
     def is_done(self, scenario_text: str, pictures: bool) -> bool:
         """True if the last analysis that began here is that of this scenario, and all of its files stand.
@@ -113,11 +118,10 @@ class Keeper:
     force: bool = False
     of: Path | None = None
 
-    def admit(self, path: Path, content: bytes) -> None:
-        """Note a file before it is written. Raises ``InputError`` when it would replace one of the user's."""
-        self.check(path)
+    def note(self, path: Path, sha256: str) -> None:
+        """Note a file before it takes its place; sha256: of its content."""
         inside = self.of is not None and self.of.absolute() in list(path.absolute().parents)[:2]
-        Ledger(path.parent).note(file=path.name, sha256=digest_of(content), **({"of_result": True} if inside else {}))
+        Ledger(path.parent).note(file=path.name, sha256=sha256[:_KEPT], **({"of_result": True} if inside else {}))
 
     def check(self, path: Path) -> None:
         """Raises ``InputError`` when a file of the user's stands there."""

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import gc
-import io
+import os
 import sys
+import tempfile
 import zlib
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -17,7 +20,8 @@ from wrsim.errors import InputError
 from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS
 from wrsim.results.dataset import FORMAT, FORMAT_VERSION, NAMED, REQUIRED_ATTRIBUTES, SINGLE, STATUSES
-from wrsim.results.files import write_atomically
+from wrsim.results.files import plain_disk_errors, write_atomically
+from wrsim.results.room import LARGE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,13 +32,17 @@ _SEALED_SINCE = 2
 """Format from which on every file ends with a checksum."""
 _CHECKED = b"wrsim CRC-32"
 """Stands behind the HDF5 data, before the checksum of all that comes before; other readers do not look there."""
+_NETCDF: dict[str, Any] = {"engine": "h5netcdf", "format": "NETCDF4"}
+_PIECE = 1 << 20
+"""Bytes of a file that are read at once."""
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
     """What an analysis computed, with everything needed to redraw and to rerun it.
 
-    A stopped run holds what was computed until it stopped.
+    A stopped run holds what was computed until it stopped. The numbers of a long run stay on disk
+    (`wrsim.results.room`) and are read as they are asked for; ``dataset.load()`` brings them all into memory.
 
     Parameters
     ----------
@@ -225,15 +233,16 @@ class Result:
         WrsimError
             When the disk is full or the place cannot be written to.
         """
-        encoding = {
-            str(name): {"zlib": True, "complevel": 1, "shuffle": True}
-            for name, variable in self.dataset.variables.items()
-            if variable.dtype.kind in "fi" and variable.size > 1000
-        }
         ordered = _labels_first(self.dataset)
-        content = ordered.to_netcdf(None, engine="h5netcdf", format="NETCDF4", encoding=encoding)
-        checksum = zlib.crc32(_CHECKED, zlib.crc32(content))
-        return write_atomically(path, b"".join((content, _CHECKED, checksum.to_bytes(4, "little"))))
+        if self.dataset.nbytes <= LARGE:
+            content = bytes(ordered.to_netcdf(None, encoding=_packed(ordered), **_NETCDF))
+            return write_atomically(path, b"".join(_sealed((content,))))
+        path = Path(path)
+        with plain_disk_errors(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.NamedTemporaryFile(prefix=f".{path.name}.", suffix=".part", dir=path.parent) as stream:
+                _write_in_groups(ordered, stream.name)
+                return write_atomically(path, _sealed(iter(lambda: stream.read(_PIECE), b"")))
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
@@ -256,21 +265,18 @@ class Result:
         if path.is_dir():
             path = path / "result.nc"
         try:
-            content = path.read_bytes()
+            with open(path, "rb") as stream:
+                begin, sealed, whole = _looked_through(stream)
         except FileNotFoundError:
             raise InputError(f"{path}: there is no such result file") from None
         except OSError as problem:
             why = (problem.strerror or str(problem)).lower()
             raise InputError(f"{path}: cannot be read: {why}") from problem
-        if not content.startswith(_HDF5_SIGNATURE):
+        if begin != _HDF5_SIGNATURE:
             raise InputError(f"{path}: not a wrsim result (not a NetCDF 4 file)")
-        damaged = f"{path}: the file is damaged or incomplete; run the scenario again"
-        sealed = content[:-4].endswith(_CHECKED)
-        if sealed and content[-4:] != zlib.crc32(content[:-4]).to_bytes(4, "little"):
-            raise InputError(damaged)
-        opened = dataset_in(content)
+        opened = dataset_in(path, sealed) if whole or not sealed else None
         if opened is None:
-            raise InputError(damaged)
+            raise InputError(f"{path}: the file is damaged or incomplete; run the scenario again")
         dataset = _without_encoding(opened)
         attributes = dataset.attrs
         if attributes.get("format") != FORMAT:
@@ -294,13 +300,63 @@ class Result:
         return cls(dataset)
 
 
-def dataset_in(content: bytes) -> xr.Dataset | None:
-    """The dataset in the bytes of a NetCDF file; None if they are damaged."""
+def _packed(dataset: xr.Dataset, among: Iterable[Hashable] | None = None) -> dict[Hashable, dict[str, Any]]:
+    """How variables stand in a file: long ones packed. among: these alone."""
+    return {
+        name: {"zlib": True, "complevel": 1, "shuffle": True}
+        for name in (dataset.variables if among is None else among)
+        if dataset[name].dtype.kind in "fi" and dataset[name].size > 1000
+    }
+
+
+def _write_in_groups(dataset: xr.Dataset, path: str) -> None:
+    """Write a file channel by channel, or some small ones at once: xarray takes into memory what it writes."""
+    labels = dataset.drop_vars(dataset.data_vars)
+    labels.to_netcdf(path, encoding=_packed(labels), **_NETCDF)
+    group: list[Hashable] = []
+    size = 0
+    for name, variable in dataset.data_vars.items():
+        if group and size + variable.nbytes > LARGE:
+            dataset[group].to_netcdf(path, mode="a", encoding=_packed(dataset, group), **_NETCDF)
+            group, size = [], 0
+        group.append(name)
+        size += variable.nbytes
+    dataset[group].to_netcdf(path, mode="a", encoding=_packed(dataset, group), **_NETCDF)
+
+
+def _sealed(content: Iterable[bytes]) -> Iterator[bytes]:
+    """The parts of a file, and the seal behind them."""
+    checksum = 0
+    for part in chain(content, (_CHECKED,)):
+        checksum = zlib.crc32(part, checksum)
+        yield part
+    yield checksum.to_bytes(4, "little")
+
+
+def _looked_through(stream: IO[bytes]) -> tuple[bytes, bool, bool]:
+    """First bytes of a file, whether it carries our seal, whether its checksum is right."""
+    begin = stream.read(len(_HDF5_SIGNATURE))
+    behind = stream.seek(0, os.SEEK_END) - 4
+    stream.seek(max(behind - len(_CHECKED), 0))
+    end = stream.read()
+    stream.seek(0)
+    checksum, left = 0, behind
+    while left > 0 and (part := stream.read(min(left, _PIECE))):
+        checksum, left = zlib.crc32(part, checksum), left - len(part)
+    return begin, end[:-4] == _CHECKED, end[-4:] == checksum.to_bytes(4, "little")
+
+
+def dataset_in(path: Path, sealed: bool = False) -> xr.Dataset | None:
+    """The dataset in a NetCDF file; None if it is damaged. sealed: its checksum is right: many numbers stay in the file
+    until they are asked for."""
     hook = sys.unraisablehook
     sys.unraisablehook = lambda unraisable: None  # the library complains when it lets go of a damaged file
     try:
         try:
-            with xr.open_dataset(io.BytesIO(content), engine="h5netcdf", decode_times=False) as opened:
+            opened = xr.open_dataset(path, engine="h5netcdf", decode_times=False, cache=False)
+            if sealed and opened.nbytes > LARGE:
+                return opened
+            with opened:
                 return opened.load()
         except MemoryError:
             raise

@@ -18,6 +18,7 @@ import json
 import os
 import struct
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -101,12 +102,9 @@ class RunFile:
         self._stream.truncate(end)
         self._stream.seek(end)
 
-    def read(self) -> tuple[dict[str, Any], list[Record]]:
+    def read(self) -> tuple[dict[str, Any], Iterator[Record]]:
         """Header and records written so far, also when the file has lost its name (a folder that was deleted)."""
-        parts: list[bytes] = []
-        while part := os.pread(self._stream.fileno(), _CHUNK, sum(map(len, parts))):
-            parts.append(part)
-        return _header_and_records(self.path, b"".join(parts))
+        return _header_and_records(self.path, self._stream.fileno())
 
     def close(self) -> None:
         """Close the file and let go of its lock."""
@@ -144,46 +142,57 @@ def is_running(path: str | Path) -> bool:
     return False
 
 
-def read_run_file(path: str | Path) -> tuple[dict[str, Any], list[Record]]:
-    """Header and whole records of a run file, in their order; what is torn or damaged ends the list.
+@contextlib.contextmanager
+def opened_run_file(path: str | Path) -> Iterator[tuple[dict[str, Any], Iterator[Record]]]:
+    """Header and whole records of a run file, in their order, read one by one; what is torn or damaged ends them.
 
     Raises ``InputError`` when the file is missing, is none of ours, or does not even hold a whole header.
     """
     path = Path(path)
     try:
-        data = path.read_bytes()
+        stream = open(path, "rb")  # noqa: SIM115 - a fault while the records are used is not one of opening
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file of a run") from None
     except OSError as problem:
         raise InputError(f"{path}: cannot be read: {(problem.strerror or str(problem)).lower()}") from problem
-    return _header_and_records(path, data)
+    with stream:
+        yield _header_and_records(path, stream.fileno())
 
 
-def _header_and_records(path: Path, data: bytes) -> tuple[dict[str, Any], list[Record]]:
-    """See `read_run_file`; data: all bytes of the file."""
-    if data[:_NAMED] != SIGNATURE[:_NAMED]:
-        if SIGNATURE.startswith(data):
+def _header_and_records(path: Path, file: int) -> tuple[dict[str, Any], Iterator[Record]]:
+    """See `opened_run_file`; file: its descriptor."""
+    begin = _read(file, len(SIGNATURE), 0)
+    if begin[:_NAMED] != SIGNATURE[:_NAMED]:
+        if SIGNATURE.startswith(begin):
             raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
         raise InputError(f"{path}: not the file of a run of wrsim")
-    if data[_NAMED : len(SIGNATURE)] != SIGNATURE[_NAMED:]:
+    if begin[_NAMED:] != SIGNATURE[_NAMED:]:
         raise InputError(f"{path}: written by another version of wrsim, in a layout that this one does not read")
-    records = _whole_records(data)
-    if not records or records[0].kind != HEADER:
+    records = _whole_records(file)
+    first = next(records, None)
+    if first is None or first.kind != HEADER:
         raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
-    return json.loads(records[0].content), records[1:]
+    return json.loads(first.content), records
 
 
-def _whole_records(data: bytes) -> list[Record]:
-    records: list[Record] = []
-    place = len(SIGNATURE)
-    while place + _FRAME.size <= len(data):
-        kind, size, checksum = _FRAME.unpack_from(data, place)
+def _read(file: int, size: int, place: int) -> bytes:
+    """So many bytes of a file from a place on, or what there is of them."""
+    parts = []
+    while size > 0 and (part := os.pread(file, min(size, _CHUNK), place)):
+        parts.append(part)
+        size, place = size - len(part), place + len(part)
+    return b"".join(parts)
+
+
+def _whole_records(file: int) -> Iterator[Record]:
+    place, length = len(SIGNATURE), os.fstat(file).st_size
+    while place + _FRAME.size <= length:
+        kind, size, checksum = _FRAME.unpack(_read(file, _FRAME.size, place))
         start = place + _FRAME.size
-        if size > len(data) - start:
+        if size > length - start:
             break
-        content = data[start : start + size]
-        if zlib.crc32(content, zlib.crc32(kind)) != checksum:
+        content = _read(file, size, start)
+        if len(content) < size or zlib.crc32(content, zlib.crc32(kind)) != checksum:
             break
         place = start + size
-        records.append(Record(kind, content, place))
-    return records
+        yield Record(kind, content, place)

@@ -9,7 +9,7 @@ import xarray as xr
 
 from wrsim.register import ANALYSES, resolved
 from wrsim.results.dataset import OF_VEHICLE
-from wrsim.results.files import as_csv, as_json, write_atomically
+from wrsim.results.files import as_json, csv_parts, write_atomically
 from wrsim.results.result import Result
 from wrsim.results.rows import Row, chosen, long, present, wide
 from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets
@@ -33,13 +33,13 @@ def write_run(result: Result, directory: str | Path) -> list[Path]:
     written = [result.save(directory / "result.nc")]
     written.append(write_atomically(directory / "summary.json", as_json(result.summary())))
     for name, rows in _each(result.dataset):
-        written.append(write_atomically(directory / f"{name}.csv", as_csv(rows)))
+        written.append(write_atomically(directory / f"{name}.csv", csv_parts(rows)))
     return written
 
 
 def write_table(dataset: xr.Dataset, name: str, path: str | Path) -> Path:
     """Write one of the `tables` of a result. Raises ``WrsimError`` when it cannot be written."""
-    return write_atomically(path, as_csv(dict(_each(dataset))[name]))
+    return write_atomically(path, csv_parts(dict(_each(dataset))[name]))
 
 
 def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:

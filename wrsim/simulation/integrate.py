@@ -210,7 +210,7 @@ class _AfterStep:
 
 def _motion(rows: Array, step: float, ending: Ending, integrator: Integrator, work: Work) -> Motion:
     """A motion from the rows of a recorder."""
-    q, q_t = (half.copy() for half in np.split(rows[:, 1:], 2, axis=1))
+    q, q_t = np.split(rows[:, 1:], 2, axis=1)
     status: Literal["completed", "stopped"] = "stopped" if ending.cause else "completed"
     return Motion(rows[:, 0].copy(), q, q_t, step, status, ending.cause, ending.reason, integrator, replace(work))
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import struct
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, Protocol, runtime_checkable
@@ -25,7 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError
-from wrsim.results.run_file import Record, RunFile, read_run_file
+from wrsim.results.files import plain_disk_errors
+from wrsim.results.room import below_each_other
+from wrsim.results.run_file import Record, RunFile, opened_run_file
 
 Array = NDArray[np.float64]
 Cause = Literal["", "monitor", "interrupt", "not-finite", "forces", "cut-off"]
@@ -217,30 +219,38 @@ class Recording:
     @classmethod
     def read(cls, path: str | Path) -> Recording:
         """Read a file as far as it is whole. Raises ``InputError`` when there is no such file, or none of a run."""
-        return cls.of(path, *read_run_file(path))
+        with opened_run_file(path) as (header, records):
+            return cls.of(Path(path), header, records)
 
     @classmethod
-    def of(cls, path: str | Path, header: dict[str, Any], records: Sequence[Record]) -> Recording:
+    def of(cls, path: Path, header: dict[str, Any], records: Iterable[Record]) -> Recording:
         """From the header and the records of a file."""
         size = int(header["size"])
         width = 1 + 2 * size
-        blocks = [np.zeros((0, width))]
-        checkpoint, checkpoint_end, last, ending, end = None, 0, None, None, 0
-        for record in records:
-            end = record.end
-            if record.kind == _END:
-                cause, _, reason = record.content.decode().partition("\0")
-                ending = Ending(cause, reason)  # type: ignore[arg-type]
-                continue
-            step, count, memory = _COUNTS.unpack_from(record.content)
-            values = np.frombuffer(record.content, dtype="<f8", offset=_COUNTS.size)
-            blocks.append(values[: count * width].reshape(count, width))
-            if step >= 0:
-                q, q_t, kept = np.split(values[count * width :], [size, 2 * size])
-                if len(kept) != memory:
-                    raise InputError(f"{path}: the file is damaged; run the scenario again")
-                last = Checkpoint(step, q.copy(), q_t.copy(), kept.copy())
-                if record.kind == _FLUSH:
-                    checkpoint, checkpoint_end = last, end
-        rows = np.concatenate(blocks)
+        checkpoint: Checkpoint | None = None
+        last: Checkpoint | None = None
+        ending: Ending | None = None
+        checkpoint_end, end = 0, 0
+
+        def blocks() -> Iterator[Array]:
+            nonlocal checkpoint, checkpoint_end, last, ending, end
+            for record in records:
+                end = record.end
+                if record.kind == _END:
+                    cause, _, reason = record.content.decode().partition("\0")
+                    ending = Ending(cause, reason)  # type: ignore[arg-type]
+                    continue
+                step, count, memory = _COUNTS.unpack_from(record.content)
+                values = np.frombuffer(record.content, dtype="<f8", offset=_COUNTS.size)
+                yield values[: count * width].reshape(count, width).copy()  # without its checkpoint
+                if step >= 0:
+                    q, q_t, kept = np.split(values[count * width :], [size, 2 * size])
+                    if len(kept) != memory:
+                        raise InputError(f"{path}: the file is damaged; run the scenario again")
+                    last = Checkpoint(step, q.copy(), q_t.copy(), kept.copy())
+                    if record.kind == _FLUSH:
+                        checkpoint, checkpoint_end = last, end
+
+        with plain_disk_errors(path):
+            rows = below_each_other(blocks(), width, path.parent)
         return cls(header, size, rows, checkpoint, checkpoint_end, last, ending, end)

@@ -146,10 +146,10 @@ def read_study(path: Path) -> xr.Dataset:
     """The dataset of a study, from its folder or its ``study.nc``. Raises InputError for anything else."""
     file = path / NUMBERS if path.is_dir() else path
     try:
-        content = file.read_bytes()
+        open(file, "rb").close()
     except OSError as error:
         raise InputError(f"{file}: cannot be read: {error.strerror or error}") from None
-    dataset = dataset_in(content)
+    dataset = dataset_in(file)
     if dataset is None or dataset.attrs.get("format") != FORMAT:
         raise InputError(f"{file}: is damaged, or no study of wrsim")
     lacking = [name for name in ("status", "message", "name") if name not in dataset.data_vars]

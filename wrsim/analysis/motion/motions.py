@@ -20,8 +20,11 @@ if TYPE_CHECKING:
     from wrsim.simulation.system import Array
 
 
-def body_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
-    """Displacements and angles of the bodies against the track where they are, each (samples, bodies)."""
+def body_channels(law: VehicleOnTrack, q: Array, q_t: Array, near: Array) -> dict[str, Array]:
+    """Displacements and angles of the bodies against the track where they are, each (samples, bodies).
+
+    near: distance (bodies,) at which each is looked for at the first sample [m]; becomes that of the last.
+    """
     vehicle = law.vehicle
     first, n = len(vehicle.wheelsets), len(q)
     names = ("body_lateral", "body_vertical", "body_yaw", "body_pitch", "body_roll")
@@ -29,7 +32,8 @@ def body_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]
     path = law.track.centre
     for b, body in enumerate(vehicle.bodies):
         own = slice(6 * (first + b), 6 * (first + b) + 6)
-        poses = poses_on_track(path, q[:, own], q_t[:, own], law.start + body.centre[0])
+        poses = poses_on_track(path, q[:, own], q_t[:, own], near[b])
+        near[b] = poses.distance[-1]
         found["body_lateral"][:, b] = poses.lateral - body.centre[1]
         found["body_vertical"][:, b] = poses.height - body.centre[2]
         found["body_yaw"][:, b] = poses.yaw

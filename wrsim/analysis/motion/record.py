@@ -19,7 +19,7 @@ import numpy as np
 import wrsim
 from wrsim.errors import InputError
 from wrsim.results import versions
-from wrsim.results.run_file import read_run_file
+from wrsim.results.run_file import opened_run_file
 from wrsim.scenario.loading import load_text
 from wrsim.simulation.recorder import FileRecorder
 
@@ -56,7 +56,7 @@ class RunRecord:
 
     def recorded_step(self) -> float:
         """Time step of the run that goes on [s]."""
-        return float(read_run_file(self.path)[0]["step_s"])
+        return float(_header(self.path)["step_s"])
 
     def recorder(self, integrator: str, step: float, size: int) -> FileRecorder:
         """The file, to be written on: from its last checkpoint, or anew. step [s]; size: number of coordinates."""
@@ -66,9 +66,15 @@ class RunRecord:
         return FileRecorder.create(self.path, self.header | of_run, size)
 
 
+def _header(path: Path) -> dict[str, Any]:
+    """What the file of a run says of it."""
+    with opened_run_file(path) as (header, _):
+        return header
+
+
 def _same_run(path: Path, now: dict[str, Any]) -> None:
     """Raise ``InputError`` when a file holds a run that would not go on with the same numbers."""
-    then, _ = read_run_file(path)
+    then = _header(path)
     again = "run it without --resume to start from the beginning"
     changed = _first_change(tomllib.loads(then["scenario_text"]), tomllib.loads(now["scenario_text"]))
     if changed:
@@ -119,7 +125,7 @@ def recorded_setup(path: Path) -> Setup:
     """
     from wrsim.scenario.build import build
 
-    header, _ = read_run_file(path)
+    header = _header(path)
     folders = [Path(folder) for folder in header["folders"]]
     setup = build(load_text(header["scenario_text"], folders[0], folders[1:]))
     files = {str(file): _file_digest(file) for file in setup.files}

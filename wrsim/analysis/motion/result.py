@@ -17,11 +17,14 @@ from wrsim.analysis.motion.words import event_words
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
 from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
+from wrsim.results.dataset import typed, with_derived
+from wrsim.results.room import Channels, let_go
 from wrsim.simulation.placement import TrackPoses, poses_as_far
 from wrsim.vehicle.levels import bogie_mass, level_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -42,8 +45,10 @@ NEAR = 1.0
 """Distance within which the largest Y/Q of both wheels are one moment [m]."""
 
 
-def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events: Sequence[Event]) -> Result:
-    """All channels of a motion, from its sampled states.
+def result_of(
+    setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events: Sequence[Event], folder: Path | None = None
+) -> Result:
+    """All channels of a motion, from its sampled states; those of a long one stand on disk in ``folder``, if any.
 
     At the end of a stopped run the last states may have no place on the track any more; they are left out then.
     Raises SimulationError when not even the first one has.
@@ -52,16 +57,17 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
     motion, poses = _placed(motion, law)
     n, body = len(motion.times), 6 * vehicle.reference
     places = law.places(np.column_stack([p.distance for p in poses]))
-    channels: dict[str, Any] = {}
+    kept = Channels(n, folder)
+    bodies = np.array([law.start + part.centre[0] for part in vehicle.bodies])
     law.follow(True)
     for begin in range(0, n, BLOCK):
         block = slice(begin, min(begin + BLOCK, n))
-        for name, values in _block(setup, law, motion, poses, places, block).items():
-            if name not in channels:
-                channels[name] = np.zeros((n, *values.shape[1:]))
-            channels[name][block] = values
+        found = with_derived(_block(setup, law, motion, poses, places, bodies, block))
+        kept.put(block, {name: typed(name, values) for name, values in found.items()})
+        let_go(motion.q)
     law.follow(False)
-    reference = channels["distance"]
+    channels: dict[str, Any] = dict(kept.arrays)
+    channels["distance"] = reference = np.asarray(channels["distance"])
     snapshots = choose_snapshots(setup, reference, _together(channels), motion.status == "stopped")
     strips = [StripRecorder(pair) for pair in law.wheels]
     out = np.zeros(law.size)
@@ -70,18 +76,17 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
         law(motion.times[sample], motion.q[sample], motion.q_t[sample], out)
         for recorder, elements in zip(strips, law.elements_of_contacts(), strict=True):
             recorder.store(elements)
-    kept = np.array(list(snapshots), dtype=int)
+    shown = np.array(list(snapshots), dtype=int)
     channels |= {
         "speed": np.linalg.norm(motion.q_t[:, body : body + 3], axis=1),
-        "snapshot_time": motion.times[kept],
-        "snapshot_distance": reference[kept],
+        "snapshot_time": motion.times[shown],
+        "snapshot_distance": reference[shown],
         "snapshot_label": np.array(list(snapshots.values())),
         **stacked([recorder.channels() for recorder in strips]),
     }
     coords: dict[str, Any] = {"time": motion.times, "wheelset": [m.name for m in vehicle.wheelsets]}
     if vehicle.bodies:
         coords["body"] = [body.name for body in vehicle.bodies]
-        channels |= body_channels(law, motion.q, motion.q_t)
     if vehicle.points:
         coords["point"] = [point.name for point in vehicle.points]
         channels["point_level"] = np.array([level_of(vehicle, point.body) for point in vehicle.points])
@@ -102,9 +107,13 @@ def result_of(setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events
 
 
 def _block(
-    setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, poses: list[TrackPoses], places: Array, block: slice
-) -> dict[str, Array]:
-    """Channels of some samples of a motion, the sample first. A long run fills memory: raw contacts do not stay."""
+    setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, poses: list[TrackPoses], places: Array, bodies: Array,
+    block: slice,
+) -> dict[str, Array]:  # fmt: skip
+    """Channels of some samples of a motion, the sample first. A long run fills memory: raw contacts do not stay.
+
+    bodies: see `body_channels`.
+    """
     vehicle, track = law.vehicle, setup.track
     times, q, q_t = motion.times[block], motion.q[block], motion.q_t[block]
     n, count, out = len(times), len(vehicle.wheelsets), np.zeros(law.size)
@@ -147,6 +156,8 @@ def _block(
     ]
     found = {name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]}
     found |= {"distance": reference, "drive_force": drive, **guide_channels(law, times, records)}
+    if vehicle.bodies:
+        found |= body_channels(law, q, q_t, bodies)
     if vehicle.points:
         found |= {f"point_a{axis}": accelerations[:, :, k] for k, axis in enumerate("xyz")}
     if vehicle.elements:
@@ -216,9 +227,9 @@ def choose_snapshots(setup: Setup[RunPlan], distance: Array, wheel: dict[str, Ar
     return dict(sorted(chosen.items()))
 
 
-def _together(channels: dict[str, Array]) -> dict[str, Array]:
+def _together(channels: Mapping[str, Any]) -> dict[str, Array]:
     """Y and Q (samples, 2) of the wheelset that has the largest Y/Q on either side, sample by sample."""
-    y, q = channels["Y"], channels["Q"]
+    y, q = np.asarray(channels["Y"]), np.asarray(channels["Q"])
     quotient = np.divide(y, q, out=np.full(q.shape, -np.inf), where=q > 1.0)
     worst = np.argmax(quotient, axis=1)[:, None]
     return {name: np.take_along_axis(v, worst, axis=1)[:, 0] for name, v in (("Y", y), ("Q", q))}

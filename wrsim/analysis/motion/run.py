@@ -89,7 +89,7 @@ def run_in_time(
             segment=SEGMENT if setup.contact.fast() == setup.contact else SEGMENT_EXACT, progress=progress,
             recorder=recorder,
         )  # fmt: skip
-    return result_of(setup, law, motion, monitor.events())
+    return result_of(setup, law, motion, monitor.events(), None if record is None else record.path.parent)
 
 
 def recorded_run(setup: Setup[RunPlan], path: Path) -> Result:
@@ -99,7 +99,7 @@ def recorded_run(setup: Setup[RunPlan], path: Path) -> Result:
     """
     law = force_law(setup)
     monitor = Monitor(law, setup.plan.speed)
-    return result_of(setup, law, recorded_motion(path, monitor), monitor.events())
+    return result_of(setup, law, recorded_motion(path, monitor), monitor.events(), path.parent)
 
 
 def refuse_step(setup: Setup[RunPlan]) -> None:

@@ -1,0 +1,98 @@
+"""The numbers of a long run stand on disk: the same numbers, the same files, and memory that does not go with them."""
+
+from __future__ import annotations
+
+import importlib
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.runs import FAST, LEADING, setup_of, straight
+
+from wrsim.analysis.motion import result as motion_result
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.monitor import Monitor
+from wrsim.analysis.motion.result import result_of
+from wrsim.analysis.motion.run import recorded_run
+from wrsim.results import Result, room, write_run
+from wrsim.results import result as results
+from wrsim.results.tables import write_table
+from wrsim.scenario.build import Setup
+from wrsim.simulation.integrate import Motion, integrate, recorded_motion
+from wrsim.simulation.recorder import FileRecorder
+from wrsim.simulation.state import design_state
+from wrsim.simulation.system import System
+
+
+def at_most(monkeypatch: pytest.MonkeyPatch, size: int) -> None:
+    """So many bytes may stand in memory; files are written and read in larger pieces."""
+    monkeypatch.setattr(room, "LARGE", size)
+    monkeypatch.setattr(results, "LARGE", max(size, 200_000))
+
+
+@pytest.fixture(scope="module")
+def setup() -> Setup:
+    return setup_of([straight(6.0)], 20.0, LEADING, values=FAST)
+
+
+@pytest.fixture
+def record(setup: Setup, tmp_path: Path) -> Path:
+    """The file of a short run."""
+    law = force_law(setup)
+    q, q_t = design_state(law, lateral=1e-3)
+    path = tmp_path / "result.nc.part"
+    recorder = FileRecorder.create(path, {"step_s": 1e-3, "start_s": 0.0, "integrator": "generalised-alpha"}, law.size)
+    system = System(law.bodies, law, law.dampers)
+    monitor = Monitor(law, 20.0, system.work)
+    integrate(system, q, q_t, duration=0.1, step=1e-3, recorder=recorder, monitor=monitor)
+    recorder.close()
+    return path
+
+
+def test_a_result_on_disk_is_the_one_in_memory(
+    setup: Setup, record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    at_most(monkeypatch, 10**9)
+    in_memory = recorded_run(setup, record)
+    tables = {f.name: f.read_bytes() for f in write_run(in_memory, tmp_path / "memory") if f.suffix != ".nc"}
+    at_most(monkeypatch, 1000)
+    on_disk = recorded_run(setup, record)
+    assert on_disk.dataset.identical(in_memory.dataset)
+    assert tables == {f.name: f.read_bytes() for f in write_run(on_disk, tmp_path / "disk") if f.suffix != ".nc"}
+    read = Result.load(tmp_path / "disk")
+    assert read.dataset.identical(in_memory.dataset)
+    for dataset in (on_disk.dataset, read.dataset):  # reading has left nothing in memory
+        assert not any(isinstance(dataset[name].variable._data, np.ndarray) for name in ("Y", "p0", "sum_Y", "n_patches"))
+    twice = Result.load(on_disk.save(tmp_path / "again.nc"))
+    assert twice.dataset.identical(read.dataset)
+    assert (tmp_path / "again.nc").read_bytes() == (tmp_path / "disk/result.nc").read_bytes()
+    assert not [p for p in tmp_path.rglob("*") if p.name.startswith(".")]
+
+
+def test_memory_does_not_go_with_the_length_of_a_run(
+    setup: Setup, record: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """While the result is put together, saved, read, and its tables are written."""
+    at_most(monkeypatch, 1000)
+    one = recorded_motion(record)
+
+    def largest(parts: int) -> tuple[int, int]:
+        """Memory [bytes], and size of the result."""
+        law = force_law(setup)
+        rows = [np.tile(a, (parts, 1)) for a in (one.q, one.q_t)]
+        motion = Motion(1e-3 * np.arange(len(rows[0])), *rows, one.step, "completed")
+        tracemalloc.start()
+        result = result_of(setup, law, motion, [], tmp_path)
+        write_table(result.dataset, "patches", tmp_path / "patches.csv")
+        size = Result.load(result.save(tmp_path / "result.nc")).dataset.nbytes
+        found = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return found, size
+
+    monkeypatch.setattr(motion_result, "BLOCK", 100)
+    monkeypatch.setattr("wrsim.results.files._ROWS", 100)
+    monkeypatch.setattr(importlib.import_module("wrsim.results.tables"), "BLOCK", 100)
+    largest(1)  # what is made once
+    (less, small), (more, large) = largest(3), largest(9)
+    assert more - less < 0.15 * (large - small)
