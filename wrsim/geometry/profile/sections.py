@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -131,8 +132,15 @@ def arc_between(u: float, w: float, radius: float, upper: bool, start: float, en
 def profile_from_sections(name: str, kind: Kind, sections: Sequence[Section], source: str = "") -> Profile:
     """Join sections, given in the order of increasing u, to a profile.
 
+    The same sections give the same object: both wheels of an axle, and what is built again, share its tables.
     Raises InputError where sections do not meet (over 1 um apart) or meet in a corner (over 0.1 mrad).
     """
+    return _joined(name, kind, tuple(sections), source)
+
+
+@lru_cache(maxsize=64)
+def _joined(name: str, kind: Kind, sections: tuple[Section, ...], source: str) -> Profile:
+    """See `profile_from_sections`."""
     ends = [s.evaluate(np.array([s.start, s.end])) for s in sections]
     speed = [np.hypot(v[:, 0], v[:, 1]) for _, v, _ in ends]
     # Half of each join's disagreement, to be added to both neighbours: position, and direction per length.
