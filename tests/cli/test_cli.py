@@ -162,6 +162,7 @@ def test_results_go_to_a_folder_named_after_the_scenario_unless_told(
     assert (tmp_path / "results/curve/result.nc").is_file()
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_a_run_that_stops_keeps_what_was_computed_and_says_why(
     scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -257,6 +258,7 @@ def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_plot_draws_the_standard_pictures_beside_the_result(run_folder: Path) -> None:
     result = call("plot", run_folder / "result.nc")
     assert result.exit_code == 0, result.output

@@ -13,7 +13,6 @@ from support.synthetic_result import curve_run
 from typer.testing import CliRunner
 
 import wrsim.analysis
-import wrsim.plots
 from wrsim.cli import app
 from wrsim.cli.storing import OUTPUTS
 from wrsim.errors import InputError
@@ -37,8 +36,8 @@ def scenario(tmp_path: Path) -> Path:
 
 
 @pytest.fixture(autouse=True)
-def analysed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """A synthetic run and two cheap pictures in the place of the real ones; the list gains a title for every run."""
+def analysed(monkeypatch: pytest.MonkeyPatch, unpainted: None) -> list[str]:
+    """A synthetic run in the place of the real ones; the list gains a title for every run."""
     runs: list[str] = []
 
     def run(scenario: Any, progress: Any = None, record: Any = None, resume: bool = False, setup: Any = None) -> Result:
@@ -47,11 +46,7 @@ def analysed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         dataset.attrs["scenario_text"] = scenario.text
         return Result(dataset)
 
-    def draw(dataset: Any, directory: Path) -> list[Path]:
-        return [write_atomically(directory / f"{name}.png", name.encode()) for name in ("overview", "forces")]
-
     monkeypatch.setattr(wrsim.analysis, "run", run, raising=False)
-    monkeypatch.setattr(wrsim.plots, "standard_pictures", draw)
     return runs
 
 

@@ -133,12 +133,12 @@ def test_klingel_wavelength_with_roll_coupling(exact):
     speed = 2.0  # slow: inertia shortens nothing
     system = wheelset_on_edges(example_wheelset(spring=0.0), speed, law=law)
     motion = integrate(
-        system, *rolling(speed, law, lateral=1e-3), duration=25.0, step=2e-4, integrator="rk44", sample_interval=0.02
+        system, *rolling(speed, law, lateral=1e-3), duration=12.0, step=2e-4, integrator="rk44", sample_interval=0.02
     )
     crossings = np.flatnonzero(np.diff(np.sign(motion.q[:, 2])))
     y, x = motion.q[:, 2], motion.q[:, 1]
     zeros = [x[i] - y[i] * (x[i + 1] - x[i]) / (y[i + 1] - y[i]) for i in crossings]
-    assert len(zeros) >= 5
+    assert len(zeros) >= 3
     wavelength = 2 * (zeros[-1] - zeros[0]) / (len(zeros) - 1)
     assert wavelength == pytest.approx(law.wavelength, rel=2e-3)
 
@@ -240,16 +240,16 @@ def test_a_wheelset_rolls_through_more_than_a_full_circle():
 
 def test_a_bouncing_wheelset_keeps_its_energy():
     # Hertz springs alone: no damping, no creep; the vertical frequency is some 220 Hz and h = 2e-5 s resolves it.
-    # RK44 loses energy at a steady rate: 1e-5 in 10 s is asked, 4 s are run
+    # RK44 loses energy at a steady rate: 1e-5 in 10 s is asked, 1 s is run
     law = KnifeEdge(damping=0.0, creep=0.0)
     system = wheelset_on_edges(example_wheelset(spring=0.0), 10.0, law=law)
     q, q_t = rolling(10.0)
     q[0] += 2e-5
     q_t[1] = q_t[5] = 0.0  # nothing but the bounce: the energy below is that of the vibration
-    motion = integrate(system, q, q_t, duration=4.0, step=2e-5, integrator="rk44", sample_interval=1e-2)
+    motion = integrate(system, q, q_t, duration=1.0, step=2e-5, integrator="rk44", sample_interval=1e-2)
     gamma = np.arctan(law.conicity)
     depth = np.maximum((law.radius - motion.q[:, 0]) * np.cos(gamma), 0.0)
     spring = 2 * 0.4 * law.hertz * depth**2.5
     energy = spring + 100e3 * motion.q[:, 0] + 0.5 * 1500.0 * motion.q_t[:, 0] ** 2
     rest = 2 * 0.4 * law.hertz * law.approach(50e3) ** 2.5 + 100e3 * rest_height(law)
-    assert np.abs(energy - energy[0]).max() < 0.4e-5 * (energy[0] - rest)
+    assert np.abs(energy - energy[0]).max() < 0.1e-5 * (energy[0] - rest)
