@@ -4,7 +4,8 @@ Numbers of shipped scenarios and of their vehicles are changed, by factors from 
 checks accept runs for three metres from a random place. At every sample all numbers of the contacts must be finite,
 normal forces must not pull, no strip may pull more than mu N, creep must dissipate on every patch, and the work of all
 contacts on the vehicle since the start must not exceed what their springs held then. Runs without a steady start, runs
-that stop (a derailment), and those that take more than 30 s of processor time are counted beside.
+that stop (a derailment), and those that take more than 30 s of processor time are counted beside. Ctrl-C ends the
+count and tells what there is.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
-from hostile import TooSlow
+from hostile import TooSlow, until_ctrl_c
 
 from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.monitor import Monitor
@@ -158,11 +159,9 @@ def counted(number: int, rng: random.Random) -> tuple[dict[str, int], int]:
             shutil.copytree(ROOT / part, folder / part)
         plain = load(ROOT / "scenarios/curve_r300.toml")
         went(build(plain.with_values(COARSE)))  # kernels that are compiled now take their time outside of the limit
-        while sum(ends.values()) < number:
-            setup = accepted(folder, rng)
-            if setup is None:
+        for _ in until_ctrl_c(number):
+            while (setup := accepted(folder, rng)) is None:
                 refused += 1
-                continue
             signal.setitimer(signal.ITIMER_VIRTUAL, LONGEST)
             try:
                 end, problems = went(setup)
@@ -191,7 +190,7 @@ def main() -> None:
     ends, refused = counted(options.number, random.Random(options.seed))
     print(", ".join(f"{word} {number}" for word, number in ends.items()) + f"; refused on the way: {refused}")
     if options.json:
-        print(json.dumps({"accepted": {"runs": options.number, **ends, "refused": refused}}))
+        print(json.dumps({"accepted": {"runs": sum(ends.values()) - ends["broken"], **ends, "refused": refused}}))
 
 
 if __name__ == "__main__":

@@ -18,6 +18,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from hostile import until_ctrl_c
+
 from wrsim.analysis import run
 from wrsim.cli.storing import read
 from wrsim.errors import InputError
@@ -100,7 +102,7 @@ def counted(number: int, rng: random.Random, folder: Path) -> Counter[str]:
     rows = {float(t): q.tobytes() + v.tobytes() for t, q, v in zip(motion.times, motion.q, motion.q_t, strict=True)}
     contents = (folder / "whole.nc").read_bytes(), record.read_bytes()
     answers: Counter[str] = Counter()
-    for i in range(number):
+    for i in until_ctrl_c(number):
         part = i % 2
         content = corrupted(contents[part], rng)
         copy = path.with_suffix(".nc.part" if part else ".nc")
@@ -131,7 +133,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         answers = counted(options.number, random.Random(options.seed), Path(name))
     good = {"refused": answers["refused"], "read_the_same": answers["read, the same numbers"]}
-    counts = {"files": options.number, **good, "wrong": options.number - sum(good.values())}
+    number = sum(answers.values())
+    counts = {"files": number, **good, "wrong": number - sum(good.values())}
     print(", ".join(f"{word.replace('_', ' ')} {number}" for word, number in counts.items()))
     if options.json:
         print(json.dumps({"corrupted": counts}))

@@ -2,7 +2,8 @@
 
 Takes N (default 1000) mutants of the shipped files, some bytes, lines, numbers or words changed in each, and checks
 each as ``wrsim check`` does. Counts what must not be: an answer other than "valid" or an InputError, a message that
-does not name a file, an answer that takes more than 20 s of processor time. ``--seed`` begins elsewhere.
+does not name a file, an answer that takes more than 20 s of processor time. ``--seed`` begins elsewhere; Ctrl-C ends
+the count and tells what there is.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import tempfile
 import time
 import traceback
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 from wrsim.errors import InputError
@@ -127,6 +129,19 @@ def check(folder: Path, file: Path, content: bytes) -> str:
         copy.write_bytes(original)
 
 
+def until_ctrl_c(number: int) -> Iterator[int]:
+    """Numbers from 0 on, fewer if Ctrl-C comes first; the one under way is finished."""
+    asked = []
+    before = signal.signal(signal.SIGINT, lambda *_: asked.append(True))
+    try:
+        for i in range(number):
+            if asked:
+                return
+            yield i
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def counted(number: int, rng: random.Random) -> tuple[Counter[str], float]:
     """What became of so many mutants, and the longest processor time of an answer [s]."""
     files = [sorted(ROOT.glob(kind)) for kind in KINDS]
@@ -136,7 +151,7 @@ def counted(number: int, rng: random.Random) -> tuple[Counter[str], float]:
         folder = Path(name)
         for part in ("models", "scenarios"):
             shutil.copytree(ROOT / part, folder / part)
-        for i in range(number):
+        for i in until_ctrl_c(number):
             file = rng.choice(files[i % len(files)])
             content = mutated(file.read_bytes(), rng)
             began = time.process_time()
@@ -158,11 +173,12 @@ def main() -> None:
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     answers, slowest = counted(options.number, random.Random(options.seed))
+    number = sum(answers.values())
     wrong = sum(n for answer, n in answers.items() if answer not in ("valid", "refused"))
-    print(f"{options.number} mutants: {answers['valid']} valid, {answers['refused']} refused, {wrong} wrong answers; "
+    print(f"{number} mutants: {answers['valid']} valid, {answers['refused']} refused, {wrong} wrong answers; "
           f"slowest {slowest:.1f} s")  # fmt: skip
     if options.json:
-        counts = {"mutants": options.number, "valid": answers["valid"], "refused": answers["refused"], "wrong": wrong}
+        counts = {"mutants": number, "valid": answers["valid"], "refused": answers["refused"], "wrong": wrong}
         print(json.dumps({"hostile": counts | {"slowest_s": slowest}}))
 
 

@@ -21,6 +21,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from hostile import until_ctrl_c
+
 from wrsim.cli import main as command
 from wrsim.errors import InputError
 from wrsim.results import Result
@@ -146,7 +148,9 @@ def counted(folder: Path, kills: int, rng: random.Random) -> dict[str, int | flo
         ("kills", "runs", "broken_files", "other_ends", "different_files"), 0
     )
     stages = dict.fromkeys(("start-up", "steps", "tables", "pictures"), 0)
-    while counts["kills"] < kills:
+    for _ in until_ctrl_c(10 * kills):
+        if counts["kills"] >= kills:
+            break
         out = folder / f"out{counts['runs']}"
         arguments = ["run", str(scenario), "-o", str(out), "-q", "--resume"]
         while True:

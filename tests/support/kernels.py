@@ -87,17 +87,17 @@ def contact_cases() -> dict[str, list[float]]:
     found["three flexibilities, one lobe"] = lowered(plain, *PLACES[1])
     found["outline"] = list(wheel_outline(WheelOnRail(plain, 1, 0.75, (0.0, 0.0))).ravel())
     for lateral, yaw in PLACES:
-        model = pair_model(PAIR, normal="strips", **SMALL | {"strips": 12})
+        model = pair_model(PAIR, normal="strips", **SMALL | {"strips": 8})
         model.arrays.follow(True)
         for depth in (1e-4, 1.1e-4, 4e-5):
             found[f"strips {lateral:g} {depth:g}"] = lowered(model, lateral, yaw, depth)
     # a lobe leaves the contact, another one widens
-    model = pair_model("S1002/60E1 1:20", normal="strips", **SMALL | {"strips": 12})
+    model = pair_model("S1002/60E1 1:20", normal="strips", **SMALL | {"strips": 8})
     model.arrays.follow(True)
     for lateral, depth in ((6e-3, 1e-4), (6.15e-3, 2e-5)):
         found[f"lobes change {lateral:g}"] = lowered(model, lateral, 0.002, depth)
     found["strips, not at once"] = _unsettled(model)
-    coarse = HalfSpaceSettings(resolution=8, tolerance=1e-9)
+    coarse = HalfSpaceSettings(resolution=6, tolerance=1e-9)
     level = replace(coarse, pairing="level", influence="angle-corrected")
     for name, settings, tangential, rail in (
         ("exact", coarse, "half-space", Material()),
