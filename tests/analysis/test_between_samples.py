@@ -36,14 +36,15 @@ def test_a_force_between_samples_is_that_of_finer_samples() -> None:
 
 
 def test_what_was_seen_between_samples_survives_an_interrupted_run() -> None:
-    models = [SimpleNamespace(arrays=SimpleNamespace(total={"Fb": 0.0})) for _ in range(2)]
+    totals = [{"Fb": np.zeros(1)} for _ in range(2)]
+    models = [SimpleNamespace(arrays=SimpleNamespace(rows=SimpleNamespace(total=total))) for total in totals]
     whole, first, second = (Between(models) for _ in range(3))  # type: ignore[arg-type]
     signal = 1e3 * np.random.default_rng(3).standard_normal((40, 2))
 
     def go(between: Between, steps: range) -> None:
         for k in steps:
-            for model, value in zip(models, signal[k], strict=True):
-                model.arrays.total["Fb"] = value
+            for total, value in zip(totals, signal[k], strict=True):
+                total["Fb"][:] = value
             between.step(1e-3 * k, 2e-2 * k, k % 7 == 0)
 
     go(whole, range(40))

@@ -158,6 +158,8 @@ class KernelArrays:
         self.patches: Records = self.rows.patches
         self.strips: Records = self.rows.strips
         self.total: Any = self.rows.total[0]
+        # views of one number each: a run reads them after every step
+        self._status, self._substitutes = self.rows.total["status"], self.rows.memo["substitutes"]
 
     @property
     def force(self) -> Array:
@@ -181,12 +183,12 @@ class KernelArrays:
     @property
     def status(self) -> int:
         """Status of the contact found last, see `wrsim.contact.status`."""
-        return int(self.total.status)
+        return self._status.item()
 
     @property
     def substitutes(self) -> int:
         """Calls so far in which the strip model was not solved and a substitute stood for it."""
-        return int(self.rows.memo["substitutes"][0])
+        return self._substitutes.item()
 
     def follow(self, on: bool) -> None:
         """From now on the strip model starts from the contact asked for last (in runs), or afresh each time.

@@ -37,28 +37,29 @@ class Between:
     """Looks at the forces after every step, as the law has computed them last; costs no evaluation."""
 
     def __init__(self, wheels: Sequence[ContactModel]) -> None:
-        self.totals = [model.arrays.total for model in wheels]
-        n = len(self.totals)
+        self.forces = [model.arrays.rows.total["Fb"] for model in wheels]
+        n = len(self.forces)
         self.sample, self.sampled = np.zeros(n), False
-        self.steps: list[Array] = []
+        self.steps: list[list[float]] = []
         """Rows (time, distance, forces) of the steps since the last sample."""
         self.worst = np.zeros((n, 4))
         """Of every wheel: beyond the samples by, force, time, distance."""
 
     def step(self, t: float, distance: float, sampled: bool) -> None:
         """After a step at time t [s]; sampled: whether its state is kept."""
-        forces = np.array([float(total["Fb"]) for total in self.totals])
+        row = [force.item() for force in self.forces]
         if not sampled:
-            self.steps.append(np.concatenate(([t, distance], forces)))
+            self.steps.append([t, distance, *row])
             return
+        forces = np.array(row)
         if self.steps and self.sampled:
-            rows = np.stack(self.steps)
+            rows = np.array(self.steps)
             high, low = np.maximum(self.sample, forces), np.minimum(self.sample, forces)
             beyond = np.maximum(rows[:, 2:] - high, low - rows[:, 2:])
             at = np.argmax(beyond, axis=0)
             for i in np.flatnonzero(beyond.max(axis=0) > self.worst[:, 0]):
-                row = rows[at[i]]
-                self.worst[i] = beyond[at[i], i], row[2 + i], row[0], row[1]
+                place = rows[at[i]]
+                self.worst[i] = beyond[at[i], i], place[2 + i], place[0], place[1]
         self.steps.clear()
         self.sample, self.sampled = forces, True
 
@@ -72,7 +73,7 @@ class Between:
 
     def memory(self) -> Array:
         """See ``simulation.recorder.Remembers``."""
-        rows = np.stack(self.steps).ravel() if self.steps else np.zeros(0)
+        rows = np.ravel(self.steps)
         return np.concatenate([[float(len(self.steps)), float(self.sampled)], self.sample, self.worst.ravel(), rows])
 
     def recall(self, memory: Array) -> None:
@@ -80,4 +81,4 @@ class Between:
         count, n = int(memory[0]), self.sample.size
         self.sampled, self.sample, rest = bool(memory[1]), memory[2 : 2 + n].copy(), memory[2 + n :]
         self.worst = rest[: 4 * n].reshape(n, 4).copy()
-        self.steps = list(rest[4 * n :].reshape(count, 2 + n).copy()) if count else []
+        self.steps = rest[4 * n :].reshape(count, 2 + n).tolist()

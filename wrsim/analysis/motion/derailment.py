@@ -36,11 +36,13 @@ class Wheel:
         self.tip = flange_tip(wheel.model.wheel)
         self.face = gauge_face(wheel.model.rail)
         self.level = self.model.radius + self.model.rail.top[1]  # height of the axle on the rail's highest point
+        rows = wheel.model.arrays.rows
+        self._lobes, self._closest, self._N = rows.total["lobes"], rows.total["closest"], rows.patches["N"]
 
     def off_the_rail(self) -> OffRail | None:
         """How the wheel has left its rail, if it has."""
         pose = self.model.arrays.pose
-        height = float(pose[2]) - self.level
+        height = pose.item(2) - self.level
         if height < -DROP:
             return OffRail(self.wheelset, self.side, "dropped")
         if self.tip is not None and self._outward(pose, self.tip) > self.face:
@@ -55,18 +57,17 @@ class Wheel:
     @property
     def depth(self) -> float:
         """Largest overlap with the rail [m]."""
-        return -float(self.model.arrays.total["closest"])
+        return -self._closest.item()
 
     @property
     def in_contact(self) -> bool:
         """True if any patch carries a force."""
-        a = self.model.arrays
-        return bool(np.any(a.patches["N"][: int(a.total["lobes"])] > 0.0))
+        return any(self._N.item(i) > 0.0 for i in range(self._lobes.item()))
 
     def _outward(self, pose: Array, point: tuple[float, float]) -> float:
         """Outward coordinate o [m], in the rail's axes, of a point (u, w) of the wheel profile, below the axle."""
         u, w = point
-        return float(pose[1] + u * pose[4] + (self.model.radius - w) * pose[5])
+        return pose.item(1) + u * pose.item(4) + (self.model.radius - w) * pose.item(5)
 
 
 def wheels_of(law: VehicleOnTrack) -> list[Wheel]:

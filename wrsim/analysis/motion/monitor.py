@@ -86,11 +86,14 @@ class Monitor:
         self.law.at(t, q, q_t)
         distance = self.law.distance
         ending: OffRail | Overlap | None = None
+        too_deep = 0
         for i, wheel in enumerate(self.wheels):
             ending = ending or self._look_at(i, wheel, t, distance)
-            said = wheel.status & ~STATUS_TOO_DEEP
-            if wheel.model.arrays.substitutes > self.substitutes[i]:  # also between two looks
-                self.substitutes[i] = wheel.model.arrays.substitutes
+            status, substitutes = wheel.status, wheel.model.arrays.substitutes
+            too_deep |= status & STATUS_TOO_DEEP
+            said = status & ~STATUS_TOO_DEEP
+            if substitutes > self.substitutes.item(i):  # also between two looks
+                self.substitutes[i] = substitutes
                 said |= STATUS_UNSETTLED
             for bit in bits_of(said):
                 self._note(bit, i, t, distance)
@@ -103,7 +106,7 @@ class Monitor:
         else:
             self.cut_looks = 0
         self.cut_steps = self.work.cut_steps
-        if any(wheel.status & STATUS_TOO_DEEP for wheel in self.wheels):
+        if too_deep:
             ending = ending or overlap(self.wheels)
         return ending
 
