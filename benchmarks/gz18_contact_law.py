@@ -32,6 +32,7 @@ from wrsim.core.contact.tangential.flexibility import kalker_coefficients
 from wrsim.core.linalg import Vec
 from wrsim.core.track.path import frame
 from wrsim.scenario.build import build
+from wrsim.simulation.force_law import Block
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.placement import TrackPoses, poses_on_track
@@ -39,10 +40,10 @@ from wrsim.simulation.state import Equilibrium
 from wrsim.simulation.system import Array
 
 VARIANTS: dict[str, dict[str, Any]] = {
-    "Kik-Piotrowski, FASTSIM": {},
-    "the same, friction 0.3 that does not fall": {"contact.friction": 0.3},
-    "Kik-Piotrowski, FaStrip": {"contact.tangential": "fastrip"},
-    "strips, FaStrip": {"contact.normal": "strips", "contact.strips": 20, "contact.tangential": "fastrip"},
+    "Kik-Piotrowski, FASTSIM": {"contact.normal": "kik-piotrowski"},
+    "the same, friction 0.3 that does not fall": {"contact.normal": "kik-piotrowski", "contact.friction": 0.3},
+    "Kik-Piotrowski, FaStrip": {"contact.normal": "kik-piotrowski", "contact.tangential": "fastrip"},
+    "strips, FaStrip": {"contact.normal": "strips"},
 }
 """What the modes are told of, beside the contact of the other codes."""
 
@@ -194,6 +195,10 @@ class EquivalentElasticOnTrack(VehicleOnTrack):
         for w in range(len(self.wheels)):
             self._exchange(w, q, q_t, out)
         return status
+
+    def blocks(self) -> list[Block]:
+        """See ``HasBlocks``: derivatives are those of their contact as well."""
+        return [Block.full(self, self.size)]
 
     def _exchange(self, w: int, q: Array, q_t: Array, out: Array) -> None:
         own = slice(6 * w, 6 * w + 6)

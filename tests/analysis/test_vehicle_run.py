@@ -103,7 +103,7 @@ def test_driven_axles_hold_the_speed_as_a_pull_does() -> None:
 def test_steady_motion_in_a_curve_is_where_a_long_run_into_it_ends() -> None:
     curve = {"kind": "arc", "radius_m": 1500.0, "length_m": 200.0, "cant_mm": 60.0}
     keys = {"track.segments": [curve], "vehicle.speed_kmh": 110.0, "run.start_distance_m": 100.0}
-    setup = build(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | keys | {"contact.strips": 20}))
+    setup = build(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | keys))
     law = force_law(setup)
     out = np.zeros(law.size)
 
