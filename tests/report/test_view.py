@@ -19,7 +19,10 @@ from typer.testing import CliRunner
 
 from wrsim.analysis import run
 from wrsim.analysis.moments_along import with_moments
+from wrsim.analysis.motion.derailment import Wheel
 from wrsim.cli import app
+from wrsim.contact.status import WORDS
+from wrsim.core.contact.records import STATUS_UNSETTLED
 from wrsim.errors import InputError
 from wrsim.report import report_page
 from wrsim.report.view import setup_of, view_page
@@ -86,6 +89,20 @@ def test_pressures_between_the_kept_moments_are_those_of_the_samples(coach: Resu
     # p0 is that between the middles of strips, up to some 2 % above the largest of them
     ratio = again[np.isfinite(p0)] / p0[np.isfinite(p0)]
     assert ratio.min() > 0.98 and ratio.max() < 1.003
+
+
+def test_what_contacts_solved_again_have_to_say_stands_among_the_notes(
+    coach: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    setup, _ = setup_of(coach, Path())
+    assert setup is not None
+    assert with_moments(coach.dataset, setup, [40]).attrs["contact_remark"] == ""
+    monkeypatch.setattr(Wheel, "status", property(lambda wheel: STATUS_UNSETTLED * (wheel.wheelset == "front.outer")))
+    monkeypatch.setattr("wrsim.report.view_data.SECTIONS", 2)
+    (note,) = view_data(coach, setup)["notes"]
+    assert f"the left wheel of wheelset front.outer: {WORDS[STATUS_UNSETTLED]} (at " in note
+    assert re.fullmatch(r"Contacts that are drawn: .* places\)", note)
+    assert "rear" not in note
 
 
 def test_packing_keeps_numbers() -> None:

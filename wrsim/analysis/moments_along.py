@@ -7,14 +7,17 @@ they act through the contact damping alone, some thousandths of the force.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.analysis.motion.derailment import wheels_of
 from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.result import stacked
+from wrsim.analysis.motion.words import contact_words
 from wrsim.contact.channels import StripRecorder
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import CHANNELS
@@ -35,6 +38,8 @@ RAILS = ("rail_displacement_y", "rail_displacement_z")
 def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[int]) -> xr.Dataset:
     """The dataset of a run whose kept moments are these samples, all of them solved again.
 
+    Its attribute ``contact_remark`` says what the contacts have to say and at how many of the moments; empty when all
+    is well.
     Raises InputError when the result does not hold what is needed, belongs to another vehicle, or was solved by the
     exact solver, which takes too long for this.
     """
@@ -51,6 +56,7 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
     columns = {name: dataset[name].transpose("time", "wheelset", ...).values for name in NEEDED}
     time, distance, speed = (dataset[name].values for name in ("time", "distance", "speed"))
     kept = []
+    said: Counter[str] = Counter()
     for i in samples:
         for w, mounted in enumerate(setup.vehicle.wheelsets):
             own = {name: float(values[i, w]) for name, values in columns.items()}
@@ -76,6 +82,8 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
             continue
         for recorder in recorders:
             recorder.store()
+        for wheel in wheels_of(law):
+            said.update(filter(None, [contact_words([(wheel, wheel.status)], setup.vehicle)]))
         kept.append(i)
     if not kept:
         raise InputError("no sample of the result has a place on the track of its scenario")
@@ -88,4 +96,5 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
     bare = dataset.drop_dims(
         [d for d in ("snapshot", "strip", "column", "axis", "rail_point", "wheel_point") if d in dataset.dims]
     )
-    return bare.assign(variables)
+    remarks = [f"{words} (at {count} of {len(kept)} places)" for words, count in said.items()]
+    return bare.assign(variables).assign_attrs(contact_remark="; ".join(remarks))

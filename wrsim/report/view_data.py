@@ -104,10 +104,13 @@ def _dense(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp]
     if "snapshot_time" in dataset:
         asked += [sample_of(dataset, m) for m in range(dataset.sizes["snapshot"])]
     try:
-        return with_moments(dataset, setup, sorted(set(asked)))
+        dense = with_moments(dataset, setup, sorted(set(asked)))
     except (InputError, SimulationError) as problem:
         notes.append(f"Contacts are shown at the kept moments only: {problem}")
         return dataset
+    if remark := dense.attrs["contact_remark"]:
+        notes.append(f"Contacts that are drawn: {remark}")
+    return dense
 
 
 def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
