@@ -132,7 +132,9 @@ def measured(folder: Path, kilometres: float) -> dict[str, Any]:
             *(a[: max(int(place * n), 2)] for a in (motion.times, motion.q, motion.q_t)), motion.step, "completed"
         )
         out = folder / f"{place:g}"
-        together[place], _ = in_a_child(lambda p=part, o=out: result_of(setup, law, p, []).save(o / "result.nc") and 0)
+        together[place], _ = in_a_child(
+            lambda p=part, o=out: result_of(setup, law, p, [], folder).save(o / "result.nc") and 0
+        )
         written[place], _ = in_a_child(lambda o=out: len(write_run(Result.load(o / "result.nc"), o)))
         disk[place] = sum(f.stat().st_size for f in out.iterdir()) / 1e6
     at = {place: f"{place * kilometres:g} km" for place in PLACES}
