@@ -246,7 +246,8 @@ def test_the_section_shows_both_outlines_and_the_patch_on_them(axes):
     cross_section_zoom(axes, dataset, where, pressure_scale(dataset))
     drawn = {line.get_gid(): line for line in axes.get_lines()}
     of_wheel = dataset.sel(wheel="left")
-    for part, values in (("rail", of_wheel), ("wheel", of_wheel.isel(pose=0))):
+    values = of_wheel.isel(pose=0)
+    for part in ("rail", "wheel"):
         np.testing.assert_allclose(drawn[part].get_xdata()[1:-1], values[f"{part}_profile_y"] * 1e3)
         np.testing.assert_allclose(drawn[part].get_ydata()[1:-1], values[f"{part}_profile_z"] * 1e3)
     (patch,) = [c for c in axes.collections if isinstance(c, QuadMesh)]

@@ -12,6 +12,7 @@ import pickle
 import pkgutil
 import sys
 from dataclasses import replace
+from math import sqrt
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -25,13 +26,15 @@ from wrsim.contact.channels import WheelOnRail, wheel_outline
 from wrsim.contact.conical import ConicalWheels
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
-from wrsim.contact.settings import Friction, HalfSpaceSettings, Material
+from wrsim.contact.settings import ContactSettings, Friction, HalfSpaceSettings, Material
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.core.contact.normal.elliptic import k_minus_e
 from wrsim.core.contact.strips.changes import leave
 from wrsim.core.contact.strips.records import FACTORS, System, X
 from wrsim.core.contact.strips.solution import solve, substitute
+from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.elasticity import RailElasticity
+from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.segments import Arc
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.bodies import mass_matrix, velocity_forces
@@ -108,6 +111,14 @@ def contact_cases() -> dict[str, list[float]]:
         choices = replace(model.settings, rail=rail)
         model = contact_model(model.wheel, model.rail, model.radius, choices, FRICTION)
         found[name] = lowered(model, *PLACES[0])
+    crown = circle("crown", "rail", 0.3, 0.003)
+    dip = RailSurface("dip", tuple(RailSection(s, crown.shifted(0.0, -0.02 * s)) for s in (0.0, 0.05)))
+    for normal in ("strips", "kik-piotrowski"):
+        settings = ContactSettings(normal=normal, strips=12)
+        model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, settings, FRICTION, dip)
+        found[f"rail of sections, {normal}"] = numbers(model.evaluate((0.0, 0.0, 0.4593), place=0.02))
+        yawed = model.evaluate((0.0, 1e-4, 0.4593), (-0.01, sqrt(1.0 - 1e-4), 0.0), place=0.021)
+        found[f"rail of sections, {normal}, yawed"] = numbers(yawed)
     found["integral"] = [k_minus_e(0.3, 0.7)]
     return found
 

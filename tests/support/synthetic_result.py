@@ -211,20 +211,14 @@ def _store(arrays: dict, i: int, j: int, patches: list[dict], yaw: float, shift:
     arrays["T_gamma"][i, j] = wear
 
 
-def _outlines(wheels: int) -> dict[str, np.ndarray]:
-    rail = rail_outline()[::10]
-    return {
-        "rail_profile_y": np.tile(rail[:, 0], (wheels, 1)),
-        "rail_profile_z": np.tile(rail[:, 1], (wheels, 1)),
-    }
-
-
 def _moments(keep: list[list[tuple[list[dict], np.ndarray]]]) -> dict[str, np.ndarray]:
     """Strip channels and outlines of (moment, wheel) pairs of patches and outline."""
     moments, wheels = len(keep), len(keep[0])
     arrays = {f"strip_{n}": np.full((moments, wheels, PATCHES, STRIPS), np.nan) for n in _STRIP_NAMES}
     points = wheel_outline()[::10].shape[0]
     arrays |= {f"wheel_profile_{n}": np.full((moments, wheels, points), np.nan) for n in "yz"}
+    rail = rail_outline()[::10]
+    arrays |= {f"rail_profile_{n}": np.tile(rail[:, i], (moments, wheels, 1)) for i, n in enumerate("yz")}
     for i, row in enumerate(keep):
         for j, (patches, outline) in enumerate(row):
             arrays["wheel_profile_y"][i, j], arrays["wheel_profile_z"][i, j] = outline[::10].T
@@ -264,7 +258,7 @@ def curve_run(samples: int = 200, stopped: bool = False, radius: float = 300.0) 
         if i in chosen:
             keep.append(row)
     first = slice(0, samples)
-    channels = arrays | _outlines(2) | _moments(keep) | {
+    channels = arrays | _moments(keep) | {
         "distance": distance[first],
         "speed": speed,
         "curvature": shape[first] / radius,
@@ -317,7 +311,7 @@ def static_poses(
                 _store(arrays, i, j, patches, side * yaw * 1e-3, side * shift * 1e-3, 0.0)
             row.append((patches, outline))
         keep.append(row)
-    channels = arrays | _outlines(len(wheels)) | _moments(keep) | {
+    channels = arrays | _moments(keep) | {
         "lateral_shift": np.array([y for y, _ in grid]) * 1e-3,
         "yaw": np.array([psi for _, psi in grid]) * 1e-3,
         "roll": 0.0,

@@ -23,8 +23,8 @@ def contact_models(
     wheelset = wheelset or setup.wheelset
     wheels = (wheelset.left, wheelset.right)
     left, right = (
-        contact_model(wheel.profile, rail, wheel.radius, settings, friction)
-        for wheel, rail, friction in zip(wheels, setup.rails, settings.friction, strict=True)
+        contact_model(wheel.profile, rail, wheel.radius, settings, friction, surface)
+        for wheel, rail, friction, surface in zip(wheels, setup.rails, settings.friction, setup.surfaces, strict=True)
     )
     return left, right
 

@@ -65,6 +65,10 @@ def resolve(
     own = with_contact_model(scenario, name)
     # no study runs with the exact solver, but its wheels can be looked at
     setup = replace(build(scenario), contact=own.spec.contact.settings())
+    if any(setup.surfaces):
+        raise InputError(
+            "its rails change along the track ([[track.rail_sections]]): their contacts are not solved again"
+        )
     dataset = result.wheelset(wheelset)
     names = [m.name for m in setup.vehicle.wheelsets]
     label = str(dataset["wheelset"].item())

@@ -215,7 +215,7 @@ class StripRecorder:
             raw.store(0, i, wheel.model)
             count = int(a.total.lobes)
             strips.append([a.strips[j, : a.patches[j].n_strips].copy() for j in range(count)])
-        outlines = np.stack([wheel_outline(w) for w in self.wheels])
+        outlines = np.stack([np.concatenate((wheel_outline(w), rail_outline(w))) for w in self.wheels])
         poses = np.stack([w.model.arrays.pose for w in self.wheels])
         kept = [list(e) for e in elements] if len(self.moments) < MOST_FIELDS else []
         self.moments.append(_Moment(raw, strips, outlines, poses, kept))
@@ -229,10 +229,8 @@ class StripRecorder:
 
     def channels(self) -> dict[str, Array]:
         """Strip channels (moment, wheel, patch, strip) and outlines for drawing."""
-        rails = [w.model.rail.at(np.linspace(0.0, w.model.rail.length, OUTLINE_POINTS)) for w in self.wheels]
-        result = {"rail_profile_y": np.stack([r[0] for r in rails]), "rail_profile_z": np.stack([r[1] for r in rails])}
         if not self.moments:
-            return result
+            return {}
         patches = self.wheels[0].model.arrays.patches.shape[0]
         rows = [
             [[_joined(m.raw, lobes, i, j) for j in range(patches)] for i, lobes in enumerate(m.strips)]
@@ -245,10 +243,10 @@ class StripRecorder:
             for i, wheel_rows in enumerate(moment):
                 for j, r in enumerate(wheel_rows):
                     table[m, i, j, : len(r)] = r
-        result |= {name: table[column] for name, column in _STRIP_CHANNELS.items()}
+        result = {name: table[column] for name, column in _STRIP_CHANNELS.items()}
         result["strip_angle"] = np.arctan2(-table["no"], table["nb"])
-        result["wheel_profile_y"] = np.stack([m.outlines[:, 0] for m in self.moments])
-        result["wheel_profile_z"] = np.stack([m.outlines[:, 1] for m in self.moments])
+        for i, name in enumerate(("wheel_profile_y", "wheel_profile_z", "rail_profile_y", "rail_profile_z")):
+            result[name] = np.stack([m.outlines[:, i] for m in self.moments])
         poses = np.stack([m.poses for m in self.moments])
         result |= {name: poses[..., at : at + 3] for name, at in POSE_CHANNELS.items()}
         return result | self._elements(table.shape)
@@ -294,3 +292,11 @@ def wheel_outline(wheel: WheelOnRail) -> Array:
     out = np.empty((2, OUTLINE_POINTS))
     outline(a.wheel, a.settings.wheel_step, a.settings.radius, a.pose, arc, out)
     return out
+
+
+def rail_outline(wheel: WheelOnRail) -> Array:
+    """The rail's section (o, b) at the pose computed last, as the wheel feels it, (2, OUTLINE_POINTS) [m]."""
+    model = wheel.model
+    if model.rolled is not None:
+        return model.rolled.outline(float(model.arrays.settings.place), OUTLINE_POINTS).T
+    return np.stack(model.rail.at(np.linspace(0.0, model.rail.length, OUTLINE_POINTS)))

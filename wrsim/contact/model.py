@@ -24,8 +24,9 @@ from wrsim.core.contact.stages import make_ready
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS, X
 from wrsim.core.contact.wheel_rail import search, wheel_rail
-from wrsim.geometry.profile.distance_field import distance_field
+from wrsim.geometry.profile.distance_field import DistanceField, distance_field
 from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.track.rolled_rail import RolledRail, station_fields
 
 Array = NDArray[np.float64]
 Records = NDArray[np.void]
@@ -76,8 +77,8 @@ class ContactModel:
     """One wheel profile on one (inclined) rail profile with the chosen settings, ready for the kernel.
 
     wheel, rail: profiles, the rail already inclined; radius: of the wheel at the tape circle [m]; friction: of this
-    rail. The arrays are what the kernel takes; scratch arrays belong to the model, so one model serves one thread.
-    """
+    rail; rolled: what the wheel feels of a rail that changes along the track, in whose place ``rail`` is drawn. The
+    arrays are what the kernel takes; scratch arrays belong to the model, so one model serves one thread."""
 
     wheel: Profile
     rail: Profile
@@ -85,6 +86,7 @@ class ContactModel:
     settings: ContactSettings
     friction: Friction
     normal: NormalModel
+    rolled: RolledRail | None = None
     arena: Arena | None = field(default=None, repr=False, compare=False)
 
     def __repr__(self) -> str:
@@ -114,6 +116,7 @@ class ContactModel:
         axle: ArrayLike = (0.0, 1.0, 0.0),
         velocity: ArrayLike = (0.0, 0.0, 0.0),
         omega: ArrayLike = (0.0, 0.0, 0.0),
+        place: float = 0.0,
     ) -> Contact:
         """Contact for one pose.
 
@@ -129,11 +132,14 @@ class ContactModel:
             Of that origin [m/s].
         omega : array_like
             Angular velocity of the wheel [rad/s].
+        place : float
+            Distance along a rail that changes along the track [m].
 
         Returns
         -------
         Contact
         """
+        self.arrays.settings.place = place
         self.arrays.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
         return Contact.copy_from(self.arrays, self.solve())
 
@@ -269,7 +275,43 @@ class Contact:
         return float(self.patches["N"].sum())
 
 
-_cached_field = lru_cache(maxsize=16)(distance_field)
+@dataclass(frozen=True)
+class RailTables:
+    """What the kernel takes of a rail, see `core.contact.arrays.Arrays`: rows of one section and their distance; its
+    field (of several stations one behind the other) with so many rows each, how far it may be off; largest concave
+    curvature [1/m]."""
+
+    table: Array
+    rates: Array
+    stations: Array
+    step: float
+    rows: int
+    field: DistanceField
+    field_rows: int
+    slack: float
+    hollow: float
+
+
+@lru_cache(maxsize=16)
+def _plain_rail(rail: Profile) -> RailTables:
+    """The tables of a rail of one profile."""
+    table, step = _cached_table(rail)
+    field_ = distance_field(rail)
+    hollow = max(float(table[:, 4].max()), 0.0)
+    rows, field_rows = len(table), len(field_.values)
+    return RailTables(table, np.zeros((0, 0)), np.zeros((1, 2)), step, rows, field_, field_rows, 0.0, hollow)
+
+
+@lru_cache(maxsize=8)
+def _rolled_tables(rail: RolledRail) -> RailTables:
+    """The tables of a rail that changes along the track."""
+    flat = (-1, rail.tables.shape[2])
+    own = station_fields(rail)
+    stations = np.column_stack((rail.stations, own.numbers))
+    return RailTables(
+        rail.tables.reshape(flat), rail.rates.reshape(flat), stations, rail.step, rail.tables.shape[1], own.field,
+        own.rows, own.slack, rail.hollow,
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=32)
@@ -297,15 +339,15 @@ def bound_over_cells(cells: int, parabolic: bool) -> Array:
 def _inputs(model: ContactModel) -> Arrays:
     settings, friction, normal = model.settings, model.friction, model.normal
     wheel_table, wheel_step = _cached_table(model.wheel)
-    rail_table, rail_step = _cached_table(model.rail)
-    field_ = _cached_field(model.rail)
+    rail = _plain_rail(model.rail) if model.rolled is None else _rolled_tables(model.rolled)
+    field_ = rail.field
     # FaStrip knows no other bound than the pressure's
     parabolic = settings.traction_bound == "parabolic" and settings.creep_forces == "fastsim"
     # Kalker's combined elastic constants: means of the compliances
     shear_compliance = 0.5 * sum(1.0 / m.shear_modulus for m in (settings.wheel, settings.rail))
     poisson = 0.5 * sum(m.poisson_ratio / m.shear_modulus for m in (settings.wheel, settings.rail)) / shear_compliance
     # yaw makes the outline a little more hollow than the profile, distance the rail's curves of equal distance
-    hollows = max(float(-wheel_table[:, 4].min()), 0.0) + max(float(rail_table[:, 4].max()), 0.0)
+    hollows = max(float(-wheel_table[:, 4].min()), 0.0) + rail.hollow
     numbers = np.zeros(1, k.SETTINGS)
     n: Any = numbers[0]
     n.E = combined_modulus(settings)
@@ -324,7 +366,8 @@ def _inputs(model: ContactModel) -> Arrays:
     n.mu, n.mu_gauge = friction.static, friction.at_corner
     n.zone_start, n.zone_end = (tan(0.5 * angle) for angle in friction.ramp)
     n.fall_ratio, n.fall_decay = friction.falling_ratio, friction.falling_decay
-    n.wheel_step, n.radius, n.rail_step = wheel_step, model.radius, rail_step
+    n.wheel_step, n.radius, n.rail_step = wheel_step, model.radius, rail.step
+    n.rows, n.field_rows, n.slack = rail.rows, rail.field_rows, rail.slack
     (n.field_o, n.field_b), n.field_spacing = field_.origin, field_.spacing
     n.stride = max(1, round(SEARCH_REACH / wheel_step))
     n.hollow = max(1.5 * hollows, 1.0)
@@ -333,7 +376,9 @@ def _inputs(model: ContactModel) -> Arrays:
     unknowns = grids * block_of(most)
     return Arrays(
         wheel=wheel_table,
-        rail=rail_table,
+        rail=rail.table,
+        rates=rail.rates,
+        stations=rail.stations,
         field=field_.values,
         creep=creep_coefficients(poisson),
         shape=bound_over_cells(settings.cells, parabolic),

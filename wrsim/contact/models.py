@@ -14,6 +14,8 @@ from wrsim.core.contact.records import FREE_STRIPS, KIK_PIOTROWSKI
 from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.track.rail_surface import RailSurface
+from wrsim.geometry.track.rolled_rail import rolled_rail
 
 
 def _solve_exactly(model: ContactModel) -> int:
@@ -40,6 +42,7 @@ def contact_model(
     radius: float,
     settings: ContactSettings | None = None,
     friction: float | Friction = DRY,
+    surface: RailSurface | None = None,
 ) -> ContactModel:
     """The contact model of one wheel on one rail.
 
@@ -53,6 +56,8 @@ def contact_model(
         Normal model, model of the creep forces, number of strips ...; what is not given there has its usual value.
     friction : float or Friction
         Coefficient of friction, or a law of place and slip.
+    surface : RailSurface, optional
+        A rail whose profile changes along the track, in whose place ``rail`` stands for its kind and its gauge.
 
     Returns
     -------
@@ -82,7 +87,13 @@ def contact_model(
             f"normal = {settings.normal!r:.40}: must be one of {', '.join(NORMAL_MODELS)}"
             f"{suggest(str(settings.normal), tuple(NORMAL_MODELS))}"
         )
-    return ContactModel(wheel, rail, radius, settings, Friction.of(friction), NORMAL_MODELS[settings.normal])
+    if surface is not None and settings.normal == "half-space":
+        raise InputError('normal = "half-space": knows no rail that changes along the track; use "strips"')
+    rolled = None
+    if surface is not None:
+        rolled = None if surface.constant else rolled_rail(surface, radius)
+        rail = surface.constant or rail
+    return ContactModel(wheel, rail, radius, settings, Friction.of(friction), NORMAL_MODELS[settings.normal], rolled)
 
 
 def fast_model(model: ContactModel) -> ContactModel:

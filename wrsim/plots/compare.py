@@ -177,7 +177,8 @@ def _placed(
 def _arc(dataset: xr.Dataset, where: PatchAt) -> float:
     """Arclength on the rail's outline of the place where a patch has s = 0 [mm]."""
     strips = select(dataset, where)
-    y, z = (shown(dataset.sel(wheel=where.wheel), f"rail_profile_{n}") for n in ("y", "z"))
+    here = dataset.sel(wheel=where.wheel).isel({moment_dim(dataset): where.moment})
+    y, z = (shown(here, f"rail_profile_{n}") for n in ("y", "z"))
     arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(y), np.diff(z)))])
     at = int(np.argmin(np.abs(strips["strip_s"].values)))
     point = shown(strips, "strip_y")[at], shown(strips, "strip_z")[at]

@@ -18,7 +18,7 @@ from wrsim.results.channels import CHANNELS, WHEELS, Channel
 from wrsim.results.room import OnDisk
 
 FORMAT = "wrsim result"
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 REQUIRED_ATTRIBUTES = ("title", "analysis", "status", "scenario_text")
 OF_VEHICLE = ("body", "point", "suspension", "external_load")
 NAMED = ("wheelset", *OF_VEHICLE)

@@ -294,7 +294,7 @@ class Result:
                 f"{path}: its checksum is missing: the file is cut off, or another program has written it; "
                 "run the scenario again"
             )
-        dataset = _with_wheelset(dataset)
+        dataset = _with_rails_of_moments(_with_wheelset(dataset))
         if lacking := _lacking(dataset):
             raise InputError(f"{path}: says that it is a wrsim result, but {lacking}; run the scenario again")
         return cls(dataset)
@@ -415,6 +415,20 @@ def _with_wheelset(dataset: xr.Dataset) -> xr.Dataset:
             keep_attrs=True,
         ).assign_coords(wheelset=("wheelset", np.array([SINGLE]), _about("wheelset")))
     dataset.attrs["format_version"] = FORMAT_VERSION
+    return dataset
+
+
+def _with_rails_of_moments(dataset: xr.Dataset) -> xr.Dataset:
+    """The dataset with the rails' sections of every moment, of which formats 1 and 2 kept one for all."""
+    moments = dataset["wheel_profile_y"].sizes if "wheel_profile_y" in dataset else {}
+    for name in ("rail_profile_y", "rail_profile_z"):
+        if name in dataset and dataset[name].dims == ("wheel", "rail_point"):
+            if not moments:
+                dataset = dataset.drop_vars(name)
+                continue
+            own = dataset[name]
+            own = own.expand_dims({dim: size for dim, size in moments.items() if dim not in ("wheel", "wheel_point")})
+            dataset[name] = own.copy()
     return dataset
 
 

@@ -16,6 +16,7 @@ from wrsim.contact.settings import ContactSettings
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.track import Track
 from wrsim.inputs.toml_files import noting_reads, read_bytes
 from wrsim.register import ANALYSES, resolved
@@ -34,16 +35,17 @@ P = TypeVar("P")
 class Setup(Generic[P]):
     """Everything an analysis needs, in SI units, and the text it came from.
 
-    drive: what holds the vehicle's speed; rails: inclined profiles of the left and right rail; conical: wheels that
-    take the place of profiles and contact models; plan: what the analysis has to do, made by its own table of the
-    scenario; files: the model files that were read; inputs: SHA-256 of every file that was read, by its name.
-    """
+    drive: what holds the vehicle's speed; rails: inclined profiles of the left and right rail; surfaces: what stands in
+    the place of a rail that changes along the track, else None; conical: wheels that take the place of profiles and
+    contact models; plan: what the analysis has to do, made by its own table of the scenario; files: the model files
+    that were read; inputs: SHA-256 of every file that was read, by its name."""
 
     title: str
     analysis: str
     vehicle: Vehicle
     drive: Drive
     rails: tuple[Profile, Profile]
+    surfaces: tuple[RailSurface | None, RailSurface | None]
     track: Track
     contact: ContactSettings
     conical: ConicalWheels | None
@@ -106,6 +108,14 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
     if spec.track.gauge_between == "gauge points":
         for each in dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets):
             _check_placement(scenario, each, rails, track)
+    surfaces = _surfaces(scenario, track, files)
+    if any(surfaces):
+        if not analysis.moves:
+            message = f'are for runs: analysis = "{spec.analysis}" knows one profile of each rail'
+            raise scenario.fault(("track", "rail_sections"), message)
+        if spec.contact.normal == "half-space":
+            message = "knows no rail that changes along the track ([[track.rail_sections]])"
+            raise scenario.fault(("contact", "normal"), message)
     own = scenario.table(resolved(analysis.plan_table))
     given = Given(analysis, vehicle, track, spec.vehicle.speed_kmh, scenario.table, scenario.find, scenario.fault)
     plan = own.plan(given)
@@ -115,6 +125,7 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
         vehicle=vehicle,
         drive=spec.vehicle.drive or vehicle.drive,
         rails=rails,
+        surfaces=surfaces,
         track=track,
         contact=spec.contact.settings(),
         conical=None if spec.contact.conical is None else spec.contact.conical.wheels(),
@@ -147,6 +158,30 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
                 hint = '; bare pairs of curves are placed by gauge_between = "origins" (static poses)'
                 raise scenario.fault(("track", key), str(error) + hint) from None
         found.append(rail)
+    return found[0], found[1]
+
+
+def _surfaces(scenario: Scenario, track: Track, files: list[Path]) -> tuple[RailSurface | None, RailSurface | None]:
+    """Rails that change along the track; their sections stand at distances along the rail itself."""
+    section = scenario.spec.track
+    found: list[RailSurface | None] = []
+    for side, curve in zip(SIDES, (track.left_curve, track.right_curve), strict=True):
+        own = []
+        for i, each in enumerate(section.rail_sections):
+            if each.side not in (side, "both"):
+                continue
+            key = ("track", "rail_sections", i)
+            if each.at_m > track.length:
+                raise scenario.fault((*key, "at_m"), f"must be on the track, which is {track.length:g} m long")
+            files.append(scenario.find((*key, "rail"), each.rail))
+            with scenario.naming((*key, "rail")):
+                profile = load_profile(files[-1], "rail").inclined(section.inclination)
+            placed = profile.shifted(each.outward_mm / 1e3, -each.down_mm / 1e3)
+            features = tuple(f / 1e3 for f in each.features_mm)
+            with scenario.naming((*key, "features_mm")):
+                own.append(RailSection(float(curve.arclength(each.at_m)), placed, features))
+        with scenario.naming(("track", "rail_sections")):
+            found.append(RailSurface(f"{side} rail", tuple(own)) if own else None)
     return found[0], found[1]
 
 

@@ -236,12 +236,9 @@ def _together(channels: Mapping[str, Any]) -> dict[str, Array]:
 
 
 def stacked(each: list[dict[str, Array]]) -> dict[str, Array]:
-    """Strip channels of all wheelsets in one, the wheelsets behind the first dimension; rails are alike for all."""
+    """Strip channels of all wheelsets in one, the wheelsets behind the first dimension."""
     found: dict[str, Array] = {}
-    for name, first in each[0].items():
-        if name.startswith("rail_profile"):
-            found[name] = first
-            continue
+    for name in each[0]:
         arrays = [own[name] for own in each]
         if name.startswith(("strip_", "element_")):
             arrays = [_padded(a, np.max([b.shape for b in arrays], axis=0)) for a in arrays]

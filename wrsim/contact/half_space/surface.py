@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.model import KernelArrays
+from wrsim.core.contact.arrays import bodies
 from wrsim.core.contact.half_space import surface
 from wrsim.core.contact.half_space.rigid_slip import rigid_slip
-from wrsim.core.contact.records import Pose, Profile, Wheel, read_pose
-from wrsim.core.contact.search.locus import placed
+from wrsim.core.contact.records import Pose, Rail, Wheel
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.void]
@@ -24,15 +24,13 @@ class Bodies:
     """Wheel and rail at a pose, as kernels take them."""
 
     wheel: Wheel
-    rail: Profile
+    rail: Rail
     pose: Pose
 
     @classmethod
     def of(cls, a: KernelArrays) -> Bodies:
         """At the pose set in a model's arrays."""
-        pose, s = read_pose(a.pose), a.settings
-        wheel = placed(Profile(a.wheel, float(s.wheel_step)), float(s.radius), pose)
-        return cls(wheel, Profile(a.rail, float(s.rail_step)), pose)
+        return cls(*bodies(a.rows))
 
     def holds(self, rows: Rows) -> NDArray[np.bool_]:
         """Which rows of an axis lie on both profiles, not where these are continued straight."""

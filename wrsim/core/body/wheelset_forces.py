@@ -9,7 +9,7 @@ from wrsim.core.arena import record, records, vector
 from wrsim.core.body.wheel_pose import set_pose, wheel_origin, wheel_wrench
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.arrays import ARRAYS as ARRAYS_OF_A_WHEEL
-from wrsim.core.contact.arrays import Arrays, results
+from wrsim.core.contact.arrays import Arrays, results, settings_of
 from wrsim.core.contact.records import CONTACT
 from wrsim.core.linalg import ZERO, Curve, add
 from wrsim.core.track.path import NODE, frame, locate
@@ -69,6 +69,7 @@ def _one_wheel(body, wheel, rail, buffer, arrays):
     pose[2] -= wheel.rail_b
     pose[7] -= wheel.side * wheel.rail_n_t
     pose[8] -= wheel.rail_b_t
+    settings_of(buffer, arrays).place = s
     status = stages.run(CONTACT, buffer, arrays)
     force, moment = wheel_wrench(body, at, wheel.side, wheel.half_spacing, results(buffer, arrays)[0])
     return force, moment, status

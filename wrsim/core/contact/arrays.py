@@ -4,7 +4,8 @@ from typing import Any, NamedTuple
 
 from wrsim.core.arena import block, matrix, record_rows, records, vector
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.records import FOUND, LOBE, SETTINGS, STRIP, TOTAL, Profile, read_pose
+from wrsim.core.contact.rail import share_at
+from wrsim.core.contact.records import FOUND, LOBE, SETTINGS, STRIP, TOTAL, Profile, Rail, Share, read_pose
 from wrsim.core.contact.search.locus import placed
 from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW
 
@@ -12,7 +13,9 @@ from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW
 class Arrays(NamedTuple):
     """Arrays of one wheel on one rail, in the order of the arena.
 
-    wheel, rail: profile tables, the rail's in (o, b) with its inclination; field: signed distances of the rail; creep:
+    wheel, rail: profile tables, the rail's in (o, b) with its inclination, of one that changes along the track station
+    by station; rates: of these along s; stations: (n, 2) their places and the numbers of their fields, one row for a
+    rail of one profile; field: signed distances of the rail, one grid behind the other; creep:
     (20, 3) Kalker coefficients; shape: (cells,) bound over the cells; settings: (1,) SETTINGS; pose: (POSE,).
     found: (8,) FOUND, work: (12, >= strips, >= 8): scratch; influence to memo: of the strip model
     (core.contact.strips.records). Results: patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
@@ -20,6 +23,8 @@ class Arrays(NamedTuple):
 
     wheel: Any
     rail: Any
+    rates: Any
+    stations: Any
     field: Any
     creep: Any
     shape: Any
@@ -40,6 +45,7 @@ class Arrays(NamedTuple):
 
 
 ARRAYS = len(Arrays._fields)
+SETTINGS_PLACE = Arrays._fields.index("settings")
 
 
 @kernel
@@ -49,23 +55,25 @@ def arrays(buffer, index):
     return Arrays(
         matrix(buffer, index, first),
         matrix(buffer, index, first + 1),
-        block(buffer, index, first + 2),
+        matrix(buffer, index, first + 2),
         matrix(buffer, index, first + 3),
-        vector(buffer, index, first + 4),
-        records(buffer, index, first + 5, SETTINGS),
+        block(buffer, index, first + 4),
+        matrix(buffer, index, first + 5),
         vector(buffer, index, first + 6),
-        records(buffer, index, first + 7, FOUND),
-        records(buffer, index, first + 8, LOBE),
-        record_rows(buffer, index, first + 9, STRIP),
-        matrix(buffer, index, first + 10),
-        matrix(buffer, index, first + 11),
-        record_rows(buffer, index, first + 12, ROW),
-        records(buffer, index, first + 13, PLACE),
-        records(buffer, index, first + 14, GRID),
-        matrix(buffer, index, first + 15),
-        matrix(buffer, index, first + 16),
-        records(buffer, index, first + 17, MEMO),
-        records(buffer, index, first + 18, TOTAL),
+        records(buffer, index, first + 7, SETTINGS),
+        vector(buffer, index, first + 8),
+        records(buffer, index, first + 9, FOUND),
+        records(buffer, index, first + 10, LOBE),
+        record_rows(buffer, index, first + 11, STRIP),
+        matrix(buffer, index, first + 12),
+        matrix(buffer, index, first + 13),
+        record_rows(buffer, index, first + 14, ROW),
+        records(buffer, index, first + 15, PLACE),
+        records(buffer, index, first + 16, GRID),
+        matrix(buffer, index, first + 17),
+        matrix(buffer, index, first + 18),
+        records(buffer, index, first + 19, MEMO),
+        records(buffer, index, first + 20, TOTAL),
     )
 
 
@@ -75,9 +83,24 @@ def results(buffer, index):
     return records(buffer, index, index.shape[0] - 1, TOTAL)
 
 
+@inlined
+def settings_of(buffer, index):
+    """The SETTINGS record in an arena of one wheel."""
+    return records(buffer, index, index.shape[0] - ARRAYS + SETTINGS_PLACE, SETTINGS)[0]
+
+
 @kernel
 def bodies(a):
-    """The wheel in its place, the rail's profile, and the pose."""
+    """The wheel in its place, the rail there, and the pose."""
     settings, pose = a.settings[0], read_pose(a.pose)
     wheel = placed(Profile(a.wheel, settings.wheel_step), settings.radius, pose)
-    return wheel, Profile(a.rail, settings.rail_step), pose
+    place = settings.place + pose.origin.x
+    share = Share(0, 0, 0, 1.0, 0.0, 0.0, 0.0)
+    if a.rates.shape[0] > 0:
+        share = share_at(a.stations, settings.rows, place, settings.station)
+        settings.station = share.at
+    rail = Rail(
+        a.rail, a.rates, a.stations, settings.rail_step, settings.rows, share, place, pose.axle.x, pose.origin.y,
+        settings.radius,
+    )  # fmt: skip
+    return wheel, rail, pose

@@ -16,14 +16,16 @@ from math import sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.profile import length, profile_point
+from wrsim.core.contact.profile import length
+from wrsim.core.contact.rail import along, changes, parting, rail_length, rail_point
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.root import Bracket, crossing, narrowed
 
 
 class Pair(NamedTuple):
     """A pair of opposite points: gap [m]; strip centre (x, o, b) in rail axes; unit normal of the strip from rail to
-    wheel; the wheel's shrink (`search.locus`) and radius of curvature along t [m]."""
+    wheel; the wheel's shrink (`search.locus`); radius of the curvature with which both part along t [m]; slope of the
+    rail along the track."""
 
     gap: float
     x: float
@@ -33,6 +35,7 @@ class Pair(NamedTuple):
     nb: float
     shrink: float
     r_t: float
+    slope: float
 
 
 @inlined
@@ -61,10 +64,16 @@ def first_step(depth, curvature):
 def pair(wheel, rail, arc_wheel, arc_rail, out_o, out_b):
     """The pair of points at these arclengths; the gap with the wheel moved out by (out_o, out_b), else as it is."""
     w = locus_point(wheel, arc_wheel)
-    r = profile_point(rail, arc_rail)
+    r = rail_point(rail, arc_rail)
     no, nb = bisector(w, r)
     gap = (w.o + out_o - r.u) * no + (w.b + out_b - r.w) * nb
-    return Pair(gap, w.x, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w), no, nb, w.shrink, w.r_t)
+    if not changes(rail):
+        return Pair(gap, w.x, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w), no, nb, w.shrink, w.r_t, 0.0)
+    at = along(rail, arc_rail)
+    return Pair(
+        gap, w.x + at.ahead, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w) + at.drop, no, nb, w.shrink,
+        parting(w.r_t, at), at.slope,
+    )  # fmt: skip
 
 
 @inlined
@@ -93,7 +102,7 @@ def find_edge(wheel, rail, lobe, projected, first, direction, limit):
     inner_h = delta - lobe.recess
     step = first
     wheel_end = length(wheel.profile)
-    rail_end = length(rail)
+    rail_end = rail_length(rail)
     # the wheel's arclength follows that of its outline by extrapolated midpoint steps of the shrink
     shrink = 1.0
     if wheel.axle.x != 0.0:
@@ -166,6 +175,7 @@ def lay_strips(wheel, rail, lobe, projected, n, strips):
             strip.b = at.b
             strip.no = at.no
             strip.nb = at.nb
+            strip.slope = at.slope
             strip.r_t = at.r_t
             i += direction
-    return sqrt(2.0 * (delta - lobe.recess) * main_point.r_t)
+    return sqrt(2.0 * (delta - lobe.recess) * parting(main_point.r_t, along(rail, lobe.arc_rail)))

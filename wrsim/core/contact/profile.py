@@ -49,8 +49,12 @@ def profile_point(profile, arc):
         beyond = arc - i * step
         return Point(end.u + beyond * end.tu, end.w + beyond * end.tw, end.tu, end.tw, 0.0)
     i = int(x)
-    r = x - i
-    p, q = node(profile, i), node(profile, i + 1)
+    return between(node(profile, i), node(profile, i + 1), x - i, step)
+
+
+@inlined
+def between(p, q, r, step):
+    """The point at the share r of the way between two rows: cubic Hermite, the curvature linear."""
     r2 = r * r
     r3 = r2 * r
     h01 = 3.0 * r2 - 2.0 * r3

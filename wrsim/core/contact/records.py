@@ -17,11 +17,15 @@ SETTINGS = record(
     # geometry: steps of the tables, wheel radius, grid of the rail's distances, largest hollows of both bodies
     " wheel_step radius rail_step field_o field_b field_spacing hollow"
     # distances of two places of contact that press each other down fully, and not at all (strip model)
-    " together apart",
+    " together apart"
+    # distance along a rail of sections, how far its field may be off
+    " place slack",
     # nodes between two samples of the search
     "tangential parabolic blended stride"
     # normal model and the strips that it gets
-    " normal projected joint strips fewest start",
+    " normal projected joint strips fewest start"
+    # rows of a section of the rail, its last station
+    " rows station field_rows",
 )
 """Numbers of a contact model. E, G: of the pair of bodies; eps, kA, kS: Kik-Piotrowski's and Polach's; recess: of the
 depth, where strips begin; joint: lobes of a patch share recess and strips; projected, parabolic, blended: 0 or 1."""
@@ -39,15 +43,16 @@ FOUND = record("arc_wheel arc_rail depth curvature saddle saddle_arc")
 """A contact that the search found: arclengths on wheel and rail, penetration, relative curvature; least penetration
 between this one and the next, with its rail arclength (-1 where the profiles separate in between)."""
 
-STRIP = record("s ds x a p no nb o b N Fx Fy Mz xi eta phi r_t mu penetration")
+STRIP = record("s ds x a p no nb slope o b N Fx Fy Mz xi eta phi r_t mu penetration")
 """A strip: centre s and width ds across, middle x and half length a along the rail, largest pressure p; unit normal
-(no, nb) from rail to wheel and centre (o, b); normal force, creep forces, moment about the centre; creepages; radius
-of curvature along the rail; coefficient of friction; penetration (strip model)."""
+(no, nb) from rail to wheel, slope of the rail along the track there, and centre (o, b); normal force, creep forces,
+moment about the centre; creepages; radius of curvature along the rail; coefficient of friction; penetration (strip
+model)."""
 
 LOBE = record(
     "N Fx Fy Mz p0 area length width approach angle angle_min angle_max angle_mean xi eta phi closing wear"
     # the main point
-    " arc_wheel arc_rail x o b no nb"
+    " arc_wheel arc_rail x o b no nb slope"
     # edges along s, what the strips are laid over, pressure
     " start end recess half_length coupling amplitude",
     # number of the patch, lobe that this one is coupled to or -1, strips
@@ -92,6 +97,38 @@ class Profile(NamedTuple):
     step: float
 
 
+class Share(NamedTuple):
+    """Between two stations of a rail: number of the first, first rows of both, weights of their values and rates."""
+
+    at: int
+    low: int
+    high: int
+    a: float
+    b: float
+    c: float
+    d: float
+
+
+class Rail(NamedTuple):
+    """A rail: one profile, or sections that change along the track (`wrsim.geometry.track.rolled_rail`).
+
+    table: (stations * rows, 5 or 8); rates: of the same shape, (0, 0) for one profile; stations: their places (n, 2);
+    step: arclength between rows [m]; rows: of one section; share: between which stations the wheel stands; place:
+    distance along the rail; yaw: axle's component along the rail; o, radius: of the wheel.
+    """
+
+    table: Any
+    rates: Any
+    stations: Any
+    step: float
+    rows: int
+    share: Share
+    place: float
+    yaw: float
+    o: float
+    radius: float
+
+
 class Wheel(NamedTuple):
     """A wheel in its place: radius at the tape circle, profile origin on the axle, axle e, q = sqrt(1 - e_t^2)."""
 
@@ -103,9 +140,13 @@ class Wheel(NamedTuple):
 
 
 class Field(NamedTuple):
-    """Signed distances of a rail (n_o, n_b, 2), see ``core.contact.search.points``, on a square grid from (o, b)."""
+    """Signed distances of a rail, see ``core.contact.search.points``, on a square grid from (o, b): ``count`` rows of
+    ``values`` (n, n_b, 2) from ``first`` on. slack: how far it may be off; 0 for a rail of one profile."""
 
     values: Any
+    first: int
+    count: int
     o: float
     b: float
     spacing: float
+    slack: float

@@ -3,7 +3,7 @@
 from math import atan, atan2, pi, sqrt
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.linalg import Vec, add, cross, dot, shifted, sub
+from wrsim.core.linalg import Vec, add, cross, dot, mixed, shifted, sub
 
 
 @inlined
@@ -14,16 +14,30 @@ def _centre(row):
 
 @inlined
 def _normal(row):
-    """Unit normal from rail to wheel there."""
-    return Vec(0.0, row.no, row.nb)
+    """Unit normal from rail to wheel there: that of the section, leant back by the slope along the track."""
+    inverse = 1.0 / sqrt(1.0 + row.slope * row.slope)
+    return Vec(-row.slope * inverse, row.no * inverse, row.nb * inverse)
+
+
+@inlined
+def _along(row):
+    """Unit tangent along the track."""
+    inverse = 1.0 / sqrt(1.0 + row.slope * row.slope)
+    return Vec(inverse, row.slope * row.no * inverse, row.slope * row.nb * inverse)
+
+
+@inlined
+def _across(row):
+    """Unit tangent across."""
+    return Vec(0.0, row.nb, -row.no)
 
 
 @inlined
 def _set_creepages(row, pose, inverse):
     """Write xi, eta, phi of a strip or a lobe; returns the velocity there."""
     velocity = add(pose.velocity, cross(pose.omega, sub(_centre(row), pose.origin)))
-    row.xi = velocity.x * inverse
-    row.eta = (velocity.y * row.nb - velocity.z * row.no) * inverse
+    row.xi = dot(velocity, _along(row)) * inverse
+    row.eta = dot(velocity, _across(row)) * inverse
     row.phi = dot(pose.omega, _normal(row)) * inverse
     return velocity
 
@@ -73,7 +87,8 @@ def add_lobe(pose, lobe, strips, n, total):
     for i in range(n):
         strip = strips[i]
         normal = _normal(strip)
-        own = Vec(strip.Fx, strip.N * strip.no + strip.Fy * strip.nb, strip.N * strip.nb - strip.Fy * strip.no)
+        creep = mixed(strip.Fx, _along(strip), strip.Fy, _across(strip))
+        own = shifted(creep, strip.N, normal)
         force = add(force, own)
         moment = add(moment, shifted(cross(sub(_centre(strip), pose.origin), own), strip.Mz, normal))
         sum_x += strip.Fx
@@ -86,7 +101,6 @@ def add_lobe(pose, lobe, strips, n, total):
             most = max(most, half_tangent)
         sum_no += strip.N * strip.no
         sum_nb += strip.N * strip.nb
-        creep = Vec(strip.Fx, strip.Fy * strip.nb, -strip.Fy * strip.no)
         arm = sub(_centre(strip), _centre(lobe))
         main_moment = add(main_moment, shifted(cross(arm, creep), strip.Mz, normal))
     lobe.Fx = sum_x

@@ -10,7 +10,7 @@ are stands in core.contact.stages. What one leaves for the next is in the arrays
 from wrsim.core import stages
 from wrsim.core.compiling import kernel
 from wrsim.core.contact.arrays import arrays, bodies
-from wrsim.core.contact.profile import profile_point
+from wrsim.core.contact.rail import along, rail_point
 from wrsim.core.contact.records import CREEP_FORCES, NO_CREEP_FORCES, STATUS_TOO_DEEP, Field, read_pose
 from wrsim.core.contact.resultants import add_lobe
 from wrsim.core.contact.search.lobes import couple, select_deepest
@@ -71,7 +71,10 @@ def _search(a, wheel, rail):
     total.Mt = total.Mo = total.Mb = 0.0
     total.wear = 0.0
     total.lobes = total.patches = 0
-    field = Field(a.field, settings.field_o, settings.field_b, settings.field_spacing)
+    first = int(a.stations[rail.share.at, 1]) * settings.field_rows
+    field = Field(
+        a.field, first, settings.field_rows, settings.field_o, settings.field_b, settings.field_spacing, settings.slack
+    )
     count, closest, status = find_contacts(wheel, rail, field, settings.stride, settings.hollow, a.found)
     total.closest = closest
     total.status = status
@@ -95,12 +98,13 @@ def _sum_up(a, pose, buffer, index):
 @kernel
 def _start_lobe(rail, own, lobe):
     """Main point of a lobe that the search has found, so far without pressure. Returns status bits."""
-    at = profile_point(rail, own.arc_rail)
+    at = rail_point(rail, own.arc_rail)
     lobe.approach = own.depth
     lobe.arc_wheel = own.arc_wheel
     lobe.arc_rail = own.arc_rail
     lobe.no = -at.tw
     lobe.nb = at.tu
+    lobe.slope = along(rail, own.arc_rail).slope
     lobe.n_strips = 0
     lobe.N = lobe.p0 = lobe.area = lobe.length = lobe.width = lobe.recess = 0.0
     return STATUS_TOO_DEEP if own.depth > DEEPEST else 0

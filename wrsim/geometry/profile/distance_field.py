@@ -33,24 +33,40 @@ def distance_field(rail: Profile, spacing: float = SPACING) -> DistanceField:
     """Field of a rail profile (already inclined) over its bounding box with a margin all around."""
     n = int(np.ceil(rail.length / SAMPLE)) + 1
     arc = np.linspace(0.0, rail.length, n)
-    u, w = rail.at(arc)
-    tu, tw = rail.tangent(arc)
-    o0, b0 = float(u.min() - MARGIN_SIDE), float(w.min() - MARGIN_BELOW)
-    count_o = int(np.ceil((u.max() + MARGIN_SIDE - o0) / spacing)) + 1
-    count_b = int(np.ceil((w.max() + MARGIN_TOP - b0) / spacing)) + 1
-    grid = np.stack(
-        np.meshgrid(o0 + spacing * np.arange(count_o), b0 + spacing * np.arange(count_b), indexing="ij"), axis=-1
-    )
+    low, counts = grid_about(np.column_stack(rail.at(arc)), spacing)
+    values = field_of_points(arc, np.column_stack((*rail.at(arc), *rail.tangent(arc))), low, counts, spacing)
+    return DistanceField(values, low, spacing)
+
+
+def grid_about(points: Array, spacing: float) -> tuple[tuple[float, float], tuple[int, int]]:
+    """Origin and numbers of rows and columns of a grid about points (n, 2), with a margin all around."""
+    least, most = points.min(axis=0), points.max(axis=0)
+    o0, b0 = float(least[0] - MARGIN_SIDE), float(least[1] - MARGIN_BELOW)
+    count_o = int(np.ceil((most[0] + MARGIN_SIDE - o0) / spacing)) + 1
+    count_b = int(np.ceil((most[1] + MARGIN_TOP - b0) / spacing)) + 1
+    return (o0, b0), (count_o, count_b)
+
+
+def field_of_points(
+    arc: Array, rows: Array, low: tuple[float, float], counts: tuple[int, int], spacing: float
+) -> Array:
+    """Signed distance and nearest arclength (n_o, n_b, 2) on a grid of a densely sampled curve.
+
+    arc: (n,) equal steps; rows: (n, 4) of u, w and the unit tangent.
+    """
+    u, w, tu, tw = rows.T
+    last, step = float(arc[-1]), float(arc[1] - arc[0])
+    axes = (origin + spacing * np.arange(count) for origin, count in zip(low, counts, strict=True))
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     _, nearest = cKDTree(np.column_stack([u, w])).query(grid.reshape(-1, 2))
     du = grid[..., 0].ravel() - u[nearest]
     dw = grid[..., 1].ravel() - w[nearest]
     along = du * tu[nearest] + dw * tw[nearest]
     outward = -du * tw[nearest] + dw * tu[nearest]
-    foot = np.clip(arc[nearest] + np.clip(along, -SAMPLE, SAMPLE), 0.0, rail.length)
-    # from the foot on the curve, not from the nearest sample: that is up to half a SAMPLE beside it
+    foot = np.clip(arc[nearest] + np.clip(along, -step, step), 0.0, last)
+    # from the foot on the curve, not from the nearest sample: that is up to half a step beside it
     distance = np.copysign(np.hypot(outward, along - (foot - arc[nearest])), outward)
     # beyond an end of the curve there is no steel to touch
-    beyond = ((nearest == 0) & (along < 0.0)) | ((nearest == n - 1) & (along > 0.0))
+    beyond = ((nearest == 0) & (along < 0.0)) | ((nearest == len(arc) - 1) & (along > 0.0))
     distance[beyond] = np.abs(distance[beyond])
-    values = np.stack([distance, foot], axis=-1).reshape(count_o, count_b, 2)
-    return DistanceField(np.ascontiguousarray(values), (o0, b0), spacing)
+    return np.ascontiguousarray(np.stack([distance, foot], axis=-1).reshape(*counts, 2))

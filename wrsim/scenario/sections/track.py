@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Predicate
@@ -140,6 +141,29 @@ class Arc(Section):
 Segment = Straight | Transition | Arc
 
 
+class RailSectionSection(Section):
+    """A section of a rail whose profile changes along the track; in place of rail from the first section to the last.
+
+    Before the first and behind the last one the rail stays as it is there. features_mm: arclengths from the first point
+    of the profile of places that belong together in all sections, such as corners. A part between two of them that has
+    no length in a section does not exist there. down_mm, outward_mm: the profile is moved.
+    """
+
+    header: ClassVar[str] = "[[track.rail_sections]]"
+    aliases: ClassVar[dict[str, str]] = {
+        "at_m": "distance_m position_m s_m",
+        "rail": "profile",
+        "features_mm": "features",
+    }
+
+    at_m: Annotated[float, number(0, 1e6, "m along the track")]
+    rail: RailName
+    side: Literal["left", "right", "both"] = "both"
+    features_mm: List[Annotated[float, number(0, 1000)]] = ()
+    down_mm: Annotated[float, number(-50, 50)] = 0.0
+    outward_mm: Annotated[float, number(-100, 100)] = 0.0
+
+
 class ElasticitySection(Section):
     """A mass on spring and damper under each wheel, moving along with it; laterally and vertically."""
 
@@ -164,7 +188,7 @@ class ElasticitySection(Section):
 
 class TrackSection(Section):
     """file, gauge_mm, rail (or rail_left, rail_right), inclination, cant_base_mm, segments or table, grades,
-    irregularities, elasticity, row_distance_m.
+    irregularities, elasticity, rail_sections, row_distance_m.
 
     gauge_between = "origins" (static poses only): gauge_mm is the distance of the two rail profiles' origins, which lie
     in the plane of the track. For bare pairs of curves that have no gauge point.
@@ -176,6 +200,7 @@ class TrackSection(Section):
         "rail": "profile rail_profile",
         "segments": "segment",
         "grades": "grade gradients",
+        "rail_sections": "sections rail_section",
         "irregularities": "irregularity defects",
         "table": "csv",
         "file": "model",
@@ -196,6 +221,7 @@ class TrackSection(Section):
     grades: List[GradeSection] = ()
     irregularities: List[Annotated[IrregularitySection, Field(discriminator="kind")]] = ()
     elasticity: ElasticitySection | None = None
+    rail_sections: List[RailSectionSection] = ()
     row_distance_m: Annotated[float, number(0.01, 1, "m between the rows of the rails' tables")] | None = None
 
     @classmethod
@@ -217,6 +243,17 @@ class TrackSection(Section):
         if not self.gauge_mm <= self.cant_base * 1000.0 <= self.gauge_mm + 500.0:
             allowed = f"{plain(self.gauge_mm)} to {plain(self.gauge_mm + 500.0)}"
             yield Fault("cant_base_mm", f"must be from the gauge to 500 mm more ({allowed})")
+        said: set[int] = set()
+        for side in ("left", "right"):
+            own = [(i, s) for i, s in enumerate(self.rail_sections) if s.side in (side, "both")]
+            if len(own) == 1 and own[0][0] not in said:
+                said.add(own[0][0])
+                yield Fault(("rail_sections", own[0][0]), "is the only one of its rail; at least 2 are needed")
+            for (_, before), (i, now) in pairwise(own):
+                if now.at_m <= before.at_m and i not in said:
+                    said.add(i)
+                    message = f"must be more than {plain(before.at_m)}, where its rail has the section before"
+                    yield Fault(("rail_sections", i, "at_m"), message)
 
     @property
     def cant_base(self) -> float:

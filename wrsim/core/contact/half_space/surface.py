@@ -17,6 +17,7 @@ from wrsim.core.arena import record
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.patch import pair
 from wrsim.core.contact.profile import profile_point
+from wrsim.core.contact.rail import rail_point
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.linalg import Vec, dot, norm, shifted
 
@@ -34,7 +35,7 @@ LONGEST_STEP = 2.5e-4  # of the walk along the axis [m]
 @inlined
 def _offset(wheel, rail, arc_wheel, arc_rail):
     """How far the wheel's point lies ahead of the rail's, along the mean tangent [m], and the wheel's shrink."""
-    w, r = locus_point(wheel, arc_wheel), profile_point(rail, arc_rail)
+    w, r = locus_point(wheel, arc_wheel), rail_point(rail, arc_rail)
     to = 0.5 * (r.tu - w.nb)
     tb = 0.5 * (r.tw + w.no)
     inverse = 1.0 / max(sqrt(to * to + tb * tb), 0.1)
@@ -44,7 +45,7 @@ def _offset(wheel, rail, arc_wheel, arc_rail):
 @kernel
 def _beside(wheel, rail, arc_wheel, arc_rail):
     """Arclength on the wheel of the outline's point at the same lateral place as the rail's."""
-    u = profile_point(rail, arc_rail).u
+    u = rail_point(rail, arc_rail).u
     for _ in range(20):
         w = locus_point(wheel, arc_wheel)
         arc_wheel -= (w.o - u) / min(w.nb, -LEAST_FACING) * -w.shrink
@@ -78,7 +79,9 @@ def lay_axis(wheel, rail, arc_wheel, arc_rail, level, start, step, axis):
         row.s = goal
         row.arc_wheel = arc_wheel
         row.arc_rail = arc_rail
-        row.gap, row.x, row.o, row.b, row.no, row.nb, _sh, row.r_t = pair(wheel, rail, arc_wheel, arc_rail, 0.0, 0.0)
+        row.gap, row.x, row.o, row.b, row.no, row.nb, _sh, row.r_t, _sl = pair(
+            wheel, rail, arc_wheel, arc_rail, 0.0, 0.0
+        )
 
 
 @inlined

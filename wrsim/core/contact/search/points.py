@@ -12,7 +12,8 @@ from math import sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.profile import length, node, profile_point
+from wrsim.core.contact.profile import node
+from wrsim.core.contact.rail import changes, rail_length, rail_point
 from wrsim.core.contact.search.locus import LARGEST_SINE, locus_node, locus_point
 
 FIELD_ERROR = 1e-5  # of the field's interpolation, generously [m]
@@ -54,7 +55,7 @@ def field_distance(field, o, b):
     values = field.values
     x = (o - field.o) / field.spacing
     y = (b - field.b) / field.spacing
-    nx = values.shape[0] - 1
+    nx = field.count - 1
     ny = values.shape[1] - 1
     if x < 0.0 or y < 0.0 or x >= nx or y >= ny:
         outside = max(max(-x, x - nx), max(-y, y - ny))
@@ -62,6 +63,7 @@ def field_distance(field, o, b):
     i = int(x)
     j = int(y)
     x -= i
+    i += field.first
     y -= j
     w00 = (1.0 - x) * (1.0 - y)
     w10 = x * (1.0 - y)
@@ -78,7 +80,7 @@ def field_distance(field, o, b):
 def project(rail, o, b, arc, steps):
     """Foot of the perpendicular from (o, b) on the rail by ``steps`` Newton steps from ``arc``."""
     for i in range(steps + 1):
-        at = profile_point(rail, arc)
+        at = rail_point(rail, arc)
         no, nb = -at.tw, at.tu
         du = o - at.u
         dw = b - at.w
@@ -133,6 +135,9 @@ def refine(wheel, rail, lo, hi, arc, foot, kind):
 @inlined
 def _rail_slope(rail, foot, no, nb):
     """Slope of the distance along a wheel outline with normal (no, nb) over the rail point ``foot``."""
+    if changes(rail):
+        at = rail_point(rail, foot)
+        return nb * at.tw + no * at.tu
     table = rail.table
     x = foot / rail.step
     i = min(max(int(x), 0), table.shape[0] - 2)
@@ -161,7 +166,7 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
     last_node = -stride
     last_slope = 0.0
     last_distance = 0.0
-    rail_end = length(rail)
+    rail_end = rail_length(rail)
     per_node = 1.0 / (STRETCH * step)
     hollow *= 1.0 + (e_t / YAW_HOLLOWS) ** 2
     wary = 0  # no skips before this node
@@ -174,6 +179,13 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
             i += stride
             continue
         distance, foot = field_distance(field, at.o, at.b)
+        if field.slack > 0.0:
+            # the field is that of a station nearby
+            if distance < FAR + field.slack:
+                on_rail = project(rail, at.o, at.b, foot, 2)
+                distance, foot = on_rail.distance, on_rail.arc
+            else:
+                distance -= field.slack
         if distance < FIELD_ERROR and not near and i - stride > last_node:
             # a skip has ended inside the rail: the outline was longer than thought; back, and step by step
             wary = i

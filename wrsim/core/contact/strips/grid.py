@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.patch import bisector
-from wrsim.core.contact.profile import length, profile_point
+from wrsim.core.contact.profile import length
+from wrsim.core.contact.rail import along, changes, parting, rail_length, rail_point, tilted
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.contact.strips.records import FACTORS, ROWS
 from wrsim.core.root import Bracket, crossing, narrowed
@@ -24,7 +25,8 @@ LEAST_FACING = 2.5e-3  # square of the sine between axle and normal, held above
 
 class Opposite(NamedTuple):
     """A pair of opposite points: penetration along the mean normal; middle (x, o, b) and normal (no, nb); the wheel's
-    shrink and radius along t; how far the wheel's point was ahead of the rail's [m]."""
+    shrink; radius with which both part along t; how far the wheel's point was ahead of the rail's [m]; slope of the
+    rail along the track."""
 
     d: float
     x: float
@@ -35,6 +37,7 @@ class Opposite(NamedTuple):
     shrink: float
     r_t: float
     ahead: float
+    slope: float
 
 
 @inlined
@@ -42,13 +45,19 @@ def opposite(wheel, rail, arc_wheel, arc_rail):
     """The pair at these arclengths; what the wheel's point is ahead along the mean tangent is taken back along its own
     tangent."""
     w = locus_point(wheel, arc_wheel)
-    r = profile_point(rail, arc_rail)
+    r = rail_point(rail, arc_rail)
     no, nb = bisector(w, r)
     ahead = (w.o - r.u) * nb - (w.b - r.w) * no
     wo = w.o + ahead * w.nb
     wb = w.b - ahead * w.no
     d = -((wo - r.u) * no + (wb - r.w) * nb)
-    return Opposite(d, w.x, 0.5 * (wo + r.u), 0.5 * (wb + r.w), no, nb, w.shrink, w.r_t, ahead)
+    if not changes(rail):
+        return Opposite(d, w.x, 0.5 * (wo + r.u), 0.5 * (wb + r.w), no, nb, w.shrink, w.r_t, ahead, 0.0)
+    at = along(rail, arc_rail)
+    return Opposite(
+        d * tilted(at), w.x + at.ahead, 0.5 * (wo + r.u), 0.5 * (wb + r.w) + at.drop, no, nb, w.shrink,
+        parting(w.r_t, at), ahead, at.slope,
+    )  # fmt: skip
 
 
 @kernel
@@ -59,7 +68,7 @@ def find_end(wheel, rail, arc_wheel, arc_rail, depth, first, direction, limit):
     at the end of a profile.
     """
     level = LEVEL * depth
-    wheel_end, rail_end = length(wheel.profile), length(rail)
+    wheel_end, rail_end = length(wheel.profile), rail_length(rail)
     inner, inner_arc, inner_d = 0.0, arc_wheel, depth
     shrink = last = opposite(wheel, rail, arc_wheel, arc_rail).shrink
     step = first
@@ -129,7 +138,7 @@ def _lay_row(wheel, rail, walk, grid, row, s):
     taken = at.ahead * at.shrink
     drift = walk.drift + taken / (s - walk.s) if s != walk.s else walk.drift
     row.s, row.d, row.x, row.o, row.b = s, at.d, at.x, at.o, at.b
-    row.no, row.nb, row.r_t = at.no, at.nb, at.r_t
+    row.no, row.nb, row.r_t, row.slope = at.no, at.nb, at.r_t, at.slope
     grid.deepest = max(grid.deepest, at.d)
     return Walk(arc - taken, s, at.shrink, walk.shrink, drift)
 

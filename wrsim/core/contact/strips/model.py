@@ -208,6 +208,7 @@ def _hand_out(system, n, g, found, lobes, strips):
             nb = one.nb + z * (other.nb - one.nb)
             inverse = 1.0 / sqrt(no * no + nb * nb)
             strip.no, strip.nb = no * inverse, nb * inverse
+            strip.slope = one.slope + z * (other.slope - one.slope)
             strip.r_t = 1.0 / place.bend
             strip.penetration = one.d + z * (other.d - one.d)
 

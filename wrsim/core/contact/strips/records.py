@@ -13,10 +13,10 @@ EDGES = 2  # unknowns of a grid behind its factors
 FEWEST_FREE_STRIPS = 12  # of a grid
 ROWS = 48  # of the table of the geometry of a grid
 
-ROW = record("s d x o b no nb r_t bend density xi closing")
+ROW = record("s d x o b no nb r_t slope bend density xi closing")
 """A row of the table of a grid's geometry: place s, penetration d, shift x, centre (o, b), normal (no, nb), radius
-along the rail, mean of its inverse over what a strip runs over, density of strips and its integral; closing of the gap,
-penetration less displacement."""
+along the rail, slope of the rail, mean of the radius' inverse over what a strip runs over, density of strips and its
+integral; closing of the gap, penetration less displacement."""
 
 PLACE = record(
     "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x at y over q weight gap miss"

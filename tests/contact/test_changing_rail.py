@@ -1,0 +1,163 @@
+"""A wheel on a rail that changes along the track: laws of inclined planes and steps, a potential, CONTACT's numbers."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from math import atan, cos, hypot, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from support.contacts import PLAIN, RADIUS, contact_model, numbers, rail_profile, wheel_profile
+from support.crossings import CROSSING, crossing, lifted
+
+from wrsim.contact.model import Contact, ContactModel
+from wrsim.contact.models import contact_model as model_of
+from wrsim.errors import InputError
+from wrsim.geometry.profile.sections import circle
+from wrsim.geometry.track.rolled_rail import rolled_rail
+
+CROWN = circle("crown", "rail", 0.3, 0.02)
+WHEEL = circle("round", "wheel", -0.5, 0.02)
+RISE = 0.1
+EVEN = np.linspace(-1.0, 1.0, 21)
+NORMAL = ("strips", "kik-piotrowski")
+
+
+def on(surface, normal: str = "strips", wheel=WHEEL, **choices) -> ContactModel:
+    model = contact_model(wheel, surface.sections[0].profile, normal=normal, **PLAIN | choices)
+    return replace(model, rolled=rolled_rail(surface, RADIUS))
+
+
+@pytest.fixture(scope="module")
+def ramp():
+    """A crowned rail that rises 1:10."""
+    return lifted(CROWN, EVEN, RISE * EVEN)
+
+
+@pytest.mark.parametrize("normal", NORMAL)
+def test_a_rising_rail_is_touched_ahead_and_pushes_back(ramp, normal: str) -> None:
+    # the plane through the contact is inclined: the wheel's centre is R / cos above it
+    angle, depth = atan(RISE), 5e-5
+    level = contact_model(WHEEL, CROWN, normal=normal, **PLAIN).evaluate((0.0, 0.0, RADIUS - depth))
+    own = on(ramp, normal).evaluate((0.0, 0.0, (RADIUS - depth) / cos(angle)))
+    patch = own.patches[0]
+    assert patch["x"] == pytest.approx(RADIUS * sin(angle), abs=2e-5)
+    share = 2e-3 if normal == "strips" else 1e-2  # Kik-Piotrowski's approach is measured in the section
+    assert patch["N"] == pytest.approx(level.normal_force, rel=share)
+    assert patch["p0"] == pytest.approx(level.patches[0]["p0"], rel=share)
+    assert own.force[0] == pytest.approx(-patch["N"] * sin(angle), rel=1e-4)
+    assert own.force[2] == pytest.approx(patch["N"] * cos(angle), rel=1e-4)
+    # no moment about the axle: the force passes through it
+    assert abs(own.moment[1]) < 1e-4 * patch["N"] * RADIUS
+
+
+def test_a_step_is_felt_before_and_behind_it() -> None:
+    # a wheel that climbs a step h touches its edge from sqrt(2 R h) ahead of it on
+    height = 5e-4
+    places = np.array([-0.5, -0.3, -0.1, -0.0005, 0.0005, 0.1, 0.3, 0.5])
+    felt = rolled_rail(lifted(CROWN, places, np.where(places > 0.0, height, 0.0)), RADIUS)
+    top = [felt.section(s)[:, 1].max() for s in (-0.06, -sqrt(2.0 * RADIUS * height) - 2e-3, -0.01, 0.05)]
+    assert top[0] == pytest.approx(0.0, abs=1e-6) and top[1] == pytest.approx(0.0, abs=5e-6)
+    assert top[2] == pytest.approx(height - 0.01**2 / (2.0 * RADIUS), abs=1.5e-5)
+    assert top[3] == pytest.approx(height, abs=1e-6)
+
+
+def test_sections_that_are_alike_are_the_plain_rail() -> None:
+    wheel, rail = wheel_profile("S1002"), rail_profile("60E1", 40)
+    pose = ((0.0, 3e-3, RADIUS + 0.0296),)
+    plain = model_of(wheel, rail, RADIUS).evaluate(*pose)
+    alike = model_of(wheel, rail, RADIUS, surface=lifted(rail, EVEN, 0.0 * EVEN)).evaluate(*pose, place=0.2)
+    np.testing.assert_allclose(numbers(alike), numbers(plain), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("lateral", "yaw"), [(0.0, 0.0), (6e-3, 0.0), (6e-3, 0.01)])
+def test_far_from_where_it_changes_a_rail_is_the_plain_one(lateral: float, yaw: float) -> None:
+    wheel, rail = wheel_profile("S1002"), rail_profile("60E1", 40)
+    surface = lifted(rail, EVEN, np.where(EVEN > 0.9, 1e-3, 0.0))
+    own = on(surface, wheel=wheel, strips=20)
+    plain = contact_model(wheel, rail, normal="strips", strips=20, **PLAIN)
+    axle = (-sin(yaw), cos(yaw), 0.0)
+    origin = np.array([0.0, lateral, RADIUS + 0.03])
+    for _ in range(8):
+        plain.arrays.pose[:6] = *origin, *axle
+        plain.arrays.search()
+        origin[2] -= plain.arrays.total.closest
+    origin[2] -= 8e-5
+    one, other = plain.evaluate(origin, axle), own.evaluate(origin, axle, place=-0.5)
+    assert len(one.patches) == len(other.patches)
+    for name, share in (("N", 1e-3), ("p0", 3e-3), ("approach", 1e-3)):
+        assert other.patches[name] == pytest.approx(one.patches[name], rel=share)
+    assert other.patches["x"] == pytest.approx(one.patches["x"], abs=1e-6)
+
+
+@pytest.mark.parametrize("normal", NORMAL)
+def test_the_normal_force_has_a_potential(normal: str) -> None:
+    # what pushes back along the track is the gradient of the same energy that carries the wheel
+    wave = lifted(CROWN, EVEN, 5e-4 * np.cos(6.0 * EVEN))
+    model = on(wave, normal)
+
+    def force(z: float, s: float) -> np.ndarray:
+        return model.evaluate((0.0, 0.0, z), place=s).force
+
+    for s in (0.13, 0.3):
+        top = brentq(lambda z, s=s: force(z, s)[2] - 3e4, RADIUS - 2e-3, RADIUS + 1e-3, xtol=1e-12)
+        h = 2e-6
+        along = (force(top, s + 10.0 * h)[2] - force(top, s - 10.0 * h)[2]) / (20.0 * h)
+        down = (force(top + h, s)[0] - force(top - h, s)[0]) / (2.0 * h)
+        assert down == pytest.approx(along, rel=0.02)
+
+
+def test_a_rail_that_is_too_steep_is_refused_with_its_place() -> None:
+    with pytest.raises(InputError, match=r"near .* m it is so steep along the track"):
+        rolled_rail(lifted(CROWN, EVEN, 0.6 * EVEN), RADIUS)
+
+
+def test_the_exact_solver_knows_no_rail_that_changes(ramp) -> None:
+    from wrsim.contact.settings import ContactSettings
+
+    with pytest.raises(InputError, match="half-space"):
+        model_of(WHEEL, CROWN, RADIUS, ContactSettings(normal="half-space"), surface=ramp)
+
+
+# --- a real crossing ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def over_the_crossing() -> ContactModel:
+    if not CROSSING.exists():
+        pytest.skip("the reference folder is not beside the project")
+    surface = crossing(0.16, 0.33)
+    model = contact_model(
+        wheel_profile("S1002"), surface.sections[0].profile, normal="strips", tangential="fastrip", friction=0.3
+    )
+    return replace(model, rolled=rolled_rail(surface, RADIUS))
+
+
+def at_rest(model: ContactModel, lateral: float, load: float, place: float) -> tuple[Contact, float]:
+    """The contact of a wheel that rolls with that load, and how far it has sunk."""
+
+    def lowered(z: float) -> Contact:
+        return model.evaluate((0.0, lateral, RADIUS - z), velocity=(1.0, 0, 0), omega=(0, 1.0 / RADIUS, 0), place=place)
+
+    sunk = brentq(lambda z: lowered(z).force[2] - load, -2e-3, 2e-3, xtol=1e-9)
+    return lowered(sunk), sunk
+
+
+def test_the_load_passes_from_wing_to_nose_as_in_contact(over_the_crossing: ContactModel) -> None:
+    """CONTACT's numbers: shared reference, crossing_56e1/transfer_s239.csv."""
+    with (CROSSING / "transfer_s239.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["y_ws_mm"] in ("0.81", "0.89", "0.97", "1.05", "1.15")]
+    for lateral in dict.fromkeys(row["y_ws_mm"] for row in rows):
+        own = [row for row in rows if row["y_ws_mm"] == lateral]
+        contact, sunk = at_rest(over_the_crossing, 1e-3 * float(lateral), 1e4, 0.239)
+        assert 1e3 * sunk == pytest.approx(float(own[0]["z_ws_mm"]), abs=0.002)
+        for row in own:
+            y = 1e-3 * float(row["y_tr_mm"]) - 0.75
+            patch = min(contact.patches, key=lambda p: abs(p["o"] - y))
+            place = 1e-3 * np.array([float(row["x_tr_mm"]), 0.0, -float(row["z_tr_mm"])])
+            assert hypot(patch["o"] - y, patch["x"] - place[0], patch["b"] - place[2]) < 1e-3
+            assert patch["N"] == pytest.approx(float(row["Fn_N"]), abs=200.0)
+            if patch["o"] < 0.0:  # the nose; the wing is touched where its curvature jumps: 13 % off
+                assert patch["p0"] == pytest.approx(1e6 * float(row["pmax_MPa"]), rel=0.05)

@@ -1,0 +1,141 @@
+"""A rail at a wheel: its profile, or what the wheel feels of sections that change along the track.
+
+Between stations the tables are cubics of the distance (values and rates at both), row by row; between rows a point is
+read as in ``core.contact.profile``. A yawed wheel feels every point at the place where its own outline has it, by
+e_x (u - R tan) ahead with the tangent's slope across.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+from wrsim.core.compiling import inlined
+from wrsim.core.contact.profile import Point, between, profile_point
+from wrsim.core.contact.records import Profile, Share
+
+STEEPEST = 3.0  # slope across up to which a yawed wheel's shift is followed
+LEAST_PARTING = 0.1  # of the wheel's curvature: a rail that is more hollow is touched at two places
+
+
+class Along(NamedTuple):
+    """Along the track at a point of the rail: how far ahead the wheel touches it and how much higher that is than in
+    the felt section [m], slope, curvature [1/m]."""
+
+    ahead: float
+    drop: float
+    slope: float
+    bend: float
+
+
+@inlined
+def changes(rail):
+    """Whether the rail changes along the track."""
+    return rail.rates.shape[0] > 0
+
+
+@inlined
+def rail_length(rail):
+    """Arclength of the last row [m]."""
+    return (rail.rows - 1) * rail.step
+
+
+@inlined
+def station_before(stations, s, guess):
+    """Number of the station before s; the first or the last but one outside."""
+    i = guess
+    while i > 0 and s < stations[i, 0]:
+        i -= 1
+    while i < stations.shape[0] - 2 and s >= stations[i + 1, 0]:
+        i += 1
+    return i
+
+
+@inlined
+def share_at(stations, rows, s, guess):
+    """The stations about s, and the weights of their values and rates."""
+    i = station_before(stations, s, guess)
+    low = stations[i, 0]
+    h = stations[i + 1, 0] - low
+    f = min(max((s - low) / h, 0.0), 1.0)
+    rise = f * f * (3.0 - 2.0 * f)
+    bow = h * f * (1.0 - f)
+    return Share(i, i * rows, (i + 1) * rows, 1.0 - rise, rise, bow * (1.0 - f), -bow * f)
+
+
+@inlined
+def _share(rail, row):
+    """Where the wheel feels a row: a yawed one ahead of its axle or behind it."""
+    if rail.yaw == 0.0:
+        return rail.share
+    own = rail.share.low + row
+    tangent = min(max(rail.table[own, 3] / max(rail.table[own, 2], 1e-3), -STEEPEST), STEEPEST)
+    ahead = rail.yaw * (rail.table[own, 0] - rail.o - rail.radius * tangent)
+    return share_at(rail.stations, rail.rows, rail.place + ahead, rail.share.at)
+
+
+@inlined
+def _value(rail, share, row, column):
+    table, rates = rail.table, rail.rates
+    low, high = share.low + row, share.high + row
+    return (
+        share.a * table[low, column]
+        + share.b * table[high, column]
+        + share.c * rates[low, column]
+        + share.d * rates[high, column]
+    )
+
+
+@inlined
+def _node(rail, share, row):
+    """A row as a point."""
+    return Point(
+        _value(rail, share, row, 0),
+        _value(rail, share, row, 1),
+        _value(rail, share, row, 2),
+        _value(rail, share, row, 3),
+        _value(rail, share, row, 4),
+    )
+
+
+@inlined
+def rail_point(rail, arc):
+    """Point of the rail's section at arclength ``arc`` [m]; beyond either end it goes on straight."""
+    if not changes(rail):
+        return profile_point(Profile(rail.table, rail.step), arc)
+    x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
+    i = min(int(x), rail.rows - 2)
+    share = _share(rail, i)
+    at = between(_node(rail, share, i), _node(rail, share, i + 1), x - i, rail.step)
+    beyond = arc - x * rail.step
+    if beyond != 0.0:
+        return Point(at.u + beyond * at.tu, at.w + beyond * at.tw, at.tu, at.tw, 0.0)
+    return at
+
+
+@inlined
+def along(rail, arc):
+    """What the rail does along the track at arclength ``arc``; nothing where it is one profile."""
+    if not changes(rail):
+        return Along(0.0, 0.0, 0.0, 0.0)
+    x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
+    i = min(int(x), rail.rows - 2)
+    r = x - i
+    share = _share(rail, i)
+    ahead = (1.0 - r) * _value(rail, share, i, 5) + r * _value(rail, share, i + 1, 5)
+    return Along(
+        ahead,
+        rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead),
+        (1.0 - r) * _value(rail, share, i, 6) + r * _value(rail, share, i + 1, 6),
+        (1.0 - r) * _value(rail, share, i, 7) + r * _value(rail, share, i + 1, 7),
+    )
+
+
+@inlined
+def tilted(at):
+    """Cosine of the slope along the track: of a distance in the section to that along the true normal."""
+    return 1.0 / sqrt(1.0 + at.slope * at.slope)
+
+
+@inlined
+def parting(r_t, at):
+    """Radius with which a wheel of radius ``r_t`` along the track and the rail part [m]."""
+    return 1.0 / max(1.0 / r_t - at.bend, LEAST_PARTING / r_t)

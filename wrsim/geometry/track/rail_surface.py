@@ -1,0 +1,182 @@
+"""A rail whose profile changes along the track: sections joined to a surface.
+
+Sections stand at rising distances s along the rail, each a profile in rail axes (u outward, w up). Features (corners,
+the foot of a gap) part every section into regions; what lies between two features is resampled to as many points in
+every section, so that corner is joined to corner. A feature that lies deeper than any wheel comes, wherever there is
+rail on both sides of it, is a gap: it parts the rail into pieces, as the nose of a crossing and its wing rail. A piece
+that has no length in a section does not exist there.
+
+Along s the points of a piece and their tangents are joined by cubics without overshoot (F. N. Fritsch and J. Butland,
+SIAM Journal on Scientific and Statistical Computing 5, 1984). Before the first and behind the last section the rail
+stays as it is there; a piece that begins or ends between sections falls off steeply."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile.profile import Array, Profile
+
+STEP = 0.2e-3
+"""Distance of the points of a section [m]."""
+DEEP = 0.038
+"""No wheel comes deeper below the highest point [m]."""
+SHORTEST = 1e-4
+"""A piece below this length [m] does not exist."""
+
+
+@dataclass(frozen=True, eq=False)
+class RailSection:
+    """A profile (of a rail, in rail axes) at a distance along the rail [m], and the arclengths of its features [m].
+
+    features: rising, from 0 to the profile's length; two that are equal stand for a region that does not exist here.
+    """
+
+    distance: float
+    profile: Profile
+    features: tuple[float, ...] = ()
+
+    @cached_property
+    def edges(self) -> Array:
+        """Arclengths of the edges of all regions, (regions + 1,)."""
+        return np.array([0.0, *self.features, self.profile.length])
+
+
+@dataclass(frozen=True, eq=False)
+class RailSurface:
+    """Sections (at least two), in order of their distances, with as many features each.
+
+    Raises ``InputError`` where they are not in order, or features do not match.
+    """
+
+    name: str
+    sections: tuple[RailSection, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.sections) < 2:
+            raise InputError(f"rail '{self.name}': has {len(self.sections)} sections; at least 2 are needed")
+        first = self.sections[0]
+        for before, own in zip(self.sections, self.sections[1:], strict=False):
+            if own.distance <= before.distance:
+                raise InputError(
+                    f"rail '{self.name}': the section at {own.distance:g} m follows one at {before.distance:g} m; "
+                    "distances must rise"
+                )
+        for own in self.sections:
+            at = f"rail '{self.name}', section at {own.distance:g} m"
+            if len(own.features) != len(first.features):
+                raise InputError(f"{at}: has {len(own.features)} features; the first section has {len(first.features)}")
+            if not (np.diff(own.edges) >= -1e-9).all():
+                raise InputError(
+                    f"{at}: features must rise from 0 to {1e3 * own.profile.length:.6g} mm of arclength, not "
+                    + ", ".join(f"{1e3 * f:.6g}" for f in own.features)
+                )
+
+    @property
+    def start(self) -> float:
+        """Distance of the first section [m]."""
+        return self.sections[0].distance
+
+    @property
+    def end(self) -> float:
+        """Distance of the last section [m]."""
+        return self.sections[-1].distance
+
+    @cached_property
+    def constant(self) -> Profile | None:
+        """The profile of all sections, if they are alike."""
+        first = self.sections[0].profile
+        parts = ("arclength", "u", "w", "angle", "curvature_before", "curvature_after")
+        alike = all(
+            np.array_equal(getattr(own.profile, part), getattr(first, part)) for own in self.sections for part in parts
+        )
+        return first if alike else None
+
+    @cached_property
+    def _lengths(self) -> Array:
+        """Length of every region of every section, (sections, regions) [m]."""
+        return np.array([np.diff(own.edges) for own in self.sections])
+
+    @cached_property
+    def pieces(self) -> tuple[Piece, ...]:
+        """The pieces between gaps. Raises InputError for one that comes twice, or never."""
+        count = self._lengths.shape[1]
+        starts = [0, *(k for k in range(1, count) if self._is_gap(k)), count]
+        return tuple(self._piece(first, last) for first, last in pairwise(starts))
+
+    def _is_gap(self, feature: int) -> bool:
+        """Whether a feature, 1 to regions - 1, lies deep wherever there is rail on both sides of it."""
+        inner = (self._lengths[:, :feature].sum(axis=1) > SHORTEST) & (
+            self._lengths[:, feature:].sum(axis=1) > SHORTEST
+        )
+        depths = [
+            own.profile.w.max() - own.profile.at(own.edges[feature])[1]
+            for own, there in zip(self.sections, inner, strict=True)
+            if there
+        ]
+        return bool(depths) and min(depths) > DEEP
+
+    def _piece(self, first: int, last: int) -> Piece:
+        """The piece of regions ``first`` to ``last`` - 1."""
+        lengths = self._lengths[:, first:last]
+        there = np.flatnonzero(lengths.sum(axis=1) > SHORTEST)
+        if there.size < 2 or (np.diff(there) > 1).any():
+            raise InputError(
+                f"rail '{self.name}': the part between features {first} and {last} is there in {there.size} sections; "
+                "it must be there in two or more that follow each other"
+            )
+        counts = np.maximum(np.ceil(lengths.max(axis=0) / STEP).astype(int), 2)
+        rows = np.array([_rows(self.sections[i], first, counts) for i in there])
+        s = np.array([self.sections[i].distance for i in there])
+        open_ends = (bool(there[0] > 0), bool(there[-1] < len(self.sections) - 1))
+        spline = _joined(s, rows, open_ends)
+        # an inner feature, the nearest to the middle; without one the middle itself
+        inner = np.cumsum(counts)[:-1]
+        middle = int(counts.sum()) // 2
+        anchor = int(inner[np.argmin(abs(inner - middle))]) if inner.size else middle
+        return Piece(spline, open_ends, anchor)
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A piece of a surface: rows (n, 4) of u, w and their derivatives along the row's number as a function of s between
+    its first and its last section; whether it ends there in front and behind; the row that stands still along s."""
+
+    spline: PPoly
+    open_ends: tuple[bool, bool]
+    anchor: int
+
+    @property
+    def start(self) -> float:
+        """Distance of its first section [m]."""
+        return float(self.spline.x[0])
+
+    @property
+    def end(self) -> float:
+        """Distance of its last section [m]."""
+        return float(self.spline.x[-1])
+
+
+def _rows(section: RailSection, first: int, counts: NDArray[np.int64]) -> Array:
+    """Rows of some regions of a section, (sum of counts + 1, 4)."""
+    edges = section.edges[first : first + counts.size + 1]
+    share = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(edges, edges[1:], counts, strict=False)]
+    arc = np.concatenate((*share, edges[-1:]))
+    rate = np.gradient(arc)
+    return np.column_stack((*section.profile.at(arc), *(rate * np.array(section.profile.tangent(arc)))))
+
+
+def _joined(s: Array, rows: Array, open_ends: tuple[bool, bool]) -> PPoly:
+    """Cubics through rows (sections, n, 4) at s; level at the ends where the rail goes on as it is."""
+    inner = PchipInterpolator(s, rows, axis=0)
+    slopes = inner(s, 1)
+    for end, loose in zip((0, -1), open_ends, strict=True):
+        if not loose:
+            slopes[end] = 0.0
+    return CubicHermiteSpline(s, rows, slopes)

@@ -1,0 +1,265 @@
+"""What a wheel feels of a rail whose profile changes along the track: its rolled surface.
+
+A wheel of radius R about a level axle is cut by the plane at x ahead of the axle in its own outline, raised by d(x) = R
+- sqrt(R^2 - x^2). It touches a rail of sections r(s) if and only if its outline touches the upper envelope of all
+sections r(s + x), each lowered by d(x): a prismatic rail that is felt at s. The envelope has a point of every row of
+the surface, at the x where its velocity has no component along the normal n of the section,
+
+    r'(s + x) . n = d'(x) n_w,
+
+and there the normal n. So a nose that rises 1:10 is touched at x = R / 10 sqrt(1 / (1 + 1/100)) ahead of the axle.
+Along the rail the two bodies part with the curvature d'' n_w - r'' . n; of several such x the one that stands out
+farthest counts: at a joint that is a step, before which and behind which the wheel touches.
+
+A yawed wheel touches at x_l + x with the shift x_l of its own outline; then the rail is felt at s + x_l.
+
+Tables of the felt section stand at stations along s, so close that cubics between them are good to TOLERANCE. The rows
+of a piece stand at equal arclengths from its anchor, whose row is the same in all tables; beyond its ends, and where it
+does not exist, its rows lie where no wheel comes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from wrsim.core.track.felt_rail import felt_rows, unfold
+from wrsim.errors import InputError
+from wrsim.geometry.profile.distance_field import SPACING, DistanceField, field_of_points, grid_about
+from wrsim.geometry.profile.profile import Array
+from wrsim.geometry.track.rail_surface import DEEP, Piece, RailSurface
+
+REACH = 0.2
+"""How far ahead of the axle and behind it a contact is looked for [m]."""
+SHALLOW = 0.025
+"""What lies deeper below the highest point does not decide where stations stand [m]."""
+LEVEL = 0.6
+"""Cosine of the slope across up to which a row must be touched within REACH; on steeper sides it may be farther."""
+TOLERANCE = 1e-6
+"""Of the cubics between stations, along the normal [m]."""
+SLOPE_TOLERANCE = 3e-5
+"""Of how they rise along the track, and of the slope in the tables."""
+ROWS = 0.2e-3
+"""Distance of the rows of a table [m]."""
+CLOSEST = 1e-3
+"""Least distance of stations [m]."""
+FIELD_APART = 0.5e-3
+"""Sections farther from each other have distance fields of their own [m]."""
+NOWHERE = 0.1
+"""How deep rows lie of a piece that does not exist [m]."""
+COLUMNS = ("u", "w", "tu", "tw", "k", "ahead", "slope", "bend")
+"""Of a table: point [m], tangent, curvature [1/m]; how far ahead of the axle the rail is touched there [m], its slope
+along the track (normal to the section) and its curvature along the track, positive upwards [1/m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class RolledRail:
+    """Felt sections at stations: places (n,) [m], tables (n, rows, len(COLUMNS)), distance of the rows [m]; rates:
+    derivative of the tables along s, of the same shape."""
+
+    stations: Array
+    tables: Array
+    rates: Array
+    step: float
+
+    @property
+    def hollow(self) -> float:
+        """Largest concave curvature across, where a wheel comes [1/m]."""
+        height = self.tables[..., 1]
+        near = (height > height.max(axis=1, keepdims=True) - SHALLOW) & (self.tables[..., 2] > LEVEL)
+        return max(float(self.tables[..., 4][near].max()), 0.0)
+
+    def outline(self, s: float, points: int) -> Array:
+        """The felt section at s for drawing, (points, 2); flat where no wheel comes, not-a-number where nothing is
+        [m]."""
+        rows = self.section(s)[:, :2]
+        lowest = rows[:, 1].max() - DEEP
+        rows[rows[:, 1] < lowest - DEEP] = np.nan
+        rows[:, 1] = np.maximum(rows[:, 1], lowest)
+        return rows[np.linspace(0, len(rows) - 1, points).round().astype(int)]
+
+    def section(self, s: float, rate: bool = False) -> Array:
+        """The table at s by the cubics that the kernels read, (rows, len(COLUMNS)), or its rate along s; constant
+        outside."""
+        s = float(np.clip(s, self.stations[0], self.stations[-1]))
+        i = min(int(np.searchsorted(self.stations, s, side="right")) - 1, self.stations.size - 2)
+        h = self.stations[i + 1] - self.stations[i]
+        f = (s - self.stations[i]) / h
+        a, b = self.tables[i : i + 2]
+        c, d = self.rates[i : i + 2]
+        if rate:
+            return np.asarray(
+                6.0 * f * (1.0 - f) / h * (b - a) + (1.0 - f) * (1.0 - 3.0 * f) * c + f * (3.0 * f - 2.0) * d
+            )
+        rise = f * f * (3.0 - 2.0 * f)
+        return np.asarray(a + rise * (b - a) + h * f * (1.0 - f) * ((1.0 - f) * c - f * d))
+
+
+@lru_cache(maxsize=8)
+def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> RolledRail:
+    """The rail as wheels of this radius feel it; step: of the rows [m].
+
+    Raises ``InputError`` where the rail is so steep that a wheel touches it more than REACH ahead of its axle.
+    """
+    ends = (surface.start - REACH, surface.end + REACH)
+    s = np.unique(np.concatenate((ends, [own.distance for own in surface.sections])))
+    s = s[np.append(True, np.diff(s) > CLOSEST)]
+    felt = {float(x): _felt(surface, float(x), radius) for x in s}
+    arcs = [_arcs([curves[k] for curves in felt.values()], step) for k in range(len(surface.pieces))]
+    known = {x: _table(curves, arcs) for x, curves in felt.items()}
+    unsure = list(pairwise(s.tolist()))
+    while unsure:
+        now = _joined(known, step)
+        again = []
+        for low, high in unsure:
+            middle = 0.5 * (low + high)
+            table = _table(_felt(surface, middle, radius), arcs)
+            if high - low < 2.0 * CLOSEST or _is_good(now, middle, table):
+                continue
+            known[middle] = table
+            again += [(low, middle), (middle, high)]
+        unsure = again
+    return _joined(known, step)
+
+
+def _joined(known: dict[float, Array], step: float) -> RolledRail:
+    s = np.array(sorted(known))
+    tables = np.stack([known[float(x)] for x in s])
+    return RolledRail(s, tables, _rates(s, tables), step)
+
+
+def _is_good(rail: RolledRail, s: float, table: Array) -> bool:
+    """Whether the cubics come to a table where a wheel can come, and move as it does, both along the normal."""
+    near = (table[:, 1] > table[:, 1].max() - SHALLOW) & (table[:, 2] > LEVEL)
+    own, rate = rail.section(s)[near], rail.section(s, rate=True)[near]
+    table = table[near]
+    apart = (own[:, 1] - table[:, 1]) * table[:, 2] - (own[:, 0] - table[:, 0]) * table[:, 3]
+    moved = rate[:, 1] * table[:, 2] - rate[:, 0] * table[:, 3]
+    off = np.abs(np.stack((moved - table[:, 6], own[:, 6] - table[:, 6])))
+    return bool(np.abs(apart).max(initial=0.0) < TOLERANCE and off.max(initial=0.0) < SLOPE_TOLERANCE)
+
+
+def _rates(s: Array, tables: Array) -> Array:
+    """Derivatives along s by parabolas through three stations; none at the ends, where nothing changes.
+
+    Along the normal a felt section moves with the slope of the rail where it is touched: that is exact.
+    """
+    gaps = np.diff(s)
+    slopes = np.diff(tables, axis=0) / gaps[:, None, None]
+    out = np.zeros_like(tables)
+    share = (gaps[:-1] / (gaps[:-1] + gaps[1:]))[:, None, None]
+    out[1:-1] = (1.0 - share) * slopes[:-1] + share * slopes[1:]
+    normal = np.stack((-tables[..., 3], tables[..., 2]), axis=-1)
+    off = tables[..., 6] - (out[..., :2] * normal).sum(axis=-1)
+    out[..., :2] += off[..., None] * normal
+    return out
+
+
+@dataclass(frozen=True)
+class _Curve:
+    """Felt section of a piece: arclengths from its anchor (n,), rows (n, 8) as `felt_rows` writes them, those that lie
+    too deep or fold back left out; empty where the piece does not exist."""
+
+    arc: Array
+    rows: Array
+
+
+def _felt(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
+    """The felt sections of all pieces at s."""
+    felt = []
+    for piece in surface.pieces:
+        rows = np.zeros((piece.spline.c.shape[2], 9))
+        felt_rows(piece.spline.c, piece.spline.x, np.array(piece.open_ends, dtype=float), s, radius, REACH, rows)
+        felt.append(rows)
+    lowest = max(float(rows[:, 1].max()) for rows in felt) - DEEP
+    if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 8] == 0.0)).any() for rows in felt):
+        raise InputError(
+            f"rail '{surface.name}': near {s:.4g} m it is so steep along the track that a wheel of radius "
+            f"{1e3 * radius:g} mm would touch it more than {1e3 * REACH:g} mm from its axle"
+        )
+    return [_curve(piece, rows, lowest) for piece, rows in zip(surface.pieces, felt, strict=True)]
+
+
+def _curve(piece: Piece, rows: Array, lowest: float) -> _Curve:
+    """The felt section of a piece down to a height."""
+    if rows[piece.anchor, 1] < lowest:
+        return _Curve(np.zeros(0), np.zeros((0, 8)))
+    keep = np.zeros(len(rows), dtype=bool)
+    unfold(rows, piece.anchor, lowest, keep)
+    at = int(keep[: piece.anchor].sum())
+    rows = rows[keep, :8]
+    bent = np.arcsin(np.clip(rows[:-1, 2] * rows[1:, 3] - rows[:-1, 3] * rows[1:, 2], -1.0, 1.0))
+    arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(rows[:, :2], axis=0).T) * (1.0 + bent**2 / 24.0)))
+    return _Curve(arc - arc[at], rows)
+
+
+def _arcs(curves: Sequence[_Curve], step: float) -> Array:
+    """Arclengths of the rows of a piece, from its anchor: as far as it reaches at any station."""
+    first = min(float(own.arc[0]) for own in curves if own.arc.size)
+    last = max(float(own.arc[-1]) for own in curves if own.arc.size)
+    return np.asarray(step * np.arange(int(np.floor(first / step)), int(np.ceil(last / step)) + 1), dtype=float)
+
+
+def _table(curves: Sequence[_Curve], arcs: Sequence[Array]) -> Array:
+    """Rows of COLUMNS of all pieces, one behind the other."""
+    return np.concatenate([_rows(own, arc) for own, arc in zip(curves, arcs, strict=True)])
+
+
+def _rows(curve: _Curve, arc: Array) -> Array:
+    """Rows of a piece at the arclengths ``arc``; beyond its ends it goes on straight."""
+    at, rows = curve.arc, curve.rows
+    if at.size < 2:
+        return np.column_stack((arc, np.full(arc.size, -NOWHERE), np.ones(arc.size), *np.zeros((5, arc.size))))
+    inside = np.clip(arc, at[0], at[-1])
+    spline = CubicHermiteSpline(at, rows[:, :2], rows[:, 2:4])
+    point, tangent = spline(inside), spline(inside, 1)
+    tangent /= np.hypot(tangent[:, 0], tangent[:, 1])[:, None]
+    point = point + (arc - inside)[:, None] * tangent
+    angle = np.unwrap(np.arctan2(rows[:, 3], rows[:, 2]))
+    k = np.interp(arc, 0.5 * (at[1:] + at[:-1]), np.diff(angle) / np.diff(at), 0.0, 0.0)
+    ahead, slope, bend, past = (np.interp(arc, at, column) for column in rows[:, 4:].T)
+    # where a row slips past, the section's own curvature is felt along the track, too
+    return np.column_stack((point, tangent, k, ahead, slope, bend + past**2 * k))
+
+
+@dataclass(frozen=True)
+class StationFields:
+    """Distance fields of some stations one behind the other, on one grid with ``rows`` rows each; for every station the
+    number of its own, and how far that may be off [m]."""
+
+    field: DistanceField
+    rows: int
+    numbers: Array
+    slack: float
+
+
+def station_fields(rail: RolledRail) -> StationFields:
+    """Fields of so many stations that no section is farther than about FIELD_APART from the one whose field it uses."""
+    height = rail.tables[..., 1]
+    near = height > height.max(axis=1, keepdims=True) - DEEP
+    chosen, numbers, off = [0], [], 0.0
+    for i in range(rail.stations.size):
+        apart = _between(rail, chosen[-1], i, near)
+        if apart > FIELD_APART:
+            chosen.append(i)
+            apart = 0.0
+        off = max(off, apart)
+        numbers.append(len(chosen) - 1)
+    points = rail.tables[..., :2][near]
+    low, counts = grid_about(points, SPACING)
+    arc = np.asarray(rail.step * np.arange(rail.tables.shape[1]), dtype=float)
+    values = [field_of_points(arc, rail.tables[i, :, :4], low, counts, SPACING) for i in chosen]
+    # a yawed wheel feels places ahead of the axle and behind it
+    field = DistanceField(np.concatenate(values), low, SPACING)
+    return StationFields(field, counts[0], np.array(numbers, dtype=float), off + FIELD_APART)
+
+
+def _between(rail: RolledRail, one: int, other: int, near: Array) -> float:
+    """Largest distance of two stations' sections along the normal [m]."""
+    both = near[one] & near[other]
+    a, b = rail.tables[one, both], rail.tables[other, both]
+    return float(np.abs((b[:, 1] - a[:, 1]) * a[:, 2] - (b[:, 0] - a[:, 0]) * a[:, 3]).max(initial=0.0))
