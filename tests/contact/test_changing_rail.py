@@ -159,5 +159,6 @@ def test_the_load_passes_from_wing_to_nose_as_in_contact(over_the_crossing: Cont
             place = 1e-3 * np.array([float(row["x_tr_mm"]), 0.0, -float(row["z_tr_mm"])])
             assert hypot(patch["o"] - y, patch["x"] - place[0], patch["b"] - place[2]) < 1e-3
             assert patch["N"] == pytest.approx(float(row["Fn_N"]), abs=200.0)
-            if patch["o"] < 0.0:  # the nose; the wing is touched where its curvature jumps: 13 % off
+            # of the nose, where it carries enough; the wing is touched where its curvature jumps: 13 % off
+            if patch["o"] < 0.0 and patch["N"] > 3e3:
                 assert patch["p0"] == pytest.approx(1e6 * float(row["pmax_MPa"]), rel=0.05)

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable
 from contextlib import closing, nullcontext, suppress
 from dataclasses import replace
+from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,6 +43,8 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
+STEPS_OF_A_SECTION = 3
+"""Least number of implicit steps between two neighbouring sections of a rail that changes along the track."""
 SHRUNK = 10.0
 """By how much shorter than usual a chosen step of RK44 is said."""
 
@@ -114,7 +117,12 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
     plan = setup.plan
     if plan.integrator == "rk44":
         return _stable_step(setup, law, q, q_t)
-    return plan.step or implicit_step(plan.speed, plan.output_interval)
+    if plan.step:
+        return plan.step
+    step = implicit_step(plan.speed, plan.output_interval)
+    gaps = [gap for surface in setup.surfaces if surface is not None for gap in surface.gaps]
+    # sections that follow each other closely say how fast the rail changes
+    return step / max(1, ceil(step * plan.speed * STEPS_OF_A_SECTION / min(gaps))) if gaps else step
 
 
 def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array) -> float:

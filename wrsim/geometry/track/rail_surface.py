@@ -88,6 +88,11 @@ class RailSurface:
         """Distance of the last section [m]."""
         return self.sections[-1].distance
 
+    @property
+    def gaps(self) -> list[float]:
+        """Distances between neighbouring sections [m]."""
+        return [after.distance - before.distance for before, after in pairwise(self.sections)]
+
     @cached_property
     def constant(self) -> Profile | None:
         """The profile of all sections, if they are alike."""

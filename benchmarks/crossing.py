@@ -1,0 +1,101 @@
+"""A coach runs over the nose of a crossing: peak wheel force against speed, and how it changes with the step.
+
+    python benchmarks/crossing.py --speeds 10 40 100 [--steps 1 2] [--json]
+
+The crossing 56E1-R245-1:9.25 is read from the reference folder beside the project and stands in the right rail of
+straight track. Forces are those of the leading right wheel, unfiltered; --steps divides the step that a run takes by
+itself.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from support.crossings import crossing  # noqa: E402
+
+from wrsim.analysis import run  # noqa: E402
+from wrsim.geometry.track.rail_surface import RailSection, RailSurface  # noqa: E402
+from wrsim.scenario.build import build  # noqa: E402
+from wrsim.scenario.loading import load  # noqa: E402
+
+PLACE = 12.0  # of the crossing's origin along the track [m]
+STRETCH = (-0.7, 1.0)  # of it that is laid [m]
+AFTER = 2.0  # way on which the peak is looked for [m]
+SIDE = 3.6e-3  # the crossing's origin lies 750 mm from the middle of the track, that of 60E1 farther out [m]
+
+
+def laid() -> RailSurface:
+    """The crossing in a track of gauge 1435 mm."""
+    own = crossing(*STRETCH)
+    moved = (RailSection(s.distance + PLACE, s.profile.shifted(-SIDE, 0.0), s.features) for s in own.sections)
+    return RailSurface(own.name, tuple(moved))
+
+
+def peak(speed: float, divisor: int) -> dict[str, Any]:
+    """Largest force of the leading right wheel behind the nose's tip, step and evaluations."""
+    values: dict[str, Any] = {
+        "vehicle.speed_kmh": speed,
+        "track.segments": [{"kind": "straight", "length_m": 60.0}],
+        "track.inclination": "none",
+        "run.start_distance_m": PLACE - 2.0,
+        "run.distance_m": 2.0 + AFTER,
+        "run.output_interval_ms": 0.5,
+        "output.patches_at_m": [],
+    }
+    scenario = load(ROOT / "scenarios" / "manchester_r300.toml").with_values(values)
+    setup = build(scenario)
+    setup = replace(setup, surfaces=(None, laid()))
+    if divisor > 1:
+        first = run(scenario, setup=replace(setup, plan=replace(setup.plan, duration=setup.plan.output_interval)))
+        setup = replace(setup, plan=replace(setup.plan, step=float(first.dataset.attrs["step_s"]) / divisor))
+    result = run(scenario, setup=setup)
+    dataset = result.wheelset(str(result.dataset["wheelset"].values[0])).sel(wheel="right")
+    place = dataset["distance"].values
+    near = (place > PLACE) & (place < PLACE + 1.0)
+    q = dataset["Q"].values
+    return {
+        "speed_kmh": speed,
+        "step_us": 1e6 * float(result.dataset.attrs["step_s"]),
+        "status": result.status,
+        "peak_kN": 1e-3 * float(q[near].max()),
+        "at_m": float(place[near][q[near].argmax()] - PLACE),
+        "least_kN": 1e-3 * float(q[near].min()),
+        "static_kN": 1e-3 * float(np.median(q[place < PLACE - 0.9])),
+    }
+
+
+def main() -> None:
+    """Print a table, or with --json one line."""
+    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("--speeds", nargs="+", type=float, default=[10.0, 40.0, 100.0])
+    options.add_argument("--steps", nargs="+", type=int, default=[1, 2], help="divisors of the usual step")
+    options.add_argument("--json", action="store_true")
+    asked = options.parse_args()
+    rows = []
+    for speed in asked.speeds:
+        for divisor in asked.steps:
+            row = peak(speed, divisor)
+            rows.append(row)
+            if not asked.json:
+                print(
+                    f"{speed:5g} km/h, step {row['step_us']:6.1f} us: peak {row['peak_kN']:7.2f} kN "
+                    f"at {row['at_m']:.3f} m, least {row['least_kN']:.2f}, "
+                    f"static {row['static_kN']:.2f} ({row['status']})",
+                    flush=True,
+                )
+    if asked.json:
+        print(json.dumps({"crossing": rows}))
+
+
+if __name__ == "__main__":
+    main()
