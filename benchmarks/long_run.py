@@ -136,7 +136,7 @@ def measured(folder: Path, kilometres: float) -> dict[str, Any]:
             lambda p=part, o=out: result_of(setup, law, p, [], folder).save(o / "result.nc") and 0
         )
         written[place], _ = in_a_child(lambda o=out: len(write_run(Result.load(o / "result.nc"), o)))
-        disk[place] = sum(f.stat().st_size for f in out.iterdir()) / 1e6
+        disk[place] = sum(f.stat().st_size for f in out.rglob("*") if f.is_file()) / 1e6
     at = {place: f"{place * kilometres:g} km" for place in PLACES}
     return {
         "samples": n,
