@@ -1,11 +1,17 @@
 """Random poses for the strip model: is every one solved, is any force out of proportion, how long does it take?
 
-    python benchmarks/strip_robustness.py [--poses 100000] [--strips 20] [--seed 1] [--json FILE]
+    python benchmarks/strip_robustness.py [--poses 100000] [--strips 20] [--seed 1] [--keep FILE] [--json FILE]
+    python benchmarks/strip_robustness.py --walks 600 [--strips 20] [--seed 1] [--json FILE]
 
 Six pairs of profiles, lateral shift +-12 mm, yaw +-60 mrad, approach from 1 to 300 um by its logarithm; poses that bear
-1 to 500 kN count. Every pose is solved afresh; "retried": solved, but not from the first guess (docs/strip_model.md).
-Kik-Piotrowski is the first screen for the force: where the strip model has more than SUSPECT of it, the half-space
-solver is asked.
+1 to 500 kN count. Every pose is solved afresh; "retried": solved, but not from the first guess; "straight": solved, but
+without shifts along the rail (docs/strip_model.md). Kik-Piotrowski is the first screen for the force: where the strip
+model has more than SUSPECT of it, the half-space solver is asked. Poses come in blocks of their own seeds; --keep adds
+each to a file when it is done, and a run taken up again leaves out what stands there.
+
+--walks carries a wheel along its rail in small steps, as runs do: shift, yaw and approach go smoothly from one random
+pose to another some millimetres away, lobes come and go. The model that follows its last contact is set beside one that
+solves afresh.
 """
 
 from __future__ import annotations
@@ -13,9 +19,11 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
@@ -23,7 +31,7 @@ from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings
 from wrsim.core.contact.records import STATUS_UNSETTLED
-from wrsim.core.contact.strips.solution import RETRIED, UNSOLVED
+from wrsim.core.contact.strips.solution import RETRIED, STRAIGHT, UNSOLVED
 from wrsim.geometry.profile.models import load_profile
 
 MODELS = Path(__file__).parents[1] / "models"
@@ -34,6 +42,12 @@ PAIRS = (
 RADIUS = 0.46
 LEAST, MOST = 1e3, 500e3  # normal force [N]
 SUSPECT = 1.6
+TOO_MUCH = 1.3  # of the half-space solver's force
+BLOCK = 5000  # poses
+SLOTS = np.logspace(1.0, 6.0, 2001)  # of times [us]: half a per cent each
+STEPS, KNOTS = 500, 21  # of a walk
+LONGEST = np.array([4e-3, 10e-3])  # walk: lateral shift [m], yaw [rad]
+DIFFERENT, JUMP = 1e-6, 5e-3  # of the force: followed from afresh; a step from the two beside it
 
 
 def stand(pair: tuple[str, str, int], settings: ContactSettings) -> PoseSolver:
@@ -83,19 +97,12 @@ def force(bench: PoseSolver) -> float:
     return float(arrays.patches["N"][: arrays.total["lobes"]].sum())
 
 
-def main() -> None:
-    """Print the figures."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--poses", type=int, default=100_000)
-    parser.add_argument("--strips", type=int, default=20)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--json", type=Path)
-    arguments = parser.parse_args()
-    random = np.random.default_rng(arguments.seed)
-    stands = [Stand(pair, arguments.strips) for pair in PAIRS]
-    counted = unsolved = retried = lost = 0
-    times, iterations, suspects, worst = [], [], [], 0.0
-    while counted < arguments.poses:
+def pose_block(stands: list[Stand], seed: tuple[int, int], wanted: int) -> dict[str, object]:
+    """Solve random poses afresh; figures, and in words those to look at."""
+    random = np.random.default_rng(seed)
+    count: Counter[str] = Counter()
+    times, iterations, said, worst = [], [], [], 0.0
+    while count["poses"] < wanted:
         stand = stands[random.integers(len(stands))]
         lateral, yaw = random.uniform(-12e-3, 12e-3), random.uniform(-60e-3, 60e-3)
         height = stand.touching(lateral, yaw)
@@ -111,30 +118,133 @@ def main() -> None:
             memo = stand.arrays.rows.memo[0]
             began = time.thread_time()
             status = stand.arrays.call()
-            times.append(time.thread_time() - began)
+            times.append(1e6 * (time.thread_time() - began))
             iterations.append(int(memo["iterations"]))
-            ours = force(stand.strips)
-            counted += 1
-            retried += int(memo["result"]) == RETRIED
-            lost += int(memo["result"]) == UNSOLVED
+            ours, result = force(stand.strips), int(memo["result"])
             place = f"{stand.name} y {lateral:.9f} yaw {yaw:.9f} depth {depth:.9g}"
-            if status & STATUS_UNSETTLED:
-                unsolved += 1
-                print(f"unsolved: {place} ({ours / plain:.3f} of Kik-Piotrowski)", flush=True)
+            unsolved = bool(status & STATUS_UNSETTLED)
+            count += Counter(
+                poses=1, retried=result == RETRIED, straight=result == STRAIGHT, unsolved=unsolved,
+                without_any=result == UNSOLVED,
+            )  # fmt: skip
+            if unsolved:
+                said.append(f"unsolved: {place} ({ours / plain:.3f} of Kik-Piotrowski)")
             if ours > SUSPECT * plain or not np.isfinite(ours):
                 ratio = ours / stand.exact()
-                suspects.append(ratio)
+                count["suspects"] += 1
                 worst = max(worst, ratio)
-                if not ratio < 1.3:
-                    print(f"too much: {place}: {ratio:.3f} of the half-space", flush=True)
-    t = 1e6 * np.array(times)
-    result = {
-        "poses": counted, "strips": arguments.strips, "unsolved": unsolved, "retried": retried, "without_any": lost,
-        "suspects": len(suspects), "worst_over_half_space": worst, "median_us": float(np.median(t)),
-        "p99_us": float(np.percentile(t, 99.0)), "slowest_us": float(t.max()),
-        "slowest_over_median": float(t.max() / np.median(t)), "median_residuals": float(np.median(iterations)),
-        "most_residuals": int(np.max(iterations)),
+                if not ratio < TOO_MUCH:
+                    count["too_much"] += 1
+                    said.append(f"too much: {place}: {ratio:.3f} of the half-space")
+    slots, number = np.unique(np.digitize(times, SLOTS), return_counts=True)
+    return {
+        "seed": list(seed), "count": dict(count), "worst_over_half_space": worst, "said": said,
+        "times": [slots.tolist(), number.tolist()], "slowest_us": max(times), "most_residuals": max(iterations),
     }  # fmt: skip
+
+
+def poses(arguments: argparse.Namespace) -> dict[str, object]:
+    """All blocks, those kept before as well."""
+    stands = [Stand(pair, arguments.strips) for pair in PAIRS]
+    keep = arguments.keep
+    kept = [json.loads(line) for line in keep.read_text().splitlines()] if keep and keep.exists() else []
+    blocks = {tuple(block["seed"]): block for block in kept}
+    wanted = [(arguments.seed, k) for k in range(-(-arguments.poses // BLOCK))]
+    for seed in wanted:
+        if seed in blocks:
+            continue
+        blocks[seed] = pose_block(stands, seed, min(BLOCK, arguments.poses - BLOCK * seed[1]))
+        for line in blocks[seed]["said"]:
+            print(line, flush=True)
+        if keep:
+            with keep.open("a") as file:
+                file.write(json.dumps(blocks[seed]) + "\n")
+    chosen = [blocks[seed] for seed in wanted]
+    names = ("poses", "unsolved", "straight", "retried", "without_any", "suspects", "too_much")
+    total = {name: sum(block["count"].get(name, 0) for block in chosen) for name in names}
+    slots = np.zeros(len(SLOTS) + 1)
+    for block in chosen:
+        slots[block["times"][0]] += block["times"][1]
+    share = np.cumsum(slots) / slots.sum()
+    median, late = (float(SLOTS[np.searchsorted(share, part) - 1]) for part in (0.5, 0.99))
+    slowest = max(block["slowest_us"] for block in chosen)
+    return total | {
+        "strips": arguments.strips, "worst_over_half_space": max(b["worst_over_half_space"] for b in chosen),
+        "median_us": median, "p99_us": late, "slowest_us": slowest, "slowest_over_median": slowest / median,
+        "most_residuals": max(block["most_residuals"] for block in chosen),
+    }  # fmt: skip
+
+
+def walk(followed: Stand, afresh: Stand, random: np.random.Generator) -> Counter[str] | None:
+    """One walk; None where it leaves the rail or its load."""
+    start = random.uniform([-12e-3, -60e-3], [12e-3, 60e-3])
+    end = np.clip(start + random.uniform(-1.0, 1.0, 2) * LONGEST, [-12e-3, -60e-3], [12e-3, 60e-3])
+    knots = np.linspace(0.0, 1.0, KNOTS)
+    heights = [afresh.touching(*(start + (end - start) * t)) for t in knots]
+    if None in heights:
+        return None
+    depth = np.exp(PchipInterpolator(knots[::5], random.uniform(np.log(10e-6), np.log(150e-6), 5))(knots))
+    height = PchipInterpolator(knots, np.array(heights, dtype=float) - depth)
+    followed.arrays.follow(True)
+    count: Counter[str] = Counter(walks=1)
+    normal, lobes = [], []
+    for t in np.linspace(0.0, 1.0, STEPS):
+        lateral, yaw = start + (end - start) * t
+        for stand in (followed, afresh):
+            stand.strips.evaluate(lateral, float(height(t)), yaw, 0.0)
+        normal.append([force(followed.strips), force(afresh.strips)])
+        lobes.append(int(followed.arrays.total["lobes"]))
+        memo = followed.arrays.rows.memo[0]
+        result = int(memo["result"])
+        count += Counter(
+            steps=1, residuals=int(memo["iterations"]), jacobians=int(memo["factorisations"]),
+            retried=result == RETRIED, straight=result == STRAIGHT,
+            unsolved=bool(followed.arrays.status & STATUS_UNSETTLED),
+            unsolved_afresh=bool(afresh.arrays.status & STATUS_UNSETTLED),
+        )  # fmt: skip
+    both = np.array(normal)
+    load = np.maximum(both[:, 1], LEAST)
+    apart = np.abs(both[:, 0] - both[:, 1]) / load
+    change = np.diff(both, axis=0) / load[1:, None]
+    beside = np.maximum(np.abs(change[:-2]), np.abs(change[2:]))
+    jumps = np.abs(change[1:-1]) - beside > JUMP
+    count["changes_of_lobes"] = int(np.count_nonzero(np.diff(lobes)))
+    count["different"] = int(np.count_nonzero(apart > DIFFERENT))
+    count["different_by_1e-3"] = int(np.count_nonzero(apart > 1e-3))
+    count["jumps"], count["jumps_afresh"] = (int(n) for n in np.count_nonzero(jumps, axis=0))
+    count["largest_ppm"] = int(1e6 * apart.max())
+    return count
+
+
+def walks(arguments: argparse.Namespace) -> dict[str, object]:
+    """All walks."""
+    random = np.random.default_rng(arguments.seed)
+    pairs = [(Stand(pair, arguments.strips), Stand(pair, arguments.strips)) for pair in PAIRS]
+    total: Counter[str] = Counter()
+    largest = 0
+    while total["walks"] < arguments.walks:
+        found = walk(*pairs[random.integers(len(pairs))], random)
+        if found is not None:
+            largest = max(largest, found.pop("largest_ppm"))
+            total += found
+    names = (
+        "walks", "steps", "residuals", "jacobians", "changes_of_lobes", "retried", "straight", "unsolved",
+        "unsolved_afresh", "different", "different_by_1e-3", "jumps", "jumps_afresh",
+    )  # fmt: skip
+    return {name: total[name] for name in names} | {"strips": arguments.strips, "largest_difference": 1e-6 * largest}
+
+
+def main() -> None:
+    """Print the figures."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--poses", type=int, default=100_000)
+    parser.add_argument("--walks", type=int, default=0, help="Walks instead of poses.")
+    parser.add_argument("--strips", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--keep", type=Path, help="File of blocks, added to.")
+    parser.add_argument("--json", type=Path)
+    arguments = parser.parse_args()
+    result = walks(arguments) if arguments.walks else poses(arguments)
     print(json.dumps(result, indent=1))
     if arguments.json:
         arguments.json.write_text(json.dumps(result, indent=1) + "\n")

@@ -116,7 +116,7 @@ def enter(system, n, held):
 def _closing(system, n, g, r):
     """How far the bodies would overlap at a row, over what all strips press them down there [m]."""
     row = system.rows[g, r]
-    u, _c = pressed(system, n, g, row.s)
+    u, _c = pressed(system, n, g, row.s, row.x)
     return row.d - u / system.memo[0].stiffness
 
 

@@ -8,8 +8,29 @@ from math import sqrt
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.grid import place_strips
-from wrsim.core.contact.strips.influence import find_presses, find_terms, pressed_by
-from wrsim.core.contact.strips.records import CURVE, EDGES, FACTORS, FADING, FROM, INVERSE, PUSH, TERMS, TO, F, X
+from wrsim.core.contact.strips.influence import (
+    find_presses,
+    find_terms,
+    pressed_beside,
+    pressed_by,
+    put_beside,
+    put_presses_beside,
+)
+from wrsim.core.contact.strips.records import (
+    CURVE,
+    EDGES,
+    FACTORS,
+    FADING,
+    FROM,
+    INVERSE,
+    MIDDLE,
+    PUSH,
+    TERMS,
+    TO,
+    F,
+    X,
+)
+from wrsim.core.contact.strips.shifts import off_locus
 
 EDGE_RATIO = 0.84  # of a^2 in the two outer strips, over what a parabola would give: Hertz's ellipses keep their width
 LEAST_DEPTH = 1e-8  # for the longest half length [m]
@@ -106,13 +127,31 @@ def lay_strips(system, n):
 
 
 @kernel
-def pressed(system, n, g, s):
-    """Displacement at a place s of grid g and its curvature, both times pi E*, under all strips."""
+def set_middles(system, n):
+    """Middles of all strips along x; on the locus where shifts do not count."""
+    memo = system.memo[0]
+    for g in range(memo.grids):
+        for j in range(g * n, (g + 1) * n):
+            place = system.places[j]
+            place.off = off_locus(system.grids[g], place.x) if memo.shifted else 0.0
+            system.vectors[MIDDLE, j] = place.x + place.off
+
+
+@kernel
+def pressed(system, n, g, s, x):
+    """Displacement at a place s of grid g and its curvature, both times pi E*, under all strips.
+
+    x: the place along the rail, of use only where shifts count.
+    """
     u = c = 0.0
+    shifted = system.memo[0].shifted
     for h in range(system.memo[0].grids):
         part = fading(system, h, g)
         if part > 0.0:
-            own_u, own_c = pressed_by(system.table, system.vectors, h * n, (h + 1) * n, s)
+            if shifted:
+                own_u, own_c = pressed_beside(system.table, system.vectors, h * n, (h + 1) * n, s, x)
+            else:
+                own_u, own_c = pressed_by(system.table, system.vectors, h * n, (h + 1) * n, s)
             u += part * own_u
             c += part * own_c
     return u, c
@@ -129,6 +168,7 @@ def residuals(system, n, held):
     memo.iterations += 1
     lay_strips(system, n)
     set_amplitudes(system, n)
+    set_middles(system, n)
     largest = 0.0
     block = block_of(n)
     for g in range(memo.grids):
@@ -139,8 +179,8 @@ def residuals(system, n, held):
         own = base + n
         for j in range(n):
             place = places[g * n + j]
-            u, c = pressed(system, n, g, place.s)
-            place.gap = (u / memo.stiffness - place.d) / memo.deepest
+            u, c = pressed(system, n, g, place.s, place.x + place.off)
+            place.gap = (u / memo.stiffness - place.d + 0.5 * place.bend * place.off * place.off) / memo.deepest
             place.miss = c / (memo.stiffness * place.bend) - 1.0
             if place.y <= 0.0:
                 continue
@@ -150,11 +190,12 @@ def residuals(system, n, held):
             out[own + f] += (1.0 - r) * place.weight * place.miss
             out[own + f + 1] += r * place.weight * place.miss
         if held:
-            out[own : own + FACTORS] = 0.0
+            out[own : own + block - n] = 0.0
             continue
+        even = evenness(memo, grid)
         for f in range(FACTORS):
             before, after = x[own + max(f - 1, 0)], x[own + min(f + 1, FACTORS - 1)]
-            out[own + f] += EVENNESS * (2.0 * x[own + f] - before - after)
+            out[own + f] += even * (2.0 * x[own + f] - before - after)
         if grid.link > 0.0 and grids[g + 1].on:
             out[own + FACTORS - 1] += grid.link * (x[own + FACTORS - 1] - x[own + block])
         if g > 0 and grids[g - 1].link > 0.0 and grids[g - 1].on:
@@ -169,6 +210,12 @@ def residuals(system, n, held):
             out[e] = edge_wish(places, g * n, n, side)
             largest = max(largest, LESS * abs(out[e]))
     return largest
+
+
+@inlined
+def evenness(memo, grid):
+    """Weight with which neighbouring factors are kept alike."""
+    return EVENNESS * grid.evenness if memo.shifted else EVENNESS
 
 
 @inlined
@@ -196,7 +243,10 @@ def _press_held(system, n, g, i):
         if part == 0.0:
             continue
         first, base = h * n, h * block_of(n)
-        find_presses(system.table, vectors[FROM], vectors[TO], vectors[INVERSE], first, first + n, at.s, u, du)
+        begin, end, inverse = vectors[FROM], vectors[TO], vectors[INVERSE]
+        find_presses(system.table, begin, end, inverse, first, first + n, at.s, u, du)
+        if memo.shifted:
+            put_presses_beside(begin, end, inverse, vectors[MIDDLE], first, first + n, at.s, at.x + at.off, u, du)
         for j in range(n):
             place = system.places[first + j]
             if place.y > 0.0:
@@ -209,8 +259,11 @@ def _press_row(system, n, g, i):
     """Derivatives of displacement and curvature at strip i of grid g by all unknowns, through the strips, to
     ``matrix``."""
     memo, places, vectors, m = system.memo[0], system.places, system.vectors, system.matrix
+    grids = system.grids
     u, c, du, dc = vectors[TERMS], vectors[TERMS + 1], vectors[TERMS + 2], vectors[TERMS + 3]
     f0, f1, g0, g1 = vectors[TERMS + 4], vectors[TERMS + 5], vectors[TERMS + 6], vectors[TERMS + 7]
+    t, cx, shifted = vectors[TERMS + 8], vectors[TERMS + 9], memo.shifted
+    begin, finish, inverse = vectors[FROM], vectors[TO], vectors[INVERSE]
     block = block_of(n)
     unit = 1.0 / (memo.stiffness * memo.deepest)
     at = places[g * n + i]
@@ -220,16 +273,20 @@ def _press_row(system, n, g, i):
     scale = at.weight / (memo.stiffness * at.bend)
     s0, s1 = (1.0 - r) * scale, r * scale
     by_s_u = by_s_c = 0.0
+    turn = (1.0 + grids[g].stretch) * at.x_s  # of the place along x
     for h in range(memo.grids):
         part = fading(system, h, g)
         if part == 0.0:
             continue
         first, base = h * n, h * block
-        find_terms(
-            system.table, vectors[FROM], vectors[TO], vectors[INVERSE], first, first + n, at.s,
-            u, c, du, dc, f0, f1, g0, g1,
-        )  # fmt: skip
+        find_terms(system.table, begin, finish, inverse, first, first + n, at.s, u, c, du, dc, f0, f1, g0, g1)
+        if shifted:
+            put_beside(
+                begin, finish, inverse, vectors[MIDDLE], first, first + n, at.s, at.x + at.off,
+                u, c, du, dc, f0, f1, g0, g1, t, cx,
+            )  # fmt: skip
         start_u = start_c = end_u = end_c = 0.0
+        stretch = 1.0 + grids[h].stretch
         for j in range(first, first + n):
             place = places[j]
             if place.y <= 0.0:
@@ -262,6 +319,17 @@ def _press_row(system, n, g, i):
             end_c += v1 * place.hi_end - v0 * place.lo_end + mid_c * place.mid_end
             by_s_u += u0 - u1
             by_s_c += v0 - v1
+            if not shifted:
+                continue
+            # by this strip's middle along x against the one here
+            x_u, x_c = qa * t[j], qc * cx[j]
+            moved = stretch * place.x_s
+            start_u -= x_u * moved * place.mid_start
+            end_u -= x_u * moved * place.mid_end
+            start_c -= x_c * moved * place.mid_start
+            end_c -= x_c * moved * place.mid_end
+            by_s_u += x_u * turn
+            by_s_c += x_c * turn
         e = base + n + FACTORS
         _add_edges(m, row, e, unit * start_u, unit * end_u)
         _add_edges(m, w, e, s0 * start_c, s0 * end_c)
@@ -289,7 +357,9 @@ def _own_row(system, n, g, i):
     f, r = factor_of(at)
     w = g * block_of(n) + n + f
     moment, width, deepest = at.weight * at.miss, at.hi - at.lo, system.memo[0].deepest
-    _add_edges(m, row, e, -at.d_s * at.mid_start / deepest, -at.d_s * at.mid_end / deepest)
+    # what lies off the locus is less deep
+    slope = at.d_s - at.bend * at.off * system.grids[g].stretch * at.x_s - 0.5 * at.bend_s * at.off * at.off
+    _add_edges(m, row, e, -slope * at.mid_start / deepest, -slope * at.mid_end / deepest)
     lean = (moment - at.weight * (at.miss + 1.0)) * at.lean
     start = lean * at.mid_start + moment * (at.hi_start - at.lo_start) / width
     end = lean * at.mid_end + moment * (at.hi_end - at.lo_end) / width
@@ -345,18 +415,19 @@ def jacobian(system, n, held):
         if not grid.on:
             continue
         if held:
-            for i in range(own, own + FACTORS + EDGES):
+            for i in range(own, own + block - n):
                 m[i, :size] = 0.0
                 m[i, i] = 1.0
             continue
+        even = evenness(memo, grid)
         for f in range(FACTORS):
             r = own + f
             if f > 0:
-                m[r, r] += EVENNESS
-                m[r, r - 1] -= EVENNESS
+                m[r, r] += even
+                m[r, r - 1] -= even
             if f < FACTORS - 1:
-                m[r, r] += EVENNESS
-                m[r, r + 1] -= EVENNESS
+                m[r, r] += even
+                m[r, r + 1] -= even
         if grid.link > 0.0 and grids[g + 1].on:
             one, other = own + FACTORS - 1, own + block
             m[one, one] += grid.link

@@ -233,5 +233,6 @@ def place_strips(grid, rows, places):
         place.d_s = (k1 + t * (2.0 * k2 + 3.0 * t * k3)) / h
         place.bend_s = (rows[c + 1].bend - rows[c].bend) / h
         place.bend = rows[c].bend + t * h * place.bend_s
-        place.x = rows[c].x + t * (rows[c + 1].x - rows[c].x)
+        place.x_s = (rows[c + 1].x - rows[c].x) / h
+        place.x = rows[c].x + t * h * place.x_s
         place.at = min(max((j + 0.5) / n * FACTORS - 0.5, 0.0), FACTORS - 1.0)

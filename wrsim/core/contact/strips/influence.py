@@ -8,11 +8,23 @@ so a strip of any width, near or far, acts on a centre by differences of two val
 makes the table: every octave of t from 2^LOWEST to 2^HIGHEST is cut into 2^CUTS equal pieces, and a row holds the
 cubics of PHI and PSI over a piece. Number and place in a piece stand in the bits of t: no logarithm, no branch, so that
 the compiler takes several strips at once. Below the first piece t counts as its start, beyond the last as its end.
+
+Beside the middle of a strip, at a shift x along it, f(a, x, s) = int sqrt((a^2 - t^2)/((x - t)^2 + s^2)) dt is f(a, s)
+times
+
+    sqrt(1 - y) (1 - y^2 (h0 + h1 y + h2 y^2 + h3 y^3)),    y = x^2/(a^2 + s^2 + x^2),
+
+right to second order in x, because f_xx = -f/(a^2 + s^2) at x = 0, and far away, where it is 1/sqrt(x^2 + s^2). The h
+are a^2/(a^2 + s^2) times cubics of s/sqrt(a^2 + s^2), ``BESIDE``, fitted to the integral and its first two derivatives
+by x where x < 2.5 s (`benchmarks/fit_shifted_influence.py` says how well). It is taken at the middle of the strip's
+width.
 """
+
+from math import sqrt
 
 from wrsim.core.bits import bits_of, number_of
 from wrsim.core.compiling import filling, inlined, summing
-from wrsim.core.contact.strips.records import CURVE, FROM, INVERSE, PUSH, TO
+from wrsim.core.contact.strips.records import CURVE, FROM, INVERSE, MIDDLE, PUSH, TO
 
 LOWEST, HIGHEST, CUTS = -36, 16, 6
 PIECES = (HIGHEST - LOWEST) << CUTS
@@ -23,6 +35,10 @@ _ONE = 1023 << 52
 _EXPONENT = 2047 << 52
 _LARGEST = 2046 << 52
 _IN_AN_OCTAVE = 2.0**CUTS
+BESIDE = (
+    0.5553, 0.6855, -2.798, 2.0103, -1.2314, -3.1771, 18.5809, -14.7952, 13.0952, -17.4642, -20.4168, 25.5769,
+    -11.8144, 13.1485, 20.1382, -21.6244,
+)  # fmt: skip
 _START, _END = 2.0**LOWEST, 2.0**HIGHEST * (1.0 - 2.0**-20)
 
 
@@ -99,3 +115,95 @@ def find_terms(table, begin, end, inverse, first, last, s, u, c, du, dc, f0, f1,
         u[j], c[j] = p1 - p0, c1 - c0
         du[j], dc[j] = hi * at_hi - lo * at_lo, hi * less_hi - lo * less_lo
         f0[j], f1[j], g0[j], g1[j] = at_lo, at_hi, less_lo, less_hi
+
+
+@inlined
+def _bent(t, inverse):
+    """The four polynomials of ``BESIDE`` at abs(s)/a = t; inverse: 1/(1 + t^2)."""
+    w = t * sqrt(inverse)
+    c = BESIDE
+    return (
+        inverse * (c[0] + w * (c[1] + w * (c[2] + w * c[3]))),
+        inverse * (c[4] + w * (c[5] + w * (c[6] + w * c[7]))),
+        inverse * (c[8] + w * (c[9] + w * (c[10] + w * c[11]))),
+        inverse * (c[12] + w * (c[13] + w * (c[14] + w * c[15]))),
+    )
+
+
+@summing
+def pressed_beside(table, vectors, first, last, s, x):
+    """As ``pressed_by`` at (x, s), from strips whose middles lie apart along x."""
+    u = c = 0.0
+    for j in range(first, last):
+        inverse_a = vectors[INVERSE, j]
+        lo, hi = (vectors[FROM, j] - s) * inverse_a, (vectors[TO, j] - s) * inverse_a
+        p0, c0 = primitives(table, abs(lo))
+        p1, c1 = primitives(table, abs(hi))
+        p0, c0 = (-p0, -c0) if lo < 0.0 else (p0, c0)
+        p1, c1 = (-p1, -c1) if hi < 0.0 else (p1, c1)
+        middle, xx = 0.5 * (lo + hi), (x - vectors[MIDDLE, j]) * inverse_a
+        m = 1.0 + middle * middle
+        h0, h1, h2, h3 = _bent(abs(middle), 1.0 / m)
+        z = m / (m + xx * xx)
+        y = 1.0 - z
+        p = 1.0 - y * y * (h0 + y * (h1 + y * (h2 + y * h3)))
+        p_y = -y * (2.0 * h0 + y * (3.0 * h1 + y * (4.0 * h2 + y * 5.0 * h3)))
+        p_yy = -(2.0 * h0 + y * (6.0 * h1 + y * (12.0 * h2 + y * 20.0 * h3)))
+        g = 2.0 * z * p_y - p
+        g_y = 2.0 * z * p_yy - 3.0 * p_y
+        root = sqrt(z)
+        curve = vectors[CURVE, j] * (c1 - c0) * z * root
+        u += vectors[PUSH, j] * (p1 - p0) * root * p
+        c -= curve * (g * (1.0 - 3.0 * y) + 2.0 * y * z * g_y)
+    return u, c
+
+
+@filling
+def put_beside(begin, end, inverse, place, first, last, s, x, u, c, du, dc, f0, f1, g0, g1, t, cx):
+    """Take what ``find_terms`` has written to (x, s); place: middles of the strips along x.
+
+    Written besides: how displacement, over a^2, and c change with x/a. How the polynomials change with a is left out.
+    """
+    for j in range(first, last):
+        middle, xx = (0.5 * (begin[j] + end[j]) - s) * inverse[j], (x - place[j]) * inverse[j]
+        m = 1.0 + middle * middle
+        i = 1.0 / m
+        b0, b1, b2, b3 = _bent(abs(middle), i)
+        z = m / (m + xx * xx)
+        y = 1.0 - z
+        p = 1.0 - y * y * (b0 + y * (b1 + y * (b2 + y * b3)))
+        p_y = -y * (2.0 * b0 + y * (3.0 * b1 + y * (4.0 * b2 + y * 5.0 * b3)))
+        p_yy = -(2.0 * b0 + y * (6.0 * b1 + y * (12.0 * b2 + y * 20.0 * b3)))
+        p_yyy = -(6.0 * b1 + y * (24.0 * b2 + y * 60.0 * b3))
+        g = 2.0 * z * p_y - p
+        g_y = 2.0 * z * p_yy - 3.0 * p_y
+        g_yy = 2.0 * z * p_yyy - 5.0 * p_yy
+        w = g * (1.0 - 3.0 * y) + 2.0 * y * z * g_y
+        w_y = g_y * (3.0 - 7.0 * y) - 3.0 * g + 2.0 * y * z * g_yy
+        root = sqrt(z)
+        by_u, by_c, by_c_y = root * p, -z * root * w, -root * (z * w_y - 1.5 * w)
+        less = i * y
+        du[j] = du[j] * by_u + less * root * g * u[j]
+        t[j] = xx * c[j] * z * root * g
+        cx[j] = c[j] * by_c_y * 2.0 * xx * z * z * i
+        dc[j] = dc[j] * by_c + 2.0 * less * z * by_c_y * c[j]
+        u[j] *= by_u
+        c[j] *= by_c
+        f0[j], f1[j], g0[j], g1[j] = f0[j] * by_u, f1[j] * by_u, g0[j] * by_c, g1[j] * by_c
+
+
+@filling
+def put_presses_beside(begin, end, inverse, place, first, last, s, x, u, du):
+    """Of ``put_beside`` what is due to PHI alone."""
+    for j in range(first, last):
+        middle, xx = (0.5 * (begin[j] + end[j]) - s) * inverse[j], (x - place[j]) * inverse[j]
+        m = 1.0 + middle * middle
+        i = 1.0 / m
+        b0, b1, b2, b3 = _bent(abs(middle), i)
+        z = m / (m + xx * xx)
+        y = 1.0 - z
+        p = 1.0 - y * y * (b0 + y * (b1 + y * (b2 + y * b3)))
+        p_y = -y * (2.0 * b0 + y * (3.0 * b1 + y * (4.0 * b2 + y * 5.0 * b3)))
+        root = sqrt(z)
+        du[j] = du[j] * root * p + i * y * root * (2.0 * z * p_y - p) * u[j]
+        u[j] *= root * p

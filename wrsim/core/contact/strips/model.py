@@ -32,6 +32,7 @@ from wrsim.core.contact.search.lobes import room_beside
 from wrsim.core.contact.strips.equations import block_of, set_fading
 from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, opposite
 from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
+from wrsim.core.contact.strips.shifts import off_locus, rise, set_shifts
 from wrsim.core.contact.strips.solution import ROUGH, UNSOLVED, carry_over, solve, substitute
 
 MERGED = 0.9  # saddle over the depth of the shallower lobe from which on both share a grid
@@ -92,13 +93,6 @@ def _hang_together(lobe, other):
     return lobe.saddle > MERGED * shallow and shallow > DEEP * max(lobe.depth, other.depth)
 
 
-@inlined
-def _rise(x, ends):
-    """From 0 to 1 between two ends, smoothly."""
-    t = min(max((x - ends[0]) / (ends[1] - ends[0]), 0.0), 1.0)
-    return t * t * (3.0 - 2.0 * t)
-
-
 @kernel
 def _set_grids(system, found, lobes, wheel, rail, pose, count):
     """Grids over all lobes, their bounds and rows. Returns a status."""
@@ -137,10 +131,11 @@ def _set_grids(system, found, lobes, wheel, rail, pose, count):
         if last < count - 1 and found[last].saddle > 0.0:
             shallow = min(found[last].depth, found[last + 1].depth)
             deep = max(found[last].depth, found[last + 1].depth)
-            grid.link = LINK * _rise(found[last].saddle / shallow, LINKED) * _rise(shallow / deep, ALIKE)
+            grid.link = LINK * rise(found[last].saddle / shallow, LINKED) * rise(shallow / deep, ALIKE)
         memo.grids += 1
         i = last + 1
     set_fading(system)
+    set_shifts(system, found)
     return status
 
 
@@ -201,7 +196,8 @@ def _hand_out(system, n, g, found, lobes, strips):
             strip.ds = hi - lo
             strip.a = sqrt(place.y)
             strip.p = place.q
-            strip.x = one.x + z * (other.x - one.x)
+            x = one.x + z * (other.x - one.x)
+            strip.x = x + (off_locus(grid, x) if system.memo[0].shifted else 0.0)
             strip.o = one.o + z * (other.o - one.o)
             strip.b = one.b + z * (other.b - one.b)
             no = one.no + z * (other.no - one.no)

@@ -33,6 +33,7 @@ LARGEST_CHANGE = 0.5  # of a factor in a step, over itself
 FARTHEST = 1.5  # move of an edge in a step, in mean widths of strips
 TURNS = 12  # changes of strips and edges in one solution
 HALVINGS = 6  # of a step, at most
+STUCK = 8  # steps that stay long all the same, after which a solution is given up
 CALM = 0.05  # misfit below which strips may leave
 NEAR = 1e-3  # misfit at which strips and edges are looked after
 SURE = 2.0  # safety of the foretold misfit
@@ -108,7 +109,7 @@ def descend(system, n, held, tolerance, most):
     memo, vectors = system.memo[0], system.vectors
     size = memo.grids * block_of(n)
     _set_scale(system, n)
-    memo.inverted = turns = 0
+    memo.inverted = turns = stuck = 0
     looked = False
     misfit = residuals(system, n, held)
     for _ in range(most):
@@ -135,11 +136,16 @@ def descend(system, n, held, tolerance, most):
                 looked = False
                 break
             _solve_into(system, size, NEXT)
-            if halving == HALVINGS or _norm(vectors, NEXT, size) <= (1.0 - 0.25 * share) * length:
+            if _norm(vectors, NEXT, size) <= (1.0 - 0.25 * share) * length:
+                break
+            if halving == HALVINGS:
+                stuck += 1
                 break
             share *= 0.5
             vectors[X, :size] = vectors[SAVED, :size]
         misfit = after
+        if stuck == STUCK:
+            break
     return False
 
 

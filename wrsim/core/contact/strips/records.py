@@ -19,35 +19,41 @@ along the rail, slope of the rail, mean of the radius' inverse over what a strip
 integral; closing of the gap, penetration less displacement."""
 
 PLACE = record(
-    "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x at y over q weight gap miss"
+    "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x x_s at y over q weight gap miss off"
     # for the derivatives
     " root half lean growing mid_start mid_end"
 )
 """A strip: from lo to hi, middle s; slopes of lo and hi over both edges; penetration d and its slope; 1/R_x and its
-slope; shift x; place among the factors; a^2 (0 out of contact) and what its amplitude is more than k asks for,
-amplitude, weight of its curvature; u - d and the misfit of the curvature. a; amplitude over k; slope of the logarithm
-of 1/R_x, and of d R_x where a is as long as it can be; slopes of s over both edges."""
+slope; shift x and its slope; place among the factors; a^2 (0 out of contact) and what its amplitude is more than k asks
+for, amplitude, weight of its curvature; u - d and the misfit of the curvature; how far its middle lies off the locus
+along x. a; amplitude over k; slope of the logarithm of 1/R_x, and of d R_x where a is as long as it can be; slopes of s
+over both edges."""
 
-GRID = record("start end least most deepest spacing x reach link", "on start_held end_held first last")
+GRID = record(
+    "start end least most deepest spacing x reach along stretch pivot evenness link",
+    "on start_held end_held first last",
+)
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length along x;
-how firmly its last factor is held to the first of the next grid. Whether it is in contact, whether its edges are held
-at their bounds, its first and last lobe."""
+mean of its shifts, how the middles of its strips lie off the locus (`shifts.off_locus`) and how much more evenly its
+factors run; how firmly its last factor is held to the first of the next grid. Whether it is in contact, whether its
+edges are held at their bounds, its first and last lobe."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",
-    "known strips grids inverted iterations factorisations result substitutes",
+    "known strips grids shifted inverted iterations factorisations result substitutes",
 )
 """Of the whole system: about the worst of what the last steps left of the misfit, pi E*, E*, deepest penetration;
 distances of grids up to which they press each other down fully and from which on not at all [m]; number of grids in the
-last call (0: nothing is known), strips of a grid in it, grids now; whether ``matrix`` is an inverse of use; residuals
-taken and Jacobians made in this call, and how it ended (`solution`); calls so far without a whole solution."""
+last call (0: nothing is known), strips of a grid in it, grids now; whether shifts along x count; whether ``matrix`` is
+an inverse of use; residuals taken and Jacobians made in this call, and how it ended (`solution`); calls so far without
+a whole solution."""
 
-X, F, STEP, SAVED, NEXT, PIVOT, SCALE, FADING, FROM, TO, INVERSE, PUSH, CURVE, TERMS = range(14)
+X, F, STEP, SAVED, NEXT, PIVOT, SCALE, FADING, FROM, TO, INVERSE, PUSH, CURVE, MIDDLE, TERMS = range(15)
 """Rows of ``vectors``: unknowns, misfits, step, unknowns before a step, a step besides, rows exchanged in the factors,
 weights of the unknowns; how much of the influence of a grid reaches another one, row after row; of all strips both
-ends, 1/a, amplitude times a^2, amplitude (0 out of contact); from TERMS on what all strips do to the derivatives at one
-place (`influence.find_terms`)."""
-VECTORS = TERMS + 8
+ends, 1/a, amplitude times a^2, amplitude (0 out of contact), middle along x; from TERMS on what all strips do to the
+derivatives at one place (`influence.find_terms`, `influence.put_beside`)."""
+VECTORS = TERMS + 10
 
 
 class System(NamedTuple):

@@ -3,9 +3,9 @@
 In a run the last contact is the first guess. Else: Hertz's ellipses where the penetration is large, then in turns half
 lengths for given factors and edges (a monotone problem: strips leave and enter as they like), edges from the outer
 strips, factors from the misfits of the curvatures; at last Newton's method for all at once. If that fails from all
-first guesses and with fewer strips too, the contact as it is before the last step stands for it: u = d in all strips,
-edges and factors roughly. Kik-Piotrowski's contact on the same rows is what is left if there is none.
-"""
+first guesses and with fewer strips too, strips count as not shifted along the rail. If that fails as well, the contact
+as it is before the last step stands for it: u = d in all strips, edges and factors roughly. Kik-Piotrowski's contact on
+the same rows is what is left if there is none."""
 
 from math import log
 
@@ -13,13 +13,21 @@ from wrsim.core.compiling import kernel
 from wrsim.core.contact.strips.changes import FEWEST, begin, hertz_factor, in_contact, leave, move_edges
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
+    EVENNESS,
     block_of,
+    evenness,
     factor_of,
     lay_strips,
     residuals,
     set_amplitudes,
 )
-from wrsim.core.contact.strips.newton import LEAST_FACTOR, MOST_FACTOR, NEAR, descend, newton
+from wrsim.core.contact.strips.newton import (
+    LEAST_FACTOR,
+    MOST_FACTOR,
+    NEAR,
+    descend,
+    newton,
+)
 from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, NEXT, ROWS, SAVED, STEP, TERMS, X
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
@@ -37,14 +45,14 @@ PUSHES = 3  # first turns in which that is done
 SOFT, HARD = 0.8, 2.0  # exponent of the factors' relaxation; largest ratio it acts on
 EVEN = 0.01  # weight of evenness in it
 RECESS = 0.45  # of the deepest penetration, in the substitute, as in Kik-Piotrowski
-SETTLED, RETRIED, ROUGH, UNSOLVED = range(4)
-"""How a solution was found: at once, from another first guess or with fewer strips, with edges and factors only
-roughly; or not."""
+SETTLED, RETRIED, STRAIGHT, ROUGH, UNSOLVED = range(5)
+"""How a solution was found: at once, from another first guess or with fewer strips, as if no strip were shifted along
+the rail, with edges and factors only roughly; or not."""
 
 
 @kernel
 def solve(system, n, known):
-    """Solve; known: the unknowns are those of a contact near by. Returns SETTLED, RETRIED, ROUGH or UNSOLVED.
+    """Solve; known: the unknowns are those of a contact near by. Returns one of SETTLED to UNSOLVED.
 
     ``memo.strips`` says with how many strips a grid.
     """
@@ -54,14 +62,18 @@ def solve(system, n, known):
     if known and newton(system, n, WARM_TOLERANCE, WARM_STEPS):
         return SETTLED
     result = SETTLED
-    for fewer in FEWER:
-        if n - fewer < FEWEST_FREE_STRIPS and fewer > 0:
+    for attempt in range(2):
+        for fewer in FEWER:
+            if n - fewer < FEWEST_FREE_STRIPS and fewer > 0:
+                break
+            memo.strips = n - fewer
+            for level in LEVELS:
+                if _afresh(system, memo.strips, level, True):
+                    return result if attempt == 0 else STRAIGHT
+                result = RETRIED
+        if not memo.shifted:
             break
-        memo.strips = n - fewer
-        for level in LEVELS:
-            if _afresh(system, memo.strips, level, True):
-                return result
-            result = RETRIED
+        memo.shifted = 0
     memo.strips = n
     return ROUGH if _afresh(system, n, ROUGH_LEVEL, False) else UNSOLVED
 
@@ -181,15 +193,16 @@ def _relax_factors(system, n, g):
             load[f + 1] += r * place.weight
             wish[f] += (1.0 - r) * place.weight * (place.miss + 1.0)
             wish[f + 1] += r * place.weight * (place.miss + 1.0)
-    # (load + EVEN * bend) ratio = wish: three diagonals
+    even = EVEN * evenness(system.memo[0], system.grids[g]) / EVENNESS
+    # (load + even * bend) ratio = wish: three diagonals
     above = system.vectors[NEXT]
     for f in range(FACTORS):
         ends = 1.0 if f == 0 or f == FACTORS - 1 else 2.0
-        diagonal = load[f] + EVEN * ends + 1e-9
+        diagonal = load[f] + even * ends + 1e-9
         if f > 0:
-            diagonal += EVEN * above[f - 1]
-            wish[f] += EVEN * wish[f - 1]
-        above[f] = -EVEN / diagonal
+            diagonal += even * above[f - 1]
+            wish[f] += even * wish[f - 1]
+        above[f] = -even / diagonal
         wish[f] /= diagonal
     for f in range(FACTORS - 2, -1, -1):
         wish[f] -= above[f] * wish[f + 1]

@@ -1,0 +1,162 @@
+"""Where the middles of strips lie along the rail.
+
+A yawed wheel touches its rail along the contact locus, a curve that runs ahead of the axle where the profile climbs.
+The middles of the strips do not lie on it: for Hertz's ellipse, whose axes are those of the gap, they lie on a straight
+line too, but farther apart by a factor that follows from the curvatures. A grid takes the factor of the ellipse over a
+hump that is as wide, as deep and leans as much; where the locus is bent its strips stay on it.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+from wrsim.core.compiling import inlined, kernel
+from wrsim.core.contact.strips.records import FADING, ROWS
+
+EXCENTRIC = 1.27  # power of the gap's ratio of curvatures that gives the ellipse's
+EVEN = 0.8, 0.95  # squared correlation of shift and place at which strips stay on the locus, and are all stretched
+FAINT = 3e-3  # spread of the shifts, over the half length, below which they do not matter
+STIFFER = 25.0  # growth of that weight with the spread of the shifts over the half length
+JOINED = 0.5, 0.9  # saddle over the shallower depth at which neighbouring grids have nothing and all in common
+ALIKE = 0.3, 0.5  # the same for the shallower depth over the deeper one
+
+
+class Hump(NamedTuple):
+    """The ground of a grid, or of two, weighted with the penetration d: integral of d; means of place s, shift x and
+    1/R_x; mean squares and product of s and x about their means; largest d."""
+
+    weight: float
+    s: float
+    x: float
+    bend: float
+    ss: float
+    sx: float
+    xx: float
+    deepest: float
+
+
+@inlined
+def rise(x, ends):
+    """From 0 to 1 between two ends, smoothly."""
+    t = min(max((x - ends[0]) / (ends[1] - ends[0]), 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
+@kernel
+def hump_of(grid, rows):
+    """The ground of one grid."""
+    total = s_mean = x_mean = bend = 0.0
+    for r in range(ROWS):
+        d = max(rows[r].d, 1e-12)
+        total += d
+        s_mean += d * rows[r].s
+        x_mean += d * rows[r].x
+        bend += d / rows[r].r_t
+    s_mean, x_mean = s_mean / total, x_mean / total
+    ss = sx = xx = 0.0
+    for r in range(ROWS):
+        d, s, x = max(rows[r].d, 1e-12) / total, rows[r].s - s_mean, rows[r].x - x_mean
+        ss += d * s * s
+        sx += d * s * x
+        xx += d * x * x
+    return Hump(total * grid.spacing, s_mean, x_mean, bend / total, ss, sx, xx, grid.deepest)
+
+
+@inlined
+def joined(a, b):
+    """The ground of two grids together."""
+    weight = a.weight + b.weight
+    p, q = a.weight / weight, b.weight / weight
+    ds, dx = b.s - a.s, b.x - a.x
+    return Hump(
+        weight,
+        p * a.s + q * b.s,
+        p * a.x + q * b.x,
+        p * a.bend + q * b.bend,
+        p * a.ss + q * b.ss + p * q * ds * ds,
+        p * a.sx + q * b.sx + p * q * ds * dx,
+        p * a.xx + q * b.xx + p * q * dx * dx,
+        max(a.deepest, b.deepest),
+    )
+
+
+@inlined
+def hertz_stretch(ratio, slope):
+    """How much farther apart along x the middles of the strips of Hertz's ellipse lie than the ridge of the gap.
+
+    ratio: of the ridge's curvature across to the curvature along; slope: of the ridge's place along x.
+    """
+    square = slope * slope
+    across = ratio + square
+    apart = sqrt((across - 1.0) ** 2 + 4.0 * square)
+    most, least = 0.5 * (1.0 + across + apart), 0.5 * (1.0 + across - apart)
+    more = ((most / least) ** EXCENTRIC - 1.0) / max(apart, 1e-9)
+    return more / (1.0 + more * (1.0 - least))
+
+
+@inlined
+def _ratio(hump):
+    """Curvature of the ground across over that along: of a parabola of this depth the square of the half width is five
+    times the mean square."""
+    return 0.4 * hump.deepest / (hump.bend * hump.ss)
+
+
+@inlined
+def _stretch(hump):
+    """How much farther from the mean middles lie than the locus over this ground, over the locus's distance."""
+    even = hump.sx * hump.sx / (hump.ss * hump.xx) if hump.xx > 0.0 else 0.0
+    return rise(even, EVEN) * (hertz_stretch(_ratio(hump), hump.sx / hump.ss) - 1.0)
+
+
+@inlined
+def _evenness(hump, reach):
+    """How much more firmly factors are kept alike: where strips lie slanted across a narrow contact, their curvatures
+    tell less of their own factor. reach: half length along x."""
+    ratio = _ratio(hump)
+    return 1.0 + STIFFER * sqrt(hump.xx) / reach * ratio / (1.0 + ratio)
+
+
+@inlined
+def off_locus(grid, x):
+    """How far the middle of a strip at shift x lies off the locus."""
+    return grid.stretch * x - grid.pivot
+
+
+@kernel
+def set_shifts(system, found):
+    """How far the middles of all grids' strips lie off the locus, how evenly their factors run, whether it matters.
+
+    found: the lobes. Grids that are about to merge take what they will have in common.
+    """
+    memo, grids = system.memo[0], system.grids
+    matter = 0
+    for g in range(memo.grids):
+        grid = grids[g]
+        hump = hump_of(grid, system.rows[g])
+        slant = sqrt(hump.xx)
+        grid.along, grid.stretch, grid.evenness = hump.x, _stretch(hump), _evenness(hump, grid.reach)
+        grid.pivot = grid.stretch * hump.x
+        if slant > FAINT * grid.reach:
+            matter = 1
+        for h in range(g):
+            if (
+                abs(grid.along - grids[h].along) > FAINT * grid.reach
+                and system.vectors[FADING, g * memo.grids + h] > 0.0
+            ):
+                matter = 1
+    if matter != memo.shifted:
+        memo.shifted = matter
+        memo.inverted = 0
+    if matter == 0:
+        return
+    for g in range(memo.grids - 1):
+        one, other = found[grids[g].last], found[grids[g + 1].first]
+        shallow, deep = min(one.depth, other.depth), max(one.depth, other.depth)
+        share = rise(one.saddle / shallow, JOINED) * rise(shallow / deep, ALIKE)
+        if share > 0.0:
+            both = joined(hump_of(grids[g], system.rows[g]), hump_of(grids[g + 1], system.rows[g + 1]))
+            stretch, even = _stretch(both), _evenness(both, max(grids[g].reach, grids[g + 1].reach))
+            for k in range(g, g + 2):
+                grid = grids[k]
+                grid.evenness += share * (even - grid.evenness)
+                grid.stretch += share * (stretch - grid.stretch)
+                grid.pivot += share * (stretch * both.x - grid.pivot)
