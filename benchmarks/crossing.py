@@ -28,7 +28,8 @@ from wrsim.geometry.track.rail_surface import RailSection, RailSurface  # noqa: 
 from wrsim.scenario.build import build  # noqa: E402
 from wrsim.scenario.loading import load  # noqa: E402
 
-PLACE = 12.0  # of the crossing's origin along the track [m]
+PLACE = 25.0  # of the crossing's origin along the track [m]
+LEADING = 10.78  # of the coach's leading wheelset ahead of its origin [m]
 STRETCH = (-0.7, 1.0)  # of it that is laid [m]
 AFTER = 2.0  # way on which the peak is looked for [m]
 SIDE = 3.6e-3  # the crossing's origin lies 750 mm from the middle of the track, that of 60E1 farther out [m]
@@ -47,7 +48,7 @@ def peak(speed: float, divisor: int) -> dict[str, Any]:
         "vehicle.speed_kmh": speed,
         "track.segments": [{"kind": "straight", "length_m": 60.0}],
         "track.inclination": "none",
-        "run.start_distance_m": PLACE - 2.0,
+        "run.start_distance_m": PLACE - 2.0 - LEADING,
         "run.distance_m": 2.0 + AFTER,
         "run.output_interval_ms": 0.5,
         "output.patches_at_m": [],

@@ -16,6 +16,8 @@ from wrsim.core.body import axle_boxes as box_kernel
 from wrsim.core.body import loads as load_kernel
 from wrsim.core.body import suspension, vehicle_forces
 from wrsim.core.body import wheelset_forces as wheelset_kernel
+from wrsim.core.contact.arrays import ARRAYS as WHEEL_ARRAYS
+from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
 from wrsim.core.linalg import BODY
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
@@ -113,6 +115,15 @@ class VehicleOnTrack:
         self.elements = views[vehicle_forces.ELEMENTS]
         self.records = views[vehicle_forces.READINGS].view(np.float64).reshape(-1, 6)
         self._loads = views[vehicle_forces.LOADS]
+        # tables are only read, and those of a rail that changes along the track are large
+        fixed = {wheelset_kernel.CONTACTS + i * WHEEL_ARRAYS + k for i in range(2) for k in TABLES_OF_A_WHEEL}
+        fixed |= {wheelset_kernel.RAILS, wheelset_kernel.RAILS + 1}
+        first = vehicle_forces.FIRST_WHEELSET
+        self._changing = [
+            view
+            for i, view in enumerate(views)
+            if i != vehicle_forces.CENTRE and (i < first or (i - first) % wheelset_kernel.ARRAYS not in fixed)
+        ]
         own_parts = [
             self.arena.part(first, wheelset_kernel.ARRAYS)
             for first in range(vehicle_forces.FIRST_WHEELSET, len(views), wheelset_kernel.ARRAYS)
@@ -170,11 +181,12 @@ class VehicleOnTrack:
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
         """See ``HasBlocks``."""
-        before = self.arena.buffer.copy()
+        before = [view.copy() for view in self._changing]
         try:
             yield
         finally:
-            self.arena.buffer[:] = before
+            for view, kept in zip(self._changing, before, strict=True):
+                view[...] = kept
 
     def elements_of_contacts(self) -> list[list[list[ElementField]]]:
         """Elements of the patches of every wheel at the state asked for last, where the contact model has any."""

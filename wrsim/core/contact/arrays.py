@@ -45,6 +45,11 @@ class Arrays(NamedTuple):
 
 
 ARRAYS = len(Arrays._fields)
+TABLES = tuple(
+    Arrays._fields.index(name)
+    for name in ("wheel", "rail", "rates", "stations", "field", "creep", "shape", "influence")
+)
+"""Arrays that kernels only read."""
 SETTINGS_PLACE = Arrays._fields.index("settings")
 
 
