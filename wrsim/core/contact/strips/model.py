@@ -26,6 +26,7 @@ from math import pi, sqrt
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.patch import first_step
+from wrsim.core.contact.rail import changes
 from wrsim.core.contact.records import AFRESH, STATUS_PROFILE_END, STATUS_UNSETTLED
 from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.contact.search.lobes import room_beside
@@ -135,7 +136,10 @@ def _set_grids(system, found, lobes, wheel, rail, pose, count):
         memo.grids += 1
         i = last + 1
     set_fading(system)
-    set_shifts(system, found)
+    if changes(rail):
+        memo.shifted = 0  # the places at which such a rail is touched are no locus of one wheel
+    else:
+        set_shifts(system, found)
     return status
 
 
@@ -170,9 +174,28 @@ def _same_grids(system, n, before):
 
 
 @kernel
+def _middle(system, n, g):
+    """How far the strips of a grid stand off the locus in the mean [m].
+
+    Neither a straight rail pushed along itself nor a wheel turned about its axle changes the elastic energy: normal
+    forces have no moment about the axle, so in the mean, weighted with forces over radii, they act on the locus.
+    """
+    off = weights = 0.0
+    if system.memo[0].shifted:
+        for j in range(n):
+            place = system.places[g * n + j]
+            if place.y > 0.0:
+                weight = place.q * place.y * (place.hi - place.lo) * place.bend
+                off += weight * off_locus(system.grids[g], place.x)
+                weights += weight
+    return off / weights if weights > 0.0 else 0.0
+
+
+@kernel
 def _hand_out(system, n, g, found, lobes, strips):
     """The strips of a grid in contact to its lobes, cut at the saddles between them."""
     grid, rows = system.grids[g], system.rows[g]
+    middle = _middle(system, n, g)
     for i in range(grid.first, grid.last + 1):
         lobe = lobes[i]
         lobe.n_strips = 0
@@ -197,7 +220,7 @@ def _hand_out(system, n, g, found, lobes, strips):
             strip.a = sqrt(place.y)
             strip.p = place.q
             x = one.x + z * (other.x - one.x)
-            strip.x = x + (off_locus(grid, x) if system.memo[0].shifted else 0.0)
+            strip.x = x + (off_locus(grid, x) - middle if system.memo[0].shifted else 0.0)
             strip.o = one.o + z * (other.o - one.o)
             strip.b = one.b + z * (other.b - one.b)
             no = one.no + z * (other.no - one.no)
