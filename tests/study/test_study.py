@@ -189,6 +189,7 @@ def test_a_study_that_is_killed_goes_on_where_it_was(serial: Plan, workers: Clie
     process.wait()
     left = missing(plan)
     assert left
+    plan = plan_of(file, out)  # as the command does when it is started again
     execute(workers, plan, left)
     found = markers(plan)
     assert any(m.resumed for m in found)
