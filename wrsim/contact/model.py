@@ -299,7 +299,7 @@ def _plain_rail(rail: Profile) -> RailTables:
     field_ = distance_field(rail)
     hollow = max(float(table[:, 4].max()), 0.0)
     rows, field_rows = len(table), len(field_.values)
-    return RailTables(table, np.zeros((0, 0)), np.zeros((1, 2)), step, rows, field_, field_rows, 0.0, hollow)
+    return RailTables(table, np.zeros((0, 0)), np.zeros((2, 1)), step, rows, field_, field_rows, 0.0, hollow)
 
 
 @lru_cache(maxsize=8)
@@ -307,7 +307,7 @@ def _rolled_tables(rail: RolledRail) -> RailTables:
     """The tables of a rail that changes along the track."""
     flat = (-1, rail.tables.shape[2])
     own = station_fields(rail)
-    stations = np.column_stack((rail.stations, own.numbers))
+    stations = np.stack((rail.stations, own.numbers))
     return RailTables(
         rail.tables.reshape(flat), rail.rates.reshape(flat), stations, rail.step, rail.tables.shape[1], own.field,
         own.rows, own.slack, rail.hollow,

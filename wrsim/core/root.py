@@ -1,4 +1,4 @@
-"""The root of a function that changes its sign within a bracket."""
+"""The root of a function that changes its sign within a bracket, and the interval that holds a number."""
 
 from math import sqrt
 from typing import NamedTuple
@@ -30,3 +30,14 @@ def narrowed(b, s, h):
     if h > 0.0:
         return Bracket(s, h, b.hi, 0.5 * b.hi_h if b.side == 1 else b.hi_h, 1)
     return Bracket(b.lo, 0.5 * b.lo_h if b.side == -1 else b.lo_h, s, h, -1)
+
+
+@inlined
+def interval(knots, s, guess):
+    """The interval of rising knots (n,) that holds s, looked for from a guess on; the first or the last one outside."""
+    i = guess
+    while i > 0 and s < knots[i]:
+        i -= 1
+    while i < knots.size - 2 and s >= knots[i + 1]:
+        i += 1
+    return i

@@ -14,8 +14,8 @@ class Arrays(NamedTuple):
     """Arrays of one wheel on one rail, in the order of the arena.
 
     wheel, rail: profile tables, the rail's in (o, b) with its inclination, of one that changes along the track station
-    by station; rates: of these along s; stations: (n, 2) their places and the numbers of their fields, one row for a
-    rail of one profile; field: signed distances of the rail, one grid behind the other; creep:
+    by station; rates: of these along s; stations: (2, n) their places and the numbers of their fields, one for a rail
+    of one profile; field: signed distances of the rail, one grid behind the other; creep:
     (20, 3) Kalker coefficients; shape: (cells,) bound over the cells; settings: (1,) SETTINGS; pose: (POSE,).
     found: (8,) FOUND, work: (12, >= strips, >= 8): scratch; influence to memo: of the strip model
     (core.contact.strips.records). Results: patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
@@ -102,10 +102,10 @@ def bodies(a):
     place = settings.place + pose.origin.x
     share = Share(0, 0, 0, 1.0, 0.0, 0.0, 0.0)
     if a.rates.shape[0] > 0:
-        share = share_at(a.stations, settings.rows, place, settings.station)
+        share = share_at(a.stations[0], settings.rows, place, settings.station)
         settings.station = share.at
     rail = Rail(
-        a.rail, a.rates, a.stations, settings.rail_step, settings.rows, share, place, pose.axle.x, pose.origin.y,
+        a.rail, a.rates, a.stations[0], settings.rail_step, settings.rows, share, place, pose.axle.x, pose.origin.y,
         settings.radius,
     )  # fmt: skip
     return wheel, rail, pose

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.profile import length
-from wrsim.core.contact.rail import along, changes, parting, rail_length, rail_point
+from wrsim.core.contact.rail import along, parting, rail_length, rail_point
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.root import Bracket, crossing, narrowed
 
@@ -67,8 +67,6 @@ def pair(wheel, rail, arc_wheel, arc_rail, out_o, out_b):
     r = rail_point(rail, arc_rail)
     no, nb = bisector(w, r)
     gap = (w.o + out_o - r.u) * no + (w.b + out_b - r.w) * nb
-    if not changes(rail):
-        return Pair(gap, w.x, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w), no, nb, w.shrink, w.r_t, 0.0)
     at = along(rail, arc_rail)
     return Pair(
         gap, w.x + at.ahead, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w) + at.drop, no, nb, w.shrink,

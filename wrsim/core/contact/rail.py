@@ -11,6 +11,7 @@ from typing import NamedTuple
 from wrsim.core.compiling import inlined
 from wrsim.core.contact.profile import Point, between, profile_point
 from wrsim.core.contact.records import Profile, Share
+from wrsim.core.root import interval
 
 STEEPEST = 3.0  # slope across up to which a yawed wheel's shift is followed
 LEAST_PARTING = 0.1  # of the wheel's curvature: a rail that is more hollow is touched at two places
@@ -39,22 +40,11 @@ def rail_length(rail):
 
 
 @inlined
-def station_before(stations, s, guess):
-    """Number of the station before s; the first or the last but one outside."""
-    i = guess
-    while i > 0 and s < stations[i, 0]:
-        i -= 1
-    while i < stations.shape[0] - 2 and s >= stations[i + 1, 0]:
-        i += 1
-    return i
-
-
-@inlined
 def share_at(stations, rows, s, guess):
     """The stations about s, and the weights of their values and rates."""
-    i = station_before(stations, s, guess)
-    low = stations[i, 0]
-    h = stations[i + 1, 0] - low
+    i = interval(stations, s, guess)
+    low = stations[i]
+    h = stations[i + 1] - low
     f = min(max((s - low) / h, 0.0), 1.0)
     rise = f * f * (3.0 - 2.0 * f)
     bow = h * f * (1.0 - f)
@@ -138,4 +128,6 @@ def tilted(at):
 @inlined
 def parting(r_t, at):
     """Radius with which a wheel of radius ``r_t`` along the track and the rail part [m]."""
+    if at.bend == 0.0:
+        return r_t
     return 1.0 / max(1.0 / r_t - at.bend, LEAST_PARTING / r_t)

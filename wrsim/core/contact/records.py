@@ -112,7 +112,7 @@ class Share(NamedTuple):
 class Rail(NamedTuple):
     """A rail: one profile, or sections that change along the track (`wrsim.geometry.track.rolled_rail`).
 
-    table: (stations * rows, 5 or 8); rates: of the same shape, (0, 0) for one profile; stations: their places (n, 2);
+    table: (stations * rows, 5 or 8); rates: of the same shape, (0, 0) for one profile; stations: their places (n,);
     step: arclength between rows [m]; rows: of one section; share: between which stations the wheel stands; place:
     distance along the rail; yaw: axle's component along the rail; o, radius: of the wheel.
     """

@@ -71,7 +71,7 @@ def _search(a, wheel, rail):
     total.Mt = total.Mo = total.Mb = 0.0
     total.wear = 0.0
     total.lobes = total.patches = 0
-    first = int(a.stations[rail.share.at, 1]) * settings.field_rows
+    first = int(a.stations[1, rail.share.at]) * settings.field_rows
     field = Field(
         a.field, first, settings.field_rows, settings.field_o, settings.field_b, settings.field_spacing, settings.slack
     )

@@ -4,6 +4,7 @@ from math import inf, sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
+from wrsim.core.root import interval
 
 PLACES = 61  # at least, at which a contact is looked for before it is found to round-off
 FALL = 3.0  # slope with which a piece falls off behind its ends
@@ -31,17 +32,6 @@ def _cubic(c, i, row, column, x):
     """Value and two derivatives of a cubic of interval i."""
     c3, c2, c1, c0 = c[0, i, row, column], c[1, i, row, column], c[2, i, row, column], c[3, i, row, column]
     return c0 + x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + 3.0 * x * c3), 2.0 * c2 + 6.0 * x * c3
-
-
-@inlined
-def _interval(knots, s, guess):
-    """Interval of the knots that holds s, looked for from a guess on."""
-    i = guess
-    while i > 0 and s < knots[i]:
-        i -= 1
-    while i < knots.size - 2 and s >= knots[i + 1]:
-        i += 1
-    return i
 
 
 @inlined
@@ -87,15 +77,15 @@ def felt_rows(c, knots, ends, s, radius, reach, out):
     n = c.shape[2]
     step = 2.0 * reach / (PLACES - 1)
     for row in range(n):
-        i = _interval(knots, s, 0)
+        i = interval(knots, s, 0)
         axle = _felt(c, knots, ends, row, s, 0.0, radius, i)
         best, low, high, found = -inf, 0.0, 0.0, 0.0
         farthest, place = -inf, 0.0
         before = out_before = 0.0
-        i = _interval(knots, s - reach, i)
+        i = interval(knots, s - reach, i)
         x = last = -reach
         while x <= reach:
-            i = _interval(knots, s + x, i)
+            i = interval(knots, s + x, i)
             at = _felt(c, knots, ends, row, s, x, radius, i)
             stands = axle.tu * at.w - axle.tw * at.u
             if stands > farthest:
@@ -108,12 +98,12 @@ def felt_rows(c, knots, ends, s, radius, reach, out):
         if found > 0.0:
             for _ in range(50):
                 x = 0.5 * (low + high)
-                i = _interval(knots, s + x, i)
+                i = interval(knots, s + x, i)
                 if _felt(c, knots, ends, row, s, x, radius, i).miss > 0.0:
                     low = x
                 else:
                     high = x
-        i = _interval(knots, s + x, i)
+        i = interval(knots, s + x, i)
         at = _felt(c, knots, ends, row, s, x, radius, i)
         past = at.du * at.tu + at.dw * at.tw
         own = out[row]

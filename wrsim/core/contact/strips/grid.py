@@ -13,7 +13,7 @@ from typing import NamedTuple
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.patch import bisector
 from wrsim.core.contact.profile import length
-from wrsim.core.contact.rail import along, changes, parting, rail_length, rail_point, tilted
+from wrsim.core.contact.rail import along, parting, rail_length, rail_point, tilted
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.contact.strips.records import FACTORS, ROWS
 from wrsim.core.root import Bracket, crossing, narrowed
@@ -51,8 +51,6 @@ def opposite(wheel, rail, arc_wheel, arc_rail):
     wo = w.o + ahead * w.nb
     wb = w.b - ahead * w.no
     d = -((wo - r.u) * no + (wb - r.w) * nb)
-    if not changes(rail):
-        return Opposite(d, w.x, 0.5 * (wo + r.u), 0.5 * (wb + r.w), no, nb, w.shrink, w.r_t, ahead, 0.0)
     at = along(rail, arc_rail)
     return Opposite(
         d * tilted(at), w.x + at.ahead, 0.5 * (wo + r.u), 0.5 * (wb + r.w) + at.drop, no, nb, w.shrink,

@@ -130,6 +130,19 @@ def _bent(t, inverse):
     )
 
 
+@inlined
+def _beside(middle, inverse, x):
+    """Of a strip whose middle lies so far away, and so far along x (both over a): y and z = 1 - y, the polynomial p and
+    its derivative there, its four coefficients; inverse: 1/(1 + middle^2)."""
+    m = 1.0 + middle * middle
+    b0, b1, b2, b3 = _bent(abs(middle), inverse)
+    z = m / (m + x * x)
+    y = 1.0 - z
+    p = 1.0 - y * y * (b0 + y * (b1 + y * (b2 + y * b3)))
+    p_y = -y * (2.0 * b0 + y * (3.0 * b1 + y * (4.0 * b2 + y * 5.0 * b3)))
+    return y, z, p, p_y, b0, b1, b2, b3
+
+
 @summing
 def pressed_beside(table, vectors, first, last, s, x):
     """As ``pressed_by`` at (x, s), from strips whose middles lie apart along x."""
@@ -142,13 +155,8 @@ def pressed_beside(table, vectors, first, last, s, x):
         p0, c0 = (-p0, -c0) if lo < 0.0 else (p0, c0)
         p1, c1 = (-p1, -c1) if hi < 0.0 else (p1, c1)
         middle, xx = 0.5 * (lo + hi), (x - vectors[MIDDLE, j]) * inverse_a
-        m = 1.0 + middle * middle
-        h0, h1, h2, h3 = _bent(abs(middle), 1.0 / m)
-        z = m / (m + xx * xx)
-        y = 1.0 - z
-        p = 1.0 - y * y * (h0 + y * (h1 + y * (h2 + y * h3)))
-        p_y = -y * (2.0 * h0 + y * (3.0 * h1 + y * (4.0 * h2 + y * 5.0 * h3)))
-        p_yy = -(2.0 * h0 + y * (6.0 * h1 + y * (12.0 * h2 + y * 20.0 * h3)))
+        y, z, p, p_y, b0, b1, b2, b3 = _beside(middle, 1.0 / (1.0 + middle * middle), xx)
+        p_yy = -(2.0 * b0 + y * (6.0 * b1 + y * (12.0 * b2 + y * 20.0 * b3)))
         g = 2.0 * z * p_y - p
         g_y = 2.0 * z * p_yy - 3.0 * p_y
         root = sqrt(z)
@@ -166,13 +174,8 @@ def put_beside(begin, end, inverse, place, first, last, s, x, u, c, du, dc, f0, 
     """
     for j in range(first, last):
         middle, xx = (0.5 * (begin[j] + end[j]) - s) * inverse[j], (x - place[j]) * inverse[j]
-        m = 1.0 + middle * middle
-        i = 1.0 / m
-        b0, b1, b2, b3 = _bent(abs(middle), i)
-        z = m / (m + xx * xx)
-        y = 1.0 - z
-        p = 1.0 - y * y * (b0 + y * (b1 + y * (b2 + y * b3)))
-        p_y = -y * (2.0 * b0 + y * (3.0 * b1 + y * (4.0 * b2 + y * 5.0 * b3)))
+        i = 1.0 / (1.0 + middle * middle)
+        y, z, p, p_y, b0, b1, b2, b3 = _beside(middle, i, xx)
         p_yy = -(2.0 * b0 + y * (6.0 * b1 + y * (12.0 * b2 + y * 20.0 * b3)))
         p_yyy = -(6.0 * b1 + y * (24.0 * b2 + y * 60.0 * b3))
         g = 2.0 * z * p_y - p
@@ -197,13 +200,8 @@ def put_presses_beside(begin, end, inverse, place, first, last, s, x, u, du):
     """Of ``put_beside`` what is due to PHI alone."""
     for j in range(first, last):
         middle, xx = (0.5 * (begin[j] + end[j]) - s) * inverse[j], (x - place[j]) * inverse[j]
-        m = 1.0 + middle * middle
-        i = 1.0 / m
-        b0, b1, b2, b3 = _bent(abs(middle), i)
-        z = m / (m + xx * xx)
-        y = 1.0 - z
-        p = 1.0 - y * y * (b0 + y * (b1 + y * (b2 + y * b3)))
-        p_y = -y * (2.0 * b0 + y * (3.0 * b1 + y * (4.0 * b2 + y * 5.0 * b3)))
+        i = 1.0 / (1.0 + middle * middle)
+        y, z, p, p_y, _b0, _b1, _b2, _b3 = _beside(middle, i, xx)
         root = sqrt(z)
         du[j] = du[j] * root * p + i * y * root * (2.0 * z * p_y - p) * u[j]
         u[j] *= root * p
