@@ -46,6 +46,7 @@ from wrsim.cli.showing import (
     print_smoothing,
     progress_bar,
     say,
+    say_files,
     tell_compiling,
     tell_slow,
     warn,
@@ -155,8 +156,6 @@ def run(
     While it lasts, a run is kept in DIR/result.nc.part, so that one that was cut off goes on with --resume.
     """
     with reporting_errors(as_json):
-        from shlex import quote
-
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
 
@@ -215,10 +214,7 @@ def run(
                 print_result(result)
                 if "times_real_time" in took:
                     print_wall_time(wall, lasted)
-                say(f"{len(files)} files in {directory}")
-                if removed:
-                    say(f"{len(removed)} files of the result before are gone from there")
-                say(f"a page about it for the browser: wrsim report {quote(str(directory))}")
+                say_files(len(files), directory, len(removed))
             if code:
                 complain(f"{file}: stopped: {result.stop_reason}")
                 if not quiet:

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from wrsim.register import ANALYSES, resolved
@@ -160,6 +161,14 @@ def print_json(content: dict[str, Any]) -> None:
 
 def complain(message: str) -> None:
     print(plain(message), file=sys.stderr)
+
+
+def say_files(count: int, directory: Path, removed: int = 0) -> None:
+    """Say where the files of a command stand, how many of an earlier one are gone, and how to look at them."""
+    say(f"{count} files in {directory}")
+    if removed:
+        say(f"{removed} files of the result before are gone from there")
+    say(f"a page about it for the browser: wrsim report {quote(str(directory))}")
 
 
 def say(text: str = "") -> None:

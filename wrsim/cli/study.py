@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from shlex import quote
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wrsim.cli.ending import STOPPED, reporting_errors
 from wrsim.cli.options import Force, Json, Models, Pictures, Quiet
-from wrsim.cli.showing import complain, print_json, print_table, print_title, progress_bar, say
+from wrsim.cli.showing import complain, print_json, print_table, print_title, progress_bar, say, say_files
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -98,8 +97,7 @@ def study(
             if not quiet:
                 print_study(report)
                 _say_other_code(markers)
-                say(f"{len(files)} files in {directory}")
-                say(f"a page about it for the browser: wrsim report {quote(str(directory))}")
+                say_files(len(files), directory)
             if failed:
                 complain(f"{failed} of {len(plan.cases)} cases have no result; --retry runs them again")
         if failed:

@@ -68,6 +68,12 @@ def outputs_of(dataset: xr.Dataset) -> list[str]:
     return [name for name in numbers if np.isfinite(dataset[name].values[done]).any()]
 
 
+def of_cases(dataset: xr.Dataset, name: str) -> NDArray[Any]:
+    """A variable or a coordinate, one entry a case."""
+    status = dataset["status"]
+    return np.asarray(dataset[name].broadcast_like(status).transpose(*status.dims)).ravel()
+
+
 def grid_axes(dataset: xr.Dataset) -> list[str]:
     """Axes of one key with several values, the longest first."""
     dims = [str(d) for d in dataset["status"].dims if "key" in dataset[d].attrs and dataset.sizes[d] > 1]
@@ -163,9 +169,7 @@ def samples_figure(dataset: xr.Dataset, outputs: Sequence[str], keys: Sequence[s
             values = dataset[name].values.ravel()
             for column, key in enumerate(keys):
                 axes = figure.add_subplot(len(shown), len(keys), row * len(keys) + column + 1)
-                x = np.asarray(
-                    dataset[key].broadcast_like(dataset["status"]).transpose(*dataset["status"].dims)
-                ).ravel()
+                x = of_cases(dataset, key)
                 good = done & np.isfinite(values)
                 axes.plot(x[good], values[good], ".", color=SERIES_COLOURS[0], markersize=2.4)
                 for at in x[~done]:

@@ -11,7 +11,7 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from wrsim import __version__
-from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, outputs_of, study_figures
+from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, of_cases, outputs_of, study_figures
 from wrsim.report.facts import BAD, OPEN, Table, Verdict
 from wrsim.report.page import as_picture, template, text_of
 
@@ -22,14 +22,14 @@ MOST_ROWS, FEW_ROWS = 500, 40
 def study_page(dataset: xr.Dataset, source: str) -> str:
     """The report of a study as HTML. dataset: ``study.nc``; source: where it was read from."""
     outputs = outputs_of(dataset)
-    status = dataset["status"].values.astype(str).ravel()
+    status = of_cases(dataset, "status").astype(str)
     rows = np.flatnonzero(status != COMPLETED)
     page = {
         "title": dataset.attrs["title"],
         "version": __version__,
         "css": Markup(text_of("templates/report.css")),
         "verdict": _verdict(status),
-        "identity": _identity(dataset, source, status),
+        "identity": _identity(dataset, source),
         "outputs": _outputs(dataset, outputs),
         "pictures": [as_picture(name, make()) for name, make in study_figures(dataset).items()],
         "without": _without(dataset, rows[:MOST_ROWS]),
@@ -57,14 +57,14 @@ def _counts(status: NDArray[np.str_]) -> dict[str, int]:
     return dict(sorted(found.items(), key=lambda pair: (pair[0] != COMPLETED, -pair[1])))
 
 
-def _identity(dataset: xr.Dataset, source: str, status: NDArray[np.str_]) -> list[tuple[str, str]]:
+def _identity(dataset: xr.Dataset, source: str) -> list[tuple[str, str]]:
     rows = [("title", dataset.attrs["title"]), ("file", source), ("analysis", dataset.attrs.get("analysis", ""))]
     for name in varied(dataset):
         values = np.unique(dataset[name].values)
         ends = (_text(values[0]), _text(values[-1]))
         span = ", ".join(map(_text, values)) if values.size <= 8 else f"{values.size} values, {' to '.join(ends)}"
         rows.append((f"varied: {dataset[name].attrs['key']}", span))
-    rows.append(("cases", str(status.size)))
+    rows.append(("cases", str(dataset["status"].size)))
     versions = sorted(k for k in dataset.attrs if k.endswith("_version"))
     return rows + [(k.removesuffix("_version"), str(dataset.attrs[k])) for k in versions]
 
@@ -74,25 +74,19 @@ def varied(dataset: xr.Dataset) -> list[str]:
     return [str(name) for name, c in dataset.coords.items() if "key" in c.attrs]
 
 
-def _of_cases(dataset: xr.Dataset, name: str) -> NDArray[np.generic]:
-    """A variable or coordinate, one entry a case."""
-    dims = dataset["status"].dims
-    return np.asarray(dataset[name].broadcast_like(dataset["status"]).transpose(*dims).values).ravel()
-
-
 def _labels(dataset: xr.Dataset) -> list[str]:
     """What is varied in every case, in words."""
     names = varied(dataset)
-    columns = [_of_cases(dataset, name) for name in names]
+    columns = [of_cases(dataset, name) for name in names]
     return [", ".join(f"{n} {_text(v)}" for n, v in zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
 def _outputs(dataset: xr.Dataset, outputs: Sequence[str]) -> Table | None:
     """Range and median of every output, with the cases of the ends."""
-    done = _of_cases(dataset, "status") == COMPLETED
+    done = of_cases(dataset, "status") == COMPLETED
     labels, rows = _labels(dataset), []
     for name in outputs:
-        values = np.where(done, _of_cases(dataset, name).astype(float), np.nan)
+        values = np.where(done, of_cases(dataset, name).astype(float), np.nan)
         low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
         ends = (_text(values[low]), labels[low], _text(values[high]), labels[high])
         rows.append((_words(dataset, name), *ends[:2], _text(np.nanmedian(values)), *ends[2:]))
@@ -102,14 +96,14 @@ def _outputs(dataset: xr.Dataset, outputs: Sequence[str]) -> Table | None:
 
 def _without(dataset: xr.Dataset, rows: NDArray[np.intp]) -> Table | None:
     """Cases that were not completed, with why."""
-    labels, status, words = _labels(dataset), _of_cases(dataset, "status"), _of_cases(dataset, "message")
+    labels, status, words = _labels(dataset), of_cases(dataset, "status"), of_cases(dataset, "message")
     heads = ("case", "status", "message")
     return Table("", heads, tuple((labels[i], str(status[i]), str(words[i])) for i in rows)) if len(rows) else None
 
 
 def _cases(dataset: xr.Dataset, outputs: Sequence[str]) -> Table:
     """One row a case: its name, what is varied, status, outputs."""
-    columns = [_of_cases(dataset, name)[:MOST_ROWS] for name in ("name", *varied(dataset), "status", *outputs)]
+    columns = [of_cases(dataset, name)[:MOST_ROWS] for name in ("name", *varied(dataset), "status", *outputs)]
     heads = ("case", *(dataset[n].attrs["key"] for n in varied(dataset)), "status")
     rows = tuple((str(row[0])[:12], *map(_text, row[1:])) for row in zip(*columns, strict=True))
     return Table("", (*heads, *(_words(dataset, name) for name in outputs)), rows)

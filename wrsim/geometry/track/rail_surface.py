@@ -157,16 +157,6 @@ class Piece:
     open_ends: tuple[bool, bool]
     anchor: int
 
-    @property
-    def start(self) -> float:
-        """Distance of its first section [m]."""
-        return float(self.spline.x[0])
-
-    @property
-    def end(self) -> float:
-        """Distance of its last section [m]."""
-        return float(self.spline.x[-1])
-
 
 def _rows(section: RailSection, first: int, counts: NDArray[np.int64]) -> Array:
     """Rows of some regions of a section, (sum of counts + 1, 4)."""
