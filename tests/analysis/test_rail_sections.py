@@ -51,6 +51,10 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"track.rail_sections": [section(5.0, "wheels/S1002.toml"), section(6.0)]}, "a rail profile is needed here"),
     ({"track.rail_sections": [section(5.0, features_mm=[20]), section(6.0)]}, "the first section has 1"),
     ({"track.rail_sections": [section(5.0, features_mm=[900]), section(6.0, features_mm=[20])]}, "features must rise"),
+    (
+        {"track.rail_sections": [section(5.0, features_mm=[0.5]), *(section(s, features_mm=[0]) for s in (6.0, 7.0))]},
+        "is there in 1 sections; it must be there in two or more that follow each other",
+    ),
     ({"contact.normal": "half-space"}, "knows no rail that changes along the track"),
     ({"analysis": "equilibrium"}, 'analysis = "equilibrium" knows one profile of each rail'),
 ]

@@ -12,7 +12,7 @@ stays as it is there; a piece that begins or ends between sections falls off ste
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 
@@ -52,11 +52,13 @@ class RailSection:
 class RailSurface:
     """Sections (at least two), in order of their distances, with as many features each.
 
-    Raises ``InputError`` where they are not in order, or features do not match.
+    pieces: the parts between gaps. Raises ``InputError`` where sections are not in order, features do not match, or a
+    part is not there in sections that follow each other.
     """
 
     name: str
     sections: tuple[RailSection, ...]
+    pieces: tuple[Piece, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         if len(self.sections) < 2:
@@ -77,6 +79,9 @@ class RailSurface:
                     f"{at}: features must rise from 0 to {1e3 * own.profile.length:.6g} mm of arclength, not "
                     + ", ".join(f"{1e3 * f:.6g}" for f in own.features)
                 )
+        count = self._lengths.shape[1]
+        starts = [0, *(k for k in range(1, count) if self._is_gap(k)), count]
+        object.__setattr__(self, "pieces", tuple(self._piece(first, last) for first, last in pairwise(starts)))
 
     @property
     def start(self) -> float:
@@ -107,13 +112,6 @@ class RailSurface:
     def _lengths(self) -> Array:
         """Length of every region of every section, (sections, regions) [m]."""
         return np.array([np.diff(own.edges) for own in self.sections])
-
-    @cached_property
-    def pieces(self) -> tuple[Piece, ...]:
-        """The pieces between gaps. Raises InputError for one that comes twice, or never."""
-        count = self._lengths.shape[1]
-        starts = [0, *(k for k in range(1, count) if self._is_gap(k)), count]
-        return tuple(self._piece(first, last) for first, last in pairwise(starts))
 
     def _is_gap(self, feature: int) -> bool:
         """Whether a feature, 1 to regions - 1, lies deep wherever there is rail on both sides of it."""
