@@ -26,7 +26,7 @@ from wrsim.contact.channels import WheelOnRail, wheel_outline
 from wrsim.contact.conical import ConicalWheels
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
-from wrsim.contact.settings import ContactSettings, Friction, HalfSpaceSettings, Material
+from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, HalfSpaceSettings, Material
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.core.contact.normal.elliptic import k_minus_e
 from wrsim.core.contact.strips.changes import leave
@@ -119,6 +119,11 @@ def contact_cases() -> dict[str, list[float]]:
         found[f"rail of sections, {normal}"] = numbers(model.evaluate((0.0, 0.0, 0.4593), place=0.02))
         yawed = model.evaluate((0.0, 1e-4, 0.4593), (-0.01, sqrt(1.0 - 1e-4), 0.0), place=0.021)
         found[f"rail of sections, {normal}, yawed"] = numbers(yawed)
+    along = FrictionAlong((0.0, 1.0, 2.0), (Friction(0.4), FRICTION, Friction(0.1)))
+    model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, ContactSettings(strips=12), along)
+    for place in (-1.0, 0.3, 1.0, 1.7, 3.0):
+        rolling = model.evaluate((0.0, 1e-3, 0.4593), velocity=(20.0, 0.1, 0.0), omega=(0.0, 43.7, 0.0), place=place)
+        found[f"friction along the rail, {place:g}"] = numbers(rolling)
     found["integral"] = [k_minus_e(0.3, 0.7)]
     return found
 

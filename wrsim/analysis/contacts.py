@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
 
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
+from wrsim.contact.settings import Array, ContactSettings, Friction, FrictionAlong
 from wrsim.scenario.sections.static import StaticPlan
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
     from wrsim.vehicle.wheelset import Wheelset
+
+
+SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
 def contact_models(
@@ -27,6 +33,30 @@ def contact_models(
         for wheel, rail, friction, surface in zip(wheels, setup.rails, settings.friction, setup.surfaces, strict=True)
     )
     return left, right
+
+
+def contact_at(setup: Setup, place: float) -> ContactSettings:
+    """The set-up's contact with the friction of one place [m] of the centre line: for track that is laid elsewhere."""
+    left, right = (
+        own.at(float(setup.track.rail_distance(side, place))) if isinstance(own, FrictionAlong) else own
+        for side, own in zip(SIDES, setup.contact.friction, strict=True)
+    )
+    return replace(setup.contact, friction=(left, right))
+
+
+def friction_channels(setup: Setup, distance: Array) -> dict[str, Array]:
+    """Coefficients of friction at no slip of both rails at distances (n,) along the centre line [m], each (n, 2).
+
+    On the top and on the gauge corner. Empty where they are the same everywhere.
+    """
+    laws = setup.contact.friction
+    if not any(isinstance(own, FrictionAlong) for own in laws):
+        return {}
+    found = np.empty((2, len(distance), 2))
+    for i, (side, own) in enumerate(zip(SIDES, laws, strict=True)):
+        law = own if isinstance(own, FrictionAlong) else FrictionAlong((0.0,), (Friction.of(own),))
+        found[:, :, i] = law.numbers(setup.track.rail_distance(side, distance))[:, :2].T
+    return {"rail_friction": found[0], "rail_friction_corner": found[1]}
 
 
 def wheels_on_rails(

@@ -64,7 +64,8 @@ def resolve(
     """
     own = with_contact_model(scenario, name)
     # no study runs with the exact solver, but its wheels can be looked at
-    setup = replace(build(scenario), contact=own.spec.contact.settings())
+    built = build(scenario)
+    setup = replace(built, contact=replace(own.spec.contact.settings(), friction=built.contact.friction))
     if any(setup.surfaces):
         raise InputError(
             "its rails change along the track ([[track.rail_sections]]): their contacts are not solved again"
@@ -82,6 +83,10 @@ def resolve(
     chosen = list(range(len(poses))) if moments is None else list(moments)
     samples = _samples(dataset, chosen)
     loads = dataset["Q"].values[samples]
+    along = np.zeros((len(chosen), len(wheels)))  # the places on the rails, which say what friction there is
+    if "wheelset_distance" in dataset:
+        where = dataset["wheelset_distance"].values[samples]
+        along = np.stack([setup.track.rail_distance("left" if w.side > 0 else "right", where) for w in wheels], axis=-1)
     raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.patch_count)
     remarks = [""] * len(chosen)
     strips = StripRecorder(wheels)
@@ -90,6 +95,7 @@ def resolve(
         for j, wheel in enumerate(wheels):
             fields: list[ElementField] = []
             if np.isfinite(poses[moment, j]).all():
+                wheel.model.arrays.settings.place = along[row, j]
                 wheel.model.arrays.pose[:] = poses[moment, j]
                 fields, words = _settle(wheel, float(loads[row, j]) if keep == "load" else 0.0)
                 raw.store(row, j, wheel.model)

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from math import tan
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wrsim.contact.arena import Arena, pack
 from wrsim.contact.creep_coefficients import creep_coefficients
-from wrsim.contact.settings import ContactSettings, Friction, Tangential
+from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Tangential
 from wrsim.contact.strip_influence import influence_table
 from wrsim.core.contact import records as k
 from wrsim.core.contact.arrays import Arrays
@@ -77,14 +76,15 @@ class ContactModel:
     """One wheel profile on one (inclined) rail profile with the chosen settings, ready for the kernel.
 
     wheel, rail: profiles, the rail already inclined; radius: of the wheel at the tape circle [m]; friction: of this
-    rail; rolled: what the wheel feels of a rail that changes along the track, in whose place ``rail`` is drawn. The
-    arrays are what the kernel takes; scratch arrays belong to the model, so one model serves one thread."""
+    rail, everywhere or along it; rolled: what the wheel feels of a rail that changes along the track, in whose place
+    ``rail`` is drawn. The arrays are what the kernel takes; scratch arrays belong to the model, so
+    one model serves one thread."""
 
     wheel: Profile
     rail: Profile
     radius: float
     settings: ContactSettings
-    friction: Friction
+    friction: Friction | FrictionAlong
     normal: NormalModel
     rolled: RolledRail | None = None
     arena: Arena | None = field(default=None, repr=False, compare=False)
@@ -142,6 +142,12 @@ class ContactModel:
         self.arrays.settings.place = place
         self.arrays.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
         return Contact.copy_from(self.arrays, self.solve())
+
+    @property
+    def friction_here(self) -> Friction:
+        """The law of friction at the place set in the arrays."""
+        own = self.friction
+        return own if isinstance(own, Friction) else own.at(self.arrays.settings.place + self.arrays.pose[0])
 
     def solve(self) -> int:
         """Contact at the pose set in the arrays, written into them; returns the status."""
@@ -338,6 +344,7 @@ def bound_over_cells(cells: int, parabolic: bool) -> Array:
 
 def _inputs(model: ContactModel) -> Arrays:
     settings, friction, normal = model.settings, model.friction, model.normal
+    along = np.zeros((0, 0)) if isinstance(friction, Friction) else friction.table
     wheel_table, wheel_step = _cached_table(model.wheel)
     rail = _plain_rail(model.rail) if model.rolled is None else _rolled_tables(model.rolled)
     field_ = rail.field
@@ -363,9 +370,8 @@ def _inputs(model: ContactModel) -> Arrays:
     n.tangential = TANGENTIAL[settings.creep_forces]
     n.parabolic, n.blended = parabolic, settings.flexibility == "blended"
     n.kA, n.kS = settings.polach_adhesion, settings.polach_slip
-    n.mu, n.mu_gauge = friction.static, friction.at_corner
-    n.zone_start, n.zone_end = (tan(0.5 * angle) for angle in friction.ramp)
-    n.fall_ratio, n.fall_decay = friction.falling_ratio, friction.falling_decay
+    law = friction if isinstance(friction, Friction) else friction.laws[0]
+    n.mu, n.mu_gauge, n.zone_start, n.zone_end, n.fall_ratio, n.fall_decay = law.numbers
     n.wheel_step, n.radius, n.rail_step = wheel_step, model.radius, rail.step
     n.rows, n.field_rows, n.slack = rail.rows, rail.field_rows, rail.slack
     (n.field_o, n.field_b), n.field_spacing = field_.origin, field_.spacing
@@ -395,5 +401,6 @@ def _inputs(model: ContactModel) -> Arrays:
         vectors=np.zeros((VECTORS, unknowns)),
         matrix=np.zeros((unknowns, unknowns)),
         memo=np.zeros(1, MEMO),
+        friction=along,
         total=np.zeros(1, k.TOTAL),
     )

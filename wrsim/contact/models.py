@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from wrsim.contact.model import EPSILON, MOST_STRIPS, ContactModel, NormalModel
-from wrsim.contact.settings import DRY, ContactSettings, Friction, Normal
+from wrsim.contact.settings import DRY, AnyFriction, ContactSettings, Friction, FrictionAlong, Normal
 from wrsim.core.contact.records import FREE_STRIPS, KIK_PIOTROWSKI
 from wrsim.core.contact.strips.records import FEWEST_FREE_STRIPS
 from wrsim.errors import InputError, suggest
@@ -41,7 +41,7 @@ def contact_model(
     rail: Profile,
     radius: float,
     settings: ContactSettings | None = None,
-    friction: float | Friction = DRY,
+    friction: AnyFriction = DRY,
     surface: RailSurface | None = None,
 ) -> ContactModel:
     """The contact model of one wheel on one rail.
@@ -54,8 +54,8 @@ def contact_model(
         Of the wheel at the tape circle [m].
     settings : ContactSettings, optional
         Normal model, model of the creep forces, number of strips ...; what is not given there has its usual value.
-    friction : float or Friction
-        Coefficient of friction, or a law of place and slip.
+    friction : float, Friction or FrictionAlong
+        Coefficient of friction, a law of contact angle and slip, or such laws along the rail.
     surface : RailSurface, optional
         A rail whose profile changes along the track, in whose place ``rail`` stands for its kind and its gauge.
 
@@ -93,7 +93,8 @@ def contact_model(
     if surface is not None:
         rolled = None if surface.constant else rolled_rail(surface, radius)
         rail = surface.constant or rail
-    return ContactModel(wheel, rail, radius, settings, Friction.of(friction), NORMAL_MODELS[settings.normal], rolled)
+    law = friction if isinstance(friction, FrictionAlong) else Friction.of(friction)
+    return ContactModel(wheel, rail, radius, settings, law, NORMAL_MODELS[settings.normal], rolled)
 
 
 def fast_model(model: ContactModel) -> ContactModel:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from math import radians, tan
+from functools import cached_property
+from math import atan, radians, tan
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
@@ -111,6 +112,13 @@ class Friction:
         """Coefficient on the gauge corner at no slip [1]."""
         return self.static if self.gauge_corner is None else self.gauge_corner
 
+    @property
+    def numbers(self) -> tuple[float, float, float, float, float, float]:
+        """As the kernels take them: coefficients on the top and on the corner, the tangents of half the angles of the
+        ramp, what is left of friction at fast slip and its decay [s/m]."""
+        start, end = (tan(0.5 * angle) for angle in self.ramp)
+        return self.static, self.at_corner, start, end, self.falling_ratio, self.falling_decay
+
     def coefficient(self, normal: Array, slip: Array) -> Array:
         """Coefficients at places with these unit normals (..., 2), outward and up, at these slip speeds [m/s].
 
@@ -120,6 +128,45 @@ class Friction:
         part = np.clip((-normal[..., 0] / (1.0 + normal[..., 1]) - start) / max(end - start, 1e-9), 0.0, 1.0)
         mu = self.static + (self.at_corner - self.static) * part * part * (3.0 - 2.0 * part)
         return mu * (self.falling_ratio + (1.0 - self.falling_ratio) * np.exp(-self.falling_decay * slip))
+
+
+@dataclass(frozen=True)
+class FrictionAlong:
+    """Friction of one rail that changes along the track.
+
+    places: rising distances [m], along the rail where a wheel runs on it; laws: what holds there. Between two places
+    every number of the law changes by 3 x^2 - 2 x^3; before the first and behind the last one it stays.
+    """
+
+    places: tuple[float, ...]
+    laws: tuple[Friction, ...]
+
+    @cached_property
+    def table(self) -> Array:
+        """Rows (n, 7) as `core.contact.tangential.friction` reads them."""
+        return np.array([(place, *law.numbers) for place, law in zip(self.places, self.laws, strict=True)])
+
+    def numbers(self, place: ArrayLike) -> Array:
+        """`Friction.numbers` at places (...), (..., 6)."""
+        places, rows = self.table[:, 0], self.table[:, 1:]
+        s = np.clip(np.asarray(place, dtype=float), places[0], places[-1])
+        high = np.clip(np.searchsorted(places, s, side="right"), 1, max(len(places) - 1, 1))
+        low, high = high - 1, np.minimum(high, len(places) - 1)
+        x = (s - places[low]) / np.where(high > low, places[high] - places[low], 1.0)
+        part = (x * x * (3.0 - 2.0 * x))[..., None]
+        return np.asarray(rows[low] + part * (rows[high] - rows[low]))
+
+    def at(self, place: float) -> Friction:
+        """The law at a place [m]."""
+        static, corner, start, end, ratio, decay = self.numbers(place).tolist()
+        return Friction(static, corner, (2.0 * atan(start), 2.0 * atan(end)), ratio, decay)
+
+    def moved(self, places: Array) -> FrictionAlong:
+        """The same at other places (n,) [m]."""
+        return replace(self, places=tuple(places.tolist()))
+
+
+AnyFriction = float | Friction | FrictionAlong
 
 
 @dataclass(frozen=True)
@@ -145,8 +192,8 @@ class ContactSettings:
         everywhere (Kalker's original).
     polach_adhesion, polach_slip : float
         Polach's factors kA and kS, ``0 < kS <= kA <= 1``.
-    friction : tuple of float or Friction
-        On the left and right rail: a coefficient [1] or a law.
+    friction : tuple of float, Friction or FrictionAlong
+        On the left and right rail: a coefficient [1], a law, or laws along the track.
     strips : int, optional
         Number of strips over the width of a patch, 12 to 200 for ``"strips"``; None where ``strip_width`` rules or,
         without that, for the usual one of the normal model (``strip_count`` says which).
@@ -172,7 +219,7 @@ class ContactSettings:
     flexibility: Flexibility = "blended"
     polach_adhesion: float = 1.0
     polach_slip: float = 1.0
-    friction: tuple[float | Friction, float | Friction] = (DRY, DRY)
+    friction: tuple[AnyFriction, AnyFriction] = (DRY, DRY)
     strips: int | None = None
     strip_width: float | None = None
     cells: int = 20

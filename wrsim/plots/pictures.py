@@ -24,7 +24,7 @@ from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets, worst_whe
 
 HISTORIES: dict[str, tuple[str, ...]] = {
     "forces": ("Q", "Y", "sum_Y", "guide_force_y"),
-    "derailment": ("Y_over_Q", "T_gamma"),
+    "derailment": ("Y_over_Q", "T_gamma", "rail_friction", "rail_friction_corner"),
     "motion": ("lateral_shift", "yaw"),
     "pressure": ("p0", "area"),
 }

@@ -20,6 +20,7 @@ from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.track import Track
 from wrsim.inputs.toml_files import noting_reads, read_bytes
 from wrsim.register import ANALYSES, resolved
+from wrsim.scenario.friction_build import contact_of
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
 from wrsim.scenario.sections.table import Given
@@ -127,7 +128,7 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
         rails=rails,
         surfaces=surfaces,
         track=track,
-        contact=spec.contact.settings(),
+        contact=contact_of(scenario, track, files),
         conical=None if spec.contact.conical is None else spec.contact.conical.wheels(),
         plan=plan,
         text=scenario.text,

@@ -56,7 +56,10 @@ def limit_of(dataset: xr.Dataset, settings: AssessmentSettings, notes: list[str]
 
 
 def _friction_of(dataset: xr.Dataset) -> float | None:
-    """Larger coefficient of friction of both rails in the scenario that the result carries; None without one."""
+    """Largest coefficient of friction of both rails: along the track where it changes, else in the scenario that the
+    result carries; None without one."""
+    if "rail_friction" in dataset:
+        return float(max(dataset[name].max() for name in ("rail_friction", "rail_friction_corner")))
     try:
         scenario = tomllib.loads(str(dataset.attrs.get("scenario_text", "")))
     except tomllib.TOMLDecodeError:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wrsim.analysis.contacts import friction_channels
 from wrsim.analysis.motion.motions import PointMotion, body_channels, guide_channels, track_channels, uneven
 from wrsim.analysis.motion.words import event_words
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
@@ -141,6 +142,7 @@ def _block(
         {
             "wheelset_distance": p.distance[block],
             **track_channels(track, p.distance[block]),
+            **friction_channels(setup, p.distance[block]),
             **(dict(zip(RAIL_CHANNELS, np.moveaxis(moved[:, w], -1, 0), strict=True)) if law.rails else {}),
             "lateral_shift": p.lateral[block],
             "vertical_shift": p.height[block] - mounted.wheelset.mean_radius,

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.analysis.contacts import contact_at
 from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.outcomes import NoSteadyMotion
@@ -143,7 +144,8 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
             raise StepTooLong(plan.step, limit, plan.speed)
         return plan.step
     if setup.track.curvature(plan.start) != 0.0:
-        level = replace(near, track=setup.track.relaid([Straight(100.0)]), plan=replace(plan, start=30.0))
+        straight, contact = setup.track.relaid([Straight(100.0)]), contact_at(near, plan.start)
+        level = replace(near, track=straight, contact=contact, plan=replace(plan, start=30.0))
         law = force_law(level)
         limit = min(limit, stable_step(System(law.bodies, law, law.dampers), *start_state(level, law)))
     largest = LARGEST_STEP_UNEVEN if setup.track.is_uneven else LARGEST_STEP

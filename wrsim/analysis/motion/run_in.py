@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.analysis.contacts import contact_at
 from wrsim.analysis.motion.forces import force_law, held_by
 from wrsim.analysis.motion.outcomes import NoSteadyMotion, RunInStopped
 from wrsim.core.track import path as path_kernels
@@ -53,6 +54,7 @@ def run_in(setup: Setup[RunPlan], start_of: Callable[[Setup, VehicleOnTrack], St
     there = replace(
         setup,
         track=track.relaid([Straight(2.0 * reach), Transition(ease), bend]),
+        contact=contact_at(setup, run.start),
         plan=replace(run, start=reach, end=2.0 * reach + ease + settle),
     )
     law = force_law(there, drive=held_by(setup))

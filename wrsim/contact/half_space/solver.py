@@ -75,10 +75,11 @@ class HalfSpace(HalfSpaceSettings):
         damping = _damping(grid, model.settings.damping)
         traction, settled = None, True
         contact = footprint.depth <= DEEPEST
-        rough = max(model.friction.static, model.friction.at_corner) > 0.0
+        law = model.friction_here
+        rough = max(law.static, law.at_corner) > 0.0
         if contact and rough and model.settings.creep_forces == "half-space":
             speed = np.hypot(grid.bodies.pose.velocity.x, LEAST_SPEED)
-            friction = damping * model.friction.coefficient(grid.normal[:, None, :], speed * np.hypot(*rigid))
+            friction = damping * law.coefficient(grid.normal[:, None, :], speed * np.hypot(*rigid))
             first = start.q if start is not None else None
             pressure, traction, settled = self._roll(pressed, friction, rigid, forward, first)
         said = {

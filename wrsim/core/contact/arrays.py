@@ -8,6 +8,7 @@ from wrsim.core.contact.rail import share_at
 from wrsim.core.contact.records import FOUND, LOBE, SETTINGS, STRIP, TOTAL, Profile, Rail, Share, read_pose
 from wrsim.core.contact.search.locus import placed
 from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW
+from wrsim.core.contact.tangential.friction import set_law
 
 
 class Arrays(NamedTuple):
@@ -18,7 +19,8 @@ class Arrays(NamedTuple):
     of one profile; field: signed distances of the rail, one grid behind the other; creep:
     (20, 3) Kalker coefficients; shape: (cells,) bound over the cells; settings: (1,) SETTINGS; pose: (POSE,).
     found: (8,) FOUND, work: (12, >= strips, >= 8): scratch; influence to memo: of the strip model
-    (core.contact.strips.records). Results: patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
+    (core.contact.strips.records); friction: (rows, 7) along the rail (core.contact.tangential.friction), no rows where
+    it is the same everywhere. Results: patches: (lobes,) LOBE; strips: (lobes, n) STRIP; total: (1,) TOTAL.
     """
 
     wheel: Any
@@ -41,13 +43,14 @@ class Arrays(NamedTuple):
     vectors: Any
     matrix: Any
     memo: Any
+    friction: Any
     total: Any
 
 
 ARRAYS = len(Arrays._fields)
 TABLES = tuple(
     Arrays._fields.index(name)
-    for name in ("wheel", "rail", "rates", "stations", "field", "creep", "shape", "influence")
+    for name in ("wheel", "rail", "rates", "stations", "field", "creep", "shape", "influence", "friction")
 )
 """Arrays that kernels only read."""
 SETTINGS_PLACE = Arrays._fields.index("settings")
@@ -78,7 +81,8 @@ def arrays(buffer, index):
         matrix(buffer, index, first + 17),
         matrix(buffer, index, first + 18),
         records(buffer, index, first + 19, MEMO),
-        records(buffer, index, first + 20, TOTAL),
+        matrix(buffer, index, first + 20),
+        records(buffer, index, first + 21, TOTAL),
     )
 
 
@@ -100,6 +104,8 @@ def bodies(a):
     settings, pose = a.settings[0], read_pose(a.pose)
     wheel = placed(Profile(a.wheel, settings.wheel_step), settings.radius, pose)
     place = settings.place + pose.origin.x
+    if a.friction.shape[0] > 0:
+        set_law(a.friction, place, settings)
     share = Share(0, 0, 0, 1.0, 0.0, 0.0, 0.0)
     if a.rates.shape[0] > 0:
         share = share_at(a.stations[0], settings.rows, place, settings.station)

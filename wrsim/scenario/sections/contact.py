@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Annotated, Any, ClassVar, get_args
 
 from wrsim.contact.models import NORMAL_MODELS
@@ -20,13 +21,12 @@ from wrsim.contact.settings import (
     TractionBound,
 )
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.values import OrTable, number, positive, words
+from wrsim.inputs.values import List, number, plain, positive, text, words
 from wrsim.scenario.sections.conical import ConicalSection
-from wrsim.scenario.sections.friction import Coefficient, FrictionSection
+from wrsim.scenario.sections.friction import FrictionPlaceSection, FrictionSection, FrictionValue
 
 Modulus = Annotated[float, number(1, 1000, "GPa, steel 210")]
 Poisson = Annotated[float, number(0, 0.49, "steel 0.28")]
-FrictionValue = OrTable[Coefficient, FrictionSection]
 
 Element = Annotated[float, number(0.001, 5, "mm; 0.1 to 0.3 for patches of rails")]
 
@@ -113,6 +113,8 @@ class ContactSection(Section):
         "friction": "mu friction_coefficient",
         "friction_left": "mu_left",
         "friction_right": "mu_right",
+        "friction_sections": "friction_along friction_section",
+        "friction_table": "friction_file friction_csv",
         "normal": "normal_model",
         "tangential": "tangential_model creep",
         "traction_bound": "bound",
@@ -133,6 +135,9 @@ class ContactSection(Section):
     friction: FrictionValue = DRY
     friction_left: FrictionValue | None = None
     friction_right: FrictionValue | None = None
+    friction_sections: List[FrictionPlaceSection] = ()
+    friction_table: Annotated[str, text('a CSV file of friction along the track such as "friction.csv"')] | None = None
+    friction_at_m: Annotated[float, number(0, 1e6, "m; whose friction holds where nothing runs along the track")] = 0.0
     strips: Annotated[int, number(5, 1000)] | None = None
     strip_width_mm: Annotated[float, number(0.005, 2, "mm along the curved axis")] | None = None
     cells: Annotated[int, number(2, 500)] = DEFAULTS.cells
@@ -152,6 +157,10 @@ class ContactSection(Section):
                 "tangential", '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
             )
         yield from both_or_sides(raw, "friction", complete=True)
+        if "friction_table" in raw and "friction_sections" in raw:
+            yield Fault("friction_table", "cannot stand next to friction_sections: places come from one of them")
+        if "friction_at_m" in raw and "friction_table" not in raw and "friction_sections" not in raw:
+            yield Fault("friction_at_m", "goes with friction_sections or friction_table: without, friction is the same")
         name = raw.get("normal", DEFAULTS.normal)
         model = NORMAL_MODELS[name] if name in get_args(Normal) else None
         if model is None or not model.solves_for_strips:
@@ -174,9 +183,18 @@ class ContactSection(Section):
         """Polach's factors in order: with kS above kA his law would pull more than mu N."""
         if self.polach_kS > self.polach_kA:
             yield Fault("polach_kS", f"must not be above polach_kA ({self.polach_kA:g})")
+        said: set[int] = set()
+        for side in ("left", "right"):
+            own = [(i, s) for i, s in enumerate(self.friction_sections) if s.side in (side, "both")]
+            for (_, before), (i, now) in pairwise(own):
+                end = before.from_m + before.transition_m
+                if now.from_m < end * (1.0 - 1e-12) and i not in said:
+                    said.add(i)
+                    message = f"must be {plain(end)} or more, where its rail has reached the section before"
+                    yield Fault(("friction_sections", i, "from_m"), message)
 
     def settings(self) -> ContactSettings:
-        """Return the same in SI units."""
+        """Return the same in SI units; friction_sections and friction_table not counted."""
         left, right = (
             value.law() if isinstance(value, FrictionSection) else value
             for _, value in (self.of_side("friction", side) for side in ("left", "right"))

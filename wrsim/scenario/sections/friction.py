@@ -1,14 +1,14 @@
-"""[contact.friction]: friction that depends on the place on the rail and on the slip speed."""
+"""[contact.friction] and [[contact.friction_sections]]: by contact angle, slip speed and place on the track."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from math import radians
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.contact.settings import Friction
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import number, words
+from wrsim.inputs.values import OrTable, number, words
 
 Coefficient = Annotated[float, number(0, 2, "dry steel 0.3 to 0.5")]
 Angle = Annotated[float, number(-30, 80, "contact angle in degrees, flange side positive")]
@@ -67,3 +67,28 @@ class FrictionSection(Section):
             falling_ratio=self.falling_ratio,
             falling_decay=self.falling_decay_s_per_m,
         )
+
+
+FrictionValue = OrTable[Coefficient, FrictionSection]
+
+
+def law_of(value: float | FrictionSection) -> Friction:
+    """The law of a plain coefficient or of a table."""
+    return value.law() if isinstance(value, FrictionSection) else Friction(value)
+
+
+class FrictionPlaceSection(Section):
+    """From a place on another friction holds, which is reached smoothly over transition_m behind that place."""
+
+    header: ClassVar[str] = "[[contact.friction_sections]]"
+    aliases: ClassVar[dict[str, str]] = {
+        "from_m": "at_m distance_m s_m",
+        "friction": "mu coefficient static",
+        "side": "rail",
+        "transition_m": "fade_m length_m",
+    }
+
+    from_m: Annotated[float, number(0, 1e6, "m along the track")]
+    friction: FrictionValue
+    side: Literal["left", "right", "both"] = "both"
+    transition_m: Annotated[float, number(0.01, 1000, "m; 0.01, the length of a patch, is a step")] = 1.0

@@ -7,11 +7,38 @@ Zones: up to one contact angle the top of the rail, from another one on its gaug
 falls from mu_0 at rest to A mu_0 (Polach 2005). w is the speed of the rigid slip, as a mean over the strip,
 w = V sqrt(xi^2 + eta^2 + (phi a)^2 / 3): it depends on the motion alone, so the coefficient cannot jump, and in full
 sliding it is the true slip. In adhesion, where the true slip is less, mu is a little too low.
+
+Along a rail the numbers of that law may change: rows of a table (n, 7), a place [m] and ``mu`` to ``fall_decay`` of
+SETTINGS in their order. Between two rows each number changes by 3 x^2 - 2 x^3, beyond the ends none does.
 """
 
 from math import exp, sqrt
 
-from wrsim.core.compiling import kernel
+from wrsim.core.compiling import inlined, kernel
+
+
+@inlined
+def set_law(table, place, settings):
+    """Write the numbers that hold at a place [m] into the settings."""
+    low, high = 0, table.shape[0] - 1
+    if place <= table[low, 0]:
+        high = low
+    elif place >= table[high, 0]:
+        low = high
+    while high - low > 1:
+        middle = (low + high) // 2
+        if place < table[middle, 0]:
+            high = middle
+        else:
+            low = middle
+    x = 0.0 if low == high else (place - table[low, 0]) / (table[high, 0] - table[low, 0])
+    part = x * x * (3.0 - 2.0 * x)
+    settings.mu = table[low, 1] + part * (table[high, 1] - table[low, 1])
+    settings.mu_gauge = table[low, 2] + part * (table[high, 2] - table[low, 2])
+    settings.zone_start = table[low, 3] + part * (table[high, 3] - table[low, 3])
+    settings.zone_end = table[low, 4] + part * (table[high, 4] - table[low, 4])
+    settings.fall_ratio = table[low, 5] + part * (table[high, 5] - table[low, 5])
+    settings.fall_decay = table[low, 6] + part * (table[high, 6] - table[low, 6])
 
 
 @kernel
