@@ -29,7 +29,8 @@ def worst_end(arrays: KernelArrays) -> float:
     """Largest force per width of an end strip over the larger of its neighbours'.
 
     Ends of a stretch of contact without a gap have one neighbour; where two lobes of a stretch meet the strips on
-    either side have two. A stretch of one strip has none and does not count.
+    either side have two. A hump of one or two strips beyond a gap has a maximum of its own and does not count: the
+    half-space solver has such regions too, with the same force.
     """
     number, lobes = int(arrays.total["lobes"]), arrays.patches
     own = [arrays.strips[i, : lobes["n_strips"][i]] for i in range(number)]
@@ -43,7 +44,7 @@ def worst_end(arrays: KernelArrays) -> float:
     gap = np.flatnonzero(np.diff(place) - 0.5 * (width[1:] + width[:-1]) > NO_GAP) + 1
     worst = 0.0
     for run, lobe_of in zip(np.split(q, gap), np.split(lobe, gap), strict=True):
-        if len(run) < 2:
+        if len(run) < 3:
             continue
         worst = max(worst, run[0] / run[1], run[-1] / run[-2])
         for j in np.flatnonzero(np.diff(lobe_of)):

@@ -62,17 +62,27 @@ def factor_of(place):
 @kernel
 def set_fading(system):
     """Write how much of the influence of each grid reaches each other one, by the distance of the places where they may
-    touch."""
+    touch.
+
+    Grids whose overlaps hang together are one zone, as in contact.half_space.zones: what reaches one reaches the other.
+    """
     memo, grids = system.memo[0], system.grids
-    for i in range(memo.grids):
-        for j in range(memo.grids):
+    count, parts = memo.grids, system.vectors[FADING]
+    for i in range(count):
+        for j in range(count):
             one, other = grids[i], grids[j]
             along = max(max(one.least - other.most, other.least - one.most), 0.0)
             across = max(abs(one.x - other.x) - one.reach - other.reach, 0.0)
             apart = sqrt(along * along + across * across)
             share = (memo.apart - apart) / (memo.apart - memo.together)
-            part = 1.0 if share >= 1.0 or i == j else max(share, 0.0) ** WEAKENING
-            system.vectors[FADING, i * memo.grids + j] = part
+            parts[i * count + j] = 1.0 if share >= 1.0 or i == j else max(share, 0.0) ** WEAKENING
+    for _ in range(count - 1):
+        for j in range(count - 1):
+            chain = grids[j].chain
+            for i in range(count):
+                here, there = parts[i * count + j], parts[i * count + j + 1]
+                parts[i * count + j] = parts[j * count + i] = max(here, chain * there)
+                parts[i * count + j + 1] = parts[(j + 1) * count + i] = max(there, chain * here)
 
 
 @inlined

@@ -41,6 +41,7 @@ DEEP = 0.5  # and over the deeper lobe: what is less touches apart from it
 LINK = 0.05  # weight that holds the factors of neighbouring grids together
 LINKED = 0.5, 0.9  # saddles over the shallower depth at which none and all of it counts
 ALIKE = 0.5, 0.8  # the same for the shallower depth over the other: a lobe that leaves holds nothing
+CHAINED = 0.0, 0.2  # the same for overlaps that hang together: none and all of what reaches one reaches the other
 OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
 LEAST_PART = 1e-6  # of a strip's width that is worth a row of its own
 
@@ -128,11 +129,12 @@ def _set_grids(system, found, lobes, wheel, rail, pose, count):
             main = k if found[k].depth > found[max(main, i)].depth or k == i else main
         grid.x = lobes[main].x
         grid.reach = lobes[main].half_length
-        grid.link = 0.0
+        grid.link = grid.chain = 0.0
         if last < count - 1 and found[last].saddle > 0.0:
             shallow = min(found[last].depth, found[last + 1].depth)
             deep = max(found[last].depth, found[last + 1].depth)
             grid.link = LINK * rise(found[last].saddle / shallow, LINKED) * rise(shallow / deep, ALIKE)
+            grid.chain = rise(found[last].saddle / shallow, CHAINED)
         memo.grids += 1
         i = last + 1
     set_fading(system)
