@@ -27,7 +27,6 @@ from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
 from wrsim.core.body.wheel_pose import wheel_wrench
-from wrsim.core.body.wheelset_forces import SIDES
 from wrsim.core.contact.tangential.flexibility import kalker_coefficients
 from wrsim.core.linalg import Vec
 from wrsim.core.track.path import frame
@@ -206,7 +205,7 @@ class EquivalentElasticOnTrack(VehicleOnTrack):
         change = np.zeros((2, 3))
         rails = self.track.left.curve, self.track.right.curve
         both: list[Contact | None] = []
-        for wheel, rail, place in zip(self.wheels[w], rails, self.wheelset_views[w][SIDES], strict=True):
+        for wheel, rail, place in zip(self.wheels[w], rails, self.own(w), strict=True):
             found = self._contact(wheel)
             more = wheel.model.arrays.total.copy()
             values = np.zeros(6) if found is None else found[1]

@@ -1,12 +1,14 @@
 """Settings of the whole test suite."""
 
 import importlib
+import os
 import sys
 
 import pytest
 from hypothesis import settings
 
 sys.exudynFast = False  # the module that checks ranges and lengths
+os.environ.setdefault("NUMBA_NUM_THREADS", "2")  # two threads can be tried on one core
 
 # the first example of a test compiles kernels: no deadline; the same examples in every run
 settings.register_profile("wrsim", deadline=None, derandomize=True)

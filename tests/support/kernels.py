@@ -151,8 +151,8 @@ def vehicle_cases() -> dict[str, list[float]]:
     vehicle = replace(vehicle, loads=(push, pull))
     elastic = RailElasticity((2e7, 8e7), (1e4, 1e5), (100.0, 150.0))
     curve = [Arc(400.0, 600.0, 0.1)]
-    for drive, rails in (("wheels", elastic), ("train", None)):
-        law = on_track(vehicle, 20.0, curve, drive=drive, elasticity=rails).law
+    for drive, rails, threads in (("wheels", elastic, 1), ("train", None, 2)):
+        law = on_track(vehicle, 20.0, curve, drive=drive, elasticity=rails, threads=threads).law
         q, q_t = design_state(law, lateral=2e-3)
         q[2 : 6 * len(vehicle.wheelsets) : 6] -= 1e-4
         out = np.zeros(law.size)

@@ -61,6 +61,7 @@ def on_track(
     gravity: float = STANDARD_GRAVITY,
     heading: float = 0.0,
     elasticity: RailElasticity | None = None,
+    threads: int = 1,
 ) -> Train:
     """The vehicle on track of these segments, its origin at ``start`` [m]; speed [m/s]; rigid or elastic rails."""
     setup = rails_and_contact()
@@ -82,7 +83,10 @@ def on_track(
             for wheel, rail, friction in zip(wheels, setup.rails, setup.contact.friction, strict=True)
         ]
         contacts.append((models[0], models[1]))
-    return Train(VehicleOnTrack(vehicle, track, contacts, speed=speed, start=start, drive=drive, gravity=gravity))
+    law = VehicleOnTrack(
+        vehicle, track, contacts, speed=speed, start=start, drive=drive, gravity=gravity, threads=threads
+    )
+    return Train(law)
 
 
 SHORT = {

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +32,7 @@ def run(
     record: str | Path | None = None,
     resume: bool = False,
     setup: Setup | None = None,
+    threads: int = 1,
 ) -> Result:
     """Run what a scenario asks for.
 
@@ -47,6 +49,9 @@ def run(
         Go on with the run in that file, with the same numbers as if it had never been interrupted.
     setup : Setup, optional
         What was built from this scenario, if it has been.
+    threads : int
+        How many compute the contacts of a vehicle's wheels side by side. More are quicker, each takes a core for itself
+        as long as the run lasts, and no number changes.
 
     Returns
     -------
@@ -57,11 +62,12 @@ def run(
     Raises
     ------
     InputError
-        When the scenario's parts do not fit together, or when there is no run of this scenario to go on with.
+        When the scenario's parts do not fit together, when there is no run of this scenario to go on with, or for more
+        threads than the machine has cores.
     SimulationError
         When there is not even a start.
     """
-    setup = setup or build(scenario)
+    setup = replace(setup or build(scenario), threads=threads)
     analysis = ANALYSES[setup.analysis]
     function = resolved(analysis.run)
     if not analysis.moves:

@@ -146,6 +146,9 @@ def run(
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the run in DIR that was cut off or interrupted.")
     ] = False,
+    threads: Annotated[
+        int, typer.Option("--threads", min=1, help="Cores that compute the wheels' contacts side by side.")
+    ] = 1,
     pictures: Annotated[bool, typer.Option(help="Draw the standard pictures.")] = True,
     force: Force = False,
     as_json: Json = False,
@@ -158,7 +161,9 @@ def run(
     with reporting_errors(as_json):
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
+        from wrsim.simulation.threads import use_threads
 
+        use_threads(threads)
         scenario = with_set(load(file, models or ()), values or ())
         setup = build(scenario)  # what cannot run leaves nothing behind
         if quiet:
@@ -186,7 +191,9 @@ def run(
             try:
                 if result is None:
                     with progress_bar(not (quiet or as_json)) as progress:
-                        result = analyse(scenario, progress=progress, record=record, resume=resume, setup=setup)
+                        result = analyse(
+                            scenario, progress=progress, record=record, resume=resume, setup=setup, threads=threads
+                        )
                 lasted, wall = _lasted(result), time.perf_counter() - started
                 took = {} if resume else {"wall_time_s": round(wall, 3)}
                 if lasted and took:

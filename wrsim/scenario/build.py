@@ -39,7 +39,8 @@ class Setup(Generic[P]):
     drive: what holds the vehicle's speed; rails: inclined profiles of the left and right rail; surfaces: what stands in
     the place of a rail that changes along the track, else None; conical: wheels that take the place of profiles and
     contact models; plan: what the analysis has to do, made by its own table of the scenario; files: the model files
-    that were read; inputs: SHA-256 of every file that was read, by its name."""
+    that were read; inputs: SHA-256 of every file that was read, by its name; threads: that compute contacts side by
+    side, which changes no number."""
 
     title: str
     analysis: str
@@ -54,6 +55,7 @@ class Setup(Generic[P]):
     text: str
     files: tuple[Path, ...]
     inputs: Mapping[str, str] = field(default_factory=dict)
+    threads: int = 1
 
     @property
     def wheelset(self) -> Wheelset:

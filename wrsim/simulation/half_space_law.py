@@ -11,7 +11,6 @@ from wrsim.contact.half_space.patch import HalfSpaceContact
 from wrsim.contact.half_space.strips import FORCE, MOMENT, element_fields, solve_into
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
 from wrsim.core.body.wheel_pose import wheel_wrench
-from wrsim.core.body.wheelset_forces import SIDES
 from wrsim.core.linalg import Vec
 from wrsim.core.track.path import frame
 from wrsim.simulation.law import RAIL_COORDINATES, VehicleOnTrack
@@ -44,9 +43,7 @@ class HalfSpaceOnTrack(VehicleOnTrack):
         change = np.zeros((2, 3))  # of force and moment
         found: list[HalfSpaceContact] = []
         rails = self.track.left.curve, self.track.right.curve
-        for i, (wheel, rail, place) in enumerate(
-            zip(self.wheels[w], rails, self.wheelset_views[w][SIDES], strict=True)
-        ):
+        for i, (wheel, rail, place) in enumerate(zip(self.wheels[w], rails, self.own(w), strict=True)):
             total, at = wheel.model.arrays.total, frame(rail, place.s)
             fast = total.copy()
             found.append(solve_into(wheel.model))

@@ -15,14 +15,15 @@ from wrsim.contact.model import ContactModel
 from wrsim.core.body import axle_boxes as box_kernel
 from wrsim.core.body import loads as load_kernel
 from wrsim.core.body import suspension, vehicle_forces
-from wrsim.core.body import wheelset_forces as wheelset_kernel
-from wrsim.core.contact.arrays import ARRAYS as WHEEL_ARRAYS
+from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
 from wrsim.core.linalg import BODY
+from wrsim.core.stages import make_ready
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.force_law import Array, Block
 from wrsim.simulation.suspension_table import SuspensionTable, suspension_table
+from wrsim.simulation.threads import use_threads
 from wrsim.vehicle.vehicle import Drive, LoadAxes, Over
 
 if TYPE_CHECKING:
@@ -46,24 +47,12 @@ RAIL_COORDINATES = vehicle_forces.RAIL_COORDINATES
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
-def _wheelset_arrays(wheelset: Wheelset, track: Track, contacts: Contacts) -> list[Any]:
-    """The arrays of one wheelset in the order of ``core.body.wheelset_forces``."""
-    wheels = np.zeros(2, wheelset_kernel.WHEEL)
-    wheels["side"] = 1.0, -1.0
-    wheels["half_spacing"] = 0.5 * wheelset.profile_spacing
-    wheels["step"] = track.left.step, track.right.step
-    left, right = (model.inputs for model in contacts)
-    return [wheels, track.left.curve.nodes, track.right.curve.nodes, *left, *right]
-
-
-def _wheels(arena: Arena, wheelset: Wheelset, track: Track, contacts: Contacts) -> tuple[WheelOnRail, ...]:
-    """The two wheels of a wheelset, whose models compute in its arena."""
-    count = wheelset_kernel.ARRAYS_OF_A_WHEEL
-    places = wheelset_kernel.CONTACTS, wheelset_kernel.CONTACTS + count
-    return tuple(
-        WheelOnRail(contact.within(arena.part(first, count)), side, 0.5 * wheelset.profile_spacing, origin)
-        for contact, side, first, origin in zip(contacts, (1, -1), places, track.rail_origins, strict=True)
-    )
+def _wheel_arrays(wheelset: Wheelset, track: Track, contacts: Contacts) -> Iterator[Any]:
+    """The arrays of both wheels of a wheelset in the order of ``core.body.wheel_forces``."""
+    for rail, model, side in zip((track.left, track.right), contacts, (1.0, -1.0), strict=True):
+        wheel = np.zeros(1, wheel_kernel.WHEEL)
+        wheel["side"], wheel["half_spacing"], wheel["step"] = side, 0.5 * wheelset.profile_spacing, rail.step
+        yield from (wheel, rail.curve.nodes, *model.inputs)
 
 
 class VehicleOnTrack:
@@ -87,11 +76,13 @@ class VehicleOnTrack:
         start: float = 0.0,
         drive: Drive | None = None,
         gravity: float | None = None,
+        threads: int = 1,
     ) -> None:
         """contacts: of every wheelset, or none at all: no rails carry the vehicle then.
 
         speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0. drive, gravity [m/s2]: the vehicle's
-        own unless given.
+        own unless given. threads: that compute the contacts side by side; they change no bit. Raises InputError for
+        more than there are.
         """
         drive = drive or vehicle.drive
         self.vehicle, self.track, self.speed, self.start, self.drive = vehicle, track, speed, start, drive
@@ -105,10 +96,14 @@ class VehicleOnTrack:
         self.positions = len(vehicle.boxes) + self.rails
         self.dampers = table.states + self.positions
         self.size = 6 * len(self.bodies) + self.dampers
+        use_threads(threads)
+        self._turns = wheel_kernel.IN_TURN if threads == 1 else wheel_kernel.SIDE_BY_SIDE
+        make_ready(wheel_kernel.ONE_WHEEL, wheel_kernel.one_wheel)
+        make_ready(self._turns, wheel_kernel.STAGES[self._turns])
         own = self._arrays(table, speed, start, drive, vehicle.gravity if gravity is None else gravity)
         whole = list(own)
         for mounted, models in zip(vehicle.wheelsets, contacts, strict=bool(contacts)):
-            whole += _wheelset_arrays(mounted.wheelset, track, models)
+            whole += _wheel_arrays(mounted.wheelset, track, models)
         self.arena = pack(whole)
         views = self.arena.views
         self.whole = views[vehicle_forces.WHOLE]
@@ -116,22 +111,18 @@ class VehicleOnTrack:
         self.records = views[vehicle_forces.READINGS].view(np.float64).reshape(-1, 6)
         self._loads = views[vehicle_forces.LOADS]
         # tables are only read, and those of a rail that changes along the track are large
-        fixed = {wheelset_kernel.CONTACTS + i * WHEEL_ARRAYS + k for i in range(2) for k in TABLES_OF_A_WHEEL}
-        fixed |= {wheelset_kernel.RAILS, wheelset_kernel.RAILS + 1}
-        first = vehicle_forces.FIRST_WHEELSET
+        fixed = {wheel_kernel.IN_CONTACT + k for k in TABLES_OF_A_WHEEL} | {wheel_kernel.RAIL}
+        first, count = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
         self._changing = [
             view
             for i, view in enumerate(views)
-            if i != vehicle_forces.CENTRE and (i < first or (i - first) % wheelset_kernel.ARRAYS not in fixed)
+            if i != vehicle_forces.CENTRE and (i < first or (i - first) % count not in fixed)
         ]
-        own_parts = [
-            self.arena.part(first, wheelset_kernel.ARRAYS)
-            for first in range(vehicle_forces.FIRST_WHEELSET, len(views), wheelset_kernel.ARRAYS)
-        ]
-        self.wheelset_views = [part.views for part in own_parts]
+        of_wheels = [self.arena.part(place, count) for place in range(first, len(views), count)]
+        self._records_of_wheels = [part.views[wheel_kernel.OWN][0] for part in of_wheels]
         self.wheels: tuple[tuple[WheelOnRail, ...], ...] = tuple(
-            _wheels(part, mounted.wheelset, track, models)
-            for part, mounted, models in zip(own_parts, vehicle.wheelsets, contacts, strict=bool(contacts))
+            self._wheels(mounted.wheelset, of_wheels[2 * i : 2 * i + 2], models)
+            for i, (mounted, models) in enumerate(zip(vehicle.wheelsets, contacts, strict=bool(contacts)))
         )
         self._asked, self._asked_at = np.zeros((2, self.size)), np.nan
         self.look_near(start)
@@ -153,7 +144,7 @@ class VehicleOnTrack:
     def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
         """What a call computes. What the contacts have to say stands in their models (`wrsim.contact.status`)."""
         status = int(vehicle_forces.vehicle_forces(t, q, q_t, out, self.arena.buffer, self.arena.index))
-        if status & wheelset_kernel.OFF_TRACK:
+        if status & wheel_kernel.OFF_TRACK:
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
 
     def blocks(self) -> list[Block]:
@@ -220,6 +211,10 @@ class VehicleOnTrack:
         self.whole["speed"] = speed
         self._asked_at = np.nan
 
+    def own(self, wheelset: int) -> list[Any]:
+        """The records WHEEL of both wheels of a wheelset (``core.body.wheel_forces``)."""
+        return self._records_of_wheels[2 * wheelset : 2 * wheelset + 2]
+
     def look_near(self, origin: float | Array) -> None:
         """Tell where to look for the vehicle first: the distance of its origin [m], or a row of ``places``.
 
@@ -232,8 +227,9 @@ class VehicleOnTrack:
         else:
             rows = np.asarray(origin)
         at = float(rows[0, 0]) - vehicle.wheelsets[0].x
-        for view, row in zip(self.wheelset_views, rows, strict=bool(self.wheelset_views)):
-            view[wheelset_kernel.SIDES]["s"] = row[1:]
+        if self._records_of_wheels:
+            for wheel, s in zip(self._records_of_wheels, rows[:, 1:].ravel(), strict=True):
+                wheel.s = s
         self.whole["s_reference"] = at + vehicle.parts[vehicle.reference].centre[0]
         for load in self._loads:
             load.s = at + vehicle.parts[load.body].centre[0] + load.at.x
@@ -248,7 +244,7 @@ class VehicleOnTrack:
         """What the next call starts from: it decides the last bits of the answer. See ``recorder.Remembers``."""
         return np.concatenate(
             [self.whole["s_reference"], self._loads["s"]]
-            + [view[wheelset_kernel.SIDES]["s"] for view in self.wheelset_views]
+            + [[wheel.s for wheel in self._records_of_wheels]]
             + [wheel.model.arrays.memory() for wheels in self.wheels for wheel in wheels]
         )
 
@@ -259,9 +255,9 @@ class VehicleOnTrack:
         self.whole["s_reference"] = memory[0]
         self._loads["s"] = memory[1 : 1 + loads]
         place = 1 + loads
-        for view in self.wheelset_views:
-            view[wheelset_kernel.SIDES]["s"] = memory[place : place + 2]
-            place += 2
+        for wheel in self._records_of_wheels:
+            wheel.s = memory[place]
+            place += 1
         for wheels in self.wheels:
             for wheel in wheels:
                 place += wheel.model.arrays.recall(memory[place:])
@@ -286,6 +282,14 @@ class VehicleOnTrack:
             q_t[6 * len(self.bodies) + self.elements["state"][i]] = travel
         return q_t
 
+    def _wheels(self, wheelset: Wheelset, parts: Sequence[Arena], contacts: Contacts) -> tuple[WheelOnRail, ...]:
+        """The two wheels of a wheelset, whose models compute in these parts of the arena."""
+        first, count = wheel_kernel.IN_CONTACT, wheel_kernel.ARRAYS_OF_A_CONTACT
+        return tuple(
+            WheelOnRail(contact.within(part.part(first, count)), side, 0.5 * wheelset.profile_spacing, origin)
+            for contact, part, side, origin in zip(contacts, parts, (1, -1), self.track.rail_origins, strict=True)
+        )
+
     def _with_unknown(self) -> NDArray[np.intp]:
         """Numbers of the elements with an unknown of their own."""
         return np.flatnonzero(self.elements["state"] >= 0)
@@ -300,7 +304,7 @@ class VehicleOnTrack:
         own.ahead = vehicle.parts[vehicle.reference].centre[0]
         own.step = self.track.centre.step
         own.guide_ahead = vehicle.guide_ahead
-        own.rails = -1
+        own.rails, own.turns = -1, self._turns
         if self.elastic is not None:
             own.rails = self.size - self.rails
             e = self.elastic

@@ -28,6 +28,7 @@ def force_law(setup: Setup[RunPlan], speed: float | None = None, drive: Drive | 
         speed=run.speed if speed is None else speed,
         start=run.start,
         drive=setup.drive if drive is None else drive,
+        threads=setup.threads,
     )
 
 

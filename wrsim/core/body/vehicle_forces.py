@@ -1,7 +1,7 @@
 """All forces on a vehicle in one call: suspension, gravity, loads, drive, and the contacts of all wheelsets.
 
-One arena (core.arena): first the arrays named below, then those of each wheelset as ``core.body.wheelset_forces``
-orders them; what loads and drive do, see ``core.body.loads``. Coordinates are six a body as in
+One arena (core.arena): first the arrays named below, then those of each wheel as ``core.body.wheel_forces`` orders
+them, wheelset after wheelset; what loads and drive do, see ``core.body.loads``. Coordinates are six a body as in
 ``core.body.kinematics`` (pitch in the place of spin for bodies that are no wheelset), then one for every damper in
 series with a spring: its rate is the extension of the damping part, so that its "force" is the rate of that extension,
 on a mass of 1; the coordinate itself means nothing. Then comes the pitch of every axle box (core.body.axle_boxes), on
@@ -24,36 +24,53 @@ angle changes in a transition is left out of its velocity.
 
 from math import cos, sin
 
+from wrsim.core import stages
 from wrsim.core.arena import matrix, record, records
 from wrsim.core.body.axle_boxes import AXLE_BOX, hand_over, on_axle
 from wrsim.core.body.kinematics import SPIN, add_generalised_forces, kinematics
 from wrsim.core.body.loads import AXLE, CARRIED, LOAD, add_carried, add_drive, add_loads
 from wrsim.core.body.rigid_body import PITCH, pitched
 from wrsim.core.body.suspension import ELEMENT, READING, WRENCH, suspension_forces
-from wrsim.core.body.wheelset_forces import ARRAYS, OFF_TRACK, SIDES, WHEEL, contact_forces, wheel_total
+from wrsim.core.body.wheel_forces import ARRAYS, OFF_TRACK, wheel_record, wheel_total
 from wrsim.core.compiling import kernel
-from wrsim.core.linalg import BODY, ZERO, Body, Curve, Vec, dot, get_body, mixed, put, put_body, scale, shifted, vec
+from wrsim.core.linalg import (
+    BODY,
+    ZERO,
+    Body,
+    Curve,
+    Vec,
+    add,
+    dot,
+    get_body,
+    mixed,
+    put,
+    put_body,
+    scale,
+    shifted,
+    vec,
+)
 from wrsim.core.track.path import NODE, frame, frame_rates
 
-# arrays of the arena before those of the wheelsets
+# arrays of the arena before those of the wheels
 (
     WHOLE, PARTS, BODIES, WRENCHES, ELEMENTS, TABLES, READINGS, LOADS, LOAD_TABLES, CARRIED_MASSES, AXLES, CENTRE,
     AXLE_BOXES,
 ) = range(13)  # fmt: skip
-FIRST_WHEELSET = 13
+FIRST_WHEEL = 13
 
 RAIL = record("mass stiffness damping")
 
 VEHICLE = record(
     "gravity start speed mass ahead s_reference drive_force step guide_ahead",
-    "drive reference rails",
+    "drive reference rails turns",
     rail_n=RAIL,
     rail_b=RAIL,
 )
-"""Acceleration of gravity; the track frame's start and speed; mass of the vehicle; what lies between its reference body
-and the track frame along the track, distance of that body (a guess, updated); force of the drive; step of the centre
-line; how far the axle in the guide frame sits ahead of the bogie's centre. Kind of drive, number of the reference body,
-place of the rails' first coordinate or -1 on rigid ones; the pieces of rail under the wheels, along n and b."""
+"""Acceleration of gravity; the track frame's start and speed; mass of the vehicle; what lies between its reference
+body and the track frame along the track, distance of that body (a guess, updated); force of the drive; step of the
+centre line; how far the axle in the guide frame sits ahead of the bogie's centre. Kind of drive, number of the
+reference body, place of the rails' first coordinate or -1 on rigid ones; which of the stages that ask all wheels; the
+pieces of rail under the wheels, along n and b."""
 
 PART = record("mass", "wheelset")
 """Mass of a body [kg]; number of its wheelset or -1."""
@@ -126,25 +143,32 @@ def add_forces_on_wheels(q, q_t, out, buffer, index):
     """
     vehicle = records(buffer, index, WHOLE, VEHICLE)[0]
     parts = records(buffer, index, PARTS, PART)
-    contacts = (index.shape[0] - FIRST_WHEELSET) // ARRAYS
-    status = 0
+    own = index[FIRST_WHEEL:]
+    wheels = own.shape[0] // ARRAYS
     for i in range(parts.shape[0]):
-        w = parts[i].wheelset
-        if w < 0 or w >= contacts:
+        first = 2 * parts[i].wheelset
+        if first < 0 or first >= wheels:
             continue
         body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
-        first = FIRST_WHEELSET + w * ARRAYS
-        own = index[first : first + ARRAYS]
-        rails = vehicle.rails + RAIL_COORDINATES * w
+        for k in range(first, first + 2):
+            wheel = wheel_record(buffer, own, k)
+            put_body(wheel.body, body)
+            if vehicle.rails >= 0:
+                _set_rail(q, q_t, vehicle.rails + 2 * k, wheel)
+    stages.run(vehicle.turns, buffer, own)
+    status = 0
+    for i in range(parts.shape[0]):
+        first = 2 * parts[i].wheelset
+        if first < 0 or first >= wheels:
+            continue
+        left, right = wheel_record(buffer, own, first), wheel_record(buffer, own, first + 1)
+        status |= left.status | right.status
+        push, turn = add(vec(left.force), vec(right.force)), add(vec(left.moment), vec(right.moment))
+        add_generalised_forces(get_body(left.body), push, turn, out[6 * i : 6 * i + 6])
         if vehicle.rails >= 0:
-            _set_rails(q[rails:], q_t[rails:], records(buffer, own, SIDES, WHEEL))
-        push, turn, bits = contact_forces(body, buffer, own)
-        status |= bits
-        add_generalised_forces(body, push, turn, out[6 * i : 6 * i + 6])
-        if vehicle.rails >= 0:
-            for side in range(2):
-                total = wheel_total(buffer, own, side)
-                _move_rail(q, q_t, rails + 2 * side, 1.0 - 2.0 * side, total, vehicle, out)
+            for k in range(first, first + 2):
+                side = wheel_record(buffer, own, k).side
+                _move_rail(q, q_t, vehicle.rails + 2 * k, side, wheel_total(buffer, own, k), vehicle, out)
     return status
 
 
@@ -170,12 +194,10 @@ def _frames(t, vehicle, centre):
 
 
 @kernel
-def _set_rails(q, q_t, wheels):
-    """Write the motion of both rails under a wheelset, the first of q and q_t, to the records of its wheels."""
-    for side in range(2):
-        wheel = wheels[side]
-        wheel.rail_n, wheel.rail_b = q[2 * side], q[2 * side + 1]
-        wheel.rail_n_t, wheel.rail_b_t = q_t[2 * side], q_t[2 * side + 1]
+def _set_rail(q, q_t, place, wheel):
+    """Write the motion of the piece of rail under a wheel to its record."""
+    wheel.rail_n, wheel.rail_b = q[place], q[place + 1]
+    wheel.rail_n_t, wheel.rail_b_t = q_t[place], q_t[place + 1]
 
 
 @kernel
