@@ -10,13 +10,27 @@ from wrsim.inputs.reference import markdown
 HERE = Path(__file__).parent
 HEAD = """# Keys
 Every key of every file, made from the code by `python docs/make_keys.py`; a test fails when this page is stale.
-`wrsim keys contact` prints a table of it, `wrsim new curving` writes a scenario to start from.
-
-Editors complete and check keys by the schemas in `docs/schema`. With Taplo or "Even Better TOML" (VS Code) that works
-in this repository at once (`.taplo.toml`). Elsewhere write the schema beside your files (`wrsim keys --schema >
-scenario.schema.json`) and begin a scenario with the line `#:schema ./scenario.schema.json`.
+`wrsim keys contact` prints the keys of a table, `wrsim new curving` writes a scenario to start from.
 
 "needed": the key has no default; "none": left out, something else decides, as the row says.
+
+## In an editor
+An editor offers the keys of a table and their allowed words while you type, shows what a key is, and underlines what
+is wrong. It does so by the schemas in `docs/schema`. In VS Code install the extension "Even Better TOML"; other editors
+use its language server, [Taplo](https://taplo.tamasfe.dev). On the command line `taplo lint scenarios/*.toml` checks
+likewise (`pip install taplo`). In the folder of wrsim all this works at once, by the file `.taplo.toml`. Elsewhere
+write the schema beside your files and begin each scenario with a line that names it:
+
+```sh
+wrsim keys --schema > scenario.schema.json
+```
+
+```text
+#:schema ./scenario.schema.json
+```
+
+`wrsim keys --file vehicle --schema` gives that of vehicle files; there are also `wheelset`, `track` and `study`. Keys
+that go together, such as one radius or two, are beyond a schema: `wrsim check FILE` tells of them.
 """
 
 

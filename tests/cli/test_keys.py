@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from jsonschema.validators import Draft7Validator, validator_for
 from typer.testing import CliRunner
 
 from wrsim.cli import app
@@ -30,62 +31,54 @@ def test_the_generated_pages_are_not_stale() -> None:
         assert path.read_text(encoding="utf-8") == text, path
 
 
-def accepts(schema: dict[str, Any], value: Any, root: dict[str, Any]) -> bool:
-    """True if a value fits a schema: as much of draft 7 as ours use."""
-    if "$ref" in schema:
-        schema = root["definitions"][schema["$ref"].rpartition("/")[2]] | {
-            k: v for k, v in schema.items() if k != "$ref"
-        }
-    for name, least, most in (("anyOf", 1, 99), ("oneOf", 1, 1)):
-        if name in schema and not least <= sum(accepts(part, value, root) for part in schema[name]) <= most:
-            return False
-    kinds = {"object": dict, "array": list, "string": str, "boolean": bool, "number": (int, float), "integer": int}
-    kind = schema.get("type")
-    wrong = kind is not None and (not isinstance(value, kinds[kind]) or (isinstance(value, bool) and kind != "boolean"))
-    if wrong and not (kind == "string" and hasattr(value, "isoformat")):
-        return False
-    if ("enum" in schema and value not in schema["enum"]) or ("const" in schema and value != schema["const"]):
-        return False
-    if isinstance(value, int | float):
-        if value < schema.get("minimum", value) or value > schema.get("maximum", value):
-            return False
-        if "exclusiveMinimum" in schema and value <= schema["exclusiveMinimum"]:
-            return False
-    if isinstance(value, dict):
-        known = schema.get("properties", {})
-        if not set(schema.get("required", ())) <= set(value):
-            return False
-        if schema.get("additionalProperties") is False and not set(value) <= set(known):
-            return False
-        return all(accepts(known[k], v, root) for k, v in value.items() if k in known)
-    if isinstance(value, list):
-        return all(accepts(schema.get("items", {}), v, root) for v in value)
-    return True
+def schema_of(file: str) -> Draft7Validator:
+    """The schema of a kind of file, itself checked, in the draft that it says it is written in."""
+    schema = json.loads(schema_text(file))
+    assert validator_for(schema, default=None) is Draft7Validator
+    # Taplo refuses a schema whose address is not whole
+    assert "$id" not in schema
+    Draft7Validator.check_schema(schema)
+    return Draft7Validator(schema)
+
+
+def faults(schema: Draft7Validator, data: dict[str, Any]) -> list[str]:
+    """What an editor says of a file; dates are texts to it."""
+    return [error.message for error in schema.iter_errors(json.loads(json.dumps(data, default=str)))]
 
 
 @pytest.mark.parametrize("file", SCENARIOS, ids=lambda file: file.stem)
 def test_the_schema_accepts_every_shipped_scenario_and_refuses_a_slip(file: Path) -> None:
-    schema = json.loads(schema_text("scenario"))
+    schema = schema_of("scenario")
     data = tomllib.loads(file.read_text())
-    assert accepts(schema, data, schema)
-    assert not accepts(schema, data | {"vehicel": {}}, schema)
+    assert faults(schema, data) == []
+    assert "'vehicel' was unexpected" in faults(schema, data | {"vehicel": {}})[0]
     if BASE not in data:
         whole = read_merged(file).data
-        assert not accepts(schema, whole | {"contact": whole.get("contact", {}) | {"friction": 7.0}}, schema)
-        assert not accepts(schema, whole | {"contact": whole.get("contact", {}) | {"normal": "herz"}}, schema)
+        assert faults(schema, {k: v for k, v in whole.items() if k != "track"}) == ["'track' is a required property"]
+        assert faults(schema, whole | {"contact": whole.get("contact", {}) | {"friction": 7.0}})
+        assert faults(schema, whole | {"contact": whole.get("contact", {}) | {"normal": "herz"}})
 
 
 def test_the_schema_of_studies_accepts_the_shipped_one() -> None:
-    schema = json.loads(schema_text("study"))
+    schema = schema_of("study")
     data = tomllib.loads((ROOT / "scenarios/studies/friction_speed.toml").read_text())
-    assert accepts(schema, data, schema)
-    assert not accepts(schema, data | {"vary": [{"kind": "gird", "key": "a", "values": [1]}]}, schema)
+    assert faults(schema, data) == []
+    assert faults(schema, data | {"vary": [{"kind": "gird", "key": "a", "values": [1]}]})
+
+
+@pytest.mark.parametrize("file", sorted((ROOT / "models/vehicles").glob("*.toml")), ids=lambda file: file.stem)
+def test_the_schema_of_vehicles_accepts_every_shipped_one(file: Path) -> None:
+    data = tomllib.loads(file.read_text())
+    kind = "vehicle" if {"bodies", "wheelsets", "parts"} & set(data) else "wheelset"
+    assert faults(schema_of(kind), data) == []
+    assert faults(schema_of(kind), data | {"name": 1})
 
 
 @pytest.mark.parametrize("file", FILES)
-def test_every_key_says_what_it_may_be_with_an_example(file: str) -> None:
+def test_every_key_says_what_it_is_and_may_be_with_an_example(file: str) -> None:
     for table in tables_of(file):
         for entry in entries(table):
+            assert entry.meaning.endswith("."), f"{table.header} {entry.key}: write a sentence beneath the field"
             assert entry.allowed, f"{table.header} {entry.key}"
             assert entry.example or entry.allowed.startswith(("a table", "a list of tables", "tables")), (
                 f"{table.header} {entry.key}"
@@ -111,6 +104,11 @@ def test_a_new_scenario_can_be_run(kind: str, tmp_path: Path) -> None:
 def test_keys_of_a_table_are_printed_and_a_slip_names_the_nearest() -> None:
     answer = runner.invoke(app, ["keys", "contact"])
     assert answer.exit_code == 0 and "tangential" in answer.output and "half-space" in answer.output
+    # one sentence for the terminal, the schema of editors and new scenarios
+    meaning = "Number of cells of a strip along the rolling direction"
+    assert meaning in answer.output and meaning in schema_text("scenario")
+    answer = runner.invoke(app, ["keys", "track.elasticity"])
+    assert answer.exit_code == 0 and "rail sideways under one wheel" in answer.output
     answer = runner.invoke(app, ["keys", "contcat"])
     assert answer.exit_code == 2 and "did you mean 'contact'?" in answer.output
     answer = runner.invoke(app, ["keys", "--file", "stduy"])

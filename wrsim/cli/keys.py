@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json
-from wrsim.cli.showing import print_json, print_table, say
+from wrsim.cli.showing import print_json, say
 from wrsim.cli.storing import writing
 from wrsim.errors import InputError, suggest
 from wrsim.register import ANALYSES, resolved
 
 if TYPE_CHECKING:
+    from wrsim.inputs.reference import Entry
     from wrsim.inputs.section import Section
 
 FILES = {
@@ -26,7 +28,9 @@ FILES = {
     "track": ("a track file", "wrsim.scenario.track_file:TrackFile"),
 }
 """Kinds of files that users write, and the class of each."""
-WIDTH = 132
+WIDTH = 110
+ABSENT = {"needed": "has to be given", "none": "may be left out"}
+"""Words for what keys without a default have in its place."""
 
 
 def keys(
@@ -43,7 +47,7 @@ def keys(
 ) -> None:
     """List the keys of a table: unit, what is allowed, default, other names, an example."""
     with reporting_errors(as_json):
-        from wrsim.inputs.reference import entries
+        from wrsim.inputs.reference import entries, heading, purpose
 
         if file not in FILES:
             raise InputError(f"--file {file}: must be {', '.join(FILES)}{suggest(file, list(FILES))}")
@@ -60,10 +64,24 @@ def keys(
             if section is None:
                 say(f"{kind.header}: {', '.join(entry.key for entry in own)}")
                 continue
-            rows = [[e.key, e.allowed, e.default, e.example, " ".join(e.aliases)] for e in own]
-            heads = ("key", "must be", "default", "example", "also understood as")
-            print_table(heads, rows, title=kind.header, left=heads, width=WIDTH)
-            say()
+            say("\n".join([heading(kind).strip("`"), *(_indented(line, 2) for line in purpose(kind)), ""]))
+            say("\n".join(map(_told, own)) + "\n")
+
+
+def _told(entry: Entry) -> str:
+    """A key and, beneath it, what it is and may be."""
+    more = {
+        "must be": entry.allowed,
+        "default": "" if entry.default in ABSENT else entry.default,
+        "example": "" if entry.example == entry.default else entry.example,
+        "also understood as": ", ".join(entry.aliases),
+    }
+    lines = [entry.meaning, ABSENT.get(entry.default, ""), *(f"{head}: {text}" for head, text in more.items() if text)]
+    return "\n".join([f"  {entry.key}", *(_indented(line, 6) for line in lines if line)])
+
+
+def _indented(text: str, by: int) -> str:
+    return fill(text, WIDTH, initial_indent=" " * by, subsequent_indent=" " * (by + 2))
 
 
 def tables_of(file: str) -> list[type[Section]]:
@@ -76,7 +94,7 @@ def tables_of(file: str) -> list[type[Section]]:
 def _chosen(section: str, tables: list[type[Section]]) -> list[type[Section]]:
     """The tables that are meant. Raises InputError."""
     asked = section.strip("[] ")
-    found = [kind for kind in tables if asked in _names(kind)]
+    found = [kind for kind in tables if {asked, asked.rpartition(".")[2]} & set(_names(kind))]
     if not found:
         names = list(dict.fromkeys(name for kind in tables for name in _names(kind)))
         raise InputError(f"no table is called '{section}'{suggest(asked, names)}; there is {', '.join(names)}")
@@ -93,11 +111,11 @@ def schema_text(file: str) -> str:
     from wrsim.inputs.reference import json_schema
 
     words, place = FILES[file]
-    schema = json_schema(resolved(place), f"wrsim: {words}", f"{file}.schema.json")
+    schema = json_schema(resolved(place), f"wrsim: {words}")
     if file == "scenario":
         _may_inherit(schema)
     if file == "track":  # the table [track] is that of a scenario
-        whole = json_schema(resolved(FILES["scenario"][1]), "", "")
+        whole = json_schema(resolved(FILES["scenario"][1]), "")
         schema["properties"]["track"] = {"$ref": "#/definitions/TrackSection"}
         schema["definitions"] = whole["definitions"]
         schema["definitions"]["TrackSection"].pop("required", None)
@@ -107,16 +125,13 @@ def schema_text(file: str) -> str:
 def _may_inherit(schema: dict[str, Any]) -> None:
     """A scenario may start from another one and take its track from a file: then keys stand there."""
     from wrsim.scenario.merging import BASE
-    from wrsim.scenario.track_file import FILE
 
-    start = "must be the name of a scenario file to start from; keys of this file override it"
+    start = "Scenario file to start from; keys of this file override it."
     schema["properties"] = {BASE: {"type": "string", "description": start}} | schema["properties"]
-    schema["anyOf"] = [{"required": [BASE]}, {"required": schema.pop("required")}]
+    schema |= {"if": {"not": {"required": [BASE]}}, "then": {"required": schema.pop("required")}}
     for name in schema["properties"]:
         kind = schema["properties"][name].get("$ref", "").rpartition("/")[2]
         schema["definitions"].get(kind, {}).pop("required", None)
-    track = schema["definitions"]["TrackSection"]["properties"]
-    track[FILE] = {"type": "string", "description": "must be the name of a track file; keys of this table override it"}
 
 
 def new(

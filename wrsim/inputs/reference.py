@@ -9,21 +9,24 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic_core import PydanticUndefined
 
+from wrsim.inputs.meanings import meanings
 from wrsim.inputs.section import UNITS, Section, unit_of
 from wrsim.inputs.toml_files import shown
 from wrsim.inputs.values import RANGE, entry_of, fields, header_of, is_union, limits_of, plain, unpacked, words
 
-SCHEMA = "https://json-schema.org/draft-07/schema#"
+SCHEMA = "http://json-schema.org/draft-07/schema#"
 _QUOTED = re.compile(r'"([^"]+)"')
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?![\w.]*\w)")
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One key: unit in words, what is allowed, default as in TOML ("needed" where there is none), habitual names."""
+    """One key: what it means, unit in words, what is allowed, default as in TOML ("needed" where there is none),
+    habitual names."""
 
     table: str
     key: str
+    meaning: str
     unit: str
     allowed: str
     default: str
@@ -42,7 +45,8 @@ def entries(section: type[Section]) -> list[Entry]:
         aliases = tuple(section.aliases.get(key, "").split())
         allowed = words(annotation)
         example = default if default not in ("needed", "none", "") else example_of(annotation)
-        found.append(Entry(section.header, key, UNITS.get(unit, ""), allowed, default, aliases, example))
+        meaning = meanings(section).get(key, "")
+        found.append(Entry(section.header, key, meaning, UNITS.get(unit, ""), allowed, default, aliases, example))
     return found
 
 
@@ -64,9 +68,9 @@ def example_of(annotation: Any) -> str:
         return shown(get_args(base)[0])
     if base is bool:
         return "true"
-    if base in (int, float):
-        return _number_example(base, limits, said)
     quoted = _QUOTED.findall(said)
+    if base in (int, float) and (limits or not quoted):
+        return _number_example(base, limits, said)
     if quoted:
         return shown(quoted[0])
     if header_of(annotation):
@@ -118,10 +122,12 @@ def markdown(section: type[Section], level: str = "###") -> list[str]:
     lines = [f"{level} {heading(section)}", "", *purpose(section), ""]
     own = entries(section)
     if own:
-        lines += ["| key | unit | must be | default | also understood as | example |", "|---|---|---|---|---|---|"]
+        heads = ("key", "is", "unit", "must be", "default", "also understood as", "example")
+        lines += [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
         for e in own:
             cells = [
                 f"`{e.key}`",
+                e.meaning,
                 e.unit,
                 e.allowed,
                 _code(e.default),
@@ -150,14 +156,17 @@ def _code(text: str) -> str:
     return f"`{text}`"
 
 
-def json_schema(section: type[Section], title: str, address: str) -> dict[str, Any]:
-    """JSON schema (draft 7) of a file, for editors: keys, kinds, ranges, defaults, words."""
+def json_schema(section: type[Section], title: str) -> dict[str, Any]:
+    """JSON schema (draft 7) of a file, for editors: keys, kinds, ranges, defaults, words.
+
+    It names no address of its own: Taplo refuses one that is not whole, and ours lies wherever the user has put it.
+    """
     schema = section.model_json_schema(mode="validation")
     definitions = schema.pop("$defs", {})
     classes = {kind.__name__: kind for kind in tables_in(section)} | {section.__name__: section}
     schema = _cleaned(schema, classes.get(section.__name__))
     own = {name: _cleaned(value, classes.get(name)) for name, value in sorted(definitions.items())}
-    return {"$schema": SCHEMA, "$id": address, **schema, "title": title, "definitions": own}
+    return {"$schema": SCHEMA, **schema, "title": title, "definitions": own}
 
 
 def _cleaned(schema: dict[str, Any], section: type[Section] | None) -> dict[str, Any]:
@@ -168,13 +177,13 @@ def _cleaned(schema: dict[str, Any], section: type[Section] | None) -> dict[str,
         for key, own in schema.get("properties", {}).items():
             annotation = fields(section)[key]
             cleaned = _value_schema(own, annotation)
-            cleaned["description"] = _sentence(words(annotation))
+            said = meanings(section).get(key, "")
+            is_table = bool(header_of(annotation))
+            cleaned["description"] = said if is_table else f"{said} Must be {words(annotation)}.".strip()
+            if is_table:
+                cleaned.pop("default", None)  # in it are values that are left out, for which TOML has no word
             schema["properties"][key] = cleaned
     return _renamed(schema)
-
-
-def _sentence(text: str) -> str:
-    return f"must be {text}"
 
 
 def _value_schema(own: dict[str, Any], annotation: Any) -> dict[str, Any]:

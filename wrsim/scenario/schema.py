@@ -35,10 +35,15 @@ class ScenarioSpec(Section):
     }
 
     title: Annotated[str, text("a title")] = "untitled"
+    """Title of the scenario; it stands over its pictures, tables and reports."""
     analysis: Literal[*ANALYSES]  # type: ignore[valid-type]
+    """What is computed; it decides which further tables the file takes."""
     vehicle: VehicleSection
+    """Which vehicle runs, how fast, and what differs from its file."""
     track: TrackSection
+    """Gauge, rails, the way they are laid and what they rest on."""
     contact: ContactSection = ContactSection()
+    """Contact model, friction and material."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

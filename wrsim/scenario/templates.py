@@ -5,7 +5,7 @@ from __future__ import annotations
 from textwrap import shorten
 from typing import Any
 
-from wrsim.inputs.reference import entries
+from wrsim.inputs.reference import Entry, entries
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import shown
 from wrsim.inputs.values import entry_of, fields, header_of, unpacked
@@ -82,15 +82,20 @@ def _keys_of(table: type[Section], given: dict[str, Any], name: str) -> list[str
             for each in given[entry.key]:
                 after += ["", f"[[{name}.{entry.key}]]", *(f"{k} = {shown(v)}" for k, v in each.items())]
         elif entry.key in given:
-            lines.append(_line(f"{entry.key} = {shown(given[entry.key])}", entry.allowed))
+            lines.append(_line(f"{entry.key} = {shown(given[entry.key])}", entry))
         elif header_of(annotation) or (entry_of(annotation) is not None and header_of(entry_of(annotation))):
-            lines.append(f"# {entry.key}: {entry.allowed}: wrsim keys {name}.{entry.key}")
+            about, see = f"# {entry.key}: {entry.meaning}", f" wrsim keys {name}.{entry.key}"
+            lines.append(shorten(about, LINE - len(see), placeholder=" ...") + see)
         else:
-            lines.append(_line(f"# {entry.key} = {entry.example}", entry.allowed))
+            lines.append(_line(f"# {entry.key} = {entry.example}", entry))
     return lines + after
 
 
-def _line(start: str, words: str) -> str:
-    """A key with what it may be behind it."""
+def _line(start: str, entry: Entry) -> str:
+    """A key with what it is and may be behind it, as far as there is room; what may be chosen goes first."""
     room = LINE - max(len(start), 36) - 4
+    meaning = entry.meaning.rstrip(".")
+    words = f"{meaning}; {entry.allowed}"
+    if len(words) > room:
+        words = entry.allowed if entry.allowed.startswith('"') and len(entry.allowed) <= room else meaning
     return f"{start:<36}  # {shorten(words, room, placeholder=' ...')}" if room > 20 else start

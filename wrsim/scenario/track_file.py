@@ -25,8 +25,11 @@ class TrackFile(Section):
     header: ClassVar[str] = "a track file"
 
     name: Annotated[str, text("the track's name")]
+    """Name of the track."""
     source: Source
+    """Where the data of the track come from."""
     date: Day
+    """Day on which the file was written."""
 
 
 def with_track_file(merged: Merged, finder: Finder) -> Merged:

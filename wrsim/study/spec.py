@@ -60,9 +60,13 @@ class GridAxis(Section):
     aliases: ClassVar[dict[str, str]] = {"key": "keys parameter variable", "values": "value list", "name": "axis label"}
 
     kind: Literal["grid"]
+    """Every value of a list; several axes are combined with each other."""
     key: Keys
+    """Key of the scenario that is varied, or several that take the same value."""
     values: Values
+    """Values that it takes."""
     name: Name | None = None
+    """Name of the axis in the results; the last part of the key unless given."""
 
     def varied(self) -> tuple[str, ...]:
         """What is varied."""
@@ -76,8 +80,11 @@ class CsvAxis(Section):
     aliases: ClassVar[dict[str, str]] = {"file": "csv table rows", "name": "axis label"}
 
     kind: Literal["csv"]
+    """A row of a table for every case."""
     file: Annotated[str, text('a CSV file such as "variants.csv"')]
+    """The table; its header holds keys of the scenario."""
     name: Name = "case"
+    """Name of the axis in the results."""
 
     def varied(self) -> tuple[str, ...]:
         """What is varied stands in the file."""
@@ -97,12 +104,19 @@ class SampledKey(Section):
     }
 
     key: Keys
+    """Key of the scenario that is sampled, or several that take the same value."""
     low: Annotated[float, number()] | None = None
+    """Least value, of samples spread evenly."""
     high: Annotated[float, number()] | None = None
+    """Largest value, of samples spread evenly."""
     spacing: Literal["linear", "log"] = "linear"
+    """Even in the value, or in its logarithm."""
     mean: Annotated[float, number()] | None = None
+    """Mean of a normal distribution, in place of low and high."""
     deviation: Annotated[float, positive()] | None = None
+    """Standard deviation of a normal distribution."""
     whole: Switch = False
+    """Whether values are rounded to whole numbers."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -136,9 +150,13 @@ class _Sampled(Section):
     aliases: ClassVar[dict[str, str]] = {"samples": "count n size", "over": "keys key ranges", "name": "axis label"}
 
     samples: Annotated[int, number(1, MOST_SAMPLES)]
+    """How many cases are drawn."""
     seed: Annotated[int, number(0, 2**31 - 1)] = 0
+    """Number that decides which samples are drawn; the same seed gives the same ones."""
     over: Annotated[List[SampledKey], Field(min_length=1)]
+    """Keys that are sampled and their ranges."""
     name: Name = "case"
+    """Name of the axis in the results."""
 
     def varied(self) -> tuple[str, ...]:
         """What is varied."""
@@ -151,6 +169,7 @@ class SobolAxis(_Sampled):
     header: ClassVar[str] = '[[vary]] with kind = "sobol"'
 
     kind: Literal["sobol"]
+    """Scrambled Sobol points, even in every projection."""
 
     def consistency(self) -> Iterator[Fault]:
         """Only 2^m points of the sequence are balanced."""
@@ -166,6 +185,7 @@ class LatinHypercubeAxis(_Sampled):
     header: ClassVar[str] = '[[vary]] with kind = "latin-hypercube"'
 
     kind: Literal["latin-hypercube"]
+    """A Latin hypercube."""
 
 
 Axis = GridAxis | CsvAxis | SobolAxis | LatinHypercubeAxis
@@ -176,10 +196,7 @@ LABELS = ("wheelset", "wheel", "body", "point", "suspension", "external_load")
 
 
 class ChannelOutput(Section):
-    """A channel, reduced to one number; of several wheels or wheelsets, the largest one counts (with min the smallest).
-
-    from_m, to_m: the part of the way that counts; the other keys choose one wheelset, wheel, body, ....
-    """
+    """A channel, reduced to one number; of several wheels or wheelsets the largest counts (with min the smallest)."""
 
     header: ClassVar[str] = "[[outputs.channels]]"
     aliases: ClassVar[dict[str, str]] = {
@@ -190,17 +207,29 @@ class ChannelOutput(Section):
     }
 
     channel: Literal[*NUMBERS]  # type: ignore[valid-type]
+    """Channel of the result; docs/nomenclature.md lists them."""
     reduce: Literal[*REDUCTIONS]  # type: ignore[valid-type]
+    """How its samples become one number."""
     percentile: Annotated[float, number(0, 100)] | None = None
+    """Which one, for reduce = "percentile"."""
     wheelset: Annotated[str, text("the name of a wheelset")] | None = None
+    """The wheelset that counts; the worst of all unless given."""
     wheel: Literal["left", "right"] | None = None
+    """The wheel that counts; the worse one unless given."""
     body: Annotated[str, text("the name of a body")] | None = None
+    """The body that counts; the worst of all unless given."""
     point: Annotated[str, text("the name of a point")] | None = None
+    """The point that counts; the worst of all unless given."""
     suspension: Annotated[str, text("the name of a suspension element")] | None = None
+    """The suspension element that counts; the worst of all unless given."""
     external_load: Annotated[str, text("the name of a load")] | None = None
+    """The load that counts; the worst of all unless given."""
     from_m: Annotated[float, number(0, 1e6, "m along the centre line")] | None = None
+    """Where the part of the way begins that counts."""
     to_m: Annotated[float, number(0, 1e6, "m along the centre line")] | None = None
+    """Where the part of the way ends that counts."""
     name: Name | None = None
+    """Name of the column; made of channel, labels, reduction and unit unless given."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -239,15 +268,17 @@ class ChannelOutput(Section):
 class OutputsSection(Section):
     """Numbers that are kept of every case; without this table, those that people ask for first.
 
-    summary: places in ``summary.json``, with dots between; assessment: quantities of EN 14363, the worst of all
-    sections; hook: ``"file.py:function"``, which takes a Result and returns a dict of numbers.
+    hook: ``"file.py:function"``, which takes a Result and returns a dict of numbers.
     """
 
     header: ClassVar[str] = "[outputs]"
 
     summary: List[Annotated[str, text('a place in summary.json such as "linear_critical_speed_kmh"')]] = ()
+    """Numbers of summary.json, by their places with dots between."""
     assessment: List[Literal[*QUANTITIES]] = ()  # type: ignore[valid-type]
+    """Quantities of EN 14363, the worst of all sections."""
     channels: List[ChannelOutput] = ()
+    """Channels of the result, each reduced to one number."""
     hook: (
         Annotated[
             str,
@@ -258,6 +289,7 @@ class OutputsSection(Section):
         ]
         | None
     ) = None
+    """Your own function of a result, which gives a dict of numbers."""
 
     @property
     def asks_for_nothing(self) -> bool:
@@ -273,13 +305,15 @@ class OutputsSection(Section):
 
 
 class CasesSection(Section):
-    """time_limit_s: of one case; keep: whole results, or the numbers alone."""
+    """Limits of a case, and what is kept of it."""
 
     header: ClassVar[str] = "[cases]"
     aliases: ClassVar[dict[str, str]] = {"time_limit_s": "timeout timeout_s limit_s max_time_s"}
 
     time_limit_s: Annotated[float, number(1, 1e7, "s of one case")] = 3600.0
+    """How long one case may take before it is given up."""
     keep: Literal["results", "numbers"] = "results"
+    """Whole results of the cases, or their numbers alone."""
 
 
 class StudyFile(Section):
@@ -289,10 +323,15 @@ class StudyFile(Section):
     aliases: ClassVar[dict[str, str]] = {"base": "scenario", "vary": "axes axis parameters", "outputs": "output"}
 
     title: Annotated[str, text("a title")] | None = None
+    """Title of the study; that of its scenario unless given."""
     base: Annotated[str, text('a scenario file such as "../curve_r300.toml"')]
+    """Scenario that all cases start from."""
     vary: Annotated[List[Annotated[Axis, Field(discriminator="kind")]], Field(min_length=1)]
+    """What is varied, axis by axis."""
     outputs: OutputsSection = OutputsSection()
+    """Numbers that are kept of every case."""
     cases: CasesSection = CasesSection()
+    """Limits of a case, and what is kept of it."""
 
     def consistency(self) -> Iterator[Fault]:
         """Axes and keys once each."""

@@ -34,18 +34,31 @@ class WheelsetTable(Section):
     }
 
     mass_kg: Annotated[float, positive(20_000, "kg")]
+    """Mass of the wheelset."""
     roll_inertia_kg_m2: Annotated[float, positive(1e5, "about the x axis")]
+    """Moment of inertia about the track's direction."""
     spin_inertia_kg_m2: Annotated[float, positive(1e5, "about the axle")]
+    """Moment of inertia about the axle."""
     yaw_inertia_kg_m2: Annotated[float, positive(1e5, "about the z axis")]
+    """Moment of inertia about the vertical; equal to that of roll."""
     profile_spacing_mm: Annotated[float, number(400, 2500, "mm between the tape circles")] | None = None
+    """Distance between the tape circles, on which the wheel profiles have their origins."""
     flange_back_mm: Annotated[float, number(300, 2400, "mm between the flange backs")] | None = None
+    """Distance between the flange backs, in place of profile_spacing_mm."""
     back_to_tape_circle_mm: Annotated[float, number(20, 120, "mm, 70 in Europe")] = 70.0
+    """Distance of the tape circle from the flange back."""
     wheel: WheelName | None = None
+    """Profile of both wheels."""
     wheel_left: WheelName | None = None
+    """Profile of the left wheel."""
     wheel_right: WheelName | None = None
+    """Profile of the right wheel."""
     radius_mm: Radius | None = None
+    """Rolling radius of both wheels at the tape circle."""
     radius_left_mm: Radius | None = None
+    """Rolling radius of the left wheel."""
     radius_right_mm: Radius | None = None
+    """Rolling radius of the right wheel."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -84,11 +97,15 @@ class SuspensionTable(Section):
     header: ClassVar[str] = "[suspension]"
 
     stiffness_kN_per_m: Springs = (0.0, 0.0, 0.0)
+    """Stiffness of each side along x, y, z."""
     damping_kNs_per_m: Springs = (0.0, 0.0, 0.0)
+    """Damping of each side along x, y, z."""
     half_spacing_mm: Annotated[float, positive(2000, "mm from the middle")] = 1000.0
+    """Distance of the springs from the middle of the axle."""
     ahead_of_bogie_centre_mm: Annotated[
         float, number(-5000, 5000, "mm, half the wheelbase for a leading axle, negative for a trailing one")
     ] = 0.0
+    """How far the wheelset is ahead of its bogie's centre: the frame turns so much in curves."""
 
 
 class SprungTable(Section):
@@ -98,7 +115,9 @@ class SprungTable(Section):
     aliases: ClassVar[dict[str, str]] = {"height_above_axle_mm": "height_mm"}
 
     mass_kg: Annotated[float, number(0, 50_000, "kg")] = 0.0
+    """Mass that presses on the axle without moving by itself."""
     height_above_axle_mm: Annotated[float, number(-1000, 5000, "mm of its centre above the axle")] = 0.0
+    """Height of its centre, at which weight and centrifugal force act."""
 
 
 def with_wheel(wheelset: Wheelset, side: str, profile: Profile | None, radius: float | None) -> Wheelset:

@@ -65,12 +65,19 @@ class LoadTable(Section):
     aliases: ClassVar[dict[str, str]] = {"on": "body", "axes": "frame", "force_kN": "f_kN"}
 
     name: Name
+    """Name of the load."""
     on: Annotated[str, text("the name of a body")]
+    """Body on which it acts."""
     at_mm: Place
+    """Point of the body at which it acts."""
     axes: LoadAxes | None = None
+    """Axes that the force keeps to: those of the track, or of the body."""
     force_kN: Force | None = None
+    """The force, where it is constant."""
     time_s_force_kN: OverTime | None = None
+    """The force over the time of the run, row by row; linear between rows."""
     distance_m_force_kN: OverDistance | None = None
+    """The force over the distance of its point along the track, row by row."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -99,11 +106,17 @@ class PayloadTable(Section):
     aliases: ClassVar[dict[str, str]] = {"on": "body", "force_kN": "f_kN"}
 
     name: Name
+    """Name of the payload."""
     on: Annotated[str, text("the name of a body")]
+    """Body that it is part of."""
     at_mm: Place
+    """Its centre."""
     mass_kg: Annotated[float, positive(1e6, "kg")] | None = None
+    """Its mass."""
     inertia_kg_m2: Three[Annotated[float, number(0, 1e9, "kg m2")]] | None = None
+    """Moments of inertia about its own centre; none unless given."""
     force_kN: Force | None = None
+    """A force in place of a mass, along the axes of the track at rest."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

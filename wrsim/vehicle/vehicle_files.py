@@ -39,11 +39,17 @@ class WheelsetFile(Section):
     aliases: ClassVar[dict[str, str]] = {"name": "title", "wheelset": "vehicle", "sprung": "sprung_mass"}
 
     name: Annotated[str, text("the vehicle's name")]
+    """Name of the vehicle."""
     source: Source
+    """Where the numbers come from."""
     date: Day
+    """Day on which the file was written."""
     wheelset: WheelsetTable
+    """The rigid body and its wheels."""
     suspension: SuspensionTable = SuspensionTable()
+    """Springs and dampers to the frame that follows the track."""
     sprung: SprungTable = SprungTable()
+    """The share of the vehicle that the wheelset carries."""
 
 
 class VehicleFile(PartTable):
@@ -53,12 +59,19 @@ class VehicleFile(PartTable):
     aliases: ClassVar[dict[str, str]] = {"name": "title"}
 
     name: Annotated[str, text("the vehicle's name")]
+    """Name of the vehicle."""
     source: Source
+    """Where the numbers come from."""
     date: Day
+    """Day on which the file was written."""
     gravity_m_per_s2: Annotated[float, number(9, 10)] = STANDARD_GRAVITY
+    """Gravity with which the source has its loads from."""
     wheelset: WheelsetTable | None = None
+    """The wheelset of all mounts that name no type."""
     wheelset_types: dict[str, WheelsetTable] = Field(default_factory=dict)
+    """Other wheelsets, by the names of their types."""
     parts: dict[str, PartTable] = Field(default_factory=dict)
+    """Parts that are described once and placed as often as needed."""
 
 
 def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:

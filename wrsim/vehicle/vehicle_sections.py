@@ -23,8 +23,11 @@ class BodyTable(Section):
     aliases: ClassVar[dict[str, str]] = {"centre_mm": "center_mm position_mm"}
 
     mass_kg: Annotated[float, positive(1e6, "kg")]
+    """Mass of the body."""
     inertia_kg_m2: Three[Annotated[float, positive(1e9, "kg m2")]]
+    """Principal moments of inertia about its centre."""
     centre_mm: Place
+    """Its centre of mass in the design position, above the rails."""
 
     def consistency(self) -> Iterator[Fault]:
         """No principal inertia of a solid is larger than the sum of the other two."""
@@ -42,7 +45,9 @@ class MountTable(Section):
     header: ClassVar[str] = "[wheelsets.NAME]"
 
     x_mm: Metre
+    """Where its axle lies along the vehicle; positive is forward."""
     type: Name | None = None
+    """Which of [wheelset_types] it is; that of [wheelset] unless given."""
 
 
 class AxleBoxTable(Section):
@@ -52,9 +57,13 @@ class AxleBoxTable(Section):
     aliases: ClassVar[dict[str, str]] = {"wheelset": "on", "y_mm": "half_spacing_mm"}
 
     wheelset: Annotated[str, text("the name of a wheelset of the same part")]
+    """Wheelset that it sits on."""
     y_mm: Annotated[float, positive(2000, "mm from the middle of the axle")]
+    """Distance of each box from the middle of the axle."""
     mass_kg: Annotated[float, number(0, 10_000, "kg, of each, counted on the axle")]
+    """Mass of each box."""
     inertia_kg_m2: Three[Annotated[float, positive(1e5, "kg m2")]]
+    """Moments of inertia of each box; that about y is of its own pitch."""
 
 
 class PointTable(Section):
@@ -63,8 +72,11 @@ class PointTable(Section):
     header: ClassVar[str] = "[[points]]"
 
     name: Name
+    """Name of the point in results."""
     on: Annotated[str, text("the name of a body")]
+    """Body that it belongs to."""
     at_mm: Place
+    """Where it is."""
 
 
 class PlaceTable(Section):
@@ -73,9 +85,13 @@ class PlaceTable(Section):
     header: ClassVar[str] = "[[places]]"
 
     part: Annotated[str, text("the name of a part, as in [parts.NAME]")]
+    """Which part."""
     name: Name
+    """Name of the part at this place; names inside of it follow behind a dot."""
     at_mm: Place
+    """Where its origin goes."""
     mirror: Mirror = ()
+    """Whether it is turned round front to rear, left to right, or both."""
 
 
 class PartTable(Section):
@@ -84,10 +100,18 @@ class PartTable(Section):
     header: ClassVar[str] = "[parts.NAME]"
 
     bodies: dict[str, BodyTable] = Field(default_factory=dict)
+    """Rigid bodies, by their names."""
     wheelsets: dict[str, MountTable] = Field(default_factory=dict)
+    """Wheelsets, by their names."""
     axle_boxes: dict[str, AxleBoxTable] = Field(default_factory=dict)
+    """Pairs of axle boxes, by their names."""
     elements: List[AnyElementTable] = ()
+    """Springs, dampers, stops and rods."""
     loads: List[LoadTable] = ()
+    """Forces that act on the vehicle: it moves under them."""
     payloads: List[PayloadTable] = ()
+    """Masses and forces that the vehicle is trimmed with."""
     points: List[PointTable] = ()
+    """Points at which accelerations are kept."""
     places: List[PlaceTable] = ()
+    """Parts put at their places."""

@@ -29,7 +29,7 @@ class AssessmentSettings:
 
 
 class AssessmentSection(Table):
-    """vehicle_kind and, where they are not to come from the result, loads, friction, flange angle."""
+    """What an assessment rests on, where that is not to come from the result."""
 
     header: ClassVar[str] = "[assessment]"
     aliases: ClassVar[dict[str, str]] = {
@@ -41,11 +41,17 @@ class AssessmentSection(Table):
     }
 
     vehicle_kind: Kind = "passenger"
+    """Kind of vehicle, which decides on limits."""
     axle_load_kN: Annotated[float, number(1, 500, "kN, 2 Q0 of one wheelset")] | None = None
+    """Static load of one wheelset, for the limit of the track shifting force; from the result unless given."""
     friction: Annotated[float, number(0.01, 2, "for Nadal's limit; dry steel 0.3 to 0.5")] | None = None
+    """Coefficient for Nadal's limit; from the scenario unless given."""
     flange_angle_deg: Annotated[float, number(45, 89, "degrees, S1002 70")] | None = None
+    """Largest angle of the flange, for Nadal's limit; from the wheel profile unless given."""
     instability_frequency_Hz: Annotated[float, number(0.5, 30, "Hz")] | None = None
+    """Frequency about which instability is looked for; found in the result unless given."""
     section_length_m: Annotated[float, number(5, 10_000, "m")] | None = None
+    """Length of a track section of every class; that of EN 14363 unless given."""
 
     def settings(self) -> AssessmentSettings:
         """The same in SI units."""

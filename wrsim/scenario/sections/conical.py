@@ -13,7 +13,7 @@ CreepCoefficient = Annotated[float, positive(1e6, "kN per creepage of one wheel,
 
 
 class ConicalSection(Section):
-    """The textbook contact, see ConicalWheels; profiles and the other keys of [contact] then count for nothing."""
+    """Conical wheels with a prescribed creep law; profiles and the other keys of [contact] then count for nothing."""
 
     header: ClassVar[str] = "[contact.conical]"
     aliases: ClassVar[dict[str, str]] = {
@@ -25,12 +25,19 @@ class ConicalSection(Section):
     }
 
     conicity: Annotated[float, number(0, 1, "such as 0.05")]
+    """Slope of the tread."""
     half_spacing_mm: Annotated[float, number(200, 1500, "mm from the middle of the axle to the contact")]
+    """Half the distance between the contacts of both wheels."""
     creep_longitudinal_kN: CreepCoefficient
+    """Kalker's longitudinal coefficient: force of one wheel for a creepage of 1."""
     creep_lateral_kN: CreepCoefficient
+    """Kalker's lateral coefficient: force of one wheel for a creepage of 1."""
     friction: Annotated[float, positive(2, "creep forces saturate; without it they do not")] | None = None
+    """Coefficient at which creep forces saturate."""
     flange_clearance_mm: Annotated[float, number(0, 100, "mm of lateral shift")] | None = None
+    """Lateral shift at which the flange touches."""
     flange_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] | None = None
+    """Lateral stiffness of the flange against the rail."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

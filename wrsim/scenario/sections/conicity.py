@@ -33,13 +33,15 @@ class ConicityPlan:
 
 
 class ConicitySection(PlanTable):
-    """amplitude_mm, roll."""
+    """Amplitudes of the equivalent conicity, and how the wheelset's shift is counted."""
 
     header: ClassVar[str] = "[conicity]"
     aliases: ClassVar[dict[str, str]] = {"amplitude_mm": "amplitudes_mm y_mm"}
 
     amplitude_mm: Series[Amplitude] = AMPLITUDES
+    """Amplitudes of the lateral motion for which the conicity is found."""
     roll: Roll = "none"
+    """What the lateral shift is: without roll as in EN 15302, at the rail tops, or at the wheelset's centre."""
 
     def plan(self, given: Given) -> ConicityPlan:
         """The same in SI units."""

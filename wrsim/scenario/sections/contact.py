@@ -47,7 +47,9 @@ class OneMaterial(Section):
     aliases: ClassVar[dict[str, str]] = MATERIAL_ALIASES
 
     youngs_modulus_GPa: Modulus | None = None
+    """Young's modulus of this side; that of [contact.material] unless given."""
     poisson: Poisson | None = None
+    """Poisson ratio of this side; that of [contact.material] unless given."""
 
 
 class MaterialSection(Section):
@@ -57,9 +59,13 @@ class MaterialSection(Section):
     aliases: ClassVar[dict[str, str]] = MATERIAL_ALIASES
 
     youngs_modulus_GPa: Modulus = STEEL.youngs_modulus / 1e9
+    """Young's modulus of wheel and rail."""
     poisson: Poisson = STEEL.poisson_ratio
+    """Poisson ratio of wheel and rail."""
     wheel: OneMaterial = OneMaterial()
+    """Numbers of the wheel, where they differ."""
     rail: OneMaterial = OneMaterial()
+    """Numbers of the rail, where they differ."""
 
     def of(self, part: OneMaterial) -> Material:
         """Return the material of the wheel or the rail in SI units."""
@@ -68,7 +74,7 @@ class MaterialSection(Section):
 
 
 class HalfSpaceSection(Section):
-    """Elements and kernel of the exact solver, wherever it is used; see HalfSpaceSettings."""
+    """Elements and kernel of the exact solver, wherever it is used."""
 
     header: ClassVar[str] = "[contact.half_space]"
     aliases: ClassVar[dict[str, str]] = {
@@ -79,10 +85,15 @@ class HalfSpaceSection(Section):
     }
 
     element_x_mm: Element | None = None
+    """Length of an element along the track; chosen by resolution unless given."""
     element_s_mm: Element | None = None
+    """Width of an element along the curved axis; chosen by resolution unless given."""
     resolution: Annotated[int, number(8, 400)] = EXACT.resolution
+    """Number of elements over length and width of the smallest patch that matters."""
     influence: Influence = EXACT.influence
+    """Elasticity of a plane half-space, or one turned by the angle between the normals."""
     pairing: Pairing = EXACT.pairing
+    """Which points of the profiles lie opposite each other; "level" is how CONTACT pairs them."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -106,7 +117,7 @@ class HalfSpaceSection(Section):
 
 
 class ContactSection(Section):
-    """Everything has a default; see ContactSettings for the meaning of each choice."""
+    """Contact model, friction and material; everything has a default."""
 
     header: ClassVar[str] = "[contact]"
     aliases: ClassVar[dict[str, str]] = {
@@ -126,28 +137,49 @@ class ContactSection(Section):
     }
 
     normal: Normal = DEFAULTS.normal
+    """Model of the normal pressure: strips, the paper's, or the exact half-space solver."""
     approach: Approach = DEFAULTS.approach
+    """How an approach closes the gap: by its share along each normal, or everywhere alike, as in the paper."""
     tangential: Tangential | None = None
+    """Model of the creep forces; the usual one of the normal model unless given."""
     traction_bound: TractionBound = DEFAULTS.traction_bound
+    """Shape of the bound on tractions along a strip, for FASTSIM."""
     flexibility: Flexibility = DEFAULTS.flexibility
+    """Flexibility in FASTSIM: one number a creepage everywhere, or a single one where surfaces slide."""
     polach_kA: Annotated[float, positive(1)] = DEFAULTS.polach_adhesion
+    """Polach's reduction of the adhesion area's stiffness."""
     polach_kS: Annotated[float, positive(1)] = DEFAULTS.polach_slip
+    """Polach's reduction of the slip area's stiffness."""
     friction: FrictionValue = DRY
+    """Coefficient of friction, or a table of how it depends on place and slip."""
     friction_left: FrictionValue | None = None
+    """Friction on the left rail, where the rails differ."""
     friction_right: FrictionValue | None = None
+    """Friction on the right rail, where the rails differ."""
     friction_sections: List[FrictionPlaceSection] = ()
+    """Friction that changes along the track, section by section."""
     friction_table: Annotated[str, text('a CSV file of friction along the track such as "friction.csv"')] | None = None
+    """Friction along the track from a table, in place of sections."""
     friction_at_m: Annotated[float, number(0, 1e6, "m; whose friction holds where nothing runs along the track")] = 0.0
+    """Place on the track whose friction holds in analyses that do not run along it."""
     strips: Annotated[int, number(5, 1000)] | None = None
+    """Number of strips over the width of a patch; the usual one of the normal model unless given."""
     strip_width_mm: Annotated[float, number(0.005, 2, "mm along the curved axis")] | None = None
+    """Width of a strip, in place of their number; for Kik-Piotrowski."""
     cells: Annotated[int, number(2, 500)] = DEFAULTS.cells
+    """Number of cells of a strip along the rolling direction, for FASTSIM and FaStrip."""
     damping_s_per_m: Annotated[float, number(0, 1000, "normal force times this times the rate of approach")] = (
         DEFAULTS.damping
     )
+    """Normal damping: the force grows by this times the speed of approach, and never pulls."""
     max_patches: Annotated[int, number(1, 6)] | None = None
+    """Patches kept on one wheel, largest first; the usual number of the normal model unless given."""
     material: MaterialSection = MaterialSection()
+    """Elastic numbers of wheel and rail."""
     half_space: HalfSpaceSection = HalfSpaceSection()
+    """Elements of the exact solver."""
     conical: ConicalSection | None = None
+    """Conical wheels with a prescribed creep law in place of profiles; for stability only."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

@@ -18,7 +18,7 @@ FROM_DEG, FULL_DEG = 15.0, 35.0
 
 
 class FrictionSection(Section):
-    """Friction of both rails or of one; see `wrsim.contact.settings.Friction`."""
+    """Friction of both rails or of one, that depends on the place on the rail and on the slip speed."""
 
     header: ClassVar[str] = "[contact.friction]"
     aliases: ClassVar[dict[str, str]] = {
@@ -35,11 +35,17 @@ class FrictionSection(Section):
     }
 
     static: Coefficient
+    """Coefficient of friction on the top of the rail, at no slip."""
     gauge_corner: Coefficient | None = None
+    """The same on the gauge corner; as on the top unless given."""
     gauge_corner_from_deg: Angle = FROM_DEG
+    """Contact angle up to which the rail counts as top."""
     gauge_corner_full_deg: Angle = FULL_DEG
+    """Contact angle from which on the rail counts as gauge corner."""
     falling_ratio: Annotated[float, number(0, 1, "limit at fast slip over static, 1 does not fall")] = 1.0
+    """Friction at fast slip over that at no slip: A of static ((1 - A) exp(-B w) + A)."""
     falling_decay_s_per_m: Annotated[float, number(0, 100, "dry 0.6, wet 0.2")] = PLAIN.falling_decay
+    """How soon friction falls with the slip speed w: B of the same law."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -89,6 +95,10 @@ class FrictionPlaceSection(Section):
     }
 
     from_m: Annotated[float, number(0, 1e6, "m along the track")]
+    """Where it begins; it holds up to the next section of the same rail."""
     friction: FrictionValue
+    """Coefficient of friction, or a table of how it depends on place on the rail and slip."""
     side: Literal["left", "right", "both"] = "both"
+    """Which rail has it."""
     transition_m: Annotated[float, number(0.01, 1000, "m; 0.01, the length of a patch, is a step")] = 1.0
+    """Length behind from_m over which the friction changes from that before."""

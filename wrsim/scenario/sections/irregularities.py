@@ -34,8 +34,11 @@ class GradeSection(Section):
     aliases: ClassVar[dict[str, str]] = {"from_m": "at_m", "vertical_radius_m": "radius_m", "grade_permille": "grade"}
 
     from_m: Place
+    """Where the grade begins; the middle of the vertical curve."""
     grade_permille: Annotated[float, number(-150, 150, "positive: uphill")]
+    """Slope of the line from there on; positive climbs."""
     vertical_radius_m: Annotated[float, number(200, 1e7, "m, of the vertical curve at the change")] = 10_000.0
+    """Radius of the vertical curve that leads over from the grade before."""
 
     def to_geometry(self) -> Grade:
         """The same in SI units."""
@@ -49,14 +52,23 @@ class SpectrumSection(Section):
     aliases: ClassVar[dict[str, str]] = {"wavelength_m": "band_m wavelengths_m", "spectrum": "name"}
 
     kind: Literal["spectrum"]
+    """Irregularities drawn from a spectrum."""
     spectrum: Literal[*SPECTRA]  # type: ignore[valid-type]
+    """Whose density, of which quality of track."""
     seed: Annotated[int, number(0, 2**31 - 1)]
+    """Number that decides which of all tracks with this spectrum is drawn; the same seed gives the same track."""
     wavelength_m: Band = (3.0, 100.0)
+    """Shortest and longest wave that are drawn."""
     channels: Channels = CHANNELS
+    """Which of alignment, level, cross-level and gauge are drawn."""
     scale: Annotated[float, positive(100, "factor on all amplitudes")] = 1.0
+    """Factor on all amplitudes."""
     from_m: Place = 0.0
+    """Where they begin."""
     to_m: Place | None = None
+    """Where they end; the end of the track unless given."""
     fade_m: Annotated[float, positive(1000, "m over which they begin and end")] = 20.0
+    """Length over which they begin and end smoothly."""
 
     def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
         """On a track of this length [m]. Raises InputError when from_m and to_m leave it no room."""
@@ -80,11 +92,17 @@ class TableSection(Section):
     aliases: ClassVar[dict[str, str]] = {"file": "table csv", "wavelength_m": "band_m"}
 
     kind: Literal["table"]
+    """Measured irregularities."""
     file: Annotated[str, text('a CSV file such as "measured.csv"')]
+    """Table of the measurement; the columns stand in docs/track.md."""
     wavelength_m: Band | None = None
+    """Shortest and longest wave that are kept; all of them unless given."""
     scale: Annotated[float, positive(100, "factor on all amplitudes")] = 1.0
+    """Factor on all amplitudes."""
     from_m: Place = 0.0
+    """Where on the track the table begins."""
     fade_m: Annotated[float, positive(1000, "m over which they begin and end")] = 20.0
+    """Length over which they begin and end smoothly."""
 
     def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
         """As far as the table and the track go."""
@@ -101,9 +119,13 @@ class _Defect(Section):
     sign: ClassVar[float] = 1.0
 
     at_m: Place
+    """Middle of the defect."""
     length_m: Annotated[float, number(0.1, 1000, "m")]
+    """Its length along the track."""
     amplitude_mm: Annotated[float, number(-200, 200, "mm")]
+    """Its largest size; the sign says to which side."""
     shape: Literal["1-cosine", "kink", "ramp"] = "1-cosine"
+    """A smooth wave, a kink with its tip in the middle, or a ramp to a value that stays."""
 
     def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
         """Raises InputError when it leaves the track."""
@@ -130,7 +152,9 @@ class DipSection(_Defect):
     sign: ClassVar[float] = -1.0
 
     kind: Literal["dip"]
+    """The rails lie lower."""
     rail: Rail = "both"
+    """Which rail lies lower; one alone is a dipped joint."""
 
 
 class AlignmentSection(_Defect):
@@ -140,7 +164,9 @@ class AlignmentSection(_Defect):
     channel: ClassVar[Channel] = "alignment"
 
     kind: Literal["alignment"]
+    """The rails lie aside."""
     rail: Rail = "both"
+    """Which rail lies aside."""
 
 
 class TwistSection(_Defect):
@@ -150,6 +176,7 @@ class TwistSection(_Defect):
     channel: ClassVar[Channel] = "cross-level"
 
     kind: Literal["twist"]
+    """The right rail lies higher than the left one."""
 
 
 class GaugeSection(_Defect):
@@ -159,6 +186,7 @@ class GaugeSection(_Defect):
     channel: ClassVar[Channel] = "gauge"
 
     kind: Literal["gauge"]
+    """The gauge is wider."""
 
 
 IrregularitySection = SpectrumSection | TableSection | DipSection | AlignmentSection | TwistSection | GaugeSection

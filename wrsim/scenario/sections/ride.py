@@ -13,14 +13,17 @@ Place = Annotated[float, number(-1e6, 1e6, "m along the centre line")]
 
 
 class RideSection(Table):
-    """from_m and to_m leave out where a run starts and ends; resolution_Hz is that of the spectra."""
+    """Which stretch of a run is evaluated, and how finely; it leaves out where a run starts and ends."""
 
     header: ClassVar[str] = "[ride]"
     aliases: ClassVar[dict[str, str]] = {"from_m": "start_m", "to_m": "end_m", "resolution_Hz": "df_Hz"}
 
     from_m: Place | None = None
+    """Where the evaluated stretch begins; where the run starts unless given."""
     to_m: Place | None = None
+    """Where the evaluated stretch ends; where the run ends unless given."""
     resolution_Hz: Annotated[float, number(0.001, 10, "Hz")] = 0.1
+    """Distance between two lines of the spectra."""
 
     def consistency(self) -> Iterator[Fault]:
         """A stretch has a length."""

@@ -62,11 +62,17 @@ class RunSection(PlanTable):
     }
 
     start_distance_m: Annotated[float, number(0, 1e6, "m along the centre line")] = 0.0
+    """Where the run starts; it starts from steady motion at that place."""
     distance_m: Annotated[float, number(0.01, 1e6, "m from the start")] | None = None
+    """How far it goes; to the end of the track unless given."""
     time_s: Annotated[float, number(0.001, 1e5, "s from the start")] | None = None
+    """How long it lasts, in place of a distance."""
     integrator: Integrator = DEFAULT_INTEGRATOR
+    """How the motion is integrated in time: implicit or explicit."""
     step_us: Annotated[int, number(1, 20_000)] | None = None
+    """Step of the integration; a good one is chosen unless given."""
     output_interval_ms: Annotated[float, number(0.01, 10_000, "ms between two samples")] = 5.0
+    """Time between two samples of the result."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -130,3 +136,4 @@ class OutputSection(Table):
     aliases: ClassVar[dict[str, str]] = {"patches_at_m": "snapshots_m patches"}
 
     patches_at_m: List[Annotated[float, number(0, 1e6, "m along the centre line")]] | None = None
+    """Places at which whole patches are kept; the middle of every arc unless given."""

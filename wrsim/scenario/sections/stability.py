@@ -53,7 +53,7 @@ class StabilityPlan:
 
 
 class StabilitySection(PlanTable):
-    """speed_kmh of the modes; nonlinear = false leaves limit cycles out; the rest: see CyclePlan."""
+    """Speeds of the linearised modes, and how limit cycles are looked for."""
 
     header: ClassVar[str] = "[stability]"
     aliases: ClassVar[dict[str, str]] = {
@@ -65,17 +65,29 @@ class StabilitySection(PlanTable):
     }
 
     speed_kmh: Series[Speed] = SPEEDS
+    """Speeds at which the modes are computed."""
     highest_Hz: Annotated[float, number(0.1, 1000, "Hz")] = 25.0
+    """Highest frequency of modes that are kept."""
     nonlinear: Switch = True
+    """Whether limit cycles and the nonlinear critical speed are looked for."""
     cycle_start_kmh: Speed | None = None
+    """Speed at which the first limit cycle is looked for; above the linear critical speed unless given."""
     cycle_step_kmh: Annotated[float, number(0.1, 100, "km/h")] = 10.0
+    """Step of the speed on the way down along the limit cycles."""
     tolerance_kmh: Annotated[float, number(0.01, 50, "km/h")] = 1.0
+    """How closely the speed is found at which the cycle dies."""
     lowest_kmh: Speed = 20.0
+    """Speed at which the search gives up."""
     kick_mm: Annotated[float, number(0.1, 20, "mm of lateral shift")] = 5.0
+    """Lateral shift of the wheelsets that sets the first cycle off."""
     small_kick_mm: Annotated[float, number(0.01, 10, "mm of lateral shift")] = 0.3
+    """Lateral shift of the runs that look for cycles from below."""
     window_s: Annotated[float, number(0.2, 20, "s, two periods of the hunting or more")] = 1.0
+    """Time over which an amplitude is taken."""
     longest_s: Annotated[float, number(1, 600, "s at one speed")] = 15.0
+    """Longest time that a cycle may take to settle at one speed."""
     rest_mm: Annotated[float, number(0.001, 2, "mm")] = 0.1
+    """Amplitude below which the vehicle counts as running straight."""
 
     def consistency(self) -> Iterator[Fault]:
         """The search goes down from a start, in steps no finer than its tolerance."""

@@ -50,13 +50,21 @@ class StaticSection(PlanTable):
     }
 
     target: Literal["wheel", "wheelset"]
+    """One wheel in a prescribed pose, or a wheelset that finds its own roll."""
     side: Literal["left", "right"] = "left"
+    """Which wheel."""
     lateral_mm: Series[Lateral] = (0.0,)
+    """Lateral shift of the wheelset, positive to the left."""
     yaw_mrad: Series[Yaw] = (0.0,)
+    """Angle of yaw, positive turns the front to the left."""
     load_kN: Series[Load] | None = None
+    """Vertical load of the wheel, or of the whole wheelset."""
     roll_mrad: Series[Roll] = (0.0,)
+    """Roll of a single wheel about the track's axis."""
     cases: Annotated[str, text('a CSV file such as "poses.csv"')] | None = None
+    """Table of poses, one a row, in place of all combinations."""
     rolling: Switch = True
+    """Whether the wheels roll and creep, or stand without friction."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

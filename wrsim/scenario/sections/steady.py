@@ -42,7 +42,7 @@ class SteadyPlan:
 
 
 class SteadySection(PlanTable):
-    """Every combination of radius_m, cant_mm and speed_kmh, or with combine = "rows" their first, second ... values."""
+    """Curves, cants and speeds at which the steady motion of a vehicle is looked for."""
 
     header: ClassVar[str] = "[steady]"
     aliases: ClassVar[dict[str, str]] = {
@@ -52,9 +52,13 @@ class SteadySection(PlanTable):
     }
 
     radius_m: Series[Radius]
+    """Radii of the curves."""
     cant_mm: Series[Cant] = (0.0,)
+    """Cants of the curves."""
     speed_kmh: Series[Speed] | None = None
+    """Speeds in the curves; that of [vehicle] unless given."""
     combine: Literal["grid", "rows"] = "grid"
+    """Every value with every other, or the first of each, then the second of each, and so on."""
 
     @classmethod
     def beside(cls, raw: dict[str, Any]) -> Iterator[Fault]:

@@ -63,11 +63,17 @@ class Straight(Section):
     aliases: ClassVar[dict[str, str]] = {"length_m": "l L"}
 
     kind: Literal["straight"]
+    """A straight piece."""
     length_m: Length
+    """Length along the centre line."""
     cant_start_mm: Cant = 0.0
+    """Cant where the piece begins."""
     cant_end_mm: Cant = 0.0
+    """Cant where the piece ends."""
     gauge_widening_start_mm: Widening = 0.0
+    """By how much the gauge is wider than gauge_mm where the piece begins."""
     gauge_widening_end_mm: Widening = 0.0
+    """By how much the gauge is wider than gauge_mm where the piece ends."""
 
     def to_geometry(self) -> segments.Straight:
         """Return the segment in SI units."""
@@ -85,8 +91,11 @@ class Transition(Section):
     aliases: ClassVar[dict[str, str]] = {"length_m": "l L", "form": "type shape"}
 
     kind: Literal["transition"]
+    """A transition curve."""
     length_m: Length
+    """Length along the centre line."""
     form: Literal["clothoid", "bloss"] = "clothoid"
+    """How curvature, cant and gauge lead over: linearly, or by Bloss's polynomial."""
 
     def to_geometry(self) -> segments.Transition:
         """Return the segment in SI units."""
@@ -106,11 +115,17 @@ class Arc(Section):
     }
 
     kind: Literal["arc"]
+    """A circular arc."""
     radius_m: Radius
+    """Radius of the centre line; positive curves to the left."""
     length_m: Length | None = None
+    """Length along the centre line; or give angle_deg."""
     angle_deg: Annotated[float, positive(36_000, "degrees, always positive")] | None = None
+    """Angle that the track turns by; or give length_m."""
     cant_mm: Cant = 0.0
+    """Height of the outer rail above the inner one."""
     gauge_widening_mm: Widening = 0.0
+    """By how much the gauge is wider than gauge_mm."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -157,11 +172,17 @@ class RailSectionSection(Section):
     }
 
     at_m: Annotated[float, number(0, 1e6, "m along the track")]
+    """Where along the track the rail has this section."""
     rail: RailName
+    """Profile of the rail there."""
     side: Literal["left", "right", "both"] = "both"
+    """Which rail has it."""
     features_mm: List[Annotated[float, number(0, 1000)]] = ()
+    """Arclengths from the first point of the profile of places that belong together in all sections."""
     down_mm: Annotated[float, number(-50, 50)] = 0.0
+    """How far the profile lies lower than that of a plain rail."""
     outward_mm: Annotated[float, number(-100, 100)] = 0.0
+    """How far the profile lies further away from the track centre than that of a plain rail."""
 
 
 class ElasticitySection(Section):
@@ -171,11 +192,17 @@ class ElasticitySection(Section):
     aliases: ClassVar[dict[str, str]] = {"vertical_mass_kg": "mass_kg"}
 
     lateral_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "20 to 50 for one rail under one wheel")]
+    """Stiffness that holds the rail sideways under one wheel."""
     vertical_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "30 to 100")]
+    """Stiffness that carries the rail under one wheel."""
     lateral_damping_kNs_per_m: Annotated[float, number(0, 1e5)]
+    """Damping of the rail sideways under one wheel."""
     vertical_damping_kNs_per_m: Annotated[float, number(0, 1e5)]
+    """Damping of the rail up and down under one wheel."""
     lateral_mass_kg: Annotated[float, number(1, 1e5, "of the rail and what moves with it")]
+    """Mass of rail that moves sideways with one wheel."""
     vertical_mass_kg: Annotated[float, number(1, 1e5, "of the rail and what moves with it")]
+    """Mass of rail that moves up and down with one wheel."""
 
     def to_geometry(self) -> RailElasticity:
         """The same in SI units."""
@@ -187,8 +214,7 @@ class ElasticitySection(Section):
 
 
 class TrackSection(Section):
-    """file, gauge_mm, rail (or rail_left, rail_right), inclination, cant_base_mm, segments or table, grades,
-    irregularities, elasticity, rail_sections, row_distance_m.
+    """Gauge, rails, the way they are laid and what they rest on.
 
     gauge_between = "origins" (static poses only): gauge_mm is the distance of the two rail profiles' origins, which lie
     in the plane of the track. For bare pairs of curves that have no gauge point.
@@ -207,22 +233,38 @@ class TrackSection(Section):
     }
 
     file: Annotated[str, text('a track file such as "tracks/mixed_line.toml"')] | None = None
+    """File of a track that many scenarios share; keys given here lie over its own."""
 
     gauge_mm: Annotated[float, number(400, 2000, "mm, gauge_depth_mm below the inclined rails' tops, such as 1435")]
+    """Track gauge between the gauge points of the rails."""
     gauge_depth_mm: Annotated[float, number(5, 30, "mm below the top of the inclined rails")] = 1e3 * GAUGE_DEPTH
+    """How far below the tops of the inclined rails the gauge points lie."""
     gauge_between: Literal["gauge points", "origins"] = "gauge points"
+    """What gauge_mm counts between; the origins of the rail profiles are for poses of bare curves."""
     inclination: Inclination
+    """How far the rails lean towards the track centre."""
     rail: RailName | None = None
+    """Profile of both rails."""
     rail_left: RailName | None = None
+    """Profile of the left rail."""
     rail_right: RailName | None = None
+    """Profile of the right rail."""
     cant_base_mm: CantBase | None = None
+    """Distance between the rail tops that cant is counted over; gauge + 65 mm unless given."""
     segments: List[Annotated[Segment, Field(discriminator="kind")]] = ()
+    """Straights, transitions and arcs, one after the other."""
     table: Annotated[str, text('a CSV file of measured track such as "line.csv"')] | None = None
+    """Measured curvature, cant and gauge over the distance, in place of segments."""
     grades: List[GradeSection] = ()
+    """Where the line begins to climb or fall."""
     irregularities: List[Annotated[IrregularitySection, Field(discriminator="kind")]] = ()
+    """Where the rails leave their designed place: spectra, measurements, single defects."""
     elasticity: ElasticitySection | None = None
+    """What the rails rest on; without this table they are rigid."""
     rail_sections: List[RailSectionSection] = ()
+    """Profiles of rails that change along the track, such as worn stretches, welds, crossings."""
     row_distance_m: Annotated[float, number(0.01, 1, "m between the rows of the rails' tables")] | None = None
+    """Distance between two rows of the tables that irregular or changing rails are read from."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

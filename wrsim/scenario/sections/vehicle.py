@@ -12,11 +12,10 @@ from wrsim.vehicle.load_tables import LoadTable, PayloadTable
 
 
 class VehicleSection(Section):
-    """model: vehicle file; speed_kmh: needed to run along a track; the rest overrides values of the file.
+    """Which vehicle runs, how fast, and what differs from its file.
 
-    drive: what holds the speed: a pull along the track ("train", the default), moments on the axles ("wheels"), nothing
-    but springs to a frame of constant speed, if there are any ("free", the default of a single wheelset). loads,
-    payloads: more of them, on bodies by their full names.
+    drive: a pull along the track ("train", the default), moments on the axles ("wheels"), nothing but springs to a
+    frame of constant speed, if there are any ("free", the default of a single wheelset).
     """
 
     header: ClassVar[str] = "[vehicle]"
@@ -30,17 +29,29 @@ class VehicleSection(Section):
     }
 
     model: Annotated[str, text('a vehicle file such as "vehicles/wheelset_s1002.toml"')]
+    """File of the vehicle, or of a single wheelset."""
     speed_kmh: Annotated[float, number(1, 500, "km/h")] | None = None
+    """Speed along the track; needed by analyses that run."""
     wheel: WheelName | None = None
+    """Profile of all wheels in place of that in the vehicle file."""
     wheel_left: WheelName | None = None
+    """Profile of the left wheels in place of that in the vehicle file."""
     wheel_right: WheelName | None = None
+    """Profile of the right wheels in place of that in the vehicle file."""
     radius_mm: Radius | None = None
+    """Rolling radius of all wheels at the tape circle, in place of that in the vehicle file."""
     radius_left_mm: Radius | None = None
+    """Rolling radius of the left wheels at the tape circle."""
     radius_right_mm: Radius | None = None
+    """Rolling radius of the right wheels at the tape circle."""
     drive: Literal["train", "wheels", "free"] | None = None
+    """What holds the speed: a pull along the track, moments on the axles, or nothing."""
     sprung_mass_kg: Annotated[float, number(0, 50_000, "mass carried by this wheelset")] | None = None
+    """Mass that presses on the axle of a single wheelset, in place of that in its file."""
     loads: List[LoadTable] = ()
+    """Further forces on bodies, such as wind; bodies go by their full names."""
     payloads: List[PayloadTable] = ()
+    """Further masses or forces that the vehicle is trimmed with; bodies go by their full names."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

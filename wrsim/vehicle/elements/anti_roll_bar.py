@@ -14,6 +14,7 @@ class AntiRollBarTable(ElementTable, kind="anti-roll-bar"):
     """A torsion spring between two bodies about the x axis."""
 
     stiffness_kNm_per_rad: Annotated[float, positive(1e6, "kN m/rad")]
+    """Moment over the difference of the roll of both bodies."""
 
     def element(self, joint: Joint, axes: Axes) -> Spring:
         stiffness = (1e3 * self.stiffness_kNm_per_rad, 0.0, 0.0)

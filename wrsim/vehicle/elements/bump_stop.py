@@ -18,9 +18,13 @@ class BumpStopTable(ElementTable, kind="bump-stop"):
     glyph: ClassVar[Glyph | None] = Glyph("X", "#B00020")
 
     at_mm: Place
+    """Point at which it acts."""
     direction: Along
+    """Axis of the body along which it acts."""
     travel_mm_force_kN: ForceOfTravel
+    """Force over travel, row by row; the free travel has no force."""
     both_ways: Switch = True
+    """Whether it stops both directions alike, or the positive one alone."""
 
     def consistency(self) -> Iterator[Fault]:
         """The table begins where the stop is met."""

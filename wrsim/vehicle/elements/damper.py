@@ -18,12 +18,19 @@ class DamperTable(ElementTable, kind="damper"):
     glyph: ClassVar[Glyph | None] = Glyph("s", "#D55E00")
 
     at_mm: Place | None = None
+    """Point at which it acts along an axis."""
     direction: Along | None = None
+    """Axis of the body along which it acts."""
     body_mm: Place | None = None
+    """Its end on the body, where it acts along its own line."""
     to_mm: Place | None = None
+    """Its end on the body that it leads to."""
     damping_kNs_per_m: Annotated[float, positive(1e5, "kN s/m")] | None = None
+    """Force over velocity; or give a table."""
     velocity_m_per_s_force_kN: ForceOfVelocity | None = None
+    """Force over velocity, row by row."""
     series_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] | None = None
+    """Stiffness of its mounting, in series with it; rigid unless given."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

@@ -99,8 +99,6 @@ class ElementTable(Section):
     """What all elements have: a name, the body whose axes they follow, the one (or each of those) they lead to.
 
     A subclass names its kind, which puts it on the list.
-    origin: what the element's points are measured from: the part's origin, or the centre of one of the two bodies.
-    both_sides: the element has a twin at -y.
     """
 
     header: ClassVar[str] = "[[elements]]"
@@ -109,11 +107,17 @@ class ElementTable(Section):
     """How its kind is drawn; None: not at all."""
 
     kind: str
+    """Kind of element."""
     name: Name
+    """Name of the element; inside of parts it follows those of the places."""
     body: Annotated[str, text("the name of a body")]
+    """Body whose axes the element follows."""
     to: Names
+    """Body or bodies that it leads to; forces in results are those on it."""
     origin: Literal["part", "body", "to"] = "part"
+    """What the points of the element are measured from: the part's origin or the centre of a body."""
     both_sides: Switch = False
+    """Whether the element has a twin at -y."""
 
     def __init_subclass__(cls, kind: str, **rest: Any) -> None:
         super().__init_subclass__(**rest)

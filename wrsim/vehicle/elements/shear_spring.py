@@ -18,11 +18,17 @@ class ShearSpringTable(ElementTable, kind="shear-spring"):
     glyph: ClassVar[Glyph | None] = Glyph("D", BLUE, hollow=True)
 
     body_mm: Place
+    """Its end on the body."""
     to_mm: Place
+    """Its end on the body that it leads to."""
     stiffness_kN_per_m: Stiffness
+    """Stiffness along the three axes; across the column it is the shear stiffness."""
     bending_stiffness_kNm_per_rad: Annotated[float, number(0, 1e6, "kN m/rad, of either axis")] = 0.0
+    """Stiffness against bending, about either axis across the column."""
     torsional_stiffness_kNm_per_rad: Annotated[float, number(0, 1e6, "kN m/rad")] = 0.0
+    """Stiffness against twisting about the column."""
     damping_kNs_per_m: Damping = ZERO
+    """Damping along the three axes."""
 
     def consistency(self) -> Iterator[Fault]:
         """Its axis is vertical."""

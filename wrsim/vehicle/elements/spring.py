@@ -57,11 +57,17 @@ class SpringTable(ElementTable, kind="spring"):
     glyph: ClassVar[Glyph | None] = Glyph("o", BLUE, hollow=True)
 
     at_mm: Place
+    """Point at which it acts."""
     stiffness_kN_per_m: Stiffness = ZERO
+    """Stiffness along the three axes."""
     damping_kNs_per_m: Damping = ZERO
+    """Damping along the three axes."""
     rotational_stiffness_kNm_per_rad: Three[Annotated[float, number(0, 1e8, "kN m/rad")]] = ZERO
+    """Stiffness about the three axes."""
     rotational_damping_kNms_per_rad: Three[Annotated[float, number(0, 1e6, "kN m s/rad")]] = ZERO
+    """Damping about the three axes."""
     preload_kN: Three[Annotated[float, number(-1e4, 1e4, "kN")]] | None = None
+    """Force on the body at rest; solved for unless given."""
 
     def element(self, joint: Joint, axes: Axes) -> Spring:
         return Spring(

@@ -16,9 +16,13 @@ class TabulatedSpringTable(ElementTable, kind="tabulated-spring"):
     glyph: ClassVar[Glyph | None] = Glyph("h", BLUE, hollow=True)
 
     at_mm: Place
+    """Point at which it acts."""
     direction: Along
+    """Axis of the body along which it acts."""
     travel_mm_force_kN: ForceOfTravel
+    """Force over travel, row by row."""
     damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
+    """Damping along the same axis."""
 
     def element(self, joint: Joint, axes: Axes) -> Strut:
         axis, at = AXIS[self.direction], axes.point(self.at_mm)

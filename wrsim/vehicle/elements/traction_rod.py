@@ -17,9 +17,13 @@ class TractionRodTable(ElementTable, kind="traction-rod"):
     glyph: ClassVar[Glyph | None] = Glyph("_", "#222222")
 
     body_mm: Place
+    """Its end on the body."""
     to_mm: Place
+    """Its end on the body that it leads to."""
     stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
+    """Stiffness along its line."""
     damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
+    """Damping along its line."""
 
     def consistency(self) -> Iterator[Fault]:
         """A rod has a length."""
