@@ -71,12 +71,27 @@ def print_assessment(found: Assessment) -> None:
     heads = ["", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "worst in"]
     print_table(heads, rows, left=("", "unit", "class (sections)", "by", "worst in"), width=WIDTH)
     say()
+    print_track(found)
     for source, letter in sources.items():
         say(f"{letter}  {source}")
     for note in found.notes:
         say(f"note: {note}")
     verdict = "every quantity is within its limit" if found.passed else "A LIMIT IS EXCEEDED"
     say(f"{verdict}; [mem]: from memory of the standard, [pub]: from a published source")
+
+
+def print_track(found: Assessment) -> None:
+    """How uneven the sections are."""
+    if not found.track:
+        return
+    rows = [
+        [str(t.section.number), t.direction, *(f"{1e3 * v:.2f}" for v in (t.deviation, t.largest)), t.by_deviation,
+         t.by_largest, t.tl90]
+        for t in found.track
+    ]  # fmt: skip
+    heads = ["section", "", "deviation mm", "largest mm", "UIC 518 by deviation", "by largest", "TL90 of EN 14363"]
+    print_table(heads, rows, title="Track, worse rail, waves of 3 to 25 m [mem]", left=("",), width=WIDTH)
+    say()
 
 
 def _cells(row: ZoneValue, first: bool, letter: str) -> list[str]:

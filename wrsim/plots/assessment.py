@@ -93,19 +93,20 @@ def _rows(found: Assessment) -> list[tuple[str, list[Value]]]:
 
 def history_figure(found: Assessment) -> Figure:
     """Sum Y, Y/Q, Q and Y as they were evaluated, with their limits, over shaded sections."""
-    panels: tuple[tuple[str, str, float, str], ...] = (
-        ("sum_Y", "ΣY, 20 Hz, 2 m\n[kN]", 1e-3, "sum_Y"),
-        ("Y_over_Q", "Y/Q, 20 Hz, 2 m", 1.0, "Y_over_Q"),
-        ("Q", "Q, 20 Hz\n[kN]", 1e-3, "Q"),
-        ("Y", "Y, 20 Hz\n[kN]", 1e-3, "Y_qst"),
+    panels: tuple[tuple[str, str, float, tuple[str, ...]], ...] = (
+        ("sum_Y", "ΣY, 20 Hz, 2 m\n[kN]", 1e-3, ("sum_Y",)),
+        ("Y_over_Q", "Y/Q, 20 Hz, 2 m", 1.0, ("Y_over_Q",)),
+        ("Q", "Q, 20 Hz\n[kN]", 1e-3, ("Q",)),
+        ("Y", "Y, 20 Hz\n[kN]", 1e-3, ("Y_qst", "Y_qst_reduced")),
     )
     with style():
         figure = new_figure(FULL_WIDTH, 34.0 * len(panels) + 24.0)
         rows = figure.subplots(len(panels), 1, sharex=True)
-        for axes, (signal, label, factor, quantity) in zip(rows, panels, strict=True):
+        for axes, (signal, label, factor, quantities) in zip(rows, panels, strict=True):
             shade_sections(axes, found.sections)
             signal_of(axes, found, signal, factor)
-            limit_of(axes, found.of(quantity), factor, both=signal == "sum_Y")
+            limited = [value for quantity in quantities for value in found.of(quantity)]
+            limit_of(axes, limited, factor, both=signal == "sum_Y")
             axes.set_ylabel(label)
         _number_sections(rows[0], found.sections)
         rows[-1].set_xlabel("Distance along the track [m]")

@@ -61,6 +61,23 @@ class Section:
 
 
 @dataclass(frozen=True)
+class TrackQuality:
+    """How uneven a section is, laterally (alignment) or vertically (longitudinal level), in waves of 3 to 25 m.
+
+    deviation: standard deviation; largest value [m], both of the worse rail; by_deviation, by_largest: step QN of UIC
+    518 that they keep; tl90: where the deviation lies beside the band TL90 of EN 14363: "below", "within" or "above".
+    """
+
+    section: Section
+    direction: str
+    deviation: float
+    largest: float
+    by_deviation: str
+    by_largest: str
+    tl90: str
+
+
+@dataclass(frozen=True)
 class Quantity:
     """What is assessed: its symbol, its meaning, its group, how it is evaluated, and from where that comes."""
 
@@ -160,7 +177,8 @@ class Assessment:
     """Everything that an assessment found.
 
     notes: what could not be assessed, and why; settings: numbers it rests on, in units for readers; signals: what was
-    evaluated, against distance, for pictures (dimensions ``place``, ``wheelset``, ``wheel``).
+    evaluated, against distance, for pictures (dimensions ``place``, ``wheelset``, ``wheel``); track: how uneven it is,
+    nothing on smooth track.
     """
 
     title: str
@@ -169,6 +187,7 @@ class Assessment:
     notes: tuple[str, ...]
     settings: Mapping[str, float | str]
     signals: xr.Dataset = field(repr=False)
+    track: tuple[TrackQuality, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -200,6 +219,7 @@ class Assessment:
             "notes": list(self.notes),
             "quantities": [_quantity(q) for q in dict.fromkeys(v.quantity for v in self.values)],
             "sections": [_section(s) for s in self.sections],
+            "track_quality": [_track_row(t) for t in self.track],
             "zones": [_zone_row(z) for z in self.zones()],
             "values": [_value(v) for v in self.values],
         }
@@ -276,6 +296,18 @@ def _zone_row(z: ZoneValue) -> dict[str, Any]:
         "estimated_maximum": _number(z.estimate, factor),
         "passed": z.passed,
         "worst": _value(z.worst),
+    }
+
+
+def _track_row(t: TrackQuality) -> dict[str, Any]:
+    return {
+        "section": t.section.number,
+        "direction": t.direction,
+        "deviation_mm": 1e3 * t.deviation,
+        "largest_mm": 1e3 * t.largest,
+        "step_by_deviation": t.by_deviation,
+        "step_by_largest": t.by_largest,
+        "TL90": t.tl90,
     }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,7 @@ from wrsim.analysis.assessment.nadal import limit_of, longest_stretch
 from wrsim.analysis.assessment.points import points_of
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, sections_of
 from wrsim.analysis.assessment.stops import stop_values
+from wrsim.analysis.assessment.track_quality import track_quality
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment, Limit, Section, Value
@@ -49,7 +50,8 @@ def assess(result: Result, settings: AssessmentSettings | None = None) -> Assess
     passed = float(np.ptp(dataset["distance"].values))
     if passed < q.WINDOW:
         raise InputError(f"the run is {passed:.2f} m long; sliding means are taken over {q.WINDOW:g} m")
-    sections = sections_of(dataset, settings.section_length)
+    sections = sections_of(dataset, settings.section_length, settings.straight_deficiency)
+    radii = _mean_radii(sections)
     notes: list[str] = []
     names = wheelsets(dataset)
     axles = [_Axle.of(name if len(names) > 1 else "", of_wheelset(dataset, name), settings) for name in names]
@@ -58,13 +60,18 @@ def assess(result: Result, settings: AssessmentSettings | None = None) -> Assess
         notes.append(f"instability: the run is shorter than the window of {q.STABILITY_WINDOW:g} m")
     if settings.axle_load is None:
         notes.append("static loads: the mean of Q over the run; [assessment] axle_load_kN sets them")
-    values = [v for axle in axles for section in sections for v in axle.values(section, settings, nadal)]
+    values: list[Value] = []
+    for axle in axles:
+        for section in sections:
+            values += axle.values(section, settings, nadal)
+        values += axle.quasi_static(sections, radii)
     points = points_of(dataset, settings)
     values += [v for point in points for section in sections for v in point.values(section, settings)]
     values += list(stop_values(dataset, sections))
     if "event_label" in dataset:
         places = zip(dataset["event_distance"].values, dataset["event_label"].values, strict=True)
         notes += [f"event at {place:.1f} m: {label}" for place, label in places]
+    quality = track_quality(dataset, sections, notes)
     order = list(q.QUANTITIES)
     values.sort(key=lambda v: order.index(v.quantity.key))
     known: dict[str, float | str] = {"vehicle_kind": settings.kind}
@@ -74,7 +81,7 @@ def assess(result: Result, settings: AssessmentSettings | None = None) -> Assess
     known |= {f"instability_frequency_{p.name}_Hz": p.frequency for p in points if p.is_frame}
     if nadal is not None:
         known["nadal_limit"] = nadal.value
-    return Assessment(result.title, sections, tuple(values), tuple(notes), known, _signals(axles))
+    return Assessment(result.title, sections, tuple(values), tuple(notes), known, _signals(axles), quality)
 
 
 def _settings_of(dataset: xr.Dataset) -> AssessmentSettings:
@@ -84,6 +91,14 @@ def _settings_of(dataset: xr.Dataset) -> AssessmentSettings:
     except InputError:  # a result without a scenario, or of an older wrsim
         return AssessmentSettings()
     return section.settings()
+
+
+def _mean_radii(sections: Sequence[Section]) -> dict[str, float]:
+    """Mean radius of the sections of every class of curves [m]."""
+    curves = [s for s in sections if s.zone not in (STRAIGHT, TRANSITION)]
+    return {
+        zone: float(np.mean([abs(s.radius) for s in curves if s.zone == zone])) for zone in {s.zone for s in curves}
+    }
 
 
 def _quotient(y: Array, load: Array) -> Array:
@@ -153,12 +168,16 @@ class _Axle:
 
     def values(self, section: Section, settings: AssessmentSettings, nadal: Limit | None) -> Iterator[Value]:
         """Everything that can be said of one section."""
-        inside = (self.distance >= section.start) & (self.distance <= section.end)
+        inside = self._inside(section)
         if inside.sum() < 2:
             return
         yield from self._safety(section, inside, settings, nadal)
         yield from self._loading(section, inside)
         yield from self._information(section, inside)
+
+    def _inside(self, section: Section) -> NDArray[np.bool_]:
+        """Samples that lie in a section."""
+        return np.asarray((self.distance >= section.start) & (self.distance <= section.end))
 
     def _within(self, section: Section) -> NDArray[np.bool_]:
         """Windows of 2 m that lie in a section."""
@@ -192,11 +211,25 @@ class _Axle:
             yield self._value("Q", section, np.percentile(self.q[inside, side], q.HIGH), limit, wheel)
             lowest = np.percentile(self.q[inside, side], q.LOW)
             yield self._value("unloading", section, 1.0 - lowest / (0.5 * self.load), None, wheel)
-        if section.zone not in (STRAIGHT, TRANSITION):
-            wheel, side = _SIDES[1] if section.radius > 0.0 else _SIDES[0]  # the outer one
-            y, load = np.median(self.y[inside, side]), np.median(self.q[inside, side])
-            yield self._value("Y_qst", section, y, limits.quasi_static_guiding(section.radius), wheel)
-            yield self._value("Q_qst", section, load, limits.quasi_static_vertical(), wheel)
+
+    def quasi_static(self, sections: Sequence[Section], radii: Mapping[str, float]) -> Iterator[Value]:
+        """What the outer wheel bears in the full curves of each class; radii: the mean one of each class [m]."""
+        for zone, radius in radii.items():
+            own = [(s, inside) for s in sections if s.zone == zone and (inside := self._inside(s)).sum() >= 2]
+            outer = [1 if s.radius > 0.0 else 0 for s, _ in own]
+            lean = [
+                float(np.median(self.quotient[inside, 1 - side])) for (_, inside), side in zip(own, outer, strict=True)
+            ]
+            limit = limits.quasi_static_guiding(radius)
+            reduced = limit is not None and len(own) > 0 and float(np.mean(lean)) > q.LEAN
+            for (section, inside), side, inner in zip(own, outer, lean, strict=True):
+                wheel = _SIDES[side][0]
+                y, load = np.median(self.y[inside, side]), np.median(self.q[inside, side])
+                yield self._value("Y_qst", section, y, None if reduced else limit, wheel)
+                if reduced:
+                    yield self._value("Y_qst_reduced", section, y - q.LEAN_FORCE * (inner - q.LEAN), limit, wheel)
+                yield self._value("Q_qst", section, load, limits.quasi_static_vertical(), wheel)
+                yield self._value("B_qst", section, abs(y) + q.Q_SHARE * load, limits.combined(radius), wheel)
 
     def _information(self, section: Section, inside: NDArray[np.bool_]) -> Iterator[Value]:
         if self.wear is not None and self.wear_mean is not None:

@@ -41,13 +41,20 @@ def vertical_force(wheel_load: float, speed: float) -> Limit:
 
 
 def quasi_static_guiding(radius: float) -> Limit | None:
-    """Yqst: 60 kN; 30 kN + 10500 kN m/R in very small radius curves (250 to 400 m); not set below 250 m."""
-    r = abs(radius)
-    if r < 250.0 * (1.0 - 1e-6):
+    """Yqst: 60 kN; 30 kN + 10500 kN m/Rm in very small radius curves (250 to 400 m); not set below 250 m.
+
+    radius: Rm, the mean radius of the sections of a class of curves [m].
+    """
+    if radius < 250.0 * (1.0 - 1e-6):
         return None
-    if r < 400.0:
-        return Limit(30e3 + 10500e3 / r, f"{EN}: 30 kN + 10500 kN m/R, R < 400 m", "mem")
+    if radius < 400.0:
+        return Limit(30e3 + 10500e3 / radius, f"{EN}: 30 kN + 10500 kN m/Rm, Rm = {radius:.0f} m", "mem")
     return Limit(60e3, EN, "mem")
+
+
+def combined(radius: float) -> Limit | None:
+    """Bqst: 180 kN, where Yqst has a limit. radius: see ``quasi_static_guiding``."""
+    return None if quasi_static_guiding(radius) is None else Limit(180e3, f"{EN}:2016", "mem")
 
 
 def quasi_static_vertical() -> Limit:

@@ -16,6 +16,11 @@ STABILITY_WINDOW, STABILITY_STEP = 100.0, 10.0
 STABILITY_HALF_BAND = 2.0
 """f0 - 2 Hz to f0 + 2 Hz."""
 
+LEAN, LEAN_FORCE = 0.4, 50e3
+"""Mean Y/Q of the inner wheel from which Yqst may be reduced, and the force by which for one of it [N]."""
+Q_SHARE = 0.83
+"""Part of Qqst in Bqst."""
+
 RIDE_BAND = (0.4, 10.0)
 """Band of the accelerations of a car body [Hz]."""
 

@@ -14,6 +14,9 @@ tight         below 250 m         70 m
 transition    changing            as long as it is
 ============  ==================  ================================================
 
+UIC 518 counts curves with little cant deficiency (up to 40 mm [mem]) as straight track: asked for, those of large
+radius are.
+
 A full curve shorter than that is one section, marked as short. What changes its curvature is a transition, also
 between two curves.
 """
@@ -31,10 +34,11 @@ from wrsim.results.assessment import Section
 Array = NDArray[np.float64]
 
 STRAIGHT = "straight"
+LARGE = "large radius"
 TRANSITION = "transition"
 CURVES: tuple[tuple[str, float], ...] = (
     (STRAIGHT, 2500.0),
-    ("large radius", 600.0),
+    (LARGE, 600.0),
     ("small radius", 400.0),
     ("very small radius", 250.0),
     ("tight", 0.0),
@@ -71,18 +75,22 @@ def section_length(zone: str, speed: float) -> float:
     kmh = 3.6 * speed - 1e-6
     if zone == STRAIGHT:
         return 250.0 if kmh <= 220.0 else 500.0
-    if zone == "large radius":
+    if zone == LARGE:
         return 100.0 if kmh <= 140.0 else 200.0 if kmh <= 220.0 else 500.0
     return {"small radius": 100.0, "very small radius": 70.0, "tight": 70.0}.get(zone, np.inf)
 
 
-def sections_of(dataset: xr.Dataset, length: float | None = None) -> tuple[Section, ...]:
-    """Sections of the track that a run has passed; length [m]: of sections of every class, instead of the above."""
+def sections_of(
+    dataset: xr.Dataset, length: float | None = None, straight_deficiency: float | None = None
+) -> tuple[Section, ...]:
+    """Sections of the track that a run has passed; length [m]: of sections of every class, instead of the above;
+    straight_deficiency [m]: cant deficiency up to which curves of large radius are straight track, none if not given.
+    """
     distance, curvature, cant, speed = _track_passed(dataset)
     # positive to the outside of the curve, as a cant: lateral acceleration over gravity times the base
     missing = CANT_BASE * speed**2 * curvature / GRAVITY - cant
     found: list[Section] = []
-    for zone, first, last in _stretches(distance, curvature):
+    for zone, first, last in _stretches(distance, curvature, missing, straight_deficiency):
         inside = slice(first, last + 1)
         start, end = float(distance[first]), float(distance[last])
         mean_speed = float(speed[inside].mean())
@@ -131,13 +139,18 @@ def _bend(curvature: Array, zone: str) -> float:
     return float(curvature[np.argmax(np.abs(curvature))] if zone == TRANSITION else curvature.mean())
 
 
-def _stretches(distance: Array, curvature: Array) -> list[tuple[str, int, int]]:
+def _stretches(
+    distance: Array, curvature: Array, missing: Array, straight_deficiency: float | None
+) -> list[tuple[str, int, int]]:
     """Class, first and last sample of every stretch of one class."""
     slope = np.abs(np.diff(curvature)) / np.maximum(np.diff(distance), 1e-9)
     names = [
         TRANSITION if s > CHANGING else zone_of(0.5 * (a + b))
         for s, a, b in zip(slope, curvature[:-1], curvature[1:], strict=True)
     ]
+    if straight_deficiency is not None:
+        little = np.abs(missing) <= straight_deficiency
+        names = [STRAIGHT if n == LARGE and small else n for n, small in zip(names, little[1:], strict=True)]
     found: list[tuple[str, int, int]] = []
     for i, name in enumerate(names):
         if found and found[-1][0] == name:

@@ -17,7 +17,8 @@ class AssessmentSettings:
     """What an assessment rests on; None is taken from the result where it can be.
 
     kind of vehicle; axle_load 2Q0 of every wheelset [N]; friction: coefficient for Nadal's limit; flange_angle [rad];
-    instability_frequency f0 [Hz]; section_length of every class of track [m].
+    instability_frequency f0 [Hz]; section_length of every class of track [m]; straight_deficiency: cant deficiency [m]
+    up to which curves of large radius belong to straight track.
     """
 
     kind: Kind = "passenger"
@@ -26,6 +27,7 @@ class AssessmentSettings:
     flange_angle: float | None = None
     instability_frequency: float | None = None
     section_length: float | None = None
+    straight_deficiency: float | None = None
 
 
 class AssessmentSection(Table):
@@ -38,6 +40,7 @@ class AssessmentSection(Table):
         "flange_angle_deg": "flange_deg",
         "instability_frequency_Hz": "f0_Hz",
         "section_length_m": "section_m",
+        "straight_deficiency_mm": "cant_deficiency_mm",
     }
 
     vehicle_kind: Kind = "passenger"
@@ -52,6 +55,8 @@ class AssessmentSection(Table):
     """Frequency about which instability is looked for; found in the result unless given."""
     section_length_m: Annotated[float, number(5, 10_000, "m")] | None = None
     """Length of a track section of every class; that of EN 14363 unless given."""
+    straight_deficiency_mm: Annotated[float, number(0, 200, "mm; UIC 518: 40")] | None = None
+    """Cant deficiency up to which curves from R 600 m count as straight track; none do unless given."""
 
     def settings(self) -> AssessmentSettings:
         """The same in SI units."""
@@ -62,4 +67,5 @@ class AssessmentSection(Table):
             flange_angle=None if self.flange_angle_deg is None else radians(self.flange_angle_deg),
             instability_frequency=self.instability_frequency_Hz,
             section_length=self.section_length_m,
+            straight_deficiency=None if self.straight_deficiency_mm is None else 1e-3 * self.straight_deficiency_mm,
         )
