@@ -42,7 +42,7 @@ from wrsim.simulation.conical_law import ConicalVehicleOnTrack
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.state import SteadyMotion, design_state
-from wrsim.vehicle.vehicle import Load
+from wrsim.vehicle.vehicle import Effort, Load, SlipControl
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 PAIR = "S1002/60E1 1:40"
@@ -148,7 +148,8 @@ def vehicle_cases() -> dict[str, list[float]]:
     rows = ((0.0, 1e3, 2e3, -3e3), (40.0, 0.0, 1e3, 0.0), (70.0, -1e3, 5e3, 0.0), (300.0, 0.0, 0.0, 0.0))
     push = Load("push", vehicle.parts[0].name, (1.0, 0.2, 0.5), rows, "distance")
     pull = Load.constant("pull", "carbody", (1e3, 2e3, -3e3), (1.0, 0.2, 2.5), "body")
-    vehicle = replace(vehicle, loads=(push, pull))
+    brake = Effort(vehicle.wheelsets[1].name, ((40.0, 0.0), (60.0, -9e3)), "distance")
+    vehicle = replace(vehicle, loads=(push, pull), efforts=(brake,), slip_control=SlipControl(0.1, 0.01))
     elastic = RailElasticity((2e7, 8e7), (1e4, 1e5), (100.0, 150.0))
     curve = [Arc(400.0, 600.0, 0.1)]
     for drive, rails, threads in (("wheels", elastic, 1), ("train", None, 2)):

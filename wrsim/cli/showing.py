@@ -62,7 +62,7 @@ def tell_slow(setup: Setup) -> None:
 
     plan = setup.plan
     evaluations = evaluations_for(
-        plan.integrator, plan.duration, plan.speed, plan.output_interval, plan.step, setup.vehicle
+        plan.integrator, plan.duration, plan.speeds[0], plan.output_interval, plan.step, setup.vehicle
     )
     complain(
         f'contact.normal = "half-space" solves the exact problem at every stage of the integration: about '

@@ -56,6 +56,8 @@ SHOWN = {
     "N": Shown("N", "N", 1.0),
     "kN": Shown("kN", "kN", 1e-3),
     "N m": Shown("N m", "Nm", 1.0),
+    "kW": Shown("kW", "kW", 1e-3),
+    "kJ": Shown("kJ", "kJ", 1e-3),
     "t": Shown("t", "t", 1e-3),
     "m/s2": Shown("m/s²", "m_s2", 1.0),
     "MPa": Shown("MPa", "MPa", 1e-6),

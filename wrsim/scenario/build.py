@@ -23,6 +23,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.scenario.friction_build import contact_of
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
+from wrsim.scenario.sections.speed import SpeedTable
 from wrsim.scenario.sections.table import Given
 from wrsim.scenario.track_build import gauge_extremes, track_of
 from wrsim.scenario.vehicle_build import SIDES, vehicle_of
@@ -98,6 +99,11 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
         raise scenario.fault(("vehicle", "model"), needed)
     if analysis.own_track and spec.vehicle.drive == "free" and not vehicle.runs_with_frame:
         raise scenario.fault(("vehicle", "drive"), 'must be "train" or "wheels": something has to hold the speed')
+    if isinstance(spec.vehicle.speed_kmh, SpeedTable) and analysis.moves:
+        drive = spec.vehicle.drive or vehicle.drive
+        if drive == "free" and not vehicle.runs_with_frame:
+            message = 'must be "train" or "wheels": something has to take the vehicle along at the speed of the table'
+            raise scenario.fault(("vehicle", "drive"), message)
     if analysis.own_track and spec.contact.normal == "half-space":
         message = f'is for poses, rest and runs: analysis = "{spec.analysis}" asks for the contacts a thousand times'
         raise scenario.fault(("contact", "normal"), message)
@@ -120,13 +126,15 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
             message = "knows no rail that changes along the track ([[track.rail_sections]])"
             raise scenario.fault(("contact", "normal"), message)
     own = scenario.table(resolved(analysis.plan_table))
-    given = Given(analysis, vehicle, track, spec.vehicle.speed_kmh, scenario.table, scenario.find, scenario.fault)
+    drive = spec.vehicle.drive or vehicle.drive
+    speed = spec.vehicle.speed_kmh
+    given = Given(analysis, vehicle, track, drive, speed, scenario.table, scenario.find, scenario.fault)
     plan = own.plan(given)
     return Setup(
         title=spec.title,
         analysis=spec.analysis,
         vehicle=vehicle,
-        drive=spec.vehicle.drive or vehicle.drive,
+        drive=drive,
         rails=rails,
         surfaces=surfaces,
         track=track,

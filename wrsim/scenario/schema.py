@@ -69,10 +69,15 @@ def _where(ability: str) -> str:
 
 
 def _of_loads(analysis: Analysis, vehicle: Any) -> Iterator[Fault]:
-    """No loads where none act."""
+    """No loads where none act, motors and brakes in runs only."""
     for key in ("loads", "payloads"):
         if not analysis.loaded and isinstance(vehicle, dict) and vehicle.get(key):
             yield Fault(("vehicle", key), f'has no place in analysis = "{analysis.name}": remove it (or {key} = [])')
+    for key in ("efforts", "slip_control"):
+        if not analysis.moves and isinstance(vehicle, dict) and vehicle.get(key):
+            yield Fault(
+                ("vehicle", key), f'has no place in analysis = "{analysis.name}": is for {_where("moves")} only'
+            )
 
 
 def _of_tables(analysis: Analysis, raw: dict[str, Any]) -> Iterator[Fault]:

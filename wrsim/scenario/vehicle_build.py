@@ -14,7 +14,7 @@ from wrsim.vehicle.elements.keys import VEHICLE_AXES
 from wrsim.vehicle.files import with_wheel
 from wrsim.vehicle.load_tables import NO_BALLAST
 from wrsim.vehicle.preload import preloads
-from wrsim.vehicle.vehicle import CarriedMass, Payload, Vehicle
+from wrsim.vehicle.vehicle import CarriedMass, Effort, Payload, Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 SIDES = ("left", "right")
@@ -43,7 +43,21 @@ def vehicle_of(scenario: Scenario, files: list[Path]) -> Vehicle:
         height = vehicle.carried[0].height if vehicle.carried else 0.0
         carried = CarriedMass(vehicle.wheelsets[0].name, section.sprung_mass_kg, height)
         vehicle = replace(vehicle, carried=(carried,))
-    return _with_loads(scenario, vehicle)
+    return _with_efforts(scenario, _with_loads(scenario, vehicle))
+
+
+def _with_efforts(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
+    """The vehicle with motors and brakes of the scenario."""
+    section, names = scenario.spec.vehicle, tuple(mounted.name for mounted in vehicle.wheelsets)
+    efforts: list[Effort] = []
+    for i, table in enumerate(section.efforts):
+        for name in table.on or names:
+            if name not in names:
+                words = f"is no wheelset; there is {', '.join(names)}{suggest(name, names)}"
+                raise scenario.fault(("vehicle", "efforts", i, "on"), f"'{name}' {words}")
+            efforts.append(table.effort(name))
+    control = None if section.slip_control is None else section.slip_control.control()
+    return replace(vehicle, efforts=tuple(efforts), slip_control=control)
 
 
 def _with_loads(scenario: Scenario, vehicle: Vehicle) -> Vehicle:

@@ -13,8 +13,8 @@ from wrsim.contact.arena import Arena, pack
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.core.body import axle_boxes as box_kernel
+from wrsim.core.body import line_motion, suspension, vehicle_forces
 from wrsim.core.body import loads as load_kernel
-from wrsim.core.body import suspension, vehicle_forces
 from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
 from wrsim.core.linalg import BODY
@@ -24,6 +24,7 @@ from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.force_law import Array, Block
 from wrsim.simulation.suspension_table import SuspensionTable, suspension_table
 from wrsim.simulation.threads import use_threads
+from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle import Drive, LoadAxes, Over
 
 if TYPE_CHECKING:
@@ -63,7 +64,8 @@ class VehicleOnTrack:
     under the wheels (``core.body.vehicle_forces``).
     After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
     and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
-    places of x), ``distance`` the place of the reference body along the centre line.
+    places of x), ``axles`` what drive and brakes do to each wheelset (records AXLE of ``core.body.loads``),
+    ``distance`` the place of the reference body along the centre line.
     """
 
     def __init__(
@@ -77,15 +79,17 @@ class VehicleOnTrack:
         drive: Drive | None = None,
         gravity: float | None = None,
         threads: int = 1,
+        profile: SpeedProfile | None = None,
     ) -> None:
         """contacts: of every wheelset, or none at all: no rails carry the vehicle then.
 
-        speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0. drive, gravity [m/s2]: the vehicle's
-        own unless given. threads: that compute the contacts side by side; they change no bit. Raises InputError for
-        more than there are.
+        speed [m/s] of the vehicle's origin, which is at ``start`` [m] at t = 0. profile: how it goes on from there,
+        constant unless given. drive, gravity [m/s2]: the vehicle's own unless given. threads: that compute the contacts
+        side by side; they change no bit. Raises InputError for more than there are.
         """
         drive = drive or vehicle.drive
         self.vehicle, self.track, self.speed, self.start, self.drive = vehicle, track, speed, start, drive
+        self.profile = profile or SpeedProfile.constant(speed)
         self.bodies: tuple[Solid, ...] = (
             *(RigidBody.of(mounted) for mounted in vehicle.wheelsets),
             *(SolidBody(body.mass, body.inertia) for body in vehicle.bodies),
@@ -100,7 +104,7 @@ class VehicleOnTrack:
         self._turns = wheel_kernel.IN_TURN if threads == 1 else wheel_kernel.SIDE_BY_SIDE
         make_ready(wheel_kernel.ONE_WHEEL, wheel_kernel.one_wheel)
         make_ready(self._turns, wheel_kernel.STAGES[self._turns])
-        own = self._arrays(table, speed, start, drive, vehicle.gravity if gravity is None else gravity)
+        own = self._arrays(table, drive, vehicle.gravity if gravity is None else gravity)
         whole = list(own)
         for mounted, models in zip(vehicle.wheelsets, contacts, strict=bool(contacts)):
             whole += _wheel_arrays(mounted.wheelset, track, models)
@@ -110,6 +114,7 @@ class VehicleOnTrack:
         self.elements = views[vehicle_forces.ELEMENTS]
         self.records = views[vehicle_forces.READINGS].view(np.float64).reshape(-1, 6)
         self._loads = views[vehicle_forces.LOADS]
+        self.axles = views[vehicle_forces.AXLES]
         # tables are only read, and those of a rail that changes along the track are large
         fixed = {wheel_kernel.IN_CONTACT + k for k in TABLES_OF_A_WHEEL} | {wheel_kernel.RAIL}
         first, count = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
@@ -194,6 +199,11 @@ class VehicleOnTrack:
         return float(self.whole["drive_force"][0])
 
     @property
+    def driven(self) -> bool:
+        """Whether any axle is driven or braked."""
+        return self.drive == "wheels" or bool(self.vehicle.efforts)
+
+    @property
     def load_forces(self) -> Array:
         """Forces of the vehicle's loads (loads, 3) along their axes at the state asked for last [N]."""
         forces = self._loads["force"][: len(self.vehicle.loads)]
@@ -206,9 +216,10 @@ class VehicleOnTrack:
         return np.stack(columns, axis=-1).reshape(*np.shape(distances), 3)
 
     def set_speed(self, speed: float) -> None:
-        """Change the speed [m/s] that the drive holds and at which the frame of the track runs on from its start."""
-        self.speed = speed
-        self.whole["speed"] = speed
+        """Change the constant speed [m/s] that the drive holds and at which the frame of the track runs on from its
+        start."""
+        self.speed, self.profile = speed, SpeedProfile.constant(speed)
+        self.arena.views[vehicle_forces.MOTION][:] = self._motion()
         self._asked_at = np.nan
 
     def own(self, wheelset: int) -> list[Any]:
@@ -294,12 +305,13 @@ class VehicleOnTrack:
         """Numbers of the elements with an unknown of their own."""
         return np.flatnonzero(self.elements["state"] >= 0)
 
-    def _arrays(self, table: SuspensionTable, speed: float, start: float, drive: Drive, gravity: float) -> list[Any]:
+    def _arrays(self, table: SuspensionTable, drive: Drive, gravity: float) -> list[Any]:
         """The vehicle's own arrays in the order of ``core.body.vehicle_forces``."""
         vehicle, count = self.vehicle, len(self.bodies) + vehicle_forces.FRAMES + len(self.vehicle.boxes)
         whole = np.zeros(1, vehicle_forces.VEHICLE)
         own = whole[0]
-        own.gravity, own.start, own.speed, own.mass = gravity, start, speed, vehicle.mass
+        own.gravity, own.mass = gravity, vehicle.mass
+        own.inertia = vehicle.moved_mass
         own.drive, own.reference = DRIVES.index(drive), vehicle.reference
         own.ahead = vehicle.parts[vehicle.reference].centre[0]
         own.step = self.track.centre.step
@@ -313,7 +325,12 @@ class VehicleOnTrack:
         parts = [(body.mass, i if i < wheelsets else -1) for i, body in enumerate(self.bodies)]
         loads, load_tables = self._load_arrays()
         carried = [(c.mass, c.height, vehicle.index(c.body)) for c in vehicle.carried]
-        axles = [(m.wheelset.mean_radius, i, self._holder(m.name)) for i, m in enumerate(vehicle.wheelsets)]
+        axles = np.zeros(wheelsets, load_kernel.AXLE)
+        for i, m in enumerate(vehicle.wheelsets):
+            axles[i].radius, axles[i].body, axles[i].holder = m.wheelset.mean_radius, i, self._holder(m.name)
+        if vehicle.slip_control is not None:
+            own.slip_speed, own.slip_creepage = vehicle.slip_control.speed, vehicle.slip_control.creepage
+        efforts, effort_tables = self._effort_arrays()
         first = self.size - self.positions
         boxes = [(box.inertia[1], box.y, w, first + j) for j, (w, box) in enumerate(vehicle.boxes.values())]
         return [
@@ -327,10 +344,18 @@ class VehicleOnTrack:
             loads,
             load_tables,
             np.array(carried, load_kernel.CARRIED),
-            np.array(axles, load_kernel.AXLE),
+            axles,
             self.track.centre.curve.nodes,
             np.array(boxes, box_kernel.AXLE_BOX),
+            self._motion(),
+            efforts,
+            effort_tables,
         ]
+
+    def _motion(self) -> NDArray[np.record]:
+        """The pieces of the frame's motion, from the start on."""
+        pieces = [(t, self.start + way, speed, rate) for t, way, speed, rate in self.profile.pieces]
+        return np.array(pieces, line_motion.PIECE)
 
     def _load_arrays(self) -> tuple[NDArray[np.record], Array]:
         """Records of the loads and of the forces of the payloads, behind them, and the tables that they follow."""
@@ -344,6 +369,16 @@ class VehicleOnTrack:
             row.start, row.rows = len(tables), len(load.table)
             tables += load.table
         return found, np.array(tables or [(0.0,) * 4])
+
+    def _effort_arrays(self) -> tuple[NDArray[np.record], Array]:
+        """Records of the efforts, and the tables that they follow."""
+        found = np.zeros(len(self.vehicle.efforts), load_kernel.EFFORT)
+        tables: list[tuple[float, float]] = []
+        for row, effort in zip(found, self.vehicle.efforts, strict=True):
+            row.axle, row.over = self.vehicle.index(effort.wheelset), OVER.index(effort.over)
+            row.start, row.rows = len(tables), len(effort.table)
+            tables += effort.table
+        return found, np.array(tables or [(0.0, 0.0)])
 
     def _holder(self, wheelset: str) -> int:
         """The body that takes the reaction of a moment on a wheelset: the first that an element joins to it."""

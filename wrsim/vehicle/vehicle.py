@@ -145,6 +145,33 @@ class Payload:
 
 
 @dataclass(frozen=True)
+class Effort:
+    """A moment on a wheelset in runs, positive forward, a negative one a brake; its reaction is on the body that holds
+    the wheelset.
+
+    table: rows (x, moment [N m]), x rising: the time of the run [s] or the distance of the vehicle's origin along the
+    centre line [m]; linear between rows, constant beyond the ends.
+    """
+
+    wheelset: str
+    table: tuple[tuple[float, float], ...]
+    over: Over = "time"
+
+    def moment(self, time: float, distance: float) -> float:
+        """The moment [N m] at a time [s], the vehicle's origin at a distance [m]."""
+        x, moments = np.transpose(self.table)
+        return float(np.interp(time if self.over == "time" else distance, x, moments))
+
+
+@dataclass(frozen=True)
+class SlipControl:
+    """Keeps the slip speed of every axle below speed + creepage V [m/s], see ``core.body.loads``."""
+
+    speed: float
+    creepage: float
+
+
+@dataclass(frozen=True)
 class CarriedMass:
     """A mass [kg] that follows the track frame ``height`` [m] above the centre of a body.
 
@@ -173,6 +200,7 @@ class Vehicle:
     carried: masses that press on bodies without moving by themselves. guide_ahead: where the wheelset that the guide
     frame holds sits in its bogie, ahead of the centre [m]: in a curve of curvature kappa the frame is turned by
     -guide_ahead kappa. drive: what holds the speed unless a scenario says otherwise. gravity: acceleration [m/s2].
+    efforts, slip_control: of motors and brakes, in runs.
     """
 
     name: str
@@ -187,6 +215,8 @@ class Vehicle:
     guide_ahead: float = 0.0
     drive: Drive = "train"
     gravity: float = STANDARD_GRAVITY
+    efforts: tuple[Effort, ...] = ()
+    slip_control: SlipControl | None = None
 
     def __repr__(self) -> str:
         counted = ", ".join(
@@ -269,6 +299,21 @@ class Vehicle:
         """The vehicle with constant loads in the place of its own; force: of each of them, along its axes [N]."""
         held = (Load.constant(each.name, each.body, force(each), each.at, each.axes) for each in self.loads)
         return replace(self, loads=tuple(held))
+
+    @property
+    def moved_mass(self) -> float:
+        """Mass with that of what turns, its inertia over the square of the radius [kg]."""
+        return self.mass + sum(m.inertia[1] / m.wheelset.mean_radius**2 for m in self.wheelsets)
+
+    def acceleration(self, time: float, distance: float) -> float:
+        """What the efforts do to the vehicle at a time [s], its origin at a distance [m], without losses [m/s2]."""
+        radii = {mounted.name: mounted.wheelset.mean_radius for mounted in self.wheelsets}
+        return sum(e.moment(time, distance) / radii[e.wheelset] for e in self.efforts) / self.moved_mass
+
+    @property
+    def coasting(self) -> Vehicle:
+        """The vehicle without efforts and slip control."""
+        return replace(self, efforts=(), slip_control=None)
 
     def loaded_as_at(self, distance: float) -> Vehicle:
         """The vehicle with the loads that it has at time 0 with its origin at a distance [m], kept so."""

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def force_law(setup: Setup[RunPlan], speed: float | None = None, drive: Drive | None = None) -> VehicleOnTrack:
-    """The law of the set-up's vehicle on its track; speed and drive, where given, in the place of the run's."""
+    """The law of the set-up's vehicle on its track; constant speed and drive, where given, in the place of its own."""
     run = setup.plan
     kind = VehicleOnTrack
     if setup.contact.normal == "half-space":
@@ -29,6 +29,7 @@ def force_law(setup: Setup[RunPlan], speed: float | None = None, drive: Drive | 
         start=run.start,
         drive=setup.drive if drive is None else drive,
         threads=setup.threads,
+        profile=run.profile if speed is None else None,
     )
 
 

@@ -42,15 +42,23 @@ INTERVAL = 5e-3
 STRETCH = 0.25
 """... and the longest way [m]. Independent of the samples that are kept."""
 
-LIFT, STOP, STEPS = 0.0, -1.0, -2.0
+LIFT, STOP, STEPS, SPINS, SLIDES = 0.0, -1.0, -2.0, -3.0, -4.0
 """Kinds of events in the notes: a wheel without contact; a bump stop beyond the end of its table; steps that have been
-cut since the last look. A bit of a contact's status is its own kind."""
+cut since the last look; an axle that is driven, or braked, beyond adhesion. A bit of a contact's status is its own
+kind."""
 
 MANY = 20
 """Looks in a row with steps cut, after which the run says so while it lasts: it takes many times as long."""
 
 SLOWEST = 4 * EXPLICIT_PARTS // 2
 """Evaluations of the forces in a step taken by RK44 over those of a usual one."""
+
+SLIP, GIVEN = 0.02, 0.99
+"""An axle is driven or braked beyond adhesion where its slip is more than this part of the speed, creep forces are at
+their limit long before, or where slip control gives less than this part of the moment that is asked for; ..."""
+
+SLIP_DISTANCE = 1.0
+"""... it is told where it lasts for longer than this [m]."""
 
 SAME = 1.0
 """Events of one kind and place of the vehicle that follow each other within this distance are one [m]."""
@@ -100,6 +108,8 @@ class Monitor:
         for i, limits, place in self.stops:
             if not limits[0] <= self.law.records[i, place] <= limits[1]:
                 self._note(STOP, i, t, distance)
+        if self.law.driven:
+            self._look_at_axles(t, distance)
         if self.work.cut_steps > self.cut_steps:
             self._note(STEPS, 0, t, distance)
             self._tell_cuts(t, distance)
@@ -109,6 +119,13 @@ class Monitor:
         if too_deep:
             ending = ending or overlap(self.wheels)
         return ending
+
+    def _look_at_axles(self, t: float, distance: float) -> None:
+        """Note axles that are driven or braked beyond adhesion."""
+        for i, axle in enumerate(self.law.axles):
+            less = axle.asked != 0.0 and axle.moment / axle.asked < GIVEN
+            if less or (axle.asked != 0.0 and abs(axle.slip) > SLIP * abs(axle.speed)):
+                self._note(SPINS if axle.asked > 0.0 else SLIDES, i, t, distance)
 
     def _tell_cuts(self, t: float, distance: float) -> None:
         """Say once, while the run lasts, that its steps are cut again and again."""
@@ -154,6 +171,10 @@ class Monitor:
                 found.append(Event("stop", self.law.vehicle.elements[int(which)].name, begin, end))
             elif kind == STEPS:
                 found.append(Event("steps", "", begin, end))
+            elif kind in (SPINS, SLIDES):
+                if last_distance - distance > SLIP_DISTANCE:
+                    name = self.law.vehicle.wheelsets[int(which)].name
+                    found.append(Event("spins" if kind == SPINS else "slides", name, begin, end))
             else:
                 wheel = self.wheels[int(which)]
                 found.append(

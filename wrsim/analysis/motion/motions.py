@@ -102,7 +102,7 @@ def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[st
     wheelsets = {mounted.name for mounted in vehicle.wheelsets}
     if not any(e.first in (TRACK, GUIDE) and e.second in wheelsets for e in vehicle.elements):
         return {}
-    attack = -vehicle.guide_ahead * law.track.curvature(law.start + law.speed * times)
+    attack = -vehicle.guide_ahead * law.track.curvature(law.start + law.profile.way(times))
     found = np.zeros((3, len(times), len(vehicle.wheelsets)))
     for record, element in zip(np.moveaxis(records, 1, 0), vehicle.elements, strict=True):
         if element.first not in (TRACK, GUIDE) or element.second not in wheelsets:

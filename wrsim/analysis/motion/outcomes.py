@@ -52,13 +52,14 @@ class RunInStopped:
 @dataclass(frozen=True)
 class Event:
     """A wheel without contact, a bump stop beyond the end of its table, a contact with something to say (bit of
-    `wrsim.contact.status`), steps of the integration that had to be cut, or a vertical force that the samples miss.
+    `wrsim.contact.status`), steps of the integration that had to be cut, a vertical force that the samples miss, or an
+    axle that is driven or braked beyond adhesion.
 
     part: name of the wheelset or of the stop; start, end: time [s] and distance of the vehicle [m]; missed: the force
     between samples, and by how much it is beyond those beside it [N].
     """
 
-    kind: Literal["lift", "stop", "contact", "steps", "between"]
+    kind: Literal["lift", "stop", "contact", "steps", "between", "spins", "slides"]
     part: str
     start: tuple[float, float]
     end: tuple[float, float]

@@ -11,6 +11,7 @@ from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from wrsim.analysis.contacts import friction_channels
 from wrsim.analysis.motion.motions import PointMotion, body_channels, guide_channels, track_channels, uneven
@@ -69,6 +70,8 @@ def result_of(
     law.follow(False)
     channels: dict[str, Any] = dict(kept.arrays)
     channels["distance"] = reference = np.asarray(channels["distance"])
+    if law.driven:
+        channels["drive_work"] = cumulative_trapezoid(channels["drive_power"], motion.times, axis=0, initial=0.0)
     snapshots = choose_snapshots(setup, reference, _together(channels), motion.status == "stopped")
     strips = [StripRecorder(pair) for pair in law.wheels]
     out = np.zeros(law.size)
@@ -124,6 +127,7 @@ def _block(
     records = np.zeros((n, *law.records.shape))
     reference, drive = np.zeros(n), np.zeros(n)
     external = np.zeros((n, len(vehicle.loads), 3))
+    axles = np.zeros((4, n, count))
     for i in range(n):
         law.look_near(places[block][i])
         law(times[i], q[i], q_t[i], out)
@@ -133,6 +137,7 @@ def _block(
         records[i] = law.records
         external[i] = law.load_forces
         reference[i], drive[i] = law.distance, law.drive_force
+        axles[:, i] = [law.axles[name] for name in ("moment", "power", "slip", "speed")]
         if vehicle.points:
             accelerations[i] = points.at(q[i], q_t[i], out)
     moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
@@ -158,6 +163,9 @@ def _block(
     ]
     found = {name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]}
     found |= {"distance": reference, "drive_force": drive, **guide_channels(law, times, records)}
+    if law.driven:
+        moment, power, slip, speed = axles
+        found |= {"drive_moment": moment, "drive_power": power, "axle_creepage": -slip / speed}
     if vehicle.bodies:
         found |= body_channels(law, q, q_t, bodies)
     if vehicle.points:

@@ -83,7 +83,7 @@ def run_in_time(
             step = chosen_step(setup, law, q, q_t)
         except NoSteadyMotion as problem:
             raise SimulationError(start_words(problem, setup)) from None
-    monitor, plan = Monitor(law, setup.plan.speed, system.work), setup.plan
+    monitor, plan = Monitor(law, setup.plan.speeds[1], system.work), setup.plan
     with nullcontext() if record is None else closing(record.recorder(plan.integrator, step, system.size)) as recorder:
         # whole steps, so that the run does not pass the end of the track
         duration = step * max(1, int(plan.duration / step + 1e-6))
@@ -102,7 +102,7 @@ def recorded_run(setup: Setup[RunPlan], path: Path) -> Result:
     Events are those that the run had noted when it was last kept.
     """
     law = force_law(setup)
-    monitor = Monitor(law, setup.plan.speed)
+    monitor = Monitor(law, setup.plan.speeds[1])
     return result_of(setup, law, recorded_motion(path, monitor), monitor.events(), path.parent)
 
 
@@ -120,10 +120,11 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
         return _stable_step(setup, law, q, q_t)
     if plan.step:
         return plan.step
-    step = implicit_step(plan.speed, plan.output_interval)
+    fastest = plan.speeds[1]
+    step = implicit_step(fastest, plan.output_interval)
     gaps = [gap for surface in setup.surfaces if surface is not None for gap in surface.gaps]
     # sections that follow each other closely say how fast the rail changes
-    return step / max(1, ceil(step * plan.speed * STEPS_OF_A_SECTION / min(gaps))) if gaps else step
+    return step / max(1, ceil(step * fastest * STEPS_OF_A_SECTION / min(gaps))) if gaps else step
 
 
 def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array) -> float:
@@ -143,18 +144,19 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
         if plan.step > limit:
             raise StepTooLong(plan.step, limit, plan.speed)
         return plan.step
-    if setup.track.curvature(plan.start) != 0.0:
+    slowest = plan.at_constant_speed
+    if setup.track.curvature(plan.start) != 0.0 or slowest.speed < plan.speed:
         straight, contact = setup.track.relaid([Straight(100.0)]), contact_at(near, plan.start)
-        level = replace(near, track=straight, contact=contact, plan=replace(plan, start=30.0))
+        level = replace(near, track=straight, contact=contact, plan=replace(slowest, start=30.0))
         law = force_law(level)
         limit = min(limit, stable_step(System(law.bodies, law, law.dampers), *start_state(level, law)))
     largest = LARGEST_STEP_UNEVEN if setup.track.is_uneven else LARGEST_STEP
     step = round_step(min(SAFETY * limit, plan.output_interval), largest)
-    usual = min(step_for_speed(plan.speed), plan.output_interval)
+    usual = min(step_for_speed(slowest.speed), plan.output_interval)
     if step < usual / SHRUNK:
         log.warning(
             "rk44 is stable here with steps of %.3g us only, %.0f times shorter than usual at %.4g km/h: %.3g steps. A "
             "mass or a stiffness out of proportion does this (wrsim check warns of some)",
-            1e6 * step, usual / step, 3.6 * plan.speed, plan.duration / step,
+            1e6 * step, usual / step, 3.6 * slowest.speed, plan.duration / step,
         )  # fmt: skip
     return step

@@ -55,7 +55,7 @@ def run_in(setup: Setup[RunPlan], start_of: Callable[[Setup, VehicleOnTrack], St
         setup,
         track=track.relaid([Straight(2.0 * reach), Transition(ease), bend]),
         contact=contact_at(setup, run.start),
-        plan=replace(run, start=reach, end=2.0 * reach + ease + settle),
+        plan=replace(run, start=reach, end=2.0 * reach + ease + settle, profile=None),
     )
     law = force_law(there, drive=held_by(setup))
     q, q_t = start_of(there, law)

@@ -64,8 +64,9 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
 
     If no search finds it in a curve, the vehicle is run in from straight track; its last state is accepted if it is
     steady enough, and so is, on straight track, the best that a search finds. With the exact contact solver the search
-    goes on from what a fast model finds. Raises NoSteadyMotion.
+    goes on from what a fast model finds. Motors and brakes do nothing yet. Raises NoSteadyMotion.
     """
+    setup = replace(setup, vehicle=setup.vehicle.coasting)
     near = replace(setup, contact=setup.contact.fast())
     fast = force_law(near, law.speed, held_by(setup))
     found = _found(near, fast)

@@ -55,6 +55,9 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
             f"between two samples Q of {_wheel(event.side, event.part, vehicle)} is {force:.4g} kN, {beyond:.3g} kN "
             "beyond both: a smaller run.output_interval_ms shows what happens there"
         )
+    if event.kind in ("spins", "slides"):
+        what = "driven" if event.kind == "spins" else "braked"
+        return f"wheelset {event.part} is {what} beyond adhesion and {event.kind} {lasted}"
     if event.kind == "steps":
         return f"time steps that Newton's method did not solve were cut into parts {lasted}"
     return f"bump stop {event.part} is beyond the end of its table {lasted}"

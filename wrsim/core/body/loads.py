@@ -1,4 +1,4 @@
-"""What acts on the bodies of a vehicle besides suspension and contacts: loads, carried masses, the drive.
+"""What acts on the bodies of a vehicle besides suspension and contacts: loads, carried masses, drive and efforts.
 
 Loads. A force at a point of a body, along the axes of the track where the point is, or along those of the body (of a
 wheelset: which do not spin). It follows a table over the time or over the distance of the point: linear between the
@@ -8,13 +8,29 @@ Carried masses. A mass that follows the track frame without oscillating presses 
 dt/ds: the part along t is left to the train that moves it, the other two act at the centre of mass of the body, with
 the moment of the lateral part at its height above. The speed at which the cant changes adds no force.
 
-Drive. What holds the vehicle's speed acts like a spring and damper to a point that runs along the track at constant
-speed: with the distance s of the reference body and e = s_0 + V t - s, the force is M (w^2 e + 2 w (V - s_t)),
-w = ``DRIVE_RATE``, M the mass of the vehicle. Either it pulls the reference body along the track, as the coupler of a
-train does, or it comes as equal moments on the axles, with the reaction on the bodies that hold them.
+Drive. What holds the vehicle's speed acts like a spring and damper to a point that runs along the track as the speed of
+the run says, s_0(t): with the distance s of the reference body and e = s_0 - s, the force is
+
+    M (w^2 e + 2 w e_t) + (M + sum J / r^2) s_0_tt,    w = ``DRIVE_RATE``,
+
+M the mass of the vehicle, J and r inertia about the axle and radius of its wheelsets: what accelerates it does not wait
+for a lag. Either it pulls the reference body along the track, as the coupler of a train does, or it comes as equal
+moments on the axles, with the reaction on the bodies that hold them.
+
+Efforts. Moments of motors and brakes on single axles by tables over the time or over the distance of the vehicle's
+origin, positive forward, with the same reaction. A negative one is a brake: it is against the rotation, and fades as
+the wheelset stands, M omega / ``BRAKE_FADE`` below that rate.
+
+Slip control. What is asked of an axle, drive and efforts together, is given in full while its slip speed in the
+direction of the moment, w = +-(omega r - v), is below half of a limit, and from there linearly less, nothing at the
+limit w_1 = w_0 + c V. So no moment of its own lets an axle slip by more. The axle's omega is that against its boxes, v
+the speed of its middle.
 """
 
+from typing import NamedTuple
+
 from wrsim.core.arena import record
+from wrsim.core.body.kinematics import SPIN
 from wrsim.core.body.suspension import apply, material_point
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.linalg import (
@@ -48,30 +64,47 @@ OVER_TIME, OVER_DISTANCE = range(2)
 CARRIED = record("mass height", "body")
 """A carried mass [kg] and its height above the centre of its body [m]."""
 
-AXLE = record("radius", "body holder")
-"""A driven axle: mean radius of its wheels [m]; the body that takes the reaction, or -1."""
+AXLE = record("radius asked moment slip speed power", "body holder")
+"""An axle: mean radius of its wheels [m]; at the state asked for last the moment asked of it and given [N m], its slip
+speed and speed [m/s], the power of the moment and its reaction [W]; its body, and the one that takes the reaction or
+-1."""
+
+EFFORT = record("", "axle over start rows")
+"""A moment on an axle: what its table goes over; first row and number of rows of its table (x, moment)."""
 
 FREE, TRAIN, WHEELS = range(3)
 """Kinds of drive."""
 
 DRIVE_RATE = 1.0  # [1/s]
+BRAKE_FADE = 0.5  # [rad/s]
+
+
+class Asked(NamedTuple):
+    """Where the reference body should be along the track [m], its speed [m/s] and acceleration [m/s2]."""
+
+    distance: float
+    speed: float
+    acceleration: float
 
 
 @inlined
-def _at(tables, start, count, x):
-    """The vector at x by the rows (x, vector) of a table; beyond its ends it stays."""
+def _between(tables, start, count, x):
+    """The rows of a table between which x lies, and the part of the way from one to the other, within 0 and 1."""
     low, high = start, start + count - 1
-    if x <= tables[low, 0]:
-        return read(tables[low], 1)
-    if x >= tables[high, 0]:
-        return read(tables[high], 1)
     while high - low > 1:
         middle = (low + high) // 2
         if x < tables[middle, 0]:
             high = middle
         else:
             low = middle
-    part = (x - tables[low, 0]) / (tables[high, 0] - tables[low, 0])
+    way = tables[high, 0] - tables[low, 0]
+    return low, high, min(max((x - tables[low, 0]) / way, 0.0), 1.0) if way > 0.0 else 0.0
+
+
+@inlined
+def _at(tables, start, count, x):
+    """The vector at x by the rows (x, vector) of a table; beyond its ends it stays."""
+    low, high, part = _between(tables, start, count, x)
     return mixed(1.0 - part, read(tables[low], 1), part, read(tables[high], 1))
 
 
@@ -111,31 +144,57 @@ def add_carried(track, carried, gravity, wrenches):
 
 
 @kernel
-def add_drive(t, vehicle, bodies, axles, centre, wrenches):
-    """Add what holds the vehicle's speed; returns the status of ``locate``.
+def add_drive(asked, vehicle, bodies, axles, centre, wrenches):
+    """Add the pull that holds the vehicle's speed, or ask the axles for it; returns the status of ``locate``.
 
-    vehicle: a record VEHICLE of core.body.vehicle_forces; keeps the distance of its reference body.
+    asked: an ``Asked``; vehicle: a record VEHICLE of core.body.vehicle_forces; keeps where its reference body is.
     """
     body = get_body(bodies[vehicle.reference])
     s, bad = locate(centre, body.position, vehicle.s_reference)
     if bad != 0:
         return bad
     vehicle.s_reference = s
-    vehicle.drive_force = 0.0
-    if vehicle.drive == FREE:
-        return 0
-    track = frame(centre, s)
-    behind = vehicle.start + vehicle.ahead + vehicle.speed * t - s
-    slower = vehicle.speed - dot(body.velocity, track.t)
-    pull = vehicle.mass * DRIVE_RATE * (DRIVE_RATE * behind + 2.0 * slower)
+    pull = 0.0
+    if vehicle.drive != FREE:
+        track = frame(centre, s)
+        slower = asked.speed - dot(body.velocity, track.t)
+        pull = vehicle.mass * DRIVE_RATE * (DRIVE_RATE * (asked.distance - s) + 2.0 * slower)
+        pull += vehicle.inertia * asked.acceleration
+        if vehicle.drive == TRAIN:
+            accumulate(wrenches[vehicle.reference].force, scale(pull, track.t))
     vehicle.drive_force = pull
-    if vehicle.drive == TRAIN:
-        accumulate(wrenches[vehicle.reference].force, scale(pull, track.t))
-        return 0
+    for j in range(axles.shape[0]):
+        axles[j].asked = pull * axles[j].radius / axles.shape[0] if vehicle.drive == WHEELS else 0.0
+    return 0
+
+
+@kernel
+def add_efforts(t, q_t, vehicle, bodies, efforts, tables, axles, wrenches):
+    """Add the moments on the axles: what the drive asks of them and the efforts; tables: (., 2) of all efforts."""
+    for j in range(efforts.shape[0]):
+        effort = efforts[j]
+        x = vehicle.s_reference - vehicle.ahead if effort.over == OVER_DISTANCE else t
+        low, high, part = _between(tables, effort.start, effort.rows, x)
+        moment = (1.0 - part) * tables[low, 1] + part * tables[high, 1]
+        axle = axles[effort.axle]
+        if moment < 0.0:
+            moment *= min(max(q_t[6 * axle.body + SPIN] / BRAKE_FADE, -1.0), 1.0)
+        axle.asked += moment
     for j in range(axles.shape[0]):
         axle = axles[j]
-        torque = scale(pull * axle.radius / axles.shape[0], vec(bodies[axle.body].left))
-        accumulate(wrenches[axle.body].moment, torque)
-        if axle.holder >= 0:
-            accumulate(wrenches[axle.holder].moment, scale(-1.0, torque))
-    return 0
+        body = get_body(bodies[axle.body])
+        speed = dot(body.velocity, body.forward)
+        axle.slip, axle.speed = axle.radius * q_t[6 * axle.body + SPIN] - speed, speed
+        axle.moment = axle.asked
+        limit = vehicle.slip_speed + vehicle.slip_creepage * abs(speed)
+        if limit > 0.0:
+            slip = axle.slip if axle.asked > 0.0 else -axle.slip
+            axle.moment *= min(max(2.0 - 2.0 * slip / limit, 0.0), 1.0)
+        axle.power = 0.0
+        if axle.moment != 0.0:
+            torque = scale(axle.moment, body.left)
+            accumulate(wrenches[axle.body].moment, torque)
+            axle.power = axle.moment * q_t[6 * axle.body + SPIN] + dot(torque, body.omega)
+            if axle.holder >= 0:
+                accumulate(wrenches[axle.holder].moment, scale(-1.0, torque))
+                axle.power -= dot(torque, vec(bodies[axle.holder].omega))

@@ -16,10 +16,10 @@ and is written with a mass of 1 (its "force" is the acceleration). The wheel mee
 the velocity that is left between them. The pieces of two wheels know nothing of each other.
 
 Two frames stand behind the last body, and behind these the axle boxes; springs may be fixed to all of them. The track
-frame follows the centre line at constant speed, s(t) = s_0 + V t: it is evaluated, not integrated. The guide frame is
-the bogie that the vehicle's wheelset leads: it goes with the track frame, but stands along the chord of a curve, turned
-about b by -a kappa for an axle at a distance a ahead of the bogie's centre. Its springs turn with it; how fast the
-angle changes in a transition is left out of its velocity.
+frame follows the centre line as the run's speed says (``core.body.line_motion``): it is evaluated, not integrated. The
+guide frame is the bogie that the vehicle's wheelset leads: it goes with the track frame, but stands along the chord of
+a curve, turned about b by -a kappa for an axle at a distance a ahead of the bogie's centre. Its springs turn with it;
+how fast the angle changes in a transition is left out of its velocity.
 """
 
 from math import cos, sin
@@ -28,7 +28,18 @@ from wrsim.core import stages
 from wrsim.core.arena import matrix, record, records
 from wrsim.core.body.axle_boxes import AXLE_BOX, hand_over, on_axle
 from wrsim.core.body.kinematics import SPIN, add_generalised_forces, kinematics
-from wrsim.core.body.loads import AXLE, CARRIED, LOAD, add_carried, add_drive, add_loads
+from wrsim.core.body.line_motion import PIECE, motion_at
+from wrsim.core.body.loads import (
+    AXLE,
+    CARRIED,
+    EFFORT,
+    LOAD,
+    Asked,
+    add_carried,
+    add_drive,
+    add_efforts,
+    add_loads,
+)
 from wrsim.core.body.rigid_body import PITCH, pitched
 from wrsim.core.body.suspension import ELEMENT, READING, WRENCH, suspension_forces
 from wrsim.core.body.wheel_forces import ARRAYS, OFF_TRACK, wheel_record, wheel_total
@@ -54,23 +65,23 @@ from wrsim.core.track.path import NODE, frame, frame_rates
 # arrays of the arena before those of the wheels
 (
     WHOLE, PARTS, BODIES, WRENCHES, ELEMENTS, TABLES, READINGS, LOADS, LOAD_TABLES, CARRIED_MASSES, AXLES, CENTRE,
-    AXLE_BOXES,
-) = range(13)  # fmt: skip
-FIRST_WHEEL = 13
+    AXLE_BOXES, MOTION, EFFORTS, EFFORT_TABLES,
+) = range(16)  # fmt: skip
+FIRST_WHEEL = 16
 
 RAIL = record("mass stiffness damping")
 
 VEHICLE = record(
-    "gravity start speed mass ahead s_reference drive_force step guide_ahead",
+    "gravity mass inertia ahead s_reference drive_force step guide_ahead slip_speed slip_creepage",
     "drive reference rails turns",
     rail_n=RAIL,
     rail_b=RAIL,
 )
-"""Acceleration of gravity; the track frame's start and speed; mass of the vehicle; what lies between its reference
-body and the track frame along the track, distance of that body (a guess, updated); force of the drive; step of the
-centre line; how far the axle in the guide frame sits ahead of the bogie's centre. Kind of drive, number of the
-reference body, place of the rails' first coordinate or -1 on rigid ones; which of the stages that ask all wheels; the
-pieces of rail under the wheels, along n and b."""
+"""Acceleration of gravity; mass of the vehicle, and with the inertia of what turns over its radius squared; what lies
+between its reference body and the track frame along the track, distance of that body (a guess, updated); force of the
+drive; step of the centre line; how far the axle in the guide frame sits ahead of the bogie's centre; limits of the slip
+control, both 0 without. Kind of drive, number of the reference body, place of the rails' first coordinate or -1 on
+rigid ones; which of the stages that ask all wheels; the pieces of rail under the wheels, along n and b."""
 
 PART = record("mass", "wheelset")
 """Mass of a body [kg]; number of its wheelset or -1."""
@@ -107,7 +118,8 @@ def add_forces_on_bodies(t, q, q_t, out, buffer, index):
             put_body(bodies[i], pitched(body, q[6 * i + PITCH]))
         put(wrenches[i].force, Vec(0.0, 0.0, -vehicle.gravity * parts[i].mass))
         put(wrenches[i].moment, ZERO)
-    track, guide = _frames(t, vehicle, centre)
+    s, speed, acceleration = motion_at(t, records(buffer, index, MOTION, PIECE))
+    track, guide = _frames(s, speed, vehicle, centre)
     put_body(bodies[n], track)
     put_body(bodies[n + 1], guide)
     boxes = records(buffer, index, AXLE_BOXES, AXLE_BOX)
@@ -127,7 +139,11 @@ def add_forces_on_bodies(t, q, q_t, out, buffer, index):
     add_carried(track, records(buffer, index, CARRIED_MASSES, CARRIED), vehicle.gravity, wrenches)
     loads, load_tables = records(buffer, index, LOADS, LOAD), matrix(buffer, index, LOAD_TABLES)
     lost = add_loads(t, bodies, loads, load_tables, centre, wrenches)
-    lost |= add_drive(t, vehicle, bodies, records(buffer, index, AXLES, AXLE), centre, wrenches)
+    asked = Asked(s + vehicle.ahead, speed, acceleration)
+    axles = records(buffer, index, AXLES, AXLE)
+    lost |= add_drive(asked, vehicle, bodies, axles, centre, wrenches)
+    efforts, effort_tables = records(buffer, index, EFFORTS, EFFORT), matrix(buffer, index, EFFORT_TABLES)
+    add_efforts(t, q_t, vehicle, bodies, efforts, effort_tables, axles, wrenches)
     for i in range(n):
         body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
         force, moment = vec(wrenches[i].force), vec(wrenches[i].moment)
@@ -180,12 +196,11 @@ def _still(body, spin):
 
 
 @kernel
-def _frames(t, vehicle, centre):
-    """The track frame and the guide frame, as bodies."""
-    s = vehicle.start + vehicle.speed * t
+def _frames(s, speed, vehicle, centre):
+    """The track frame at the distance s [m] and the guide frame, as bodies; speed [m/s]."""
     at = frame(centre, s)
     turning, _roll = frame_rates(centre, s)
-    velocity, omega = scale(vehicle.speed, at.t), scale(vehicle.speed, turning)
+    velocity, omega = scale(speed, at.t), scale(speed, turning)
     attack = -vehicle.guide_ahead * dot(turning, at.b)
     forward = mixed(cos(attack), at.t, sin(attack), at.n)
     left = mixed(cos(attack), at.n, -sin(attack), at.t)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
 from wrsim.geometry.track.track import Track
@@ -11,15 +11,16 @@ from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number
 from wrsim.scenario.sections.table import Given, PlanTable, Table
 from wrsim.simulation.integrators import DEFAULT_INTEGRATOR, Integrator
+from wrsim.vehicle.speed import SpeedProfile
 
 
 @dataclass(frozen=True)
 class RunPlan:
-    """A run along the track: from ``start`` to ``end`` [m] of the centre line at ``speed`` [m/s], 0 at rest.
+    """A run along the track: from ``start`` to ``end`` [m] of the centre line, at the start with ``speed`` [m/s].
 
-    step: of the integration [s], None: chosen for the integrator; output_interval: between two samples [s]; patches_at:
-    distances [m], rising, at which the strips of the patches are kept; left_out: those asked for on the track that the
-    run does not pass.
+    At rest the speed is 0. profile: how it goes on from the start, constant unless given. step: of the integration [s],
+    None: chosen for the integrator; output_interval: between two samples [s]; patches_at: distances [m], rising, at
+    which the strips of the patches are kept; left_out: those asked for on the track that the run does not pass.
     """
 
     start: float
@@ -30,11 +31,24 @@ class RunPlan:
     output_interval: float = 5e-3
     patches_at: tuple[float, ...] = ()
     left_out: tuple[float, ...] = ()
+    profile: SpeedProfile | None = None
 
     @property
     def duration(self) -> float:
         """Time of the run [s]; 0 at rest."""
+        if self.profile is not None:
+            return self.profile.time(self.end - self.start)
         return (self.end - self.start) / self.speed if self.speed > 0.0 else 0.0
+
+    @property
+    def speeds(self) -> tuple[float, float]:
+        """The lowest and the highest speed on the way [m/s]."""
+        return (self.speed, self.speed) if self.profile is None else self.profile.until(self.duration)
+
+    @property
+    def at_constant_speed(self) -> RunPlan:
+        """The same at the lowest speed on the way."""
+        return replace(self, speed=self.speeds[0], profile=None)
 
     @property
     def limited(self) -> bool:
@@ -45,7 +59,9 @@ class RunPlan:
         """What a user checks."""
         if self.speed == 0.0:
             return {"at_m": self.start}
-        way = {"from_m": self.start, "to_m": self.end, "speed_kmh": 3.6 * self.speed, "duration_s": self.duration}
+        slow, fast = (3.6 * speed for speed in self.speeds)
+        speed = slow if slow == fast else f"from {3.6 * self.speed:.6g} on, within {slow:.6g} and {fast:.6g}"
+        way = {"from_m": self.start, "to_m": self.end, "speed_kmh": speed, "duration_s": self.duration}
         return way | {"integrator": self.integrator, "patches_at_m": list(self.patches_at)}
 
 
@@ -89,7 +105,7 @@ class RunSection(PlanTable):
         """From the start to the end of the track or as far as the table says; at rest the start alone."""
         ahead = max(mounted.x for mounted in given.vehicle.wheelsets)
         last = given.track.length - ahead
-        start, end, speed = self.start_distance_m, last, (given.speed_kmh or 0.0) / 3.6
+        start, end = self.start_distance_m, last
         room = f"must lie on the track, which is {given.track.length:.6g} m long"
         if ahead:
             room += f", and the first wheelset is {ahead:.6g} m ahead of the vehicle's origin"
@@ -97,14 +113,15 @@ class RunSection(PlanTable):
             raise given.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
         if not given.analysis.moves:
             return RunPlan(start, start, 0.0, patches_at=(start,))
+        motion = given.speed_from(start, last)
         if self.distance_m is not None:
             end = start + self.distance_m
         elif self.time_s is not None:
-            end = start + self.time_s * speed
+            end = start + float(motion.way(self.time_s))
         if end > last * (1.0 + 1e-12):
             key = "distance_m" if self.distance_m is not None else "time_s"
             raise given.fault(("run", key), f"ends at {end:.6g} m: {room}")
-        end = min(end, last)
+        end = min(end, last, start + motion.stands_after)
         asked = given.table(OutputSection).patches_at_m
         for place in asked or ():
             if place > given.track.length:
@@ -114,7 +131,8 @@ class RunSection(PlanTable):
         return RunPlan(
             start=start,
             end=end,
-            speed=speed,
+            speed=motion.pieces[0][2],
+            profile=motion if motion.varies else None,
             integrator=self.integrator,
             step=None if self.step_us is None else self.step_us * 1e-6,
             output_interval=self.output_interval_ms * 1e-3,

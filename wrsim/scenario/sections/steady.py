@@ -85,7 +85,8 @@ class SteadySection(PlanTable):
 
     def plan(self, given: Given) -> SteadyPlan:
         """The points in SI units; at the speed of [vehicle] where the table names none."""
-        speeds = self.speed_kmh or ((given.speed_kmh,) if given.speed_kmh is not None else ())
+        one = None if self.speed_kmh else given.one_speed
+        speeds = self.speed_kmh or (() if one is None else (3.6 * one,))
         axes = (self.radius_m, self.cant_mm, speeds)
         if self.combine == "rows":
             longest = max(map(len, axes))

@@ -12,7 +12,9 @@ from wrsim.geometry.track.track import Track
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault, Section
 from wrsim.register import Analysis
-from wrsim.vehicle.vehicle import Vehicle
+from wrsim.scenario.sections.speed import LOWEST, SpeedTable
+from wrsim.vehicle.speed import SpeedProfile
+from wrsim.vehicle.vehicle import Drive, Vehicle
 
 T = TypeVar("T", bound="Table")
 
@@ -29,17 +31,38 @@ class FindTable(Protocol):
 class Given:
     """What the plan of an analysis is made from, besides its own table.
 
-    speed_kmh: of [vehicle]; table: other tables of the analysis; find: the file of a name that stands at a key; fault:
-    the error for a key.
+    drive: what holds the speed; speed_kmh: of [vehicle], a number or a table; table: other tables of the analysis;
+    find: the file of a name that stands at a key; fault: the error for a key.
     """
 
     analysis: Analysis
     vehicle: Vehicle
     track: Track
-    speed_kmh: float | None
+    drive: Drive
+    speed_kmh: float | SpeedTable | None
     table: FindTable
     find: Callable[[KeyPath, str], Path]
     fault: Callable[[KeyPath, str], InputError]
+
+    @property
+    def one_speed(self) -> float | None:
+        """The speed of [vehicle] for an analysis that knows no other [m/s]. Raises InputError where it varies."""
+        if isinstance(self.speed_kmh, SpeedTable):
+            message = f'must be one number: analysis = "{self.analysis.name}" looks for motion that lasts'
+            raise self.fault(("vehicle", "speed_kmh"), message)
+        return None if self.speed_kmh is None else self.speed_kmh / 3.6
+
+    def speed_from(self, start: float, end: float) -> SpeedProfile:
+        """How the vehicle goes on from the start of a run to its end [m].
+
+        Where motors and brakes alone decide, as they would take along a mass without losses."""
+        vehicle = self.vehicle
+        if isinstance(self.speed_kmh, SpeedTable):
+            return self.speed_kmh.profile(start)
+        speed = (self.speed_kmh or 0.0) / 3.6
+        if self.drive == "free" and vehicle.efforts and not vehicle.runs_with_frame:
+            return SpeedProfile.under(vehicle.acceleration, speed, start, end, LOWEST / 3.6)
+        return SpeedProfile.constant(speed)
 
 
 class Table(Section):

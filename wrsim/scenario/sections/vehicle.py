@@ -6,7 +6,9 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.values import List, number, text
+from wrsim.inputs.values import List, OrTable, number, text
+from wrsim.scenario.sections.effort import EffortTable, SlipControlTable
+from wrsim.scenario.sections.speed import Speed, SpeedTable
 from wrsim.vehicle.files import Radius, WheelName
 from wrsim.vehicle.load_tables import LoadTable, PayloadTable
 
@@ -30,8 +32,8 @@ class VehicleSection(Section):
 
     model: Annotated[str, text('a vehicle file such as "vehicles/wheelset_s1002.toml"')]
     """File of the vehicle, or of a single wheelset."""
-    speed_kmh: Annotated[float, number(1, 500, "km/h")] | None = None
-    """Speed along the track; needed by analyses that run."""
+    speed_kmh: OrTable[Speed, SpeedTable] | None = None
+    """Speed along the track, or a table of it; needed by analyses that run."""
     wheel: WheelName | None = None
     """Profile of all wheels in place of that in the vehicle file."""
     wheel_left: WheelName | None = None
@@ -52,6 +54,10 @@ class VehicleSection(Section):
     """Further forces on bodies, such as wind; bodies go by their full names."""
     payloads: List[PayloadTable] = ()
     """Further masses or forces that the vehicle is trimmed with; bodies go by their full names."""
+    efforts: List[EffortTable] = ()
+    """Moments of motors and brakes on single axles, in runs."""
+    slip_control: SlipControlTable | None = None
+    """Protection of all axles against sliding and spinning."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

@@ -1,0 +1,229 @@
+"""Speed along the line, motors and brakes: where the frame is, what the energy becomes, what adhesion lets through."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid, quad
+from support.scenario_texts import CURVE, faults
+from support.vehicles import COARSE, ROOT, manchester
+
+from wrsim.analysis import run
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.start import start_state
+from wrsim.core.body.line_motion import PIECE, motion_at
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import Scenario, load
+from wrsim.simulation.bodies import mass_matrix
+from wrsim.simulation.integrate import integrate
+from wrsim.simulation.system import System
+from wrsim.vehicle.speed import SpeedProfile
+
+Array = NDArray[np.float64]
+COACH = ROOT / "scenarios/manchester_r300.toml"
+
+
+def on_straight(**keys: object) -> Scenario:
+    """The coach on 90 m of straight track, with further keys (dots written as two underscores)."""
+    own = {
+        "track.segments": [{"kind": "straight", "length_m": 90.0}],
+        "run.start_distance_m": 14.0,
+        "run.output_interval_ms": 10.0,
+    }
+    return load(COACH).with_values(COARSE | own | {key.replace("__", "."): value for key, value in keys.items()})
+
+
+# --- the frame --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "profile",
+    [
+        SpeedProfile.over_time([(0.5, 10.0), (2.0, 16.0), (3.0, 4.0)]),
+        SpeedProfile.over_distance([(105.0, 10.0), (125.0, 16.0), (135.0, 4.0)], 100.0),
+    ],
+)
+def test_the_frame_runs_as_far_as_its_speed_says(profile):
+    for t in (0.2, 1.7, 2.9, 6.0):
+        way, _ = quad(
+            lambda at: float(profile.speed(at)), 0.0, t, points=[p[0] for p in profile.pieces if 0 < p[0] < t]
+        )
+        assert float(profile.way(t)) == pytest.approx(way, rel=1e-9)
+        assert profile.time(float(profile.way(t))) == pytest.approx(t, rel=1e-12)
+        pieces = np.array(list(profile.pieces), PIECE)
+        assert motion_at(t, pieces)[:2] == pytest.approx((way, float(profile.speed(t))), rel=1e-9)
+    assert profile.until(9.0) == (4.0, 16.0)
+
+
+def test_over_distance_the_square_of_the_speed_is_linear():
+    profile = SpeedProfile.over_distance([(0.0, 10.0), (50.0, 20.0)], 25.0)
+    assert profile.pieces[0][2] ** 2 == pytest.approx(250.0)
+    assert float(profile.speed(profile.time(12.5))) ** 2 == pytest.approx(325.0)
+
+
+# --- energy -----------------------------------------------------------------------------------------------
+
+
+def balance(scenario: Scenario) -> tuple[Array, Array, Array, Array]:
+    """Times of a run on level track [s], and from its start on the change of kinetic energy, the work of the drive, and
+    what creep has dissipated [J]. What weight and springs hold and dampers take is left out: when it is quiet they are
+    as at the start.
+    """
+    setup = build(scenario)
+    law = force_law(setup)
+    q, q_t = start_state(setup, law)
+    system = System(law.bodies, law, law.dampers)
+    motion = integrate(
+        system, q, q_t, duration=setup.plan.duration, step=1.25e-3, weight=law.vehicle.weight, sample_interval=5e-3
+    )
+    assert motion.status == "completed"
+    n = 6 * len(law.bodies)
+    powers, losses, energies = [], [], []
+    for t, state, rates in zip(motion.times, motion.q, motion.q_t, strict=True):
+        law.at(t, state, rates)
+        powers.append(float(np.sum(law.axles["power"])))
+        arrays = [wheel.model.arrays for pair in law.wheels for wheel in pair]
+        losses.append(sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays))
+        energies.append(0.5 * rates[:n] @ mass_matrix(law.bodies, state)[:n, :n] @ rates[:n])
+    work, loss = (cumulative_trapezoid(p, motion.times, initial=0.0) for p in (powers, losses))
+    return motion.times, np.array(energies) - energies[0], work, loss
+
+
+SPEEDING_AND_BRAKING = [[0.1, 54], [0.9, 60], [2.4, 60], [3.2, 54]]
+QUIET = 2.35, 4.7
+"""Before the brakes come on, and behind them, when springs have come to rest [s]."""
+
+
+@pytest.mark.parametrize(
+    "segment", [{"kind": "straight"}, {"kind": "arc", "radius_m": 300.0, "cant_mm": 60.0}], ids=["straight", "curve"]
+)
+def test_what_the_axles_are_given_is_kinetic_energy_or_lost_in_creep(segment):
+    keys = {
+        "track.segments": [segment | {"length_m": 115.0}],
+        "vehicle.speed_kmh": {"time_s_speed_kmh": SPEEDING_AND_BRAKING},
+        "vehicle.drive": "wheels",
+        "run.time_s": QUIET[1],
+    }
+    times, energy, work, loss = balance(on_straight().with_values(keys))
+    up, end = (int(np.argmin(np.abs(times - t))) for t in QUIET)
+    gained = energy[up]
+    assert gained > 0.9e6
+    assert loss[end] > (8e3 if segment["kind"] == "arc" else 100.0)
+    assert work[up] - loss[up] == pytest.approx(gained, abs=1e-3 * gained)
+    given_back = (work - loss)[end] - (work - loss)[up]
+    assert given_back == pytest.approx(energy[end] - gained, abs=1e-3 * gained)
+
+
+# --- adhesion ---------------------------------------------------------------------------------------------
+
+SLIPPERY = {"contact.friction": 0.1, "vehicle.drive": "free", "vehicle.speed_kmh": 60, "run.time_s": 1.2}
+HARD = [{"on": ["front.outer"], "time_s_moment_kNm": [[0.05, 0], [0.15, -9]]}]
+"""More than the 5 kN m that a friction of 0.1 lets through under 54 kN a wheel."""
+
+
+@cache
+def braked(creepage: float | None):
+    """The coach whose first axle is braked beyond adhesion."""
+    control = {} if creepage is None else {"vehicle.slip_control": {"creepage": creepage}}
+    return run(on_straight().with_values(SLIPPERY | {"vehicle.efforts": HARD} | control))
+
+
+def test_a_brake_beyond_adhesion_stops_the_wheels_and_is_told():
+    result = braked(None)
+    first = result.dataset.sel(wheelset="front.outer")
+    assert float(first["axle_creepage"].max()) > 0.3
+    label = next(str(text) for text in result.dataset["event_label"].values if "beyond adhesion" in str(text))
+    assert label.startswith("wheelset front.outer is braked beyond adhesion and slides for")
+    # friction carries what it can: the weight of the axle times 0.1
+    force = -first["X"].sum("wheel").values[-1]
+    assert force == pytest.approx(-0.1 * first["Q"].sum("wheel").values[-1], rel=0.02)
+
+
+@pytest.mark.parametrize("creepage", [0.01, 0.05])
+def test_slip_control_keeps_the_slip_below_its_limit(creepage):
+    result = braked(creepage)
+    first = result.dataset.sel(wheelset="front.outer")
+    assert 0.5 * creepage < float(first["axle_creepage"].max()) < creepage
+    # what it gives is what the rails take; the wheels do not slow down any more than the vehicle
+    given = float(first["drive_moment"][-1])
+    assert given == pytest.approx(-0.1 * float(first["Q"].sum("wheel")[-1]) * 0.46, rel=0.05)
+    labels = [str(text) for text in result.dataset["event_label"].values]
+    assert any("braked beyond adhesion" in label for label in labels)
+
+
+def test_channels_of_the_drive_belong_together():
+    data = braked(0.05).dataset
+    assert float(data["drive_moment"].sel(wheelset="rear.outer").min()) == 0.0
+    power = data["drive_moment"] * data["spin_rate"]
+    first = "front.outer"
+    assert data["drive_power"].sel(wheelset=first).values == pytest.approx(power.sel(wheelset=first).values, rel=5e-3)
+    assert float(data["drive_work"].sel(wheelset=first)[-1]) < -50e3
+
+
+def test_without_a_moment_there_are_no_channels_of_drives():
+    assert "drive_moment" not in run(on_straight(run__time_s=0.05)).dataset
+
+
+# --- runs -------------------------------------------------------------------------------------------------
+
+
+def test_a_run_follows_the_speed_of_its_table():
+    rows = [[20, 60], [40, 72]]
+    keys = {"vehicle.speed_kmh": {"distance_m_speed_kmh": rows}, "run.distance_m": 50, "vehicle.drive": "wheels"}
+    scenario = on_straight().with_values(keys | {"output.patches_at_m": [30.0]})
+    result = run(scenario)
+    plan = build(scenario).plan
+    data = result.dataset
+    # 6 m at 60, 20 m at 66 on average, 24 m at 72 km/h
+    assert plan.duration == pytest.approx(6 / (60 / 3.6) + 20 / (66 / 3.6) + 24 / 20)
+    assert float(data["time"][-1]) == pytest.approx(plan.duration, abs=3e-3)
+    ahead = force_law(build(scenario)).vehicle.parts[manchester().reference].centre[0]
+    assert float(data["distance"][-1]) == pytest.approx(64.0 + ahead, abs=0.05)
+    planned = plan.profile.speed(data["time"].values)
+    assert np.abs(data["speed"].values - planned).max() < 0.12  # the car swings on its traction rods
+    assert "at 30 m" in [str(label) for label in data["snapshot_label"].values]
+
+
+def test_motors_alone_accelerate_the_mass_and_the_turning_wheels():
+    on = [{"time_s_moment_kNm": [[0, 0], [0.3, 4]]}]
+    result = run(on_straight().with_values({"vehicle.efforts": on, "vehicle.drive": "free", "run.time_s": 1.0}))
+    vehicle = manchester()
+    expected = 4 * (0.5 * 0.3 + 0.7) * 4e3 / 0.46 / vehicle.moved_mass
+    speed = result.dataset["speed"].values
+    assert speed[-1] - speed[0] == pytest.approx(expected, rel=0.02)
+
+
+# --- what is refused --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("speed_kmh = { distance_m_speed_kmh = [[0, 60], [20, 50], [20, 40]] }", "infinite acceleration"),
+        ("speed_kmh = { time_s_speed_kmh = [[0, 60], [0.1, 30]] }", "-83.3 m/s2: must be at most 10"),
+        ("speed_kmh = { time_s_speed_kmh = [[0, 60], [-1, 30]] }", "the first numbers rise"),
+        ("speed_kmh = { time_s_speed_kmh = [[0, 60], [9, 0]] }", "must be from 1 to 500 km/h"),
+        ("speed_kmh = {}", "distance_m_speed_kmh"),
+        ('speed_kmh = 54\nefforts = [{ moment_kNm = 3, on = ["axle"] }]', "'axle' is no wheelset; there is wheelset"),
+        ('speed_kmh = 54\nefforts = [{ on = ["wheelset"] }]', "must be a number in kNm"),
+        ("speed_kmh = 54\nefforts = [{ time_s_moment_kNm = [[1, 3], [1, 4]] }]", "must lie behind the row before it"),
+        ("speed_kmh = 54\nslip_control = { creepage = 0 }", "must be above 0"),
+    ],
+)
+def test_bad_speeds_and_efforts_are_refused_with_file_and_key(tmp_path, line, said):
+    found = faults(CURVE.replace("speed_kmh = 54", line), tmp_path)
+    assert len(found) == 1
+    assert found[0].startswith("case.toml:")
+    assert "vehicle." in found[0]
+    assert said in found[0]
+
+
+def test_a_speed_that_nothing_holds_is_refused(tmp_path):
+    text = CURVE.replace("wheelset_s1002", "manchester_1").replace(
+        "speed_kmh = 54", 'drive = "free"\nspeed_kmh = { time_s_speed_kmh = [[0, 60], [9, 50]] }'
+    )
+    (fault,) = faults(text, tmp_path)
+    assert fault.startswith('case.toml:5: vehicle.drive = "free": must be')

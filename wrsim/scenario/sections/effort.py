@@ -1,0 +1,99 @@
+"""[[vehicle.efforts]] and [vehicle.slip_control]: what motors and brakes ask of the axles."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar
+
+from pydantic import AfterValidator, Field
+
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import List, number, refuse, text
+from wrsim.vehicle.vehicle import Effort, Over, SlipControl
+
+LARGEST = 200.0
+"""Largest moment on an axle [kN m]; strong locomotives have some 70."""
+
+Rows = tuple[tuple[float, float], ...]
+
+
+def _checked(rows: Rows) -> Rows:
+    """Rows (x, moment) in rising order."""
+    for position, (before, row) in enumerate(pairwise(rows), 1):
+        if row[0] <= before[0]:
+            raise refuse(f"row [{position}] must lie behind the row before it: the first numbers rise")
+    for position, row in enumerate(rows):
+        if row[0] < 0.0:
+            raise refuse(f"row [{position}] begins with {row[0]:g}: must not lie before 0")
+        if abs(row[1]) > LARGEST:
+            raise refuse(f"row [{position}] has {row[1]:g} kNm: must be from {-LARGEST:g} to {LARGEST:g}")
+    return rows
+
+
+_ROWS = Field(strict=False, min_length=1, description="a list of rows in rising order, each {each}")
+_Two = tuple[float, float]
+OverTime = Annotated[
+    tuple[Annotated[_Two, Field(strict=False, description="two numbers [time s, moment kNm]")], ...],
+    _ROWS, AfterValidator(_checked),
+]  # fmt: skip
+OverDistance = Annotated[
+    tuple[Annotated[_Two, Field(strict=False, description="two numbers [distance m, moment kNm]")], ...],
+    _ROWS, AfterValidator(_checked),
+]  # fmt: skip
+
+
+class EffortTable(Section):
+    """A moment on each of some wheelsets over the time or the distance of the vehicle's origin, positive forward."""
+
+    header: ClassVar[str] = "[[vehicle.efforts]]"
+    aliases: ClassVar[dict[str, str]] = {"on": "wheelsets wheelset axles axle", "moment_kNm": "torque_kNm"}
+
+    on: List[Annotated[str, text("the name of a wheelset")]] = ()
+    """Wheelsets that the moment acts on, each alike; all of them where it is not given."""
+    moment_kNm: Annotated[float, number(-LARGEST, LARGEST, "kNm on an axle, brakes negative")] | None = None
+    """Moment that stays the same, positive forward."""
+    time_s_moment_kNm: OverTime | None = None
+    """Moment over the time of the run, linear between rows, constant beyond them."""
+    distance_m_moment_kNm: OverDistance | None = None
+    """Moment over the distance of the vehicle's origin, linear between rows, constant beyond them."""
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """The moment in one of three ways."""
+        ways = [key for key in ("moment_kNm", "time_s_moment_kNm", "distance_m_moment_kNm") if key in raw]
+        if not ways:
+            message = "must be a number in kNm (or give time_s_moment_kNm or distance_m_moment_kNm, a table)"
+            yield Fault("moment_kNm", message, missing=True)
+        elif len(ways) > 1:
+            yield Fault(ways[1], f"cannot stand next to {ways[0]}: a moment follows the time, the distance or neither")
+
+    def effort(self, wheelset: str) -> Effort:
+        """The effort on a wheelset in SI units."""
+        over: Over = "time" if self.distance_m_moment_kNm is None else "distance"
+        rows = self.time_s_moment_kNm or self.distance_m_moment_kNm or ((0.0, self.moment_kNm or 0.0),)
+        return Effort(wheelset, tuple((x, 1e3 * moment) for x, moment in rows), over)
+
+
+class SlipControlTable(Section):
+    """Protection against sliding and spinning wheels: no axle slips by more than slip_kmh + creepage V.
+
+    A moment is given in full up to half of that, from there on linearly less, nothing at the limit.
+    """
+
+    header: ClassVar[str] = "[vehicle.slip_control]"
+    aliases: ClassVar[dict[str, str]] = {"slip_kmh": "slip_speed_kmh", "creepage": "slip_ratio"}
+
+    slip_kmh: Annotated[float, number(0, 50, "km/h of slip speed")] = 0.0
+    """Part of the limit that does not change with the speed."""
+    creepage: Annotated[float, number(0, 1, "slip speed over the vehicle's speed")] = 0.0
+    """Part of the limit that grows with the speed."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """A limit above nothing."""
+        if self.slip_kmh == 0.0 == self.creepage:
+            yield Fault("creepage", "or slip_kmh must be above 0: at a limit of 0 no moment would be given")
+
+    def control(self) -> SlipControl:
+        """The same in SI units."""
+        return SlipControl(self.slip_kmh / 3.6, self.creepage)
