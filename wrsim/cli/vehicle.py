@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import asin, degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +13,9 @@ from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, Models, check_ending
 from wrsim.cli.showing import print_json, print_table, print_title, say
 from wrsim.cli.storing import writing
+
+CANT_BASE = 1.5
+"""Distance over which cant and twist are counted [m]."""
 
 if TYPE_CHECKING:
     import numpy as np
@@ -26,11 +30,22 @@ def vehicle(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="PNG|SVG", help="Draw it there, from three sides.")
     ] = None,
+    cant_deficiency: Annotated[
+        float | None,
+        typer.Option("--cant-deficiency", metavar="MM", min=1.0, max=400.0, help="How it leans with so much of it."),
+    ] = None,
+    twist: Annotated[
+        float | None,
+        typer.Option("--twist", metavar="PERMILLE", min=0.01, max=20.0, help="Its wheel loads on so twisted a track."),
+    ] = None,
     models: Models = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Print mass, centre, static wheel loads and natural modes of a vehicle; draw it."""
+    """Print mass, centre, static wheel loads and natural modes of a vehicle; draw it.
+
+    With --cant-deficiency and --twist also what an acceptance measures on it standing still: sway and wheel unloading.
+    """
     with reporting_errors(as_json), writing(force):
         from wrsim.inputs.lookup import model_file, usual_finder
         from wrsim.vehicle.vehicle_files import load_vehicle
@@ -38,6 +53,10 @@ def vehicle(
         check_ending("-o", output, ".png", ".svg")
         loaded = load_vehicle(model_file(file, models), usual_finder(models))
         found = facts_of(loaded)
+        if cant_deficiency is not None:
+            found["leaning"] = _leaning(loaded, cant_deficiency)
+        if twist is not None:
+            found["twisted"] = _twisted(loaded, twist)
         if output is not None:
             from wrsim.plots.vehicle import vehicle_picture
 
@@ -104,6 +123,43 @@ def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
     return {"loads_kN": forces, **_wheel_loads(vehicle, rest.wheel_loads), "bodies": bodies, "bump_stops": stops}
 
 
+def _leaning(vehicle: Vehicle, deficiency_mm: float) -> dict[str, Any]:
+    """How it stands without its loads on rails canted by so much."""
+    from wrsim.simulation.statics import leaning
+
+    angle = asin(deficiency_mm / 1e3 / CANT_BASE)
+    bare = replace(vehicle, loads=())
+    found = _unloading(bare, leaning(bare, angle), 0.0)
+    if "rest" in found:
+        rolls = {b.name: -float(roll) for b, roll in zip(vehicle.bodies, found.pop("rest").moved[:, 2], strict=True)}
+        found["flexibility_coefficient"] = {name: roll / angle for name, roll in rolls.items()}
+        found["roll_deg"] = {name: degrees(roll) for name, roll in rolls.items()}
+    return {"cant_deficiency_mm": deficiency_mm, **found}
+
+
+def _twisted(vehicle: Vehicle, twist: float) -> dict[str, Any]:
+    """How it stands without its loads on a track of this twist, in parts of a thousand."""
+    bare = replace(vehicle, loads=())
+    found = _unloading(bare, bare, twist / 1e3 / CANT_BASE)
+    found.pop("rest", None)
+    return {"twist_permille": twist, **found}
+
+
+def _unloading(bare: Vehicle, loaded: Vehicle, twist: float) -> dict[str, Any]:
+    """Wheel loads at rest, the part of its static load that every wheel has lost, and the state; why not, if so."""
+    from wrsim.errors import SimulationError
+    from wrsim.simulation.statics import standing
+
+    try:
+        static, rest = standing(bare), standing(loaded, twist)
+    except SimulationError as error:
+        return {"problem": str(error)}
+    lost = (1.0 - rest.wheel_loads / static.wheel_loads).tolist()
+    unloading = {m.name: {"left": a, "right": b} for m, (a, b) in zip(bare.wheelsets, lost, strict=True)}
+    return {**_wheel_loads(bare, rest.wheel_loads), "unloading": unloading, "largest_unloading": max(map(max, lost)),
+            "rest": rest}  # fmt: skip
+
+
 def _print(found: dict[str, Any]) -> None:
     print_title(found["name"])
     say(found["source"])
@@ -112,12 +168,47 @@ def _print(found: dict[str, Any]) -> None:
     _print_wheel_loads(found, "static wheel loads")
     if "under_loads" in found:
         _print_under_loads(found["under_loads"])
+    if "leaning" in found:
+        _print_leaning(found["leaning"])
+    if "twisted" in found:
+        own = found["twisted"]
+        _print_unloading(own, f"on a twist of {own['twist_permille']:g} per mille")
+        say("EN 14363 allows an unloading of 0.6 on its own combination of twists of bogie and body [mem]")
     modes = [[f"{m['frequency_Hz']:.3f}", f"{m['damping']:z.3f}", m["motion"]] for m in found["modes"]]
     if modes:
         title = "modes on its springs, wheelsets held"
         print_table(("Hz", "damping", "motion"), modes, title=title, left=("motion",))
     if "picture" in found:
         say(found["picture"])
+
+
+def _print_leaning(found: dict[str, Any]) -> None:
+    _print_unloading(found, f"at {found['cant_deficiency_mm']:g} mm of cant deficiency")
+    if "problem" in found:
+        return
+    rows = [
+        [name, f"{s:z.3f}", f"{found['roll_deg'][name]:z.2f}"] for name, s in found["flexibility_coefficient"].items()
+    ]
+    if rows:
+        heads = ("body", "flexibility coefficient", "roll deg")
+        print_table(heads, rows, title="bodies against the track, outward", left=("body",))
+    say("49 CFR 213.57(d): no unloading above 0.4, a passenger car's floor rolls by 8.6 degrees at most [pub]")
+
+
+def _print_unloading(found: dict[str, Any], title: str) -> None:
+    if "problem" in found:
+        say(f"{title}: {found['problem']}")
+        return
+    rows = [
+        [
+            name,
+            *(f"{q[side]:.3f}" for side in ("left", "right")),
+            *(f"{found['unloading'][name][side]:z.3f}" for side in ("left", "right")),
+        ]
+        for name, q in found["wheel_loads_kN"].items()
+    ]
+    heads = ("wheelset", "left kN", "right kN", "left dQ/Q0", "right dQ/Q0")
+    print_table(heads, rows, title=f"{title}: unloading up to {found['largest_unloading']:.3f}", left=("wheelset",))
 
 
 def _print_wheel_loads(found: dict[str, Any], title: str) -> None:

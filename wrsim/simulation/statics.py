@@ -1,4 +1,4 @@
-"""A vehicle at rest on level rails: how it stands under its loads, and the force of every wheel.
+"""A vehicle at rest on level, canted or twisted rails: how it stands under its loads, and the force of every wheel.
 
 The wheelsets stand each on two hard supports half the profile spacing to either side of its middle that
 push and do not pull, so a wheel may lift; the rails hold them sideways at their own height. All else finds its place in
@@ -8,7 +8,8 @@ the wheels ``analysis = "equilibrium"`` says more.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import cos, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +21,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import newton
 from wrsim.simulation.state import TOLERANCE, SteadyMotion, design_state
 from wrsim.simulation.system import COORDINATES, Array
+from wrsim.vehicle.vehicle import Load
 
 if TYPE_CHECKING:
     from wrsim.vehicle.vehicle import Vehicle
@@ -44,10 +46,29 @@ class Standing:
     readings: Array
 
 
-def standing(vehicle: Vehicle) -> Standing:
+def leaning(vehicle: Vehicle, angle: float) -> Vehicle:
+    """The vehicle on rails that are canted by this angle [rad], the right one higher, in the axes of the track.
+
+    Loads at all masses, carried ones and payloads turn their weight to the left: the same as a curve to the right with
+    so much cant deficiency, but for the weight, which is m g cos(angle).
+    """
+    weights = [(part.name, vehicle.gravity * part.mass, part.centre) for part in vehicle.parts]
+    weights += [(p.body, -p.force[2], p.at) for p in vehicle.payloads]
+    for c in vehicle.carried:
+        x, y, z = vehicle.place(c.body)
+        weights.append((c.body, vehicle.gravity * c.mass, (x, y, z + c.height)))
+    turned = (
+        Load.constant(f"leaning {i}", body, (0.0, weight * sin(angle), weight * (1.0 - cos(angle))), at)
+        for i, (body, weight, at) in enumerate(weights)
+    )
+    return replace(vehicle, loads=(*vehicle.loads, *turned))
+
+
+def standing(vehicle: Vehicle, twist: float = 0.0) -> Standing:
     """The vehicle at rest under its payloads and loads, those over time or distance at their largest.
 
-    Raises SimulationError when it finds no rest: it overturns.
+    twist: by how much the rails turn about the track along it [rad/m]; they are level under the middle of the
+    wheelsets and their left side rises ahead. Raises SimulationError when the vehicle finds no rest: it overturns.
     """
     loaded = vehicle.loaded_as(lambda load: load.largest)
     law = VehicleOnTrack(loaded, Track.build([Straight(LENGTH)], 1.5), (), speed=0.0, start=PLACE, drive="train")
@@ -55,10 +76,13 @@ def standing(vehicle: Vehicle) -> Standing:
     n, w = len(law.bodies), len(vehicle.wheelsets)
     half = np.array([0.5 * mounted.wheelset.profile_spacing for mounted in vehicle.wheelsets])
     radius = np.array([mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
+    ahead = np.array([mounted.x for mounted in vehicle.wheelsets])
+    tilt = twist * (ahead - ahead.mean())
     x = steady.unknowns(*design_state(law))
     own = x[: 6 * n].reshape(n, 6)
     design = own[w:, [Y, Z, ROLL]].copy()
     own[:w, Z] = radius - 0.5 * vehicle.weight / w / SUPPORT
+    own[:w, ROLL] = tilt
     held = [6 * i + k for i in range(w) for k in (Y, SPIN)]
     free = np.delete(np.arange(x.size), held)
     supports = np.zeros((w, 2))
@@ -68,7 +92,7 @@ def standing(vehicle: Vehicle) -> Standing:
         left = steady.residual(x)
         axles = left[: 6 * w].reshape(w, 6)
         for side, sign in enumerate((1.0, -1.0)):
-            sunk = radius - own[:w, Z] - sign * half * own[:w, ROLL]
+            sunk = radius - own[:w, Z] + sign * half * (tilt - own[:w, ROLL])
             supports[:, side] = SUPPORT * np.maximum(sunk, 0.0)
         up, about = supports.sum(axis=1), half * (supports[:, 0] - supports[:, 1])
         axles[:, Z] += up / vehicle.weight
