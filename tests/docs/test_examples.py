@@ -30,11 +30,11 @@ def blocks(page: Path, language: str) -> list[str]:
 
 
 def command_lines(page: Path) -> list[list[str]]:
-    """Words of all lines that call wrsim, in fenced and in indented examples; comments, explanations and what stands
-    in brackets as optional are left out."""
+    """Words of all lines that call wrsim, in fenced and in indented examples; comments, explanations, files that take
+    the output and what stands in brackets as optional are left out."""
     lines = [line for block in blocks(page, "sh") for line in block.splitlines()]
     lines += re.findall(r"^ {4}(wrsim .*)$", page.read_text(), re.M)
-    plain = (re.split(r"\s{2,}", re.sub(r"\[-[^]]*\]", "", line))[0] for line in lines if line.startswith("wrsim "))
+    plain = (re.split(r"\s{2,}| > ", re.sub(r"\[-[^]]*\]", "", line))[0] for line in lines if line.startswith("wrsim "))
     return [shlex.split(line, comments=True)[1:] for line in plain]
 
 
