@@ -234,6 +234,11 @@ def test_the_charts_answer_with_the_envelope_of_the_dataset(
                     assert line["low"] == pytest.approx(of.min(), rel=1e-4, abs=1e-6)
                     assert line["high"] == pytest.approx(of.max(), rel=1e-4, abs=1e-6)
     assert chromium.run("return document.querySelectorAll('.uplot canvas').length") >= 6
+    # one cursor over all charts: the legend of each tells the values there
+    told = chromium.run("return [...document.querySelectorAll('.u-legend')].map((legend) => legend.textContent)")
+    places = [float(words.split("[m]")[1].split(" m")[0]) for words in told]
+    assert len(places) > 6 and all(found["from"] <= s <= found["to"] for s in places)
+    assert any("1 front.outer, right" in words for words in told)
     assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
     chromium.run("document.querySelector('.uplot').scrollIntoView()")
     assert chromium.colours(".uplot") > 4

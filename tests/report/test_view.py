@@ -221,6 +221,8 @@ def test_exaggeration_moves_bodies_away_from_the_track(chromium: Browser, page: 
     chromium.open(page)
     place = "return wrsim.viewer.stage.parts.get('front.outer').group.position.y"
     chromium.run("return wrsim.ready.then(() => wrsim.seek(45))")
+    for id in ("wheel", "focus"):  # numbered from the front, as in terminal and folders
+        assert "1 front.outer" in chromium.run(f"return document.getElementById('{id}').textContent")
     shifts = []
     for factor in (1, 10, 50):
         chromium.run(f"document.querySelector('[data-factor=\"{factor}\"]').click()")

@@ -14,7 +14,7 @@ from wrsim.plots.colours import FAINT, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, 
 from wrsim.report.envelope import envelope, pieces_of, points_of
 from wrsim.report.svg import Array, element, limits, path, picture, ticks
 from wrsim.results import CHANNELS
-from wrsim.results.wheelsets import wheelsets, worst_wheelset
+from wrsim.results.wheelsets import numbered, wheelsets, worst_wheelset
 
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, FOOT = 1000.0, 190.0, 62.0, 12.0, 8.0, 24.0
 """Units of a chart's drawing."""
@@ -61,12 +61,13 @@ class Line:
 
 @dataclass(frozen=True)
 class Chart:
-    """Curves of one channel; limits: words and values of lines across."""
+    """Curves of one channel; along: unit of the abscissa; limits: words and values of lines across."""
 
     key: str
     title: str
     unit: str
     note: str
+    along: str
     lines: tuple[Line, ...]
     limits: tuple[tuple[str, float], ...] = ()
 
@@ -80,16 +81,19 @@ class Chart:
                     best = float(line.values[i]), float(line.places[i]), line.label
         if best is None:
             return "no values"
-        return f"largest magnitude {best[0]:.4g} {self.unit} at {best[1]:.1f}: {best[2]}".replace("  ", " ")
+        value = f"{best[0]:.4g} {self.unit}".strip()
+        whose = f", {best[2]}" if len(self.lines) > 1 else ""
+        return f"largest magnitude {value} at {best[1]:.1f} {self.along}{whose}"
 
 
 @dataclass(frozen=True)
 class Charts:
-    """All charts over one abscissa. abscissa: "distance" or "time"; parts: wheelsets in all charts of them."""
+    """All charts over one abscissa. abscissa: "distance" or "time"; parts: wheelsets in all charts of them, and how
+    they are called there."""
 
     charts: tuple[Chart, ...]
     abscissa: str
-    parts: tuple[str, ...]
+    parts: dict[str, str]
     worst: str
     pieces: Array = field(repr=False)
 
@@ -110,7 +114,7 @@ class Charts:
             "x": [round(float(v), 3) for v in x],
             "unit": self.unit,
             "label": self.label,
-            "parts": list(self.parts),
+            "parts": self.parts,
             "charts": [
                 {
                     "key": chart.key,
@@ -143,24 +147,33 @@ def charts_of(
     if any(d.sizes.get("time", 0) < 2 or "resolved_with" in d.attrs for d in datasets):
         return None
     moves = all("distance" in d.coords and np.ptp(d["distance"].values) > 1e-9 for d in datasets)
+    along, parts = "m" if moves else "s", called(datasets)
     found = []
     for key in (*OF_WHEELS, *OF_WHEELSETS, *FURTHER, *OF_BODIES, *OF_POINTS):
-        lines = [line for run, d in enumerate(datasets) for line in _lines(d, key, moves, run, names)]
+        lines = [line for run, d in enumerate(datasets) for line in _lines(d, key, moves, run, names, parts)]
         if lines and any(np.nan_to_num(line.values).any() for line in lines):
             channel = CHANNELS[key]
             title = channel.long_name[0].upper() + channel.long_name[1:].replace(" of the body", "")
             title += f" {key}" if len(key) == 1 else ""
             unit = "" if channel.shown.symbol == "1" else channel.shown.symbol
-            found.append(Chart(key, title, unit, SIGNS.get(key, ""), tuple(lines), tuple(across.get(key, ()))))
+            found.append(Chart(key, title, unit, SIGNS.get(key, ""), along, tuple(lines), tuple(across.get(key, ()))))
     if not found:
         return None
-    parts = tuple(dict.fromkeys(name for d in datasets for name in wheelsets(d)))
     places = [line.places for chart in found for line in chart.lines]
     worst = worst_wheelset(datasets[0])
     return Charts(tuple(found), "distance" if moves else "time", parts, worst, pieces_of(places))
 
 
-def _lines(dataset: xr.Dataset, key: str, moves: bool, run: int, names: Sequence[str]) -> list[Line]:
+def called(datasets: Sequence[xr.Dataset]) -> dict[str, str]:
+    """Wheelsets of all results and what they are called: with their numbers, where all results have the same ones."""
+    sets = [wheelsets(d) for d in datasets]
+    names = list(dict.fromkeys(name for own in sets for name in own))
+    return numbered(names) if len(set(sets)) == 1 else {name: name for name in names}
+
+
+def _lines(
+    dataset: xr.Dataset, key: str, moves: bool, run: int, names: Sequence[str], called: dict[str, str]
+) -> list[Line]:
     """The curves of one channel of one result."""
     if key not in dataset:
         return []
@@ -183,7 +196,7 @@ def _lines(dataset: xr.Dataset, key: str, moves: bool, run: int, names: Sequence
         if not several and len(parts) == 1 and len(wheels) == 1:
             colour = INK
         for j, wheel in enumerate(wheels):
-            shown = part if len(parts) > 1 or of in ("body", "point") else ""
+            shown = called.get(part, part) if len(parts) > 1 or of in ("body", "point") else ""
             words = [w for w in (names[run] if several else "", shown, wheel) if w]
             label = ", ".join(words) or CHANNELS[key].long_name
             group = part if of == "wheelset" and key not in ("curvature", "cant") else ""

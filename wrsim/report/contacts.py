@@ -20,7 +20,7 @@ from wrsim.plots.style import pressure_map, shown
 from wrsim.report.svg import Array, element, path, picture
 from wrsim.results import CHANNELS
 from wrsim.results.moments import has_patches, moment_dim, sample_of
-from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
+from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets, worst_wheelset
 
 MOST = 6
 """Moments that are drawn."""
@@ -64,12 +64,12 @@ def kept_contacts(dataset: xr.Dataset) -> tuple[tuple[OfWheelset, ...], int]:
     found = []
     worst = worst_wheelset(dataset)
     total = 0
-    for name in wheelsets(dataset):
+    for name, label in numbered(wheelsets(dataset)).items():
         one = of_wheelset(dataset, name)
         total = max(total, one.sizes[moment_dim(one)])
         scale = pressure_scale(one)
         moments = [_moment(one, m, scale) for m in choose_moments(one, MOST)]
-        found.append(OfWheelset(name, name == worst, tuple(moments)))
+        found.append(OfWheelset(label, name == worst, tuple(moments)))
     return tuple(found), total
 
 

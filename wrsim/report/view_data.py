@@ -17,7 +17,7 @@ from wrsim.plots.style import pressure_map, shown
 from wrsim.report.svg import Array, needed
 from wrsim.results import CHANNELS, Result
 from wrsim.results.moments import has_patches, moment_dim, sample_of
-from wrsim.results.wheelsets import of_wheelset, wheelsets
+from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -67,6 +67,8 @@ def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[s
     if result.stop_reason:
         data["notes"].append(f"Stopped: {result.stop_reason}")
     data["colours"] = [_hex(c) for c in pressure_map()(np.linspace(0.0, 1.0, 32))]
+    names = [m.name for m in setup.vehicle.wheelsets] if setup is not None else wheelsets(dataset)
+    data["called"] = numbered(names)
     if setup is not None:
         data["vehicle"] = _vehicle(setup)
     if result.analysis == "stability" and setup is not None:

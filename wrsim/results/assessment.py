@@ -102,7 +102,10 @@ class Limit:
 
 @dataclass(frozen=True)
 class Value:
-    """One quantity in one section, on one wheelset and, where it belongs to a wheel, on that wheel; or at a point."""
+    """One quantity in one section, on one wheelset and, where it belongs to a wheel, on that wheel; or at a point.
+
+    label: the wheelset's name with its number from the front.
+    """
 
     quantity: Quantity
     section: Section
@@ -111,6 +114,7 @@ class Value:
     value: float
     limit: Limit | None = None
     point: str = ""
+    label: str = ""
 
     @property
     def passed(self) -> bool | None:
@@ -125,7 +129,7 @@ class Value:
     @property
     def place(self) -> str:
         """Wheelset and wheel, or the point, in words; empty where there is only one."""
-        return " ".join(part for part in (self.wheelset, self.wheel, self.point) if part)
+        return " ".join(part for part in (self.label, self.wheel, self.point) if part)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from wrsim.analysis.assessment.track_quality import track_quality
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment, Limit, Section, Value
-from wrsim.results.wheelsets import of_wheelset, wheelsets
+from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 from wrsim.scenario.loading import load_text
 from wrsim.scenario.sections.assessment import AssessmentSection, AssessmentSettings
 
@@ -54,7 +54,11 @@ def assess(result: Result, settings: AssessmentSettings | None = None) -> Assess
     radii = _mean_radii(sections)
     notes: list[str] = []
     names = wheelsets(dataset)
-    axles = [_Axle.of(name if len(names) > 1 else "", of_wheelset(dataset, name), settings) for name in names]
+    several, labels = len(names) > 1, numbered(names)
+    axles = [
+        _Axle.of(name if several else "", labels[name] if several else "", of_wheelset(dataset, name), settings)
+        for name in names
+    ]
     nadal = limit_of(dataset, settings, notes)
     if not any(axle.rms.size for axle in axles):
         notes.append(f"instability: the run is shorter than the window of {q.STABILITY_WINDOW:g} m")
@@ -112,6 +116,7 @@ class _Axle:
     """Filtered signals of one wheelset: over its samples (n,), and over the middles of windows (m,), (k,)."""
 
     name: str
+    label: str
     load: float
     frequency: float
     distance: Array
@@ -129,7 +134,7 @@ class _Axle:
     shift: Array | None
 
     @classmethod
-    def of(cls, name: str, dataset: xr.Dataset, settings: AssessmentSettings) -> _Axle:
+    def of(cls, name: str, label: str, dataset: xr.Dataset, settings: AssessmentSettings) -> _Axle:
         """Filter the channels of one wheelset."""
         distance = dataset["distance"].values
         rate = sampling_rate(dataset["time"].values)
@@ -149,6 +154,7 @@ class _Axle:
         wear = of_wheels("T_gamma") if "T_gamma" in dataset else None
         return cls(
             name=name,
+            label=label,
             load=settings.axle_load if settings.axle_load is not None else float(raw_q.sum(axis=1).mean()),
             frequency=frequency,
             distance=distance,
@@ -246,7 +252,7 @@ class _Axle:
             yield self._value("lateral_shift", section, shift, None)
 
     def _value(self, key: str, section: Section, value: float, limit: Limit | None, wheel: str = "") -> Value:
-        return Value(q.QUANTITIES[key], section, self.name, wheel, float(value), limit)
+        return Value(q.QUANTITIES[key], section, self.name, wheel, float(value), limit, label=self.label)
 
 
 _SIDES = (("left", 0), ("right", 1))

@@ -116,8 +116,7 @@ function seek(s) {
     const { min, max } = u.scales.x;
     if (x[i] < min || x[i] > max) u.setScale("x", { min: whole[0], max: whole[1] });
   }
-  const first = plots[0];
-  first.setCursor({ left: first.valToPos(x[i], "x"), top: 10 });
+  for (const u of plots) u.setCursor({ left: u.valToPos(x[i], "x"), top: 10 }); // uPlot tells others of the mouse only
   slider.value = s;
   tell(s);
   const found = {};
@@ -150,13 +149,14 @@ function begin() {
   document.querySelectorAll("figure.chart").forEach(make);
   slider.addEventListener("input", () => seek(Number(slider.value)));
   document.getElementById("whole").addEventListener("click", () => stretch(...whole));
-  if (data.parts.length > 1) {
+  const parts = Object.entries(data.parts);
+  if (parts.length > 1) {
     const select = document.getElementById("part");
     document.getElementById("part-label").hidden = false;
-    select.append(new Option("all", ""), ...data.parts.map((name) => new Option(name, name)));
+    select.append(new Option("all", ""), ...parts.map(([name, called]) => new Option(called, name)));
     select.addEventListener("change", () => choose(select.value));
     if (several) {
-      const first = document.body.dataset.part || data.parts[0];
+      const first = document.body.dataset.part || parts[0][0];
       select.value = first;
       choose(first);
     }

@@ -31,13 +31,18 @@ class Viewer {
   beginSections() {
     this.section = new Section($("section"), this.sections, this.data.colours);
     this.sections.of.forEach((of, i) => {
-      const name = this.sections.wheelsets.length > 1 ? `${of.wheelset}, ${of.wheel}` : of.wheel;
+      const name = this.sections.wheelsets.length > 1 ? `${this.called(of.wheelset)}, ${of.wheel}` : of.wheel;
       $("wheel").append(new Option(name, i));
     });
     $("wheel").addEventListener("change", () => {
       this.section.wheel = Number($("wheel").value);
       this.show();
     });
+  }
+
+  /** A wheelset with its number from the front, as in the tables; anything else by its name. */
+  called(name) {
+    return this.data.called[name] ?? name;
   }
 
   beginStage() {
@@ -68,7 +73,7 @@ class Viewer {
       });
     }
     if (this.stage) {
-      for (const name of this.stage.parts.keys()) $("focus").append(new Option(name, name));
+      for (const name of this.stage.parts.keys()) $("focus").append(new Option(this.called(name), name));
       $("focus").addEventListener("change", () => {
         this.stage.view("oblique", $("focus").value || null);
         this.stage.render();
@@ -179,7 +184,7 @@ class Viewer {
     }
     const patches = section.patches();
     const said = patches.map((p) => `N ${words(p.N)} kN, contact angle ${words(p.angle)} degrees, p0 ${words(p.p0)} MPa`).join("; ") || "no contact";
-    $("section").setAttribute("aria-label", `${of.wheelset}, ${of.wheel} wheel on its rail, ${$("section-place").textContent}: ${said}`);
+    $("section").setAttribute("aria-label", `${this.called(of.wheelset)}, ${of.wheel} wheel on its rail, ${$("section-place").textContent}: ${said}`);
     section.draw();
   }
 
@@ -252,7 +257,7 @@ class Viewer {
       const cells = typeof value === "object" ? Object.values(value) : [value, null];
       return [unit ? `${long} [${unit}]` : long, ...cells];
     });
-    $("numbers-name").textContent = run.wheelsets[w];
+    $("numbers-name").textContent = this.called(run.wheelsets[w]);
     $("numbers-body").replaceChildren(...rows.map(([name, ...cells]) => {
       const row = document.createElement("tr");
       row.append(Object.assign(document.createElement("th"), { textContent: name, scope: "row" }));
