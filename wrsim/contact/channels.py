@@ -286,11 +286,16 @@ def _joined(raw: RawContacts, lobes: list[Records], wheel: int, patch: int) -> R
 
 
 def wheel_outline(wheel: WheelOnRail) -> Array:
-    """Outline (o, b) of the wheel seen along its rail at the pose computed last, (2, OUTLINE_POINTS) [m]."""
+    """Outline (o, b) of the wheel seen along its rail at the pose computed last, (2, OUTLINE_POINTS) [m].
+
+    What a yawed wheel's flange back hides behind itself is left out: those points stand where the outline begins.
+    """
     a = wheel.model.arrays
     arc = np.linspace(0.0, wheel.model.wheel.length, OUTLINE_POINTS)
     out = np.empty((2, OUTLINE_POINTS))
     outline(a.wheel, a.settings.wheel_step, a.settings.radius, a.pose, arc, out)
+    begin = int(np.argmax(out[1, : int(np.argmin(out[1])) + 1]))
+    out[:, :begin] = out[:, begin, None]
     return out
 
 

@@ -50,7 +50,7 @@ def has_outlines(dataset: xr.Dataset) -> bool:
 
 def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> Axes:
     """Draw the rail and the wheel of one moment as cut solids, in mm."""
-    of_wheel = dataset.sel(wheel=wheel)
+    of_wheel = dataset[[f"{part}_profile_{n}" for part in ("rail", "wheel") for n in "yz"]].sel(wheel=wheel)
     dim = moment_dim(dataset)
     for part, fill, beyond, order in (("rail", RAIL_FILL, -300.0, 1.0), ("wheel", WHEEL_FILL, 300.0, 1.1)):
         chosen = of_wheel[[f"{part}_profile_y", f"{part}_profile_z"]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,7 @@ from wrsim.plots.marks import (
 )
 from wrsim.plots.moments import snapshot_letter
 from wrsim.plots.stops import is_stopped, mark_stop, stop_note
-from wrsim.plots.style import FULL_WIDTH, abscissa, headline, new_figure, shown, style
+from wrsim.plots.style import FULL_WIDTH, abscissa, headline, new_figure, place, shown, style, write
 from wrsim.results import CHANNELS
 from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS
 
@@ -45,6 +46,12 @@ CROWDED = 60
 SEEN = 2.5
 """A limit is drawn as a line up to so many times the largest value; beyond that it is told in words."""
 
+HEAD, FOOT, GAP = 10.0, 17.0, 3.4
+"""Room over the first panel, beneath the last one, and between two, mm."""
+LEFT, RIGHT, LABEL = 19.0, 14.5, 11.2
+"""Room beside the panels, and how far their labels stand off, mm."""
+LETTERS, LINE = 115, 4.2
+"""How many letters one line of the legend holds, counting seven for the look of each entry, and its height, mm."""
 Panel = Callable[[Axes, xr.Dataset], Axes]
 
 
@@ -105,7 +112,7 @@ def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
     """
     x, _ = abscissa(dataset)
     colour = WHEEL_COLOUR[wheel]
-    of_wheel = dataset.sel(wheel=wheel)
+    of_wheel = dataset[[*ANGLES]].sel(wheel=wheel)
     main, mean, low, high = (shown(of_wheel, f"contact_angle{end}") for end in ("", "_mean", "_min", "_max"))
     for k in range(main.shape[1]):
         if not np.isfinite(main[:, k]).any():
@@ -180,10 +187,13 @@ def stacked(
     *,
     panel_height_mm: float = 36.0,
     legend: Sequence[Artist] = (),
+    titled: bool = False,
 ) -> Figure:
     """Figure of panels above each other over one slim panel of the track; they share the horizontal axis.
 
     ``legend`` holds labelled artists for one legend beneath everything. A straight and level track has no panel.
+    titled: panels have titles. Every panel has a place of its own in mm: a layout that measures all words first takes
+    half of the drawing time.
     """
     with style():
         if dataset.sizes["time"] == 0:
@@ -192,11 +202,28 @@ def stacked(
             figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=QUIET)
             return figure
         curved = any(np.nan_to_num(dataset[n].values).any() for n in ("curvature", "cant") if n in dataset)
-        heights = [panel_height_mm] * len(panels) + [17.0] * curved
-        figure = new_figure(FULL_WIDTH, sum(heights) + 19.0)
-        rows = list(figure.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0])
+        gap = GAP + (2.6 if titled else 0.0)
+        heights = [panel_height_mm - gap] * len(panels) + [17.0 - GAP] * curved
+        note = stop_note(dataset)
+        top = HEAD + (4.0 if note else 0.0) + gap - GAP
+        legend = [*legend, *_letters_entry(dataset)]
+        letters = sum(7 + len(str(entry.get_label())) for entry in legend)
+        lines = max(ceil(letters / LETTERS), 1 if len(legend) <= 5 else 2)
+        total = top + sum(heights) + gap * (len(heights) - 1) + FOOT + LINE * (lines - 1)
+        figure = new_figure(FULL_WIDTH, total, constrained=False)
+        figure.suptitle(dataset.attrs.get("title", ""), x=0.012, y=1.0 - 2.0 / total, ha="left", va="top", fontsize=8.5)
+        if note:
+            write(figure, 2.0, 6.5, note, color=STOP_COLOUR)
+        rows: list[Axes] = []
+        for height in heights:
+            axes = place(figure, LEFT, top, FULL_WIDTH - LEFT - RIGHT, height)
+            if rows:
+                axes.sharex(rows[0])
+            axes.tick_params(labelbottom=len(rows) == len(heights) - 1)
+            axes.yaxis.set_label_coords(-LABEL / (FULL_WIDTH - LEFT - RIGHT), 0.5)
+            rows.append(axes)
+            top += height + gap
         track = rows.pop() if curved else None
-        figure.suptitle(dataset.attrs.get("title", ""), x=0.01, ha="left", fontsize=8.5)
         for i, (panel, axes) in enumerate(zip(panels, rows, strict=True)):
             panel(axes, dataset)
             mark_snapshots(axes, dataset, letters=i == 0)
@@ -210,12 +237,8 @@ def stacked(
         lowest.set_xlabel(CHANNELS[name].label)
         if x[-1] > x[0]:
             lowest.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if is_stopped(dataset) else 0.0))
-        figure.align_ylabels([*rows, lowest])
-        legend = [*legend, *_letters_entry(dataset)]
         if legend:
-            legend_beneath(figure, legend, len(legend) if len(legend) <= 5 else (len(legend) + 1) // 2)
-        if stop_note(dataset):
-            rows[0].set_title(stop_note(dataset), color=STOP_COLOUR, pad=11.0)
+            legend_beneath(figure, legend, ceil(len(legend) / lines))
     return figure
 
 

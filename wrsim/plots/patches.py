@@ -110,13 +110,14 @@ def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> st
     """Numbers of a patch beneath its picture: largest pressure, normal force (if wanted), contact angle."""
     sample = sample_of(dataset, where.moment)
     sample_dim = "time" if "time" in dataset.dims else "pose"
-    row = dataset.isel({sample_dim: sample, "patch": where.patch}).sel(wheel=where.wheel)
     forms = {
         "p0": "$p_0$ = {:.0f} MPa",
         "N": "$N$ = {:.1f} kN",
         "contact_angle": r"$\gamma$ = {:.1f}°",
         "contact_angle_variation": r"$\Delta\gamma$ = {:.1f}°",
     }
+    told = dataset[[name for name in forms if name in dataset]]  # slices of everything take a tenth of a second
+    row = told.isel({sample_dim: sample, "patch": where.patch}).sel(wheel=where.wheel)
     texts = {
         name: form.format(float(row[name]) * CHANNELS[name].shown.factor)
         for name, form in forms.items()

@@ -69,7 +69,7 @@ def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
     panels = [partial(panel, wheelset=wheelset) for wheelset in names]
     track = _track_of(dataset)
     track.attrs["title"] += f": {channel.long_name}"
-    return stacked(track, panels, panel_height_mm=28.0, legend=wheel_entries())
+    return stacked(track, panels, panel_height_mm=28.0, legend=wheel_entries(), titled=True)
 
 
 def together_figure(dataset: xr.Dataset, dim: str, channels: tuple[str, ...]) -> Figure:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import io
 import os
 import sys
 import tempfile
@@ -235,8 +236,7 @@ class Result:
         """
         ordered = _labels_first(self.dataset)
         if self.dataset.nbytes <= LARGE:
-            content = bytes(ordered.to_netcdf(None, encoding=_packed(ordered), **_NETCDF))
-            return write_atomically(path, b"".join(_sealed((content,))))
+            return write_atomically(path, b"".join(_sealed((_as_file(ordered),))))
         path = Path(path)
         with plain_disk_errors(path):
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -307,6 +307,15 @@ def _packed(dataset: xr.Dataset, among: Iterable[Hashable] | None = None) -> dic
         for name in (dataset.variables if among is None else among)
         if dataset[name].dtype.kind in "fi" and dataset[name].size > 1000
     }
+
+
+def _as_file(dataset: xr.Dataset) -> bytes:
+    """The bytes that xarray's ``to_netcdf`` gives, without its look for a cluster, which loads dask.distributed."""
+    content = io.BytesIO()
+    store = xr.backends.H5NetCDFStore.open(content, mode="w", format="NETCDF4", lock=False)
+    dataset.dump_to_store(store, encoding=_packed(dataset))
+    store.close()
+    return content.getvalue()
 
 
 def _write_in_groups(dataset: xr.Dataset, path: str) -> None:
