@@ -42,7 +42,8 @@ napoleon_preprocess_types = True
 html_theme = "furo"
 html_title = f"wrsim {release}"
 html_copy_source = False
-html_static_path: list[str] = []
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 
 
 sphinx_gallery_conf = {

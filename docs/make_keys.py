@@ -42,7 +42,8 @@ def pages() -> dict[Path, str]:
         lines += [f"## {words[0].upper()}{words[1:]}", ""]
         for table in tables_of(name):
             if table not in shown:
-                lines += markdown(table)
+                own = markdown(table)
+                lines += own[2:] if table.header == words else own  # the file itself has its heading
             shown.add(table)
     found = {HERE / "keys.md": "\n".join(lines).rstrip() + "\n"}
     return found | {HERE / "schema" / f"{name}.schema.json": schema_text(name) + "\n" for name in FILES}

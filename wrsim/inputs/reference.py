@@ -122,17 +122,15 @@ def markdown(section: type[Section], level: str = "###") -> list[str]:
     lines = [f"{level} {heading(section)}", "", *purpose(section), ""]
     own = entries(section)
     if own:
-        heads = ("key", "is", "unit", "must be", "default", "also understood as", "example")
+        heads = ("key", "what it is", "default", "also understood as")
         lines += [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
         for e in own:
+            example = f" *Example:* {_code(e.example)}" if e.example and e.example != e.default else ""
             cells = [
-                f"`{e.key}`",
-                e.meaning,
-                e.unit,
-                e.allowed,
+                f"`{e.key}`" + (f" [{e.unit}]" if e.unit else ""),
+                f"{e.meaning} *Must be* {e.allowed}.{example}",
                 _code(e.default),
                 ", ".join(map(_code, e.aliases)),
-                _code(e.example),
             ]
             lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
         lines.append("")

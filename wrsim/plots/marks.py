@@ -34,7 +34,7 @@ def remark(axes: Axes, words: str) -> None:
 
 def legend_beneath(figure: Figure, entries: Sequence[Artist], columns: int) -> None:
     """One legend beneath all panels, in so many columns, or in as many as the figure is wide enough for."""
-    loc = "lower center" if figure.get_layout_engine() is None else "outside lower center"
+    loc: Any = "lower center" if figure.get_layout_engine() is None else "outside lower center"
     for ncols in range(columns, 0, -1):
         legend = figure.legend(handles=list(entries), loc=loc, ncols=ncols)
         if ncols == 1 or legend.get_window_extent().width <= figure.bbox.width:
