@@ -87,7 +87,7 @@ def _rows(found: Assessment) -> list[tuple[str, list[Value]]]:
         values = [
             v for v in found.of(worst.quantity.key) if v.section.zone == worst.section.zone and v.limit is not None
         ]
-        rows.append((label + (f", {worst.place}" if worst.place else ""), values))
+        rows.append((label + (f": {worst.place}" if worst.place else ""), values))
     return rows
 
 

@@ -89,7 +89,7 @@ def _tightest(row: ZoneValue) -> str:
     number, kind = value.value, ""
     if margin is not None and value.margin is not None and margin < value.margin and row.estimate is not None:
         number, kind = row.estimate, ", estimated maximum"
-    place = f"{value.section.label}, section {value.section.number}" + (f", {value.place}" if value.place else "")
+    place = f"{value.section.label}, section {value.section.number}" + (f": {value.place}" if value.place else "")
     return (
         f"worst margin {100.0 * (margin or 0.0):.0f} %: {value.quantity.symbol} = {number * shown.factor:.4g}{unit}"
         f"{kind} of {at_most} ({value.quantity.words}; {place})"

@@ -172,7 +172,7 @@ class ZoneValue:
             "limit": "" if limit is None else f"{limit.value * factor:.4g}",
             "margin": "" if worst.margin is None else f"{100.0 * worst.margin:.0f} %",
             "verdict": "" if self.passed is None else "ok" if self.passed else "EXCEEDED",
-            "worst in": f"section {worst.section.number}" + (f", {worst.place}" if worst.place else ""),
+            "worst in": f"section {worst.section.number}" + (f": {worst.place}" if worst.place else ""),
         }
 
 
