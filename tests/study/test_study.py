@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -178,7 +179,7 @@ def test_a_study_that_is_killed_goes_on_where_it_was(serial: Plan, workers: Clie
     one = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 45")
     file = study_file(tmp_path, one, seconds=6.0)
     plan, _ = planned(file, out)
-    command = [sys.executable, "-m", "wrsim", "study", str(file), "-o", str(out), "--workers", "1", "-q"]
+    command = [sys.executable, "-P", "-m", "wrsim", "study", str(file), "-o", str(out), "--workers", "1", "-q"]
     process = subprocess.Popen(command, start_new_session=True)
     parts = [plan.folder_of(case) / task.PART for case in plan.cases]
     until = time.monotonic() + 240.0
@@ -189,7 +190,7 @@ def test_a_study_that_is_killed_goes_on_where_it_was(serial: Plan, workers: Clie
     process.wait()
     left = missing(plan)
     assert left
-    plan = plan_of(file, out)  # as the command does when it is started again
+    assert (out / PLAN).read_bytes() == plan.dumped()  # every process makes the same plan
     execute(workers, plan, left)
     found = markers(plan)
     assert any(m.resumed for m in found)
@@ -356,10 +357,15 @@ def test_a_dry_run_lists_cases_and_foretells_the_time(serial: Plan) -> None:
     assert not elsewhere.exists()
 
 
-def test_jobs_of_slurm_have_one_thread() -> None:
-    pytest.importorskip("dask_jobqueue")
+def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+    if find_spec("dask_jobqueue") is None:
+        pytest.skip("no dask-jobqueue here")
+    for name in ("dask_jobqueue", "dask_jobqueue.runner"):  # imported anew
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    before = signal.getsignal(signal.SIGINT)
     with slurm_cluster() as cluster:
         script = cluster.job_script()
+    assert signal.getsignal(signal.SIGINT) is before
     assert "#SBATCH --cpus-per-task=1" in script and "--nthreads 1" in script
     assert all(f"export {name}=1" in script for name in ONE_THREAD)
 

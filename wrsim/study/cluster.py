@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import signal
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from typing import TYPE_CHECKING, Any
@@ -79,11 +80,15 @@ def slurm_cluster() -> Any:
 
     Queue, account, memory and time come from the user's dask-jobqueue configuration (``~/.config/dask/jobqueue.yaml``).
     """
+    before = signal.getsignal(signal.SIGINT)
     try:
         import dask
         from dask_jobqueue import SLURMCluster
     except ImportError:
         raise InputError("--slurm needs dask-jobqueue: install it with pip install 'wrsim[cluster]'") from None
+    finally:  # importing it makes Ctrl-C end the process with 0 and without a word
+        if signal.getsignal(signal.SIGINT) is not before:
+            signal.signal(signal.SIGINT, before)
 
     prologue = dask.config.get("jobqueue.slurm.job-script-prologue", None) or []
     return SLURMCluster(
