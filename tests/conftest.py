@@ -17,20 +17,25 @@ settings.load_profile("wrsim")
 
 @pytest.fixture
 def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Pictures are put together but not painted, for tests of what becomes of their files."""
+    """Pictures are neither put together nor painted, for tests of what becomes of their files."""
     drawing = importlib.import_module("wrsim.plots.drawing")
-    monkeypatch.setattr(drawing, "rendered", lambda figure: b"a picture")
+    monkeypatch.setattr(drawing, "_painted", lambda make: b"a picture")
     monkeypatch.setattr(drawing, "_worth_a_process", lambda pictures: False)
 
 
-FIRST = ("core/test_kernels.py", "contact/test_laws.py", "study/test_study.py", "analysis/test_shipped_scenarios.py")
-"""Files that take longest: the first two compile nearly all kernels, one after 20 s without the compiler."""
+FIRST = (
+    "core/test_kernels.py",
+    # without kernels, while these are compiled
+    "cli/test_users_files.py", "cli/test_cli.py", "tests/plots/", "tests/results/", "cli/test_diff.py",
+    "study/test_study.py", "analysis/test_shipped_scenarios.py", "benchmarks/test_gz18.py", "analysis/test_run_step.py",
+)  # fmt: skip
+"""What comes first: the test that compiles nearly all kernels, beside it tests that need none, then the longest."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Long files first, so that no worker is left alone with one at the end."""
+    """No worker compiles what another one compiles at the time, none is left alone with a long file at the end."""
 
     def turn(item: pytest.Item) -> int:
-        return next((i for i, name in enumerate(FIRST) if item.path.as_posix().endswith(name)), len(FIRST))
+        return next((i for i, name in enumerate(FIRST) if name in item.path.as_posix()), len(FIRST))
 
     items.sort(key=turn)

@@ -37,7 +37,7 @@ def analysis_that(monkeypatch: pytest.MonkeyPatch, does: Any) -> list[dict[str, 
     """Put ``does()`` in the place of the analyses; returns a record of its calls."""
     calls: list[dict[str, Any]] = []
 
-    def run(scenario: Any, progress: Any = None, record: Any = None, resume: bool = False, setup: Any = None) -> Result:
+    def run(scenario: Any, progress: Any = None, record: Any = None, resume: bool = False, **_: Any) -> Result:
         calls.append({"scenario": scenario, "progress": progress})
         return does()
 

@@ -40,7 +40,7 @@ def analysed(monkeypatch: pytest.MonkeyPatch, unpainted: None) -> list[str]:
     """A synthetic run in the place of the real ones; the list gains a title for every run."""
     runs: list[str] = []
 
-    def run(scenario: Any, progress: Any = None, record: Any = None, resume: bool = False, setup: Any = None) -> Result:
+    def run(scenario: Any, progress: Any = None, record: Any = None, resume: bool = False, **_: Any) -> Result:
         runs.append(scenario.title)
         dataset = curve_run(samples=40)
         dataset.attrs["scenario_text"] = scenario.text

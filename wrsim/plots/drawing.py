@@ -29,7 +29,7 @@ Finish = Callable[[], dict[str, bytes]]
 def drawing(figures: Makers) -> Iterator[Finish]:
     """Draw pictures while other work is done in the block, if there is a second processor."""
     if not _worth_a_process(len(figures)):
-        yield lambda: {name: rendered(make()) for name, make in figures.items()}
+        yield lambda: {name: _painted(make) for name, make in figures.items()}
         return
     context = multiprocessing.get_context("fork")
     taken = context.Value("i", 0)
@@ -45,7 +45,7 @@ def drawing(figures: Makers) -> Iterator[Finish]:
         drawn = _share(figures, taken)
         with suppress(EOFError, OSError):  # it was killed, or has met an error
             drawn |= receiver.recv()
-        return {name: drawn[name] if name in drawn else rendered(make()) for name, make in figures.items()}
+        return {name: drawn[name] if name in drawn else _painted(make) for name, make in figures.items()}
 
     try:
         yield finish
@@ -53,6 +53,11 @@ def drawing(figures: Makers) -> Iterator[Finish]:
         second.terminate()
         second.join()
         receiver.close()
+
+
+def _painted(make: Callable[[], Figure]) -> bytes:
+    """One picture, as PNG."""
+    return rendered(make())
 
 
 def _worth_a_process(pictures: int) -> bool:
@@ -71,7 +76,7 @@ def _share(figures: Makers, taken: Any) -> dict[str, bytes]:
             place, taken.value = taken.value, taken.value + 1
         if place >= len(names):
             return drawn
-        drawn[names[place]] = rendered(figures[names[place]]())
+        drawn[names[place]] = _painted(figures[names[place]])
 
 
 def _second(figures: Makers, taken: Any, sender: Any) -> None:

@@ -6,6 +6,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -154,6 +155,12 @@ def _named(scenario: Scenario, file: Path) -> str:
     return min(within, key=len, default=file.name)
 
 
+@lru_cache(maxsize=16)
+def _laid(rail: Profile, inclination: float, gauge_depth: float) -> Profile:
+    """A rail as it lies. The same object for both sides, and for what is built again: it has its tables made once."""
+    return rail.inclined(inclination).gauged(gauge_depth)
+
+
 def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
     section = scenario.spec.track
     found = []
@@ -161,7 +168,7 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
         key, name = section.of_side("rail", side)
         files.append(scenario.find(("track", key), name))
         with scenario.naming(("track", key)):
-            rail = load_profile(files[-1], "rail").inclined(section.inclination).gauged(section.gauge_depth_mm / 1e3)
+            rail = _laid(load_profile(files[-1], "rail"), section.inclination, section.gauge_depth_mm / 1e3)
         if section.gauge_between == "gauge points":
             try:
                 rail.gauge_point()
