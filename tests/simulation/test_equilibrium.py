@@ -95,6 +95,27 @@ def test_what_did_not_converge_is_named():
     assert abs(problem.value.forces[0][1]) > 0.1
 
 
+def test_a_path_between_stiff_walls_is_followed_along_its_bends():
+    """Two forces that let a point move along a circle only, and a weak one along it: a search by straight steps
+    creeps."""
+
+    def residual(x):
+        return np.array([1e2 * (np.hypot(*x) - 1.0), np.arctan2(x[1], x[0]) - 2.5])
+
+    x, left, iterations = newton(residual, np.array([1.0, 0.0]), np.full(2, 0.01), 1e-9, 60)
+    assert np.abs(left).max() < 1e-9
+    assert x == pytest.approx([np.cos(2.5), np.sin(2.5)], abs=1e-9)
+    assert iterations < 20
+
+
+def test_a_search_that_stalls_ends_before_its_time():
+    def residual(x):
+        return np.array([1.0 + 0.1 * np.exp(-0.001 * x[0])])  # falls for ever, and never to zero
+
+    _, left, iterations = newton(residual, np.zeros(1), np.ones(1), 1e-9, 500)
+    assert iterations < 100 and left[0] > 1.0
+
+
 def test_derivatives_may_come_from_a_function_nearby():
     def residual(x):
         return np.array([x[0] ** 3 - 8.0 + 0.1 * np.sin(x[1]), x[1] + 0.2 * x[0] - 1.0])
@@ -106,4 +127,4 @@ def test_derivatives_may_come_from_a_function_nearby():
     x, left, iterations = newton(residual, np.array([1.9, 0.5]), small, 1e-12, 40, nearby)
     assert np.abs(left).max() < 1e-12
     assert np.abs(residual(x)).max() < 1e-12
-    assert iterations > 3  # converges linearly
+    assert iterations < 40  # though it converges linearly

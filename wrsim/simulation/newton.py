@@ -16,6 +16,15 @@ DIFFERENCE = 0.01
 LONGEST = 30.0
 """Longest step of one iteration, in changes that matter."""
 
+PROBE, BENT = 0.1, 0.5
+"""Where along a step its curvature is looked at, and the largest part of the step that a turn may have."""
+
+KEPT = 0.1
+"""Derivatives serve for another step as long as a step leaves no more than this part of the residual."""
+
+STALLED, LITTLE = 20, 0.1
+"""The search ends where so many iterations have not taken this part of the residual away."""
+
 
 def newton(
     residual: Callable[[Array], Array],
@@ -26,31 +35,47 @@ def newton(
     near: Callable[[Array], Array] | None = None,
     while_deriving: Callable[[], AbstractContextManager[None]] = nullcontext,
 ) -> tuple[Array, Array, int]:
-    """The best x, its residual (evaluated last), the iterations; the caller judges.
+    """The best x, its residual (evaluated last), how often derivatives were taken; the caller judges.
 
     small: changes of the unknowns that change the residual by a few per cent. near: a cheaper function with nearly the
     same derivatives, of which they are taken. while_deriving: what holds while derivatives are taken.
+
+    A wheelset that moves across its rails has to rise and roll as their profiles ask, and only a path that bends with
+    them is not barred by stiff contacts: steps follow the curvature of the residual along them (geodesic acceleration,
+    Transtrum and Sethna 2012, arXiv 1201.5885).
     """
     r = residual(x)
     damping = 0.0
-    iteration = 0
-    while iteration < max_iterations and np.max(np.abs(r)) > tolerance:
-        iteration += 1
+    jacobian = None
+    norms: list[float] = []
+    while np.max(np.abs(r)) > tolerance:
+        if jacobian is not None and damping == 0.0:
+            step = _step(jacobian, r, damping)
+            trial = residual(x + small * step)
+            if np.linalg.norm(trial) < KEPT * np.linalg.norm(r):
+                x, r = x + small * step, trial
+                continue
+        stalled = len(norms) > STALLED and norms[-1] > (1.0 - LITTLE) * norms[-1 - STALLED]
+        if stalled or len(norms) == max_iterations:
+            break
+        norms.append(float(np.linalg.norm(r)))
         with while_deriving():
             jacobian = _jacobian(near or residual, x, small)
         for _ in range(15):
-            step = _solve(jacobian, -r, damping)
-            step *= min(1.0, LONGEST / float(np.max(np.abs(step))))
+            step = _step(jacobian, r, damping)
+            bend = residual(x + PROBE * small * step) - r - PROBE * jacobian @ step
+            turn = _step(jacobian, bend / PROBE**2, damping)
+            if np.linalg.norm(turn) <= BENT * np.linalg.norm(step):  # false for not-a-number
+                step = step + turn
             trial = residual(x + small * step)
-            if np.linalg.norm(trial) < np.linalg.norm(r):  # false for not-a-number
+            if np.linalg.norm(trial) < np.linalg.norm(r):  # likewise
                 break
             damping = max(10.0 * damping, 1e-6)
         else:
             break
-        x = x + small * step
-        r = trial
+        x, r = x + small * step, trial
         damping = 0.1 * damping if damping > 1e-6 else 0.0
-    return x, residual(x), iteration
+    return x, residual(x), len(norms)
 
 
 def _jacobian(residual: Callable[[Array], Array], x: Array, small: Array) -> Array:
@@ -63,12 +88,15 @@ def _jacobian(residual: Callable[[Array], Array], x: Array, small: Array) -> Arr
     return np.array(columns).T
 
 
-def _solve(jacobian: Array, right: Array, damping: float) -> Array:
-    """Levenberg's step; undamped the shortest least-squares one: the undetermined stays where it is."""
+def _step(jacobian: Array, r: Array, damping: float) -> Array:
+    """Levenberg's step, cut to the longest; undamped the shortest least-squares one: the undetermined stays where it
+    is."""
     if damping == 0.0:
-        return np.asarray(np.linalg.lstsq(jacobian, right, rcond=1e-12)[0], dtype=float)
-    normal = jacobian.T @ jacobian
-    return np.linalg.solve(normal + damping * np.trace(normal) * np.eye(jacobian.shape[1]), jacobian.T @ right)
+        step = np.asarray(np.linalg.lstsq(jacobian, -r, rcond=1e-12)[0], dtype=float)
+    else:
+        normal = jacobian.T @ jacobian
+        step = np.linalg.solve(normal + damping * np.trace(normal) * np.eye(jacobian.shape[1]), jacobian.T @ -r)
+    return np.asarray(step * (LONGEST / np.max(np.abs(step), initial=LONGEST)))
 
 
 def bracket(function: Callable[[float], float], begin: float, small: float, enough: float, reach: float) -> bool:
