@@ -321,19 +321,18 @@ def test_what_a_run_remembers_gives_the_same_bits():
 
 
 @pytest.mark.parametrize(
-    ("pair", "yaw", "load", "span", "largest"),
+    ("pair", "yaw", "load", "span"),
     [
         # Kik-Piotrowski's main point runs over 10 mm within micrometres, its force jumps by 7 to 15 % of the load.
-        # Demanded: 0.005. The first has 0.0056 where two grids merge; the wheel bears 1.8 times the load there.
-        ("S1002/60E1 1:20", -0.012, 60e3, (6e-3, 7e-3), 0.006),
-        ("S1002/60E1 1:40", -0.012, 24e3, (6e-3, 7e-3), 0.005),
+        ("S1002/60E1 1:20", -0.012, 60e3, (6e-3, 7e-3)),
+        ("S1002/60E1 1:40", -0.012, 24e3, (6e-3, 7e-3)),
         # a lobe leaves its neighbour (0.09 and 0.05 where lobes shared a grid by their saddle alone)
-        ("S1002/60E1 1:40", 0.02, 100e3, (5.5e-3, 6.25e-3), 0.005),
-        ("worn/worn 1:40", -0.012, 60e3, (7e-3, 7.5e-3), 0.005),
+        ("S1002/60E1 1:40", 0.02, 100e3, (5.5e-3, 6.25e-3)),
+        ("worn/worn 1:40", -0.012, 60e3, (7e-3, 7.5e-3)),
     ],
 )
-def test_forces_between_equal_radii_do_not_jump(pair, yaw, load, span, largest):
-    assert jumps(pair, yaw, load, span, most=6, **STRIPS, **PLAIN)[:, 1].max() < largest
+def test_forces_between_equal_radii_do_not_jump(pair, yaw, load, span):
+    assert jumps(pair, yaw, load, span, most=6, **STRIPS, **PLAIN)[:, 1].max() < 0.005
 
 
 def test_normal_force_grows_with_depth_between_equal_radii():

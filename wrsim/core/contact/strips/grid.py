@@ -19,7 +19,7 @@ from wrsim.core.contact.strips.records import FACTORS, ROWS
 from wrsim.core.root import Bracket, crossing, narrowed
 
 LEVEL = 0.1  # of a lobe's depth: rows reach so far
-FLOOR = 0.5  # share of even density
+FLOOR = 0.3  # share of even density
 LEAST_FACING = 2.5e-3  # square of the sine between axle and normal, held above
 
 

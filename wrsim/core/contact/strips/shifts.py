@@ -12,6 +12,7 @@ from typing import NamedTuple
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.records import FADING, ROWS
 
+LEVEL = 0.45  # of the depth: about where contact ends
 EXCENTRIC = 1.27  # power of the gap's ratio of curvatures that gives the ellipse's
 EVEN = 0.8, 0.95  # squared correlation of shift and place at which strips stay on the locus, and are all stretched
 FAINT = 3e-3  # spread of the shifts, over the half length, below which they do not matter
@@ -21,8 +22,8 @@ ALIKE = 0.3, 0.5  # the same for the shallower depth over the deeper one
 
 
 class Hump(NamedTuple):
-    """The ground of a grid, or of two, weighted with the penetration d: integral of d; means of place s, shift x and
-    1/R_x; mean squares and product of s and x about their means; largest d."""
+    """The ground of a grid, or of two, weighted with the penetration d beyond a level: integral of it; means of place
+    s, shift x and 1/R_x; mean squares and product of s and x about their means; largest d."""
 
     weight: float
     s: float
@@ -42,11 +43,12 @@ def rise(x, ends):
 
 
 @kernel
-def hump_of(grid, rows):
-    """The ground of one grid."""
+def hump_of(grid, rows, deepest):
+    """The ground of one grid beyond LEVEL of ``deepest``, about where it is pressed."""
+    level = LEVEL * deepest
     total = s_mean = x_mean = bend = 0.0
     for r in range(ROWS):
-        d = max(rows[r].d, 1e-12)
+        d = max(rows[r].d - level, 1e-12)
         total += d
         s_mean += d * rows[r].s
         x_mean += d * rows[r].x
@@ -54,11 +56,11 @@ def hump_of(grid, rows):
     s_mean, x_mean = s_mean / total, x_mean / total
     ss = sx = xx = 0.0
     for r in range(ROWS):
-        d, s, x = max(rows[r].d, 1e-12) / total, rows[r].s - s_mean, rows[r].x - x_mean
+        d, s, x = max(rows[r].d - level, 1e-12) / total, rows[r].s - s_mean, rows[r].x - x_mean
         ss += d * s * s
         sx += d * s * x
         xx += d * x * x
-    return Hump(total * grid.spacing, s_mean, x_mean, bend / total, ss, sx, xx, grid.deepest)
+    return Hump(total * grid.spacing, s_mean, x_mean, bend / total, ss, sx, xx, deepest)
 
 
 @inlined
@@ -95,9 +97,9 @@ def hertz_stretch(ratio, slope):
 
 @inlined
 def _ratio(hump):
-    """Curvature of the ground across over that along: of a parabola of this depth the square of the half width is five
-    times the mean square."""
-    return 0.4 * hump.deepest / (hump.bend * hump.ss)
+    """Curvature of the ground across over that along: where a parabola is more than a level deep the square of the half
+    width is five times the mean square."""
+    return 0.4 * (1.0 - LEVEL) * hump.deepest / (hump.bend * hump.ss)
 
 
 @inlined
@@ -131,7 +133,7 @@ def set_shifts(system, found):
     matter = 0
     for g in range(memo.grids):
         grid = grids[g]
-        hump = hump_of(grid, system.rows[g])
+        hump = hump_of(grid, system.rows[g], grid.deepest)
         slant = sqrt(hump.xx)
         grid.along, grid.stretch, grid.evenness = hump.x, _stretch(hump), _evenness(hump, grid.reach)
         grid.pivot = grid.stretch * hump.x
@@ -153,7 +155,8 @@ def set_shifts(system, found):
         shallow, deep = min(one.depth, other.depth), max(one.depth, other.depth)
         share = rise(one.saddle / shallow, JOINED) * rise(shallow / deep, ALIKE)
         if share > 0.0:
-            both = joined(hump_of(grids[g], system.rows[g]), hump_of(grids[g + 1], system.rows[g + 1]))
+            most = max(grids[g].deepest, grids[g + 1].deepest)
+            both = joined(hump_of(grids[g], system.rows[g], most), hump_of(grids[g + 1], system.rows[g + 1], most))
             stretch, even = _stretch(both), _evenness(both, max(grids[g].reach, grids[g + 1].reach))
             for k in range(g, g + 2):
                 grid = grids[k]

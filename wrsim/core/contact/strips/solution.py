@@ -32,7 +32,7 @@ from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, NEXT,
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
 WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9
-FAIRLY = 5e-4  # the same with given factors and edges
+ROUGHLY, FAIRLY = 5e-3, 5e-4  # the same with given factors and edges: in turns, and at their end
 WARM_STEPS, HELD_STEPS, COLD_STEPS = 25, 15, 40
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 FEWER = (0, 2, 3, 5)  # strips than asked for: edges on a shoulder may have no place with some numbers
@@ -44,6 +44,7 @@ PUSH, FAR = 0.6, 6.0  # ratio of a^2 of the outer strips from which on an edge i
 PUSHES = 3  # first turns in which that is done
 SOFT, HARD = 0.8, 2.0  # exponent of the factors' relaxation; largest ratio it acts on
 EVEN = 0.01  # weight of evenness in it
+FIRMER = 3.0  # power of how much more it counts in slanted contacts: factors would zigzag with the half lengths there
 RECESS = 0.45  # of the deepest penetration, in the substitute, as in Kik-Piotrowski
 SETTLED, RETRIED, STRAIGHT, ROUGH, UNSOLVED = range(5)
 """How a solution was found: at once, from another first guess or with fewer strips, as if no strip were shifted along
@@ -124,7 +125,7 @@ def _afresh(system, n, level, whole):
         if system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
     for turn in range(ROUNDS):
-        descend(system, n, True, FAIRLY, HELD_STEPS)
+        descend(system, n, True, ROUGHLY, HELD_STEPS)
         moved = 0.0
         for g in range(memo.grids):
             if system.grids[g].on:
@@ -193,7 +194,7 @@ def _relax_factors(system, n, g):
             load[f + 1] += r * place.weight
             wish[f] += (1.0 - r) * place.weight * (place.miss + 1.0)
             wish[f + 1] += r * place.weight * (place.miss + 1.0)
-    even = EVEN * evenness(system.memo[0], system.grids[g]) / EVENNESS
+    even = EVEN * (evenness(system.memo[0], system.grids[g]) / EVENNESS) ** FIRMER
     # (load + even * bend) ratio = wish: three diagonals
     above = system.vectors[NEXT]
     for f in range(FACTORS):
