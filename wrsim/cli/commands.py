@@ -33,6 +33,7 @@ from wrsim.cli.options import (
     with_set,
 )
 from wrsim.cli.peaks import print_wall_time
+from wrsim.cli.recording import recording
 from wrsim.cli.report import report
 from wrsim.cli.resolve import resolve
 from wrsim.cli.riding import ride
@@ -345,6 +346,7 @@ app.command()(diff)
 app.command()(export)
 app.command()(keys)
 app.command()(new)
+app.command()(recording)
 app.command()(resolve)
 app.command()(conicity)
 app.command()(ride)

@@ -26,6 +26,7 @@ FILES = {
     "vehicle": ("a vehicle file", "wrsim.vehicle.vehicle_files:VehicleFile"),
     "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
     "track": ("a track file", "wrsim.scenario.track_file:TrackFile"),
+    "columns": ("the column map of a recording", "wrsim.geometry.recording.columns:ColumnsFile"),
 }
 """Kinds of files that users write, and the class of each."""
 WIDTH = 110
@@ -38,7 +39,7 @@ def keys(
         str | None, typer.Argument(metavar="SECTION", help="A table such as contact or track.segments; default: all.")
     ] = None,
     file: Annotated[
-        str, typer.Option("--file", metavar="KIND", help="scenario, study, vehicle, wheelset, track.")
+        str, typer.Option("--file", metavar="KIND", help="scenario, study, vehicle, wheelset, track, columns.")
     ] = "scenario",
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of that kind of file, for editors.")

@@ -1,0 +1,413 @@
+"""Track from the recording car: what chords and inertial systems measured comes back, and the design with it."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+from support.recording_car import Car, shipped_line
+from support.runs import FAST, SCENARIOS
+
+from wrsim.analysis import run
+from wrsim.errors import InputError
+from wrsim.geometry.recording.recording import read_recording
+from wrsim.geometry.recording.restoring import Restored, restore
+from wrsim.geometry.recording.systems import Chord, Difference, Inertial, Inverse, Plain, filtered, within
+from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
+from wrsim.geometry.track.spectra import Realisation
+from wrsim.geometry.track.track import Track
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load
+
+Array = NDArray[np.float64]
+
+D1 = (3.0, 25.0)
+BAND, AMPLIFICATION = (3.0, 70.0), 8.0
+ENDS = 110.0  # [m]; so far the unknown beyond the ends of a record reaches into it
+LINE: list[Segment] = [
+    Straight(260.0), Transition(80.0), Arc(200.0, 600.0, 0.1, 0.005), Transition(90.0), Straight(120.0),
+    Transition(70.0), Arc(180.0, -900.0, 0.06), Transition(100.0), Straight(260.0),
+]  # fmt: skip
+CAR_COLUMNS = ("curvature_per_km", "cant_mm", "gauge_mm")
+
+
+@cache
+def line(spectrum: str = "ERRI-low") -> Track:
+    """Curves of both hands and forms, with the spectrum's waves of 3 to 70 m; the rails' tops 1.5 m apart, where cant
+    counts."""
+    uneven = Realisation(spectrum, 7, 3.0, 70.0, 0.0, sum(s.length for s in LINE), 1.0, 20.0).disturbances()
+    apart = (0.0325, 0.0)
+    return Track.build(LINE, irregularities=uneven, left_offset=apart, right_offset=apart)
+
+
+@cache
+def geometry(car: Car) -> dict[str, Array]:
+    return dict(zip(CAR_COLUMNS, (car.curvature(20.0), car.cant(), car.gauge()), strict=True))
+
+
+@cache
+def versines(car: Car, behind: float, ahead: float) -> dict[str, Array]:
+    both = {side: car.versine(side, behind, ahead) for side in ("left", "right")}
+    return {f"{kind}_{side}_mm": both[side][i] for i, kind in enumerate(("alignment", "level")) for side in both}
+
+
+def column_map(path: Path, names: list[str], system: str) -> Path:
+    """A column map for columns that are called as what they are."""
+    text = ""
+    for name in ["distance_m", *names]:
+        quantity = name.removesuffix("_mm").removesuffix("_m").removesuffix("_per_km")
+        text += f'[[channels]]\ncolumn = "{name}"\nquantity = "{quantity}"\n'
+        text += {"curvature": "base_m = 20\n", "twist": 'unit = "mm"\n'}.get(quantity, "")
+        text += f"{system}\n" if quantity.startswith(("alignment", "level")) else ""
+    path.write_text(text)
+    return path
+
+
+def restored(folder: Path, car: Car, columns: dict[str, Array], system: str) -> Restored:
+    """What comes back of a car's columns."""
+    table = car.write(folder / "line.csv", columns)
+    return restore(read_recording(table, column_map(folder / "line.toml", list(columns), system)), BAND, AMPLIFICATION)
+
+
+def in_band(values: Array, step: float, *, without: tuple[float, float] | None = None) -> Array:
+    """The waves of 3 to 25 m alone; without: wavelengths that do not count either."""
+
+    def response(k: Array) -> NDArray[np.complex128]:
+        cut = 0.0 if without is None else within(k, without)
+        return (within(k, D1) * (1.0 - cut)).astype(complex)
+
+    return filtered(values, step, response, 40.0)
+
+
+def errors(found: Restored, car: Car, without: tuple[float, float] | None = None) -> float:
+    """Largest error of both rails, laterally and vertically, in 3 to 25 m and off the ends [m]."""
+    inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
+    largest = 0.0
+    for i, side in enumerate(("left", "right")):
+        for ours, true in zip(
+            (found.lateral[i], found.vertical[i]), car.track.irregularity(side, car.distance), strict=True
+        ):
+            off = in_band(ours - true, car.step, without=without)[inner]
+            assert np.abs(in_band(true, car.step)[inner]).max() > 1e-3  # there is something to find
+            largest = max(largest, float(np.abs(off).max()))
+    return largest
+
+
+@pytest.fixture(scope="module")
+def car() -> Car:
+    return Car(line())
+
+
+@pytest.fixture(scope="module")
+def by_chord(car: Car, tmp_path_factory: pytest.TempPathFactory) -> Restored:
+    return restored(tmp_path_factory.mktemp("chord"), car, geometry(car) | versines(car, 4.0, 6.0), "chord_m = [4, 6]")
+
+
+def test_a_track_measured_by_a_chord_comes_back_within_a_tenth_of_a_millimetre(by_chord: Restored, car: Car) -> None:
+    assert errors(by_chord, car) < 0.1e-3
+
+
+def test_on_rough_track_design_and_what_is_left_together_come_back(tmp_path: Path) -> None:
+    # nobody can tell the form of a transition there; what the fit takes for the design it does not leave over
+    car = Car(line("FRA-5"))
+    found = restored(tmp_path, car, geometry(car) | versines(car, 4.0, 6.0), "chord_m = [4, 6]")
+    s, x, track = car.distance, found.recording.distance, car.track
+    inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
+    curve = np.cumsum(np.cumsum(found.law.curvature(x) - track.curvature(s))) * car.step**2
+    for i, (side, sign) in enumerate((("left", 1.0), ("right", -1.0))):
+        lateral, vertical = track.irregularity(side, s)
+        wider, higher = found.law.widening(x) - track.widening(s), found.law.cant(x) - track.cant(s)
+        for off in (
+            found.lateral[i] - lateral + curve + 0.5 * sign * wider,
+            found.vertical[i] - vertical - 0.5 * sign * higher,
+        ):
+            assert np.abs(in_band(off, car.step)[inner]).max() < 0.1e-3
+
+
+def test_a_symmetric_chord_loses_its_half_and_gives_back_the_rest(car: Car, tmp_path: Path) -> None:
+    found = restored(tmp_path, car, geometry(car) | versines(car, 5.0, 5.0), "chord_m = [5, 5]")
+    kept = next(i.kept() for c, i in found.inverses if c.quantity == "level_left")
+    assert len(kept) == 2 and kept[0, 1] < 5.0 < kept[1, 0] and kept[1, 1] > 50.0
+    lost = (kept[0, 1] / 1.25, kept[1, 0] * 1.25)
+    # 3.0 to 3.7 and 6.8 to 25 m are left to compare
+    assert errors(found, car, without=(lost[0], lost[1])) < 0.1e-3
+    assert errors(found, car) > 0.1e-3
+
+
+def test_an_inertial_record_comes_back_as_it_is_without_the_design(car: Car, tmp_path: Path) -> None:
+    # the curves leave their own waves in the band, where transitions begin and end
+    ways = ((D1[1], "highpass"), (D1[0], "lowpass"))
+    sections = np.concatenate([butter(4, 1.0 / x, way, fs=1.0 / car.step, output="sos") for x, way in ways])
+    s, track = car.distance, car.track
+
+    def recorded(shape: Array) -> Array:
+        return np.asarray(sosfiltfilt(sections, shape, padlen=s.size // 2))
+
+    curve = np.cumsum(np.cumsum(track.curvature(s) * np.cos(track.roll(s)))) * car.step**2
+    up = np.cumsum(np.cumsum(track.curvature(s) * np.sin(track.roll(s)))) * car.step**2
+    columns = {}
+    shapes = np.array([track.irregularity(side, s) for side in ("left", "right")])  # rails, lateral and vertical
+    for (side, sign), (lateral, vertical) in zip((("left", 1.0), ("right", -1.0)), shapes, strict=True):
+        columns[f"alignment_{side}_mm"] = recorded(curve + sign * 0.5 * track.widening(s) + lateral)
+        columns[f"level_{side}_mm"] = recorded(up - sign * 0.5 * track.cant(s) + vertical)
+    assert np.abs(recorded(curve)).max() > 0.15e-3
+    found = restored(tmp_path, car, geometry(car) | columns, 'band = "D1"')
+    inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
+    # gauge and cant know all waves; what is common to the rails is known in the system's band
+    known = shapes + np.apply_along_axis(recorded, -1, shapes.mean(axis=0)) - shapes.mean(axis=0)
+    for ours, true in zip((found.lateral, found.vertical), known.swapaxes(0, 1), strict=True):
+        for off in ours - true:
+            assert np.abs(in_band(off, car.step)[inner]).max() < 0.1e-3
+
+
+def assert_design(found: Restored, line: list[Segment], car: Car, places: float) -> None:
+    """The segments of a line; places: tolerance of where they begin [m]."""
+    assert [type(s) for s in found.segments] == [type(s) for s in line]
+    true = np.cumsum([s.length for s in line])[:-1] - car.margin
+    np.testing.assert_allclose(np.cumsum([s.length for s in found.segments])[:-1], true, atol=places)
+    for a, b in zip(found.segments, line, strict=True):
+        if isinstance(a, Arc) and isinstance(b, Arc):
+            assert a.radius == pytest.approx(b.radius, rel=2e-3)
+            assert a.cant == pytest.approx(b.cant, abs=0.3e-3)
+            assert a.gauge_widening == pytest.approx(b.gauge_widening, abs=0.1e-3)
+        if isinstance(a, Transition) and isinstance(b, Transition):
+            assert a.form == b.form
+
+
+def test_the_design_comes_back(by_chord: Restored, car: Car) -> None:
+    assert_design(by_chord, LINE, car, 1.5)
+
+
+def test_bloss_curves_are_known_on_even_track(tmp_path: Path) -> None:
+    line = [Transition(s.length, "bloss") if isinstance(s, Transition) else s for s in LINE]
+    car = Car(Track.build(line, left_offset=(0.0325, 0.0), right_offset=(0.0325, 0.0)))
+    assert_design(restored(tmp_path, car, geometry(car), ""), line, car, 0.5)
+
+
+def test_design_and_what_is_left_are_what_was_recorded(by_chord: Restored, car: Car) -> None:
+    s = by_chord.recording.distance
+    cant = by_chord.law.cant(s) + by_chord.vertical[1] - by_chord.vertical[0]
+    inner = slice(40, -40)
+    np.testing.assert_allclose(
+        cant[inner], in_or_longer(car.cant(), car.step)[inner], atol=5e-5
+    )  # the design has shorter waves
+    gauge = 1.435 + by_chord.law.widening(s) + by_chord.lateral[0] - by_chord.lateral[1]
+    np.testing.assert_allclose(
+        gauge[inner], in_or_longer(car.gauge(), car.step)[inner], atol=5e-5
+    )  # the design has shorter waves
+
+
+def in_or_longer(values: Array, step: float) -> Array:
+    return filtered(values, step, Inverse(Plain(), (3.0, np.inf), 1.0).response, 12.0)
+
+
+def test_noise_is_enlarged_by_no_more_than_is_said(tmp_path: Path) -> None:
+    random = np.random.default_rng(3)
+    noise = random.standard_normal(40_000)
+    for system in (Chord(4.0, 6.0), Chord(5.0, 5.0), Chord(1.3, 8.7), Difference(3.0), Inertial(3.0, 25.0), Plain()):
+        inverse = Inverse(system, BAND, AMPLIFICATION)
+        k = np.linspace(1e-4, np.pi / 0.25, 300_001)
+        assert np.abs(inverse.response(k)).max() <= min(AMPLIFICATION, 1.001 * inverse.largest() + 1e-12) * 1.001
+        made = filtered(noise, 0.25, inverse.response, 120.0)[2000:-2000]
+        assert made.std() == pytest.approx(inverse.noise(0.25), rel=0.1)
+        kept = inverse.kept()
+        inside = 2.0 * np.pi / np.concatenate([np.linspace(low, high, 50) for low, high in np.minimum(kept, 1e4)])
+        if not isinstance(system, Inertial):
+            np.testing.assert_allclose(inverse.response(inside) * system.response(inside), 1.0, atol=1e-6)
+
+
+def test_noise_of_the_car_reaches_the_rails_no_more_than_is_said(by_chord: Restored, car: Car, tmp_path: Path) -> None:
+    noisy = Car(line(), noise=50e-6)
+    found = restored(tmp_path, noisy, geometry(car) | versines(car, 4.0, 6.0), "chord_m = [4, 6]")
+    factor = next(i.noise(car.step) for c, i in found.inverses if c.quantity == "level_left")
+    # a rail: the mean of two levels, and half of the cant
+    most = 50e-6 * np.hypot(factor / np.sqrt(2.0), 0.5 * Inverse(Plain(), (3.0, np.inf), 1.0).noise(car.step))
+    inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
+    off = in_band(found.vertical[0] - by_chord.vertical[0], car.step)[inner]
+    assert 0.2 * most < off.std() < 1.1 * most
+
+
+@pytest.mark.parametrize("system", [Chord(4.0, 6.0), Chord(5.0, 5.0)])
+def test_a_chord_sees_waves_and_circles_as_geometry_says(system: Chord) -> None:
+    a, b = system.behind, system.ahead
+    s = np.linspace(0.0, 50.0, 11)
+    for length in (3.3, 10.0, 400.0):
+        k = 2.0 * np.pi / length
+        versine = np.sin(k * s) - (b * np.sin(k * (s - a)) + a * np.sin(k * (s + b))) / (a + b)
+        h = complex(system.response(np.array([k]))[0])
+        np.testing.assert_allclose(versine, (h * np.exp(1j * k * s)).imag, atol=1e-12)
+    # versine of a circle, y'' > 0: a b / (2 R) on the other side
+    assert system.of_curvature(np.array([0.0, 1e-9])) == pytest.approx(-0.5 * a * b)
+    near = system.of_curvature(np.array([0.99e-4, 1.01e-4]))
+    assert abs(near[1] - near[0]) < 1e-3
+
+
+def test_without_curvature_the_versines_tell_the_curves(car: Car, tmp_path: Path) -> None:
+    columns = {k: v for k, v in (geometry(car) | versines(car, 4.0, 6.0)).items() if not k.startswith("curvature")}
+    found = restored(tmp_path, car, columns, "chord_m = [4, 6]")
+    assert any("no curvature was recorded: it is that of the versines" in note for note in found.notes)
+    radii = [s.radius for s in found.segments if isinstance(s, Arc)]
+    assert radii == pytest.approx([600.0, -900.0], rel=5e-3)
+
+
+def test_alignment_freed_of_its_curves_is_known_for_what_it_is(by_chord: Restored, car: Car, tmp_path: Path) -> None:
+    even = Car(Track.build(LINE, left_offset=(0.0325, 0.0), right_offset=(0.0325, 0.0)))
+    columns = versines(car, 4.0, 6.0)
+    bare = {k: v - versines(even, 4.0, 6.0)[k] if k.startswith("alignment") else v for k, v in columns.items()}
+    found = restored(tmp_path, car, geometry(car) | bare, "chord_m = [4, 6]")
+    assert any("is freed of the curves" in note for note in found.notes)
+    inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
+    # both took off the same curve, but for what its fit is off
+    for ours, theirs in zip(found.lateral, by_chord.lateral, strict=True):
+        assert np.abs(in_band(ours - theirs, car.step)[inner]).max() < 0.1e-3
+
+
+def test_opposite_signs_are_told(car: Car, tmp_path: Path) -> None:
+    turned = {k: -v if k.startswith("alignment") else v for k, v in versines(car, 4.0, 6.0).items()}
+    with pytest.raises(
+        InputError, match=r"column 'alignment_left_mm' holds -1\.00 of the versine of its curves: the sign"
+    ):
+        restored(tmp_path, car, geometry(car) | turned, "chord_m = [4, 6]")
+    columns = geometry(car) | {"cant_mm": -car.cant()}
+    found = restored(tmp_path, car, columns, "")
+    assert any("the cant leans outward in 2 of 2 curves" in note for note in found.notes)
+
+
+def test_twist_alone_tells_the_cross_level(car: Car, tmp_path: Path) -> None:
+    s = car.distance
+    cross = car.track.cross_level(s)
+    columns = {"twist_mm": cross - car.track.cross_level(s - 3.0)}
+    found = restored(tmp_path, car, columns, "")
+    inner = slice(int(ENDS / car.step), -int(ENDS / car.step))
+    ours = found.vertical[1] - found.vertical[0]
+    # a base of 3 m loses waves of 3 m
+    off = in_band(ours - cross, car.step, without=(2.4, 4.4))[inner]
+    assert np.abs(in_band(cross, car.step)[inner]).max() > 1e-3 > 10.0 * np.abs(off).max()
+
+
+TABLE = "s_km;gauge (mm);level_left (mm);note\n" + "".join(
+    f"{i / 4000:.5f};1435,{i % 7};0,{i % 5};x\n" for i in range(900)
+)
+
+
+def test_names_tell_what_columns_are(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text(TABLE.replace("s_km", "km"))
+    read = read_recording(tmp_path / "a.csv", band="D1")
+    assert [(c.column, c.quantity, c.unit) for c in read.columns.channels] == [
+        ("km", "distance", "km"), ("gauge (mm)", "gauge", "mm"), ("level_left (mm)", "level_left", "mm"),
+    ]  # fmt: skip
+    assert read.guessed and read.unused == ("note",)
+    assert read.step == pytest.approx(0.25) and read.of("gauge")[0][1][3] == pytest.approx(1.4353)
+
+
+MAP = """[[channels]]
+column = "distance_m"
+quantity = "distance"
+[[channels]]
+column = "level_mm"
+quantity = "level"
+"""
+HEAD = "distance_m,level_mm\n"
+BY_BAND, BY_CHORD = 'band = "D1"', "chord_m = [4, 6]"
+
+
+def rows(**changed: Any) -> str:
+    """A table whose fifth row (line 6) is changed."""
+    cells = [[f"{0.25 * i:g}", "0.1"] for i in range(400)]
+    for key, value in changed.items():
+        cells[4][{"distance": 0, "level": 1}[key]] = value
+    return HEAD + "".join(",".join(c) + "\n" for c in cells)
+
+
+@pytest.mark.parametrize(
+    ("text", "more", "message"),
+    [
+        (rows(distance="0.75"), BY_BAND, "line.csv:6: column 'distance_m' = 0.75 m after 0.75 m repeats"),
+        (rows(distance="0.5"), BY_BAND, "line.csv:6: column 'distance_m' = 0.5 m after 0.75 m runs backward"),
+        (rows(distance=""), BY_BAND, "line.csv:6: column 'distance_m': is empty"),
+        (rows(level=""), BY_CHORD, "line.csv:6: column 'level_mm': is empty, a gap at 1 m"),
+        (rows(level=""), BY_CHORD, "--from-m 1.25 --to-m 99.75 is the longest"),
+        (rows(level="abc"), BY_BAND, "line.csv:6: column 'level_mm' = 'abc': must be a number"),
+        (rows(level="inf"), BY_BAND, "line.csv:6: column 'level_mm' = 'inf': must be a finite number"),
+        (
+            "\n".join(line for i, line in enumerate(rows().split("\n")) if not 10 <= i < 20), BY_CHORD,
+            "line.csv:11: column 'distance_m' = 4.75 m after 2 m: a gap; rows stand 0.25 m apart and filters need "
+            "every one; take a part without gaps: --from-m 4.75 --to-m 99.75",
+        ),
+        (rows().replace("1,0.1\n", "1,0.1,7\n", 1), BY_BAND, "line.csv:6: has 3 cells; must have 2 like the header"),
+        (rows(), "", "line.toml:4: channels[1]: does not say how it was measured: must be one of chord_m = [4, 6]"),
+        (rows(), f'{BY_BAND}\nunit = "ft"', 'line.toml:8: channels[1].unit = "ft": must be'),
+        (rows(), f'{BY_BAND}\nunit = "km"', "line.toml:8: channels[1].unit = \"km\": is none of level: must be mm"),
+        (rows(), f'{BY_BAND}\npositive = "left"', 'channels[1].positive = "left": must be "up" or "down"'),
+        (rows(), f"{BY_BAND}\n{BY_CHORD}", "has chord_m and band: must be one of"),
+        (rows().replace("level_mm", "lvl_mm"), BY_BAND, "line.toml: channels: column 'level_mm' is not in"),
+        (HEAD, BY_BAND, "line.csv: has no rows"),
+        (rows(), f"{BY_BAND}\n{MAP[MAP.rindex('[['):]}{BY_BAND}", "is level like channels[1]"),
+    ],
+)  # fmt: skip
+def test_bad_recordings_are_refused(text: str, more: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "line.csv").write_text(text)
+    (tmp_path / "line.toml").write_text(MAP + more + "\n")
+    with pytest.raises(InputError) as error:
+        read_recording(tmp_path / "line.csv", tmp_path / "line.toml")
+    assert message in str(error.value), str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        ("distance_m,level_mm", "line.csv:1: column 'level_mm': measured by a chord or inertially?"),
+        ("distance_m,gauge [ft]", "line.csv:1: column 'gauge [ft]': unit 'ft' is unknown for gauge: must be mm, m, cm"),
+        ("foo,gauge_mm", "line.csv:1: no column looks like a distance"),
+        ("distance_m,foo", "line.csv:1"),
+    ],
+)
+def test_names_that_do_not_tell_are_refused(header: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "line.csv").write_text(rows().replace(HEAD.strip(), header))
+    with pytest.raises(InputError) as error:
+        read_recording(tmp_path / "line.csv")
+    assert message in str(error.value), str(error.value)
+
+
+def test_recordings_that_are_too_short_or_too_coarse_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "line.csv").write_text(rows())
+    read = read_recording(tmp_path / "line.csv", band="D1")
+    with pytest.raises(InputError, match=r"is 99\.75 m long; must be two of the longest waves wanted, 70 m each"):
+        restore(read, BAND, AMPLIFICATION)
+    with pytest.raises(InputError, match=r"rows 0\.25 m apart tell no waves shorter than 1 m"):
+        restore(read, (0.5, 25.0), AMPLIFICATION)
+
+
+def test_the_shipped_recording_is_that_of_the_car(tmp_path: Path) -> None:
+    car, columns = shipped_line()
+    anew = np.loadtxt(car.write(tmp_path / "line.csv", columns, 2), delimiter=",", skiprows=1)
+    np.testing.assert_allclose(np.loadtxt(SCENARIOS / "recorded/line.csv", delimiter=",", skiprows=1), anew, atol=0.011)
+
+
+def test_one_command_leads_from_a_recording_to_a_run(car: Car, by_chord: Restored, tmp_path: Path) -> None:
+    from typer.testing import CliRunner
+
+    from wrsim.cli.commands import app
+
+    folder, out = by_chord.recording.path, tmp_path / "out"
+    asked = ["recording", str(folder), "-o", str(out), "--vehicle", "vehicles/wheelset_s1002.toml", "--no-pictures"]
+    ended = CliRunner().invoke(app, asked)
+    assert ended.exit_code == 0, ended.output
+    assert "3 to 57.9" in ended.output and "R 600" in ended.output
+    scenario = load(out / "scenario.toml")
+    track = build(scenario).track
+    s = np.arange(200.0, 1100.0, 0.5)
+    true = car.track.irregularity("left", s + car.margin)[0]
+    assert np.abs(in_band(track.irregularity("left", s)[0] - true, 0.5)[160:-160]).max() < 0.1e-3
+    result = run(scenario.with_values(FAST | {"run.start_distance_m": 300.0, "run.distance_m": 2.0}))
+    assert result.status == "completed"
+    assert CliRunner().invoke(app, asked).exit_code == 0  # its own files may be written anew
+    (out / "track.toml").write_text("mine")
+    refused = CliRunner().invoke(app, asked)
+    assert refused.exit_code == 2 and "would be written over" in refused.output
+    assert (out / "track.toml").read_text() == "mine"

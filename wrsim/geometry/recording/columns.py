@@ -1,0 +1,243 @@
+"""What the columns of a recording are: a TOML file beside the CSV says it, or their names do."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from wrsim.errors import InputError, suggest
+from wrsim.geometry.recording.systems import BANDS, Chord, Difference, Inertial, Plain, System
+from wrsim.inputs.checking import check, opened
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import List, Switch, Two, number, text
+
+Quantity = Literal[
+    "distance", "curvature", "gauge", "gauge_deviation", "cant", "twist",
+    "alignment", "alignment_left", "alignment_right", "level", "level_left", "level_right",
+]  # fmt: skip
+Unit = Literal["m", "km", "mm", "cm", "um", "in", "1/km", "1/m", "mm/m", "permille"]
+Positive = Literal["left", "right", "up", "down", "right rail higher", "left rail higher"]
+
+LENGTHS = {"mm": 1e-3, "m": 1.0, "cm": 1e-2, "um": 1e-6, "in": 0.0254}
+SLOPES = {"mm/m": 1e-3, "permille": 1e-3}
+UNITS: dict[str, dict[str, float]] = {
+    "distance": {"m": 1.0, "km": 1e3},
+    "curvature": {"1/km": 1e-3, "1/m": 1.0},
+    "twist": SLOPES | LENGTHS,
+}
+"""Units of a quantity, the usual one first; of all others: lengths."""
+SIGNS: dict[str, tuple[Positive, Positive]] = {
+    "curvature": ("left", "right"),
+    "alignment": ("left", "right"),
+    "level": ("up", "down"),
+    "cant": ("right rail higher", "left rail higher"),
+    "twist": ("right rail higher", "left rail higher"),
+}
+"""What may be positive; ours first."""
+BASE = 3.0
+"""Usual base of twist [m]."""
+
+_Length = Annotated[float, number(0.2, 30, "m")]
+
+
+def kind_of(quantity: str) -> str:
+    """A quantity without its rail."""
+    return quantity.removesuffix("_left").removesuffix("_right")
+
+
+class ChannelSection(Section):
+    """A column: what it is, its unit, what is positive; how alignment and level were measured."""
+
+    header: ClassVar[str] = "[[channels]]"
+    aliases: ClassVar[dict[str, str]] = {
+        "column": "name header",
+        "quantity": "channel kind",
+        "positive": "sign",
+        "chord_m": "chord",
+        "band": "range",
+        "base_m": "twist_base_m",
+    }
+
+    column: Annotated[str, text('the name of a column in the CSV file such as "level_left"')]
+    """Name of the column in the table's first line."""
+    quantity: Quantity
+    """What the column holds."""
+    unit: Unit | None = None
+    """Unit of its numbers; left out: mm, m of distance, 1/km of curvature, mm/m of twist."""
+    positive: Positive | None = None
+    """Which side is positive; left out: left, up, right rail higher."""
+    chord_m: Annotated[
+        Two[_Length] | None, Field(description="two lengths in m, behind and ahead of the measuring point: [4, 6]")
+    ] = None
+    """Chord that alignment or level was measured with."""
+    band: Literal["D1", "D2", "D3"] | None = None
+    """Band of wavelengths of EN 13848 that an inertial system gave."""
+    band_m: Annotated[
+        Two[Annotated[float, number(0.5, 500, "m")]] | None, Field(description="two rising wavelengths such as [3, 25]")
+    ] = None
+    """Another band of wavelengths of an inertial system."""
+    base_m: Annotated[float, number(0.5, 30, "m")] | None = None
+    """Base of twist, 3 m unless given, or length over which curvature was measured."""
+    with_curvature: Switch | None = None
+    """Whether alignment holds the curve itself; left out: the record tells."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """Unit and sign fit the quantity, and the measuring system fits it."""
+        kind = kind_of(self.quantity)
+        units = UNITS.get(kind, LENGTHS)
+        if self.unit is not None and self.unit not in units:
+            yield Fault("unit", f"is none of {self.quantity}: must be {', '.join(units)}")
+        signs: tuple[str, ...] = SIGNS.get(kind, ())
+        if self.positive is not None and self.positive not in signs:
+            allowed = " or ".join(f'"{s}"' for s in signs)
+            yield Fault("positive", f"must be {allowed}" if signs else f"has no place: {self.quantity} has one sign")
+        given = [key for key in ("chord_m", "band", "band_m") if getattr(self, key) is not None]
+        if kind not in ("alignment", "level"):
+            for key in given:
+                yield Fault(key, "is for alignment and level only")
+        elif len(given) != 1:
+            which = f"has {' and '.join(given)}" if given else "does not say how it was measured"
+            yield Fault((), f'{which}: must be one of chord_m = [4, 6], band = "D1" or band_m = [3, 25]')
+        if self.band_m is not None and not self.band_m[0] < self.band_m[1]:
+            yield Fault("band_m", "must be two rising wavelengths")
+        if self.base_m is not None and kind not in ("twist", "curvature"):
+            yield Fault("base_m", "is for twist and curvature only")
+        if self.with_curvature is not None and kind != "alignment":
+            yield Fault("with_curvature", "is for alignment only")
+
+    @property
+    def factor(self) -> float:
+        """From the column's numbers to SI units and our signs."""
+        kind = kind_of(self.quantity)
+        units = UNITS.get(kind, LENGTHS)
+        unit: str = self.unit or next(iter(units))
+        factor = units[unit] * (self.base if kind == "twist" and unit in SLOPES else 1.0)
+        return -factor if kind in SIGNS and self.positive == SIGNS[kind][1] else factor
+
+    @property
+    def base(self) -> float:
+        """Base of twist, chord of curvature [m]."""
+        return (BASE if self.quantity == "twist" else 0.0) if self.base_m is None else self.base_m
+
+    @property
+    def system(self) -> System:
+        """What measured it."""
+        if self.chord_m is not None:
+            return Chord(*self.chord_m)
+        if self.band is not None or self.band_m is not None:
+            return Inertial(*(BANDS[self.band] if self.band is not None else self.band_m or (0.0, 0.0)))
+        return Difference(self.base) if self.quantity == "twist" else Plain()
+
+    def words(self) -> str:
+        """What it is, in words."""
+        units = UNITS.get(kind_of(self.quantity), LENGTHS)
+        parts = [self.quantity.replace("_", " "), f"in {self.unit or next(iter(units))}"]
+        signs = SIGNS.get(kind_of(self.quantity))
+        if signs:
+            parts.append(f"positive: {self.positive or signs[0]}")
+        if self.chord_m is not None:
+            parts.append(f"chord {self.chord_m[0]:g} + {self.chord_m[1]:g} m")
+        elif isinstance(self.system, Inertial):
+            parts.append(f"inertial, {self.system.short:g} to {self.system.long:g} m")
+        elif self.quantity == "twist":
+            parts.append(f"base {self.base:g} m")
+        return ", ".join(parts)
+
+
+class ColumnsFile(Section):
+    """The columns of a recording, and the gauge of the line."""
+
+    header: ClassVar[str] = "a column map"
+    aliases: ClassVar[dict[str, str]] = {"channels": "channel columns"}
+
+    gauge_mm: Annotated[float, number(400, 2000, "nominal")] = 1435.0
+    """Nominal gauge of the line."""
+    cant_base_mm: Annotated[float, number(400, 2200, "mm between the rail tops, such as 1500")] | None = None
+    """Distance that cant is measured over; left out: the gauge and 65 mm."""
+    channels: Annotated[List[ChannelSection], Field(min_length=1)]
+    """The columns that are used."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """A distance, something to lay a track of, nothing twice."""
+        seen: dict[tuple[str, System], int] = {}
+        for i, c in enumerate(self.channels):
+            other = seen.setdefault((c.quantity, c.system), i)
+            if other != i:
+                yield Fault(("channels", i), f"is {c.quantity} like channels[{other}]: leave one of them out")
+        names = [c.quantity for c in self.channels]
+        if "distance" not in names:
+            yield Fault("channels", 'needs one with quantity = "distance"')
+        if set(names) <= {"distance"}:
+            yield Fault("channels", "need something that was measured besides distance")
+        if "gauge" in names and "gauge_deviation" in names:
+            yield Fault("channels", "have gauge and gauge_deviation: leave one of them out")
+        for kind in ("alignment", "level"):
+            if kind in names and any(name in names for name in (f"{kind}_left", f"{kind}_right")):
+                yield Fault("channels", f"have {kind} of the mean and of single rails: leave one of them out")
+
+
+def read_columns_file(path: Path) -> ColumnsFile:
+    """A column map. Raises InputError with file, line and key."""
+    return check(ColumnsFile, *opened(path, "column map"))
+
+
+GUESSES: tuple[tuple[str, str], ...] = (
+    ("distance", r"dist|chainage|mileage|station|posit|^km$|^pk$|^s$|weg"),
+    ("curvature", r"curv|kr(ue|ü|u)mm|courbure"),
+    ("twist", r"twist|verwind|gauchissement"),
+    ("cant", r"cant|cross.?level|x.?level|super.?elev|(ue|ü)berh|d(e|é)vers"),
+    ("gauge", r"gauge|spurw|(e|é)cartement"),
+    ("alignment", r"align|richtung|dressage|lateral"),
+    ("level", r"level|vertical|profile|l(ae|ä)ngsh|nivell|surface|^top"),
+)
+"""Quantities and what their columns are called; the first that fits."""
+
+
+def guessed(header: Sequence[str], where: str, chord: Sequence[float] | None, band: str | None) -> list[dict[str, Any]]:
+    """Channels (tables of a column map) from the names of columns; chord [m] and band: of alignment and level, where
+    their names do not say it. where: file and line of the header. Raises InputError for a unit that is unknown.
+    """
+    found: list[dict[str, Any]] = []
+    for name in header:
+        plain = name.strip().lower()
+        unit = _unit_in(plain)
+        quantity = next((q for q, pattern in GUESSES if re.search(pattern, plain)), None)
+        if quantity is None:
+            continue
+        own: dict[str, Any] = {"column": name, "quantity": quantity}
+        if quantity in ("alignment", "level"):
+            side = re.search(r"(?:^|[\s_\-.(\[])(l|left|links|r|right|rechts)(?:$|[\s_\-.)\]])", plain)
+            if side:
+                own["quantity"] += "_left" if side[1].startswith("l") else "_right"
+            named = re.search(r"(?:^|[^a-z0-9])(d[123])(?:$|[^a-z0-9])", plain)
+            if named:
+                own["band"] = named[1].upper()
+            elif chord is not None:
+                own["chord_m"] = list(chord)
+            elif band is not None:
+                own["band"] = band
+        if unit is not None:
+            units = UNITS.get(quantity, LENGTHS)
+            if unit not in units:
+                raise InputError(
+                    f"{where}: column '{name}': unit '{unit}' is unknown for {quantity}: must be "
+                    f"{', '.join(units)}{suggest(unit, list(units))}"
+                )
+            own["unit"] = unit
+        found.append(own)
+    return found
+
+
+def _unit_in(name: str) -> str | None:
+    """The unit that a column's name ends with: ``level [mm]``, ``level (mm)``, ``level_mm``, ``curvature_per_km``."""
+    bracket = re.search(r"[\[(]\s*([^\])]*?)\s*[\])]\s*$", name)
+    if bracket:
+        return bracket[1].replace("km-1", "1/km").replace("m-1", "1/m").replace("µ", "u") or None
+    tail = re.search(r"_(per_km|per_m|mm_per_m|permille|mm|cm|um|km|m|in|ft)$", name)
+    if tail is None:
+        return "km" if name == "km" else None
+    return {"per_km": "1/km", "per_m": "1/m", "mm_per_m": "mm/m"}.get(tail[1], tail[1])

@@ -1,0 +1,254 @@
+"""What was designed: straights, transitions and arcs that come nearest to recorded curvature and cant.
+
+Transitions are clothoids, on which both run straight, or Bloss curves, 3 x^2 - 2 x^3. First pieces of straight lines
+are laid through the smoothed records so that the sum of their squared distances and a price for each piece is least
+(dynamic programming). Steep pieces are transitions, the rest straights and arcs. Then the ends of every transition, and
+the values before and behind it, are fitted by least squares (`scipy.optimize.least_squares`) to the smoothed records,
+with the corners smoothed alike, so that the smoothing moves nothing: a ramp x > 0 under a Gaussian of deviation w is x
+Phi(x/w) + w phi(x/w). Of both forms the one is taken that comes nearer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+from scipy.optimize import least_squares
+from scipy.special import ndtr
+
+Array = NDArray[np.float64]
+Form = Literal["clothoid", "bloss"]
+FORMS: tuple[Form, ...] = ("clothoid", "bloss")
+
+SMOOTHING = 6.0
+"""Deviation of the Gaussian that records are smoothed with [m]: irregularities are not the design."""
+NODE = 5.0
+"""Distance of the rows that pieces are laid through [m]."""
+LONGEST_PIECE = 2000.0
+"""[m]; longer straights and arcs are put together from several."""
+PRICE = 120.0
+"""Price of a piece in squares of the records' noise."""
+LAG = 20.0
+"""Distance over which the noise is told from the records' bends [m]."""
+LEAST_CURVATURE, LEAST_CANT = 4e-5, 6e-3
+"""What is no change of curvature [1/m] and cant [m], however quiet the records are: a radius of 25 km is straight."""
+QUIETEST = (2e-6, 2e-4)
+"""Least noise that is believed [1/m, m]."""
+SHORTEST = 2.0
+"""Shortest transition, straight or arc [m]."""
+REACH = 200.0
+"""How far before and behind a transition the records are fitted [m]."""
+
+
+@dataclass(frozen=True)
+class Plateau:
+    """Straight or arc from start to end [m]: curvature [1/m], cant [m] with the right rail higher."""
+
+    start: float
+    end: float
+    curvature: float
+    cant: float
+    form: Form = "clothoid"
+    """Of the transition before it."""
+
+    @property
+    def is_straight(self) -> bool:
+        """True where it does not curve."""
+        return abs(self.curvature) < LEAST_CURVATURE
+
+
+def fit_design(
+    distance: Array, curvature: Array, cant: Array, spread: float = 0.0, forms: Sequence[Form] = FORMS
+) -> tuple[Plateau, ...]:
+    """Straights and arcs of a line: of even distances from 0 [m], curvature [1/m] and cant [m], each (n,).
+
+    Between two of them lies a transition. spread: deviation over which the curvature was measured already [m];
+    forms: of transitions that may be.
+    """
+    step = distance[1] - distance[0]
+    widths = (np.sqrt(max(SMOOTHING**2 - spread**2, 1.0)), SMOOTHING)
+    pairs = zip((curvature, cant), widths, strict=True)
+    records = np.stack([gaussian_filter1d(r, w / step, mode="nearest") for r, w in pairs])
+    noise = np.array([_noise(r, max(1, round(LAG / step)), least) for r, least in zip(records, QUIETEST, strict=True)])
+    every = max(1, round(NODE / step))
+    nodes, rows = distance[::every], records[:, ::every] / noise[:, None]
+    found = _plateaus(distance, records, noise, [(nodes[i], nodes[j]) for i, j in _pieces(nodes, rows)])
+    if len(found) < 2:
+        return (replace(found[0], start=0.0, end=float(distance[-1])),)
+    fine = max(1, round(1.0 / step))
+    thin = distance[::fine], records[:, ::fine]
+    for _ in range(2):
+        found = _refined(found, *thin, noise, forms)
+    return tuple(found)
+
+
+def _noise(record: Array, lag: int, least: float) -> float:
+    """Standard deviation of what is no straight line, by the median of second differences."""
+    if record.size <= 2 * lag:
+        return least
+    bend = record[: -2 * lag] - 2.0 * record[lag:-lag] + record[2 * lag :]
+    return max(float(1.4826 * np.median(np.abs(bend)) / np.sqrt(6.0)), least)
+
+
+def _pieces(nodes: Array, rows: Array) -> list[tuple[int, int]]:
+    """First and last node of the pieces of straight lines through rows (channels, n)."""
+    n, x = nodes.size, nodes - nodes[0]
+    most = max(3, round(LONGEST_PIECE / (nodes[1] - nodes[0]))) if n > 1 else 1
+    sums = [np.concatenate(([0.0], np.cumsum(v))) for v in (np.ones(n), x, x * x)]
+    own = [
+        [np.concatenate(([0.0], np.cumsum(v))) for v in (r, r * x, r * r)] for r in rows - rows.mean(axis=1)[:, None]
+    ]
+    best, before = np.full(n + 1, np.inf), np.zeros(n + 1, dtype=int)
+    best[0] = 0.0
+    for j in range(1, n + 1):
+        i = np.arange(max(0, j - most), j)
+        count, sx, sxx = (s[j] - s[i] for s in sums)
+        spread = np.maximum(sxx - sx * sx / count, 1e-12)
+        cost = np.zeros(i.size)
+        for a, ax, aa in own:
+            sy, sxy, syy = a[j] - a[i], ax[j] - ax[i], aa[j] - aa[i]
+            cross = sxy - sx * sy / count
+            cost += np.maximum(syy - sy * sy / count - np.where(count > 1, cross * cross / spread, 0.0), 0.0)
+        total = best[i] + cost + PRICE
+        least = int(np.argmin(total))
+        best[j], before[j] = total[least], i[least]
+    found, j = [], n
+    while j > 0:
+        found.append((int(before[j]), j - 1))
+        j = int(before[j])
+    return found[::-1]
+
+
+def _plateaus(distance: Array, records: Array, noise: Array, pieces: list[tuple[float, float]]) -> list[Plateau]:
+    """The level ones of the pieces; neighbours that differ by nothing are one."""
+    enough = np.maximum(5.0 * noise, (LEAST_CURVATURE, LEAST_CANT))
+    found: list[Plateau] = []
+    hand = 0.0
+    for start, end in pieces:
+        inside = (distance >= start) & (distance <= end)
+        x, rows = distance[inside], records[:, inside]
+        slope = np.array([np.polyfit(x, r, 1)[0] if x.size > 2 else 0.0 for r in rows])
+        change = slope[0] * (end - start)
+        if abs(change) > enough[0]:
+            # two ramps that turn round without an arc between them meet in one of no length
+            if hand * change < 0.0:
+                at = int(np.argmin(np.abs(distance - start)))
+                found.append(Plateau(start, start, *records[:, at].tolist()))
+            hand = change
+            continue
+        hand = 0.0
+        level = np.median(rows, axis=1)
+        now = Plateau(start, end, *level.tolist())
+        if found and np.all(np.abs(level - (found[-1].curvature, found[-1].cant)) < enough):
+            last = found[-1]
+            share = (last.end - last.start) / max(end - last.start - (start - last.end), 1e-9)
+            mixed = share * np.array((last.curvature, last.cant)) + (1.0 - share) * level
+            found[-1] = Plateau(last.start, end, *mixed.tolist())
+        elif found and abs(level[0] - found[-1].curvature) < enough[0]:
+            found[-1] = replace(found[-1], end=end)  # cant alone changes: no transition of the line
+        else:
+            found.append(now)
+    whole = float(distance[-1])
+    if not found or found[0].start > 2.0 * NODE:
+        found.insert(0, Plateau(0.0, 0.0, *records[:, 0].tolist()))
+    if found[-1].end < whole - 2.0 * NODE:
+        found.append(Plateau(whole, whole, *records[:, -1].tolist()))
+    return [replace(p, curvature=0.0, cant=0.0) if p.is_straight else p for p in found]
+
+
+def _refined(
+    found: list[Plateau], distance: Array, records: Array, noise: Array, forms: Sequence[Form]
+) -> list[Plateau]:
+    """The same with the ends of its transitions and the values beside them by least squares."""
+    ends: list[tuple[float, float]] = []
+    taken: list[Form] = ["clothoid"]
+    levels: list[list[tuple[Array, float]]] = [[] for _ in found]
+    free = 0.0
+    for i, (p, q) in enumerate(pairwise(found)):
+        low = max(0.5 * (p.start + p.end), p.end - REACH)
+        high = min(0.5 * (q.start + q.end), q.start + REACH)
+        fits = [_transition(p, q, distance, records, noise, (low, high), form) for form in forms]
+        best = min(fits, key=lambda fit: fit.off)
+        begin, length, before, behind = best.begin, best.length, best.before, best.behind
+        taken.append(best.form)
+        begin = min(max(begin, free + SHORTEST), distance[-1] - 2.0 * SHORTEST)
+        end = min(max(begin + length, begin + SHORTEST), distance[-1] - SHORTEST)
+        ends.append((begin, end))
+        levels[i].append((before, begin - low))
+        levels[i + 1].append((behind, high - end))
+        free = end
+    edges = [0.0, *(e for pair in ends for e in pair), float(distance[-1])]
+    done = []
+    spans = zip(edges[::2], edges[1::2], strict=True)
+    for p, (start, end), own, form in zip(found, spans, levels, taken, strict=True):
+        weight = np.array([max(w, 1.0) for _, w in own])
+        curvature, cant = (weight @ np.array([v for v, _ in own])) / weight.sum()
+        level = (0.0, 0.0) if p.is_straight else (float(curvature), float(cant))
+        done.append(Plateau(start, end, *level, form))
+    return done
+
+
+class _Fit(NamedTuple):
+    """A transition: start and length [m], values (curvature, cant) before and behind it, sum of the squares left."""
+
+    form: Form
+    begin: float
+    length: float
+    before: Array
+    behind: Array
+    off: float
+
+
+def _transition(
+    p: Plateau, q: Plateau, distance: Array, records: Array, noise: Array, window: tuple[float, float], form: Form
+) -> _Fit:
+    """The transition of a form between two plateaus that comes nearest to the records in a window [m]."""
+    inside = (distance >= window[0]) & (distance <= window[1])
+    s, rows = distance[inside], records[:, inside] / noise[:, None]
+    held = np.array([0.0 if plateau.is_straight else 1.0 for plateau in (p, q)])
+    own = np.array([(t.curvature, t.cant) for t in (p, q)])
+    length = max(q.start - p.end, SHORTEST)
+    if s.size < 8:
+        return _Fit(form, p.end, length, own[0], own[1], np.inf)
+
+    def levels(x: Array) -> Array:
+        """(2, channels), of straights nothing."""
+        return np.asarray(x[2:].reshape(2, 2) * held[:, None])
+
+    def off(x: Array) -> Array:
+        before, behind = levels(x)
+        part = _part(s - x[0], x[1], form)
+        return np.asarray((before[:, None] + (behind - before)[:, None] * part - rows).ravel())
+
+    start = np.concatenate(([p.end, length], (own / noise).ravel()))
+    low = np.concatenate(([window[0] - SMOOTHING, SHORTEST], np.full(4, -np.inf)))
+    high = np.concatenate(
+        ([window[1] + SMOOTHING, max(window[1] - window[0], SHORTEST) + SHORTEST], np.full(4, np.inf))
+    )
+    best = least_squares(off, np.clip(start, low + 1e-6, high - 1e-6), bounds=(low, high))
+    before, behind = levels(best.x) * noise
+    return _Fit(form, float(best.x[0]), float(best.x[1]), before, behind, float(best.cost))
+
+
+HERMITE = np.polynomial.hermite_e.hermegauss(12)
+"""Places and weights of a mean over a Gaussian."""
+
+
+def _part(x: Array, length: float, form: Form) -> Array:
+    """How far a transition from 0 to its length [m] has gone over at x, under the Gaussian."""
+    if form == "clothoid":
+        return np.asarray((_ramp(x) - _ramp(x - length)) / length)
+    places, weights = HERMITE
+    u = np.clip((x[:, None] + SMOOTHING * places) / length, 0.0, 1.0)
+    return np.asarray(u * u * (3.0 - 2.0 * u) @ weights / weights.sum())
+
+
+def _ramp(x: Array) -> Array:
+    """max(x, 0) under the Gaussian."""
+    z = x / SMOOTHING
+    return np.asarray(x * ndtr(z) + SMOOTHING * np.exp(-0.5 * z * z) / np.sqrt(2.0 * np.pi))

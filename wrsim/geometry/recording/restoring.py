@@ -1,0 +1,296 @@
+"""From a recording to the track: its design, and where each rail lies beside it.
+
+What the design alone would leave in a record is taken off before the record is undone: the versine of a curve, the
+ramps of cant under one rail's level. Alignment of many cars is freed of the curve already; whether it is, the record
+itself tells."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.errors import InputError
+from wrsim.geometry.recording.columns import ChannelSection, kind_of
+from wrsim.geometry.recording.design import FORMS, Form, Plateau, fit_design
+from wrsim.geometry.recording.recording import Recording
+from wrsim.geometry.recording.systems import SKIRTS, Chord, Inertial, Inverse, Plain, filtered
+from wrsim.geometry.track.segments import Arc, Laws, Segment, Straight, Transition, laws
+from wrsim.geometry.track.track import RAIL_HEAD_WIDTH, ROUNDING
+
+Array = NDArray[np.float64]
+
+SIDES = {"_left": 1.0, "_right": -1.0}
+LEAST_WIDENING = 1.5e-3
+"""Mean gauge of an arc beyond the nominal one that counts as designed [m]."""
+TOLD = 0.15
+"""Largest standard deviation of a curve's share in a record of alignment with which that says if it is there."""
+UNDECIDED = (0.3, 0.7)
+"""Shares between which nobody can tell."""
+
+
+@dataclass(frozen=True, eq=False)
+class Restored:
+    """A recorded track.
+
+    plateaus: straights and arcs; segments, law: the design as it is laid; lateral, vertical: of the left and right rail
+    beside it, to the left and up, (2, n) [m]; inverses: how each record was undone; notes: what a user should know.
+    """
+
+    recording: Recording
+    plateaus: tuple[Plateau, ...]
+    segments: tuple[Segment, ...]
+    law: Laws
+    lateral: Array
+    vertical: Array
+    inverses: tuple[tuple[ChannelSection, Inverse], ...]
+    notes: tuple[str, ...]
+
+    @property
+    def longest(self) -> float:
+        """Longest finite wavelength that any record was undone to [m]: so far its ends reach into it."""
+        return max(
+            (float(i.kept()[-1, 1]) for _, i in self.inverses if len(i.kept()) and np.isfinite(i.band[1])), default=0.0
+        )
+
+
+def restore(
+    recording: Recording, band: tuple[float, float], amplification: float, forms: Sequence[Form] = FORMS
+) -> Restored:
+    """Design and irregularities; band: wavelengths of these [m]; amplification: see `Inverse`;
+    forms: of transitions that may be.
+
+    Raises InputError for a band that the rows do not tell, a recording shorter than two of the longest waves, and a
+    sign of alignment that is opposite to that of curvature.
+    """
+    step, s = recording.step, recording.distance
+    if band[0] < 4.0 * step:
+        raise InputError(
+            f"{recording.path}: rows {step:g} m apart tell no waves shorter than {4.0 * step:g} m; the shortest wanted "
+            f"is {band[0]:g} m (--wavelength-m)"
+        )
+    if recording.length < 2.0 * band[1]:
+        raise InputError(
+            f"{recording.path}: is {recording.length:g} m long; must be two of the longest waves wanted, {band[1]:g} m "
+            "each (--wavelength-m), or more"
+        )
+    work = _Work(recording, band, amplification, [], [])
+    gauge = recording.columns.gauge_mm / 1e3
+    off_gauge = work.first("gauge", -gauge)
+    if off_gauge is None:
+        off_gauge = work.first("gauge_deviation")
+    curvature, spread = work.curvature()
+    cant = work.first("cant")
+    plateaus = fit_design(s, curvature, np.zeros(s.size) if cant is None else cant, spread, forms)
+    segments = _segments(plateaus, s, off_gauge)
+    law = laws(segments, gauge, ROUNDING)
+    design = _Design(law.curvature(s), law.cant(s), law.widening(s))
+    _check_hands(plateaus, work.notes)
+
+    wide = None if off_gauge is None else work.undone_plain(off_gauge - design.widening, ("gauge", "gauge_deviation"))
+    cross = None if cant is None else work.undone_plain(cant - design.cant, ("cant",))
+    twist = recording.of("twist")
+    if twist and cant is not None:
+        base = twist[0][0].base
+        back = max(1, round(base / step))
+        off = (cant[back:] - cant[:-back]) * base / (back * step) - twist[0][1][back:]
+        work.notes.append(f"twist and the cant's own over {base:g} m differ by {1e3 * _rms(off):.3g} mm (rms)")
+    elif twist:
+        cross = work.undone(*twist[0], np.zeros(s.size))
+    lateral = _rails(work, "alignment", design, wide, (0.5, -0.5))
+    vertical = _rails(work, "level", design, cross, (-0.5, 0.5))
+    return Restored(recording, plateaus, segments, law, lateral, vertical, tuple(work.inverses), tuple(work.notes))
+
+
+@dataclass(frozen=True)
+class _Design:
+    """Curvature [1/m], cant and widening [m] at the rows."""
+
+    curvature: Array
+    cant: Array
+    widening: Array
+
+
+@dataclass(frozen=True)
+class _Work:
+    """What records are undone with, and what is said about it."""
+
+    recording: Recording
+    band: tuple[float, float]
+    amplification: float
+    inverses: list[tuple[ChannelSection, Inverse]]
+    notes: list[str]
+
+    def first(self, quantity: str, add: float = 0.0) -> Array | None:
+        """The record of a quantity that is measured as it is."""
+        found = self.recording.of(quantity)
+        return found[0][1] + add if found else None
+
+    def curvature(self) -> tuple[Array, float]:
+        """The recorded curvature, or that of the alignment's versines, and the deviation over which it was measured."""
+        own = self.recording.of("curvature")
+        if own:
+            return own[0][1], own[0][0].base / np.sqrt(24.0)
+        s = self.recording.distance
+        for side in ("", "_left", "_right"):
+            for channel, record in self.recording.of(f"alignment{side}"):
+                if isinstance(channel.system, Chord):
+                    a, b = channel.system.behind, channel.system.ahead
+                    self.notes.append(
+                        f"no curvature was recorded: it is that of the versines in column '{channel.column}'"
+                    )
+                    # of long waves the versine is that at (b - a) / 3 ahead
+                    there = np.interp(s - (b - a) / 3.0, s, record)
+                    return -2.0 / (a * b) * there, float(np.sqrt((a * a + a * b + b * b) / 18.0))
+        self.notes.append("no curvature was recorded: the track is laid straight")
+        return np.zeros(s.size), 0.0
+
+    def inner(self, record: Array) -> Array:
+        """A record without its ends, into which the unknown beyond them reaches."""
+        ends = min(int(SKIRTS[1] * self.band[1] / self.recording.step), record.size // 4)
+        return record[ends : record.size - ends]
+
+    def undone(self, channel: ChannelSection, record: Array, design: Array) -> Array:
+        """The shape that a record is of; design: what the design leaves in it."""
+        inverse = self._inverse(channel)
+        return filtered(record - design, self.recording.step, inverse.response, SKIRTS[1] * self.band[1])
+
+    def undone_plain(self, record: Array, quantities: tuple[str, ...]) -> Array:
+        """What is left of gauge and cant: all waves but the shortest."""
+        channel = next(c for c, _ in self.recording.records if c.quantity in quantities)
+        inverse = Inverse(Plain(), (self.band[0], np.inf), self.amplification)
+        self.inverses.append((channel, inverse))
+        return filtered(record, self.recording.step, inverse.response, 4.0 * self.band[0])
+
+    def _inverse(self, channel: ChannelSection) -> Inverse:
+        found = Inverse(channel.system, self.band, self.amplification)
+        self.inverses.append((channel, found))
+        return found
+
+
+def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights: tuple[float, float]) -> Array:
+    """Left and right rail (2, n) from the records of alignment or level, and from how far the rails are apart: gauge or
+    cross-level. weights: of that on the left and the right rail.
+    """
+    size = work.recording.distance.size
+    found: dict[str, Array] = {}
+    for side in ("", "_left", "_right"):
+        parts = [work.undone(c, r, _left_by_design(work, c, r, design)) for c, r in work.recording.of(f"{kind}{side}")]
+        if parts:
+            found[side] = np.sum(parts, axis=0)
+    if not found:
+        work.notes.append(f"no {kind} was recorded: the rails' mean is taken as even")
+    left, right = found.get("_left"), found.get("_right")
+    if left is not None and right is not None:
+        mean, own = 0.5 * (left + right), (left - right) / (weights[0] - weights[1])
+        if apart is None:
+            apart = own
+        else:
+            off = own - _in_band(work, kind, apart)
+            words = "gauge" if kind == "alignment" else "cant"
+            work.notes.append(
+                f"{kind} left less right and the {words} differ by {1e3 * _rms(work.inner(off)):.3g} mm (rms) in their "
+                f"common band; the {words} is taken"
+            )
+    elif left is not None or right is not None:
+        one, weight = (left, weights[0]) if left is not None else (right, weights[1])
+        mean = np.zeros(size) if one is None else one
+        if apart is None:
+            work.notes.append(
+                f"{kind} of one rail alone, and nothing of how far they are apart: both rails are taken alike"
+            )
+        else:
+            mean = mean - weight * _in_band(work, kind, apart)
+    else:
+        mean = found.get("", np.zeros(size))
+    apart = np.zeros(size) if apart is None else apart
+    return np.stack([mean + weight * apart for weight in weights])
+
+
+def _in_band(work: _Work, kind: str, record: Array) -> Array:
+    """What the systems of alignment or level would know of a record."""
+    inverses = {i.system: i for c, i in work.inverses if kind_of(c.quantity) == kind}
+    response = [(i, i.system) for i in inverses.values()]
+    return filtered(
+        record,
+        work.recording.step,
+        lambda k: np.sum([i.response(k) * system.response(k) for i, system in response], axis=0),
+        SKIRTS[1] * work.band[1],
+    )
+
+
+def _left_by_design(work: _Work, channel: ChannelSection, record: Array, design: _Design) -> Array:
+    """What the design leaves in a record of alignment or level."""
+    system, step = channel.system, work.recording.step
+    side = next((sign for end, sign in SIDES.items() if channel.quantity.endswith(end)), 0.0)
+    reach = (
+        system.long
+        if isinstance(system, Inertial)
+        else system.behind + system.ahead
+        if isinstance(system, Chord)
+        else 0.0
+    )
+    # systems measure in the plane of the rails and across it: cant turns a share of the curve upward
+    base = (work.recording.columns.cant_base_mm or work.recording.columns.gauge_mm + 1e3 * RAIL_HEAD_WIDTH) / 1e3
+    roll = np.arcsin(design.cant / base)
+    if kind_of(channel.quantity) == "level":
+        up = filtered(design.curvature * np.sin(roll), step, system.of_curvature, reach, held=True)
+        return up + side * filtered(-0.5 * design.cant, step, system.response, reach, held=True)
+    left = side * filtered(0.5 * design.widening, step, system.response, reach, held=True)
+    curve = filtered(design.curvature * np.cos(roll), step, system.of_curvature, reach, held=True)
+    if _holds_curve(work, channel, record - left, curve):
+        left = left + curve
+    return np.asarray(left)
+
+
+def _holds_curve(work: _Work, channel: ChannelSection, record: Array, curve: Array) -> bool:
+    """Whether a record of alignment holds the curve itself. Raises InputError where its sign is opposite."""
+    if channel.with_curvature is not None:
+        return channel.with_curvature
+    size = float(curve @ curve)
+    share = float(curve @ record) / size if size > 0.0 else 1.0
+    # irregularities are alike over a quarter of the longest wave or so
+    alike = 0.25 * work.band[1] / work.recording.step
+    if size == 0.0 or _rms(record - share * curve) * np.sqrt(alike / size) > TOLD:
+        return True
+    name, key = f"column '{channel.column}'", "with_curvature = true or false in its [[channels]] says it"
+    if share < -UNDECIDED[0]:
+        raise InputError(
+            f"{work.recording.path}: {name} holds {share:.2f} of the versine of its curves: the sign of alignment, or "
+            "that of curvature, is opposite (positive = ... in a column map)"
+        )
+    if UNDECIDED[0] < share < UNDECIDED[1]:
+        raise InputError(f"{work.recording.path}: {name} holds {share:.2f} of the versine of its curves: {key}")
+    words = "holds the curves" if share > UNDECIDED[1] else "is freed of the curves"
+    work.notes.append(f"{name} {words} ({share:.3g} of their versine)")
+    return share > UNDECIDED[1]
+
+
+def _segments(plateaus: tuple[Plateau, ...], s: Array, off_gauge: Array | None) -> tuple[Segment, ...]:
+    found: list[Segment] = []
+    for i, p in enumerate(plateaus):
+        if i:
+            found.append(Transition(p.start - plateaus[i - 1].end, p.form))
+        if p.is_straight:
+            found.append(Straight(p.end - p.start))
+            continue
+        inside = (s >= p.start) & (s <= p.end)
+        widening = 0.0 if off_gauge is None or not inside.any() else float(np.median(off_gauge[inside]))
+        widening = widening if widening > LEAST_WIDENING else 0.0
+        found.append(Arc(p.end - p.start, 1.0 / p.curvature, float(p.cant * np.sign(p.curvature)), widening))
+    return tuple(found)
+
+
+def _check_hands(plateaus: tuple[Plateau, ...], notes: list[str]) -> None:
+    arcs = [p for p in plateaus if not p.is_straight and abs(p.cant) > 0.01]
+    outward = [p for p in arcs if p.cant * p.curvature < 0.0]
+    if arcs and 2 * len(outward) > len(arcs):
+        notes.append(
+            f"the cant leans outward in {len(outward)} of {len(arcs)} curves: is the sign of curvature or cant another?"
+        )
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
