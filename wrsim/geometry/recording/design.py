@@ -5,7 +5,8 @@ are laid through the smoothed records so that the sum of their squared distances
 (dynamic programming). Steep pieces are transitions, the rest straights and arcs. Then the ends of every transition, and
 the values before and behind it, are fitted by least squares (`scipy.optimize.least_squares`) to the smoothed records,
 with the corners smoothed alike, so that the smoothing moves nothing: a ramp x > 0 under a Gaussian of deviation w is x
-Phi(x/w) + w phi(x/w). Of both forms the one is taken that comes nearer.
+Phi(x/w) + w phi(x/w). Of both forms those are taken
+that come nearest, where a change of form along the line has its price.
 """
 
 from __future__ import annotations
@@ -41,6 +42,9 @@ QUIETEST = (2e-6, 2e-4)
 """Least noise that is believed [1/m, m]."""
 SHORTEST = 2.0
 """Shortest transition, straight or arc [m]."""
+CHANGE = 30.0
+"""Price of another form than that of the transition before, in half squares of the records' noise: on one line forms
+change seldom."""
 REACH = 200.0
 """How far before and behind a transition the records are fitted [m]."""
 
@@ -165,23 +169,28 @@ def _refined(
     found: list[Plateau], distance: Array, records: Array, noise: Array, forms: Sequence[Form]
 ) -> list[Plateau]:
     """The same with the ends of its transitions and the values beside them by least squares."""
+    windows = [
+        (max(0.5 * (p.start + p.end), p.end - REACH), min(0.5 * (q.start + q.end), q.start + REACH))
+        for p, q in pairwise(found)
+    ]
+    fits = [
+        [_transition(p, q, distance, records, noise, window, form) for form in forms]
+        for (p, q), window in zip(pairwise(found), windows, strict=True)
+    ]
+    chosen = [
+        own[i] for own, i in zip(fits, _likeliest(np.array([[fit.off for fit in own] for own in fits])), strict=True)
+    ]
     ends: list[tuple[float, float]] = []
-    taken: list[Form] = ["clothoid"]
     levels: list[list[tuple[Array, float]]] = [[] for _ in found]
     free = 0.0
-    for i, (p, q) in enumerate(pairwise(found)):
-        low = max(0.5 * (p.start + p.end), p.end - REACH)
-        high = min(0.5 * (q.start + q.end), q.start + REACH)
-        fits = [_transition(p, q, distance, records, noise, (low, high), form) for form in forms]
-        best = min(fits, key=lambda fit: fit.off)
-        begin, length, before, behind = best.begin, best.length, best.before, best.behind
-        taken.append(best.form)
-        begin = min(max(begin, free + SHORTEST), distance[-1] - 2.0 * SHORTEST)
-        end = min(max(begin + length, begin + SHORTEST), distance[-1] - SHORTEST)
+    for i, (fit, (low, high)) in enumerate(zip(chosen, windows, strict=True)):
+        begin = min(max(fit.begin, free + SHORTEST), distance[-1] - 2.0 * SHORTEST)
+        end = min(max(begin + fit.length, begin + SHORTEST), distance[-1] - SHORTEST)
         ends.append((begin, end))
-        levels[i].append((before, begin - low))
-        levels[i + 1].append((behind, high - end))
+        levels[i].append((fit.before, begin - low))
+        levels[i + 1].append((fit.behind, high - end))
         free = end
+    taken: list[Form] = ["clothoid", *(fit.form for fit in chosen)]
     edges = [0.0, *(e for pair in ends for e in pair), float(distance[-1])]
     done = []
     spans = zip(edges[::2], edges[1::2], strict=True)
@@ -191,6 +200,24 @@ def _refined(
         level = (0.0, 0.0) if p.is_straight else (float(curvature), float(cant))
         done.append(Plateau(start, end, *level, form))
     return done
+
+
+def _likeliest(off: Array) -> list[int]:
+    """The form of each transition: of all rows of forms the one that is off least, (transitions, forms).
+
+    Each change from one transition to the next has its price.
+    """
+    count = off.shape[1]
+    change = CHANGE * (1.0 - np.eye(count))
+    total, before = off[0], []
+    for own in off[1:]:
+        paths = total + change
+        before.append(paths.argmin(axis=1))
+        total = own + paths.min(axis=1)
+    found = [int(total.argmin())]
+    for step in reversed(before):
+        found.append(int(step[found[-1]]))
+    return found[::-1]
 
 
 class _Fit(NamedTuple):
