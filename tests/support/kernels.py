@@ -44,6 +44,7 @@ from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.state import SteadyMotion, design_state
 from wrsim.vehicle.vehicle import Effort, Load, SlipControl
 from wrsim.vehicle.vehicle_files import load_vehicle
+from wrsim.vehicle.wheelset import Torsion
 
 PAIR = "S1002/60E1 1:40"
 FRICTION = Friction(0.4, gauge_corner=0.1, falling_ratio=0.5)
@@ -166,6 +167,14 @@ def vehicle_cases() -> dict[str, list[float]]:
     boxes[-8:], boxes_t[-8:] = 0.01, 0.2
     hinged(0.0, boxes, boxes_t, swing := np.zeros(hinged.size))
     found["axle boxes"] = list(swing)
+    twisting = vehicle.with_wheelsets(lambda wheelset: replace(wheelset, torsion=Torsion(1e6, 1e3)))
+    brake = Effort(vehicle.wheelsets[1].name, ((0.0, -9e3),), wheel="left")
+    apart = on_track(replace(twisting, efforts=(brake,), slip_control=None), 20.0, curve).law
+    angles, rates = design_state(apart, lateral=2e-3)
+    angles[2 : 6 * len(vehicle.wheelsets) : 6] -= 1e-4
+    angles[-4:], rates[-4:] = 1e-3, 0.2
+    apart(0.0, angles, rates, twist := np.zeros(apart.size))
+    found["twist"] = list(twist)
     found["inertia"] = [*mass_matrix(law.bodies, q).ravel(), *velocity_forces(law.bodies, q, q_t)]
     found["finite"] = [float(first_not_finite(q, q_t))]
     poses = poses_on_track(law.track.centre, q[None, :6], q_t[None, :6], 50.0)

@@ -65,6 +65,8 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
                 height=own["vertical_shift"] + mounted.wheelset.mean_radius, spin_rate=own["spin_rate"],
                 lateral=own["lateral_shift"], yaw=own["yaw"], roll=own["roll"],
             )  # fmt: skip
+        for w, twist in law.twists.items():
+            q_t[twist] = float(dataset["spin_difference"].values[i, w])
         ahead = float(distance[i]) - (setup.vehicle.parts[setup.vehicle.reference].centre[0] if names else 0.0)
         for b, body in enumerate(setup.vehicle.bodies):
             at = slice(6 * (len(names) + b), 6 * (len(names) + b) + 6)

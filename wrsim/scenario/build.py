@@ -100,6 +100,15 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
         raise scenario.fault(("vehicle", "model"), needed)
     if analysis.own_track and spec.vehicle.drive == "free" and not vehicle.runs_with_frame:
         raise scenario.fault(("vehicle", "drive"), 'must be "train" or "wheels": something has to hold the speed')
+    if any(mounted.wheelset.torsion is not None for mounted in vehicle.wheelsets):
+        if not (analysis.own_track or analysis.moves or analysis.name == "equilibrium"):
+            message = (
+                f'has wheels that turn against each other, and analysis = "{analysis.name}" knows rigid wheelsets only'
+            )
+            raise scenario.fault(("vehicle", "model"), message)
+        if spec.contact.conical is not None:
+            message = "knows rigid wheelsets only; the wheels of this vehicle turn against each other"
+            raise scenario.fault(("contact", "conical"), message)
     if isinstance(spec.vehicle.speed_kmh, SpeedTable) and analysis.moves:
         drive = spec.vehicle.drive or vehicle.drive
         if drive == "free" and not vehicle.runs_with_frame:

@@ -55,7 +55,13 @@ def _with_efforts(scenario: Scenario, vehicle: Vehicle) -> Vehicle:
             if name not in names:
                 words = f"is no wheelset; there is {', '.join(names)}{suggest(name, names)}"
                 raise scenario.fault(("vehicle", "efforts", i, "on"), f"'{name}' {words}")
+            if table.wheel != "both" and vehicle.wheelsets[names.index(name)].wheelset.torsion is None:
+                words = f"is for wheels that turn on their own; those of '{name}' sit on a rigid axle"
+                raise scenario.fault(("vehicle", "efforts", i, "wheel"), words)
             efforts.append(table.effort(name))
+    if section.slip_control is not None and any(effort.wheel != "both" for effort in efforts):
+        message = "looks at axles: it has no place beside efforts on single wheels"
+        raise scenario.fault(("vehicle", "slip_control"), message)
     control = None if section.slip_control is None else section.slip_control.control()
     return replace(vehicle, efforts=tuple(efforts), slip_control=control)
 

@@ -22,8 +22,8 @@ SMALL_RATE = 1e-4
 """The same of a rate [m/s, rad/s]."""
 
 SMALL_EXTENSION = 1e-4
-"""The same of the extension of a damper in series with a spring [m], and of the pitch of an axle box [rad]; forces are
-linear in it or nearly so."""
+"""The same of the extension of a damper in series with a spring [m], and of the pitch of an axle box and the twist of
+an axle [rad]; forces are linear in it or nearly so."""
 
 Forces = Callable[[float, Array, Array, Array], object]
 """Generalised forces at a time [s], coordinates and rates, filled into the last argument."""
@@ -101,8 +101,8 @@ def rails_of(forces: ForceLaw) -> int:
 
 
 def positions_of(forces: ForceLaw) -> int:
-    """How many of a law's last coordinates are positions, of axle boxes and rails: they count, unlike those of
-    dampers."""
+    """How many of a law's last coordinates are positions, of axle boxes, twisted axles and rails: they count, unlike
+    those of dampers."""
     return int(getattr(forces, "positions", 0))
 
 

@@ -50,7 +50,11 @@ class HalfSpaceOnTrack(VehicleOnTrack):
             more = total.copy()
             for name in (*FORCE, *MOMENT):
                 more[name] -= fast[name]
-            change += wheel_wrench(body, at, place.side, wheel.half_spacing, more)
+            wrench = np.array(wheel_wrench(body, at, place.side, wheel.half_spacing, more))
+            change += wrench
+            if w in self.twists:
+                inertia = 0.25 * self.bodies[w].inertia[1]
+                out[self.twists[w]] += 0.5 * wheel.side * float(wrench[1] @ np.array(body.left)) / inertia
             if self.elastic is not None:  # the wheel's force on its piece of rail, over the rail's mass
                 own_rail = self.size - self.rails + RAIL_COORDINATES * w + 2 * i
                 out[own_rail] -= wheel.side * more.Fo / self.elastic.mass[0]

@@ -88,7 +88,7 @@ def _name(index: int, system: System) -> str:
     if place >= system.size - rails_of(system.forces):
         return "the displacement of a rail under its wheel"
     if place >= system.size - positions_of(system.forces):
-        return "the pitch of an axle box"
+        return "the pitch of an axle box, or the twist of an axle"
     if place >= 6 * len(system.bodies):
         return f"the extension of damper {place - 6 * len(system.bodies)}"
     body, coordinate = divmod(place, 6)

@@ -60,8 +60,9 @@ class VehicleOnTrack:
     """Generalised forces on a vehicle at any state; a ``ForceLaw``.
 
     ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand behind their coordinates. The
-    last ``positions`` of them are positions: the pitch of the axle boxes, then ``rails`` displacements of the rails
-    under the wheels (``core.body.vehicle_forces``).
+    last ``positions`` of them are positions: the pitch of the axle boxes, then the twist of axles whose wheels turn
+    against each other (``twists``, their places by wheelset), then ``rails`` displacements of the rails under the
+    wheels (``core.body.vehicle_forces``).
     After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
     and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
     places of x), ``axles`` what drive and brakes do to each wheelset (records AXLE of ``core.body.loads``),
@@ -97,9 +98,12 @@ class VehicleOnTrack:
         table = suspension_table(vehicle)
         self.elastic = track.elasticity if contacts else None
         self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if self.elastic else 0
-        self.positions = len(vehicle.boxes) + self.rails
+        twisting = [i for i, mounted in enumerate(vehicle.wheelsets) if mounted.wheelset.torsion is not None]
+        self.positions = len(vehicle.boxes) + len(twisting) + self.rails
         self.dampers = table.states + self.positions
         self.size = 6 * len(self.bodies) + self.dampers
+        first = self.size - self.rails - len(twisting)
+        self.twists = {wheelset: first + j for j, wheelset in enumerate(twisting)}
         use_threads(threads)
         self._turns = wheel_kernel.IN_TURN if threads == 1 else wheel_kernel.SIDE_BY_SIDE
         make_ready(wheel_kernel.ONE_WHEEL, wheel_kernel.one_wheel)
@@ -171,7 +175,13 @@ class VehicleOnTrack:
             if self.rails:
                 rails = np.arange(self.size - self.rails, self.size).reshape(count, RAIL_COORDINATES)
                 own = np.hstack([own, rails])
-            found.append(Block.apart(on_wheels, own))
+            twisting = list(self.twists)
+            if twisting:
+                with_twist = np.column_stack([own[twisting], list(self.twists.values())])
+                found.append(Block.apart(on_wheels, with_twist))
+                own = np.delete(own, twisting, axis=0)
+            if len(own):
+                found.append(Block.apart(on_wheels, own))
         return found
 
     @contextmanager
@@ -322,7 +332,13 @@ class VehicleOnTrack:
             e = self.elastic
             own.rail_n, own.rail_b = zip(e.mass, e.stiffness, e.damping, strict=True)
         wheelsets = len(vehicle.wheelsets)
-        parts = [(body.mass, i if i < wheelsets else -1) for i, body in enumerate(self.bodies)]
+        parts = np.zeros(len(self.bodies), vehicle_forces.PART)
+        for i, (row, body) in enumerate(zip(parts, self.bodies, strict=True)):
+            row.mass, row.wheelset, row.twist = body.mass, i if i < wheelsets else -1, self.twists.get(i, -1)
+            if i < wheelsets and (torsion := vehicle.wheelsets[i].wheelset.torsion) is not None:
+                row.twist_inertia, row.twist_stiffness, row.twist_damping = (
+                    0.25 * body.inertia[1], torsion.stiffness, torsion.damping,
+                )  # fmt: skip
         loads, load_tables = self._load_arrays()
         carried = [(c.mass, c.height, vehicle.index(c.body)) for c in vehicle.carried]
         axles = np.zeros(wheelsets, load_kernel.AXLE)
@@ -335,7 +351,7 @@ class VehicleOnTrack:
         boxes = [(box.inertia[1], box.y, w, first + j) for j, (w, box) in enumerate(vehicle.boxes.values())]
         return [
             whole,
-            np.array(parts, vehicle_forces.PART),
+            parts,
             np.zeros(count, BODY),
             np.zeros(count, suspension.WRENCH),
             table.elements,
@@ -376,6 +392,7 @@ class VehicleOnTrack:
         tables: list[tuple[float, float]] = []
         for row, effort in zip(found, self.vehicle.efforts, strict=True):
             row.axle, row.over = self.vehicle.index(effort.wheelset), OVER.index(effort.over)
+            row.side = {"left": 1.0, "right": -1.0, "both": 0.0}[effort.wheel]
             row.start, row.rows = len(tables), len(effort.table)
             tables += effort.table
         return found, np.array(tables or [(0.0, 0.0)])

@@ -16,8 +16,8 @@ class Linearised:
     """mass q_tt + damping q_t + stiffness q = 0 for small motions about a state, all (n, n); bodies: how many.
 
     Behind the coordinates of the bodies stand those of the dampers in series with springs, whose rates are the
-    extensions of the damping parts; behind them ``positions`` more: the pitch of axle boxes and the displacements
-    of the rails under the wheels.
+    extensions of the damping parts; behind them ``positions`` more: the pitch of axle boxes, the twist of
+    axles and the displacements of the rails under the wheels.
     """
 
     mass: Array

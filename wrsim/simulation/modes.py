@@ -63,8 +63,10 @@ def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
         inertia = np.array([box.inertia[1] for _, box in vehicle.boxes.values()])
         swinging = float(inertia @ np.abs(vector[free : free + len(inertia)]) ** 2)
         name = mode_name(vehicle, shape)
-        if swinging > _energy(vehicle, shape).sum():
-            name = "axle boxes pitch"
+        behind = vector[free + len(inertia) : free + len(inertia) + len(law.twists)]
+        twisting = sum(0.25 * law.bodies[w].inertia[1] * abs(a) ** 2 for w, a in zip(law.twists, behind, strict=True))
+        if max(swinging, twisting) > _energy(vehicle, shape).sum():
+            name = "axle boxes pitch" if swinging > twisting else "axles twist"
         modes.append(Mode(abs(value) / (2.0 * np.pi), -value.real / abs(value), shape, name))
     return tuple(sorted(modes, key=lambda mode: mode.frequency))
 

@@ -43,6 +43,10 @@ SMALL_RAIL = (1e-5, 1e-5)
 SMALL_BOX = 1e-4
 """The same of an axle box's pitch [rad]."""
 
+SMALL_TURN, SMALL_TWIST = 1e-2, 1e-4
+"""The same of the rate with which independent wheels turn against each other [rad/s], and of the twist of an axle
+[rad]."""
+
 SEARCH_HEIGHT = 0.05
 """How far a wheelset is lowered or raised in search of the rails [m]."""
 
@@ -110,8 +114,9 @@ class SteadyMotion:
     """Forces less inertia forces of a vehicle in steady motion about the axis of the curve that it is in.
 
     Unknowns, six a body: its coordinates, of a wheelset the spin rate (over and above the turning of all) in the place
-    of the spin angle; then the pitch of the axle boxes, then, if elastic, the displacements of the rails under the
-    wheels. ``residual(x)`` is what is left over, ``state(x)`` the state; ``unknowns(q, q_t)`` goes back.
+    of the spin angle; then the pitch of the axle boxes, then the twist of axles (of independent wheels its rate), then,
+    if elastic, the displacements of the rails under the wheels. ``residual(x)`` is what is left over, ``state(x)`` the
+    state; ``unknowns(q, q_t)`` goes back.
     """
 
     def __init__(self, law: VehicleOnTrack) -> None:
@@ -126,12 +131,19 @@ class SteadyMotion:
         self.scale = np.full(6 * n, 1.0 / law.vehicle.weight)
         self._out, self._inertia = np.zeros(law.size), np.zeros(6 * n)
         self.positions = slice(law.size - law.positions, law.size)
-        self.small = np.concatenate(
-            [self.small, np.full(law.positions - law.rails, SMALL_BOX), np.tile(SMALL_RAIL, law.rails // 2)]
-        )
+        twists = [law.vehicle.wheelsets[i].wheelset.torsion for i in law.twists]
+        small = [SMALL_TURN if torsion is None or torsion.independent else SMALL_TWIST for torsion in twists]
+        boxes = np.full(law.positions - law.rails - len(twists), SMALL_BOX)
+        self.small = np.concatenate([self.small, boxes, small, np.tile(SMALL_RAIL, law.rails // 2)])
+        free = [torsion is None or torsion.independent for torsion in twists]
+        self.turns = np.array([at for at, alone in zip(law.twists.values(), free, strict=True) if alone], dtype=int)
+        """Places of the twists of independent wheels in the state, ..."""
+        self.turning = self.turns - (law.size - law.positions) + 6 * n
+        """... and among the unknowns."""
         self.scale = np.append(self.scale, np.full(law.positions, self.scale[0]))
         rails = () if law.elastic is None else np.tile(law.elastic.mass, law.rails // 2)
-        self.masses = np.array([*(box.inertia[1] for _, box in law.vehicle.boxes.values()), *rails])
+        twisting = (0.25 * law.bodies[i].inertia[1] for i in law.twists)
+        self.masses = np.array([*(box.inertia[1] for _, box in law.vehicle.boxes.values()), *twisting, *rails])
 
     def state(self, x: Array) -> tuple[Array, Array]:
         """State (q, q_t) with these unknowns; dampers in series with springs extended by nothing."""
@@ -144,6 +156,7 @@ class SteadyMotion:
         x[self.spins] = 0.0
         _, rates, _ = self._state(x)
         x[self.spins] = q_t[self.spins] - rates[self.spins]
+        x[self.turning] = q_t[self.turns]
         return x
 
     def _state(self, x: Array) -> tuple[Array, Array, Vec]:
@@ -152,6 +165,7 @@ class SteadyMotion:
         q[: 6 * n] = x[: 6 * n]
         q[self.spins] = 0.0
         q[self.positions] = x[6 * n :]
+        q[self.turns], q_t[self.turns] = 0.0, x[self.turning]
         turning, _, status = kernels.follow_together(
             q, x[self.spins], law.track.centre.curve, law.vehicle.reference, self.distance, law.speed, q_t[: 6 * n]
         )
@@ -170,6 +184,7 @@ class SteadyMotion:
         left *= self.scale
         if self.law.speed == 0.0:
             left[self.spins] = x[self.spins]  # at rest no axle turns
+            left[self.turning] = x[self.turning]
         return left
 
     def largest(self, q: Array, q_t: Array) -> float:
@@ -238,7 +253,8 @@ def _largest(law: VehicleOnTrack, left: Array) -> tuple[tuple[str, float], ...]:
     """The four largest forces that remain, with the names of their coordinates."""
     names = law.vehicle.names
     places = [f"{name} {coordinate}" for name in names for coordinate in COORDINATES]
-    places += [f"{name} pitch" for name in law.vehicle.boxes] + ["rail"] * law.rails
+    places += [f"{name} pitch" for name in law.vehicle.boxes]
+    places += [f"{names[i]} twist" for i in law.twists] + ["rail"] * law.rails
     return tuple((places[i], float(left[i])) for i in np.argsort(-np.abs(left))[:4])
 
 

@@ -10,8 +10,8 @@ from pydantic import Field
 
 from wrsim.geometry.profile.profile import Profile
 from wrsim.inputs.section import Fault, Section, both_or_sides, given
-from wrsim.inputs.values import Three, number, positive, text, words
-from wrsim.vehicle.wheelset import Wheel, Wheelset
+from wrsim.inputs.values import Switch, Three, number, positive, text, words
+from wrsim.vehicle.wheelset import Torsion, Wheel, Wheelset
 
 Radius = Annotated[float, number(100, 1500, "radius at the tape circle in mm, such as 460")]
 WheelName = Annotated[str, text('a wheel profile file such as "wheels/S1002.toml"')]
@@ -22,7 +22,10 @@ Springs = Annotated[
 
 
 class WheelsetTable(Section):
-    """[wheelset]: the rigid body and its two wheels."""
+    """[wheelset]: the body and its two wheels, rigid, independent or on an axle that twists.
+
+    Wheels that turn against each other have half of spin_inertia_kg_m2 each.
+    """
 
     header: ClassVar[str] = "[wheelset]"
     aliases: ClassVar[dict[str, str]] = {
@@ -59,6 +62,12 @@ class WheelsetTable(Section):
     """Rolling radius of the left wheel."""
     radius_right_mm: Radius | None = None
     """Rolling radius of the right wheel."""
+    independent_wheels: Switch = False
+    """Whether each wheel turns on its own, with half of the spin inertia."""
+    torsional_stiffness_kNm_per_rad: Annotated[float, positive(1e7, "between the wheels, some 5000")] | None = None
+    """Stiffness of the axle between its two wheels in spin; rigid where it is not given."""
+    torsional_damping_kNms_per_rad: Annotated[float, number(0, 1e5, "beside the stiffness")] | None = None
+    """Damping of the axle between its two wheels in spin."""
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
@@ -70,6 +79,11 @@ class WheelsetTable(Section):
         elif "flange_back_mm" not in raw and "profile_spacing_mm" not in raw:
             needed = "must be a distance in mm between the tape circles (or give flange_back_mm)"
             yield Fault("profile_spacing_mm", needed, missing=True)
+        if raw.get("independent_wheels") and "torsional_stiffness_kNm_per_rad" in raw:
+            message = "cannot stand next to independent_wheels = true, which have no axle between them"
+            yield Fault("torsional_stiffness_kNm_per_rad", message)
+        elif "torsional_damping_kNms_per_rad" in raw and "torsional_stiffness_kNm_per_rad" not in raw:
+            yield Fault("torsional_damping_kNms_per_rad", "goes with torsional_stiffness_kNm_per_rad")
         if "back_to_tape_circle_mm" in raw and "flange_back_mm" not in raw:
             yield Fault("back_to_tape_circle_mm", "is for use with flange_back_mm only")
 
@@ -82,6 +96,15 @@ class WheelsetTable(Section):
         elif spin > 2.0 * yaw:
             message = f"must be at most twice yaw_inertia_kg_m2 = {yaw:g}: no solid has more"
             yield Fault("spin_inertia_kg_m2", message)
+
+    @property
+    def torsion(self) -> Torsion | None:
+        """How the wheels turn against each other; None if they do not."""
+        if self.independent_wheels:
+            return Torsion()
+        if self.torsional_stiffness_kNm_per_rad is None:
+            return None
+        return Torsion(1e3 * self.torsional_stiffness_kNm_per_rad, 1e3 * (self.torsional_damping_kNms_per_rad or 0.0))
 
     @property
     def spacing(self) -> float:

@@ -146,9 +146,9 @@ class Payload:
 
 @dataclass(frozen=True)
 class Effort:
-    """A moment on a wheelset in runs, positive forward, a negative one a brake; its reaction is on the body that holds
-    the wheelset.
+    """A moment on a wheelset, or on one of its wheels where they turn on their own, in runs.
 
+    Positive forward, a negative one a brake; its reaction is on the body that holds the wheelset.
     table: rows (x, moment [N m]), x rising: the time of the run [s] or the distance of the vehicle's origin along the
     centre line [m]; linear between rows, constant beyond the ends.
     """
@@ -156,6 +156,7 @@ class Effort:
     wheelset: str
     table: tuple[tuple[float, float], ...]
     over: Over = "time"
+    wheel: Literal["left", "right", "both"] = "both"
 
     def moment(self, time: float, distance: float) -> float:
         """The moment [N m] at a time [s], the vehicle's origin at a distance [m]."""

@@ -196,4 +196,5 @@ def _wheelset(
         left=wheel("left"),
         right=wheel("right"),
         source=file.source,
+        torsion=table.torsion,
     )

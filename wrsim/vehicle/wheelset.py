@@ -21,11 +21,26 @@ class Wheel:
 
 
 @dataclass(frozen=True)
+class Torsion:
+    """What holds the two wheels of a wheelset together in spin: stiffness [N m/rad], damping [N m s/rad]; independent
+    wheels have neither."""
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+
+    @property
+    def independent(self) -> bool:
+        """True if each wheel turns on its own."""
+        return self.stiffness == 0.0
+
+
+@dataclass(frozen=True)
 class Wheelset:
-    """A rigid wheelset.
+    """A wheelset.
 
     mass [kg]; inertia about the centre of mass (roll, pitch/spin, yaw) [kg m2]; profile_spacing: distance H between
-    the two wheel profile origins [m].
+    the two wheel profile origins [m]. torsion: of an axle whose wheels turn against each other, each with half of the
+    spin inertia; None: rigid.
     """
 
     name: str
@@ -35,6 +50,7 @@ class Wheelset:
     left: Wheel
     right: Wheel
     source: str = ""
+    torsion: Torsion | None = None
 
     @property
     def mean_radius(self) -> float:

@@ -140,7 +140,7 @@ def _seat(setup: Setup[RunPlan], i: int) -> Array:
     share_of_loads = _share_of_loads(vehicle, run.start, mounted.x, alone.names[0])
     alone = replace(alone, loads=share_of_loads, gravity=vehicle.gravity)
     there = replace(setup, vehicle=alone, plan=replace(run, start=run.start + mounted.x))
-    return _wheelset_at_rest(there, force_law(there, drive="free")).q
+    return _wheelset_at_rest(there, force_law(there, drive="free")).q[:6]
 
 
 def _share_of_loads(vehicle: Vehicle, distance: float, x: float, wheelset: str) -> tuple[Load, ...]:

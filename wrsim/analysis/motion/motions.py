@@ -92,6 +92,17 @@ def _angular_acceleration(q: Array, q_t: Array, q_tt: Array) -> Array:
     return np.asarray(turning @ q_tt[3:6] + rate)
 
 
+def twist_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
+    """How fast the wheels of every axle turn against each other, and the twist of axles that have a stiffness
+    (samples, wheelsets); nothing where they are rigid."""
+    found = np.zeros((2, len(q), len(law.vehicle.wheelsets)))
+    for i, at in law.twists.items():
+        torsion = law.vehicle.wheelsets[i].wheelset.torsion
+        found[0, :, i] = q_t[:, at]
+        found[1, :, i] = 0.0 if torsion is None or torsion.independent else q[:, at]
+    return {"spin_difference": found[0], "axle_twist": found[1]}
+
+
 def guide_channels(law: VehicleOnTrack, times: Array, records: Array) -> dict[str, Array]:
     """What the track frame and the guide frame do to each wheelset by their springs and dampers, (samples, wheelsets).
 

@@ -14,7 +14,14 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from wrsim.analysis.contacts import friction_channels
-from wrsim.analysis.motion.motions import PointMotion, body_channels, guide_channels, track_channels, uneven
+from wrsim.analysis.motion.motions import (
+    PointMotion,
+    body_channels,
+    guide_channels,
+    track_channels,
+    twist_channels,
+    uneven,
+)
 from wrsim.analysis.motion.words import event_words
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
 from wrsim.errors import SimulationError
@@ -163,6 +170,8 @@ def _block(
     ]
     found = {name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]}
     found |= {"distance": reference, "drive_force": drive, **guide_channels(law, times, records)}
+    if law.twists:
+        found |= twist_channels(law, q, q_t)
     if law.driven:
         moment, power, slip, speed = axles
         found |= {"drive_moment": moment, "drive_power": power, "axle_creepage": -slip / speed}

@@ -64,13 +64,14 @@ OVER_TIME, OVER_DISTANCE = range(2)
 CARRIED = record("mass height", "body")
 """A carried mass [kg] and its height above the centre of its body [m]."""
 
-AXLE = record("radius asked moment slip speed power", "body holder")
-"""An axle: mean radius of its wheels [m]; at the state asked for last the moment asked of it and given [N m], its slip
-speed and speed [m/s], the power of the moment and its reaction [W]; its body, and the one that takes the reaction or
--1."""
+AXLE = record("radius asked moment twisting slip speed power", "body holder")
+"""An axle: mean radius of its wheels [m]; at the state asked for last the moment asked of it and given [N m], half the
+difference of the moments on its wheels, left less right, slip speed and speed [m/s], the power of the moments and their
+reaction [W]; its body, and the one that takes the reaction or -1."""
 
-EFFORT = record("", "axle over start rows")
-"""A moment on an axle: what its table goes over; first row and number of rows of its table (x, moment)."""
+EFFORT = record("side", "axle over start rows")
+"""A moment on an axle: on its left (+1), its right (-1) or both (0) of its wheels; what its table goes over; first row
+and number of rows of its table (x, moment)."""
 
 FREE, TRAIN, WHEELS = range(3)
 """Kinds of drive."""
@@ -169,17 +170,24 @@ def add_drive(asked, vehicle, bodies, axles, centre, wrenches):
 
 
 @kernel
-def add_efforts(t, q_t, vehicle, bodies, efforts, tables, axles, wrenches):
+def add_efforts(t, q_t, vehicle, parts, bodies, efforts, tables, axles, wrenches):
     """Add the moments on the axles: what the drive asks of them and the efforts; tables: (., 2) of all efforts."""
+    for j in range(axles.shape[0]):
+        axles[j].twisting = 0.0
     for j in range(efforts.shape[0]):
         effort = efforts[j]
         x = vehicle.s_reference - vehicle.ahead if effort.over == OVER_DISTANCE else t
         low, high, part = _between(tables, effort.start, effort.rows, x)
         moment = (1.0 - part) * tables[low, 1] + part * tables[high, 1]
         axle = axles[effort.axle]
+        twist = parts[axle.body].twist
         if moment < 0.0:
-            moment *= min(max(q_t[6 * axle.body + SPIN] / BRAKE_FADE, -1.0), 1.0)
+            spin = q_t[6 * axle.body + SPIN]
+            if twist >= 0:
+                spin += 0.5 * effort.side * q_t[twist]
+            moment *= min(max(spin / BRAKE_FADE, -1.0), 1.0)
         axle.asked += moment
+        axle.twisting += 0.5 * effort.side * moment
     for j in range(axles.shape[0]):
         axle = axles[j]
         body = get_body(bodies[axle.body])
@@ -198,3 +206,5 @@ def add_efforts(t, q_t, vehicle, bodies, efforts, tables, axles, wrenches):
             if axle.holder >= 0:
                 accumulate(wrenches[axle.holder].moment, scale(-1.0, torque))
                 axle.power -= dot(torque, vec(bodies[axle.holder].omega))
+        if axle.twisting != 0.0:
+            axle.power += axle.twisting * q_t[parts[axle.body].twist]

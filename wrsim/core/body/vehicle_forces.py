@@ -7,6 +7,15 @@ series with a spring: its rate is the extension of the damping part, so that its
 on a mass of 1; the coordinate itself means nothing. Then comes the pitch of every axle box (core.body.axle_boxes), on
 an inertia of 1.
 
+Behind these stands the twist of every axle whose wheels may turn against each other: theta_t is the spin of the left
+wheel less that of the right one. With half of the wheelset's inertia J about the axle at each of them, the body's spin
+is the mean of both, and with the moments M about the axle of what acts on left and right wheel
+
+    J/4 theta_tt = (M_left - M_right)/2 - k theta - c theta_t,
+
+while the body takes their sum as ever. Without stiffness and damping the wheels are independent. The spin counts about
+the axle itself, heading_t sin(roll) and all, so that nothing is left out; also gyroscopic moments know the sum alone.
+
 Behind these, on elastic rails, stand the displacements of a piece of rail under every wheel, moving along with it: left
 rail along n and b, right rail along n and b, wheelset after wheelset. Each follows
 
@@ -83,8 +92,9 @@ drive; step of the centre line; how far the axle in the guide frame sits ahead o
 control, both 0 without. Kind of drive, number of the reference body, place of the rails' first coordinate or -1 on
 rigid ones; which of the stages that ask all wheels; the pieces of rail under the wheels, along n and b."""
 
-PART = record("mass", "wheelset")
-"""Mass of a body [kg]; number of its wheelset or -1."""
+PART = record("mass twist_inertia twist_stiffness twist_damping", "wheelset twist")
+"""Mass of a body [kg]; of the twist of its axle inertia [kg m2], stiffness [N m/rad] and damping [N m s/rad]; number of
+its wheelset or -1; number of the twist among the coordinates or -1."""
 
 FRAMES = 2  # behind the bodies: track frame, guide frame
 RAIL_COORDINATES = 4  # of a wheelset
@@ -113,7 +123,7 @@ def add_forces_on_bodies(t, q, q_t, out, buffer, index):
     for i in range(n):
         body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
         if parts[i].wheelset >= 0:
-            put_body(bodies[i], _still(body, q_t[6 * i + SPIN]))
+            put_body(bodies[i], _turned(body, -q_t[6 * i + SPIN]))  # springs see a wheelset that does not spin
         else:
             put_body(bodies[i], pitched(body, q[6 * i + PITCH]))
         put(wrenches[i].force, Vec(0.0, 0.0, -vehicle.gravity * parts[i].mass))
@@ -143,7 +153,12 @@ def add_forces_on_bodies(t, q, q_t, out, buffer, index):
     axles = records(buffer, index, AXLES, AXLE)
     lost |= add_drive(asked, vehicle, bodies, axles, centre, wrenches)
     efforts, effort_tables = records(buffer, index, EFFORTS, EFFORT), matrix(buffer, index, EFFORT_TABLES)
-    add_efforts(t, q_t, vehicle, bodies, efforts, effort_tables, axles, wrenches)
+    add_efforts(t, q_t, vehicle, parts, bodies, efforts, effort_tables, axles, wrenches)
+    for j in range(axles.shape[0]):
+        part = parts[axles[j].body]
+        if part.twist >= 0:
+            held = part.twist_stiffness * q[part.twist] + part.twist_damping * q_t[part.twist]
+            out[part.twist] = (axles[j].twisting - held) / part.twist_inertia
     for i in range(n):
         body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
         force, moment = vec(wrenches[i].force), vec(wrenches[i].moment)
@@ -155,7 +170,8 @@ def add_forces_on_bodies(t, q, q_t, out, buffer, index):
 def add_forces_on_wheels(q, q_t, out, buffer, index):
     """Add the contacts of all wheelsets, and on elastic rails write the accelerations of the pieces under the wheels.
 
-    Those of a wheelset depend on its own coordinates and those of the rails under it alone. Returns a status.
+    Those of a wheelset depend on its own coordinates and those of the twist and of the rails under it alone. Returns a
+    status.
     """
     vehicle = records(buffer, index, WHOLE, VEHICLE)[0]
     parts = records(buffer, index, PARTS, PART)
@@ -166,9 +182,11 @@ def add_forces_on_wheels(q, q_t, out, buffer, index):
         if first < 0 or first >= wheels:
             continue
         body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
+        twist = parts[i].twist
+        ahead = 0.5 * q_t[twist] if twist >= 0 else 0.0
         for k in range(first, first + 2):
             wheel = wheel_record(buffer, own, k)
-            put_body(wheel.body, body)
+            put_body(wheel.body, _turned(body, wheel.side * ahead))
             if vehicle.rails >= 0:
                 _set_rail(q, q_t, vehicle.rails + 2 * k, wheel)
     stages.run(vehicle.turns, buffer, own)
@@ -180,7 +198,11 @@ def add_forces_on_wheels(q, q_t, out, buffer, index):
         left, right = wheel_record(buffer, own, first), wheel_record(buffer, own, first + 1)
         status |= left.status | right.status
         push, turn = add(vec(left.force), vec(right.force)), add(vec(left.moment), vec(right.moment))
-        add_generalised_forces(get_body(left.body), push, turn, out[6 * i : 6 * i + 6])
+        body = get_body(left.body)
+        add_generalised_forces(body, push, turn, out[6 * i : 6 * i + 6])
+        if parts[i].twist >= 0:
+            apart = dot(vec(left.moment), body.left) - dot(vec(right.moment), body.left)
+            out[parts[i].twist] += 0.5 * apart / parts[i].twist_inertia
         if vehicle.rails >= 0:
             for k in range(first, first + 2):
                 side = wheel_record(buffer, own, k).side
@@ -189,9 +211,9 @@ def add_forces_on_wheels(q, q_t, out, buffer, index):
 
 
 @kernel
-def _still(body, spin):
-    """A wheelset as its springs see it: it does not spin."""
-    omega = shifted(body.omega, -spin, body.left)
+def _turned(body, spin):
+    """A body that turns faster about its axle [rad/s]."""
+    omega = shifted(body.omega, spin, body.left)
     return Body(body.position, body.velocity, body.forward, body.left, body.up, omega)
 
 

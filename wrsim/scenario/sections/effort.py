@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Field
 
@@ -51,6 +51,8 @@ class EffortTable(Section):
 
     on: List[Annotated[str, text("the name of a wheelset")]] = ()
     """Wheelsets that the moment acts on, each alike; all of them where it is not given."""
+    wheel: Literal["left", "right", "both"] = "both"
+    """Which of the wheels the moment acts on, where they turn on their own."""
     moment_kNm: Annotated[float, number(-LARGEST, LARGEST, "kNm on an axle, brakes negative")] | None = None
     """Moment that stays the same, positive forward."""
     time_s_moment_kNm: OverTime | None = None
@@ -72,7 +74,7 @@ class EffortTable(Section):
         """The effort on a wheelset in SI units."""
         over: Over = "time" if self.distance_m_moment_kNm is None else "distance"
         rows = self.time_s_moment_kNm or self.distance_m_moment_kNm or ((0.0, self.moment_kNm or 0.0),)
-        return Effort(wheelset, tuple((x, 1e3 * moment) for x, moment in rows), over)
+        return Effort(wheelset, tuple((x, 1e3 * moment) for x, moment in rows), over, self.wheel)
 
 
 class SlipControlTable(Section):

@@ -1,0 +1,262 @@
+"""Wheels that turn against each other: independent ones, and axles that twist."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+from math import inf, pi, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from numpy.typing import NDArray
+from support.runs import FAST, LEADING, ROOT, SCENARIOS, arc, setup_of, straight, transition
+from support.scenario_texts import CURVE, STATIC, faults
+from support.vehicles import manchester, on_track
+
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.run import run_in_time
+from wrsim.analysis.motion.start import start_state
+from wrsim.analysis.stability.rolling import RollingVehicle
+from wrsim.scenario.build import Setup, build
+from wrsim.scenario.loading import load
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.linear import linearise
+from wrsim.simulation.modes import natural_modes
+from wrsim.simulation.state import design_state
+from wrsim.vehicle.vehicle import Effort, Load, Vehicle
+from wrsim.vehicle.wheelset import Torsion
+
+Array = NDArray[np.float64]
+
+RIGID, INDEPENDENT = None, Torsion()
+SPIN = 5
+
+
+def with_axle(vehicle: Vehicle, torsion: Torsion | None) -> Vehicle:
+    """The vehicle with axles of another kind."""
+    return vehicle.with_wheelsets(lambda wheelset: replace(wheelset, torsion=torsion))
+
+
+def wheelset(torsion: Torsion | None, radius: float = 300.0, values: Mapping[str, Any] | None = None) -> Setup:
+    """A leading wheelset on its guide frame in a full curve, or on straight track."""
+    segments = [straight(30.0)] if radius == inf else [arc(30.0, radius, 60.0)]
+    setup = setup_of(segments, 15.0, LEADING, start=10.0, values=FAST | dict(values or {}))
+    return replace(setup, vehicle=with_axle(setup.vehicle, torsion))
+
+
+@cache
+def steady(torsion: Torsion | None, radius: float = 300.0, push: float = 0.0) -> tuple[VehicleOnTrack, Array, Array]:
+    """Its law, and the state of steady motion; push: a force to the left [N]."""
+    setup = wheelset(torsion, radius)
+    load = Load.constant("push", "wheelset", (0.0, push, 0.0), (0.0, 0.0, 0.46))
+    setup = replace(setup, vehicle=replace(setup.vehicle, loads=(load,)))
+    law = force_law(setup)
+    q, q_t = start_state(setup, law)
+    law.at(0.0, q, q_t)
+    return law, q, q_t
+
+
+def along(law: VehicleOnTrack) -> Array:
+    """Longitudinal force on both wheels [N]."""
+    return np.array([float(wheel.model.arrays.total["Ft"]) for wheel in law.wheels[0]])
+
+
+def about_axle(law: VehicleOnTrack) -> Array:
+    """Moment of the contact about the axle, of both wheels [N m]."""
+    return np.array([np.dot(tuple(own.moment), tuple(own.body.left)) for own in law.own(0)])
+
+
+# --- independent wheels -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("radius", [300.0, inf])
+def test_independent_wheels_in_steady_motion_are_not_driven(radius):
+    law, _, _ = steady(INDEPENDENT, radius)
+    # the sprung mass leans about the track's direction, so that under a yaw some newton metres of it turn the axle
+    assert about_axle(law) == pytest.approx(0.0, abs=20.0)
+    assert np.diff(about_axle(law)) == pytest.approx(0.0, abs=1e-3)
+    # what pushes aside under the angle of attack has a share lengthwise; two patches on unequal radii hold each other
+    rigid = np.abs(along(steady(RIGID, radius)[0])).max()
+    assert np.abs(along(law)).max() < max(0.02 * rigid, 5.0)
+    assert rigid > (1e4 if radius < inf else 0.0)
+
+
+def test_in_a_curve_independent_wheels_roll_at_the_speeds_of_their_rails():
+    law, q, q_t = steady(INDEPENDENT)
+    spin, apart = q_t[SPIN], q_t[law.twists[0]]
+    for wheel, own, rate in zip(law.wheels[0], law.own(0), (spin + 0.5 * apart, spin - 0.5 * apart), strict=True):
+        radius = float(wheel.model.arrays.pose[6]) / rate
+        lowest = 0.46 + 1e-3 * (12.0 if own.side < 0.0 else 1.0)  # the outer wheel on the root of its flange
+        assert 0.459 < radius < lowest
+    assert q[law.twists[0]] == 0.0
+
+
+def test_independent_wheels_that_are_pushed_aside_do_not_steer():
+    """A rigid wheelset 3 mm off centre turns towards the middle: its wheels push lengthwise against each other."""
+    moments = {}
+    for torsion in (RIGID, INDEPENDENT):
+        law, q, _ = steady(torsion, inf, 2e3)
+        assert q[2] > 1e-4
+        moments[torsion] = abs(float(along(law) @ np.array([-0.75, 0.75]))) / q[2]
+    assert moments[INDEPENDENT] < 2e-3 * moments[RIGID]
+
+
+def test_independent_wheels_drift_to_a_flange_where_rigid_ones_hunt():
+    """At 70 m/s the coach hunts at some 42 rad/s; with independent wheels nothing turns wheelsets back and forth."""
+    growing = {}
+    setup = build(load(SCENARIOS / "stability_manchester.toml").with_values(FAST))
+    for torsion in (RIGID, INDEPENDENT):
+        rolling = RollingVehicle(replace(setup, vehicle=with_axle(setup.vehicle, torsion)), 70.0)
+        values = np.linalg.eigvals(linearise(rolling.law, rolling.law.bodies, *rolling.state(70.0)).state_matrix)
+        growing[torsion] = np.abs(values[values.real > 0.1].imag)
+    assert growing[RIGID].min() > 30.0
+    assert len(growing[INDEPENDENT]) == 4
+    assert growing[INDEPENDENT].max() < 2.0
+
+
+def test_the_frame_gives_what_creep_takes_with_independent_wheels():
+    law, q, q_t = steady(INDEPENDENT)
+    given = np.zeros(law.size)
+    VehicleOnTrack(law.vehicle, law.track, (), speed=15.0, start=10.0)(0.0, q, q_t, given)
+    arrays = [wheel.model.arrays for wheel in law.wheels[0]]
+    dissipated = sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays)
+    assert given[:6] @ q_t[:6] == pytest.approx(dissipated, rel=5e-3)
+
+
+def test_mirrored_wheels_give_mirrored_forces():
+    vehicle = with_axle(manchester(), INDEPENDENT)
+    law = on_track(vehicle, 15.0).law
+    q, q_t = design_state(law)
+    n = 6 * len(law.bodies)
+    q[: 6 * 4] += np.tile([-1e-4, 0.0, 2e-3, 1e-3, 1e-4, 0.0], 4)
+    q_t[list(law.twists.values())] = [0.3, -0.1, 0.2, -0.4]
+    mirror = np.tile([1.0, 1.0, -1.0, -1.0, -1.0, 1.0], len(law.bodies))
+    out, other = np.zeros(law.size), np.zeros(law.size)
+    law(0.0, q, q_t, out)
+    turned, turned_t = q.copy(), q_t.copy()
+    turned[:n] *= mirror
+    turned_t[:n] *= mirror
+    twists = list(law.twists.values())
+    turned_t[twists] *= -1.0
+    law.look_near(law.start)
+    law(0.0, turned, turned_t, other)
+    assert other[twists] == pytest.approx(-out[twists], rel=1e-8)
+    assert other[: 6 * 4] == pytest.approx((mirror * out[:n])[: 6 * 4], rel=1e-8, abs=1e-6)
+
+
+def test_a_moment_on_one_wheel_turns_that_wheel_alone():
+    vehicle = with_axle(manchester(), INDEPENDENT)
+    name = vehicle.wheelsets[0].name
+    for side, wheel in ((1.0, "left"), (-1.0, "right")):
+        effort = Effort(name, ((0.0, 1e3),), wheel=wheel)
+        law = VehicleOnTrack(
+            replace(vehicle, efforts=(effort,)), on_track(vehicle).law.track, (), speed=15.0, start=60.0, drive="free"
+        )
+        q, q_t = design_state(law)
+        plain, out = np.zeros(law.size), np.zeros(law.size)
+        VehicleOnTrack(vehicle, law.track, (), speed=15.0, start=60.0, drive="free")(0.0, q, q_t, plain)
+        law(0.0, q, q_t, out)
+        inertia = law.bodies[0].inertia[1]
+        mean = (out - plain)[SPIN] / inertia
+        difference = (out - plain)[law.twists[0]]
+        assert mean + 0.5 * side * difference == pytest.approx(1e3 / (0.5 * inertia))
+        assert mean - 0.5 * side * difference == pytest.approx(0.0, abs=1e-9)
+
+
+# --- axles that twist -------------------------------------------------------------------------------------
+
+
+def test_an_axle_twists_at_the_frequency_of_two_discs_on_a_shaft():
+    stiffness = 5e6
+    vehicle = with_axle(manchester(), Torsion(stiffness, 100.0))
+    twisting = [mode for mode in natural_modes(vehicle) if mode.name == "axles twist"]
+    disc = 0.5 * vehicle.wheelsets[0].wheelset.inertia[1]
+    assert len(twisting) == len(vehicle.wheelsets)
+    for mode in twisting:
+        assert mode.frequency == pytest.approx(sqrt(stiffness * (2.0 / disc)) / (2.0 * pi), rel=1e-6)
+        assert mode.damping == pytest.approx(0.5 * 100.0 * sqrt(2.0 / disc / stiffness), rel=1e-4)
+
+
+def test_in_steady_motion_a_twisted_axle_is_a_rigid_one_and_carries_the_moment_of_its_wheels():
+    """Whatever its stiffness: it winds up until both wheels turn alike."""
+    law, q, _ = steady(Torsion(5e6))
+    other, q_other, _ = steady(RIGID)
+    assert q[:5] == pytest.approx(q_other[:5], abs=1e-8)
+    assert along(law) == pytest.approx(along(other), rel=1e-5)
+    left, right = about_axle(law)
+    assert abs(left - right) > 5e3
+    assert 5e6 * q[law.twists[0]] == pytest.approx(0.5 * (left - right), rel=1e-6)
+
+
+# --- runs -------------------------------------------------------------------------------------------------
+
+
+@cache
+def into_a_curve(torsion: Torsion | None) -> xr.Dataset:
+    """The leading wheelset from straight track into a curve."""
+    segments = [straight(6.0), transition(10.0), arc(8.0, 300.0, 60.0)]
+    setup = setup_of(segments, 15.0, LEADING, values=FAST | {"run.output_interval_ms": 10.0})
+    found = run_in_time(replace(setup, vehicle=with_axle(setup.vehicle, torsion))).dataset
+    assert found.attrs["status"] == "completed"
+    return found
+
+
+@pytest.mark.parametrize(("torsion", "like"), [(Torsion(1e9, 1e4), RIGID), (Torsion(1.0), INDEPENDENT)])
+def test_a_stiff_axle_is_a_rigid_one_and_a_soft_one_leaves_its_wheels_alone(torsion, like):
+    ours, other = into_a_curve(torsion), into_a_curve(like)
+    assert ours["lateral_shift"].values == pytest.approx(other["lateral_shift"].values, abs=5e-6)
+    for name in ("X", "Y"):
+        assert ours[name].values == pytest.approx(other[name].values, abs=0.005 * float(np.abs(other["Y"]).max()))
+
+
+def test_independent_wheels_run_into_a_curve_without_forces_lengthwise():
+    free, held = into_a_curve(INDEPENDENT), into_a_curve(Torsion(1e9, 1e4))
+    assert float(free["spin_difference"][-1, 0]) > 0.1  # the outer wheel rolls on the root of its flange
+    assert np.abs(free["axle_twist"].values).max() == 0.0
+    assert abs(float(held["spin_difference"][-1, 0])) < 0.01
+    assert np.abs(held["axle_twist"].values).max() > 1e-6
+    assert float(np.abs(free["X"]).max()) < 0.1 * float(np.abs(held["X"]).max())
+
+
+# --- what is refused --------------------------------------------------------------------------------------
+
+
+def vehicle_text(tmp_path, more: str) -> str:
+    """A scenario of a wheelset whose file has one line more, beside it."""
+    text = (ROOT / "models" / LEADING).read_text(encoding="utf-8")
+    (tmp_path / "own.toml").write_text(text.replace("radius_mm = 460", f"radius_mm = 460\n{more}\n"), encoding="utf-8")
+    return "own.toml"
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (
+            "independent_wheels = true\ntorsional_stiffness_kNm_per_rad = 5000",
+            "cannot stand next to independent_wheels",
+        ),
+        ("torsional_damping_kNms_per_rad = 5", "goes with torsional_stiffness_kNm_per_rad"),
+        ("torsional_stiffness_kNm_per_rad = 0", "above 0"),
+    ],
+)
+def test_bad_axles_are_refused_with_file_and_key(tmp_path, more, said):
+    found = faults(CURVE.replace("vehicles/wheelset_s1002.toml", vehicle_text(tmp_path, more)), tmp_path)
+    assert len(found) == 1
+    assert "own.toml:" in found[0]
+    assert said in found[0]
+
+
+def test_where_rigid_wheelsets_are_meant_others_are_refused(tmp_path):
+    own = vehicle_text(tmp_path, "independent_wheels = true")
+    (fault,) = faults(STATIC.replace("vehicles/wheelset_s1002.toml", own), tmp_path)
+    assert fault.startswith('case.toml:3: vehicle.model = "own.toml": has wheels that turn against each other')
+    effort = '\n[[vehicle.efforts]]\nmoment_kNm = 1\nwheel = "left"\n'
+    (fault,) = faults(CURVE + effort, tmp_path)
+    assert "vehicle.efforts[0].wheel" in fault
+    assert "rigid axle" in fault
+    control = effort + "[vehicle.slip_control]\ncreepage = 0.1\n"
+    (fault,) = faults(CURVE.replace("vehicles/wheelset_s1002.toml", own) + control, tmp_path)
+    assert "vehicle.slip_control" in fault
