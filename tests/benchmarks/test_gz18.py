@@ -58,7 +58,7 @@ def test_the_leading_wheelset_stands_in_a_curve_as_in_other_codes(line, normal, 
 @needs_tables
 def test_where_the_wider_curve_stands_apart_the_contact_law_is_why(tmp_path):
     """With their contact in the place of ours, nothing else changed, all of the figures are theirs."""
-    setup = build(gz18.steady(tmp_path, "r600", {"contact.strips": 12, "contact.cells": 8}))
+    setup = build(gz18.steady(tmp_path, "r600", {"contact.cells": 8}))
     ours = steady_in_curve(setup, setup.plan.points[0])
     before = 1e3 * theirs.pose_of(ours.law, ours, 0).lateral[0]
     law, found = theirs.their_steady_motion(ours)

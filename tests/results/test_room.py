@@ -15,8 +15,7 @@ from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.run import recorded_run
-from wrsim.results import Result, room, write_run
-from wrsim.results import result as results
+from wrsim.results import Result, room, sealed, write_run
 from wrsim.results.tables import write_table
 from wrsim.scenario.build import Setup
 from wrsim.simulation.integrate import Motion, integrate, recorded_motion
@@ -28,7 +27,7 @@ from wrsim.simulation.system import System
 def at_most(monkeypatch: pytest.MonkeyPatch, size: int) -> None:
     """So many bytes may stand in memory; files are written and read in larger pieces."""
     monkeypatch.setattr(room, "LARGE", size)
-    monkeypatch.setattr(results, "LARGE", max(size, 200_000))
+    monkeypatch.setattr(sealed, "LARGE", max(size, 200_000))
 
 
 @pytest.fixture(scope="module")

@@ -2,40 +2,21 @@
 
 from __future__ import annotations
 
-import gc
-import io
-import os
-import sys
-import tempfile
-import zlib
-from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass
-from itertools import chain
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import xarray as xr
 
 from wrsim.errors import InputError
 from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS
-from wrsim.results.dataset import FORMAT, FORMAT_VERSION, NAMED, REQUIRED_ATTRIBUTES, SINGLE, STATUSES
-from wrsim.results.files import plain_disk_errors, write_atomically
-from wrsim.results.room import LARGE
+from wrsim.results.dataset import FORMAT, FORMAT_VERSION, NAMED, REQUIRED_ATTRIBUTES, STATUSES
+from wrsim.results.sealed import read_sealed, write_sealed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
-
-_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
-_SEALED_SINCE = 2
-"""Format from which on every file ends with a checksum."""
-_CHECKED = b"wrsim CRC-32"
-"""Stands behind the HDF5 data, before the checksum of all that comes before; other readers do not look there."""
-_NETCDF: dict[str, Any] = {"engine": "h5netcdf", "format": "NETCDF4"}
-_PIECE = 1 << 20
-"""Bytes of a file that are read at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,15 +215,7 @@ class Result:
         WrsimError
             When the disk is full or the place cannot be written to.
         """
-        ordered = _labels_first(self.dataset)
-        if self.dataset.nbytes <= LARGE:
-            return write_atomically(path, b"".join(_sealed((_as_file(ordered),))))
-        path = Path(path)
-        with plain_disk_errors(path):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with tempfile.NamedTemporaryFile(prefix=f".{path.name}.", suffix=".part", dir=path.parent) as stream:
-                _write_in_groups(ordered, stream.name)
-                return write_atomically(path, _sealed(iter(lambda: stream.read(_PIECE), b"")))
+        return write_sealed(path, _labels_first(self.dataset))
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
@@ -264,20 +237,7 @@ class Result:
         path = Path(path)
         if path.is_dir():
             path = path / "result.nc"
-        try:
-            with open(path, "rb") as stream:
-                begin, sealed, whole = _looked_through(stream)
-        except FileNotFoundError:
-            raise InputError(f"{path}: there is no such result file") from None
-        except OSError as problem:
-            why = (problem.strerror or str(problem)).lower()
-            raise InputError(f"{path}: cannot be read: {why}") from problem
-        if begin != _HDF5_SIGNATURE:
-            raise InputError(f"{path}: not a wrsim result (not a NetCDF 4 file)")
-        opened = dataset_in(path, sealed) if whole or not sealed else None
-        if opened is None:
-            raise InputError(f"{path}: the file is damaged or incomplete; run the scenario again")
-        dataset = _without_encoding(opened)
+        dataset = _without_encoding(read_sealed(path, "result"))
         attributes = dataset.attrs
         if attributes.get("format") != FORMAT:
             raise InputError(f"{path}: a NetCDF file, but not a wrsim result")
@@ -289,92 +249,10 @@ class Result:
                 f"{path}: written by a newer wrsim ({attributes.get('wrsim_version', 'unknown version')}) "
                 f"in format {version}; this one reads up to {FORMAT_VERSION}"
             )
-        if version >= _SEALED_SINCE and not sealed:
-            raise InputError(
-                f"{path}: its checksum is missing: the file is cut off, or another program has written it; "
-                "run the scenario again"
-            )
-        dataset = _with_rails_of_moments(_with_wheelset(dataset))
+        dataset = _with_rails_of_moments(dataset)
         if lacking := _lacking(dataset):
             raise InputError(f"{path}: says that it is a wrsim result, but {lacking}; run the scenario again")
         return cls(dataset)
-
-
-def _packed(dataset: xr.Dataset, among: Iterable[Hashable] | None = None) -> dict[Hashable, dict[str, Any]]:
-    """How variables stand in a file: long ones packed. among: these alone."""
-    return {
-        name: {"zlib": True, "complevel": 1, "shuffle": True}
-        for name in (dataset.variables if among is None else among)
-        if dataset[name].dtype.kind in "fi" and dataset[name].size > 1000
-    }
-
-
-def _as_file(dataset: xr.Dataset) -> bytes:
-    """The bytes that xarray's ``to_netcdf`` gives, without its look for a cluster, which loads dask.distributed."""
-    content = io.BytesIO()
-    store = xr.backends.H5NetCDFStore.open(content, mode="w", format="NETCDF4", lock=False)
-    dataset.dump_to_store(store, encoding=_packed(dataset))
-    store.close()
-    return content.getvalue()
-
-
-def _write_in_groups(dataset: xr.Dataset, path: str) -> None:
-    """Write a file channel by channel, or some small ones at once: xarray takes into memory what it writes."""
-    labels = dataset.drop_vars(dataset.data_vars)
-    labels.to_netcdf(path, encoding=_packed(labels), **_NETCDF)
-    group: list[Hashable] = []
-    size = 0
-    for name, variable in dataset.data_vars.items():
-        if group and size + variable.nbytes > LARGE:
-            dataset[group].to_netcdf(path, mode="a", encoding=_packed(dataset, group), **_NETCDF)
-            group, size = [], 0
-        group.append(name)
-        size += variable.nbytes
-    dataset[group].to_netcdf(path, mode="a", encoding=_packed(dataset, group), **_NETCDF)
-
-
-def _sealed(content: Iterable[bytes]) -> Iterator[bytes]:
-    """The parts of a file, and the seal behind them."""
-    checksum = 0
-    for part in chain(content, (_CHECKED,)):
-        checksum = zlib.crc32(part, checksum)
-        yield part
-    yield checksum.to_bytes(4, "little")
-
-
-def _looked_through(stream: IO[bytes]) -> tuple[bytes, bool, bool]:
-    """First bytes of a file, whether it carries our seal, whether its checksum is right."""
-    begin = stream.read(len(_HDF5_SIGNATURE))
-    behind = stream.seek(0, os.SEEK_END) - 4
-    stream.seek(max(behind - len(_CHECKED), 0))
-    end = stream.read()
-    stream.seek(0)
-    checksum, left = 0, behind
-    while left > 0 and (part := stream.read(min(left, _PIECE))):
-        checksum, left = zlib.crc32(part, checksum), left - len(part)
-    return begin, end[:-4] == _CHECKED, end[-4:] == checksum.to_bytes(4, "little")
-
-
-def dataset_in(path: Path, sealed: bool = False) -> xr.Dataset | None:
-    """The dataset in a NetCDF file; None if it is damaged. sealed: its checksum is right: many numbers stay in the file
-    until they are asked for."""
-    hook = sys.unraisablehook
-    sys.unraisablehook = lambda unraisable: None  # the library complains when it lets go of a damaged file
-    try:
-        try:
-            opened = xr.open_dataset(path, engine="h5netcdf", decode_times=False, cache=False)
-            if sealed and opened.nbytes > LARGE:
-                return opened
-            with opened:
-                return opened.load()
-        except MemoryError:
-            raise
-        except Exception:  # the HDF5 stack answers damage with whatever comes to hand
-            pass
-        gc.collect()
-        return None
-    finally:
-        sys.unraisablehook = hook
 
 
 def _lacking(dataset: xr.Dataset) -> str:
@@ -412,23 +290,8 @@ def _labels_first(dataset: xr.Dataset) -> xr.Dataset:
     return bare.assign({name: dataset[name].variable for name in dataset.data_vars})
 
 
-def _with_wheelset(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with the dimension ``wheelset``, which a single wheelset did not have in format 1."""
-    if "wheelset" not in dataset.dims:
-        if "distance" in dataset.coords:
-            dataset = dataset.assign(
-                wheelset_distance=("time", dataset["distance"].values, _about("wheelset_distance"))
-            )
-        dataset = dataset.map(
-            lambda v: v.expand_dims("wheelset", axis=1) if "wheelset" in CHANNELS[str(v.name)].dims else v,
-            keep_attrs=True,
-        ).assign_coords(wheelset=("wheelset", np.array([SINGLE]), _about("wheelset")))
-    dataset.attrs["format_version"] = FORMAT_VERSION
-    return dataset
-
-
 def _with_rails_of_moments(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with the rails' sections of every moment, of which formats 1 and 2 kept one for all."""
+    """The dataset with the rails' sections of every moment, of which format 2 kept one for all."""
     moments = dataset["wheel_profile_y"].sizes if "wheel_profile_y" in dataset else {}
     for name in ("rail_profile_y", "rail_profile_z"):
         if name in dataset and dataset[name].dims == ("wheel", "rail_point"):
@@ -438,9 +301,5 @@ def _with_rails_of_moments(dataset: xr.Dataset) -> xr.Dataset:
             own = dataset[name]
             own = own.expand_dims({dim: size for dim, size in moments.items() if dim not in ("wheel", "wheel_point")})
             dataset[name] = own.copy()
+    dataset.attrs["format_version"] = FORMAT_VERSION
     return dataset
-
-
-def _about(name: str) -> dict[str, str]:
-    """Attributes of a channel's variable."""
-    return {"units": CHANNELS[name].unit, "long_name": CHANNELS[name].long_name}

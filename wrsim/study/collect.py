@@ -14,8 +14,8 @@ from wrsim.errors import InputError
 from wrsim.results import write_atomically
 from wrsim.results.dataset import versions
 from wrsim.results.files import as_csv, as_json
-from wrsim.results.result import dataset_in
 from wrsim.results.rows import Row
+from wrsim.results.sealed import read_sealed, write_sealed
 from wrsim.study.axes import Points
 from wrsim.study.plan import Plan, in_words
 from wrsim.study.task import Marker, read_marker
@@ -130,7 +130,7 @@ def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) ->
     folder = Path(plan.folder)
     dataset = collected(plan, markers)
     files = [
-        write_atomically(folder / NUMBERS, bytes(dataset.to_netcdf(None, engine="h5netcdf", format="NETCDF4"))),
+        write_sealed(folder / NUMBERS, dataset),
         write_atomically(folder / "study.csv", as_csv(rows_of_cases(plan, markers))),
         write_atomically(folder / "times.csv", as_csv(times_of_cases(plan, markers))),
         write_atomically(folder / "study.json", as_json(report_of(plan, markers))),
@@ -145,13 +145,9 @@ def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) ->
 def read_study(path: Path) -> xr.Dataset:
     """The dataset of a study, from its folder or its ``study.nc``. Raises InputError for anything else."""
     file = path / NUMBERS if path.is_dir() else path
-    try:
-        open(file, "rb").close()
-    except OSError as error:
-        raise InputError(f"{file}: cannot be read: {error.strerror or error}") from None
-    dataset = dataset_in(file)
-    if dataset is None or dataset.attrs.get("format") != FORMAT:
-        raise InputError(f"{file}: is damaged, or no study of wrsim")
+    dataset = read_sealed(file, "study")
+    if dataset.attrs.get("format") != FORMAT:
+        raise InputError(f"{file}: a wrsim file, but no study")
     lacking = [name for name in ("status", "message", "name") if name not in dataset.data_vars]
     if lacking or "title" not in dataset.attrs:
         raise InputError(f"{file}: says that it is a study, but has no {(lacking or ['title'])[0]}; run it again")

@@ -1,0 +1,148 @@
+"""NetCDF files with a seal: a checksum of every byte stands behind the HDF5 data, where other readers do not look.
+
+Nothing is read from a file whose seal is missing or broken: the library can read damage without end.
+"""
+
+from __future__ import annotations
+
+import gc
+import io
+import os
+import sys
+import tempfile
+import zlib
+from collections.abc import Hashable, Iterable, Iterator
+from itertools import chain
+from pathlib import Path
+from typing import IO, Any
+
+import xarray as xr
+
+from wrsim.errors import InputError
+from wrsim.results.files import plain_disk_errors, write_atomically
+from wrsim.results.room import LARGE
+
+_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_CHECKED = b"wrsim CRC-32"
+"""Stands before the checksum of all that comes before."""
+_NETCDF: dict[str, Any] = {"engine": "h5netcdf", "format": "NETCDF4"}
+_PIECE = 1 << 20
+"""Bytes of a file that are read at once."""
+
+
+def write_sealed(path: str | Path, dataset: xr.Dataset) -> Path:
+    """Write a dataset as NetCDF 4; the file appears whole or not at all.
+
+    Raises WrsimError when the disk is full or the place cannot be written to.
+    """
+    if dataset.nbytes <= LARGE:
+        return write_atomically(path, b"".join(_sealed((_as_file(dataset),))))
+    path = Path(path)
+    with plain_disk_errors(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(prefix=f".{path.name}.", suffix=".part", dir=path.parent) as stream:
+            _write_in_groups(dataset, stream.name)
+            return write_atomically(path, _sealed(iter(lambda: stream.read(_PIECE), b"")))
+
+
+def read_sealed(path: Path, what: str) -> xr.Dataset:
+    """The dataset in a file that `write_sealed` wrote; what: it should be, in words for errors.
+
+    Many numbers stay in the file until they are asked for. Raises InputError when it is missing, damaged or not ours.
+    """
+    again = "run the study again" if what == "study" else "run the scenario again"
+    try:
+        with open(path, "rb") as stream:
+            begin, sealed, whole = _looked_through(stream)
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such {what} file") from None
+    except OSError as problem:
+        why = (problem.strerror or str(problem)).lower()
+        raise InputError(f"{path}: cannot be read: {why}") from problem
+    if begin != _HDF5_SIGNATURE:
+        raise InputError(f"{path}: not a wrsim {what} (not a NetCDF 4 file)")
+    if not sealed:
+        raise InputError(
+            f"{path}: not a wrsim {what}, or its checksum is missing: it is cut off, or another program has written "
+            f"it; {again}"
+        )
+    opened = _dataset_in(path) if whole else None
+    if opened is None:
+        raise InputError(f"{path}: the file is damaged or incomplete; {again}")
+    return opened
+
+
+def _packed(dataset: xr.Dataset, among: Iterable[Hashable] | None = None) -> dict[Hashable, dict[str, Any]]:
+    """How variables stand in a file: long ones packed. among: these alone."""
+    return {
+        name: {"zlib": True, "complevel": 1, "shuffle": True}
+        for name in (dataset.variables if among is None else among)
+        if dataset[name].dtype.kind in "fi" and dataset[name].size > 1000
+    }
+
+
+def _as_file(dataset: xr.Dataset) -> bytes:
+    """The bytes that xarray's ``to_netcdf`` gives, without its look for a cluster, which loads dask.distributed."""
+    content = io.BytesIO()
+    store = xr.backends.H5NetCDFStore.open(content, mode="w", format="NETCDF4", lock=False)
+    dataset.dump_to_store(store, encoding=_packed(dataset))
+    store.close()
+    return content.getvalue()
+
+
+def _write_in_groups(dataset: xr.Dataset, path: str) -> None:
+    """Write a file channel by channel, or some small ones at once: xarray takes into memory what it writes."""
+    labels = dataset.drop_vars(dataset.data_vars)
+    labels.to_netcdf(path, encoding=_packed(labels), **_NETCDF)
+    group: list[Hashable] = []
+    size = 0
+    for name, variable in dataset.data_vars.items():
+        if group and size + variable.nbytes > LARGE:
+            dataset[group].to_netcdf(path, mode="a", encoding=_packed(dataset, group), **_NETCDF)
+            group, size = [], 0
+        group.append(name)
+        size += variable.nbytes
+    dataset[group].to_netcdf(path, mode="a", encoding=_packed(dataset, group), **_NETCDF)
+
+
+def _sealed(content: Iterable[bytes]) -> Iterator[bytes]:
+    """The parts of a file, and the seal behind them."""
+    checksum = 0
+    for part in chain(content, (_CHECKED,)):
+        checksum = zlib.crc32(part, checksum)
+        yield part
+    yield checksum.to_bytes(4, "little")
+
+
+def _looked_through(stream: IO[bytes]) -> tuple[bytes, bool, bool]:
+    """First bytes of a file, whether it carries our seal, whether its checksum is right."""
+    begin = stream.read(len(_HDF5_SIGNATURE))
+    behind = stream.seek(0, os.SEEK_END) - 4
+    stream.seek(max(behind - len(_CHECKED), 0))
+    end = stream.read()
+    stream.seek(0)
+    checksum, left = 0, behind
+    while left > 0 and (part := stream.read(min(left, _PIECE))):
+        checksum, left = zlib.crc32(part, checksum), left - len(part)
+    return begin, end[:-4] == _CHECKED, end[-4:] == checksum.to_bytes(4, "little")
+
+
+def _dataset_in(path: Path) -> xr.Dataset | None:
+    """The dataset in a NetCDF file; None if it cannot be read."""
+    hook = sys.unraisablehook
+    sys.unraisablehook = lambda unraisable: None  # the library complains when it lets go of a damaged file
+    try:
+        try:
+            opened = xr.open_dataset(path, engine="h5netcdf", decode_times=False, cache=False)
+            if opened.nbytes > LARGE:
+                return opened
+            with opened:
+                return opened.load()
+        except MemoryError:
+            raise
+        except Exception:  # the HDF5 stack answers damage with whatever comes to hand
+            pass
+        gc.collect()
+        return None
+    finally:
+        sys.unraisablehook = hook
