@@ -74,8 +74,10 @@ def test_a_left_curve_mirrors_a_right_curve(vehicle):
     differences = largest_differences(reference(vehicle), mirror)
     # 63 MN/m times the round-off of 16 m, over 0.3 kN
     assert differences.pop("guide_force_x") < 1e-8
+    # a difference of forces four times as large, of the wheels that change places
+    differences["sum_Y"] *= float(abs(mirror["sum_Y"]).max() / abs(mirror["Y"]).max())
     worst = max(differences, key=lambda name: differences[name])
-    # the start is solved to 1e-10 of the weight, 1e-5 N, with left and right wheels in turn: 4e-8 of the sum of Y
+    # strips end their search at 1e-9 of what presses them; the start agrees to 1e-12
     assert differences[worst] < 1e-7, worst
 
 
