@@ -168,7 +168,7 @@ def test_the_report_takes_one_study_and_nothing_beside_it(serial: Plan, tmp_path
         refused = runner.invoke(app, ["report", serial.folder, *more, "-o", file])
         assert refused.exit_code == 2 and "study" in refused.output
     (tmp_path / "study.nc").write_bytes(b"no dataset")
-    assert "damaged, or no study" in runner.invoke(app, ["report", str(tmp_path)]).output
+    assert "not a wrsim study" in runner.invoke(app, ["report", str(tmp_path)]).output
 
 
 def test_outputs_of_a_case_are_those_of_its_result(serial: Plan) -> None:
