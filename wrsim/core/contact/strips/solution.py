@@ -32,7 +32,7 @@ from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, NEXT,
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
 WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9
-ROUGHLY, FAIRLY = 5e-3, 5e-4  # the same with given factors and edges: in turns, and at their end
+ROUGHLY, FAIRLY = 5e-3, 5e-4  # the same with given factors and edges: in turns of the first attempt, and else
 WARM_STEPS, HELD_STEPS, COLD_STEPS = 25, 15, 40
 SURELY = 0.7  # of the largest penetration: a grid that is in contact to begin with
 FEWER = (0, 2, 3, 5)  # strips than asked for: edges on a shoulder may have no place with some numbers
@@ -69,14 +69,14 @@ def solve(system, n, known):
                 break
             memo.strips = n - fewer
             for level in LEVELS:
-                if _afresh(system, memo.strips, level, True):
+                if _afresh(system, memo.strips, level, True, ROUGHLY if result == SETTLED else FAIRLY):
                     return result if attempt == 0 else STRAIGHT
                 result = RETRIED
         if not memo.shifted:
             break
         memo.shifted = 0
     memo.strips = n
-    return ROUGH if _afresh(system, n, ROUGH_LEVEL, False) else UNSOLVED
+    return ROUGH if _afresh(system, n, ROUGH_LEVEL, False, FAIRLY) else UNSOLVED
 
 
 @kernel
@@ -113,8 +113,9 @@ def _guess(system, n, g, level):
 
 
 @kernel
-def _afresh(system, n, level, whole):
-    """Solve from Hertz's ellipses; whole: for edges and factors as well. True if that works."""
+def _afresh(system, n, level, whole, held):
+    """Solve from Hertz's ellipses. whole: for edges and factors as well; held: tolerance of turns in which these are
+    given. True if that works."""
     memo = system.memo[0]
     memo.inverted = 0
     for g in range(memo.grids):
@@ -125,7 +126,7 @@ def _afresh(system, n, level, whole):
         if system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
     for turn in range(ROUNDS):
-        descend(system, n, True, ROUGHLY, HELD_STEPS)
+        descend(system, n, True, held, HELD_STEPS)
         moved = 0.0
         for g in range(memo.grids):
             if system.grids[g].on:
