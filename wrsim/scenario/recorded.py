@@ -14,6 +14,7 @@ from wrsim.geometry.track.irregularities import smooth_step
 from wrsim.geometry.track.segments import Arc, Transition
 from wrsim.geometry.track.track import RAIL_HEAD_WIDTH
 from wrsim.inputs.toml_files import write_toml
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 TRACK, IRREGULARITIES, SCENARIO, COLUMNS = "track.toml", "irregularities.csv", "scenario.toml", "columns.toml"
 RESERVE = 15.0
@@ -28,7 +29,6 @@ DEFICIENCY = 0.1
 """Cant deficiency of the speed unless told otherwise [m]."""
 FASTEST, SLOWEST = 160.0, 20.0
 """Limits of that speed [km/h]."""
-GRAVITY = 9.81
 
 
 def start_of(restored: Restored) -> Plateau:
@@ -45,7 +45,7 @@ def usual_speed(restored: Restored) -> float:
     for p in restored.plateaus:
         if not p.is_straight:
             inward = max(p.cant * math.copysign(1.0, p.curvature) + DEFICIENCY, 0.0)
-            speeds.append(3.6 * math.sqrt(inward / base * GRAVITY / abs(p.curvature)))
+            speeds.append(3.6 * math.sqrt(inward / base * STANDARD_GRAVITY / abs(p.curvature)))
     return max(SLOWEST, 5.0 * math.floor(min(speeds) / 5.0))
 
 

@@ -30,6 +30,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.results.assessment import Section
+from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 
@@ -59,7 +60,6 @@ CLOSE = 1e-3
 """Places nearer than this [m] are one."""
 
 CANT_BASE = 1.5
-GRAVITY = 9.80665
 
 
 def zone_of(curvature: float) -> str:
@@ -88,7 +88,7 @@ def sections_of(
     """
     distance, curvature, cant, speed = _track_passed(dataset)
     # positive to the outside of the curve, as a cant: lateral acceleration over gravity times the base
-    missing = CANT_BASE * speed**2 * curvature / GRAVITY - cant
+    missing = CANT_BASE * speed**2 * curvature / STANDARD_GRAVITY - cant
     found: list[Section] = []
     for zone, first, last in _stretches(distance, curvature, missing, straight_deficiency):
         inside = slice(first, last + 1)

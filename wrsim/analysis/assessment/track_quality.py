@@ -77,6 +77,7 @@ def _qualities(raster: Array, waves: dict[str, Array], sections: Sequence[Sectio
             continue
         kmh = 3.6 * section.speed - 1e-6
         for direction, signal in waves.items():
+            *usual, first, second = _row(QN[direction], QN_SPEEDS, kmh)
             deviation = float(signal[inside].std(axis=0).max())
             largest = float(np.abs(signal[inside]).max())
             yield TrackQuality(
@@ -84,8 +85,8 @@ def _qualities(raster: Array, waves: dict[str, Array], sections: Sequence[Sectio
                 direction,
                 deviation,
                 largest,
-                _step(1e3 * deviation, _row(QN[direction], QN_SPEEDS, kmh)[:2]),
-                _step(1e3 * largest, (*(most := _row(QN[direction], QN_SPEEDS, kmh)[2:]), QN3 * most[1])),
+                _step(1e3 * deviation, usual),
+                _step(1e3 * largest, (first, second, QN3 * second)),
                 _band(1e3 * deviation, _row(TL90[direction], TL90_SPEEDS, kmh)),
             )
 

@@ -126,11 +126,16 @@ class ChannelSection(Section):
     @property
     def system(self) -> System:
         """What measured it."""
+        return self.shape_system or (Difference(self.base) if self.quantity == "twist" else Plain())
+
+    @property
+    def shape_system(self) -> Chord | Inertial | None:
+        """What measured alignment or level; None of the other quantities."""
         if self.chord_m is not None:
             return Chord(*self.chord_m)
         if self.band is not None or self.band_m is not None:
             return Inertial(*(BANDS[self.band] if self.band is not None else self.band_m or (0.0, 0.0)))
-        return Difference(self.base) if self.quantity == "twist" else Plain()
+        return None
 
     def words(self) -> str:
         """What it is, in words."""

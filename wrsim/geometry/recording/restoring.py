@@ -16,7 +16,7 @@ from wrsim.errors import InputError
 from wrsim.geometry.recording.columns import ChannelSection, kind_of
 from wrsim.geometry.recording.design import FORMS, Form, Plateau, fit_design
 from wrsim.geometry.recording.recording import Recording
-from wrsim.geometry.recording.systems import SKIRTS, Chord, Inertial, Inverse, Plain, filtered
+from wrsim.geometry.recording.systems import SKIRTS, Chord, Inverse, Plain, ShapeSystem, filtered
 from wrsim.geometry.track.segments import Arc, Laws, Segment, Straight, Transition, laws
 from wrsim.geometry.track.track import RAIL_HEAD_WIDTH, ROUNDING
 
@@ -177,7 +177,11 @@ def _rails(work: _Work, kind: str, design: _Design, apart: Array | None, weights
     size = work.recording.distance.size
     found: dict[str, Array] = {}
     for side in ("", "_left", "_right"):
-        parts = [work.undone(c, r, _left_by_design(work, c, r, design)) for c, r in work.recording.of(f"{kind}{side}")]
+        parts = [
+            work.undone(c, r, _left_by_design(work, c, system, r, design))
+            for c, r in work.recording.of(f"{kind}{side}")
+            if (system := c.shape_system) is not None
+        ]
         if parts:
             found[side] = np.sum(parts, axis=0)
     if not found:
@@ -221,17 +225,10 @@ def _in_band(work: _Work, kind: str, record: Array) -> Array:
     )
 
 
-def _left_by_design(work: _Work, channel: ChannelSection, record: Array, design: _Design) -> Array:
-    """What the design leaves in a record of alignment or level."""
-    system, step = channel.system, work.recording.step
+def _left_by_design(work: _Work, channel: ChannelSection, system: ShapeSystem, record: Array, design: _Design) -> Array:
+    """What the design leaves in a record of alignment or level, which this system measured."""
+    reach, step = system.reach, work.recording.step
     side = next((sign for end, sign in SIDES.items() if channel.quantity.endswith(end)), 0.0)
-    reach = (
-        system.long
-        if isinstance(system, Inertial)
-        else system.behind + system.ahead
-        if isinstance(system, Chord)
-        else 0.0
-    )
     # systems measure in the plane of the rails and across it: cant turns a share of the curve upward
     base = (work.recording.columns.cant_base_mm or work.recording.columns.gauge_mm + 1e3 * RAIL_HEAD_WIDTH) / 1e3
     roll = np.arcsin(design.cant / base)

@@ -24,6 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
 
+from wrsim.geometry.track.irregularities import smooth_step
+
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Response = Callable[[Array], Complex]
@@ -48,6 +50,14 @@ class System(Protocol):
     def response(self, k: Array) -> Complex:
         """H(k) at wave numbers [rad/m]."""
 
+
+class ShapeSystem(System, Protocol):
+    """A system that measures the shape of a rail."""
+
+    @property
+    def reach(self) -> float:
+        """How far the track reaches into its record [m]."""
+
     def of_curvature(self, k: Array) -> Complex:
         """What it makes of a curvature y'' [1/m]: -H(k) / k^2 [m2], at k = 0 its limit."""
 
@@ -59,13 +69,18 @@ class Chord:
     behind: float
     ahead: float
 
+    @property
+    def reach(self) -> float:
+        """See `ShapeSystem`."""
+        return self.behind + self.ahead
+
     def response(self, k: Array) -> Complex:
         """See `System`."""
         a, b = self.behind, self.ahead
         return np.asarray(1.0 - (b * np.exp(-1j * k * a) + a * np.exp(1j * k * b)) / (a + b))
 
     def of_curvature(self, k: Array) -> Complex:
-        """See `System`."""
+        """See `ShapeSystem`."""
         a, b = self.behind, self.ahead
         series = -0.5 * a * b + 1j * k * a * b * (a - b) / 6.0  # of long waves, where the difference loses its digits
         short = k * (a + b) > 1e-3
@@ -82,10 +97,6 @@ class Difference:
         """See `System`."""
         return np.asarray(1.0 - np.exp(-1j * k * self.base))
 
-    def of_curvature(self, k: Array) -> Complex:
-        """See `System`; without a limit: the difference of a curve's ordinates grows for ever."""
-        raise NotImplementedError
-
 
 @dataclass(frozen=True)
 class Inertial:
@@ -98,13 +109,18 @@ class Inertial:
     short: float
     long: float
 
+    @property
+    def reach(self) -> float:
+        """See `ShapeSystem`."""
+        return self.long
+
     def response(self, k: Array) -> Complex:
         """See `System`."""
         shorter, longer = k * self.short / (2.0 * np.pi), k * self.long / (2.0 * np.pi)
         return (longer**8 / (1.0 + longer**8) / (1.0 + shorter**8)).astype(complex)
 
     def of_curvature(self, k: Array) -> Complex:
-        """See `System`."""
+        """See `ShapeSystem`."""
         return np.where(k > 0.0, -self.response(k) / np.where(k > 0.0, k, 1.0) ** 2, 0.0)
 
 
@@ -115,10 +131,6 @@ class Plain:
     def response(self, k: Array) -> Complex:
         """See `System`."""
         return np.ones(k.shape, dtype=complex)
-
-    def of_curvature(self, k: Array) -> Complex:
-        """See `System`; gauge and cant know no curvature."""
-        return np.zeros(k.shape, dtype=complex)
 
 
 @dataclass(frozen=True)
@@ -139,7 +151,7 @@ class Inverse:
             return wanted.astype(complex)
         h = self.system.response(k)
         size = np.abs(h)
-        known = _step((FADE * size * self.amplification / SPARE - 1.0) / (FADE - 1.0))
+        known = smooth_step((FADE * size * self.amplification / SPARE - 1.0) / (FADE - 1.0))
         return np.where(size > 0.0, wanted * known / np.where(size > 0.0, h, 1.0), 0.0)
 
     def kept(self) -> Array:
@@ -172,8 +184,8 @@ def within(k: Array, band: tuple[float, float]) -> Array:
     short, long = (np.log(skirt) for skirt in SKIRTS)
     with np.errstate(divide="ignore"):
         log = np.log(turns)
-    below = _step(1.0 - (log + np.log(band[0])) / short)
-    return below if np.isinf(band[1]) else below * _step(1.0 + (log + np.log(band[1])) / long)
+    below = smooth_step(1.0 - (log + np.log(band[0])) / short)
+    return below if np.isinf(band[1]) else below * smooth_step(1.0 + (log + np.log(band[1])) / long)
 
 
 def filtered(values: Array, step: float, response: Response, longest: float, *, held: bool = False) -> Array:
@@ -188,8 +200,3 @@ def filtered(values: Array, step: float, response: Response, longest: float, *, 
     wide = np.pad(values, pad, mode="edge") if held else np.pad(values, pad, mode="reflect")
     k = 2.0 * np.pi * rfftfreq(whole, step)
     return np.asarray(irfft(rfft(wide) * response(k), whole)[extra : extra + n])
-
-
-def _step(x: Array) -> Array:
-    x = np.clip(x, 0.0, 1.0)
-    return np.asarray(x**3 * (10.0 + x * (-15.0 + 6.0 * x)))
