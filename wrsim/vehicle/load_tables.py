@@ -7,11 +7,11 @@ load the vehicle moves.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field
 
+from wrsim.inputs.rows import ROWS, one_way, rising
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import Three, number, positive, refuse, text
 from wrsim.vehicle.ballast import Ballast
@@ -25,28 +25,22 @@ LARGEST = 1e4
 Rows = tuple[tuple[float, float, float, float], ...]
 
 
-def _checked(rows: Rows) -> Rows:
-    """Rows (x, force) in rising order."""
-    for position, (before, row) in enumerate(pairwise(rows), 1):
-        if row[0] <= before[0]:
-            raise refuse(f"row [{position}] must lie behind the row before it: the first numbers rise")
+def _allowed(rows: Rows) -> Rows:
+    """Rows (x, force) whose forces are possible."""
     for position, row in enumerate(rows):
-        if row[0] < 0.0:
-            raise refuse(f"row [{position}] begins with {row[0]:g}: must not lie before 0")
         if max(map(abs, row[1:])) > LARGEST:
             raise refuse(f"row [{position}] has a force of more than {LARGEST:g} kN")
     return rows
 
 
-_ROWS = Field(strict=False, min_length=1, description="a list of rows in rising order, each {each}")
 _Four = tuple[float, float, float, float]
 OverTime = Annotated[
     tuple[Annotated[_Four, Field(strict=False, description="four numbers [time s, x kN, y kN, z kN]")], ...],
-    _ROWS, AfterValidator(_checked),
+    ROWS, AfterValidator(rising), AfterValidator(_allowed),
 ]  # fmt: skip
 OverDistance = Annotated[
     tuple[Annotated[_Four, Field(strict=False, description="four numbers [distance m, x kN, y kN, z kN]")], ...],
-    _ROWS, AfterValidator(_checked),
+    ROWS, AfterValidator(rising), AfterValidator(_allowed),
 ]  # fmt: skip
 Force = Three[Annotated[float, number(-LARGEST, LARGEST, "kN")]]
 
@@ -84,12 +78,7 @@ class LoadTable(Section):
         """Axes, and the force in one of three ways."""
         if "axes" not in raw:
             yield Fault("axes", NEEDS_AXES, missing=True)
-        ways = [key for key in ("force_kN", "time_s_force_kN", "distance_m_force_kN") if key in raw]
-        if not ways:
-            message = "must be three numbers x, y, z in kN (or give time_s_force_kN or distance_m_force_kN, a table)"
-            yield Fault("force_kN", message, missing=True)
-        elif len(ways) > 1:
-            yield Fault(ways[1], f"cannot stand next to {ways[0]}: a force follows the time, the distance or neither")
+        yield from one_way(raw, "force_kN", "a force", "three numbers x, y, z in kN")
 
     def load(self, name: str, body: str, axes: Axes) -> Load:
         """The load in SI units, of this name on this body; axes: of the part that it stands in."""

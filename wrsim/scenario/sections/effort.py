@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Field
 
+from wrsim.inputs.rows import ROWS, one_way, rising
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, number, refuse, text
 from wrsim.vehicle.vehicle import Effort, Over, SlipControl
@@ -18,28 +18,22 @@ LARGEST = 200.0
 Rows = tuple[tuple[float, float], ...]
 
 
-def _checked(rows: Rows) -> Rows:
-    """Rows (x, moment) in rising order."""
-    for position, (before, row) in enumerate(pairwise(rows), 1):
-        if row[0] <= before[0]:
-            raise refuse(f"row [{position}] must lie behind the row before it: the first numbers rise")
+def _allowed(rows: Rows) -> Rows:
+    """Rows (x, moment) whose moments are possible."""
     for position, row in enumerate(rows):
-        if row[0] < 0.0:
-            raise refuse(f"row [{position}] begins with {row[0]:g}: must not lie before 0")
         if abs(row[1]) > LARGEST:
             raise refuse(f"row [{position}] has {row[1]:g} kNm: must be from {-LARGEST:g} to {LARGEST:g}")
     return rows
 
 
-_ROWS = Field(strict=False, min_length=1, description="a list of rows in rising order, each {each}")
 _Two = tuple[float, float]
 OverTime = Annotated[
     tuple[Annotated[_Two, Field(strict=False, description="two numbers [time s, moment kNm]")], ...],
-    _ROWS, AfterValidator(_checked),
+    ROWS, AfterValidator(rising), AfterValidator(_allowed),
 ]  # fmt: skip
 OverDistance = Annotated[
     tuple[Annotated[_Two, Field(strict=False, description="two numbers [distance m, moment kNm]")], ...],
-    _ROWS, AfterValidator(_checked),
+    ROWS, AfterValidator(rising), AfterValidator(_allowed),
 ]  # fmt: skip
 
 
@@ -63,12 +57,7 @@ class EffortTable(Section):
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """The moment in one of three ways."""
-        ways = [key for key in ("moment_kNm", "time_s_moment_kNm", "distance_m_moment_kNm") if key in raw]
-        if not ways:
-            message = "must be a number in kNm (or give time_s_moment_kNm or distance_m_moment_kNm, a table)"
-            yield Fault("moment_kNm", message, missing=True)
-        elif len(ways) > 1:
-            yield Fault(ways[1], f"cannot stand next to {ways[0]}: a moment follows the time, the distance or neither")
+        yield from one_way(raw, "moment_kNm", "a moment", "a number in kNm")
 
     def effort(self, wheelset: str) -> Effort:
         """The effort on a wheelset in SI units."""
