@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from wrsim.plots.vehicle import VehicleSketch
+    from wrsim.simulation.statics import Standing
     from wrsim.vehicle.vehicle import Vehicle
 
 
@@ -52,11 +53,7 @@ def vehicle(
 
         check_ending("-o", output, ".png", ".svg")
         loaded = load_vehicle(model_file(file, models), usual_finder(models))
-        found = facts_of(loaded)
-        if cant_deficiency is not None:
-            found["leaning"] = _leaning(loaded, cant_deficiency)
-        if twist is not None:
-            found["twisted"] = _twisted(loaded, twist)
+        found = facts_of(loaded, cant_deficiency, twist)
         if output is not None:
             from wrsim.plots.vehicle import vehicle_picture
 
@@ -67,8 +64,8 @@ def vehicle(
             _print(found)
 
 
-def facts_of(vehicle: Vehicle) -> dict[str, Any]:
-    """What the command prints."""
+def facts_of(vehicle: Vehicle, cant_deficiency: float | None = None, twist: float | None = None) -> dict[str, Any]:
+    """What the command prints; cant_deficiency [mm], twist [per mille]: of the tests at rest, none unless given."""
     from wrsim.simulation.modes import natural_modes
     from wrsim.simulation.statics import standing
 
@@ -89,6 +86,10 @@ def facts_of(vehicle: Vehicle) -> dict[str, Any]:
     }
     if vehicle.loads:
         facts["under_loads"] = _under_loads(vehicle)
+    if cant_deficiency is not None:
+        facts["leaning"] = _leaning(trimmed, rest, cant_deficiency)
+    if twist is not None:
+        facts["twisted"] = _twisted(trimmed, rest, twist)
     return facts
 
 
@@ -123,41 +124,44 @@ def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
     return {"loads_kN": forces, **_wheel_loads(vehicle, rest.wheel_loads), "bodies": bodies, "bump_stops": stops}
 
 
-def _leaning(vehicle: Vehicle, deficiency_mm: float) -> dict[str, Any]:
-    """How it stands without its loads on rails canted by so much."""
-    from wrsim.simulation.statics import leaning
+def _leaning(vehicle: Vehicle, level: Standing, deficiency_mm: float) -> dict[str, Any]:
+    """How a vehicle without loads stands on rails canted by so much; level: how it does on level ones."""
+    from wrsim.errors import SimulationError
+    from wrsim.simulation.statics import leaning, standing
 
     angle = asin(deficiency_mm / 1e3 / CANT_BASE)
-    bare = replace(vehicle, loads=())
-    found = _unloading(bare, leaning(bare, angle), 0.0)
-    if "rest" in found:
-        rolls = {b.name: -float(roll) for b, roll in zip(vehicle.bodies, found.pop("rest").moved[:, 2], strict=True)}
-        found["flexibility_coefficient"] = {name: roll / angle for name, roll in rolls.items()}
-        found["roll_deg"] = {name: degrees(roll) for name, roll in rolls.items()}
-    return {"cant_deficiency_mm": deficiency_mm, **found}
+    facts = {"cant_deficiency_mm": deficiency_mm}
+    try:
+        rest = standing(leaning(vehicle, angle))
+    except SimulationError as error:
+        return facts | {"problem": str(error)}
+    rolls = {b.name: -float(roll) for b, roll in zip(vehicle.bodies, rest.moved[:, 2], strict=True)}
+    sway = {
+        "flexibility_coefficient": {name: roll / angle for name, roll in rolls.items()},
+        "roll_deg": {name: degrees(roll) for name, roll in rolls.items()},
+    }
+    return facts | _unloading(vehicle, level, rest) | sway
 
 
-def _twisted(vehicle: Vehicle, twist: float) -> dict[str, Any]:
-    """How it stands without its loads on a track of this twist, in parts of a thousand."""
-    bare = replace(vehicle, loads=())
-    found = _unloading(bare, bare, twist / 1e3 / CANT_BASE)
-    found.pop("rest", None)
-    return {"twist_permille": twist, **found}
-
-
-def _unloading(bare: Vehicle, loaded: Vehicle, twist: float) -> dict[str, Any]:
-    """Wheel loads at rest, the part of its static load that every wheel has lost, and the state; why not, if so."""
+def _twisted(vehicle: Vehicle, level: Standing, twist: float) -> dict[str, Any]:
+    """How it stands on a track of this twist, in parts of a thousand; see `_leaning`."""
     from wrsim.errors import SimulationError
     from wrsim.simulation.statics import standing
 
+    facts = {"twist_permille": twist}
     try:
-        static, rest = standing(bare), standing(loaded, twist)
+        rest = standing(vehicle, twist / 1e3 / CANT_BASE)
     except SimulationError as error:
-        return {"problem": str(error)}
-    lost = (1.0 - rest.wheel_loads / static.wheel_loads).tolist()
-    unloading = {m.name: {"left": a, "right": b} for m, (a, b) in zip(bare.wheelsets, lost, strict=True)}
-    return {**_wheel_loads(bare, rest.wheel_loads), "unloading": unloading, "largest_unloading": max(map(max, lost)),
-            "rest": rest}  # fmt: skip
+        return facts | {"problem": str(error)}
+    return facts | _unloading(vehicle, level, rest)
+
+
+def _unloading(vehicle: Vehicle, level: Standing, rest: Standing) -> dict[str, Any]:
+    """Wheel loads, and the part of its load on level rails that every wheel has lost."""
+    lost = (1.0 - rest.wheel_loads / level.wheel_loads).tolist()
+    unloading = {m.name: {"left": a, "right": b} for m, (a, b) in zip(vehicle.wheelsets, lost, strict=True)}
+    loads = _wheel_loads(vehicle, rest.wheel_loads)
+    return loads | {"unloading": unloading, "largest_unloading": max(map(max, lost))}
 
 
 def _print(found: dict[str, Any]) -> None:
