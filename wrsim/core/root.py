@@ -1,4 +1,5 @@
-"""The root of a function that changes its sign within a bracket, and the interval that holds a number."""
+"""The root of a function that changes its sign within a bracket, and the interval that holds a number, from a guess on
+or by halves."""
 
 from math import sqrt
 from typing import NamedTuple
@@ -41,3 +42,23 @@ def interval(knots, s, guess):
     while i < knots.size - 2 and s >= knots[i + 1]:
         i += 1
     return i
+
+
+@inlined
+def between(knots, x):
+    """Numbers of the rising knots (n,) below and above x, by halves, and the part of the way from one to the other.
+
+    At the ends and beyond them it is the end, twice.
+    """
+    low, high = 0, knots.size - 1
+    if x <= knots[low]:
+        return low, low, 0.0
+    if x >= knots[high]:
+        return high, high, 0.0
+    while high - low > 1:
+        middle = (low + high) // 2
+        if x < knots[middle]:
+            high = middle
+        else:
+            low = middle
+    return low, high, (x - knots[low]) / (knots[high] - knots[low])

@@ -7,6 +7,7 @@ from the beginning t_i of a piece to that of the next. The last piece has no end
 
 from wrsim.core.arena import record
 from wrsim.core.compiling import kernel
+from wrsim.core.root import between
 
 PIECE = record("time distance speed acceleration")
 """Beginning of a piece [s], distance along the centre line [m] and speed [m/s] there, acceleration in it [m/s2]."""
@@ -15,13 +16,7 @@ PIECE = record("time distance speed acceleration")
 @kernel
 def motion_at(t, pieces):
     """Distance [m], speed [m/s] and acceleration [m/s2] at time t; pieces: records PIECE in the order of time."""
-    low, high = 0, pieces.shape[0]
-    while high - low > 1:
-        middle = (low + high) // 2
-        if t < pieces[middle].time:
-            high = middle
-        else:
-            low = middle
+    low, _high, _part = between(pieces["time"], t)
     piece = pieces[low]
     since = t - piece.time
     speed = piece.speed + piece.acceleration * since

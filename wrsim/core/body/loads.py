@@ -49,6 +49,7 @@ from wrsim.core.linalg import (
     sub,
     vec,
 )
+from wrsim.core.root import between
 from wrsim.core.track.path import frame, locate
 
 LOAD = record("s", "body axes over start rows", at=VECTOR, force=VECTOR)
@@ -90,16 +91,9 @@ class Asked(NamedTuple):
 
 @inlined
 def _between(tables, start, count, x):
-    """The rows of a table between which x lies, and the part of the way from one to the other, within 0 and 1."""
-    low, high = start, start + count - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if x < tables[middle, 0]:
-            high = middle
-        else:
-            low = middle
-    way = tables[high, 0] - tables[low, 0]
-    return low, high, min(max((x - tables[low, 0]) / way, 0.0), 1.0) if way > 0.0 else 0.0
+    """The rows of a table between which x lies, and the part of the way from one to the other."""
+    low, high, part = between(tables[start : start + count, 0], x)
+    return start + low, start + high, part
 
 
 @inlined

@@ -15,23 +15,13 @@ SETTINGS in their order. Between two rows each number changes by 3 x^2 - 2 x^3, 
 from math import exp, sqrt
 
 from wrsim.core.compiling import inlined, kernel
+from wrsim.core.root import between
 
 
 @inlined
 def set_law(table, place, settings):
     """Write the numbers that hold at a place [m] into the settings."""
-    low, high = 0, table.shape[0] - 1
-    if place <= table[low, 0]:
-        high = low
-    elif place >= table[high, 0]:
-        low = high
-    while high - low > 1:
-        middle = (low + high) // 2
-        if place < table[middle, 0]:
-            high = middle
-        else:
-            low = middle
-    x = 0.0 if low == high else (place - table[low, 0]) / (table[high, 0] - table[low, 0])
+    low, high, x = between(table[:, 0], place)
     part = x * x * (3.0 - 2.0 * x)
     settings.mu = table[low, 1] + part * (table[high, 1] - table[low, 1])
     settings.mu_gauge = table[low, 2] + part * (table[high, 2] - table[low, 2])
