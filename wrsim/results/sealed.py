@@ -5,9 +5,10 @@ Nothing is read from a file whose seal is missing or broken: the library can rea
 
 from __future__ import annotations
 
+import errno
 import gc
-import io
 import os
+import shutil
 import sys
 import tempfile
 import zlib
@@ -16,6 +17,7 @@ from itertools import chain
 from pathlib import Path
 from typing import IO, Any
 
+import netCDF4
 import xarray as xr
 
 from wrsim.errors import InputError
@@ -25,7 +27,6 @@ from wrsim.results.room import LARGE
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _CHECKED = b"wrsim CRC-32"
 """Stands before the checksum of all that comes before."""
-_NETCDF: dict[str, Any] = {"engine": "h5netcdf", "format": "NETCDF4"}
 _PIECE = 1 << 20
 """Bytes of a file that are read at once."""
 
@@ -72,37 +73,39 @@ def read_sealed(path: Path, what: str) -> xr.Dataset:
     return opened
 
 
-def _packed(dataset: xr.Dataset, among: Iterable[Hashable] | None = None) -> dict[Hashable, dict[str, Any]]:
-    """How variables stand in a file: long ones packed. among: these alone."""
+def _packed(dataset: xr.Dataset) -> dict[Hashable, dict[str, Any]]:
+    """How variables stand in a file: long ones packed."""
     return {
         name: {"zlib": True, "complevel": 1, "shuffle": True}
-        for name in (dataset.variables if among is None else among)
+        for name in dataset.variables
         if dataset[name].dtype.kind in "fi" and dataset[name].size > 1000
     }
 
 
 def _as_file(dataset: xr.Dataset) -> bytes:
     """The bytes that xarray's ``to_netcdf`` gives, without its look for a cluster, which loads dask.distributed."""
-    content = io.BytesIO()
-    store = xr.backends.H5NetCDFStore.open(content, mode="w", format="NETCDF4", lock=False)
-    dataset.dump_to_store(store, encoding=_packed(dataset))
-    store.close()
-    return content.getvalue()
+    file = netCDF4.Dataset("in memory", "w", format="NETCDF4", memory=dataset.nbytes)
+    dataset.dump_to_store(xr.backends.NetCDF4DataStore(file), encoding=_packed(dataset))
+    return bytes(file.close())
 
 
 def _write_in_groups(dataset: xr.Dataset, path: str) -> None:
     """Write a file channel by channel, or some small ones at once: xarray takes into memory what it writes."""
-    labels = dataset.drop_vars(dataset.data_vars)
-    labels.to_netcdf(path, encoding=_packed(labels), **_NETCDF)
-    group: list[Hashable] = []
+    groups: list[list[Hashable]] = [[]]
     size = 0
     for name, variable in dataset.data_vars.items():
-        if group and size + variable.nbytes > LARGE:
-            dataset[group].to_netcdf(path, mode="a", encoding=_packed(dataset, group), **_NETCDF)
-            group, size = [], 0
-        group.append(name)
+        if groups[-1] and size + variable.nbytes > LARGE:
+            groups.append([])
+            size = 0
+        groups[-1].append(name)
         size += variable.nbytes
-    dataset[group].to_netcdf(path, mode="a", encoding=_packed(dataset, group), **_NETCDF)
+    try:
+        for number, group in enumerate(groups):
+            part = dataset[group]
+            part.to_netcdf(path, mode="a" if number else "w", engine="netcdf4", encoding=_packed(part))
+    except RuntimeError as problem:  # netCDF-C says "HDF error", whatever it was
+        full = shutil.disk_usage(Path(path).parent).free < LARGE
+        raise OSError(errno.ENOSPC if full else errno.EIO, str(problem)) from problem
 
 
 def _sealed(content: Iterable[bytes]) -> Iterator[bytes]:
@@ -133,7 +136,7 @@ def _dataset_in(path: Path) -> xr.Dataset | None:
     sys.unraisablehook = lambda unraisable: None  # the library complains when it lets go of a damaged file
     try:
         try:
-            opened = xr.open_dataset(path, engine="h5netcdf", decode_times=False, cache=False)
+            opened = xr.open_dataset(path, engine="netcdf4", decode_times=False, cache=False)
             if opened.nbytes > LARGE:
                 return opened
             with opened:
