@@ -220,7 +220,10 @@ def test_tables_and_pictures_belong_to_the_run_until_they_are_there(
     assert set(contents(out)) < set(contents(whole))
     again = call("run", scenario, "-o", out, "--resume")
     assert again.exit_code == 0, again.output
-    assert contents(out) == contents(whole)
+    assert Result.load(out).dataset.identical(Result.load(whole).dataset)
+    made, wanted = contents(out), contents(whole)
+    del made["result.nc"], wanted["result.nc"]  # netCDF-C writes the time of the clock into it
+    assert made == wanted
     before = len(analysed)
     told = call("run", scenario, "-o", out, "--resume")
     assert "holds the whole result of this scenario already" in told.stderr
