@@ -121,6 +121,13 @@ def test_a_limit_cycle_above_the_linear_critical_speed_is_no_critical_speed():
     assert hard == {"nonlinear_critical_speed_m_s": 220.0 / 3.6}
 
 
+def test_a_disturbance_that_dies_at_the_first_speed_is_said():
+    found = run(cooperrider(speed_kmh=100, cycle_start_kmh=120, longest_s=3)).dataset
+    assert np.isnan(found.attrs["nonlinear_critical_speed_m_s"])
+    assert found.attrs["nonlinear_note"].startswith("no limit cycle at 120 km/h, where the search begins: ")
+    assert found.sizes["cycle"] == 1
+
+
 def test_a_study_reads_well_on_screen_on_disk_and_as_pictures(tmp_path, capsys):
     result = run(
         cooperrider(

@@ -71,7 +71,7 @@ def displaced(law: VehicleOnTrack, seed: int = 1) -> tuple[np.ndarray, np.ndarra
     return q, q_t
 
 
-@pytest.mark.parametrize("name", ["manchester_1", "erri_type"])
+@pytest.mark.parametrize("name", ["manchester_1", "cooperrider_bogie"])
 def test_springs_have_a_potential_at_any_displacement(name: str) -> None:
     """The derivative of the generalised forces with respect to the coordinates is symmetric where nothing moves."""
     law = on_springs(load_vehicle(ROOT / f"models/vehicles/{name}.toml", Finder((shipped_models(),))))

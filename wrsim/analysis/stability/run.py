@@ -106,8 +106,8 @@ def _cycles(
         outcome["nonlinear_note"] = f"no limit cycle at {3.6 * start:.4g} km/h, where the search begins: {words}"
     else:
         outcome |= nonlinear_outcome(lowest, np.inf if worst is None else worst.speed, cycle_plan.lowest)
-    steps = np.arange(start, max(lowest, cycle_plan.lowest) - cycle_plan.step, -cycle_plan.step)
     if first.moves:
+        steps = np.arange(start, max(lowest, cycle_plan.lowest) - cycle_plan.step, -cycle_plan.step)
         search.from_below([float(v) for v in steps if v >= cycle_plan.lowest])
     return outcome
 
