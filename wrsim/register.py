@@ -80,6 +80,7 @@ _RUN = {
 _ASSESSED = {
     "assessment": "wrsim.scenario.sections.assessment:AssessmentSection",
     "ride": "wrsim.scenario.sections.ride:RideSection",
+    "wear": "wrsim.scenario.sections.wear:WearSection",
 }
 _CURVING = Analysis(
     name="curving",

@@ -152,6 +152,13 @@ def patch_channels(
     return {name: np.where(p.present, values, np.nan) for name, values in channels.items()}
 
 
+def patch_wear_numbers(raw: RawContacts) -> Array:
+    """T-gamma of every patch [N], (sample, wheel, patch); not-a-number where there is none."""
+    p = _patches(raw)
+    own = np.where(p.member, raw.patches["wear"][..., None, :], 0.0).sum(axis=-1)
+    return np.where(p.present, own, np.nan)
+
+
 def _positions(
     raw: RawContacts,
     wheels: Sequence[WheelOnRail],

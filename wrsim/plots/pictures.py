@@ -17,9 +17,11 @@ from wrsim.plots.histories import ANGLES, channels_figure, contact_angle_figure,
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.static import PANELS, static_figure
 from wrsim.plots.vehicle_run import vehicle_figures
+from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.register import ANALYSES, resolved
 from wrsim.results import CHANNELS, Result, write_atomically
 from wrsim.results.moments import has_patches
+from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets, worst_wheelset
 
 HISTORIES: dict[str, tuple[str, ...]] = {
@@ -46,7 +48,9 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     worst = worst_wheelset(dataset)
     own = folder_of(wheelsets(dataset), worst)
     of_worst = wheelset_figures(of_wheelset(dataset, worst))
-    return vehicle_figures(dataset) | {f"{own}{name}": make for name, make in of_worst.items()}
+    of_wear = {"wear": wear_figure, "fatigue": fatigue_figure} if has_wear(dataset) else {}
+    of_vehicle = vehicle_figures(dataset) | {name: partial(make, dataset) for name, make in of_wear.items()}
+    return of_vehicle | {f"{own}{name}": make for name, make in of_worst.items()}
 
 
 def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:

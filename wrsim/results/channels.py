@@ -64,6 +64,10 @@ SHOWN = {
     "permille": Shown("‰", "permille", 1e3),
     "Hz": Shown("Hz", "Hz", 1.0),
     "1/s": Shown("1/s", "per_s", 1.0),
+    "nm": Shown("nm", "nm", 1e9),
+    "um/km": Shown("µm/km", "um_per_km", 1e9),
+    "g/km": Shown("g/km", "g_per_km", 1e6),
+    "N/mm": Shown("N/mm", "N_per_mm", 1e-3),
     "1": PLAIN,
 }
 

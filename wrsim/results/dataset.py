@@ -21,8 +21,9 @@ FORMAT = "wrsim result"
 FORMAT_VERSION = 3
 REQUIRED_ATTRIBUTES = ("title", "analysis", "status", "scenario_text")
 OF_VEHICLE = ("body", "point", "suspension", "external_load")
-NAMED = ("wheelset", *OF_VEHICLE)
-"""Dimensions of a vehicle, labelled by names."""
+OF_WEAR = ("wear_law", "wear_zone")
+NAMED = ("wheelset", *OF_VEHICLE, *OF_WEAR)
+"""Dimensions labelled by names: those of a vehicle and of its wear."""
 SINGLE = "wheelset"
 """Name of a wheelset that runs alone."""
 STATUSES = ("completed", "stopped")
@@ -50,7 +51,8 @@ def assemble(
 
     coords: either ``time`` (n,) in seconds for a run or ``pose`` (n,) names for a static analysis; ``wheel`` (default
     ``("left", "right")``) names the wheels present; ``amplitude`` (m,) in metres goes with poses; ``wheelset``,
-    ``body``, ``point``, ``suspension``, ``external_load`` are the names of a vehicle's parts. Where ``wheelset`` is one
+    ``body``, ``point``, ``suspension``, ``external_load`` are the names of a vehicle's parts, ``wear_law`` and
+    ``wear_zone`` those of its wear. Where ``wheelset`` is one
     name (default ``"wheelset"``) instead of a list, the arrays come without that dimension.
 
     channels: arrays by channel name, in SI units, shaped as the register says (sample first, then wheelset, wheel,

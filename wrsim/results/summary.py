@@ -12,6 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.register import ANALYSES, resolved
+from wrsim.results import wear
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
@@ -100,6 +101,8 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     }
     if "point" in dataset.dims:
         summary["points"] = {str(point): _of_point(dataset.sel(point=point)) for point in dataset["point"].values}
+    if wear.has_wear(dataset):
+        summary["wear"] = wear.summary(dataset)
     if "event" in dataset.dims:
         values = (dataset[f"event_{name}"].values for name in ("time", "distance", "label"))
         summary["events"] = [

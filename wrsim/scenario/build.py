@@ -140,6 +140,9 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
     speed = spec.vehicle.speed_kmh
     given = Given(analysis, vehicle, track, drive, speed, scenario.table, scenario.find, scenario.fault)
     plan = own.plan(given)
+    if any(surfaces) and getattr(plan, "wear", None) is not None:
+        message = "knows rails of one profile only, not [[track.rail_sections]]"
+        raise scenario.fault(("wear", "laws"), message)
     return Setup(
         title=spec.title,
         analysis=spec.analysis,

@@ -23,7 +23,9 @@ from wrsim.analysis.motion.motions import (
     uneven,
 )
 from wrsim.analysis.motion.words import event_words
-from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, wheel_channels
+from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, patch_wear_numbers, wheel_channels
+from wrsim.contact.wear.fatigue import fatigue_channels
+from wrsim.contact.wear.losses import ZONES, Losses, ways
 from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
 from wrsim.results.dataset import typed, with_derived
@@ -68,10 +70,12 @@ def result_of(
     places = law.places(np.column_stack([p.distance for p in poses]))
     kept = Channels(n, folder)
     bodies = np.array([law.start + part.centre[0] for part in vehicle.bodies])
+    asked = setup.plan.wear
+    losses = None if asked is None else Losses(asked, law.wheels, [ways(p.distance, asked.stretch) for p in poses])
     law.follow(True)
     for begin in range(0, n, BLOCK):
         block = slice(begin, min(begin + BLOCK, n))
-        found = with_derived(_block(setup, law, motion, poses, places, bodies, block))
+        found = with_derived(_block(setup, law, motion, poses, places, bodies, block, losses))
         kept.put(block, {name: typed(name, values) for name, values in found.items()})
         let_go(motion.q)
     law.follow(False)
@@ -96,6 +100,9 @@ def result_of(
         **stacked([recorder.channels() for recorder in strips]),
     }
     coords: dict[str, Any] = {"time": motion.times, "wheelset": [m.name for m in vehicle.wheelsets]}
+    if losses is not None:
+        channels |= losses.channels()
+        coords |= {"wear_law": losses.settings.laws, "wear_zone": ZONES}
     if vehicle.bodies:
         coords["body"] = [body.name for body in vehicle.bodies]
     if vehicle.points:
@@ -119,11 +126,11 @@ def result_of(
 
 def _block(
     setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, poses: list[TrackPoses], places: Array, bodies: Array,
-    block: slice,
+    block: slice, losses: Losses | None,
 ) -> dict[str, Array]:  # fmt: skip
     """Channels of some samples of a motion, the sample first. A long run fills memory: raw contacts do not stay.
 
-    bodies: see `body_channels`.
+    bodies: see `body_channels`; losses: gathers the wear, if it is asked for.
     """
     vehicle, track = law.vehicle, setup.track
     times, q, q_t = motion.times[block], motion.q[block], motion.q_t[block]
@@ -141,6 +148,8 @@ def _block(
         for w, pair in enumerate(law.wheels):
             for j, wheel in enumerate(pair):
                 raw[w].store(i, j, wheel.model)
+            if losses is not None:
+                losses.store(w, block.start + i)
         records[i] = law.records
         external[i] = law.load_forces
         reference[i], drive[i] = law.distance, law.drive_force
@@ -168,6 +177,9 @@ def _block(
         }
         for w, (mounted, p, r, pair) in enumerate(zip(vehicle.wheelsets, poses, raw, law.wheels, strict=True))
     ]
+    if losses is not None:
+        for own, r in zip(of_wheelsets, raw, strict=True):
+            own |= fatigue_channels(own, patch_wear_numbers(r), losses.settings.shear_yield)
     found = {name: np.stack([own[name] for own in of_wheelsets], axis=1) for name in of_wheelsets[0]}
     found |= {"distance": reference, "drive_force": drive, **guide_channels(law, times, records)}
     if law.twists:

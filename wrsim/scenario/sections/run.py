@@ -6,10 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
+from wrsim.contact.wear.laws import WearSettings
 from wrsim.geometry.track.track import Track
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number
 from wrsim.scenario.sections.table import Given, PlanTable, Table
+from wrsim.scenario.sections.wear import WearSection
 from wrsim.simulation.integrators import DEFAULT_INTEGRATOR, Integrator
 from wrsim.vehicle.speed import SpeedProfile
 
@@ -20,7 +22,8 @@ class RunPlan:
 
     At rest the speed is 0. profile: how it goes on from the start, constant unless given. step: of the integration [s],
     None: chosen for the integrator; output_interval: between two samples [s]; patches_at: distances [m], rising, at
-    which the strips of the patches are kept; left_out: those asked for on the track that the run does not pass.
+    which the strips of the patches are kept; left_out: those asked for on the track that the run does not pass; wear:
+    what is asked for of it, if anything.
     """
 
     start: float
@@ -32,6 +35,7 @@ class RunPlan:
     patches_at: tuple[float, ...] = ()
     left_out: tuple[float, ...] = ()
     profile: SpeedProfile | None = None
+    wear: WearSettings | None = None
 
     @property
     def duration(self) -> float:
@@ -138,6 +142,7 @@ class RunSection(PlanTable):
             output_interval=self.output_interval_ms * 1e-3,
             patches_at=tuple(place for place in places if start <= place <= end),
             left_out=tuple(place for place in places if not start <= place <= end),
+            wear=given.table(WearSection).settings(start, end, given.fault),
         )
 
 

@@ -1,0 +1,112 @@
+"""Wear and fatigue of a run: what is gathered from its samples."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from support.runs import LEADING, SCENARIOS, arc, mirrored, setup_of, transition
+
+from wrsim.analysis.motion.run import run_in_time
+from wrsim.errors import InputError
+from wrsim.plots.pictures import standard_figures
+from wrsim.results import Result
+from wrsim.scenario.build import Setup, build
+from wrsim.scenario.loading import load
+
+STRETCH = 5.0, 14.0
+VALUES = {
+    "wear.laws": ["usfd", "archard", "brr"], "wear.from_m": STRETCH[0], "wear.to_m": STRETCH[1], "run.distance_m": 15.0,
+}  # fmt: skip
+
+
+def curve(**values: Any) -> Setup:
+    """A leading wheelset from a transition into an arc."""
+    return setup_of([transition(10.0), arc(15.0, 300.0, 60.0)], 10.0, LEADING, values=VALUES | values)
+
+
+@pytest.fixture(scope="module")
+def left() -> xr.Dataset:
+    return run_in_time(curve()).dataset
+
+
+def test_what_is_gathered_is_the_wear_number_over_the_stretch(left: xr.Dataset) -> None:
+    """By the trapezoidal rule between the samples, whose cells end at the stretch's ends."""
+    x, wear = left["wheelset_distance"].values[:, 0], left["T_gamma"].values[:, 0]
+    edges = np.concatenate([x[:1], 0.5 * (x[1:] + x[:-1]), x[-1:]])
+    cells = np.diff(np.clip(edges, *STRETCH))
+    mean = (wear * cells[:, None]).sum(axis=0) / cells.sum()
+    width = place_width(left)
+    energy = np.nansum(left["wear_wheel_energy"].values[0], axis=-1) * width
+    np.testing.assert_allclose(energy, mean, rtol=1e-9)
+
+
+def place_width(dataset: xr.Dataset) -> float:
+    """Width of the places on the wheels [m]."""
+    setup = curve()
+    profile = setup.wheelset.left.profile
+    return profile.length / int(np.isfinite(dataset["wear_wheel_u"].values[0, 0]).sum())
+
+
+def test_wear_numbers_of_patches_add_up_to_that_of_the_wheel(left: xr.Dataset) -> None:
+    np.testing.assert_allclose(left["T_gamma_patch"].sum("patch").values, left["T_gamma"].values, rtol=1e-9, atol=1e-9)
+    used = left["traction_coefficient"].values
+    assert np.nanmax(used) < 0.35 * (1.0 + 1e-6) and np.nanmin(used) >= 0.0
+
+
+def test_the_mirrored_curve_wears_the_other_side(left: xr.Dataset) -> None:
+    right = run_in_time(mirrored(curve())).dataset
+    for name in ("wear_wheel_depth", "wear_rail_depth", "wear_wheel_mass", "rail_damage"):
+        own, other = left[name].values, right[name].isel(wheel=[1, 0]).values
+        np.testing.assert_allclose(own, other, rtol=1e-3, atol=1e-4 * np.nanmax(np.abs(own)))
+
+
+def test_coarser_samples_give_the_same_mass(left: xr.Dataset) -> None:
+    """Four times as far apart: 0.2 m instead of 0.05 m. Archard's coefficient jumps from field to field of its map."""
+    coarse = run_in_time(curve(**{"run.output_interval_ms": 20})).dataset
+    for law, tolerance in (("usfd", 1e-3), ("brr", 1e-3), ("archard", 0.02)):
+        own, other = (d["wear_wheel_mass"].sel(wear_law=law).sum("wear_zone").values for d in (left, coarse))
+        np.testing.assert_allclose(own, other, rtol=tolerance)
+
+
+def test_results_tell_wear_and_draw_it(left: xr.Dataset, tmp_path: Path) -> None:
+    Result(left).save(tmp_path / "result.nc")
+    told = Result.load(tmp_path / "result.nc").summary()["wear"]
+    right = told["laws"]["usfd"]["wheelsets"]["wheelset"]["right"]
+    mass = left["wear_wheel_mass"].sel(wear_law="usfd", wheel="right").values[0]
+    assert right["tread_g_per_km"] + right["flange_g_per_km"] == pytest.approx(1e6 * mass.sum())
+    assert right["wear_wheel_u_mm"] < 0.0 < right["wear_wheel_depth_max_um_per_km"]
+    assert set(told["fatigue"]) == {"left", "right"}
+    figures = standard_figures(left)
+    assert {"wear", "fatigue"} <= set(figures)
+    figures["wear"](), figures["fatigue"]()
+
+
+def test_runs_without_a_law_have_no_wear() -> None:
+    short = setup_of([arc(15.0, 300.0)], 10.0, values={"run.time_s": 0.02})
+    assert "wear_wheel_depth" not in run_in_time(short).dataset
+
+
+FAULTS: list[tuple[dict[str, Any], str]] = [
+    ({"wear.laws": ["usdf"]}, 'did you mean "usfd"?'),
+    ({"wear.laws": ["usfd", "usfd"]}, "must hold each law once"),
+    ({"wear.laws": ["usfd"], "wear.from_m": 400.0}, "must lie on the run, from 0 to 250 m"),
+    ({"wear.laws": ["usfd"], "wear.from_m": 40.0, "wear.to_m": 30.0}, "must lie beyond from_m (40 m)"),
+    ({"wear.laws": ["archard"], "wear.archard_coefficients": [1e-4, 1e-3]}, "slow, faster and fast sliding, seizure"),
+    ({"wear.laws": ["usfd"], "analysis": "equilibrium"}, "wear"),
+]
+
+
+@pytest.mark.parametrize(("values", "words"), FAULTS)
+def test_wrong_input_is_one_clear_error(values: dict[str, Any], words: str) -> None:
+    with pytest.raises(InputError) as caught:
+        build(load(SCENARIOS / "curve_r300.toml").with_values(values))
+    assert words in str(caught.value)
+
+
+def test_rails_that_change_have_no_wear() -> None:
+    with pytest.raises(InputError, match="rails of one profile only"):
+        build(load(SCENARIOS / "rail_states.toml").with_values({"wear.laws": ["usfd"]}))

@@ -1,0 +1,306 @@
+"""What the strips of a run take off wheels and rails, gathered place by place on both profiles.
+
+Of every strip of a sample: power of creep ``-(Fx xi + Fy eta + Mz phi)`` [J per metre], those of a lobe scaled to its
+T-gamma where some of them would be negative; from it, with a law, mass per metre rolled, the same for wheel and rail.
+USFD takes a strip's power over its area: a strip is what two discs have in the machine that the law was measured in.
+BRR takes the T-gamma of the patch and gives every strip its share of the power. Archard's law needs sliding speed and
+pressure from point to point along x: there the power of a strip is spread as strip theory has it (`laws.slip_along`),
+whatever the model of the creep forces; the sum over the strip is kept.
+
+Times the way that the sample stands for, that is mass [kg], spread evenly over the strip's width and handed to the
+places (bins of arclength) that it covers. A wheel spreads it over its ring, a rail over the length of the stretch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.model import ContactModel, Records
+from wrsim.contact.wear.fatigue import damage
+from wrsim.contact.wear.laws import DENSITY, LawName, WearSettings, brr, slip_along, usfd, wear_coefficient
+from wrsim.core.contact.records import LOBE, POSE, STRIP
+from wrsim.geometry.profile.profile import Profile
+
+Array = NDArray[np.float64]
+
+FLANGE_ANGLE = np.radians(30.0)
+"""Slope of a profile from which on, towards the gauge side, it is flange or gauge corner; before it is tread or top."""
+ZONES = ("tread", "flange")
+
+COLUMNS = 20
+"""Parts of a strip along x, for laws that need them."""
+ROOM = 20_000_000
+"""Bytes of strips that are worked through together."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Strips of any number of wheels and samples, one row each, and what is known of their lobes and wheels.
+
+    strip: STRIP records; way: that the sample stands for [m]; speed: of rolling [m/s]; wear, patch: T-gamma of the lobe
+    and of its patch [N]; lobe: number of the lobe among all of these; arc_wheel, arc_rail: arclengths [m], that on the
+    wheel a first guess; u, w: of the centre in the axes of the wheel's profile [m]; wheel: number of the wheel, left
+    and right of the first wheelset, of the second, ...
+    """
+
+    strip: Records
+    way: Array
+    speed: Array
+    wear: Array
+    patch: Array
+    lobe: NDArray[np.intp]
+    arc_wheel: Array
+    arc_rail: Array
+    u: Array
+    w: Array
+    wheel: NDArray[np.intp]
+
+    @property
+    def power(self) -> Array:
+        """What creep dissipates in every strip, per metre rolled [J/m]; over a lobe they add up to its T-gamma."""
+        strip = self.strip
+        own = -(strip["Fx"] * strip["xi"] + strip["Fy"] * strip["eta"] + strip["Mz"] * strip["phi"])
+        own = np.maximum(own, 0.0)
+        total = np.bincount(self.lobe, own)[self.lobe]
+        return own * np.maximum(self.wear, 0.0) / np.where(total > 0.0, total, np.inf)
+
+
+class Taken:
+    """Room for copies of what models of wheels computed: lobes (n, lobes), strips (n, lobes, strips), poses (n, 12),
+    number of lobes, number of the wheel and way [m] of each; ``count`` of n are taken."""
+
+    def __init__(self, model: ContactModel) -> None:
+        """model: one of the wheels; all have the same room."""
+        a = model.arrays
+        n = max(ROOM // a.strips.nbytes, 1)
+        self.lobes, self.strips = np.zeros((n, *a.patches.shape), LOBE), np.zeros((n, *a.strips.shape), STRIP)
+        self.pose, self.way = np.zeros((n, POSE)), np.zeros(n)
+        self.found, self.wheel = np.zeros(n, np.intp), np.zeros(n, np.intp)
+        self.count = 0
+
+    @property
+    def is_full(self) -> bool:
+        """True when something has to be done with what was taken."""
+        return self.count == self.way.size
+
+    def take(self, wheel: int, way: float, model: ContactModel) -> None:
+        """Copy what a model computed last."""
+        a, i = model.arrays, self.count
+        self.lobes[i], self.strips[i], self.pose[i] = a.patches, a.strips, a.pose
+        self.found[i], self.wheel[i], self.way[i] = a.total.lobes, wheel, way
+        self.count += 1
+
+    def rows(self, radii: Array) -> Rows:
+        """All strips with a load, and the room is free again; radii: of the wheels [m]."""
+        own = slice(0, self.count)
+        lobes, strips, wheel = self.lobes[own], self.strips[own], self.wheel[own]
+        there = (np.arange(lobes.shape[1]) < self.found[own, None]) & (lobes["N"] > 0.0)
+        used = there[..., None] & (np.arange(strips.shape[2]) < lobes["n_strips"][..., None])
+        sample, at, _ = np.nonzero(used)
+        strip = strips[used]
+        wear = np.where(there, lobes["wear"], 0.0)
+        # lobes of one patch have one number
+        same = lobes["group"][:, :, None] == lobes["group"][:, None, :]
+        patch = (same * wear[:, None, :]).sum(axis=2)
+        pose = self.pose[sample]
+        arm = np.stack([strip["x"], strip["o"], strip["b"]], axis=-1) - pose[:, :3]
+        u = (arm * pose[:, 3:6]).sum(axis=1)
+        radius = np.linalg.norm(arm - u[:, None] * pose[:, 3:6], axis=1)
+        on_wheel, on_rail = (lobes[name][sample, at] + strip["s"] for name in ("arc_wheel", "arc_rail"))
+        self.count = 0
+        return Rows(
+            strip, self.way[sample], np.abs(pose[:, 6]), wear[sample, at], patch[sample, at],
+            sample * lobes.shape[1] + at, on_wheel, on_rail, u, radii[wheel[sample]] - radius, wheel[sample],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places on a profile: bins of equal arclength; u, w: of their middles [m], width: of each along the profile [m],
+    flange: those that are flange."""
+
+    u: Array
+    w: Array
+    width: float
+    flange: NDArray[np.bool_]
+
+    @classmethod
+    def on(cls, profile: Profile, step: float) -> Places:
+        """Bins of at most this step [m]."""
+        count = int(np.ceil(profile.length / step))
+        middles = (np.arange(count) + 0.5) * profile.length / count
+        u, w = profile.at(middles)
+        # the gauge corner of a rail and the face of a flange both rise outwards
+        return cls(u, w, profile.length / count, profile.slope_angle(middles) > FLANGE_ANGLE)
+
+
+class Losses:
+    """Gathers the losses of a run, sample by sample."""
+
+    def __init__(self, settings: WearSettings, wheels: Sequence[Sequence[WheelOnRail]], ways: Sequence[Array]) -> None:
+        """wheels: of every wheelset, left and right; ways: of every wheelset, that its samples stand for [m]."""
+        self.settings, self.wheels, self.ways = settings, wheels, ways
+        self.of_wheels = [[Places.on(wheel.model.wheel, settings.step) for wheel in pair] for pair in wheels]
+        self.of_rails = [Places.on(wheel.model.rail, settings.step) for wheel in wheels[0]]
+        most = max(p.u.size for pair in self.of_wheels for p in pair)
+        on_rail = max(p.u.size for p in self.of_rails)
+        laws = len(settings.laws)
+        # of each law the mass, then what creep dissipates [J]; of the rail also damage over the way [m]
+        self.on_wheels = np.zeros((laws + 1, len(wheels), 2, most))
+        self.on_rails = np.zeros((laws + 2, len(wheels), 2, on_rail))
+        self._taken = Taken(wheels[0][0].model)
+
+    def store(self, wheelset: int, sample: int) -> None:
+        """Take in what the models of a wheelset computed last, for a sample of the run."""
+        way = float(self.ways[wheelset][sample])
+        if not way > 0.0:
+            return
+        for side, wheel in enumerate(self.wheels[wheelset]):
+            if wheel.model.arrays.total.lobes:
+                self._taken.take(2 * wheelset + side, way, wheel.model)
+            if self._taken.is_full:
+                self.settle()
+
+    def settle(self) -> None:
+        """Work through what was taken in since."""
+        if not self._taken.count:
+            return
+        wheels = [wheel for pair in self.wheels for wheel in pair]
+        rows = self._taken.rows(np.array([wheel.model.radius for wheel in wheels]))
+        width, power = rows.strip["ds"], rows.power
+        material = wheels[0].model.settings.wheel
+        stiffness = material.shear_modulus / (1.0 - material.poisson_ratio)
+        lost = [mass_lost(law, rows, power, self.settings, stiffness) for law in self.settings.laws]
+        amounts = [own * rows.way for own in (*lost, power)]
+        harm = damage(rows.patch) * width * rows.way
+        for i, wheel in enumerate(wheels):
+            mine = rows.wheel == i
+            if not mine.any():
+                continue
+            w, side = divmod(i, 2)
+            arc = _foot(wheel.model.wheel, rows.arc_wheel[mine], rows.u[mine], rows.w[mine])
+            places = self.of_wheels[w][side]
+            spread = Spread.over(arc, width[mine], places)
+            for total, amount in zip(self.on_wheels, amounts, strict=True):
+                total[w, side, : places.u.size] += spread.of(amount[mine])
+            places = self.of_rails[side]
+            spread = Spread.over(rows.arc_rail[mine], width[mine], places)
+            for total, amount in zip(self.on_rails, (*amounts, harm), strict=True):
+                total[w, side, : places.u.size] += spread.of(amount[mine])
+
+    def channels(self) -> dict[str, Array]:
+        """Channels of a result, over laws, wheelsets, wheels, zones and places; see docs/conventions.md."""
+        self.settle()
+        laws = len(self.settings.laws)
+        total = np.array([own.sum() for own in self.ways])
+        way = np.where(total > 0.0, total, np.nan)[:, None, None]
+        mass = self.on_wheels[:laws] / way  # kg per metre rolled
+        shape = self.on_wheels.shape[1:]
+        u, width, ring, flange = (np.full(shape, np.nan) for _ in range(4))
+        for w, pair in enumerate(self.of_wheels):
+            for side, places in enumerate(pair):
+                n = places.u.size
+                u[w, side, :n] = places.u
+                radius = self.wheels[w][side].model.radius - places.w
+                width[w, side, :n] = places.width
+                ring[w, side, :n] = 2.0 * np.pi * radius * places.width
+                flange[w, side, :n] = places.flange
+        rail_u, rail_width = np.full((2, self.on_rails.shape[-1]), np.nan), np.full((2, 1), np.nan)
+        for side, places in enumerate(self.of_rails):
+            rail_u[side, : places.u.size] = places.u
+            rail_width[side] = places.width
+        # one vehicle after the other runs over a rail: the wheelsets add up
+        of_rail = (self.on_rails / way).sum(axis=1)
+        by_zone = [np.where(flange == (zone == "flange"), mass, 0.0).sum(axis=-1) for zone in ZONES]
+        return {
+            "wear_wheel_u": u,
+            "wear_wheel_depth": mass / (DENSITY * ring),
+            "wear_wheel_mass": np.stack(by_zone, axis=-1),
+            "wear_wheel_energy": self.on_wheels[laws] / way / width,
+            "wear_rail_u": rail_u,
+            "wear_rail_depth": of_rail[:laws] / (DENSITY * rail_width),
+            "wear_rail_energy": of_rail[laws] / rail_width,
+            "rail_damage": of_rail[laws + 1] / rail_width,
+        }
+
+
+def ways(distance: Array, stretch: tuple[float | None, float | None]) -> Array:
+    """The way [m] that each sample of a wheelset stands for: half of that to either neighbour, within a stretch [m].
+
+    distance: of the samples, rising, (n,). They add up to the stretch as far as the run passes it.
+    """
+    low = distance[0] if stretch[0] is None else stretch[0]
+    high = distance[-1] if stretch[1] is None else stretch[1]
+    edges = np.concatenate([distance[:1], 0.5 * (distance[1:] + distance[:-1]), distance[-1:]])
+    return np.maximum(np.diff(np.clip(edges, low, high)), 0.0)
+
+
+def mass_lost(law: LawName, rows: Rows, power: Array, settings: WearSettings, stiffness: float) -> Array:
+    """Mass that each strip loses per metre rolled [kg/m]; power: of each [J/m], stiffness: G / (1 - nu) [Pa]."""
+    strip = rows.strip
+    if law == "usfd":
+        area = 2.0 * strip["a"] * strip["ds"]
+        return usfd(power / np.where(area > 0.0, area, np.inf)) * area
+    if law == "brr":
+        return brr(rows.patch) * power / np.where(rows.patch > 0.0, rows.patch, np.inf)
+    return _archard(rows, power, settings, stiffness)
+
+
+def _archard(rows: Rows, power: Array, settings: WearSettings, stiffness: float) -> Array:
+    """The same by Archard's law. Where a point slides its traction is mu p, so k p times slip is k power over mu."""
+    works = power > 0.0
+    lost = np.zeros(power.size)
+    strip, power, speed = rows.strip[works], power[works], rows.speed[works]
+    mu, top = strip["mu"], strip["p"]
+    x = (np.arange(COLUMNS) + 0.5) * 2.0 / COLUMNS - 1.0
+    height = np.sqrt(1.0 - x * x)
+    # spin counts by its mean square under the pressure: x^2 is a^2 / 4 there
+    rigid = np.sqrt(strip["xi"] ** 2 + strip["eta"] ** 2 + (0.5 * strip["phi"] * strip["a"]) ** 2)
+    dissipated = height * slip_along(rigid * stiffness / (2.0 * mu * top), COLUMNS)
+    dissipated *= (power / dissipated.sum(axis=1))[:, None]  # J/m of every part
+    pressure = top[:, None] * height
+    part = 2.0 * strip["a"] * strip["ds"] / COLUMNS
+    slip = dissipated / ((mu * part)[:, None] * pressure)
+    k = wear_coefficient(slip * speed[:, None], pressure, settings.hardness, settings.coefficients)
+    lost[works] = DENSITY * (k * dissipated).sum(axis=1) / (mu * settings.hardness)
+    return lost
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Which share of every strip falls to which place: places (parts, n), shares (parts, n) that add up to one."""
+
+    places: NDArray[np.intp]
+    shares: Array
+    count: int
+
+    @classmethod
+    def over(cls, arc: Array, width: Array, places: Places) -> Spread:
+        """Strips about arclengths [m] with their widths [m]; what would lie beyond a profile's end stays in it."""
+        step, count = places.width, places.u.size
+        low, high = arc - 0.5 * width, arc + 0.5 * width
+        first = np.floor(low / step).astype(np.intp)
+        parts = first + np.arange(int(np.ceil(width.max() / step)) + 1)[:, None]
+        covered = np.maximum(np.minimum(high, (parts + 1) * step) - np.maximum(low, parts * step), 0.0)
+        total = covered.sum(axis=0)
+        covered[0, total <= 0.0] = 1.0
+        return cls(np.clip(parts, 0, count - 1), covered / covered.sum(axis=0), count)
+
+    def of(self, amounts: Array) -> Array:
+        """The amounts (n,) of the strips by place (count,)."""
+        return np.asarray(np.bincount(self.places.ravel(), (self.shares * amounts).ravel(), self.count), dtype=float)
+
+
+def _foot(profile: Profile, arc: Array, u: Array, w: Array) -> Array:
+    """Arclengths of the points of a profile nearest to (u, w), from a first guess [m]."""
+    for _ in range(2):
+        arc = np.clip(arc, 0.0, profile.length)
+        at_u, at_w = profile.at(arc)
+        along_u, along_w = profile.tangent(arc)
+        arc = arc + (u - at_u) * along_u + (w - at_w) * along_w
+    return np.clip(arc, 0.0, profile.length)

@@ -1,0 +1,126 @@
+"""Pictures of wear and rolling contact fatigue of a run."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from wrsim.plots.colours import GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.style import FULL_WIDTH, new_figure, shown, style
+from wrsim.results import CHANNELS
+from wrsim.results.wear import worst_worn
+from wrsim.results.wheelsets import numbered, wheelsets
+
+LAW_WORDS = {"usfd": "USFD", "archard": "Archard", "brr": "BRR"}
+BESIDE = 4.0
+"""Room beside what is worn, mm of the profile."""
+MOST_POINTS = 4000
+"""Patches of a wheel in the shakedown map."""
+LARGEST_FRICTION = 0.6
+
+
+def wear_figure(dataset: xr.Dataset) -> Figure:
+    """Depths worn off the wheels of the wheelset that loses most, and off the rails, over their profiles."""
+    name = worst_worn(dataset)
+    one = dataset.sel(wheelset=name)
+    laws = [str(law) for law in dataset["wear_law"].values]
+    with style():
+        figure = new_figure(FULL_WIDTH, 120.0)
+        top, bottom = figure.subplots(2, 1)
+        for axes, body in ((top, "wheel"), (bottom, "rail")):
+            _depths(axes, one, body, laws)
+        words = dataset.attrs["title"]
+        if len(wheelsets(dataset)) > 1:
+            words += f": wheels of wheelset {numbered(wheelsets(dataset))[name]}"
+        figure.suptitle(words, x=0.01, ha="left", fontsize=8.5)
+        figure.legend(handles=_legend(laws), loc="outside lower center", ncols=5)
+        figure.align_ylabels([top, bottom])
+    return figure
+
+
+def fatigue_figure(dataset: xr.Dataset) -> Figure:
+    """Shakedown map of all patches of the run; T-gamma and damage over the rails by one passage."""
+    with style():
+        figure = new_figure(FULL_WIDTH, 100.0)
+        left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(1.0, 1.15)))  # type: ignore[arg-type]
+        shakedown_map(left.subplots(), dataset)
+        for axes, name in zip(right.subplots(2, 1, sharex=True), ("wear_rail_energy", "rail_damage"), strict=True):
+            _over_profile(axes, dataset, name, "rail")
+            words = {
+                "wear_rail_energy": "T-gamma over the width of the rail [N/mm]",
+                "rail_damage": "Damage of the rail [1]",
+            }
+            axes.set_title(f"{words[name]}, one passage")
+        axes.set_xlabel(CHANNELS["wear_rail_u"].label)
+        figure.suptitle(dataset.attrs["title"], x=0.01, ha="left", fontsize=8.5)
+        figure.legend(handles=_legend([]), loc="outside lower center", ncols=2)
+    return figure
+
+
+def shakedown_map(axes: Axes, dataset: xr.Dataset) -> Axes:
+    """Hertz's pressure 3 N / (2 A) over the yield stress in shear against the friction that is used, patch by patch."""
+    highest = 2.0
+    for i, wheel in enumerate(str(name) for name in dataset["wheel"].values):
+        used, index = (dataset[n].sel(wheel=wheel).values.ravel() for n in ("traction_coefficient", "fatigue_index"))
+        known = np.flatnonzero(np.isfinite(used) & np.isfinite(index))
+        known = known[:: max(known.size // MOST_POINTS, 1)]
+        # k / p0 is what the index takes away from the friction
+        pressure = 1.0 / np.maximum((used - index)[known], 1e-9)
+        if pressure.size:
+            highest = max(highest, float(pressure.max()))
+        axes.plot(
+            used[known],
+            pressure,
+            ".",
+            markersize=1.6,
+            color=WHEEL_COLOUR[wheel],
+            alpha=0.5,
+            rasterized=True,
+            zorder=2 + i,
+        )
+    highest = 1.1 * highest
+    mu = np.linspace(1.0 / highest, LARGEST_FRICTION, 100)
+    axes.plot(mu, 1.0 / mu, color=STOP_COLOUR, linewidth=0.9)
+    axes.fill_between(mu, 1.0 / mu, highest, color=STOP_COLOUR, alpha=0.06, linewidth=0.0)
+    axes.text(0.97, 0.97, "surface fatigue", transform=axes.transAxes, ha="right", va="top", color=STOP_COLOUR)
+    axes.text(0.03, 0.03, "shakes down at the surface", transform=axes.transAxes, color=QUIET, zorder=1)
+    axes.set_xlim(0.0, LARGEST_FRICTION)
+    axes.set_ylim(0.0, highest)
+    axes.set_xlabel("Friction that is used $T/N$")
+    axes.set_ylabel("Pressure over yield stress in shear $3N/(2Ak)$")
+    axes.set_title("Shakedown map")
+    return axes
+
+
+def _depths(axes: Axes, one: xr.Dataset, body: str, laws: list[str]) -> None:
+    """Depths over one profile, a line a side and law."""
+    name = f"wear_{body}_depth"
+    for law, line in zip(laws, GROUP_LINE, strict=False):
+        _over_profile(axes, one.sel(wear_law=law), name, body, linestyle=line)
+    axes.set_ylim(bottom=0.0)
+    channel = CHANNELS[name]
+    per = "Depth worn off the wheel" if body == "wheel" else "Depth worn off the rail\nby one passage"
+    axes.set_ylabel(f"{per} [{channel.shown.symbol}]")
+    axes.set_xlabel(CHANNELS[f"wear_{body}_u"].label)
+
+
+def _over_profile(axes: Axes, dataset: xr.Dataset, name: str, body: str, **look: object) -> None:
+    """A channel over the lateral place on wheels or rails; only where there is something."""
+    edges = []
+    for wheel in (str(side) for side in dataset["wheel"].values):
+        u, values = (shown(dataset.sel(wheel=wheel), own) for own in (f"wear_{body}_u", name))
+        axes.plot(u, values, color=WHEEL_COLOUR[wheel], **look)  # type: ignore[arg-type]
+        energy = dataset[f"wear_{body}_energy"].sel(wheel=wheel).values
+        worn = u[np.nan_to_num(energy) > 0.0]
+        edges += [worn.min() - BESIDE, worn.max() + BESIDE] if worn.size else []
+    if edges:
+        axes.set_xlim(min(edges), max(edges))
+
+
+def _legend(laws: list[str]) -> list[Line2D]:
+    sides = [Line2D([], [], color=colour, label=f"{side} side") for side, colour in WHEEL_COLOUR.items()]
+    lines = zip(laws, GROUP_LINE, strict=False)
+    return sides + [Line2D([], [], color=INK, linestyle=line, label=LAW_WORDS[law]) for law, line in lines]
