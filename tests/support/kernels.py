@@ -42,6 +42,7 @@ from wrsim.simulation.conical_law import ConicalVehicleOnTrack
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.state import SteadyMotion, design_state
+from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut
 from wrsim.vehicle.vehicle import Effort, Load, SlipControl
 from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import Torsion
@@ -175,6 +176,21 @@ def vehicle_cases() -> dict[str, list[float]]:
     angles[-4:], rates[-4:] = 1e-3, 0.2
     apart(0.0, angles, rates, twist := np.zeros(apart.size))
     found["twist"] = list(twist)
+    frame, sides = vehicle.index("front.frame"), {"coulomb": 1e5, "fancher": 5e4, "berg": 3e4}
+    ends = vehicle.parts[frame].name, "carbody", vehicle.parts[frame].centre
+    sliders: list[Element] = [
+        Strut(law, "friction", *ends[:2], (ends[2],) * 2, 1, slider=Slider(law, 1e7, bound))  # type: ignore[arg-type]
+        for law, bound in sides.items()
+    ]
+    pressed = Slider("coulomb", 1e7, friction=0.1, damping=1e3, normal=Normal(vehicle.elements[0].name))
+    sliders.append(PlaneFriction("plane", "friction", *ends, 2, pressed))
+    rubbing = VehicleOnTrack(replace(vehicle, elements=(*vehicle.elements, *sliders)), law.track, (), speed=20.0)
+    rubs, rubs_t = design_state(rubbing)
+    rubs_t[:] += np.sin(np.arange(rubbing.size)) * 1e-2
+    rubs[:] += np.cos(np.arange(rubbing.size)) * 1e-2
+    rubbing(0.0, rubs, rubs_t, rubbed := np.zeros(rubbing.size))
+    found["friction"] = list(rubbed)
+    found["friction settled"] = list(rubbing.settled_rates(rubs, rubs_t))
     found["inertia"] = [*mass_matrix(law.bodies, q).ravel(), *velocity_forces(law.bodies, q, q_t)]
     found["finite"] = [float(first_not_finite(q, q_t))]
     poses = poses_on_track(law.track.centre, q[None, :6], q_t[None, :6], 50.0)

@@ -75,6 +75,15 @@ def test_the_good_file_loads(tmp_path: Path) -> None:
     assert fault(tmp_path) == ""
 
 
+def test_friction_takes_the_spring_on_its_own_side_that_leads_to_the_same_body(tmp_path: Path) -> None:
+    assert fault(tmp_path, *guide()) == ""
+    elements = load_vehicle(tmp_path / "car.toml", Finder((shipped_models(),))).elements
+    pressed = {e.name: e.slider.normal.of for e in elements if e.slider and e.slider.normal}
+    assert pressed == {
+        f"guide {to} {side}": f"primary {to} {side}" for to in ("front", "rear") for side in ("left", "right")
+    }
+
+
 LOOSE = "[bodies.box]\nmass_kg = 1\ninertia_kg_m2 = [1, 1, 1]\ncentre_mm = [0, 0, 0]\n"
 
 PUSH = """\
@@ -94,7 +103,52 @@ mass_kg = 4000
 """
 ROWS = "time_s_force_kN = [[0, 0, 0, 0], [2, 0, 9, 0], [2, 0, 0, 0]]"
 
+GUIDE = """\
+[[elements]]
+kind = "friction"
+name = "guide"
+body = "body"
+to = ["front", "rear"]
+origin = "to"
+at_mm = [0, 900, 0]
+both_sides = true
+plane = "yz"
+friction = 0.3
+normal_spring = "primary"
+stick_stiffness_kN_per_m = 5000
+"""
+
+
+def guide(*changes: tuple[str, str]) -> tuple[tuple[str, str], ...]:
+    """Friction at the axles, changed."""
+    text = GUIDE
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return (("[[elements]]", text + "[[elements]]"),)
+
+
 BAD = {
+    "friction along and across": (
+        guide(('plane = "yz"', 'plane = "yz"\ndirection = "z"')),
+        "direction or plane must be given, one of them",
+    ),
+    "friction without normal force": (
+        guide(('normal_spring = "primary"\n', "")),
+        "normal_force_kN or normal_spring must be given, one of them",
+    ),
+    "no such normal spring": (
+        guide(('"primary"', '"primry"')),
+        'elements[0].normal_spring = "primry": is no element; there is guide front left, ',
+    ),
+    "normal spring without load": (
+        guide(('"primary"', '"damper"')),
+        "friction 'guide front left' has no normal force: 'damper front left' carries nothing along its direction",
+    ),
+    "normal force below nothing": (
+        guide(('normal_spring = "primary"', "normal_force_kN = -3")),
+        "elements[0].normal_force_kN = -3: must be a number above 0",
+    ),
     "missing mass": (
         (("mass_kg = 8000\n", ""),),
         "car.toml:15: bodies.body.mass_kg is missing: must be a number above 0",

@@ -25,6 +25,9 @@ SMALL_EXTENSION = 1e-4
 """The same of the extension of a damper in series with a spring [m], and of the pitch of an axle box and the twist of
 an axle [rad]; forces are linear in it or nearly so."""
 
+SMALL_SLIP = 1e-7
+"""The same of the unknowns of sliders [m]: their laws bend within a part of a millimetre."""
+
 Forces = Callable[[float, Array, Array, Array], object]
 """Generalised forces at a time [s], coordinates and rates, filled into the last argument."""
 
@@ -60,6 +63,19 @@ def following(forces: object) -> Iterator[None]:
         yield
     finally:
         forces.follow(False)
+
+
+@runtime_checkable
+class HasSliders(Protocol):
+    """A force law with friction elements."""
+
+    def stuck(self) -> AbstractContextManager[None]:
+        """While this lasts, no slider slips."""
+
+
+def stuck(forces: object) -> AbstractContextManager[None]:
+    """While this lasts, no slider of a law slips, if it has any."""
+    return forces.stuck() if isinstance(forces, HasSliders) else nullcontext()
 
 
 @dataclass(frozen=True)
@@ -106,6 +122,11 @@ def positions_of(forces: ForceLaw) -> int:
     return int(getattr(forces, "positions", 0))
 
 
+def sliders_of(forces: ForceLaw) -> NDArray[np.intp]:
+    """Places of a law's coordinates that belong to friction."""
+    return np.asarray(getattr(forces, "sliders", ()), dtype=np.intp)
+
+
 def force_derivative(
     forces: ForceLaw, q: Array, q_t: Array, bodies: int, t: float = 0.0, by_q: float = 1.0, by_q_t: float = 0.0
 ) -> Array:
@@ -120,6 +141,7 @@ def force_derivative(
     change[n - rails :] = np.tile([SMALL["y"], SMALL["z"]], rails // 2)
     change[dampers] = np.inf  # these coordinates mean nothing, their rates are extensions
     change_t[dampers] = SMALL_EXTENSION
+    change_t[sliders_of(forces)] = SMALL_SLIP
     with np.errstate(divide="ignore"):
         step = np.minimum(change / abs(by_q), change_t / abs(by_q_t))
     step[~np.isfinite(step)] = SMALL_EXTENSION

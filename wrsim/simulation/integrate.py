@@ -90,7 +90,7 @@ def _name(index: int, system: System) -> str:
     if place >= system.size - positions_of(system.forces):
         return "the pitch of an axle box, or the twist of an axle"
     if place >= 6 * len(system.bodies):
-        return f"the extension of damper {place - 6 * len(system.bodies)}"
+        return f"unknown {place - 6 * len(system.bodies)} of dampers in series and of friction"
     body, coordinate = divmod(place, 6)
     what = COORDINATES[coordinate] if index < system.size else f"the rate of {COORDINATES[coordinate]}"
     return what if len(system.bodies) == 1 else f"{what} of body {body}"

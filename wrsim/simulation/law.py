@@ -42,6 +42,9 @@ LOAD_AXES: tuple[LoadAxes, ...] = ("track", "body")
 OVER: tuple[Over, ...] = ("time", "distance")
 """In the order of their numbers there, too."""
 
+UNBOUNDED = 1e15
+"""Added to the bound of a slider's force [N], one that no force reaches."""
+
 RAIL_COORDINATES = vehicle_forces.RAIL_COORDINATES
 """Displacements of the rails under one wheelset."""
 
@@ -62,7 +65,7 @@ class VehicleOnTrack:
     ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand behind their coordinates. The
     last ``positions`` of them are positions: the pitch of the axle boxes, then the twist of axles whose wheels turn
     against each other (``twists``, their places by wheelset), then ``rails`` displacements of the rails under the
-    wheels (``core.body.vehicle_forces``).
+    wheels (``core.body.vehicle_forces``). ``sliders``: places of the unknowns that belong to friction.
     After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
     and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
     places of x), ``axles`` what drive and brakes do to each wheelset (records AXLE of ``core.body.loads``),
@@ -102,6 +105,7 @@ class VehicleOnTrack:
         self.positions = len(vehicle.boxes) + len(twisting) + self.rails
         self.dampers = table.states + self.positions
         self.size = 6 * len(self.bodies) + self.dampers
+        self.sliders = 6 * len(self.bodies) + np.array(table.slips, dtype=np.intp)
         first = self.size - self.rails - len(twisting)
         self.twists = {wheelset: first + j for j, wheelset in enumerate(twisting)}
         use_threads(threads)
@@ -284,24 +288,38 @@ class VehicleOnTrack:
                 place += wheel.model.arrays.recall(memory[place:])
 
     @contextmanager
-    def dampers_at_rest(self) -> Iterator[None]:
-        """While this lasts, dampers in series with springs carry nothing: they have had time to give way."""
-        series = self.elements["series"].copy()
-        own = self._with_unknown()
+    def settled(self) -> Iterator[None]:
+        """While this lasts, dampers in series with springs carry nothing, they have had time to give way, and sliders
+        what they would after a straight way from the design position."""
+        before = self.elements["settled"].copy()
         try:
-            self.elements["series"][own] = 0.0
+            self.elements["settled"] = 1
+            self._asked_at = np.nan
             yield
         finally:
-            self.elements["series"] = series
+            self.elements["settled"] = before
+            self._asked_at = np.nan
 
-    def at_rest_in_series(self, q: Array, q_t: Array) -> Array:
-        """The rates q_t with the extensions at which the dampers in series with springs carry nothing."""
-        q_t = np.array(q_t, dtype=float)
-        self(0.0, q, q_t, np.zeros(self.size))
-        for i in self._with_unknown():
-            travel = self.records[i, self.vehicle.elements[i].travel_place]
-            q_t[6 * len(self.bodies) + self.elements["state"][i]] = travel
+    def settled_rates(self, q: Array, q_t: Array) -> Array:
+        """The rates q_t with the unknowns that dampers in series with springs and sliders have once settled there."""
+        q_t, out = np.array(q_t, dtype=float), np.zeros(self.size)
+        with self.settled():
+            self(0.0, q, q_t, out)
+        inner = slice(6 * len(self.bodies), self.size - self.positions)
+        q_t[inner] = out[inner]
         return q_t
+
+    @contextmanager
+    def stuck(self) -> Iterator[None]:
+        """While this lasts, no slider slips."""
+        before = self.elements["bound"].copy()
+        try:
+            self.elements["bound"] += UNBOUNDED
+            self._asked_at = np.nan
+            yield
+        finally:
+            self.elements["bound"] = before
+            self._asked_at = np.nan
 
     def _wheels(self, wheelset: Wheelset, parts: Sequence[Arena], contacts: Contacts) -> tuple[WheelOnRail, ...]:
         """The two wheels of a wheelset, whose models compute in these parts of the arena."""
@@ -310,10 +328,6 @@ class VehicleOnTrack:
             WheelOnRail(contact.within(part.part(first, count)), side, 0.5 * wheelset.profile_spacing, origin)
             for contact, part, side, origin in zip(contacts, parts, (1, -1), self.track.rail_origins, strict=True)
         )
-
-    def _with_unknown(self) -> NDArray[np.intp]:
-        """Numbers of the elements with an unknown of their own."""
-        return np.flatnonzero(self.elements["state"] >= 0)
 
     def _arrays(self, table: SuspensionTable, drive: Drive, gravity: float) -> list[Any]:
         """The vehicle's own arrays in the order of ``core.body.vehicle_forces``."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
-from wrsim.simulation.force_law import Array, ForceLaw, force_derivative, positions_of
+from wrsim.simulation.force_law import Array, ForceLaw, force_derivative, positions_of, sliders_of, stuck
 
 
 @dataclass(frozen=True)
@@ -16,8 +16,8 @@ class Linearised:
     """mass q_tt + damping q_t + stiffness q = 0 for small motions about a state, all (n, n); bodies: how many.
 
     Behind the coordinates of the bodies stand those of the dampers in series with springs, whose rates are the
-    extensions of the damping parts; behind them ``positions`` more: the pitch of axle boxes, the twist of
-    axles and the displacements of the rails under the wheels.
+    extensions of the damping parts, and of sliders (their places: ``sliders``), which stick; behind them ``positions``
+    more: the pitch of axle boxes, the twist of axles and the displacements of the rails under the wheels.
     """
 
     mass: Array
@@ -25,22 +25,24 @@ class Linearised:
     stiffness: Array
     bodies: int
     positions: int = 0
+    sliders: tuple[int, ...] = ()
 
     @property
     def state_matrix(self) -> Array:
         """A of y_t = A y with y = (q of the bodies, positions of axle boxes and rails, q_t of the bodies, extensions
-        of the dampers, velocities of axle boxes and rails)."""
+        of the dampers, velocities of axle boxes and rails). Sliders have no place in it."""
         n, m = len(self.mass), 6 * self.bodies
         full = np.zeros((2 * n, 2 * n))
         full[:n, n:] = np.eye(n)
         full[n:, :n] = -np.linalg.solve(self.mass, self.stiffness)
         full[n:, n:] = -np.linalg.solve(self.mass, self.damping)
-        kept = np.r_[0:m, n - self.positions : n, n : 2 * n]
+        rates = np.delete(np.arange(n, 2 * n), self.sliders)
+        kept = np.r_[0:m, n - self.positions : n, rates]
         return full[np.ix_(kept, kept)]
 
 
 def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t: float = 0.0) -> Linearised:
-    """Matrices of the small motions about a state without acceleration, gyroscopic terms included.
+    """Matrices of the small motions about a state without acceleration, gyroscopic terms included; sliders stick.
 
     On straight track a steady run is such a state; in a curve it is not, for the coordinates are global.
     """
@@ -48,8 +50,11 @@ def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t
     def inertia(t: float, q: Array, q_t: Array, out: Array) -> None:
         out[:] = velocity_forces(bodies, q, q_t)
 
-    stiffness, damping = (
-        force_derivative(inertia, q, q_t, len(bodies), t, *by) - force_derivative(forces, q, q_t, len(bodies), t, *by)
-        for by in ((1.0, 0.0), (0.0, 1.0))
-    )
-    return Linearised(mass_matrix(bodies, q), damping, stiffness, len(bodies), positions_of(forces))
+    with stuck(forces):
+        stiffness, damping = (
+            force_derivative(inertia, q, q_t, len(bodies), t, *by)
+            - force_derivative(forces, q, q_t, len(bodies), t, *by)
+            for by in ((1.0, 0.0), (0.0, 1.0))
+        )
+    sliders = tuple(sliders_of(forces).tolist())
+    return Linearised(mass_matrix(bodies, q), damping, stiffness, len(bodies), positions_of(forces), sliders)

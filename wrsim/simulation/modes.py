@@ -42,13 +42,13 @@ class Mode:
 def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
     """Oscillating modes in the design position, slowest first; the wheelsets are held, as by rails without compliance.
 
-    Dampers and their springs in series take part.
+    Dampers and their springs in series take part. Friction elements stick.
     """
     if not vehicle.bodies:
         return ()
     law = VehicleOnTrack(vehicle, Track.build([Straight(200.0)], 1.5), (), speed=0.0, start=100.0, drive="free")
     q, q_t = design_state(law)
-    linear = linearise(law, law.bodies, q, law.at_rest_in_series(q, q_t))
+    linear = linearise(law, law.bodies, q, law.settled_rates(q, q_t))
     n, w = 6 * len(law.bodies), 6 * len(vehicle.wheelsets)
     matrix = linear.state_matrix
     rates = n + law.positions

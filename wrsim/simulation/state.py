@@ -146,7 +146,7 @@ class SteadyMotion:
         self.masses = np.array([*(box.inertia[1] for _, box in law.vehicle.boxes.values()), *twisting, *rails])
 
     def state(self, x: Array) -> tuple[Array, Array]:
-        """State (q, q_t) with these unknowns; dampers in series with springs extended by nothing."""
+        """State (q, q_t) with these unknowns; those of dampers in series with springs and of sliders 0."""
         return self._state(x)[:2]
 
     def unknowns(self, q: Array, q_t: Array) -> Array:
@@ -189,7 +189,7 @@ class SteadyMotion:
 
     def largest(self, q: Array, q_t: Array) -> float:
         """Largest force left over at the steady state near (q, q_t), as a part of the weight."""
-        with self.law.dampers_at_rest():
+        with self.law.settled():
             return float(np.max(np.abs(self.residual(self.unknowns(q, q_t)))))
 
 
@@ -215,7 +215,7 @@ def steady_state(
     x = steady.unknowns(q, q_t)
     slope = None if near is None else SteadyMotion(near).residual
     goal = GOAL if tolerance <= TOLERANCE or near is None else tolerance
-    with law.dampers_at_rest(), (near or law).dampers_at_rest():
+    with law.settled(), (near or law).settled():
         if not np.all(np.isfinite(steady.residual(x))):
             raise SimulationError("steady motion: the forces at its start are not finite")
         first = _place_bodies(steady, x, max_iterations)
@@ -227,7 +227,7 @@ def steady_state(
     if not largest <= tolerance:
         raise Unbalanced(_largest(law, left))
     q, q_t = steady.state(x)
-    return Equilibrium(q, law.at_rest_in_series(q, q_t), largest, first + iterations)
+    return Equilibrium(q, law.settled_rates(q, q_t), largest, first + iterations)
 
 
 def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:

@@ -99,7 +99,7 @@ def standing(vehicle: Vehicle, twist: float = 0.0) -> Standing:
         axles[:, ROLL] += about / vehicle.weight - radius * axles[:, Y]  # the rails push back at their height
         return left[free]
 
-    with law.dampers_at_rest():
+    with law.settled():
         x[free], left, _ = newton(residual, x[free].copy(), steady.small[free], TOLERANCE, 100)
     largest = float(np.max(np.abs(left)))
     if not largest <= TOLERANCE:

@@ -14,7 +14,7 @@ from wrsim.inputs.checking import Locate, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.vehicle import vehicle_sections as sections
 from wrsim.vehicle.ballast import Ballast
-from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, Triple
+from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, PlaneFriction, Strut, Triple
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Axes, Joint
 from wrsim.vehicle.load_tables import NO_BALLAST
 from wrsim.vehicle.vehicle import AxleBox, Body, Load, MountedWheelset, Payload, Point
@@ -49,11 +49,14 @@ class Assembly:
     payloads: list[Payload] = field(default_factory=list)
     ballast: list[Ballast] = field(default_factory=list)
     points: list[Point] = field(default_factory=list)
+    pressed: dict[str, tuple[tuple[str, ...], KeyPath, str]] = field(default_factory=dict)
+    """By the name of an element with friction: names that its normal spring may have, where it is named, and how."""
 
     def add(self, part: sections.PartTable, path: KeyPath) -> None:
         """Put the vehicle together from its outermost part, which stands at ``path`` of the file."""
         self._bodies(part, path, _Place())
         self._elements(part, path, _Place())
+        self.elements = [self._pressed(element) for element in self.elements]
 
     def _bodies(self, part: sections.PartTable, path: KeyPath, place: _Place) -> None:
         for name, body in part.bodies.items():
@@ -182,7 +185,23 @@ class Assembly:
                 full = place.prefix + name + (word if table.both_sides else "")
                 element = table.element(Joint(full, table.kind, ends[0], ends[1]), axes)
                 self._fits(element, path)
+                normal = None if element.slider is None else element.slider.normal
+                if normal is not None and normal.of:
+                    repeated = (f" {to}{word}", f" {to}", word, "")
+                    names = tuple(place.prefix + normal.of + end for end in repeated)
+                    self.pressed[full] = names, (*path, "normal_spring"), normal.of
                 yield element
+
+    def _pressed(self, element: Element) -> Element:
+        """The element with the full name of its normal spring: the one on its side, leading to the same body."""
+        if element.name not in self.pressed or not isinstance(element, (Strut, PlaneFriction)):
+            return element
+        names, path, said = self.pressed[element.name]
+        known = [other.name for other in self.elements]
+        found = next((name for name in names if name in known), None)
+        if found is None:
+            raise self._fault(path, f"is no element; there is {', '.join(known)}" + suggest(names[0], known), said)
+        return element if element.slider is None else replace(element, slider=element.slider.pressed_by(found))
 
     def _fits(self, element: Element, path: KeyPath) -> None:
         """Springs join wheelsets on their axles, as the second body."""

@@ -23,6 +23,7 @@ from wrsim.vehicle.ballast import with_ballast
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.elements.keys import scaled
 from wrsim.vehicle.files import SprungTable, SuspensionTable, WheelsetTable
+from wrsim.vehicle.normal_loads import normal_loads
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.vehicle_sections import PartTable
@@ -139,7 +140,7 @@ def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate) -> 
     try:
         check_connected(vehicle)
         vehicle = with_ballast(vehicle, assembly.ballast)
-        preloads(vehicle)
+        normal_loads(vehicle, preloads(vehicle))
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     return vehicle

@@ -42,10 +42,10 @@ INTERVAL = 5e-3
 STRETCH = 0.25
 """... and the longest way [m]. Independent of the samples that are kept."""
 
-LIFT, STOP, STEPS, SPINS, SLIDES = 0.0, -1.0, -2.0, -3.0, -4.0
+LIFT, STOP, STEPS, SPINS, SLIDES, LOOSE = 0.0, -1.0, -2.0, -3.0, -4.0, -5.0
 """Kinds of events in the notes: a wheel without contact; a bump stop beyond the end of its table; steps that have been
-cut since the last look; an axle that is driven, or braked, beyond adhesion. A bit of a contact's status is its own
-kind."""
+cut since the last look; an axle that is driven, or braked, beyond adhesion; friction without a normal force. A bit of
+a contact's status is its own kind."""
 
 MANY = 20
 """Looks in a row with steps cut, after which the run says so while it lasts: it takes many times as long."""
@@ -77,6 +77,7 @@ class Monitor:
         self.substitutes = np.array([wheel.model.arrays.substitutes for wheel in self.wheels], dtype=float)
         elements = law.vehicle.elements
         self.stops = [(i, e.limits, e.travel_place) for i, e in enumerate(elements) if e.limits]
+        self.pressed = np.flatnonzero(law.elements["normal"] >= 0)
         self.notes = np.zeros((0, 6))
         """Rows (kind, which wheel or element, time, distance, last time, last distance)."""
         self.between = Between([wheel.model for wheel in self.wheels])
@@ -108,6 +109,10 @@ class Monitor:
         for i, limits, place in self.stops:
             if not limits[0] <= self.law.records[i, place] <= limits[1]:
                 self._note(STOP, i, t, distance)
+        for i in self.pressed.tolist():
+            row = self.law.elements[i]
+            if np.dot(row.load.tolist(), self.law.records[row.normal, :3]) <= 0.0:
+                self._note(LOOSE, i, t, distance)
         if self.law.driven:
             self._look_at_axles(t, distance)
         if self.work.cut_steps > self.cut_steps:
@@ -169,6 +174,8 @@ class Monitor:
             begin, end = (t, distance), (last_t, last_distance)
             if kind == STOP:
                 found.append(Event("stop", self.law.vehicle.elements[int(which)].name, begin, end))
+            elif kind == LOOSE:
+                found.append(Event("loose", self.law.vehicle.elements[int(which)].name, begin, end))
             elif kind == STEPS:
                 found.append(Event("steps", "", begin, end))
             elif kind in (SPINS, SLIDES):

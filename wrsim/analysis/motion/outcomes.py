@@ -52,14 +52,14 @@ class RunInStopped:
 @dataclass(frozen=True)
 class Event:
     """A wheel without contact, a bump stop beyond the end of its table, a contact with something to say (bit of
-    `wrsim.contact.status`), steps of the integration that had to be cut, a vertical force that the samples miss, or an
-    axle that is driven or braked beyond adhesion.
+    `wrsim.contact.status`), steps of the integration that had to be cut, a vertical force that the samples miss, an
+    axle that is driven or braked beyond adhesion, or a friction element without a normal force.
 
-    part: name of the wheelset or of the stop; start, end: time [s] and distance of the vehicle [m]; missed: the force
-    between samples, and by how much it is beyond those beside it [N].
+    part: name of the wheelset or of the element; start, end: time [s] and distance of the vehicle [m]; missed: the
+    force between samples, and by how much it is beyond those beside it [N].
     """
 
-    kind: Literal["lift", "stop", "contact", "steps", "between", "spins", "slides"]
+    kind: Literal["lift", "stop", "contact", "steps", "between", "spins", "slides", "loose"]
     part: str
     start: tuple[float, float]
     end: tuple[float, float]

@@ -58,6 +58,8 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     if event.kind in ("spins", "slides"):
         what = "driven" if event.kind == "spins" else "braked"
         return f"wheelset {event.part} is {what} beyond adhesion and {event.kind} {lasted}"
+    if event.kind == "loose":
+        return f"nothing presses friction {event.part} together {lasted}: it has no normal force"
     if event.kind == "steps":
         return f"time steps that Newton's method did not solve were cut into parts {lasted}"
     return f"bump stop {event.part} is beyond the end of its table {lasted}"

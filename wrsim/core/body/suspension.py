@@ -21,9 +21,14 @@ have a stiffness in series (Maxwell): the extension x of its damping part is an 
     force = k_s (e - x),   x_t = force / c    (or from the table, velocity against force),
 
 which the solver integrates with everything else.
+
+AXIS and LINE may have a slider beside spring and damper (``core.body.friction``). PLANE is a slider alone, in the plane
+across one axis of the first body. The bound of a slider's force is constant, or it grows with the force of an element
+(its normal force): those that ask another one come last.
 """
 
 from wrsim.core.arena import record
+from wrsim.core.body.friction import NO_SLIDER, settled, slide, slider_force
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.linalg import (
     VECTOR,
@@ -36,6 +41,7 @@ from wrsim.core.linalg import (
     cross,
     dot,
     get_body,
+    mixed,
     norm,
     point_velocity,
     put,
@@ -45,13 +51,13 @@ from wrsim.core.linalg import (
     vec,
 )
 
-FIELD, SHEAR, AXIS, LINE = range(4)
+FIELD, SHEAR, AXIS, LINE, PLANE = range(5)
 """Kinds of elements."""
 
 ELEMENT = record(
-    # AXIS and LINE
-    "k c force_0 length series",
-    "kind first second direction state spring_start spring_rows damper_start damper_rows",
+    # AXIS and LINE; what concerns sliders also PLANE
+    "k c force_0 length series stick stick_damping bound",
+    "kind first second direction state spring_start spring_rows damper_start damper_rows slider slip normal settled",
     point_1=VECTOR,
     point_2=VECTOR,
     # FIELD and SHEAR
@@ -61,10 +67,15 @@ ELEMENT = record(
     turning=VECTOR,
     turning_preload=VECTOR,
     turning_damping=VECTOR,
+    load=VECTOR,
 )
 """An element. first, second: its bodies; point_1, point_2: in their axes. In one direction: stiffness k, damping c,
 force at rest, length at rest, stiffness in series with the damper, axis, number of the damping part's unknown or -1,
-place and length of its tables. As a field: along and about the axes of the first body."""
+place and length of its tables. As a field: along and about the axes of the first body.
+Of its slider: stiffness and damping where it sticks, constant part of the bound of its force, kind, number of its first
+unknown; number of the element whose force makes the rest of the bound, or -1, and what that is multiplied with (its
+reading, component by component). settled: dampers behind springs and sliders have had time; their unknowns, instead of
+being read, are written where their rates go."""
 
 WRENCH = record(force=VECTOR, moment=VECTOR)
 """Force [N] and moment [N m] at the centre of mass of a body, in global axes."""
@@ -124,11 +135,21 @@ def _one_direction(element, tables, travel, rate, inner, inner_t):
     start, count = element.damper_start, element.damper_rows
     if element.state < 0:
         force += interpolate(tables, start, count, rate) if count > 0 else element.c * rate
+    elif element.settled > 0:
+        inner_t[element.state] = travel
     else:
         damper = element.series * (travel - inner[element.state])
         inner_t[element.state] = interpolate(tables, start, count, damper) if count > 0 else damper / element.c
         force += damper
     return force
+
+
+@inlined
+def _bound(element, readings):
+    """Bound of a slider's force [N]."""
+    if element.normal < 0:
+        return element.bound
+    return element.bound + max(0.0, dot(vec(element.load), vec(readings[element.normal].force)))
 
 
 @kernel
@@ -158,7 +179,7 @@ def _field(bodies, element, sign, share, wrenches, reading):
 
 
 @kernel
-def _axis(bodies, element, tables, inner, inner_t, wrenches, reading):
+def _axis(bodies, element, tables, inner, inner_t, wrenches, readings, reading):
     """A spring and damper along one axis of the first body."""
     first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
     at = material_point(second, element.point_2)
@@ -168,6 +189,9 @@ def _axis(bodies, element, tables, inner, inner_t, wrenches, reading):
     travel = dot(d, along)
     f = element.force_0 - _one_direction(element, tables, travel, dot(u, along), inner, inner_t)
     put(reading.force, scale(f, along))
+    if element.slider != NO_SLIDER:
+        f -= slider_force(element, _bound(element, readings), travel, dot(u, along), inner, inner_t)
+        put(reading.force, scale(f, along))
     put(reading.travel, scale(travel, along))
     force = combined(scale(f, along), first.forward, first.left, first.up)
     apply(wrenches[element.second], second, at, force)
@@ -175,7 +199,7 @@ def _axis(bodies, element, tables, inner, inner_t, wrenches, reading):
 
 
 @kernel
-def _line(bodies, element, tables, inner, inner_t, wrenches, reading):
+def _line(bodies, element, tables, inner, inner_t, wrenches, readings, reading):
     """A spring and damper along the line between its two points; reading: tension and extension."""
     first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
     start, end = material_point(first, element.point_1), material_point(second, element.point_2)
@@ -186,9 +210,36 @@ def _line(bodies, element, tables, inner, inner_t, wrenches, reading):
     extension = length - element.length
     tension = _one_direction(element, tables, extension, rate, inner, inner_t) - element.force_0
     put(reading.force, Vec(tension, 0.0, 0.0))
+    if element.slider != NO_SLIDER:
+        tension += slider_force(element, _bound(element, readings), extension, rate, inner, inner_t)
+        put(reading.force, Vec(tension, 0.0, 0.0))
     put(reading.travel, Vec(extension, 0.0, 0.0))
     apply(wrenches[element.first], first, start, scale(tension, along))
     apply(wrenches[element.second], second, end, scale(-tension, along))
+
+
+@kernel
+def _plane(bodies, element, inner, inner_t, wrenches, readings, reading):
+    """A slider in the plane across one axis of the first body."""
+    first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
+    at = material_point(second, element.point_2)
+    d, u = _seen_from(first, second, at, element.point_1)
+    a = Vec(0.0, 1.0, 0.0) if element.direction == 0 else Vec(1.0, 0.0, 0.0)
+    b = Vec(0.0, 1.0, 0.0) if element.direction == 2 else Vec(0.0, 0.0, 1.0)
+    e, v = Vec(dot(d, a), dot(d, b), 0.0), Vec(dot(u, a), dot(u, b), 0.0)
+    bound, i = _bound(element, readings), element.slip
+    if element.settled > 0:
+        pull = settled(element, bound, e)
+        slip = shifted(e, -1.0 / element.stick, pull)
+    else:
+        pull, slip = slide(element, bound, sub(e, Vec(inner[i], inner[i + 1], 0.0)), v)
+    inner_t[i], inner_t[i + 1] = slip.x, slip.y
+    f = mixed(-pull.x, a, -pull.y, b)
+    put(reading.force, f)
+    put(reading.travel, mixed(e.x, a, e.y, b))
+    force = combined(f, first.forward, first.left, first.up)
+    apply(wrenches[element.second], second, at, force)
+    apply(wrenches[element.first], first, at, scale(-1.0, force))
 
 
 @kernel
@@ -215,26 +266,41 @@ def _turning(bodies, element, wrenches):
 
 
 @kernel
-def suspension_forces(bodies, elements, tables, inner, inner_t, wrenches, readings):
-    """Add the forces and moments of all elements at the centres of mass to ``wrenches``.
-
-    bodies: records BODY, the frames last; elements: records ELEMENT; tables: (., 2); inner, inner_t: extensions of the
-    damping parts in series with a spring [m] and their rates, to be filled; wrenches: a record WRENCH per body;
-    readings: a record READING per element, to be filled.
-    """
-    for i in range(elements.shape[0]):
-        element, reading = elements[i], readings[i]
-        put(reading.force, ZERO)
-        put(reading.travel, ZERO)
-        if element.kind == LINE:
-            _line(bodies, element, tables, inner, inner_t, wrenches, reading)
-            continue
-        if element.kind == AXIS:
-            _axis(bodies, element, tables, inner, inner_t, wrenches, reading)
-            continue
+def _element(bodies, element, tables, inner, inner_t, wrenches, readings, reading):
+    """Forces and moments of one element."""
+    put(reading.force, ZERO)
+    put(reading.travel, ZERO)
+    if element.kind == LINE:
+        _line(bodies, element, tables, inner, inner_t, wrenches, readings, reading)
+    elif element.kind == AXIS:
+        _axis(bodies, element, tables, inner, inner_t, wrenches, readings, reading)
+    elif element.kind == PLANE:
+        _plane(bodies, element, inner, inner_t, wrenches, readings, reading)
+    else:
         if element.kind == SHEAR:
             _field(bodies, element, 1.0, 0.5, wrenches, reading)
             _field(bodies, element, -1.0, 0.5, wrenches, reading)
         else:
             _field(bodies, element, 1.0, 1.0, wrenches, reading)
         _turning(bodies, element, wrenches)
+
+
+@kernel
+def suspension_forces(bodies, elements, tables, inner, inner_t, wrenches, readings):
+    """Add the forces and moments of all elements at the centres of mass to ``wrenches``.
+
+    bodies: records BODY, the frames last; elements: records ELEMENT; tables: (., 2); inner, inner_t: extensions of the
+    damping parts in series with a spring [m] and unknowns of sliders, and their rates, to be filled; wrenches: a record
+    WRENCH per body; readings: a record READING per element, to be filled.
+    """
+    waiting = 0
+    for i in range(elements.shape[0]):
+        if elements[i].normal >= 0 and elements[i].normal != i:
+            waiting += 1
+        else:
+            _element(bodies, elements[i], tables, inner, inner_t, wrenches, readings, readings[i])
+    if waiting == 0:
+        return
+    for i in range(elements.shape[0]):
+        if elements[i].normal >= 0 and elements[i].normal != i:
+            _element(bodies, elements[i], tables, inner, inner_t, wrenches, readings, readings[i])

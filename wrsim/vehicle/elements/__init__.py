@@ -13,8 +13,10 @@ from wrsim.vehicle.elements.anti_roll_bar import AntiRollBarTable
 from wrsim.vehicle.elements.bump_stop import BumpStopTable
 from wrsim.vehicle.elements.damper import DamperTable
 from wrsim.vehicle.elements.element import GUIDE, TRACK, ZERO, Element, Table, Tables, Triple
+from wrsim.vehicle.elements.friction import FrictionTable, PlaneFriction
 from wrsim.vehicle.elements.keys import KINDS, ElementTable, Glyph
 from wrsim.vehicle.elements.shear_spring import ShearSpringTable
+from wrsim.vehicle.elements.slider import Normal, Slider
 from wrsim.vehicle.elements.spring import Spring, SpringTable
 from wrsim.vehicle.elements.strut import Strut
 from wrsim.vehicle.elements.tabulated_spring import TabulatedSpringTable
@@ -27,12 +29,13 @@ AnyElementTable = Annotated[
     | BumpStopTable
     | DamperTable
     | TractionRodTable
-    | AntiRollBarTable,
+    | AntiRollBarTable
+    | FrictionTable,
     Field(discriminator="kind"),
 ]
 """The kinds that a vehicle file may name, in the order of messages."""
 
 __all__ = [
-    "GUIDE", "KINDS", "TRACK", "ZERO", "AnyElementTable", "Element", "ElementTable", "Glyph", "Spring", "Strut",
-    "Table", "Tables", "Triple",
+    "GUIDE", "KINDS", "TRACK", "ZERO", "AnyElementTable", "Element", "ElementTable", "Glyph", "Normal", "PlaneFriction",
+    "Slider", "Spring", "Strut", "Table", "Tables", "Triple",
 ]  # fmt: skip

@@ -21,6 +21,8 @@ Table = tuple[tuple[float, float], ...]
 if TYPE_CHECKING:
     from typing import Any
 
+    from wrsim.vehicle.elements.slider import Slider
+
 TRACK = "track"
 """Name of the frame that follows the centre line at constant speed, as a body."""
 
@@ -36,6 +38,8 @@ class Tables:
 
     rows: list[tuple[float, float]] = field(default_factory=list)
     unknowns: int = 0
+    slips: list[int] = field(default_factory=list)
+    """Numbers of the unknowns that belong to sliders."""
 
     def store(self, table: Table) -> tuple[int, int]:
         """Add a table; returns its first row and the number of rows."""
@@ -47,6 +51,12 @@ class Tables:
         """Number of one more unknown."""
         self.unknowns += 1
         return self.unknowns - 1
+
+    def slip(self, count: int) -> int:
+        """Number of the first of so many unknowns of a slider."""
+        numbers = [self.unknown() for _ in range(count)]
+        self.slips += numbers
+        return numbers[0]
 
 
 @dataclass(frozen=True)
@@ -104,6 +114,15 @@ class Element(ABC):
     def limits(self) -> tuple[float, float] | None:
         """Travel between which its table says something [m]; None without such limits."""
         return None
+
+    @property
+    def slider(self) -> Slider | None:
+        """Its friction; None without."""
+        return None
+
+    @abstractmethod
+    def reading_at_rest(self, preload: Array) -> Array:
+        """Its reading's force (3,) in the design position [N]; preload: as ``write`` takes it."""
 
     def force_on_second(self, readings: Array) -> Array:
         """Force on the second body along the axes of the first one, (n, 3), from its readings (n, 6)."""

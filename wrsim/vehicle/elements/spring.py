@@ -39,6 +39,9 @@ class Spring(Element):
     def stiffness_at_rest(self) -> Array:
         return np.array(self.stiffness)
 
+    def reading_at_rest(self, preload: Array) -> Array:
+        return preload
+
     @property
     def resists_turning(self) -> bool:
         return any(self.turning_stiffness) or any(self.turning_damping)

@@ -8,6 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from wrsim.vehicle.elements.element import Array, Element, Table, Tables, Triple
+from wrsim.vehicle.elements.slider import Slider
 
 
 @dataclass(frozen=True)
@@ -18,8 +19,8 @@ class Strut(Element):
     stiffness [N/m] or spring_table: rows (travel [m], force [N]) that pushes back; damping [N s/m] or damper_table:
     rows (velocity [m/s], force [N]). series: stiffness behind the damper [N/m], None for a stiff one; with it the
     extension of the damping part is an unknown of its own. limits: travel between which the spring's table says
-    something [m]. Travel is counted from the design position, positive when the second body moves along the axis, or
-    when the line grows.
+    something [m]. slider: friction beside them. Travel counts from the design position, positive when the second body
+    moves along the axis, or when the line grows.
     """
 
     ends: tuple[Triple, Triple]
@@ -30,6 +31,7 @@ class Strut(Element):
     spring_table: Table = ()
     damper_table: Table = ()
     limits: tuple[float, float] | None = None
+    slider: Slider | None = None
 
     @property
     def points(self) -> tuple[Triple, Triple]:
@@ -56,6 +58,9 @@ class Strut(Element):
     def force_on_second(self, readings: Array) -> Array:
         return readings[:, :3] if self.axis is not None else -readings[:, :1] * self.directions
 
+    def reading_at_rest(self, preload: Array) -> Array:
+        return preload[0] * self.directions[0] if self.axis is not None else np.array([-preload[0], 0.0, 0.0])
+
     @property
     def travel_place(self) -> int:
         return 3 + (self.axis or 0)
@@ -81,6 +86,8 @@ class Strut(Element):
             row.series, row.state = self.series, tables.unknown()
             velocity_of_force = tuple((force, velocity) for velocity, force in self.damper_table)
             row.damper_start, row.damper_rows = tables.store(velocity_of_force)
+        if self.slider is not None:
+            self.slider.write(row, tables)
 
 
 def both_ways(rows: Table) -> Table:
