@@ -131,11 +131,11 @@ def guide(*changes: tuple[str, str]) -> tuple[tuple[str, str], ...]:
 BAD = {
     "friction along and across": (
         guide(('plane = "yz"', 'plane = "yz"\ndirection = "z"')),
-        "direction or plane must be given, one of them",
+        'elements[0].direction = "z": cannot stand next to plane: give one of them',
     ),
     "friction without normal force": (
         guide(('normal_spring = "primary"\n', "")),
-        "normal_force_kN or normal_spring must be given, one of them",
+        "elements[0].normal_force_kN is missing: (or normal_spring) has to be given",
     ),
     "no such normal spring": (
         guide(('"primary"', '"primry"')),

@@ -9,6 +9,7 @@ import numpy as np
 
 from wrsim.errors import InputError, suggest
 from wrsim.vehicle.elements import Triple
+from wrsim.vehicle.elements.bilinear_spring import BilinearSpring
 
 if TYPE_CHECKING:
     from wrsim.vehicle.preload import Preload
@@ -23,8 +24,11 @@ def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[in
     reading is multiplied with, component by component. A load counts as positive that acts as it does at rest.
 
     Raises InputError for an element that does not exist, whose own friction depends on a load, or that carries nothing
-    at rest.
+    at rest; and for a bilinear spring that does not.
     """
+    for element, preload in zip(vehicle.elements, preloads, strict=True):
+        if isinstance(element, BilinearSpring) and abs(preload.force[0]) < LEAST * vehicle.mass * vehicle.gravity:
+            raise InputError(f"bilinear spring '{element.name}' carries nothing at rest: it must be under load there")
     numbers = {element.name: i for i, element in enumerate(vehicle.elements)}
     found: list[tuple[int, Triple] | None] = []
     for element in vehicle.elements:

@@ -8,10 +8,11 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from wrsim.inputs.values import number, positive
-from wrsim.vehicle.elements.element import Array, Element, Tables
+from wrsim.vehicle.elements.element import Array, Element
 from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, Glyph, Joint, Place
 from wrsim.vehicle.elements.spring import BLUE
 from wrsim.vehicle.elements.strut import Strut
+from wrsim.vehicle.elements.tables import Tables
 
 FAR = 1.0
 """How far its table goes beyond its bends [m]; it goes on evenly there."""
@@ -19,16 +20,12 @@ FAR = 1.0
 
 @dataclass(frozen=True)
 class BilinearSpring(Strut):
-    """A strut along an axis that pushes with ``stiffness`` up to the force ``second_from`` [N], and with ``second``
+    """A strut along an axis that pushes with ``stiffness`` up to the force ``inner_from`` [N], and with ``inner``
     [N/m] more beyond it. It never pulls. Where it stands on this line at rest, the load says that it carries there.
     """
 
-    second: float = 0.0
-    second_from: float = 0.0
-
-    @property
-    def pushes(self) -> bool:
-        return True
+    inner: float = 0.0
+    inner_from: float = 0.0
 
     def write(self, row: Any, preload: Array, tables: Tables) -> None:
         super().write(row, preload, tables)
@@ -40,11 +37,16 @@ class BilinearSpring(Strut):
         """Rows (travel, what it takes from the force at rest) about the design position; at_rest [N]: its force there
         on the second body.
         """
-        k, both, sign = self.stiffness, self.stiffness + self.second, np.sign(at_rest)
+        k, both, sign = self.stiffness, self.stiffness + self.inner, np.sign(at_rest)
         load = abs(at_rest)
-        bend = (self.second_from - load) / (k if load < self.second_from else both)
-        free = bend - self.second_from / k
-        compressed = ((free - FAR, 0.0), (free, 0.0), (bend, self.second_from), (bend + FAR, self.second_from + both * FAR))
+        bend = (self.inner_from - load) / (k if load < self.inner_from else both)
+        free = bend - self.inner_from / k
+        compressed = (
+            (free - FAR, 0.0),
+            (free, 0.0),
+            (bend, self.inner_from),
+            (bend + FAR, self.inner_from + both * FAR),
+        )
         rows = [(float(-sign * c), float(at_rest - sign * force)) for c, force in compressed]
         return tuple(sorted(rows))
 
@@ -71,5 +73,5 @@ class BilinearSpringTable(ElementTable, kind="bilinear-spring"):
         at = axes.point(self.at_mm)
         return BilinearSpring(
             *joint, (at, at), AXIS[self.direction], 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m,
-            second=1e3 * self.second_stiffness_kN_per_m, second_from=1e3 * self.second_from_kN,
+            inner=1e3 * self.second_stiffness_kN_per_m, inner_from=1e3 * self.second_from_kN,
         )  # fmt: skip

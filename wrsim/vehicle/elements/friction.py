@@ -10,10 +10,11 @@ import numpy as np
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import number, positive, text
-from wrsim.vehicle.elements.element import Array, Element, Tables, Triple
-from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, Glyph, Joint, Place
+from wrsim.vehicle.elements.element import Array, Element, Triple
+from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, Glyph, Joint, Place, one_of
 from wrsim.vehicle.elements.slider import Normal, Slider
 from wrsim.vehicle.elements.strut import Strut
+from wrsim.vehicle.elements.tables import Tables
 
 ACROSS: dict[str, Literal[0, 1, 2]] = {"yz": 0, "xz": 1, "xy": 2}
 
@@ -80,8 +81,7 @@ class FrictionTable(ElementTable, kind="friction"):
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """Along a line or in a plane; one normal force."""
         for one, other in (("direction", "plane"), ("normal_force_kN", "normal_spring")):
-            if (one in raw) == (other in raw):
-                yield Fault(one, f"or {other} must be given, one of them", missing=one not in raw)
+            yield from one_of(raw, one, other)
         if "normal_spring" not in raw:
             for key in ("normal_spring_axis", "normal_factor"):
                 if key in raw:

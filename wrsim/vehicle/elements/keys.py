@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple,
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from wrsim.inputs.section import Section
+from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import Switch, Three, Two, number, refuse, text
-from wrsim.vehicle.elements.element import ZERO, Table, Triple
+from wrsim.vehicle.elements.element import ZERO, Triple
+from wrsim.vehicle.elements.tables import Table
 
 if TYPE_CHECKING:
     from wrsim.vehicle.elements.element import Element
@@ -45,6 +46,14 @@ Names = Annotated[
 ]
 Along = Literal["x", "y", "z"]
 AXIS: dict[Along, Literal[0, 1, 2]] = {"x": 0, "y": 1, "z": 2}
+
+
+def one_of(raw: dict[str, Any], one: str, other: str) -> Iterator[Fault]:
+    """Two keys of which one has to be given."""
+    if one in raw and other in raw:
+        yield Fault(one, f"cannot stand next to {other}: give one of them")
+    elif one not in raw and other not in raw:
+        yield Fault(one, f"(or {other}) has to be given", missing=True)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import number, positive
 from wrsim.vehicle.elements.element import Element
-from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, Glyph, Joint, Place
+from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, Glyph, Joint, Place, one_of
 from wrsim.vehicle.elements.slider import Normal, Slider
 from wrsim.vehicle.elements.spring import BLUE
 from wrsim.vehicle.elements.strut import Strut
@@ -37,9 +37,7 @@ class LeafSpringTable(ElementTable, kind="leaf-spring"):
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """One way to say how large the friction is."""
-        if ("friction_force_kN" in raw) == ("friction_share" in raw):
-            missing = "friction_force_kN" not in raw
-            yield Fault("friction_force_kN", "or friction_share must be given, one of them", missing=missing)
+        yield from one_of(raw, "friction_force_kN", "friction_share")
 
     def element(self, joint: Joint, axes: Axes) -> Element:
         at, distance = axes.point(self.at_mm), 1e-3 * self.friction_travel_mm

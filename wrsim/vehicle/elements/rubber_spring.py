@@ -10,11 +10,12 @@ import numpy as np
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import number, positive
-from wrsim.vehicle.elements.element import Element, Table
+from wrsim.vehicle.elements.element import Element
 from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, Glyph, Joint, Place
 from wrsim.vehicle.elements.slider import Slider
 from wrsim.vehicle.elements.spring import BLUE
 from wrsim.vehicle.elements.strut import Strut, both_ways
+from wrsim.vehicle.elements.tables import Table
 
 SLOWEST, FASTEST, PER_DECADE = 1e-4, 3.0, 20
 """Velocities between which an orifice's force is tabulated [m/s], and how densely: within 0.2 % of the power law."""
@@ -49,7 +50,8 @@ class RubberSpringTable(ElementTable, kind="rubber-spring"):
     def element(self, joint: Joint, axes: Axes) -> Element:
         at, series = axes.point(self.at_mm), self.series_stiffness_kN_per_m
         return Strut(
-            *joint, (at, at), AXIS[self.direction], 1e3 * self.stiffness_kN_per_m, 1e3 * (self.damping_kNs_per_m or 0.0),
+            *joint, (at, at), AXIS[self.direction], 1e3 * self.stiffness_kN_per_m,
+            1e3 * (self.damping_kNs_per_m or 0.0),
             series=None if series is None else 1e3 * series,
             slider=friction_part(self.friction_force_kN, self.friction_travel_mm),
         )  # fmt: skip
@@ -84,7 +86,8 @@ class AirSpringTable(ElementTable, kind="air-spring"):
         yield from together(raw, "friction_force_kN", "friction_travel_mm")
 
     def element(self, joint: Joint, axes: Axes) -> Element:
-        at, series, table = axes.point(self.at_mm), self.series_stiffness_kN_per_m, ()
+        at, series = axes.point(self.at_mm), self.series_stiffness_kN_per_m
+        table: Table = ()
         if self.orifice_damping is not None:
             table = orifice(1e3 * self.orifice_damping, self.orifice_exponent)
         return Strut(

@@ -8,8 +8,9 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from wrsim.inputs.values import Three, number
-from wrsim.vehicle.elements.element import ZERO, Array, Element, Tables, Triple
+from wrsim.vehicle.elements.element import ZERO, Array, Element, Triple
 from wrsim.vehicle.elements.keys import Axes, Damping, ElementTable, Glyph, Joint, Place, Stiffness, scaled
+from wrsim.vehicle.elements.tables import Tables
 
 BLUE = "#0072B2"
 

@@ -7,8 +7,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from wrsim.vehicle.elements.element import Array, Element, Table, Tables, Triple
+from wrsim.vehicle.elements.element import Array, Element, Triple
 from wrsim.vehicle.elements.slider import Slider
+from wrsim.vehicle.elements.tables import Table, Tables
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ class Strut(Element):
             velocity_of_force = tuple((force, velocity) for velocity, force in self.damper_table)
             row.damper_start, row.damper_rows = tables.store(velocity_of_force)
         if self.slider is not None:
-            self.slider.write(row, tables)
+            self.slider.write(row, tables, at_rest=abs(float(preload[0])))
 
 
 def both_ways(rows: Table) -> Table:

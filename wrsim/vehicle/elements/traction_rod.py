@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import number, positive
 from wrsim.vehicle.elements.keys import Axes, ElementTable, Glyph, Joint, Place
-from wrsim.vehicle.elements.strut import Strut
+from wrsim.vehicle.elements.strut import Strut, both_ways
 
 
 class TractionRodTable(ElementTable, kind="traction-rod"):
@@ -24,6 +24,8 @@ class TractionRodTable(ElementTable, kind="traction-rod"):
     """Stiffness along its line."""
     damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
     """Damping along its line."""
+    clearance_mm: Annotated[float, number(0, 1000, "mm")] = 0.0
+    """Play of its ends: how far its line shortens or grows without a force of its stiffness."""
 
     def consistency(self) -> Iterator[Fault]:
         """A rod has a length."""
@@ -32,4 +34,6 @@ class TractionRodTable(ElementTable, kind="traction-rod"):
 
     def element(self, joint: Joint, axes: Axes) -> Strut:
         ends = axes.point(self.body_mm), axes.point(self.to_mm)
-        return Strut(*joint, ends, None, 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m)
+        stiffness, play = 1e3 * self.stiffness_kN_per_m, 1e-3 * self.clearance_mm
+        table = both_ways(((play, 0.0), (play + 1.0, stiffness))) if play else ()
+        return Strut(*joint, ends, None, 0.0 if play else stiffness, 1e3 * self.damping_kNs_per_m, spring_table=table)
