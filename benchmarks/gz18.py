@@ -61,7 +61,7 @@ unit = "mm"
 heights = "down"
 field_side = "positive"
 """
-PROFILES = {"wheel": "wheel_profile_gz18_right.csv", "rail": "rail_profile_uic60_right.csv"}
+RAIL = "rail_profile_uic60_right.csv"
 
 
 def has_tables() -> bool:
@@ -69,18 +69,18 @@ def has_tables() -> bool:
     return TABLES.is_dir()
 
 
-def _profiles(folder: Path) -> dict[str, str]:
+def _profiles(folder: Path, car: str) -> dict[str, str]:
     """Profile files of wheel and rail, written to ``folder``."""
     found = {}
-    for body, file in PROFILES.items():
-        place = folder / f"{body}.toml"
+    for body, file in {"wheel": f"wheel_profile_{car}_right.csv", "rail": RAIL}.items():
+        place = folder / f"{car}_{body}.toml"
         place.write_text(PROFILE.format(name=f"{body} of the source", body=body, file=TABLES / file))
         found[body] = str(place)
     return found
 
 
-def scenario(folder: Path, line: str = "r300", values: Mapping[str, Any] | None = None) -> Scenario:
-    """The shipped scenario with the profiles of the source, on one of its lines; files go to ``folder``."""
+def scenario(folder: Path, line: str = "r300", values: Mapping[str, Any] | None = None, car: str = "gz18") -> Scenario:
+    """The shipped scenario of a car with the profiles of the source, on one of its lines; files go to ``folder``."""
     keys: dict[str, Any] = {
         "track.segments": [
             {"kind": "straight", "length_m": 50.0},
@@ -90,16 +90,16 @@ def scenario(folder: Path, line: str = "r300", values: Mapping[str, Any] | None 
             {"kind": "straight", "length_m": 450.0},
         ]
     }
-    files = _profiles(folder)
+    files = _profiles(folder, car)
     keys |= {"vehicle.wheel": files["wheel"], "track.rail": files["rail"]}
-    return load(ROOT / "scenarios" / "gz18_r300.toml").with_values(keys | dict(values or {}))
+    return load(ROOT / "scenarios" / f"{car}_r300.toml").with_values(keys | dict(values or {}))
 
 
 STEADY = """\
-title = "GZ18 in a steady curve"
+title = "{car} in a steady curve"
 analysis = "steady"
 [vehicle]
-model = "vehicles/gz18.toml"
+model = "vehicles/{car}.toml"
 wheel = "{wheel}"
 [track]
 gauge_mm = 1435
@@ -116,10 +116,10 @@ speed_kmh = 59.9
 """
 
 
-def steady(folder: Path, line: str = "r300", values: Mapping[str, Any] | None = None) -> Scenario:
-    """The car in the full curve of a line, at the speed that is left there in the source; files go to ``folder``."""
-    place = folder / f"{line}.toml"
-    place.write_text(STEADY.format(**_profiles(folder), radius=line[1:], cant=CANT_MM[line]))
+def steady(folder: Path, line: str = "r300", values: Mapping[str, Any] | None = None, car: str = "gz18") -> Scenario:
+    """A car in the full curve of a line, at the speed that is left there in the source; files go to ``folder``."""
+    place = folder / f"{car}_{line}.toml"
+    place.write_text(STEADY.format(**_profiles(folder, car), car=car, radius=line[1:], cant=CANT_MM[line]))
     return load(place).with_values(dict(values or {}))
 
 

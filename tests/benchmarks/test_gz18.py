@@ -12,8 +12,11 @@ from benchmarks.test_scoreboard import ROOT, script
 from support.hertz import COMPLIANCE, Ellipse
 
 from wrsim.analysis import run
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.steady.steady import steady_in_curve
 from wrsim.scenario.build import build
+from wrsim.simulation.statics import standing
 
 gz18 = script(ROOT / "benchmarks/gz18.py")
 theirs = script(ROOT / "benchmarks/gz18_contact_law.py")
@@ -91,3 +94,18 @@ def test_their_hertz_is_hertz():
         assert axes == pytest.approx([a, b], rel=1e-5)
         same = theirs.PLANE / COMPLIANCE.modulus  # the steel of either
         assert normal == pytest.approx(same * 2.0 / 3.0 * np.pi * a * b * ellipse.p0, rel=1e-5)
+
+
+# --- the light rail vehicle with independent wheels ---------------------------------------------------------
+
+
+@needs_tables
+def test_independent_wheels_of_the_source_roll_on_straight_track_as_it_says(tmp_path):
+    """49 287.489 N a wheel and 38.782287 rad/s at 60 km/h in its start state."""
+    setup = build(gz18.scenario(tmp_path, "r300", car="irw"))
+    assert standing(setup.vehicle).wheel_loads == pytest.approx(np.full((4, 2), 49287.489), rel=1e-6)
+    law = force_law(setup)
+    _, q_t = start_state(setup, law)
+    spins = q_t[6 * np.arange(4) + 5]
+    assert spins == pytest.approx(np.full(4, 38.782287), rel=5e-5)  # 20 um of the radius
+    assert q_t[list(law.twists.values())] == pytest.approx(np.zeros(4), abs=1e-6)

@@ -84,6 +84,18 @@ def test_an_arm_swings_on_its_bushing_at_its_natural_frequency() -> None:
     assert np.allclose(own, np.diag([about, about]) / INERTIA, rtol=1e-6, atol=1e-6 * about)
 
 
+def test_boxes_held_together_pitch_as_the_two_halves_of_an_axle_bridge() -> None:
+    """A stiffness k between both adds k (a_left - a_right) to the moment on each, of opposite signs."""
+    k = 2e5
+    bridge = Spring("bridge", "spring", "box left", "box right", AXLE, turning_stiffness=(0.0, k, 0.0))
+    found = []
+    for vehicle in (on_arms(), on_arms(bridge)):
+        law = on_springs(vehicle)
+        n = 6 * len(law.bodies)
+        found.append(linearise(law, law.bodies, *design_state(law)).stiffness[n:, n:])
+    assert INERTIA * (found[1] - found[0]) == pytest.approx(k * np.array([[1.0, -1.0], [-1.0, 1.0]]), rel=1e-6)
+
+
 def test_forces_on_arms_have_a_potential_at_any_displacement() -> None:
     """Derivatives of the generalised forces are symmetric; a box turns with its pitch and with the heading."""
     more = [spring(f"box {s}", (0.1, 0.0, 0.6), "spring", stiffness=(1e5, 2e5, 3e5)) for s in ("left", "right")]

@@ -147,7 +147,7 @@ class Assembly:
         """Full name of a body seen from a part; boxes: it may be a pair of axle boxes; frames: or one of these."""
         if name in frames:
             return name
-        known = [*self.bodies, *self.wheelsets, *(self.boxes if boxes else ())]
+        known = [*self.bodies, *self.wheelsets, *((*self.boxes, *self._single_boxes) if boxes else ())]
         around = place.prefix.split(".")[:-1]
         for depth in range(len(around), -1, -1):
             if (full := ".".join((*around[:depth], name))) in known:
@@ -156,10 +156,15 @@ class Assembly:
         words = f"is no body; there is {', '.join(dict.fromkeys((*seen, *frames)))}"
         raise self._fault(path, words + suggest(name, seen), name)
 
+    @property
+    def _single_boxes(self) -> dict[str, str]:
+        """Wheelsets of single axle boxes by their full names."""
+        return {f"{pair} {side}": carrier for pair, carrier in self.boxes.items() for side in ("left", "right")}
+
     def _centre(self, name: str) -> Triple:
         if name == TRACK:
             return ZERO
-        name = self.boxes.get(name, name)
+        name = self.boxes.get(name) or self._single_boxes.get(name, name)
         return self.bodies[name].centre if name in self.bodies else self.wheelsets[name].centre
 
     def _repeated(self, table: ElementTable, path: KeyPath, place: _Place) -> Iterator[Element]:
