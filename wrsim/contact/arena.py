@@ -27,6 +27,11 @@ class Arena:
         return Arena(self.buffer, self.index[first : first + count], self.views[first : first + count])
 
 
+def room(array: NDArray[Any]) -> int:
+    """How many numbers of a buffer an array takes."""
+    return -(-array.nbytes // 8 // ALIGNMENT) * ALIGNMENT
+
+
 def pack(arrays: Sequence[NDArray[Any]]) -> Arena:
     """Copy arrays of one to three dimensions, or of one or two with records, into a new arena.
 
@@ -42,7 +47,7 @@ def pack(arrays: Sequence[NDArray[Any]]) -> Arena:
             row[0] = places[id(array)]
             continue
         row[0] = places[id(array)] = end
-        end += -(-array.nbytes // 8 // ALIGNMENT) * ALIGNMENT
+        end += room(array)
     buffer = np.zeros(end)
     views = []
     for row, array in zip(index, arrays, strict=True):

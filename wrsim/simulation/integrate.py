@@ -332,7 +332,7 @@ def _run_segment(after: _AfterStep, end: int, integrator: Integrator, tolerance:
         try:
             after.system.solve(
                 after.last_q, after.last_q_t, after.start, after.step, end - k, after.after_step,
-                first=k, integrator=integrator, tolerance=tolerance,
+                first=k, integrator=integrator, tolerance=tolerance, loosest=LOOSE * tolerance,
             )  # fmt: skip
         except SimulationError:
             if integrator == "rk44":

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.arena import Arena, pack
+from wrsim.contact.arena import Arena, pack, room
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.core.body import axle_boxes as box_kernel
@@ -126,11 +126,17 @@ class VehicleOnTrack:
         # tables are only read, and those of a rail that changes along the track are large
         fixed = {wheel_kernel.IN_CONTACT + k for k in TABLES_OF_A_WHEEL} | {wheel_kernel.RAIL}
         first, count = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
-        self._changing = [
-            view
-            for i, view in enumerate(views)
-            if i != vehicle_forces.CENTRE and (i < first or (i - first) % count not in fixed)
-        ]
+        stretches: list[list[int]] = []
+        for i, view in enumerate(views):
+            if i == vehicle_forces.CENTRE or (i >= first and (i - first) % count in fixed):
+                continue
+            begin = int(self.arena.index[i, 0])
+            end = begin + room(view)
+            if stretches and stretches[-1][1] == begin:
+                stretches[-1][1] = end
+            else:
+                stretches.append([begin, end])
+        self._changing = [self.arena.buffer[begin:end] for begin, end in stretches]
         of_wheels = [self.arena.part(place, count) for place in range(first, len(views), count)]
         self._records_of_wheels = [part.views[wheel_kernel.OWN][0] for part in of_wheels]
         self.wheels: tuple[tuple[WheelOnRail, ...], ...] = tuple(
@@ -146,13 +152,19 @@ class VehicleOnTrack:
         self.forces(t, q, q_t, out)
         self._asked_at, self._asked[0], self._asked[1] = t, q, q_t
 
-    def at(self, t: float, q: Array, q_t: Array) -> None:
+    def at(self, t: float, q: Array, q_t: Array, within: float = 0.0) -> None:
         """Make the contacts and everything else that the law keeps those of this state.
 
-        Nothing is computed where the law has been asked for this very state last.
+        Nothing is computed where the law has been asked last for this time and for this very state, or for one whose
+        positions differ from it by no more than ``within`` [m, rad].
         """
-        if self._asked_at != t or not np.array_equal(self._asked[0], q) or not np.array_equal(self._asked[1], q_t):
-            self(t, q, q_t, np.zeros(self.size))
+        if self._asked_at == t:
+            if np.array_equal(self._asked[0], q) and np.array_equal(self._asked[1], q_t):
+                return
+            bodies = 6 * len(self.bodies)
+            if within > 0.0 and np.abs(self._asked[0, :bodies] - q[:bodies]).max() <= within:
+                return
+        self(t, q, q_t, np.zeros(self.size))
 
     def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
         """What a call computes. What the contacts have to say stands in their models (`wrsim.contact.status`)."""
@@ -192,11 +204,13 @@ class VehicleOnTrack:
     def undisturbed(self) -> Iterator[None]:
         """See ``HasBlocks``."""
         before = [view.copy() for view in self._changing]
+        asked, at = self._asked.copy(), self._asked_at
         try:
             yield
         finally:
             for view, kept in zip(self._changing, before, strict=True):
                 view[...] = kept
+            self._asked[:], self._asked_at = asked, at
 
     def elements_of_contacts(self) -> list[list[list[ElementField]]]:
         """Elements of the patches of every wheel at the state asked for last, where the contact model has any."""

@@ -44,6 +44,15 @@ TREND = 0.5
 """Part of the last change of the accelerations that is taken to go on in the next step. Tried 0, 0.5 and 1, coach with
 strips at 2 ms over a dip: 0.63, 0.44, 0.25 % of the largest Y are left; into a curve: 78, 78, 125 Jacobians."""
 
+NEAR, UNSEEN, FORGET = 30.0, 8, 0.9
+"""Forces are foretold, not computed, where what should be left is within the tolerance and their change, also that
+since the last step, is no more than so many tolerances; at most in so many steps one after the other. What was left in
+a step counts as this part of it in the next."""
+
+MOST_ASTRAY = 2
+"""New Jacobians in a step that foretell less than half of what happens, before the method ends where it is, or fails.
+"""
+
 SPAN = 1 << 20
 """Steps that Exudyn is asked for at once; it is stopped after half of them, or sooner."""
 
@@ -111,6 +120,7 @@ class System:
         self.size = 6 * len(self.bodies) + dampers
         self.work = Work()
         self._error: BaseException | None = None
+        self._newton: _Newton | None = None
         self._clock = (0.0, 1.0, 0)
         """Start [s], half a step [s], half steps done before Exudyn's time 0."""
         with _silence():
@@ -166,12 +176,17 @@ class System:
 
         def force(mbs: object, t: float, item: int, q: object, q_t: object) -> Array:
             system = cast(System, reference())
+            newton = system._newton
+            if newton is not None and newton.foretells(out):
+                return out
             system.work.evaluations += 1
             try:
                 system.forces(system._time(t), system.q, system.q_t, out)
                 bad = first_not_finite(out, out)
                 if bad >= 0:
                     raise NotFinite(bad, system._time(t))
+                if newton is not None:
+                    newton.learn(out)
             except BaseException as error:
                 system._error = error
                 raise
@@ -187,8 +202,10 @@ class System:
             system = cast(System, reference())
             system.work.jacobians += 1
             try:
-                count = len(system.bodies)
-                return -force_derivative(system.forces, system.q, system.q_t, count, system._time(t), by_q, by_q_t)
+                count, at = len(system.bodies), system._time(t)
+                found = force_derivative(system.forces, system.q, system.q_t, count, at, by_q, by_q_t, central=False)
+                cast(_Newton, system._newton).take(found, by_q)
+                return -found
             except BaseException as error:
                 system._error = error
                 raise
@@ -206,6 +223,7 @@ class System:
         first: int = 0,
         integrator: Integrator = "rk44",
         tolerance: float = 1e-3,
+        loosest: float | None = None,
     ) -> None:
         """Integrate ``steps`` steps from the state (q, q_t), which is that after ``first`` steps.
 
@@ -216,9 +234,12 @@ class System:
 
         ``after_step(t)`` runs after every step (``q`` and ``q_t`` then hold the new state), and once at the
         start; False ends the run. What it or the force law raises comes through. Exudyn does not look at the
-        numbers: check them in ``after_step``. tolerance: norm of the forces left over [N] with which Newton's method
-        ends; it raises ``NotSolved`` when it does not get there. RK44 does not compute accelerations anew at the end of
-        a step, so a step costs four evaluations of the force law.
+        numbers: check them in ``after_step``. RK44 does not compute accelerations anew at the end of a step, so a step
+        costs four evaluations of the force law.
+
+        tolerance: norm of the forces left over [N] with which Newton's method ends; it raises ``NotSolved`` when it
+        does not get there. loosest: where it gets no further; then it may also foretell forces (``_Newton``), by
+        default it computes all of them.
         """
         data = self._mbs.systemData
         initial = exudyn.ConfigurationType.Initial
@@ -228,12 +249,13 @@ class System:
         half = 0.5 * step
         going = True
         done = last = 0
-        guess = _Guess(self, step)
+        newton = self._newton = _Newton(self, step, tolerance, loosest) if implicit else None
 
         def post_step(mbs: object, t: float) -> bool:
             nonlocal going, done
             done = round(t / step)
-            guess.keep()
+            if newton is not None:
+                newton.keep()
             try:
                 going = after_step(start + (first + done) * step)
             except BaseException as error:
@@ -244,8 +266,8 @@ class System:
         self._error = None
         with _silence():
             self._mbs.SetPostStepUserFunction(post_step)
-            if implicit:
-                self._mbs.SetPreNewtonResidualUserFunction(guess)
+            if newton is not None:
+                self._mbs.SetPreNewtonResidualUserFunction(newton)
             try:
                 while going and steps > 0 and self._error is None:
                     data.SetODE2Coordinates(list(map(float, q)), initial)
@@ -262,6 +284,7 @@ class System:
                         raise
                     raise NotSolved("Newton's method does not find the end of a time step") from None
             finally:
+                self._newton = None
                 self._mbs.SetPostStepUserFunction(0)  # type: ignore[arg-type]
                 self._mbs.SetPreNewtonResidualUserFunction(0)  # type: ignore[arg-type]
         if self._error is not None:  # the module that checks ranges wraps it in an error of its own
@@ -269,16 +292,24 @@ class System:
             raise error
 
 
-class _Guess:
-    """Lets Newton's method start a step from the accelerations of the last one and a part of their trend; Exudyn starts
-    from none.
+class _Newton:
+    """Newton's method within a call of ``System.solve``: its first guess, its last answer, and when it gives up.
 
-    Without the trend, what the method does not finish lies on the same side step after step. A user function that is
-    called before every residual. q, q_t and q_tt then change together, as they do in an iteration (Arnold and Bruls,
-    algorithm 1).
+    First guess: a step starts from the accelerations of the last one and a part of their trend; Exudyn starts from
+    none. Without the trend, what the method does not finish lies on the same side step after step. This is a user
+    function that is called before every residual. q, q_t and q_tt then change together, as they do in an iteration
+    (Arnold and Bruls, algorithm 1).
+
+    Last answer: the forces after an iteration differ from those that the Jacobian foretells by a part of the change
+    that it foretells (``ratio``), which shows wherever they are computed. Where the difference is sure to be within the
+    tolerance they are not computed: what is foretold ends the iteration (the test of Hairer and Wanner, Solving
+    Ordinary Differential Equations II, IV.8).
+
+    Giving up: where new Jacobians foretell nothing, the force jumps, and iterations lead nowhere.
     """
 
-    def __init__(self, system: System, step: float) -> None:
+    def __init__(self, system: System, step: float, tolerance: float, loosest: float | None) -> None:
+        """tolerance, loosest: see ``System.solve``."""
         rho = SPECTRAL_RADIUS
         alpha_m, alpha_f = (2.0 * rho - 1.0) / (rho + 1.0), rho / (rho + 1.0)
         gamma = 0.5 + alpha_f - alpha_m
@@ -287,7 +318,19 @@ class _Guess:
         self.system, self.q_of_q_tt = system, of_acceleration
         self.q_t_of_q_tt = of_acceleration * gamma / (step * beta)
         self.last, self.ahead = np.zeros((2, system.size))
-        self.steps = 0
+        self.tolerance, self.may_foretell = tolerance, loosest is not None
+        self.loosest = tolerance if loosest is None else loosest
+        self.steps, self.iteration = 0, -1
+        self.jacobian: Array | None = None
+        self.at, self.forces, self.change = np.zeros((3, system.size))
+        """State of the last forces that were computed, these, and their change since by the Jacobian."""
+        self.size = self.left = self.moved = np.inf
+        """Norms [N]: of that change, of what the last one has left of the forces, and of their change since the last
+        step."""
+        self.ratio, self.unseen = np.inf, 0
+        """The largest part that was left of late, and for how many steps it has not been looked at."""
+        self.new, self.astray = False, 0
+        """Whether the Jacobian is of this step, and how often it has foretold nothing."""
 
     def keep(self) -> None:
         """Take note of the accelerations at the end of a step."""
@@ -297,11 +340,52 @@ class _Guess:
         self.steps += 1
 
     def __call__(self, mbs: object, t: float, iteration: int, repetition: int) -> None:
+        self.iteration = iteration
         if iteration == 0:
             system = self.system
             system.q_tt += self.ahead
             system.q_t += self.q_t_of_q_tt * self.ahead
             system.q += self.q_of_q_tt * self.ahead
+            self.new, self.astray = False, 0
+
+    def take(self, derivative: Array, by_q: float) -> None:
+        """A Jacobian has been computed: derivative of the forces for a change of q by ``by_q``."""
+        self.jacobian = derivative / by_q
+        self.ratio, self.new = np.inf, True
+
+    def foretells(self, out: Array) -> bool:
+        """Fill ``out`` with the forces that the Jacobian foretells and return True, if that ends the iteration."""
+        if self.iteration < 1 or self.jacobian is None:
+            return False
+        np.dot(self.jacobian, self.system.q - self.at, out=self.change)
+        self.size = float(np.linalg.norm(self.change))
+        if not self.may_foretell:
+            return False
+        stuck = self.astray >= MOST_ASTRAY and self.left <= self.loosest
+        calm = max(self.size, self.moved if self.iteration == 1 else 0.0) <= NEAR * self.tolerance
+        close = self.ratio <= CONTRACTION and self.ratio * self.size <= self.tolerance
+        sure = calm and close and self.unseen < UNSEEN
+        if not (stuck or sure):
+            return False
+        self.unseen += 1
+        np.add(self.forces, self.change, out=out)
+        return True
+
+    def learn(self, forces: Array) -> None:
+        """Forces have been computed. Raises NotSolved where the method leads nowhere."""
+        if self.iteration >= 1 and self.jacobian is not None:
+            self.left = float(np.linalg.norm(forces - self.forces - self.change))
+            ratio = self.left / max(self.size, 1e-300)
+            forgotten = 0.0 if self.iteration > 1 or not np.isfinite(self.ratio) else FORGET * self.ratio
+            self.ratio, self.unseen = max(ratio, forgotten), 0
+            if self.new and ratio > CONTRACTION:
+                self.astray += 1
+                if self.astray > MOST_ASTRAY and self.left > self.loosest:
+                    raise NotSolved("Newton's method does not find the end of a time step")
+        elif self.iteration == 0:
+            self.moved = float(np.linalg.norm(forces - self.forces))
+        self.forces[:] = forces
+        self.at[:] = self.system.q
 
 
 def _settings(step: float, tolerance: float) -> exudyn.SimulationSettings:

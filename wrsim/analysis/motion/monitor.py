@@ -39,6 +39,10 @@ LIFT_TIME = 0.05
 INTERVAL = 5e-3
 """Longest time between two looks [s]; ..."""
 
+WITHIN = 1e-6
+"""Change of the positions [m, rad] in the last iteration of a step within which a look takes the contacts as they were
+computed before it."""
+
 STRETCH = 0.25
 """... and the longest way [m]. Independent of the samples that are kept."""
 
@@ -92,7 +96,7 @@ class Monitor:
 
     def look(self, t: float, q: Array, q_t: Array) -> OffRail | Overlap | None:
         """What ends the run, if anything; notes what else there is."""
-        self.law.at(t, q, q_t)
+        self.law.at(t, q, q_t, WITHIN)
         distance = self.law.distance
         ending: OffRail | Overlap | None = None
         too_deep = 0
