@@ -129,8 +129,10 @@ def rendered(figure: Figure, vector: bool = False) -> bytes:
             # matplotlib draws a figure twice to lay it out; once is enough
             layout.execute(figure)
             figure.set_layout_engine("none")
-        metadata = {"Date": None} if vector else {"Software": None}
-        figure.savefig(stream, format="svg" if vector else "png", metadata=metadata)
+        if vector:
+            figure.savefig(stream, format="svg", metadata={"Date": None})
+        else:  # a twelfth more bytes than at the usual level, a sixth less time
+            figure.savefig(stream, format="png", metadata={"Software": None}, pil_kwargs={"compress_level": 3})
     return stream.getvalue()
 
 
