@@ -14,6 +14,7 @@ import json
 import sys
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -21,10 +22,9 @@ import numpy as np
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from support.crossings import crossing  # noqa: E402
+from support.crossings import write_crossing  # noqa: E402
 
 from wrsim.analysis import run  # noqa: E402
-from wrsim.geometry.track.rail_surface import RailSection, RailSurface  # noqa: E402
 from wrsim.scenario.build import build  # noqa: E402
 from wrsim.scenario.loading import load  # noqa: E402
 
@@ -32,22 +32,16 @@ PLACE = 25.0  # of the crossing's origin along the track [m]
 LEADING = 10.78  # of the coach's leading wheelset ahead of its origin [m]
 STRETCH = (-0.7, 1.0)  # of it that is laid [m]
 AFTER = 2.0  # way on which the peak is looked for [m]
-SIDE = 3.6e-3  # the crossing's origin lies 750 mm from the middle of the track, that of 60E1 farther out [m]
+SIDE = 3.6  # [mm] the crossing's origin lies 750 mm from the middle of the track, that of 60E1 farther out
 
 
-def laid() -> RailSurface:
-    """The crossing in a track of gauge 1435 mm."""
-    own = crossing(*STRETCH)
-    moved = (RailSection(s.distance + PLACE, s.profile.shifted(-SIDE, 0.0), s.features) for s in own.sections)
-    return RailSurface(own.name, tuple(moved))
-
-
-def peak(speed: float, divisor: int) -> dict[str, Any]:
+def peak(table: Path, speed: float, divisor: int) -> dict[str, Any]:
     """Largest force of the leading right wheel behind the nose's tip, step and evaluations."""
     values: dict[str, Any] = {
         "vehicle.speed_kmh": speed,
         "track.segments": [{"kind": "straight", "length_m": 60.0}],
         "track.inclination": "none",
+        "track.rail_sections": [{"at_m": PLACE, "table": str(table), "side": "right", "outward_mm": -SIDE}],
         "run.start_distance_m": PLACE - 2.0 - LEADING,
         "run.distance_m": 2.0 + AFTER,
         "run.output_interval_ms": 0.5,
@@ -55,7 +49,6 @@ def peak(speed: float, divisor: int) -> dict[str, Any]:
     }
     scenario = load(ROOT / "scenarios" / "manchester_r300.toml").with_values(values)
     setup = build(scenario)
-    setup = replace(setup, surfaces=(None, laid()))
     if divisor > 1:
         first = run(scenario, setup=replace(setup, plan=replace(setup.plan, duration=setup.plan.output_interval)))
         setup = replace(setup, plan=replace(setup.plan, step=float(first.dataset.attrs["step_s"]) / divisor))
@@ -83,9 +76,12 @@ def main() -> None:
     options.add_argument("--json", action="store_true")
     asked = options.parse_args()
     rows = []
+    folder = TemporaryDirectory()
+    table = Path(folder.name) / "crossing.csv"
+    write_crossing(table, *STRETCH)
     for speed in asked.speeds:
         for divisor in asked.steps:
-            row = peak(speed, divisor)
+            row = peak(table, speed, divisor)
             rows.append(row)
             if not asked.json:
                 print(

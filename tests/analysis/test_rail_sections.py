@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from support.runs import FAST, SCENARIOS
 
 from wrsim.analysis import run
 from wrsim.errors import InputError
+from wrsim.geometry.profile.models import load_profile
+from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
@@ -43,6 +47,67 @@ def test_sections_are_drawn_as_they_are_at_each_moment(lowered: Result) -> None:
     assert heights[-1] - heights[0] == pytest.approx(-2e-3, abs=1e-5)
 
 
+def table(path: Path, heights: dict[float, float], features: str = "1 2") -> Path:
+    """Points of a new rail, a quarter of a millimetre apart, at places [m] moved up [mm]; features on its top."""
+    rail = load_profile(shipped_models() / NEW)
+    arc = np.linspace(0.0, rail.length, round(rail.length / 0.25e-3))
+    u, w = (1e3 * a for a in rail.at(arc))
+    marks = [""] * arc.size
+    marks[int(w.argmax())] = features
+    rows = [
+        f"{at:g},{y:.9f},{z:.9f},{mark}"
+        for at, up in heights.items()
+        for y, z, mark in zip(u, w + up, marks, strict=True)
+    ]
+    path.write_text("\n".join(["at_m,outward_mm,up_mm,feature", *rows]))
+    return path
+
+
+def test_a_table_of_sections_is_the_rail_of_its_files(tmp_path: Path) -> None:
+    """Sections of one table lie where those of single files do, corner on corner."""
+    file = str(table(tmp_path / "rail.csv", {-1.0: 0.0, 0.5: -1.0, 2.0: -2.0}))
+    single = [section(4.0), section(5.5, down_mm=1.0), section(7.0, down_mm=2.0)]
+    scenario = load(SCENARIOS / "rail_states.toml")
+    whole, one = (
+        build(scenario.with_values({"track.rail_sections": own, "track.inclination": "none"})).surfaces[1]
+        for own in (single, [{"at_m": 5.0, "table": file}])
+    )
+    assert whole is not None and one is not None
+    assert [own.distance for own in one.sections] == pytest.approx([4.0, 5.5, 7.0])
+    for ours, theirs in zip(one.sections, whole.sections, strict=True):
+        assert ours.features[0] == ours.features[1] == pytest.approx(ours.profile.top_arclength, abs=0.25e-3)
+        arc = np.linspace(0.0, theirs.profile.length, 500)
+        away = np.array(ours.profile.at(arc)) - np.array(theirs.profile.at(arc))
+        assert np.abs(away).max() < 2e-6  # a spline over arcs and lines that meet with a jump of curvature
+
+
+TABLE_FAULTS = [
+    ("1 x", 'feature = "1 x": must be numbers of features'),
+    ("at_m,outward,up_mm\n0,1,2", "did you mean 'outward_mm'?"),
+    ("at_m,outward_mm,up_mm\n0,1,2\n0,2,2", "2 different points; a profile needs at least 10"),
+    ({0.0: 0.0, 50.0: 0.0}, "its section at 50 m lies at 55 m: it must be on the track, which is 40 m long"),
+    ({0.0: 0.0, -1.0: 0.0}, "at_m = -1: must be more than 0 of the section before"),
+    ({0.0: 0.0}, "has 1 sections; at least 2 are needed"),
+    ("1 1", "feature 1 stands there twice in this section"),
+    ("1 3", "feature 2 is missing in the section that begins here"),
+]
+
+
+@pytest.mark.parametrize(("content", "message"), TABLE_FAULTS, ids=[message[:30] for _, message in TABLE_FAULTS])
+def test_a_fault_in_a_table_names_its_line(content: str | dict[float, float], message: str, tmp_path: Path) -> None:
+    file = tmp_path / "rail.csv"
+    if isinstance(content, dict):
+        table(file, content)
+    elif "," in content:
+        file.write_text(content)
+    else:
+        table(file, {0.0: 0.0, 1.0: 0.0}, content)
+    values = {"track.rail_sections": [{"at_m": 5.0, "table": str(file)}]}
+    with pytest.raises(InputError) as caught:
+        build(load(SCENARIOS / "rail_states.toml").with_values(values))
+    assert message in str(caught.value)
+
+
 FAULTS: list[tuple[dict[str, Any], str]] = [
     ({"track.rail_sections": [section(5.0)]}, "is the only one of its rail; at least 2 are needed"),
     ({"track.rail_sections": [section(5.0), section(4.0)]}, "must be more than 5, where its rail"),
@@ -55,6 +120,8 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
         {"track.rail_sections": [section(5.0, features_mm=[0.5]), *(section(s, features_mm=[0]) for s in (6.0, 7.0))]},
         "is there in 1 sections; it must be there in two or more that follow each other",
     ),
+    ({"track.rail_sections": [{"at_m": 5.0}, section(6.0)]}, "or give table"),
+    ({"track.rail_sections": [section(5.0, table="a.csv"), section(6.0)]}, "cannot stand next to rail"),
     ({"contact.normal": "half-space"}, "knows no rail that changes along the track"),
     ({"analysis": "equilibrium"}, 'analysis = "equilibrium" knows one profile of each rail'),
 ]

@@ -5,19 +5,20 @@ from __future__ import annotations
 import csv
 import gzip
 from functools import cache
-from itertools import groupby
+from itertools import groupby, pairwise
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from wrsim.geometry.profile.points import profile_from_curve
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
+from wrsim.geometry.track.section_table import read_sections
 
 CROSSING = Path(__file__).parents[3] / "shared" / "reference" / "crossing_56e1"
-NOSE_DEPTH = -0.03  # [m]
+NOSE_DEPTH = -30.0  # [mm]
 
 
 def lifted(rail: Profile, places: NDArray[np.float64], heights: NDArray[np.float64]) -> RailSurface:
@@ -32,34 +33,56 @@ def lifted(rail: Profile, places: NDArray[np.float64], heights: NDArray[np.float
 def crossing(start: float, end: float) -> RailSurface:
     """The sections of the crossing between two places [m]; features: edges of the nose, foot of the gap, wing's
     corner."""
+    with TemporaryDirectory() as folder:
+        table = Path(folder) / "crossing.csv"
+        write_crossing(table, start, end)
+        return RailSurface("56E1 crossing", tuple(read_sections(table)))
+
+
+def write_crossing(path: Path, start: float, end: float) -> None:
+    """The same as a table of sections for [[track.rail_sections]]; the gauge face is that of the reference, whose
+    origin lies 750 mm from the middle of its track."""
     with gzip.open(CROSSING / "sections.csv.gz", "rt") as file:
         rows = [
-            (float(r["position_m"]), float(r["y_mm"]), float(r["z_mm"]))
+            (float(r["position_m"]), float(r["y_mm"]), -float(r["z_mm"]))
             for r in csv.DictReader(line for line in file if not line.startswith("#"))
             if r["part"] == "crossing"
         ]
-    sections = []
+    lines = ["at_m,outward_mm,up_mm,feature"]
     for place, points in groupby(rows, key=lambda row: row[0]):
         if start <= place <= end:
-            p = 1e-3 * np.array([(y, -z) for _s, y, z in points])
-            p = p[np.append(True, np.hypot(*np.diff(p, axis=0).T) > 1e-5)]
-            sections.append(_section(place, p))
-    return RailSurface("56E1 crossing", tuple(sections))
+            p = np.array([(y, z) for _s, y, z in points])
+            p = p[np.append(True, np.hypot(*np.diff(p, axis=0).T) > 1e-2)]
+            arc, features = _features(p)
+            marks = {a: " ".join(str(k) for k, f in enumerate(features, 1) if f == a) for a in features}
+            # a feature that lies within reach of a point takes it along
+            places = np.array([*(a for a in arc if np.abs(np.array(features) - a).min() > 0.05), *marks])
+            places.sort()
+            curve = CubicSpline(arc, p)
+            lines += [
+                f"{place!r},{y:.9f},{z:.9f},{marks.get(a, '')}" for a, (y, z) in zip(places, curve(places), strict=True)
+            ]
+    path.write_text("\n".join(lines) + "\n")
 
 
-def _section(place: float, points: NDArray[np.float64]) -> RailSection:
-    """A section with its features: a nose is there where the outline has a deep place between its ends."""
-    arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-    profile = profile_from_curve(CubicSpline(arc, points), arc, f"section at {place:g} m", "rail", "")
-    u, w, angle = profile.u, profile.w, np.degrees(profile.angle)
-    inner = (u > u.min() + 0.01) & (u < u.max() - 0.02)
+def _features(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], tuple[float, ...]]:
+    """Arclengths of the points of a section, and of its features [mm]: a nose is there where the outline has a deep
+    place between its ends."""
+    knots = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    curve = CubicSpline(knots, points)
+    arc = np.concatenate(
+        [np.linspace(a, b, int(np.ceil(10 * (b - a))), endpoint=False) for a, b in pairwise(knots)] + [knots[-1:]]
+    )
+    (u, w), along = curve(arc).T, curve(arc, 1)
+    angle = np.degrees(np.unwrap(np.arctan2(along[:, 1], along[:, 0])))
+    inner = (u > u.min() + 10.0) & (u < u.max() - 20.0)
     foot = int(np.flatnonzero(inner)[np.argmin(w[inner])])
-    nose = w[foot] < w[:foot].max(initial=-1.0) - 0.02
+    nose = w[foot] < w[:foot].max(initial=-1e3) - 20.0
     foot = foot if nose else 0
-    corner = foot + int(np.flatnonzero((angle[foot:] < 45.0) & (w[foot:] > -0.02))[0])
+    corner = foot + int(np.flatnonzero((angle[foot:] < 45.0) & (w[foot:] > -20.0))[0])
     edges = [0, 0]
     if nose:
         left = int(np.flatnonzero(angle[:foot] < 20.0)[0])
         right = int(np.flatnonzero((angle[:foot] > -45.0) & (w[:foot] > NOSE_DEPTH))[-1])
         edges = [left, right]
-    return RailSection(place, profile, tuple(float(profile.arclength[i]) for i in (*edges, foot, corner)))
+    return knots, tuple(float(arc[i]) for i in (*edges, foot, corner))

@@ -18,6 +18,7 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
+from wrsim.geometry.track.section_table import read_sections
 from wrsim.geometry.track.track import Track
 from wrsim.inputs.toml_files import noting_reads, read_bytes
 from wrsim.register import ANALYSES, resolved
@@ -193,26 +194,37 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
 
 def _surfaces(scenario: Scenario, track: Track, files: list[Path]) -> tuple[RailSurface | None, RailSurface | None]:
     """Rails that change along the track; their sections stand at distances along the rail itself."""
-    section = scenario.spec.track
     found: list[RailSurface | None] = []
+    read = [_rail_sections(scenario, i, files) for i in range(len(scenario.spec.track.rail_sections))]
     for side, curve in zip(SIDES, (track.left_curve, track.right_curve), strict=True):
         own = []
-        for i, each in enumerate(section.rail_sections):
-            if each.side not in (side, "both"):
-                continue
-            key = ("track", "rail_sections", i)
-            if each.at_m > track.length:
-                raise scenario.fault((*key, "at_m"), f"must be on the track, which is {track.length:g} m long")
-            files.append(scenario.find((*key, "rail"), each.rail))
-            with scenario.naming((*key, "rail")):
-                profile = load_profile(files[-1], "rail").inclined(section.inclination)
-            placed = profile.shifted(each.outward_mm / 1e3, -each.down_mm / 1e3)
-            features = tuple(f / 1e3 for f in each.features_mm)
-            with scenario.naming((*key, "features_mm")):
-                own.append(RailSection(float(curve.arclength(each.at_m)), placed, features))
+        for i, each in enumerate(scenario.spec.track.rail_sections):
+            for one in read[i] if each.side in (side, "both") else ():
+                place = each.at_m + one.distance
+                if not 0.0 <= place <= track.length:
+                    which = "" if each.table is None else f"its section at {one.distance:g} m lies at {place:g} m: it "
+                    message = f"{which}must be on the track, which is {track.length:g} m long"
+                    raise scenario.fault(("track", "rail_sections", i, "at_m"), message)
+                own.append(replace(one, distance=float(curve.arclength(place))))
         with scenario.naming(("track", "rail_sections")):
             found.append(RailSurface(f"{side} rail", tuple(own)) if own else None)
     return found[0], found[1]
+
+
+def _rail_sections(scenario: Scenario, i: int, files: list[Path]) -> list[RailSection]:
+    """What an entry of [[track.rail_sections]] names, laid as it says; distances count from its at_m."""
+    entry, inclination = scenario.spec.track.rail_sections[i], scenario.spec.track.inclination
+    kind, name = ("rail", entry.rail) if entry.table is None else ("table", entry.table)
+    key = ("track", "rail_sections", i, kind)
+    files.append(scenario.find(key, name or ""))
+    with scenario.naming(key):
+        if entry.table is None:
+            features = tuple(f / 1e3 for f in entry.features_mm)
+            read = [RailSection(0.0, load_profile(files[-1], "rail"), features)]
+        else:
+            read = read_sections(files[-1], bool(entry.measured))
+        shift = entry.outward_mm / 1e3, -entry.down_mm / 1e3
+        return [replace(one, profile=one.profile.inclined(inclination).shifted(*shift)) for one in read]
 
 
 def _check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track) -> None:

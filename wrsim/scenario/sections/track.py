@@ -161,7 +161,8 @@ class RailSectionSection(Section):
 
     Before the first and behind the last one the rail stays as it is there. features_mm: arclengths from the first point
     of the profile of places that belong together in all sections, such as corners. A part between two of them that has
-    no length in a section does not exist there. down_mm, outward_mm: the profile is moved.
+    no length in a section does not exist there. down_mm, outward_mm: the profile is moved. table: many sections from
+    one file, in place of rail and features_mm.
     """
 
     header: ClassVar[str] = "[[track.rail_sections]]"
@@ -172,9 +173,13 @@ class RailSectionSection(Section):
     }
 
     at_m: Annotated[float, number(0, 1e6, "m along the track")]
-    """Where along the track the rail has this section."""
-    rail: RailName
+    """Where along the track the rail has this section; where the distances of a table begin to count."""
+    rail: RailName | None = None
     """Profile of the rail there."""
+    table: Annotated[str, text('a CSV file of sections such as "crossing.csv"')] | None = None
+    """CSV file of the points of many sections: columns at_m, outward_mm, up_mm, feature."""
+    measured: bool | None = None
+    """The points of the table are smoothed (true) or interpolated (false, the default)."""
     side: Literal["left", "right", "both"] = "both"
     """Which rail has it."""
     features_mm: List[Annotated[float, number(0, 1000)]] = ()
@@ -183,6 +188,18 @@ class RailSectionSection(Section):
     """How far the profile lies lower than that of a plain rail."""
     outward_mm: Annotated[float, number(-100, 100)] = 0.0
     """How far the profile lies further away from the track centre than that of a plain rail."""
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """One profile or a table of them."""
+        if "rail" in raw and "table" in raw:
+            yield Fault("table", "cannot stand next to rail: give one of them")
+        elif "rail" not in raw and "table" not in raw:
+            yield Fault("rail", f"is missing; it must be {words(RailName)}; or give table")
+        if "table" in raw and "features_mm" in raw:
+            yield Fault("features_mm", "cannot stand next to table: its column feature says them")
+        if "measured" in raw and "table" not in raw:
+            yield Fault("measured", "belongs to a table; a profile file of kind points says it itself")
 
 
 class ElasticitySection(Section):
@@ -288,7 +305,7 @@ class TrackSection(Section):
         said: set[int] = set()
         for side in ("left", "right"):
             own = [(i, s) for i, s in enumerate(self.rail_sections) if s.side in (side, "both")]
-            if len(own) == 1 and own[0][0] not in said:
+            if len(own) == 1 and own[0][1].table is None and own[0][0] not in said:
                 said.add(own[0][0])
                 yield Fault(("rail_sections", own[0][0]), "is the only one of its rail; at least 2 are needed")
             for (_, before), (i, now) in pairwise(own):
