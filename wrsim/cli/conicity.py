@@ -16,15 +16,25 @@ from wrsim.cli.storing import writing
 if TYPE_CHECKING:
     from wrsim.geometry.profile.profile import Kind, Profile
     from wrsim.results import Result
+    from wrsim.results.conicity_map import ConicityMap
 
+MOST_GAUGES = 200
 TAPE_TO_BACK = 70.0
 """From the tape circle to the flange back, EN 13715 [mm]."""
 
 
 def conicity(
-    wheel: Annotated[str, typer.Argument(metavar="WHEEL", help="Wheel profile, such as wheels/S1002.toml.")],
-    rail: Annotated[str, typer.Argument(metavar="RAIL", help="Rail profile, such as rails/60E1.toml.")],
+    wheel: Annotated[
+        str, typer.Argument(metavar="WHEEL", help="Wheel profile, such as wheels/S1002.toml, or a folder of them.")
+    ],
+    rail: Annotated[
+        str, typer.Argument(metavar="RAIL", help="Rail profile, such as rails/60E1.toml, or a folder of them.")
+    ],
     gauge_mm: Annotated[float, typer.Option(help="14 mm below the rail tops.")] = 1435.0,
+    gauges_mm: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(metavar="FROM TO STEP", help="A map over the gauge, in place of --gauge-mm."),
+    ] = None,
     flange_back_mm: Annotated[float, typer.Option(help="Distance of the flange backs.")] = 1360.0,
     inclination: Annotated[str, typer.Option(help='Of the rails: 1:40, 1:20 ... or "none".')] = "1:40",
     radius_mm: Annotated[float, typer.Option(help="Of both wheels at the tape circle.")] = 460.0,
@@ -50,6 +60,8 @@ def conicity(
     """Rolling radius difference, contact angles and equivalent conicity (EN 15302) of a wheelset on its rails."""
     with reporting_errors(as_json), writing(force):
         from wrsim.analysis.conicity.conicity import conicity as analyse
+        from wrsim.analysis.conicity.maps import conicity_map
+        from wrsim.errors import InputError
         from wrsim.inputs.checking import check_value
         from wrsim.inputs.values import number
         from wrsim.scenario.sections.conicity import AMPLITUDES, ConicityPlan, Roll
@@ -63,6 +75,21 @@ def conicity(
             key = "--radius-mm" if diameters_mm is None else "--diameters-mm"
             check_value(Annotated[float, number(100 * factor, 1500 * factor)], 0.5 * factor * diameter, key)
         slope = _slope(inclination)
+        way = check_value(Roll, roll, "--roll")
+        if gauges_mm is not None or Path(wheel).is_dir() or Path(rail).is_dir():
+            if diameters_mm or wheel_right or rail_right:
+                raise InputError("a map is of wheelsets with like wheels on like rails: no --diameters-mm, -right")
+            found = conicity_map(
+                {name: p for name, p in _profiles(models, wheel, "wheel").items()},
+                {name: p.inclined(slope) for name, p in _profiles(models, rail, "rail").items()},
+                [g / 1e3 for g in ([gauge_mm] if gauges_mm is None else _gauges(*gauges_mm))],
+                (flange_back_mm + 2.0 * TAPE_TO_BACK) / 1e3,
+                radius_mm / 1e3,
+                way,
+            )
+            words = f", inclined {inclination}" if slope else ""
+            _tell_map(found, f"{wheel} on {rail}{words}", output, pictures, as_json)
+            return
         left_wheel = _profile(models, wheel, "wheel")
         left_rail = _profile(models, rail, "rail").inclined(slope)
         right_wheel = left_wheel if wheel_right is None else _profile(models, wheel_right, "wheel")
@@ -76,7 +103,7 @@ def conicity(
             right=Wheel(right_wheel, 0.5e-3 * diameters[1]),
         )
         names = [_both(p.name, q.name) for p, q in ((left_wheel, right_wheel), (left_rail, right_rail))]
-        plan = ConicityPlan(tuple(a / 1e3 for a in AMPLITUDES), check_value(Roll, roll, "--roll"))
+        plan = ConicityPlan(tuple(a / 1e3 for a in AMPLITUDES), way)
         title = f"{names[0]} on {names[1]}" + (f", inclined {inclination}" if slope else "")
         result = analyse(wheelset, (left_rail, right_rail), gauge_mm / 1e3, plan, title)
         files = [] if output is None else _files(result, output, pictures)
@@ -104,6 +131,56 @@ def _profile(models: Sequence[Path] | None, name: str, kind: Kind) -> Profile:
     from wrsim.inputs.lookup import model_file
 
     return load_profile(model_file(name, models), kind)
+
+
+def _profiles(models: Sequence[Path] | None, name: str, kind: Kind) -> dict[str, Profile]:
+    """One profile by the name of its file, or those of a folder."""
+    from wrsim.analysis.conicity.maps import profiles_of
+
+    if Path(name).is_dir():
+        return profiles_of(Path(name), kind)
+    return {Path(name).stem: _profile(models, name, kind)}
+
+
+def _gauges(low: float, high: float, step: float) -> list[float]:
+    """Gauges [mm] from one to the other."""
+    from wrsim.errors import InputError
+    from wrsim.inputs.checking import check_value
+    from wrsim.inputs.values import number
+
+    for gauge in (low, high):
+        check_value(Annotated[float, number(400, 2000)], gauge, "--gauges-mm")
+    count = (high - low) / step if step > 0.0 and high >= low else -1.0
+    if not 0.0 <= count <= MOST_GAUGES:
+        words = f"must be FROM, a TO not below it, and a STEP above 0 that makes at most {MOST_GAUGES} of them"
+        raise InputError(f"--gauges-mm {low:g} {high:g} {step:g}: {words}")
+    return [low + i * step for i in range(int(count + 1e-9) + 1)]
+
+
+def _tell_map(found: ConicityMap, title: str, output: Path | None, pictures: bool, as_json: bool) -> None:
+    """``conicity_map.csv`` and ``conicity_map.png``, and the same on the screen."""
+    from wrsim.results.files import csv_parts, write_atomically
+
+    rows = found.rows()
+    files = []
+    if output is not None:
+        files.append(write_atomically(output / "conicity_map.csv", csv_parts(rows)))
+        if pictures:
+            from wrsim.plots import save
+            from wrsim.plots.conicity_map import conicity_map_figure
+
+            files.append(save(conicity_map_figure(found, title), output / "conicity_map.png"))
+    if as_json:
+        table = [dict(zip(rows[0], row, strict=True)) for row in rows[1:]]
+        numbers = rows[0][2:]
+        cells = [{k: (float(v) if v else None) if k in numbers else v for k, v in row.items()} for row in table]
+        print_json({"title": title, "map": cells, "gaps": list(found.reasons), "files": [str(f) for f in files]})
+        return
+    heads = ("wheel", "rail", "gauge mm", "tan gamma_e, 3 mm", "nonlinearity 1/mm")
+    shown = [[*row[:3], *(f"{float(v):.3f}" if v else "-" for v in row[3:])] for row in rows[1:]]
+    print_table(heads, shown, title=title, left=heads[:2])
+    for line in [*found.reasons, *map(str, files)]:
+        say(line)
 
 
 def _both(left: str, right: str) -> str:
