@@ -69,6 +69,7 @@ from wrsim.cli.track import track
 from wrsim.cli.vehicle import vehicle
 from wrsim.cli.view import view
 from wrsim.cli.warm import warm
+from wrsim.cli.wear import wear
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -355,3 +356,4 @@ app.command()(track)
 app.command()(vehicle)
 app.command()(view)
 app.command()(warm)
+app.command()(wear)

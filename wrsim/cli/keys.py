@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 FILES = {
     "scenario": ("a scenario", "wrsim.scenario.schema:ScenarioFile"),
     "study": ("a study", "wrsim.study.spec:StudyFile"),
+    "service": ("a service", "wrsim.study.service.spec:ServiceFile"),
     "vehicle": ("a vehicle file", "wrsim.vehicle.vehicle_files:VehicleFile"),
     "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
     "track": ("a track file", "wrsim.scenario.track_file:TrackFile"),
@@ -39,7 +40,7 @@ def keys(
         str | None, typer.Argument(metavar="SECTION", help="A table such as contact or track.segments; default: all.")
     ] = None,
     file: Annotated[
-        str, typer.Option("--file", metavar="KIND", help="scenario, study, vehicle, wheelset, track, columns.")
+        str, typer.Option("--file", metavar="KIND", help="scenario, study, service, vehicle, wheelset, track, columns.")
     ] = "scenario",
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of that kind of file, for editors.")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -58,8 +58,7 @@ def study(
 ) -> None:
     """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
     with reporting_errors(as_json):
-        if scheduler is not None and (slurm or workers is not None):
-            raise InputError("--scheduler: its workers are there already: leave out --workers and --slurm")
+        check_crew(workers, scheduler, slurm)
         from wrsim.results.ledger import Keeper, Ledger, keeping
         from wrsim.study.collect import markers_of, report_of, write_study
         from wrsim.study.engine import missing
@@ -79,7 +78,8 @@ def study(
                 say(f"{len(plan.cases)} cases" + (f", {kept} of them known already" if kept else ""))
             try:
                 if todo:
-                    _run(plan, todo, workers, scheduler, slurm, quiet or as_json)
+                    with crew(workers, scheduler, slurm, quiet or as_json, len(todo)) as work:
+                        work(plan, todo)
             except KeyboardInterrupt:
                 write_study(plan, markers_of(plan), pictures=False)
                 raise KeyboardInterrupt(
@@ -104,8 +104,20 @@ def study(
             raise typer.Exit(STOPPED)
 
 
-def _run(plan: Plan, todo: Sequence[int], count: int | None, scheduler: str | None, slurm: bool, quiet: bool) -> None:
-    """Compile once, then let the workers do the cases."""
+def check_crew(workers: int | None, scheduler: str | None, slurm: bool) -> None:
+    """Raises ``InputError`` for options that name workers twice."""
+    if scheduler is not None and (slurm or workers is not None):
+        raise InputError("--scheduler: its workers are there already: leave out --workers and --slurm")
+
+
+@contextmanager
+def crew(
+    count: int | None, scheduler: str | None, slurm: bool, quiet: bool, most: int
+) -> Iterator[Callable[[Plan, Sequence[int]], None]]:
+    """A function that lets workers do cases of a plan; they come when it is called first, and stay until the end.
+
+    count: of processes or jobs, None: the usual; most: cases that there may be at once.
+    """
     from wrsim.results import write_atomically
     from wrsim.results.ledger import digest_of
     from wrsim.study import cluster
@@ -113,26 +125,37 @@ def _run(plan: Plan, todo: Sequence[int], count: int | None, scheduler: str | No
     from wrsim.study.plan import PLAN
     from wrsim.study.task import compile_for
 
-    content = plan.dumped()
-    write_atomically(Path(plan.folder) / PLAN, content)
-    first = kinds(plan, todo)
-    count = count or (1 if slurm else cluster.processors())
-    workers: AbstractContextManager[Client]
-    if scheduler is not None:
-        workers = cluster.workers_at(scheduler)
-    elif slurm:
-        workers = cluster.slurm_workers(count)
-    else:
-        for i in first:
+    hands = count or (1 if slurm else cluster.processors())
+    local = scheduler is None and not slurm
+    client: Client | None = None
+
+    def opened(plan: Plan, first: Sequence[int]) -> Client:
+        if scheduler is not None:
+            return stack.enter_context(cluster.workers_at(scheduler))
+        if slurm:
+            return stack.enter_context(cluster.slurm_workers(hands))
+        for i in first:  # compile once
             compile_for(plan.scenario(plan.cases[i]))
-        workers = cluster.local_workers(min(count, len(todo)))
-    with workers as client, progress_bar(not quiet) as progress:
-        if scheduler is not None or slurm:
-            if slurm and not quiet:
-                say("waiting for the first job of SLURM")
-            client.wait_for_workers(1)
-            warm_remotely(client, plan, digest_of(content), first)
-        execute(client, plan, todo, progress, 1 if scheduler is not None else count)
+        return stack.enter_context(cluster.local_workers(min(hands, most)))
+
+    def work(plan: Plan, todo: Sequence[int]) -> None:
+        nonlocal client
+        content = plan.dumped()
+        write_atomically(Path(plan.folder) / PLAN, content)
+        here = client
+        if here is None:
+            first = kinds(plan, todo)
+            client = here = opened(plan, first)
+            if not local:
+                if slurm and not quiet:
+                    say("waiting for the first job of SLURM")
+                here.wait_for_workers(1)
+                warm_remotely(here, plan, digest_of(content), first)
+        with progress_bar(not quiet) as progress:
+            execute(here, plan, todo, progress, 1 if scheduler is not None else hands)
+
+    with ExitStack() as stack:
+        yield work
 
 
 def _foretell(plan: Plan, count: int | None, as_json: bool) -> None:

@@ -160,7 +160,7 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
         time_limit=spec.cases.time_limit_s,
         keep=spec.cases.keep,
     )
-    plan, models_read = _with_cases(plan, base)
+    plan, models_read = with_cases(plan, base)
     return plan, tuple(dict.fromkeys((*seen, *models_read)))
 
 
@@ -188,8 +188,9 @@ MOST_FAULTS = 20
 """Faults of cases that are listed before the rest is only counted."""
 
 
-def _with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
-    """The plan with its cases, each checked by its keys; models are read once for every set of names."""
+def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
+    """The plan with its cases, each checked by its keys, and the files read; models are read once for every set of
+    names. Raises InputError with all faults."""
     cases: list[Case] = []
     files: list[dict[str, str]] = []
     read: list[Path] = []

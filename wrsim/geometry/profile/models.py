@@ -8,7 +8,7 @@ chain      lines and arcs, each tangent to the one before: a start, lengths, rad
 rail-head  tangent arcs from the crown outward and straight sides, symmetric
 cone       a straight line through the tape circle
 circle     one arc, horizontal at the origin
-worn       another profile with bells of material taken off, see `wrsim.geometry.profile.wear`
+worn       another profile with material taken off, by bells or a table, see `wrsim.geometry.profile.wear`
 points     a file of points beside it, read by `wrsim.geometry.profile.files` (measured or exported)
 ========== ==========================================================================================
 """
@@ -37,8 +37,9 @@ from wrsim.geometry.profile.sections import (
     rail_head,
 )
 from wrsim.geometry.profile.sections import Section as Piece
-from wrsim.geometry.profile.wear import Direction, Removal, worn
+from wrsim.geometry.profile.wear import AnyRemoval, DepthTable, Direction, Removal, worn
 from wrsim.inputs.checking import check, opened
+from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.lookup import Finder, model_file, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import Day, List, Source, Switch, Two, number, positive, text
@@ -312,17 +313,18 @@ class BellOfWear(Section):
 
 
 class WornFile(ProfileFile, kind="worn"):
-    """Another profile with bells of material taken off."""
+    """Another profile with bells of material taken off, or depths from a table."""
 
-    aliases: ClassVar[dict[str, str]] = ProfileFile.aliases | {"removals": "removal wear"}
+    aliases: ClassVar[dict[str, str]] = ProfileFile.aliases | {"removals": "removal wear", "depths": "depth_table"}
 
     base: Annotated[str, text('the file of the unworn profile, such as "S1002.toml",')]
-    removals: List[BellOfWear]
+    removals: List[BellOfWear] = ()
+    depths: Annotated[str, text("a CSV file of depths, relative to this file,")] | None = None
 
     def consistency(self) -> Iterator[Fault]:
         """Something is taken off."""
-        if not self.removals:
-            yield Fault("removals", "must hold at least one [[removals]] table")
+        if not self.removals and self.depths is None:
+            yield Fault("removals", "must hold at least one [[removals]] table (or give depths)", missing=True)
 
     def build(self, path: Path) -> Profile:
         """See `ProfileFile`. The base is looked up beside the file, then among the models."""
@@ -339,7 +341,36 @@ class WornFile(ProfileFile, kind="worn"):
             new = load_profile(base, self.body)
         finally:
             _building.reset(token)
-        return worn(new, [bell.removal() for bell in self.removals], self.name, self.source)
+        removals: list[AnyRemoval] = [bell.removal() for bell in self.removals]
+        if self.depths is not None:
+            removals.append(read_depths(path.parent / self.depths))
+        return worn(new, removals, self.name, self.source)
+
+
+PLACE, DEPTH = "place_mm", "depth_mm"
+"""Columns of a table of depths."""
+
+
+def read_depths(path: Path) -> DepthTable:
+    """A table of depths: arclength from the origin and depth along the normal, in mm. Raises InputError."""
+    columns = {PLACE: Coordinate, DEPTH: Annotated[float, number(-20.0, 20.0)]}
+    table, lines = read_columns(path, columns, (PLACE, DEPTH), "places")
+    places = table[PLACE]
+    if places.size < 4:
+        raise InputError(f"{path}: needs at least 4 places")
+    back = np.flatnonzero(np.diff(places) <= 0.0)
+    if back.size:
+        raise InputError(f"{path}:{lines[back[0] + 1]}: {PLACE}: must be more than in the line before")
+    return DepthTable(MM * places, MM * table[DEPTH])
+
+
+def write_depths(table: DepthTable) -> str:
+    """The text of a table of depths: read back it is the same to the bit, but for the millimetres."""
+    rows = (
+        f"{1e3 * place!r},{1e3 * depth!r}"
+        for place, depth in zip(table.places.tolist(), table.depths.tolist(), strict=True)
+    )
+    return "\n".join((f"{PLACE},{DEPTH}", *rows)) + "\n"
 
 
 _building: ContextVar[tuple[Path, ...]] = ContextVar("profile files that are being built", default=())

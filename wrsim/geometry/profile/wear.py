@@ -1,4 +1,4 @@
-"""Worn profiles by formula: bells of material taken off another profile.
+"""Worn profiles: material taken off another profile, by bells or by tables of depths along its normals.
 
 Every bell removes the depth
 
@@ -12,17 +12,20 @@ unworn curve r, i its inward normal (i' = c k t, c = 1 on rails, -1 on wheels) a
 
 So material taken off along the normal leaves a corner wherever k jumps while the depth changes: where two arcs of a
 rail head met. Such a corner is bridged by a quintic over 0.1 mm on either side, as it would be by a spline through
-points that far apart. Depths may be negative: material that flowed there.
+points that far apart. Depths may be negative: material that flowed there. A table is a cubic spline through depths over
+the arclength from the origin; beyond its ends they stay as they are there.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import arclengths
@@ -56,6 +59,11 @@ class Removal:
     middle: float
     half_width: float
 
+    @property
+    def edges(self) -> tuple[float, float]:
+        """Where it begins and ends."""
+        return self.middle - self.half_width, self.middle + self.half_width
+
     def at(self, place: Array) -> tuple[Array, Array]:
         """Removed depth [m] and its slope at places of any shape."""
         x = (place - self.middle) / self.half_width
@@ -65,7 +73,33 @@ class Removal:
         return d, slope
 
 
-def worn(new: Profile, removals: Sequence[Removal], name: str, source: str = "") -> Profile:
+@dataclass(frozen=True, eq=False)
+class DepthTable:
+    """Depths (n,) along the normal at rising places (n,), arclengths from the profile's origin [m]."""
+
+    places: Array
+    depths: Array
+    direction: Direction = "normal"
+
+    @property
+    def edges(self) -> tuple[float, float]:
+        """Where it begins and ends."""
+        return float(self.places[0]), float(self.places[-1])
+
+    @cached_property
+    def _spline(self) -> CubicSpline:
+        return CubicSpline(self.places, self.depths)
+
+    def at(self, place: Array) -> tuple[Array, Array]:
+        """Removed depth [m] and its slope at places of any shape."""
+        inside = np.clip(place, *self.edges)
+        return self._spline(inside), np.where(inside == place, self._spline(inside, 1), 0.0)
+
+
+AnyRemoval = Removal | DepthTable
+
+
+def worn(new: Profile, removals: Sequence[AnyRemoval], name: str, source: str = "") -> Profile:
     """The profile that is left of ``new``.
 
     Raises InputError where nothing sensible is left: the curve turns back, crosses itself or gets a corner of more
@@ -94,10 +128,15 @@ def worn(new: Profile, removals: Sequence[Removal], name: str, source: str = "")
     crossing = first_crossing(Points(name, profile.u, profile.w, np.arange(profile.u.size)))
     if crossing is not None:
         raise InputError(
-            f"the removed material makes the curve cross itself at u = {1e3 * profile.u[crossing[0]]:.4g} mm; "
-            "allowed: less depth, or a wider bell"
+            "the removed material makes the profile overlap itself: it crosses itself at u = "
+            f"{1e3 * profile.u[crossing[0]]:.4g} mm; allowed: less depth, or a wider bell"
         )
     return profile
+
+
+def lengths_along(new: Profile, removals: Sequence[AnyRemoval], L: Array) -> Array:
+    """Arclengths of the worn curve at rising arclengths (n,) of the unworn one, from the first on [m]."""
+    return arclengths(lambda at: _Bells(new, tuple(removals)).curve(at)[1], L)
 
 
 @dataclass(frozen=True)
@@ -105,7 +144,7 @@ class _Bells:
     """The worn curve over the arclength of the unworn one."""
 
     new: Profile
-    removals: tuple[Removal, ...]
+    removals: tuple[AnyRemoval, ...]
 
     @property
     def origin(self) -> float:
@@ -137,7 +176,10 @@ class _Bells:
         stretch = 1.0 + (k if rail else -k) * e
         if not (stretch > 0.0).all():
             u = 1e3 * float(self.new.at(L.flat[int(np.argmin(stretch))])[0])
-            raise InputError(f"the removed material turns the curve back at u = {u:.4g} mm; allowed: less depth")
+            raise InputError(
+                f"the removed material makes the profile overlap itself: it turns back at u = {u:.4g} mm; "
+                "allowed: less depth"
+            )
         return r, stretch[..., None] * t + slope[..., None] * vertical + e_slope[..., None] * inward
 
     def corners(self) -> Array:
@@ -170,7 +212,7 @@ def _nodes(new: Profile, bells: _Bells, corners: Array) -> Array:
     """Arclengths of the unworn curve at which the worn one has nodes: its nodes, ends of bells, edges of bridges."""
     extra = [corners - BRIDGE, corners + BRIDGE]
     for removal in bells.removals:
-        for edge in (removal.middle - removal.half_width, removal.middle + removal.half_width):
+        for edge in removal.edges:
             if removal.direction == "normal":
                 extra.append(np.array([edge + bells.origin]))
             else:  # everywhere that the curve passes this u

@@ -1,0 +1,209 @@
+"""Wheels that wear in service: steps, mass, what a killed service does, wrong input."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.runs import SCENARIOS
+
+from wrsim.errors import InputError, SimulationError
+from wrsim.geometry.profile.depths import smoothed_table
+from wrsim.results import write_atomically
+from wrsim.results.ledger import digest_of
+from wrsim.study.plan import PLAN, Plan
+from wrsim.study.service.history import history, write_history
+from wrsim.study.service.service import Service, read_service
+from wrsim.study.service.steps import STEP, Step, folder_of, steps_of
+from wrsim.study.task import run_case
+
+BASE = """
+base = "{scenario}"
+[contact]
+strips = 12
+cells = 10
+friction = 0.2
+[[track.segments]]
+kind = "arc"
+radius_m = 500
+length_m = 12
+[vehicle]
+model = "vehicles/wheelset_s1002_leading.toml"
+[run]
+start_distance_m = 2
+distance_m = 1
+output_interval_ms = 10
+[output]
+patches_at_m = []
+"""
+CASES = """id,share,track.segments[0].radius_m,vehicle.speed_kmh
+left,0.5,500,60
+even,0.5,20000,80
+"""
+SERVICE = """
+title = "Short service"
+base = "base.toml"
+cases = "cases.csv"
+wheel = "wheels/S1002.toml"
+mileage_km = 40
+largest_step_km = 20
+"""
+
+
+def service_in(folder: Path, more: str = "", cases: str = CASES, text: str = SERVICE) -> Service:
+    """A service of a curve and nearly straight track."""
+    (folder / "base.toml").write_text(BASE.format(scenario=SCENARIOS / "curve_r300.toml"))
+    (folder / "cases.csv").write_text(cases)
+    (folder / "service.toml").write_text(text + more)
+    return read_service(folder / "service.toml")[0]
+
+
+def work(plan: Plan, todo: Sequence[int]) -> None:
+    """Run the cases here, one after the other, as a worker does."""
+    write_atomically(Path(plan.folder) / PLAN, plan.dumped())
+    for index in todo:
+        run_case(plan.folder, digest_of(plan.dumped()), index)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("service")
+
+
+@pytest.fixture(scope="module")
+def service(folder: Path) -> Service:
+    return service_in(folder)
+
+
+@pytest.fixture(scope="module")
+def steps(service: Service, folder: Path) -> list[Step]:
+    return list(steps_of(service, folder / "out", work))
+
+
+def test_steps_follow_each_other_up_to_the_mileage(service: Service, steps: list[Step]) -> None:
+    assert steps[0].start == 0.0 and steps[-1].end == pytest.approx(40e3, rel=1e-12)
+    for step, following in pairwise(steps):
+        assert following.start == step.end
+    assert [step.way for step in steps] == pytest.approx([20e3, 20e3])
+
+
+def test_mass_off_the_wheels_is_mass_lost(service: Service, steps: list[Step]) -> None:
+    """What is off the section, times the ring and the density, against what tread and flange lost on the way.
+
+    The ring's radius at each place is that of the profile that ran there.
+    """
+    lost = sum(step.way * (step.tread + step.flange) for step in steps)
+    areas = np.array(steps[-1].areas)
+    middles = 0.5 * (service.places[1:] + service.places[:-1])
+    radius = 0.46 - service.unworn.at(middles)[1]
+    off = 7850.0 * (2.0 * np.pi * radius * areas * service.places[1]).sum()
+    assert off == pytest.approx(lost, rel=1e-4)
+
+
+def test_a_service_that_was_killed_gives_the_same_to_the_bit(
+    service: Service, steps: list[Step], folder: Path, tmp_path: Path
+) -> None:
+    """Killed in its second step, one case done; then all that it had is read."""
+    whole = folder / "out"
+    shutil.copytree(folder_of(whole, 0), folder_of(tmp_path, 0))
+
+    class Killed(Exception):
+        pass
+
+    def killed(plan: Plan, todo: Sequence[int]) -> None:
+        work(plan, todo[:1])
+        raise Killed
+
+    with pytest.raises(Killed):
+        list(steps_of(service, tmp_path, killed))
+    assert not (folder_of(tmp_path, 1) / STEP).exists()
+    ran: list[int] = []
+
+    def rest(plan: Plan, todo: Sequence[int]) -> None:
+        ran.append(len(todo))
+        work(plan, todo)
+
+    again = list(steps_of(service, tmp_path, rest))
+    assert again == steps
+    assert ran == [1] + [2] * (2 * len(steps) - 3)
+    for i in range(len(steps)):
+        assert (folder_of(tmp_path, i) / STEP).read_bytes() == (folder_of(whole, i) / STEP).read_bytes()
+
+    def nothing(plan: Plan, todo: Sequence[int]) -> None:
+        raise AssertionError("all was done")
+
+    assert list(steps_of(service, tmp_path, nothing)) == steps
+
+
+def test_half_the_step_gives_the_same_depth(service: Service, steps: list[Step], tmp_path: Path) -> None:
+    """The first step in two halves: mass and depth everywhere, of the deepest."""
+    half = service_in(tmp_path, text=SERVICE.replace("= 20", "= 10").replace("= 40", "= 20"))
+    finer = list(steps_of(half, tmp_path / "out", work))
+    assert [step.way for step in finer] == pytest.approx([10e3, 10e3])
+    one, other = (smoothed_table(np.array(own.areas), float(service.places[1]), 5e-3) for own in (steps[0], finer[-1]))
+    assert other.sum() == pytest.approx(one.sum(), rel=1e-3)
+    np.testing.assert_allclose(one, other, rtol=0.0, atol=0.02 * one.max())
+
+
+def test_history_tells_the_flange_and_can_be_loaded(service: Service, steps: list[Step], tmp_path: Path) -> None:
+    dataset, files = write_history(service, steps, tmp_path, pictures=True)
+    assert {"wear.nc", "wear.csv", "wear.json", "worn_wheel.toml", "wear_profiles.png", "wear_mileage.png"} == {
+        file.name for file in files
+    }
+    assert dataset.sizes["point"] == len(steps) + 1
+    assert dataset["flange_thickness"].values[0] == pytest.approx(32.5e-3, abs=1e-6)
+    assert dataset["flange_height"].values[-1] > dataset["flange_height"].values[0] - 1e-9
+    assert (np.diff(dataset["deepest"].values) > 0.0).all()
+    assert np.isfinite(dataset["conicity"].values).all()
+    again = history(service, steps)
+    assert again.identical(dataset)
+
+
+def test_another_service_does_not_go_on_with_these_steps(folder: Path, steps: list[Step], tmp_path: Path) -> None:
+    other = service_in(tmp_path, cases=CASES.replace("20000,80", "20000,85"))
+    with pytest.raises(InputError, match="was computed from another service"):
+        next(steps_of(other, folder / "out", work))
+
+
+def test_a_case_without_a_result_stops_the_service(tmp_path: Path) -> None:
+    """No step is written, and the error names the case."""
+    service = service_in(tmp_path)
+
+    def idle(plan: Plan, todo: Sequence[int]) -> None:
+        pass
+
+    with pytest.raises(SimulationError, match="case case left: no result"):
+        list(steps_of(service, tmp_path / "out", idle))
+    assert not (folder_of(tmp_path / "out", 0) / STEP).exists()
+
+
+FAULTS = [
+    ({"text": SERVICE.replace("mileage_km = 40", "mileage_km = 0")}, "mileage_km = 0"),
+    ({"text": SERVICE.replace("S1002", "S1003")}, 'did you mean "wheels/S1002.toml"?'),
+    ({"text": SERVICE.replace("base.toml", "none.toml")}, 'base = "none.toml"'),
+    ({"more": 'law = "usdf"\n'}, 'did you mean "usfd"?'),
+    ({"more": "largest_dept_mm = 0.1\n"}, "did you mean 'largest_depth_mm'?"),
+    ({"cases": CASES.replace("share", "part")}, 'needs a column "share"'),
+    ({"cases": CASES.replace("even,0.5", "even,0.4")}, "all of them add up to 0.9; must be 1"),
+    ({"cases": CASES.replace("left,0.5", "left,-0.5")}, "must be a number above 0, up to 1"),
+    ({"cases": "id,share\na,1\n"}, "no column varies a key"),
+    ({"cases": "share,vehicle.wheel\n1,wheels/S1002.toml\n"}, "column vehicle.wheel: the steps of wear set it"),
+]
+
+
+@pytest.mark.parametrize(("given", "words"), FAULTS)
+def test_wrong_input_is_one_clear_error(given: dict[str, str], words: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as caught:
+        service_in(tmp_path, **given)
+    assert words in str(caught.value)
+    assert "Traceback" not in str(caught.value)
+
+
+def test_a_key_that_no_scenario_has_is_an_error_of_its_row(tmp_path: Path) -> None:
+    service = service_in(tmp_path, cases=CASES.replace("vehicle.speed_kmh", "vehicle.sped_kmh"))
+    with pytest.raises(InputError, match="sped_kmh"):
+        list(steps_of(service, tmp_path / "out", work))

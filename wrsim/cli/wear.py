@@ -1,0 +1,99 @@
+"""``wrsim wear``: wheels that wear in service, step by step, until a mileage."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from wrsim.cli.ending import reporting_errors
+from wrsim.cli.options import Force, Json, Models, Pictures, Quiet
+from wrsim.cli.showing import print_json, print_table, print_title, say
+from wrsim.cli.study import check_crew, crew
+
+if TYPE_CHECKING:
+    from wrsim.study.service.steps import Step
+
+
+def wear(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Service file (TOML).")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>.")
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers",
+            "-w",
+            metavar="N",
+            min=1,
+            help="Worker processes here, or jobs of SLURM; default: one a processor.",
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this dask scheduler.")
+    ] = None,
+    slurm: Annotated[
+        bool, typer.Option("--slurm", help="Run the workers as SLURM jobs (extra wrsim\\[cluster]).")
+    ] = False,
+    models: Models = None,
+    pictures: Pictures = True,
+    force: Force = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Wear wheels in service: cases by their shares, a new profile, again; started again, it goes on (docs/wear.md)."""
+    with reporting_errors(as_json):
+        from wrsim.results.ledger import Keeper, Ledger, keeping
+        from wrsim.study.service.history import OUTPUTS, report_of, rows_of, write_history
+        from wrsim.study.service.service import read_service
+        from wrsim.study.service.steps import steps_of
+
+        check_crew(workers, scheduler, slurm)
+        directory = output if output is not None else Path("results") / file.stem
+        service, reads = read_service(file, models or ())
+        silent = quiet or as_json
+
+        steps: list[Step] = []
+        keeper = Keeper(reads, force)
+        most = len(service.shares)
+        with (
+            Ledger(directory).locked(),
+            keeping(keeper),
+            crew(workers, scheduler, slurm, silent, most) as work,
+        ):
+            keeper.check_folder(directory, OUTPUTS)
+            try:
+                for step in steps_of(service, directory, work):
+                    steps.append(step)
+                    if not silent:
+                        _say_step(step, service.mileage)
+            except KeyboardInterrupt:
+                raise KeyboardInterrupt(
+                    f"interrupted; what is done is safe in {directory}: start the same command again to go on"
+                ) from None
+            dataset, files = write_history(service, steps, directory, pictures)
+        if as_json:
+            print_json(report_of(dataset) | {"directory": str(directory), "files": [str(f) for f in files]})
+        elif not quiet:
+            header, *rows = rows_of(dataset)
+            print_title(service.title)
+            print_table(
+                [str(cell) for cell in header], [[_short(str(cell)) for cell in row] for row in rows], width=110
+            )
+            say(f"{len(files)} files in {directory}")
+
+
+def _say_step(step: Step, mileage: float) -> None:
+    """One line on a step that is done."""
+    part = 100.0 * step.end / mileage
+    say(
+        f"step {step.number}: {1e-3 * step.start:.6g} to {1e-3 * step.end:.6g} km ({part:.0f} %), "
+        f"{1e3 * step.deepest * step.way:.3g} mm at the deepest, "
+        f"{1e6 * step.tread:.3g} g/km on the tread, {1e6 * step.flange:.3g} on the flange"
+    )
+
+
+def _short(cell: str) -> str:
+    return f"{float(cell):.5g}" if cell else ""

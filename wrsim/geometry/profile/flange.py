@@ -1,0 +1,53 @@
+"""Dimensions of a wheel's flange: thickness Sd, height Sh, and qR for its steepness (EN 15313, UIC 510-2)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile.profile import Profile
+
+LEVEL = 10e-3
+"""Depth below the tread at the tape circle at which thickness is measured [m]."""
+TIP = 2e-3
+"""Height above the tip of the flange of the other point of qR [m]."""
+BACK = 70e-3
+"""Distance of the flange back from the tape circle [m]."""
+
+
+@dataclass(frozen=True)
+class FlangeDimensions:
+    """thickness Sd: from the flange back to the face, 10 mm below the tread at the tape circle; height Sh: from that
+    tread to the tip; steepness qR: across, from the same point of the face to that 2 mm above the tip [m]."""
+
+    thickness: float
+    height: float
+    steepness: float
+
+
+def flange_dimensions(wheel: Profile, back: float = BACK) -> FlangeDimensions:
+    """Sd, Sh and qR of a wheel profile; back: distance of the flange back from the tape circle [m].
+
+    Raises InputError for a profile without a flange or without a face at these heights.
+    """
+    tread = float(wheel.at(wheel.arclength_of(0.0))[1])
+    tip = int(np.argmin(wheel.w))
+    height = tread - float(wheel.w[tip])
+    if wheel.u[tip] >= 0.0 or height < LEVEL + TIP:
+        raise InputError(f"profile '{wheel.name}' has no flange that could be measured")
+    face = _face_at(wheel, tip, tread - LEVEL)
+    near_tip = _face_at(wheel, tip, float(wheel.w[tip]) + TIP)
+    return FlangeDimensions(face + back, height, face - near_tip)
+
+
+def _face_at(wheel: Profile, tip: int, level: float) -> float:
+    """Lateral place at which the face, coming from the tip, passes a height [m]."""
+    beyond = np.flatnonzero(wheel.w[tip:] >= level)
+    if not beyond.size:
+        raise InputError(f"profile '{wheel.name}': its flange has no face at {1e3 * level:.4g} mm")
+    high = tip + int(beyond[0])
+    low = high - 1
+    arc = wheel._root_in_interval(1, np.array(level), np.array(low))
+    return float(wheel.at(arc)[0])

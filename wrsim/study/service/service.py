@@ -1,0 +1,179 @@
+"""A service, read and checked, and the plan of the cases of one step."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.contact.wear.laws import LawName
+from wrsim.errors import InputError
+from wrsim.geometry.profile.depths import bin_edges, depths_of
+from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.wear import DepthTable, worn
+from wrsim.inputs.checking import check, fault_line, opened
+from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+from wrsim.inputs.toml_files import noting_reads
+from wrsim.scenario.build import Setup, build
+from wrsim.scenario.loading import Scenario, load
+from wrsim.scenario.sections.run import RunPlan
+from wrsim.study.axes import Points, points_of
+from wrsim.study.outputs import outputs_digest
+from wrsim.study.plan import Plan, with_cases
+from wrsim.study.service.spec import ServiceFile
+from wrsim.study.spec import CsvAxis, OutputsSection
+
+Array = NDArray[np.float64]
+
+SHARE = "share"
+"""Column of the table of cases."""
+WHOLE = 1e-6
+"""How far shares may be from adding up to one."""
+PLACE_STEP = 0.25e-3
+"""Width of the bins on the unworn profile [m]."""
+
+
+@dataclass(frozen=True)
+class Service:
+    """A service in SI units.
+
+    spec: the file as it was read; base: the scenario with all that holds for every case; points: the cases; shares: of
+    the mileage, in their order; wheel: file of the unworn profile, which is ``unworn``; digest: of everything that
+    shapes the numbers.
+    """
+
+    file: Path
+    title: str
+    spec: ServiceFile
+    base: Scenario
+    points: Points
+    shares: tuple[float, ...]
+    wheel: Path
+    unworn: Profile
+    folders: tuple[str, ...]
+    digest: str
+
+    @property
+    def law(self) -> LawName:
+        """Law of wear."""
+        return self.spec.law
+
+    @property
+    def mileage(self) -> float:
+        """How far the vehicle runs [m]."""
+        return 1e3 * self.spec.mileage_km
+
+    @property
+    def places(self) -> Array:
+        """Edges of the bins of the unworn profile's arclength [m]."""
+        return bin_edges(self.unworn, PLACE_STEP)
+
+    @cached_property
+    def setup(self) -> Setup[RunPlan]:
+        """The scenario that all cases start from, for its rails and its wheelset."""
+        return build(self.base)
+
+    def table(self, areas: Array) -> DepthTable | None:
+        """Depths after so much was lost, areas over the bins' widths [m]; None for the unworn profile."""
+        return depths_of(self.unworn, areas, 1e-3 * self.spec.smoothing_mm) if areas.any() else None
+
+    def profile(self, areas: Array) -> Profile:
+        """The profile after so much was lost. Raises InputError where it would overlap itself."""
+        table = self.table(areas)
+        return self.unworn if table is None else worn(self.unworn, [table], f"{self.unworn.name}, worn")
+
+    def plan(self, folder: Path, wheel: Path, label: str) -> Plan:
+        """The study of one step: all cases with this wheel, in a folder. Raises InputError with all faults."""
+        base = self.base.with_values({"vehicle.wheel": str(wheel.resolve())}, str(self.file))
+        asked = OutputsSection()
+        plan = Plan(
+            folder=str(folder.resolve()),
+            title=f"{self.title}, {label}",
+            analysis=base.analysis,
+            source=self.file.read_text(encoding="utf-8"),
+            text=base.text,
+            folders=self.folders,
+            axes=(self.points,),
+            cases=(),
+            files=(),
+            outputs=asked.model_dump(mode="json", exclude_none=True),
+            hook="",
+            outputs_digest=outputs_digest(asked, None),
+            time_limit=self.spec.time_limit_s,
+            keep="results",
+        )
+        return with_cases(plan, base)[0]
+
+
+def read_service(file: Path, models: Sequence[str | Path] = ()) -> tuple[Service, tuple[Path, ...]]:
+    """A service, and all files that were read. Raises InputError with file, key and what is allowed."""
+    with noting_reads() as seen:
+        data, locate = opened(file, "service file")
+        spec = check(ServiceFile, data, locate)
+        finder = Finder(tuple(dict.fromkeys((file.parent, *user_folders(tuple(models)), shipped_models()))))
+
+        def found(key: str, name: str) -> Path:
+            try:
+                return finder.find(name)
+            except InputError as error:
+                raise InputError(fault_line((key,), str(error), locate, name)) from None
+
+        base = load(found("base", spec.base), models)
+        if base.analysis != "curving":
+            message = f'its analysis is "{base.analysis}"; must be a scenario with analysis = "curving"'
+            raise InputError(fault_line(("base",), message, locate, spec.base))
+        wheel = found("wheel", spec.wheel).resolve()
+        unworn = load_profile(wheel, "wheel")
+        table = found("cases", spec.cases)
+        points, shares = _weighted(
+            points_of(CsvAxis(kind="csv", file=str(table.resolve())), finder, locate(("cases",)))
+        )
+        base = base.with_values({"wear.laws": [spec.law], "vehicle.wheel": str(wheel)}, locate(("base",)))
+        setup = build(base)
+    digest = hashlib.sha256(repr((spec, base.text, sorted(setup.inputs.items()))).encode())
+    for path, content in sorted((str(path), content) for path, content in seen.items()):
+        digest.update(f"{path} {content}\n".encode())
+    service = Service(
+        file=file,
+        title=spec.title or base.title,
+        spec=spec,
+        base=base,
+        points=points,
+        shares=shares,
+        wheel=wheel,
+        unworn=unworn,
+        folders=tuple(str(p.resolve()) for p in dict.fromkeys((*base.directories, *finder.folders))),
+        digest=digest.hexdigest()[:32],
+    )
+    return service, tuple(seen)
+
+
+def _weighted(points: Points) -> tuple[Points, tuple[float, ...]]:
+    """Cases without their shares, and the shares. Raises InputError."""
+    columns = list(points.columns)
+    if SHARE not in columns:
+        file = points.places[0].rpartition(":")[0]
+        raise InputError(f'{file}: needs a column "{SHARE}": part of the mileage that each case stands for')
+    at = columns.index(SHARE)
+    shares = []
+    for place, row in zip(points.places, points.values, strict=True):
+        share = row[at]
+        if isinstance(share, bool) or not isinstance(share, int | float) or not 0.0 < share <= 1.0:
+            raise InputError(f"{place}: {SHARE} = {share}: must be a number above 0, up to 1")
+        shares.append(float(share))
+    if abs(sum(shares) - 1.0) > WHOLE:
+        raise InputError(f"{points.places[-1]}: {SHARE}: all of them add up to {sum(shares):.6g}; must be 1")
+    keys = tuple(key for i, key in enumerate(points.keys) if i != at)
+    if not keys:
+        raise InputError(f"{points.places[0]}: no column varies a key; must be dotted keys such as vehicle.speed_kmh")
+    for name in ("vehicle.wheel", "wear.laws"):
+        if any(name in group for group in keys):
+            raise InputError(f"{points.places[0]}: column {name}: the steps of wear set it; take it away")
+    values = tuple(tuple(v for i, v in enumerate(row) if i != at) for row in points.values)
+    return replace(points, keys=keys, values=values), tuple(shares)

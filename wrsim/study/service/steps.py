@@ -1,0 +1,192 @@
+"""Steps of wear: cases on one profile, the depth that they leave, and the mileage that this profile lasts.
+
+A step goes as far as the wear at its start leaves the largest depth that is allowed. Its cases run again on the profile
+that this makes, and what is lost is the mean of both (Heun's method): a spot of contact moves by its own width while a
+tenth of a millimetre wears off, and one look at it would dig too deep.
+
+A step lies in its folder ``steps/000``, ``001``, ...: its wheel (``wheel.toml``, ``depths.csv``; the first step runs on
+the unworn profile itself), its cases as those of a study, the same for its end in ``ahead``, and ``step.json``, which
+is written last. A service that was killed begins with the first step without one, whose cases go on by their markers.
+All that a step hands to the next stands in ``step.json``, and is read from there also in a service that was not
+interrupted, so that both are the same to the bit.
+
+All wheels wear alike: by the mean over all wheels of the vehicle and over the cases by their shares, as if the vehicle
+were turned round now and then.
+"""
+
+from __future__ import annotations
+
+import datetime
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.errors import InputError, SimulationError
+from wrsim.geometry.profile.depths import on_unworn, smoothed_table
+from wrsim.geometry.profile.models import write_depths
+from wrsim.inputs.toml_files import write_toml
+from wrsim.results import Result, write_atomically
+from wrsim.results.files import as_json
+from wrsim.study.engine import missing
+from wrsim.study.plan import Plan
+from wrsim.study.service.service import Service
+from wrsim.study.task import COMPLETED, RESULT, read_marker
+
+Array = NDArray[np.float64]
+Work = Callable[[Plan, Sequence[int]], None]
+"""Writes a plan into its folder and runs some of its cases to their markers."""
+
+STEPS, STEP, AHEAD, WHEEL, DEPTHS = "steps", "step.json", "ahead", "wheel.toml", "depths.csv"
+DAY = datetime.date(2026, 11, 22)
+"""Date in the files of wheels: that of their form. The day of the computation would give the cases other names."""
+SHORTEST_REST = 1e-9
+"""Of the mileage, below which nothing is left to run."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step. start: mileage at which it begins, way: how far it goes [m]; deepest: depth for each metre run where it
+    is largest [1]; tread, flange: mass lost by a wheel for each metre run [kg/m]; areas: lost from the unworn profile
+    by the end of the step, over the bins' widths [m]; service: digest."""
+
+    number: int
+    start: float
+    way: float
+    deepest: float
+    tread: float
+    flange: float
+    areas: tuple[float, ...]
+    service: str
+
+    @property
+    def end(self) -> float:
+        """Mileage at which it ends [m]."""
+        return self.start + self.way
+
+
+def folder_of(directory: Path, number: int) -> Path:
+    """The folder of a step."""
+    return directory / STEPS / f"{number:03d}"
+
+
+def read_step(service: Service, folder: Path) -> Step | None:
+    """The step that was done in a folder; None where there is none. Raises InputError for one of another service."""
+    try:
+        data = json.loads((folder / STEP).read_bytes())
+        step = Step(**data | {"areas": tuple(data["areas"])})
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
+    if step.service != service.digest:
+        raise InputError(
+            f"{folder / STEP}: was computed from another service: its file, its scenario, its cases or its models have "
+            "changed since; choose another directory with -o"
+        )
+    return step
+
+
+def steps_of(service: Service, directory: Path, work: Work) -> Iterator[Step]:
+    """All steps up to the mileage, those that are done already from their files.
+
+    Raises SimulationError when a case did not come to its end, InputError when the profile would overlap itself.
+    """
+    start, number = 0.0, 0
+    areas = np.zeros(service.places.size - 1)
+    while service.mileage - start > SHORTEST_REST * service.mileage:
+        folder = folder_of(directory, number)
+        if read_step(service, folder) is None:
+            step = _taken(service, folder, number, start, areas, work)
+            write_atomically(folder / STEP, as_json(asdict(step)))
+        step_read = read_step(service, folder)
+        if step_read is None:
+            raise InputError(f"{folder / STEP}: cannot be read again")
+        yield step_read
+        start, number, areas = step_read.end, number + 1, np.array(step_read.areas)
+
+
+@dataclass(frozen=True)
+class _Wear:
+    """For each metre run: area lost by bins of the unworn profile, over their widths, and mass on tread and flange."""
+
+    areas: Array
+    tread: float
+    flange: float
+
+    def deepest(self, service: Service) -> float:
+        """Depth where it is largest, as smoothed."""
+        width, cutoff = float(service.places[1]), 1e-3 * service.spec.smoothing_mm
+        return float(smoothed_table(self.areas, width, cutoff).max())
+
+
+def _taken(service: Service, folder: Path, number: int, start: float, areas: Array, work: Work) -> Step:
+    """How far a step goes and what is lost by its end: Heun's method."""
+    here = _wear(service, folder, areas, start, work)
+    deepest, way = here.deepest(service), min(1e3 * service.spec.largest_step_km, service.mileage - start)
+    if deepest > 0.0:
+        way = min(way, 1e-3 * service.spec.largest_depth_mm / deepest)
+    try:
+        there = _wear(service, folder / AHEAD, areas + way * here.areas, start + way, work)
+        mean = _Wear(*(0.5 * (getattr(here, f.name) + getattr(there, f.name)) for f in fields(_Wear)))
+        after = areas + way * mean.areas
+        service.profile(after)
+    except InputError as error:
+        place = f"step {number}, from {1e-3 * start:.6g} to {1e-3 * (start + way):.6g} km"
+        raise InputError(f"{service.file}: {place}: {error}") from None
+    lost = tuple(after.tolist())
+    return Step(number, start, way, mean.deepest(service), mean.tread, mean.flange, lost, service.digest)
+
+
+def _wear(service: Service, folder: Path, areas: Array, mileage: float, work: Work) -> _Wear:
+    """Run the cases on the profile that is left when so much is lost, in a folder."""
+    label = f"{1e-3 * mileage:.6g} km"
+    length = service.profile(areas).length
+    plan = service.plan(folder, write_wheel(service, folder, areas, label), label)
+    todo = missing(plan)
+    if todo:
+        work(plan, todo)
+    lost, tread, flange = _lost(service, plan)
+    return _Wear(on_unworn(service.unworn, service.table(areas), length, lost, areas.size), tread, flange)
+
+
+def write_wheel(service: Service, folder: Path, areas: Array, label: str, stem: str = "") -> Path:
+    """Write a wheel's profile as model files, and give the file to load; the unworn one is where it always was.
+
+    stem: what the names of the files begin with.
+    """
+    table = service.table(areas)
+    if table is None:
+        return service.wheel
+    depths = folder / f"{stem}{DEPTHS}"
+    content = {
+        "name": f"{service.unworn.name} after {label}",
+        "body": "wheel",
+        "kind": "worn",
+        "date": DAY,
+        "source": f"computed: {service.title}",
+        "base": str(service.wheel),
+        "depths": depths.name,
+    }
+    write_atomically(depths, write_depths(table).encode())
+    return write_atomically(folder / f"{stem}{WHEEL}", write_toml(content).encode())
+
+
+def _lost(service: Service, plan: Plan) -> tuple[Array, float, float]:
+    """Mean over wheels and cases: area by bins of the present profile and mass on tread and flange, for each metre."""
+    areas, zones, faults = np.zeros(0), np.zeros(2), []
+    for case, share in zip(plan.cases, service.shares, strict=True):
+        folder = plan.folder_of(case)
+        marker = read_marker(folder)
+        if marker is None or marker.status != COMPLETED:
+            words = "no result" if marker is None else f"{marker.status}: {marker.message}"
+            faults.append(f"{plan.folder}: case {case.label}: {words}")
+            continue
+        dataset = Result.load(folder / RESULT).dataset.sel(wear_law=service.law)
+        depth = dataset["wear_wheel_depth"].values.reshape(-1, dataset.sizes["wheel_place"]).mean(axis=0)
+        areas = share * depth + (areas if areas.size else 0.0)
+        zones += share * dataset["wear_wheel_mass"].values.reshape(-1, 2).mean(axis=0)
+    if faults:
+        raise SimulationError("\n".join(faults))
+    return areas, float(zones[0]), float(zones[1])
