@@ -264,3 +264,12 @@ def test_a_run_with_friction_that_is_cut_goes_on_to_the_bit(integrator: Integrat
     )
     np.testing.assert_array_equal(rest.q[-1], whole.q[-1])
     np.testing.assert_array_equal(rest.q_t[-1], whole.q_t[-1])
+
+
+def test_a_state_within_the_bounds_is_settled_already() -> None:
+    """A search for steady motion that starts from a run's slips finds them as they were; one beyond the bound slips."""
+    law = on_springs(box(FIXED, slides(8e3, 2e6, 0), replace(slides(4e3, 2e6, 1), name="other")))
+    q, q_t = design_state(law)
+    q[7], q[8], q_t[12:] = q[7] + 0.1, q[8] + 0.02, (0.0975, 0.015)
+    found = law.settled_rates(q, q_t)
+    np.testing.assert_allclose(found[12:], (0.0975, 0.018), atol=1e-12)

@@ -13,7 +13,7 @@ from wrsim.contact.arena import Arena, pack, room
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.core.body import axle_boxes as box_kernel
-from wrsim.core.body import line_motion, suspension, vehicle_forces
+from wrsim.core.body import friction, line_motion, suspension, vehicle_forces
 from wrsim.core.body import loads as load_kernel
 from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
@@ -302,12 +302,12 @@ class VehicleOnTrack:
                 place += wheel.model.arrays.recall(memory[place:])
 
     @contextmanager
-    def settled(self) -> Iterator[None]:
+    def settled(self, slips: Array | None = None) -> Iterator[None]:
         """While this lasts, dampers in series with springs carry nothing, they have had time to give way, and sliders
-        what they would after a straight way from the design position."""
+        what they do after a straight way from the design position, or from their slips where these are not 0."""
         before = self.elements["settled"].copy()
         try:
-            self.elements["settled"] = 1
+            self.elements["settled"] = friction.FRESH if slips is None or not np.any(slips) else friction.HELD
             self._asked_at = np.nan
             yield
         finally:
@@ -317,7 +317,7 @@ class VehicleOnTrack:
     def settled_rates(self, q: Array, q_t: Array) -> Array:
         """The rates q_t with the unknowns that dampers in series with springs and sliders have once settled there."""
         q_t, out = np.array(q_t, dtype=float), np.zeros(self.size)
-        with self.settled():
+        with self.settled(q_t[self.sliders]):
             self(0.0, q, q_t, out)
         inner = slice(6 * len(self.bodies), self.size - self.positions)
         q_t[inner] = out[inner]

@@ -121,6 +121,8 @@ class SteadyMotion:
 
     def __init__(self, law: VehicleOnTrack) -> None:
         self.law = law
+        self.slips = np.zeros(len(law.sliders))
+        """Unknowns of sliders from which these settle; 0: from the design position."""
         n, w = len(law.bodies), len(law.vehicle.wheelsets)
         self.distance = law.start + law.vehicle.parts[law.vehicle.reference].centre[0]
         self.spins = 5 + 6 * np.arange(w)
@@ -146,7 +148,7 @@ class SteadyMotion:
         self.masses = np.array([*(box.inertia[1] for _, box in law.vehicle.boxes.values()), *twisting, *rails])
 
     def state(self, x: Array) -> tuple[Array, Array]:
-        """State (q, q_t) with these unknowns; those of dampers in series with springs and of sliders 0."""
+        """State (q, q_t) with these unknowns; those of dampers in series with springs 0, of sliders ``slips``."""
         return self._state(x)[:2]
 
     def unknowns(self, q: Array, q_t: Array) -> Array:
@@ -166,6 +168,7 @@ class SteadyMotion:
         q[self.spins] = 0.0
         q[self.positions] = x[6 * n :]
         q[self.turns], q_t[self.turns] = 0.0, x[self.turning]
+        q_t[law.sliders] = self.slips
         turning, _, status = kernels.follow_together(
             q, x[self.spins], law.track.centre.curve, law.vehicle.reference, self.distance, law.speed, q_t[: 6 * n]
         )
@@ -189,7 +192,8 @@ class SteadyMotion:
 
     def largest(self, q: Array, q_t: Array) -> float:
         """Largest force left over at the steady state near (q, q_t), as a part of the weight."""
-        with self.law.settled():
+        self.slips = q_t[self.law.sliders]
+        with self.law.settled(self.slips):
             return float(np.max(np.abs(self.residual(self.unknowns(q, q_t)))))
 
 
@@ -203,7 +207,8 @@ def steady_state(
 ) -> Equilibrium:
     """The steady motion of a vehicle at the start and at the speed of its law; rest at speed 0.
 
-    guess: a state near it; default the design position, wheelsets lowered until the rails carry them. tolerance:
+    guess: a state near it, from whose slips friction goes on; default the design position, wheelsets lowered until the
+    rails carry them. tolerance:
     largest force left over, as a part of the weight, that is accepted when the search finds no better. near: a law with
     nearly the same forces, of which the derivatives are taken. Something must hold the speed: the law's drive, or
     springs to a frame. Raises Unbalanced when there is no such motion near the guess, NotCarried when the rails are not
@@ -212,10 +217,14 @@ def steady_state(
     law.look_near(law.start)
     steady = SteadyMotion(law)
     q, q_t = lower_on_rails(law, *design_state(law)) if guess is None else guess
+    steady.slips = q_t[law.sliders]
     x = steady.unknowns(q, q_t)
-    slope = None if near is None else SteadyMotion(near).residual
+    slope = None
+    if near is not None:
+        nearly = SteadyMotion(near)
+        nearly.slips, slope = steady.slips, nearly.residual
     goal = GOAL if tolerance <= TOLERANCE or near is None else tolerance
-    with law.settled(), (near or law).settled():
+    with law.settled(steady.slips), (near or law).settled(steady.slips):
         if not np.all(np.isfinite(steady.residual(x))):
             raise SimulationError("steady motion: the forces at its start are not finite")
         first = _place_bodies(steady, x, max_iterations)

@@ -21,7 +21,7 @@ def stop_values(dataset: xr.Dataset, sections: Sequence[Section]) -> Iterator[Va
     distance = dataset["distance"].values
     names = dataset["suspension"].values
     ends = np.column_stack([dataset[f"suspension_stop_{end}"].values for end in ("min", "max")])
-    for i in np.flatnonzero(np.isfinite(ends).all(axis=1)):
+    for i in np.flatnonzero(~np.isnan(ends).any(axis=1)):
         # a stop works along one axis; its travel along the others is zero
         travel = np.sum([dataset[f"suspension_d{axis}"].isel(suspension=i).values for axis in "xyz"], axis=0)
         for section in sections:
@@ -36,6 +36,10 @@ def stop_values(dataset: xr.Dataset, sections: Sequence[Section]) -> Iterator[Va
 
 
 def _extremes(travel: np.ndarray, ends: np.ndarray) -> list[tuple[float, float]]:
-    """Extreme travel towards either end that lies on its side of the design position."""
+    """Extreme travel towards either end that lies on its side of the design position; an end at infinity is none."""
     pairs = ((float(travel.min()), float(ends[0])), (float(travel.max()), float(ends[1])))
-    return [(min(extreme, 0.0) if end < 0.0 else max(extreme, 0.0), end) for extreme, end in pairs if end != 0.0]
+    return [
+        (min(extreme, 0.0) if end < 0.0 else max(extreme, 0.0), end)
+        for extreme, end in pairs
+        if end != 0.0 and np.isfinite(end)
+    ]

@@ -25,7 +25,8 @@ everything else (as it does the extension of a damper behind a spring). The forc
 Where the bound falls below the force (the normal force falls) the force falls with it, and the slip takes up the rest
 within some SETTLING. All of these take power: force times rate of travel less the rate of k z^2/2 is nowhere negative.
 
-"Settled" is a slider that went from nothing at the design position straight to where it is.
+"Settled" is a slider that went straight to where it is: FRESH from the design position, where it had no force, on its
+law's own line; HELD from the slip that it has, elastic up to its bound: a state within the bound stays what it is.
 """
 
 from math import exp
@@ -34,6 +35,7 @@ from wrsim.core.compiling import inlined, kernel
 from wrsim.core.linalg import ZERO, Vec, dot, norm, scale, shifted, sub
 
 NO_SLIDER, COULOMB, FANCHER, BERG = range(4)
+MOVING, FRESH, HELD = range(3)
 
 STUCK = 0.8
 """Part of the bound up to which a COULOMB slider sticks."""
@@ -68,18 +70,20 @@ def slide(element, bound, z, v):
 
 
 @kernel
-def settled(element, bound, e):
-    """Pull of a settled slider after the travel e [m], both vectors."""
-    k, size = element.stick, norm(e)
+def settled(element, bound, z):
+    """Pull of a settled slider after the way z from where it began [m], both vectors."""
+    k, size = element.stick, norm(z)
     if size < SMALLEST or bound <= 0.0:
         return ZERO
     part = k * size / bound
-    if element.slider == BERG:
+    if element.settled == HELD:
+        force = min(part, 1.0)
+    elif element.slider == BERG:
         force = part / (1.0 + part)
     else:
         first = STUCK if element.slider == COULOMB else 0.0
         force = part if part < first else 1.0 - (1.0 - first) * exp(-(part - first) / (1.0 - first))
-    return scale(bound * force / size, e)
+    return scale(bound * force / size, z)
 
 
 @inlined
@@ -104,16 +108,17 @@ def follow_strokes(element, bound, e, v, inner, inner_t):
 def slider_force(element, bound, e, v, inner, inner_t):
     """Pull of a slider in one direction against the travel e [m] at the rate v [m/s].
 
-    inner, inner_t: the slider's unknowns, and where their rates go; of a settled slider the unknowns themselves go
-    there.
+    inner, inner_t: the slider's unknowns, and where their rates go; of a settled slider the unknowns where it has
+    come to go there.
     """
     first = element.slip
-    if element.settled > 0:
-        pull = settled(element, bound, Vec(e, 0.0, 0.0)).x
-        inner_t[first] = e - pull / element.stick
+    if element.settled != MOVING:
+        pull = settled(element, bound, Vec(e - inner[first], 0.0, 0.0)).x
+        z = pull / element.stick
+        inner_t[first] = e - z
         if element.slider == BERG:
-            inner_t[first + 1] = min(pull / element.stick, 0.0)
-            inner_t[first + 2] = max(pull / element.stick, 0.0)
+            inner_t[first + 1] = min(z, inner[first + 1])
+            inner_t[first + 2] = max(z, inner[first + 2])
         return pull
     if element.slider == BERG:
         return follow_strokes(element, bound, e, v, inner, inner_t)

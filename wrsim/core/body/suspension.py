@@ -28,7 +28,7 @@ across one axis of the first body. The bound of a slider's force is constant, or
 """
 
 from wrsim.core.arena import record
-from wrsim.core.body.friction import NO_SLIDER, settled, slide, slider_force
+from wrsim.core.body.friction import MOVING, NO_SLIDER, settled, slide, slider_force
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.linalg import (
     VECTOR,
@@ -74,8 +74,8 @@ force at rest, length at rest, stiffness in series with the damper, axis, number
 place and length of its tables. As a field: along and about the axes of the first body.
 Of its slider: stiffness and damping where it sticks, constant part of the bound of its force, kind, number of its first
 unknown; number of the element whose force makes the rest of the bound, or -1, and what that is multiplied with (its
-reading, component by component). settled: dampers behind springs and sliders have had time; their unknowns, instead of
-being read, are written where their rates go."""
+reading, component by component). settled: MOVING, or how dampers behind springs and sliders have come to rest
+(``core.body.friction``); where their unknowns have come to is written where their rates go."""
 
 WRENCH = record(force=VECTOR, moment=VECTOR)
 """Force [N] and moment [N m] at the centre of mass of a body, in global axes."""
@@ -135,7 +135,7 @@ def _one_direction(element, tables, travel, rate, inner, inner_t):
     start, count = element.damper_start, element.damper_rows
     if element.state < 0:
         force += interpolate(tables, start, count, rate) if count > 0 else element.c * rate
-    elif element.settled > 0:
+    elif element.settled != MOVING:
         inner_t[element.state] = travel
     else:
         damper = element.series * (travel - inner[element.state])
@@ -228,11 +228,12 @@ def _plane(bodies, element, inner, inner_t, wrenches, readings, reading):
     b = Vec(0.0, 1.0, 0.0) if element.direction == 2 else Vec(0.0, 0.0, 1.0)
     e, v = Vec(dot(d, a), dot(d, b), 0.0), Vec(dot(u, a), dot(u, b), 0.0)
     bound, i = _bound(element, readings), element.slip
-    if element.settled > 0:
-        pull = settled(element, bound, e)
+    z = sub(e, Vec(inner[i], inner[i + 1], 0.0))
+    if element.settled != MOVING:
+        pull = settled(element, bound, z)
         slip = shifted(e, -1.0 / element.stick, pull)
     else:
-        pull, slip = slide(element, bound, sub(e, Vec(inner[i], inner[i + 1], 0.0)), v)
+        pull, slip = slide(element, bound, z, v)
     inner_t[i], inner_t[i + 1] = slip.x, slip.y
     f = mixed(-pull.x, a, -pull.y, b)
     put(reading.force, f)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import inf
 from typing import ClassVar
 
 from wrsim.inputs.section import Fault
@@ -37,4 +38,7 @@ class BumpStopTable(ElementTable, kind="bump-stop"):
         rows = self.travel_mm_force_kN
         free = ((rows[0][0] - 1.0, 0.0), *rows)  # nothing before the stop is met
         table = along_axis(both_ways(rows) if self.both_ways else free, axes.signs[axis])
-        return Strut(*joint, (at, at), axis, spring_table=table, limits=(table[0][0], table[-1][0]))
+        low, high = table[0][0], table[-1][0]
+        if not self.both_ways:  # the other way it is free as far as anything goes
+            low, high = (low, inf) if axes.signs[axis] < 0.0 else (-inf, high)
+        return Strut(*joint, (at, at), axis, spring_table=table, limits=(low, high))
