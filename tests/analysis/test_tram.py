@@ -1,0 +1,97 @@
+"""A tram's wheelset on grooved rails in a curve of 25 m: flange, guard face, and how they share."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import radians, sin
+
+import numpy as np
+import pytest
+import xarray as xr
+from support.runs import SCENARIOS
+
+from wrsim.analysis import run
+from wrsim.scenario.loading import load, load_text
+
+RADIUS, AHEAD, MASS, SPEED = 25.0, 0.65, 700.0 + 4500.0, 10.0 / 3.6
+FACE = -80.538
+"""Of the guard face against the track plane [degrees]."""
+GAUGES = (1432.0, 1433.35, 1433.4, 1435.0)
+"""A wider track takes the gauge face of the outer rail away, and brings the guard face of the inner rail nearer."""
+
+
+@cache
+def in_the_curve(gauge: float) -> xr.Dataset:
+    """The shipped scenario at a gauge [mm], 15 m along, where nothing changes any more."""
+    found = run(load(SCENARIOS / "tram_r25.toml").with_values({"track.gauge_mm": gauge}))
+    assert found.status == "completed"
+    one = found.wheelset()
+    return one.isel(time=int(np.argmin(np.abs(one["distance"].values - 15.0))))
+
+
+def pushed(sample: xr.Dataset) -> tuple[float, float]:
+    """What the flange of the outer wheel and the back of the inner one press sideways, without friction [N]."""
+    angle, normal = np.degrees(sample["contact_angle"].values), sample["N"].values
+    flange = np.nansum(np.where(angle[0] > 30.0, normal[0] * np.sin(np.radians(angle[0])), 0.0))
+    guard = np.nansum(np.where(angle[1] < -60.0, -normal[1] * np.sin(np.radians(angle[1])), 0.0))
+    return float(flange), float(guard)
+
+
+def test_the_guard_face_takes_over_as_its_gap_closes():
+    flange, guard = np.array([pushed(in_the_curve(gauge)) for gauge in GAUGES]).T
+    assert guard[0] == 0.0 and flange[0] > 5e3  # the outer flange alone
+    assert flange[-1] == 0.0 and guard[-1] > 5e3  # the guard face alone
+    assert (np.diff(flange) < 0.0).all() and (np.diff(guard) > 0.0).all()
+    assert flange[2] > 1e3 and guard[1] > 1e3  # both at once
+
+
+@pytest.mark.parametrize("gauge", GAUGES)
+def test_whoever_guides_the_forces_balance(gauge):
+    """Level track: Y of the left rail less that of the right one, and the frame's force, carry the curve."""
+    sample = in_the_curve(gauge)
+    left, right = sample["Y"].values
+    outward = MASS * SPEED**2 / RADIUS
+    assert left - right - sample["guide_force_y"].item() == pytest.approx(outward, rel=0.01)
+    assert sample["Q"].sum().item() == pytest.approx(MASS * 9.80665, rel=1e-3)
+    assert sample["yaw"].item() == pytest.approx(AHEAD / RADIUS, abs=1e-3)  # but for the springs of the axle
+
+
+def test_the_back_of_the_flange_stands_on_the_guard_face():
+    sample = in_the_curve(GAUGES[-1])
+    angle = np.degrees(sample["contact_angle"].values[1])
+    assert np.nanmin(angle) == pytest.approx(FACE, abs=0.2)
+    assert sample["lateral_shift"].item() < in_the_curve(GAUGES[0])["lateral_shift"].item() + 1.5e-3
+
+
+POSE = """
+title = "the inner wheel against its guard face"
+analysis = "static"
+[vehicle]
+model = "vehicles/wheelset_tram.toml"
+[track]
+gauge_mm = {gauge}
+rail = "rails/grooved_narrow.toml"
+inclination = "none"
+[contact]
+normal = "kik-piotrowski"
+[static]
+target = "wheel"
+side = "right"
+lateral_mm = {shift}
+yaw_mrad = 20
+load_kN = 25
+rolling = false
+"""
+
+
+def test_a_rail_that_is_moved_meets_the_back_of_the_flange_as_much_later():
+    """2 mm of gauge are 1 mm of either rail; upright forces carry the load, the face pushes sideways."""
+    here, there = (
+        run(load_text(POSE.format(gauge=gauge, shift=shift))).wheelset().isel(pose=0, wheel=0)
+        for gauge, shift in ((1435, 3.8), (1433, 4.8))
+    )
+    assert there["N"].values == pytest.approx(here["N"].values, rel=1e-6, nan_ok=True)
+    assert here["Q"].item() == pytest.approx(25e3, rel=1e-6)
+    on_face = np.degrees(here["contact_angle"].values) < -60.0
+    assert on_face.sum() == 1
+    assert here["N"].values[on_face][0] * sin(radians(-FACE)) > 1e3
