@@ -42,7 +42,7 @@ def profile_point(profile, arc):
     """
     step = profile.step
     last = profile.table.shape[0] - 1
-    x = arc / step
+    x = arc * (1.0 / step)  # the compiler takes the inverse out of loops
     if x <= 0.0 or x >= last:
         i = 0 if x <= 0.0 else last
         end = node(profile, i)
@@ -60,7 +60,7 @@ def between(p, q, r, step):
     h01 = 3.0 * r2 - 2.0 * r3
     h10 = (r3 - 2.0 * r2 + r) * step
     h11 = (r3 - r2) * step
-    d01 = 6.0 * (r - r2) / step
+    d01 = 6.0 * (r - r2) * (1.0 / step)
     d10 = 3.0 * r2 - 4.0 * r + 1.0
     d11 = 3.0 * r2 - 2.0 * r
     return Point(

@@ -13,16 +13,22 @@ def _centre(row):
 
 
 @inlined
+def _upright(row):
+    """Cosine of the slope along the track."""
+    return 1.0 if row.slope == 0.0 else 1.0 / sqrt(1.0 + row.slope * row.slope)
+
+
+@inlined
 def _normal(row):
     """Unit normal from rail to wheel there: that of the section, leant back by the slope along the track."""
-    inverse = 1.0 / sqrt(1.0 + row.slope * row.slope)
+    inverse = _upright(row)
     return Vec(-row.slope * inverse, row.no * inverse, row.nb * inverse)
 
 
 @inlined
 def _along(row):
     """Unit tangent along the track."""
-    inverse = 1.0 / sqrt(1.0 + row.slope * row.slope)
+    inverse = _upright(row)
     return Vec(inverse, row.slope * row.no * inverse, row.slope * row.nb * inverse)
 
 

@@ -14,15 +14,19 @@ def twice_k_minus_e(p, b, c2):
     """
     total = 0.5 * c2
     power = 1.0
+    c = 0.0
     for _ in range(40):
         c = 0.5 * (p - b)
         b = sqrt(p * b)
         p -= c
         total += power * c * c
-        if c < 1e-9 * p:
+        if c < 1e-5 * p:
             break
         power *= 2.0
-    return pi * total / p
+    # the next step would take c^2/(4 p) from p, and change the sum by c^4
+    inverse = 1.0 / p
+    rest = 0.5 * c * inverse
+    return pi * total * inverse * (1.0 + rest * rest)
 
 
 @inlined

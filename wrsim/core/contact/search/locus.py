@@ -62,6 +62,12 @@ def placed(profile, radius, pose):
 
 
 @inlined
+def _cosine(s2):
+    """Cosine of the angle whose sine has this square; the series is exact to 1e-15 where it is used."""
+    return 1.0 - s2 * (0.5 + s2 * (0.125 + s2 * 0.0625)) if s2 < 4e-4 else sqrt(1.0 - s2)
+
+
+@inlined
 def locus_point(wheel, arc):
     """Point of the locus at profile arclength ``arc``."""
     origin, e, q = wheel.origin, wheel.axle, wheel.q
@@ -87,8 +93,7 @@ def locus_point(wheel, arc):
         sine = min(max(sine, -LARGEST_SINE), LARGEST_SINE)
         sin_alpha = min(max(sin_alpha, -LARGEST_SINE), LARGEST_SINE)
     s2 = sine * sine
-    # the series is exact to 1e-15 where it is used
-    cosine = 1.0 - s2 * (0.5 + s2 * (0.125 + s2 * 0.0625)) if s2 < 4e-4 else sqrt(1.0 - s2)
+    cosine = _cosine(s2)
     do = (cosine * e.z - sine * e.x * e.y) * iq
     db = (-cosine * e.y - sine * e.x * e.z) * iq
     r1 = rho * inverse_c
@@ -117,11 +122,12 @@ def locus_node(wheel, at, largest):
     """
     origin, e, q = wheel.origin, wheel.axle, wheel.q
     rho = wheel.radius - at.w
-    sine = -at.tw * e.x / (max(at.tu, 1e-3) * q)
+    iq = 1.0 / q
+    sine = -at.tw * e.x * iq / max(at.tu, 1e-3)
     angle = sine if abs(sine) < largest else 0.0
-    cosine = sqrt(1.0 - angle * angle)
-    do = (cosine * e.z - angle * e.x * e.y) / q
-    db = (-cosine * e.y - angle * e.x * e.z) / q
+    cosine = _cosine(angle * angle)
+    do = (cosine * e.z - angle * e.x * e.y) * iq
+    db = (-cosine * e.y - angle * e.x * e.z) * iq
     return Node(
         origin.y + at.u * e.y + rho * do,
         origin.z + at.u * e.z + rho * db,

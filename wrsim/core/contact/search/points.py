@@ -50,11 +50,13 @@ class Stationary(NamedTuple):
 def field_distance(field, o, b):
     """(signed distance, arclength of the nearest rail point) by bilinear interpolation of the field.
 
-    Outside the grid a lower bound stands for the distance.
+    Outside the grid a lower bound stands for the distance. The arclength is 0 there, and where the distance is of no
+    interest.
     """
     values = field.values
-    x = (o - field.o) / field.spacing
-    y = (b - field.b) / field.spacing
+    inverse = 1.0 / field.spacing
+    x = (o - field.o) * inverse
+    y = (b - field.b) * inverse
     nx = field.count - 1
     ny = values.shape[1] - 1
     if x < 0.0 or y < 0.0 or x >= nx or y >= ny:
@@ -72,6 +74,8 @@ def field_distance(field, o, b):
     distance = (
         w00 * values[i, j, 0] + w10 * values[i + 1, j, 0] + w01 * values[i, j + 1, 0] + w11 * values[i + 1, j + 1, 0]
     )
+    if distance > FAR + field.slack:
+        return distance, 0.0
     foot = w00 * values[i, j, 1] + w10 * values[i + 1, j, 1] + w01 * values[i, j + 1, 1] + w11 * values[i + 1, j + 1, 1]
     return distance, foot
 
