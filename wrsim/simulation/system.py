@@ -23,7 +23,7 @@ import numpy as np
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid
-from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, force_derivative
+from wrsim.simulation.force_law import COORDINATES, SMALL, Array, ForceLaw, force_derivative
 from wrsim.simulation.integrators import Integrator
 
 if not hasattr(sys, "exudynFast") and not os.environ.get("EXUDYN_MODULE"):
@@ -43,6 +43,9 @@ CONTRACTION = 0.5
 TREND = 0.5
 """Part of the last change of the accelerations that is taken to go on in the next step. Tried 0, 0.5 and 1, coach with
 strips at 2 ms over a dip: 0.63, 0.44, 0.25 % of the largest Y are left; into a curve: 78, 78, 125 Jacobians."""
+
+SCALE = np.array([SMALL[name] for name in COORDINATES]) ** -2.0
+"""Weights of the coordinates of a body in Broyden's update."""
 
 NEAR, UNSEEN, FORGET = 30.0, 8, 0.9
 """Forces are foretold, not computed, where what should be left is within the tolerance and their change, also that
@@ -301,7 +304,8 @@ class _Newton:
     (Arnold and Bruls, algorithm 1).
 
     Last answer: the forces after an iteration differ from those that the Jacobian foretells by a part of the change
-    that it foretells (``ratio``), which shows wherever they are computed. Where the difference is sure to be within the
+    that it foretells (``ratio``), which shows wherever they are computed, and bends what foretells (Broyden's update,
+    body by body), not the Jacobian that Exudyn keeps. Where the difference is sure to be within the
     tolerance they are not computed: what is foretold ends the iteration (the test of Hairer and Wanner, Solving
     Ordinary Differential Equations II, IV.8).
 
@@ -321,6 +325,8 @@ class _Newton:
         self.tolerance, self.may_foretell = tolerance, loosest is not None
         self.loosest = tolerance if loosest is None else loosest
         self.steps, self.iteration = 0, -1
+        own = np.arange(6 * len(system.bodies)).reshape(-1, 6)
+        self.rows, self.columns = own[:, :, None], own[:, None, :]
         self.jacobian: Array | None = None
         self.at, self.forces, self.change = np.zeros((3, system.size))
         """State of the last forces that were computed, these, and their change since by the Jacobian."""
@@ -371,10 +377,20 @@ class _Newton:
         np.add(self.forces, self.change, out=out)
         return True
 
+    def _bend(self, jacobian: Array, left: Array) -> None:
+        """Broyden's update of what foretells, of every body by itself: the Jacobian that would have left nothing."""
+        moved, missed = (x[: self.rows.size].reshape(-1, 6) for x in (self.system.q - self.at, left))
+        scaled = SCALE * moved
+        scaled /= np.maximum((scaled * moved).sum(axis=1, keepdims=True), 1e-300)
+        jacobian[self.rows, self.columns] += missed[:, :, None] * scaled[:, None, :]
+
     def learn(self, forces: Array) -> None:
         """Forces have been computed. Raises NotSolved where the method leads nowhere."""
         if self.iteration >= 1 and self.jacobian is not None:
-            self.left = float(np.linalg.norm(forces - self.forces - self.change))
+            left = forces - self.forces - self.change
+            self.left = float(np.linalg.norm(left))
+            if self.left <= CONTRACTION * self.size:
+                self._bend(self.jacobian, left)
             ratio = self.left / max(self.size, 1e-300)
             forgotten = 0.0 if self.iteration > 1 or not np.isfinite(self.ratio) else FORGET * self.ratio
             self.ratio, self.unseen = max(ratio, forgotten), 0
