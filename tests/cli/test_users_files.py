@@ -163,7 +163,7 @@ def test_the_target_of_a_link_in_the_place_of_a_run_file_is_left_alone(tmp_path:
     with pytest.raises(InputError, match="is a symbolic link"):
         RunFile.create(link, {})
     with pytest.raises(InputError, match="is a symbolic link"):
-        RunFile.continued(link, 0)
+        RunFile.opened(link)
     assert target.read_bytes() == content
 
 

@@ -68,13 +68,11 @@ class RunFile:
         return file
 
     @classmethod
-    def continued(cls, path: str | Path, end: int) -> RunFile:
-        """Open a file to go on behind the record that ends at ``end``; the rest is cut off."""
+    def opened(cls, path: str | Path) -> RunFile:
+        """Open a file to go on with; ``cut`` says where. Nobody else can write to it from now on."""
         path = Path(path)
         with plain_disk_errors(path):
-            file = cls(path, _locked(path))
-            file.cut(end)
-        return file
+            return cls(path, _locked(path))
 
     def append(self, kind: bytes, *parts: bytes) -> None:
         """Write one record. Raises ``WrsimError`` when the disk is full; what was written before stays readable."""

@@ -156,12 +156,19 @@ class FileRecorder(Recorder):
 
         A run that the user has interrupted goes on. Raises ``InputError`` when there is nothing to go on from.
         """
-        recorded = Recording.read(path)
-        over = recorded.ending is not None and recorded.ending.cause != "interrupt"
-        if recorded.checkpoint is None:
-            raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
-        end = recorded.end if over else recorded.checkpoint_end
-        recorder = cls(RunFile.continued(path, end), recorded.size)
+        with opened_run_file(path):  # a file that is not there, or none of a run's, is told as for reading
+            pass
+        file = RunFile.opened(path)
+        try:  # read while nobody else can write
+            recorded = Recording.of(Path(path), *file.read())
+            over = recorded.ending is not None and recorded.ending.cause != "interrupt"
+            if recorded.checkpoint is None:
+                raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
+            file.cut(recorded.end if over else recorded.checkpoint_end)
+        except BaseException:
+            file.close()
+            raise
+        recorder = cls(file, recorded.size)
         recorder.checkpoint, recorder.last = recorded.checkpoint, recorded.last
         recorder.ending = recorded.ending if over else None
         return recorder
