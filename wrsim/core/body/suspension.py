@@ -267,26 +267,6 @@ def _turning(bodies, element, wrenches):
 
 
 @kernel
-def _element(bodies, element, tables, inner, inner_t, wrenches, readings, reading):
-    """Forces and moments of one element."""
-    put(reading.force, ZERO)
-    put(reading.travel, ZERO)
-    if element.kind == LINE:
-        _line(bodies, element, tables, inner, inner_t, wrenches, readings, reading)
-    elif element.kind == AXIS:
-        _axis(bodies, element, tables, inner, inner_t, wrenches, readings, reading)
-    elif element.kind == PLANE:
-        _plane(bodies, element, inner, inner_t, wrenches, readings, reading)
-    else:
-        if element.kind == SHEAR:
-            _field(bodies, element, 1.0, 0.5, wrenches, reading)
-            _field(bodies, element, -1.0, 0.5, wrenches, reading)
-        else:
-            _field(bodies, element, 1.0, 1.0, wrenches, reading)
-        _turning(bodies, element, wrenches)
-
-
-@kernel
 def suspension_forces(bodies, elements, tables, inner, inner_t, wrenches, readings):
     """Add the forces and moments of all elements at the centres of mass to ``wrenches``.
 
@@ -294,14 +274,30 @@ def suspension_forces(bodies, elements, tables, inner, inner_t, wrenches, readin
     damping parts in series with a spring [m] and unknowns of sliders, and their rates, to be filled; wrenches: a record
     WRENCH per body; readings: a record READING per element, to be filled.
     """
-    waiting = 0
-    for i in range(elements.shape[0]):
-        if elements[i].normal >= 0 and elements[i].normal != i:
-            waiting += 1
-        else:
-            _element(bodies, elements[i], tables, inner, inner_t, wrenches, readings, readings[i])
-    if waiting == 0:
-        return
-    for i in range(elements.shape[0]):
-        if elements[i].normal >= 0 and elements[i].normal != i:
-            _element(bodies, elements[i], tables, inner, inner_t, wrenches, readings, readings[i])
+    for late in range(2):
+        waiting = 0
+        for i in range(elements.shape[0]):
+            element = elements[i]
+            if (late == 1) != (element.normal >= 0 and element.normal != i):
+                waiting += 1
+                continue
+            reading = readings[i]
+            put(reading.force, ZERO)
+            put(reading.travel, ZERO)
+            if element.kind == LINE:
+                _line(bodies, element, tables, inner, inner_t, wrenches, readings, reading)
+                continue
+            if element.kind == AXIS:
+                _axis(bodies, element, tables, inner, inner_t, wrenches, readings, reading)
+                continue
+            if element.kind == PLANE:
+                _plane(bodies, element, inner, inner_t, wrenches, readings, reading)
+                continue
+            if element.kind == SHEAR:
+                _field(bodies, element, 1.0, 0.5, wrenches, reading)
+                _field(bodies, element, -1.0, 0.5, wrenches, reading)
+            else:
+                _field(bodies, element, 1.0, 1.0, wrenches, reading)
+            _turning(bodies, element, wrenches)
+        if waiting == 0:
+            break
