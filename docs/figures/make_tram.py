@@ -43,8 +43,8 @@ def draw(rows: np.ndarray) -> Figure:
     left.set_title("inner rail and wheel at the axle, gauge 1435 mm", fontsize=8)
     right.plot(GAUGES, rows[:, 0], ".-", label="outer wheel, flange")
     right.plot(GAUGES, rows[:, 1], ".-", label="inner wheel, back on guard face")
-    right.set(xlabel="gauge, mm", ylabel="sideways part of normal forces, kN")
-    right.legend(loc="center right")
+    right.set(ylim=(-0.5, 16.0), xlabel="gauge, mm", ylabel="sideways part of normal forces, kN")
+    right.legend(loc="upper right")
     return figure
 
 
