@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Sequence
 from itertools import pairwise
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.commands import forked
 from support.runs import SCENARIOS
 
 from wrsim.errors import InputError, SimulationError
@@ -161,6 +163,15 @@ def test_history_tells_the_flange_and_can_be_loaded(service: Service, steps: lis
     assert np.isfinite(dataset["conicity"].values).all()
     again = history(service, steps)
     assert again.identical(dataset)
+
+
+def test_the_command_tells_a_finished_service_again(steps: list[Step], folder: Path) -> None:
+    """Nothing is left to run: no worker comes."""
+    found = forked("wear", folder / "service.toml", "-o", folder / "out", "--no-pictures", "--json")
+    assert found.returncode == 0, found.stderr
+    told = json.loads(found.stdout)
+    assert told["steps"] == len(steps) and told["worn"]["mileage_km"] == pytest.approx(40.0)
+    assert told["worn"]["depth_mm"] > told["new"]["depth_mm"] == 0.0
 
 
 def test_another_service_does_not_go_on_with_these_steps(folder: Path, steps: list[Step], tmp_path: Path) -> None:
