@@ -56,6 +56,10 @@ def profiles_figure(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+LEAST_CHANGE = 0.05
+"""Change of the flange that is drawn at least [mm]: below it lies the round-off of the profile's nodes."""
+
+
 def mileage_figure(dataset: xr.Dataset) -> Figure:
     """Changes of the flange's dimensions, conicity, largest depth and mass lost against the mileage."""
     x = 1e-3 * dataset["mileage"].values
@@ -71,6 +75,8 @@ def mileage_figure(dataset: xr.Dataset) -> Figure:
                     x, values - values[0], color=colour, label=f"{short} - {values[0]:.2f}", linestyle=dashes, **line
                 )
         if flange.lines:
+            low, high = flange.get_ylim()
+            flange.set_ylim(min(low, -LEAST_CHANGE), max(high, LEAST_CHANGE))
             flange.legend()
         flange.set_ylabel("Flange against the new one [mm]")
         cone.plot(x, dataset["conicity"].values, color=INK, **line)
