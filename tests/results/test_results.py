@@ -19,6 +19,7 @@ from support.synthetic_result import curve_run, static_poses
 
 from wrsim.errors import InputError, WrsimError
 from wrsim.results import CHANNELS, Result, assemble, channel, summarise, tables, write_atomically, write_run
+from wrsim.results import sealed
 from wrsim.results.sealed import read_sealed, write_sealed
 
 ROOT = Path(__file__).parents[2]
@@ -463,6 +464,15 @@ def test_a_stopped_run_says_when_where_and_why(written):
 
 def test_unsolved_poses_are_counted():
     assert Result(static_poses()).summary()["extent"] == {"poses": 42, "solved": 41}
+
+
+def test_a_large_file_keeps_labels_that_no_channel_has(tmp_path, monkeypatch):
+    monkeypatch.setattr(sealed, "LARGE", 500)
+    coords = {"x": np.arange(50.0), "lonely": ("y", np.array(["p", "q"]))}
+    channels = {name: ("x", i + np.arange(50.0)) for i, name in enumerate("abc")}
+    dataset = xr.Dataset(channels, coords=coords, attrs={"title": "three groups"})
+    read = read_sealed(write_sealed(tmp_path / "a.nc", dataset), "result")
+    xr.testing.assert_identical(read.load(), dataset)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 0.9999])

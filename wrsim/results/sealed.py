@@ -17,7 +17,6 @@ from itertools import chain
 from pathlib import Path
 from typing import IO, Any
 
-import netCDF4
 import xarray as xr
 
 from wrsim.errors import InputError
@@ -84,6 +83,8 @@ def _packed(dataset: xr.Dataset) -> dict[Hashable, dict[str, Any]]:
 
 def _as_file(dataset: xr.Dataset) -> bytes:
     """The bytes that xarray's ``to_netcdf`` gives, without its look for a cluster, which loads dask.distributed."""
+    import netCDF4
+
     file = netCDF4.Dataset("in memory", "w", format="NETCDF4", memory=dataset.nbytes)
     dataset.dump_to_store(xr.backends.NetCDF4DataStore(file), encoding=_packed(dataset))
     return bytes(file.close())
@@ -100,8 +101,8 @@ def _write_in_groups(dataset: xr.Dataset, path: str) -> None:
         groups[-1].append(name)
         size += variable.nbytes
     try:
-        for number, group in enumerate(groups):
-            part = dataset[group]
+        labels = dataset.drop_vars(dataset.data_vars)  # also those that no channel has
+        for number, part in enumerate([labels, *(dataset[group] for group in groups)]):
             part.to_netcdf(path, mode="a" if number else "w", engine="netcdf4", encoding=_packed(part))
     except RuntimeError as problem:  # netCDF-C says "HDF error", whatever it was
         full = shutil.disk_usage(Path(path).parent).free < LARGE
