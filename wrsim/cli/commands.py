@@ -27,6 +27,7 @@ from wrsim.cli.options import (
     Force,
     Json,
     Models,
+    Output,
     Set,
     beside,
     check_ending,
@@ -140,9 +141,7 @@ def check(file: ScenarioFile, values: Set = None, models: Models = None, as_json
 @app.command()
 def run(
     file: ScenarioFile,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>.")
-    ] = None,
+    output: Output = None,
     values: Set = None,
     models: Models = None,
     resume: Annotated[

@@ -29,6 +29,15 @@ Force = Annotated[
 ]
 Pictures = Annotated[bool, typer.Option(help="Draw the pictures.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")]
+Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>.")]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--workers", "-w", metavar="N", min=1, help="Worker processes here, or jobs of SLURM; default: one a processor."
+    ),
+]
+Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this dask scheduler.")]
+Slurm = Annotated[bool, typer.Option("--slurm", help="Run the workers as SLURM jobs (extra wrsim\\[cluster]).")]
 SectionsOf = Annotated[
     Path | None,
     typer.Option("--scenario", metavar="FILE", help="Take the settings from this scenario instead."),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import STOPPED, reporting_errors
-from wrsim.cli.options import Force, Json, Models, Pictures, Quiet
+from wrsim.cli.options import Force, Json, Models, Output, Pictures, Quiet, Scheduler, Slurm, Workers
 from wrsim.cli.showing import complain, print_json, print_table, print_title, progress_bar, say, say_files
 from wrsim.errors import InputError
 
@@ -27,25 +27,10 @@ OUTPUTS = ("study.nc", "study.csv", "times.csv", "study.json", "plan.json")
 
 def study(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Study file (TOML).")],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>.")
-    ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            "--workers",
-            "-w",
-            metavar="N",
-            min=1,
-            help="Worker processes here, or jobs of SLURM; default: one a processor.",
-        ),
-    ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this dask scheduler.")
-    ] = None,
-    slurm: Annotated[
-        bool, typer.Option("--slurm", help="Run the workers as SLURM jobs (extra wrsim\\[cluster]).")
-    ] = False,
+    output: Output = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    slurm: Slurm = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="List the cases and the time they will take; run nothing.")
     ] = False,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Force, Json, Models, Pictures, Quiet
+from wrsim.cli.options import Force, Json, Models, Output, Pictures, Quiet, Scheduler, Slurm, Workers
 from wrsim.cli.showing import print_json, print_table, print_title, say
 from wrsim.cli.study import check_crew, crew
 
@@ -18,25 +18,10 @@ if TYPE_CHECKING:
 
 def wear(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Service file (TOML).")],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>.")
-    ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            "--workers",
-            "-w",
-            metavar="N",
-            min=1,
-            help="Worker processes here, or jobs of SLURM; default: one a processor.",
-        ),
-    ] = None,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this dask scheduler.")
-    ] = None,
-    slurm: Annotated[
-        bool, typer.Option("--slurm", help="Run the workers as SLURM jobs (extra wrsim\\[cluster]).")
-    ] = False,
+    output: Output = None,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    slurm: Slurm = False,
     models: Models = None,
     pictures: Pictures = True,
     force: Force = False,
