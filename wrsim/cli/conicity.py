@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from wrsim.results.conicity_map import ConicityMap
 
 MOST_GAUGES = 200
-TAPE_TO_BACK = 70.0
-"""From the tape circle to the flange back, EN 13715 [mm]."""
 
 
 def conicity(
@@ -62,6 +60,7 @@ def conicity(
         from wrsim.analysis.conicity.conicity import conicity as analyse
         from wrsim.analysis.conicity.maps import conicity_map
         from wrsim.errors import InputError
+        from wrsim.geometry.profile.flange import BACK
         from wrsim.inputs.checking import check_value
         from wrsim.inputs.values import number
         from wrsim.scenario.sections.conicity import AMPLITUDES, ConicityPlan, Roll
@@ -74,16 +73,17 @@ def conicity(
         for diameter in diameters:
             key = "--radius-mm" if diameters_mm is None else "--diameters-mm"
             check_value(Annotated[float, number(100 * factor, 1500 * factor)], 0.5 * factor * diameter, key)
+        spacing = (flange_back_mm + 2e3 * BACK) / 1e3
         slope = _slope(inclination)
         way = check_value(Roll, roll, "--roll")
         if gauges_mm is not None or Path(wheel).is_dir() or Path(rail).is_dir():
             if diameters_mm or wheel_right or rail_right:
                 raise InputError("a map is of wheelsets with like wheels on like rails: no --diameters-mm, -right")
             found = conicity_map(
-                {name: p for name, p in _profiles(models, wheel, "wheel").items()},
+                _profiles(models, wheel, "wheel"),
                 {name: p.inclined(slope) for name, p in _profiles(models, rail, "rail").items()},
                 [g / 1e3 for g in ([gauge_mm] if gauges_mm is None else _gauges(*gauges_mm))],
-                (flange_back_mm + 2.0 * TAPE_TO_BACK) / 1e3,
+                spacing,
                 radius_mm / 1e3,
                 way,
             )
@@ -98,7 +98,7 @@ def conicity(
             name="wheelset",
             mass=0.0,
             inertia=(0.0, 0.0, 0.0),
-            profile_spacing=(flange_back_mm + 2.0 * TAPE_TO_BACK) / 1e3,
+            profile_spacing=spacing,
             left=Wheel(left_wheel, 0.5e-3 * diameters[0]),
             right=Wheel(right_wheel, 0.5e-3 * diameters[1]),
         )

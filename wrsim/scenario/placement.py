@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.geometry.profile.flange import LEVEL
 from wrsim.geometry.profile.profile import Profile
 
 Array = NDArray[np.float64]
@@ -15,8 +16,6 @@ STEP = 0.1e-3
 """Distance of the samples along both profiles [m]."""
 FLANGE_SLOPE = 0.6
 """A wheel profile steeper than this (31 degrees), inside of the tape circle, belongs to the flange."""
-FLANGE_LEVEL = 10e-3
-"""Depth below the tape circle at which the flange faces the gauge side of the rail [m] (EN 15313: 10 mm)."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ def flange_root(tread: Array) -> float:
 
 def flange_face(tread: Array) -> float:
     """Return the outermost u of the flange 10 mm below the tape circle [m], or its root."""
-    deep = (tread[:, 0] < 0.0) & (tread[:, 1] <= -FLANGE_LEVEL)
+    deep = (tread[:, 0] < 0.0) & (tread[:, 1] <= -LEVEL)
     return float(tread[deep, 0].max()) if deep.any() else flange_root(tread)
 
 

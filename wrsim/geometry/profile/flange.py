@@ -14,7 +14,7 @@ LEVEL = 10e-3
 TIP = 2e-3
 """Height above the tip of the flange of the other point of qR [m]."""
 BACK = 70e-3
-"""Distance of the flange back from the tape circle [m]."""
+"""Distance of the flange back from the tape circle [m], EN 13715."""
 
 
 @dataclass(frozen=True)
@@ -49,5 +49,5 @@ def _face_at(wheel: Profile, tip: int, level: float) -> float:
         raise InputError(f"profile '{wheel.name}': its flange has no face at {1e3 * level:.4g} mm")
     high = tip + int(beyond[0])
     low = high - 1
-    arc = wheel._root_in_interval(1, np.array(level), np.array(low))
+    arc = wheel.root_in_interval(1, np.array(level), np.array(low))
     return float(wheel.at(arc)[0])

@@ -208,9 +208,9 @@ class Profile:
         k_left = np.clip(np.searchsorted(-left, -wanted, side="left"), 1, max(left.size - 1, 1))
         i = np.where(wanted >= self.u[start], start + k_right - 1, start - k_left)
         i = np.clip(i, 0, self.u.size - 2)
-        return self._root_in_interval(0, wanted, i)
+        return self.root_in_interval(0, wanted, i)
 
-    def _root_in_interval(self, axis: int, wanted: Array, i: NDArray[np.intp]) -> Array:
+    def root_in_interval(self, axis: int, wanted: Array, i: NDArray[np.intp]) -> Array:
         """Arclength in interval i where coordinate `axis` is `wanted`: bisection kept by Newton's steps."""
         lo, hi = self.arclength[i].copy(), self.arclength[i + 1].copy()
         x = (self.u, self.w)[axis]
@@ -263,7 +263,7 @@ class Profile:
                 f"profile '{self.name}': no gauge point {1e3 * depth:g} mm below the top; its gauge side (negative u) "
                 f"goes {1e3 * reach:.4g} mm deep"
             )
-        L = self._root_in_interval(1, np.array(level), np.array(below[-1]))
+        L = self.root_in_interval(1, np.array(level), np.array(below[-1]))
         u, w = self.at(L)
         return float(u), float(w)
 

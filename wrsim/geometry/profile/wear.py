@@ -218,7 +218,7 @@ def _nodes(new: Profile, bells: _Bells, corners: Array) -> Array:
             else:  # everywhere that the curve passes this u
                 side = new.u >= edge
                 i = np.flatnonzero(side[1:] != side[:-1])
-                extra.append(new._root_in_interval(0, np.full(i.size, edge), i))
+                extra.append(new.root_in_interval(0, np.full(i.size, edge), i))
     added = np.concatenate(extra)
     added = added[(added > NEAREST_NODE) & (added < new.length - NEAREST_NODE)]
     far = np.abs(new.arclength[1:-1, None] - added).min(axis=1, initial=np.inf) > NEAREST_NODE
