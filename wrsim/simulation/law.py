@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -301,18 +301,11 @@ class VehicleOnTrack:
             for wheel in wheels:
                 place += wheel.model.arrays.recall(memory[place:])
 
-    @contextmanager
-    def settled(self, slips: Array | None = None) -> Iterator[None]:
+    def settled(self, slips: Array | None = None) -> AbstractContextManager[None]:
         """While this lasts, dampers in series with springs carry nothing, they have had time to give way, and sliders
         what they do after a straight way from the design position, or from their slips where these are not 0."""
-        before = self.elements["settled"].copy()
-        try:
-            self.elements["settled"] = friction.FRESH if slips is None or not np.any(slips) else friction.HELD
-            self._asked_at = np.nan
-            yield
-        finally:
-            self.elements["settled"] = before
-            self._asked_at = np.nan
+        how = friction.FRESH if slips is None or not np.any(slips) else friction.HELD
+        return self._elements_with("settled", how)
 
     def settled_rates(self, q: Array, q_t: Array) -> Array:
         """The rates q_t with the unknowns that dampers in series with springs and sliders have once settled there."""
@@ -323,16 +316,20 @@ class VehicleOnTrack:
         q_t[inner] = out[inner]
         return q_t
 
-    @contextmanager
-    def stuck(self) -> Iterator[None]:
+    def stuck(self) -> AbstractContextManager[None]:
         """While this lasts, no slider slips."""
-        before = self.elements["bound"].copy()
+        return self._elements_with("bound", self.elements["bound"] + UNBOUNDED)
+
+    @contextmanager
+    def _elements_with(self, name: str, values: Any) -> Iterator[None]:
+        """While this lasts, a field of all elements has other values."""
+        before = self.elements[name].copy()
         try:
-            self.elements["bound"] += UNBOUNDED
+            self.elements[name] = values
             self._asked_at = np.nan
             yield
         finally:
-            self.elements["bound"] = before
+            self.elements[name] = before
             self._asked_at = np.nan
 
     def _wheels(self, wheelset: Wheelset, parts: Sequence[Arena], contacts: Contacts) -> tuple[WheelOnRail, ...]:
