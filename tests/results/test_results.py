@@ -18,8 +18,7 @@ import xarray as xr
 from support.synthetic_result import curve_run, static_poses
 
 from wrsim.errors import InputError, WrsimError
-from wrsim.results import CHANNELS, Result, assemble, channel, summarise, tables, write_atomically, write_run
-from wrsim.results import sealed
+from wrsim.results import CHANNELS, Result, assemble, channel, sealed, summarise, tables, write_atomically, write_run
 from wrsim.results.sealed import read_sealed, write_sealed
 
 ROOT = Path(__file__).parents[2]

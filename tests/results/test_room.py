@@ -62,7 +62,9 @@ def test_a_result_on_disk_is_the_one_in_memory(
     read = Result.load(tmp_path / "disk")
     assert read.dataset.identical(in_memory.dataset)
     for dataset in (on_disk.dataset, read.dataset):  # reading has left nothing in memory
-        assert not any(isinstance(dataset[name].variable._data, np.ndarray) for name in ("Y", "p0", "sum_Y", "n_patches"))
+        assert not any(
+            isinstance(dataset[name].variable._data, np.ndarray) for name in ("Y", "p0", "sum_Y", "n_patches")
+        )
     twice = Result.load(on_disk.save(tmp_path / "again.nc"))
     assert twice.dataset.identical(read.dataset)
     assert not [p for p in tmp_path.rglob("*") if p.name.startswith(".")]
