@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import asin, degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,17 +11,22 @@ import typer
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, Models, check_ending
 from wrsim.cli.showing import print_json, print_table, print_title, say
+from wrsim.cli.standing import (
+    check_asked,
+    leaning_facts,
+    loops_picture,
+    print_standing,
+    rotation_facts,
+    rotation_loops,
+    twist_facts,
+    twist_loop,
+    twisted_facts,
+    wheel_loads,
+)
 from wrsim.cli.storing import writing
 
-CANT_BASE = 1.5
-"""Distance over which cant and twist are counted [m]."""
-
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from wrsim.plots.vehicle import VehicleSketch
-    from wrsim.simulation.statics import Standing
     from wrsim.vehicle.vehicle import Vehicle
 
 
@@ -39,13 +43,32 @@ def vehicle(
         float | None,
         typer.Option("--twist", metavar="PERMILLE", min=0.01, max=20.0, help="Its wheel loads on so twisted a track."),
     ] = None,
+    twist_test: Annotated[
+        bool, typer.Option("--twist-test", help="Unloading of its wheels on twisted track, there and back (EN 14363).")
+    ] = False,
+    twists: Annotated[
+        tuple[float, float] | None,
+        typer.Option(
+            metavar="BODY BOGIE", help="Twists of that test in per mille; those of the standard unless given."
+        ),
+    ] = None,
+    rotation_test: Annotated[
+        bool, typer.Option("--rotation-test", help="Resistance of its bogies against rotation: X factor (EN 14363).")
+    ] = False,
+    rotation_radius_m: Annotated[
+        float, typer.Option(metavar="M", min=10.0, max=10_000.0, help="Of the curve that this test turns to.")
+    ] = 150.0,
+    loops: Annotated[
+        Path | None, typer.Option("--loops", metavar="PNG|SVG", help="Draw the loops of these two tests there.")
+    ] = None,
     models: Models = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
     """Print mass, centre, static wheel loads and natural modes of a vehicle; draw it.
 
-    With --cant-deficiency and --twist also what an acceptance measures on it standing still: sway and wheel unloading.
+    With --cant-deficiency, --twist, --twist-test and --rotation-test also what an acceptance measures on it standing
+    still: sway, wheel unloading and the resistance of its bogies against rotation.
     """
     with reporting_errors(as_json), writing(force):
         from wrsim.inputs.lookup import model_file, usual_finder
@@ -53,11 +76,21 @@ def vehicle(
 
         check_ending("-o", output, ".png", ".svg")
         loaded = load_vehicle(model_file(file, models), usual_finder(models))
+        check_ending("--loops", loops, ".png", ".svg")
+        check_asked(twist_test, twists, rotation_test, loops)
         found = facts_of(loaded, cant_deficiency, twist)
+        twisted = twist_loop(loaded, twists) if twist_test else None
+        turned = rotation_loops(loaded, rotation_radius_m) if rotation_test else ()
+        if twisted is not None:
+            found["twist_test"] = twist_facts(loaded, twisted)
+        if turned:
+            found["rotation_test"] = rotation_facts(turned)
         if output is not None:
             from wrsim.plots.vehicle import vehicle_picture
 
             found["picture"] = str(vehicle_picture(sketch_of(loaded), output))
+        if loops is not None:
+            found["loops"] = str(loops_picture(loaded, twisted, turned, loops))
         if as_json:
             print_json(found)
         else:
@@ -78,7 +111,7 @@ def facts_of(vehicle: Vehicle, cant_deficiency: float | None = None, twist: floa
         "centre_mm": [1e3 * float(c) for c in vehicle.centre],
         "bodies": [b.name for b in vehicle.bodies],
         "elements": len(vehicle.elements),
-        **_wheel_loads(vehicle, rest.wheel_loads),
+        **wheel_loads(vehicle, rest.wheel_loads),
         "modes": [
             {"frequency_Hz": mode.frequency, "damping": mode.damping, "motion": mode.name}
             for mode in natural_modes(trimmed)
@@ -87,19 +120,10 @@ def facts_of(vehicle: Vehicle, cant_deficiency: float | None = None, twist: floa
     if vehicle.loads:
         facts["under_loads"] = _under_loads(vehicle)
     if cant_deficiency is not None:
-        facts["leaning"] = _leaning(trimmed, rest, cant_deficiency)
+        facts["leaning"] = leaning_facts(trimmed, rest, cant_deficiency)
     if twist is not None:
-        facts["twisted"] = _twisted(trimmed, rest, twist)
+        facts["twisted"] = twisted_facts(trimmed, rest, twist)
     return facts
-
-
-def _wheel_loads(vehicle: Vehicle, loads: NDArray[np.float64]) -> dict[str, Any]:
-    """Wheel loads (wheelsets, 2) [N] and their sum."""
-    found = {
-        m.name: {"left": float(q[0]) / 1e3, "right": float(q[1]) / 1e3}
-        for m, q in zip(vehicle.wheelsets, loads, strict=True)
-    }
-    return {"wheel_loads_kN": found, "weight_kN": float(loads.sum()) / 1e3}
 
 
 def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
@@ -121,47 +145,7 @@ def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
         for body, (y, z, roll) in zip(vehicle.bodies, rest.moved.tolist(), strict=True)
     }
     forces = {load.name: [1e-3 * f for f in load.largest] for load in vehicle.loads}
-    return {"loads_kN": forces, **_wheel_loads(vehicle, rest.wheel_loads), "bodies": bodies, "bump_stops": stops}
-
-
-def _leaning(vehicle: Vehicle, level: Standing, deficiency_mm: float) -> dict[str, Any]:
-    """How a vehicle without loads stands on rails canted by so much; level: how it does on level ones."""
-    from wrsim.errors import SimulationError
-    from wrsim.simulation.statics import leaning, standing
-
-    angle = asin(deficiency_mm / 1e3 / CANT_BASE)
-    facts = {"cant_deficiency_mm": deficiency_mm}
-    try:
-        rest = standing(leaning(vehicle, angle))
-    except SimulationError as error:
-        return facts | {"problem": str(error)}
-    rolls = {b.name: -float(roll) for b, roll in zip(vehicle.bodies, rest.moved[:, 2], strict=True)}
-    sway = {
-        "flexibility_coefficient": {name: roll / angle for name, roll in rolls.items()},
-        "roll_deg": {name: degrees(roll) for name, roll in rolls.items()},
-    }
-    return facts | _unloading(vehicle, level, rest) | sway
-
-
-def _twisted(vehicle: Vehicle, level: Standing, twist: float) -> dict[str, Any]:
-    """How it stands on a track of this twist, in parts of a thousand; see `_leaning`."""
-    from wrsim.errors import SimulationError
-    from wrsim.simulation.statics import standing
-
-    facts = {"twist_permille": twist}
-    try:
-        rest = standing(vehicle, twist / 1e3 / CANT_BASE)
-    except SimulationError as error:
-        return facts | {"problem": str(error)}
-    return facts | _unloading(vehicle, level, rest)
-
-
-def _unloading(vehicle: Vehicle, level: Standing, rest: Standing) -> dict[str, Any]:
-    """Wheel loads, and the part of its load on level rails that every wheel has lost."""
-    lost = (1.0 - rest.wheel_loads / level.wheel_loads).tolist()
-    unloading = {m.name: {"left": a, "right": b} for m, (a, b) in zip(vehicle.wheelsets, lost, strict=True)}
-    loads = _wheel_loads(vehicle, rest.wheel_loads)
-    return loads | {"unloading": unloading, "largest_unloading": max(map(max, lost))}
+    return {"loads_kN": forces, **wheel_loads(vehicle, rest.wheel_loads), "bodies": bodies, "bump_stops": stops}
 
 
 def _print(found: dict[str, Any]) -> None:
@@ -172,47 +156,14 @@ def _print(found: dict[str, Any]) -> None:
     _print_wheel_loads(found, "static wheel loads")
     if "under_loads" in found:
         _print_under_loads(found["under_loads"])
-    if "leaning" in found:
-        _print_leaning(found["leaning"])
-    if "twisted" in found:
-        own = found["twisted"]
-        _print_unloading(own, f"on a twist of {own['twist_permille']:g} per mille")
-        say("EN 14363 allows an unloading of 0.6 on its own combination of twists of bogie and body [mem]")
+    print_standing(found)
     modes = [[f"{m['frequency_Hz']:.3f}", f"{m['damping']:z.3f}", m["motion"]] for m in found["modes"]]
     if modes:
         title = "modes on its springs, wheelsets held"
         print_table(("Hz", "damping", "motion"), modes, title=title, left=("motion",))
-    if "picture" in found:
-        say(found["picture"])
-
-
-def _print_leaning(found: dict[str, Any]) -> None:
-    _print_unloading(found, f"at {found['cant_deficiency_mm']:g} mm of cant deficiency")
-    if "problem" in found:
-        return
-    rows = [
-        [name, f"{s:z.3f}", f"{found['roll_deg'][name]:z.2f}"] for name, s in found["flexibility_coefficient"].items()
-    ]
-    if rows:
-        heads = ("body", "flexibility coefficient", "roll deg")
-        print_table(heads, rows, title="bodies against the track, outward", left=("body",))
-    say("49 CFR 213.57(d): no unloading above 0.4, a passenger car's floor rolls by 8.6 degrees at most [pub]")
-
-
-def _print_unloading(found: dict[str, Any], title: str) -> None:
-    if "problem" in found:
-        say(f"{title}: {found['problem']}")
-        return
-    rows = [
-        [
-            name,
-            *(f"{q[side]:.3f}" for side in ("left", "right")),
-            *(f"{found['unloading'][name][side]:z.3f}" for side in ("left", "right")),
-        ]
-        for name, q in found["wheel_loads_kN"].items()
-    ]
-    heads = ("wheelset", "left kN", "right kN", "left dQ/Q0", "right dQ/Q0")
-    print_table(heads, rows, title=f"{title}: unloading up to {found['largest_unloading']:.3f}", left=("wheelset",))
+    for key in ("picture", "loops"):
+        if key in found:
+            say(found[key])
 
 
 def _print_wheel_loads(found: dict[str, Any], title: str) -> None:

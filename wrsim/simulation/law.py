@@ -24,6 +24,7 @@ from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.force_law import Array, Block
 from wrsim.simulation.suspension_table import SuspensionTable, suspension_table
 from wrsim.simulation.threads import use_threads
+from wrsim.vehicle.bogies import holder_of
 from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle import Drive, LoadAxes, Over
 
@@ -368,7 +369,9 @@ class VehicleOnTrack:
         carried = [(c.mass, c.height, vehicle.index(c.body)) for c in vehicle.carried]
         axles = np.zeros(wheelsets, load_kernel.AXLE)
         for i, m in enumerate(vehicle.wheelsets):
-            axles[i].radius, axles[i].body, axles[i].holder = m.wheelset.mean_radius, i, self._holder(m.name)
+            holder = holder_of(vehicle, m.name)
+            axles[i].radius, axles[i].body = m.wheelset.mean_radius, i
+            axles[i].holder = -1 if holder is None else vehicle.index(holder)
         if vehicle.slip_control is not None:
             own.slip_speed, own.slip_creepage = vehicle.slip_control.speed, vehicle.slip_control.creepage
         efforts, effort_tables = self._effort_arrays()
@@ -421,12 +424,3 @@ class VehicleOnTrack:
             row.start, row.rows = len(tables), len(effort.table)
             tables += effort.table
         return found, np.array(tables or [(0.0, 0.0)])
-
-    def _holder(self, wheelset: str) -> int:
-        """The body that takes the reaction of a moment on a wheelset: the first that an element joins to it."""
-        vehicle = self.vehicle
-        pairs = [(vehicle.carrier(e.first), vehicle.carrier(e.second)) for e in vehicle.elements]
-        ends = [first for first, second in pairs if second == wheelset]
-        ends += [second for first, second in pairs if first == wheelset]
-        bodies = [name for name in ends if vehicle.index(name) < len(vehicle.parts)]
-        return vehicle.index(bodies[0]) if bodies else -1

@@ -24,6 +24,8 @@ from wrsim.simulation.system import COORDINATES, Array
 from wrsim.vehicle.vehicle import Load
 
 if TYPE_CHECKING:
+    from wrsim.core.linalg import Vec
+    from wrsim.vehicle.bogies import Bogie
     from wrsim.vehicle.vehicle import Vehicle
 
 SUPPORT = 1e10
@@ -32,18 +34,20 @@ SUPPORT = 1e10
 LENGTH, PLACE = 200.0, 100.0
 """Level track, and where on it the vehicle stands [m]."""
 
-Z, Y, ROLL, SPIN = (COORDINATES.index(name) for name in ("z", "y", "roll", "spin"))
+X, Y, Z, HEADING, ROLL, SPIN = (COORDINATES.index(name) for name in ("x", "y", "z", "heading", "roll", "spin"))
 
 
 @dataclass(frozen=True)
 class Standing:
     """wheel_loads: (wheelsets, 2), left and right [N]; moved: of the bodies from the design position, (bodies, 3), to
-    the left, up [m] and roll [rad]; readings: forces and travels of the elements, (elements, 6).
+    the left, up [m] and roll [rad]; readings: forces and travels of the elements, (elements, 6); moment: with which a
+    bogie that is turned is held turned, to the left [N m].
     """
 
     wheel_loads: Array
     moved: Array
     readings: Array
+    moment: float = 0.0
 
 
 def leaning(vehicle: Vehicle, angle: float) -> Vehicle:
@@ -70,41 +74,103 @@ def standing(vehicle: Vehicle, twist: float = 0.0) -> Standing:
     twist: by how much the rails turn about the track along it [rad/m]; they are level under the middle of the
     wheelsets and their left side rises ahead. Raises SimulationError when the vehicle finds no rest: it overturns.
     """
-    loaded = vehicle.loaded_as(lambda load: load.largest)
-    law = VehicleOnTrack(loaded, Track.build([Straight(LENGTH)], 1.5), (), speed=0.0, start=PLACE, drive="train")
-    steady = SteadyMotion(law)
-    n, w = len(law.bodies), len(vehicle.wheelsets)
-    half = np.array([0.5 * mounted.wheelset.profile_spacing for mounted in vehicle.wheelsets])
-    radius = np.array([mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
-    ahead = np.array([mounted.x for mounted in vehicle.wheelsets])
-    tilt = twist * (ahead - ahead.mean())
-    x = steady.unknowns(*design_state(law))
-    own = x[: 6 * n].reshape(n, 6)
-    design = own[w:, [Y, Z, ROLL]].copy()
-    own[:w, Z] = radius - 0.5 * vehicle.weight / w / SUPPORT
-    own[:w, ROLL] = tilt
-    held = [6 * i + k for i in range(w) for k in (Y, SPIN)]
-    free = np.delete(np.arange(x.size), held)
-    supports = np.zeros((w, 2))
+    stand = Stand(vehicle)
+    return stand.rest(twist * (stand.ahead - stand.ahead.mean()))
 
-    def residual(part: Array) -> Array:
-        x[free] = part
-        left = steady.residual(x)
-        axles = left[: 6 * w].reshape(w, 6)
-        for side, sign in enumerate((1.0, -1.0)):
-            sunk = radius - own[:w, Z] + sign * half * (tilt - own[:w, ROLL])
-            supports[:, side] = SUPPORT * np.maximum(sunk, 0.0)
-        up, about = supports.sum(axis=1), half * (supports[:, 0] - supports[:, 1])
-        axles[:, Z] += up / vehicle.weight
-        axles[:, ROLL] += about / vehicle.weight - radius * axles[:, Y]  # the rails push back at their height
-        return left[free]
 
-    with law.settled():
-        x[free], left, _ = newton(residual, x[free].copy(), steady.small[free], TOLERANCE, 100)
-    largest = float(np.max(np.abs(left)))
-    if not largest <= TOLERANCE:
-        raise SimulationError(
-            f"{vehicle.name} does not come to rest under its loads: it overturns ({largest:.2g} of its weight is left "
-            "over)"
-        )
-    return Standing(supports, own[w:, [Y, Z, ROLL]] - design, law.records.copy())
+class Stand(SteadyMotion):
+    """A vehicle on its supports, from one rest to the next.
+
+    Friction goes on from where it has slipped to; a motion between two rests may take its time, for dampers. There is
+    no inertia in it, and no time for what lies behind dampers: a stiffness there is taken as rigid while it moves.
+    ahead: places of the wheelsets along the vehicle (wheelsets,) [m].
+    """
+
+    def __init__(self, vehicle: Vehicle) -> None:
+        """vehicle: under its payloads and loads, those over time or distance at their largest."""
+        loaded = vehicle.loaded_as(lambda load: load.largest)
+        track = Track.build([Straight(LENGTH)], 1.5)
+        super().__init__(VehicleOnTrack(loaded, track, (), speed=0.0, start=PLACE, drive="train"))
+        wheelsets = vehicle.wheelsets
+        w = len(wheelsets)
+        self.ahead = np.array([mounted.x for mounted in wheelsets])
+        self._vehicle = vehicle
+        self._half = np.array([0.5 * mounted.wheelset.profile_spacing for mounted in wheelsets])
+        self._radius = np.array([mounted.wheelset.mean_radius for mounted in wheelsets])
+        self._before: tuple[Array, float] | None = None
+        self._x = self.unknowns(*design_state(self.law))
+        own = self._own
+        self._design = own[w:, [Y, Z, ROLL]].copy()
+        own[:w, Z] = self._radius - 0.5 * vehicle.weight / w / SUPPORT
+
+    @property
+    def _own(self) -> Array:
+        """Coordinates of the bodies (bodies, 6), wheelsets first; a view."""
+        n = len(self.law.bodies)
+        return self._x[: 6 * n].reshape(n, 6)
+
+    def _state(self, x: Array) -> tuple[Array, Array, Vec]:
+        q, q_t, turning = super()._state(x)
+        if self._before is not None:
+            before, interval = self._before
+            n = 6 * len(self.law.bodies)
+            q_t[:n] += (q[:n] - before[:n]) / interval
+            q_t[self.positions] = (q[self.positions] - before[self.positions]) / interval
+        return q, q_t, turning
+
+    def rest(self, tilt: Array, turned: tuple[Bogie, float] | None = None, interval: float | None = None) -> Standing:
+        """The rest on supports that are turned about the track, tilt (wheelsets,) [rad], positive lifts the left side.
+
+        turned: a bogie and by how much its wheelsets are turned to the left about its centre [rad]; then all
+        wheelsets are held along the track and in yaw, too. interval: time that the motion there took [s]; without it
+        dampers do nothing. Raises SimulationError when the vehicle finds no rest: it overturns.
+        """
+        x, w = self._x, len(self._vehicle.wheelsets)
+        own, held = self._own, [Y, SPIN]
+        self._before = None if interval is None else (self.state(x)[0], interval)
+        own[:w, ROLL] += tilt - own[:w, ROLL]
+        if turned is not None:
+            held += [X, HEADING]
+            bogie, angle = turned
+            numbers = list(bogie.wheelsets)
+            arm = self.ahead[numbers] - bogie.centre
+            own[numbers, HEADING] = angle
+            own[numbers, X] = PLACE + bogie.centre + arm * cos(angle)
+            own[numbers, Y] = arm * sin(angle)
+        free = np.delete(np.arange(x.size), [6 * i + k for i in range(w) for k in held])
+        supports = np.zeros((w, 2))
+        pushed = np.zeros((w, 6))
+
+        def residual(part: Array) -> Array:
+            x[free] = part
+            left = self.residual(x)
+            axles = left[: 6 * w].reshape(w, 6)
+            pushed[:] = axles
+            for side, sign in enumerate((1.0, -1.0)):
+                sunk = self._radius - own[:w, Z] + sign * self._half * (tilt - own[:w, ROLL])
+                supports[:, side] = SUPPORT * np.maximum(sunk, 0.0)
+            up, about = supports.sum(axis=1), self._half * (supports[:, 0] - supports[:, 1])
+            axles[:, Z] += up / self._vehicle.weight
+            across = axles[:, Y] * np.cos(own[:w, HEADING]) - axles[:, X] * np.sin(own[:w, HEADING])
+            axles[:, ROLL] += (
+                about / self._vehicle.weight - self._radius * across
+            )  # the rails push back at their height
+            return left[free]
+
+        with self.law.settled(self.slips):
+            x[free], left, _ = newton(residual, x[free].copy(), self.small[free], TOLERANCE, 100)
+        largest = float(np.max(np.abs(left)))
+        if not largest <= TOLERANCE:
+            raise SimulationError(
+                f"{self._vehicle.name} does not come to rest under its loads: it overturns ({largest:.2g} of its "
+                "weight is left over)"
+            )
+        readings = self.law.records.copy()
+        self._before = None
+        self.slips = self.law.settled_rates(*self.state(x))[self.law.sliders]
+        moment = 0.0
+        if turned is not None:
+            force = -self._vehicle.weight * pushed[numbers]
+            levers = own[numbers][:, [X, Y]] - (PLACE + bogie.centre, 0.0)
+            moment = float(np.sum(force[:, HEADING] + levers[:, 0] * force[:, Y] - levers[:, 1] * force[:, X]))
+        return Standing(supports.copy(), own[w:, [Y, Z, ROLL]] - self._design, readings, moment)

@@ -1,0 +1,191 @@
+"""Stationary tests of EN 14363: loops on twisted track and on a turntable against moments by hand."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+from math import radians
+
+import numpy as np
+import pytest
+from support.vehicles import ROOT, manchester, on_track
+from typer.testing import CliRunner
+
+from wrsim.analysis.stationary import rotation_test as rotation
+from wrsim.analysis.stationary import twist_test as twist
+from wrsim.cli import app
+from wrsim.errors import InputError
+from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.vehicle.bogies import bogies_of
+from wrsim.vehicle.elements import Slider, Strut
+from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle_files import load_vehicle
+
+SLOW, FAST = rotation.RATES
+
+
+@cache
+def shipped(name: str) -> Vehicle:
+    return load_vehicle(ROOT / f"models/vehicles/{name}.toml", Finder((shipped_models(),)))
+
+
+def with_struts(kind: str, places: list[tuple[str, str, tuple[float, float, float]]], **keys: object) -> Vehicle:
+    """The coach with one more strut at each place (first body, second body, point)."""
+    struts = (Strut(f"more {i}", kind, first, second, (at, at), **keys) for i, (first, second, at) in enumerate(places))
+    return replace(manchester(), elements=(*manchester().elements, *struts))
+
+
+# --- twist ------------------------------------------------------------------------------------------------
+
+
+def test_the_twists_of_the_standard_join_where_their_formulas_meet():
+    for length in (4.0, 20.0, 30.0):
+        assert twist.lone_twist(length) == pytest.approx(twist.lone_twist(length * (1 + 1e-9)), rel=1e-6)
+    assert twist.body_twist(3.0) == pytest.approx(7e-3) and twist.body_twist(1.0) == pytest.approx(7e-3)
+    # together under the whole length: 2 per mille and 20 mm less what the bogie has of its own
+    assert 19.0 * twist.body_twist(19.0) == pytest.approx(15e-3 + 2e-3 * 19.0)
+    assert 2.56 * twist.bogie_twist(2.56) == pytest.approx(7e-3 * 2.56 - 5e-3)
+
+
+def test_twisted_bogies_unload_wheels_by_the_roll_stiffness_of_their_axles():
+    # primary springs of 1220 kN/m, 1 m to either side; each axle rolls against a level frame, wheels 1.5 m apart
+    found = twist.twist_test(manchester(), 0.0, 5e-3)
+    force = 2.0 * 1220e3 * 1.0**2 * (5e-3 * 1.28 / 1.5) / 1.5
+    assert found.unloading == pytest.approx(force / found.static, rel=2e-3)
+    assert found.friction == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_twisted_body_unloads_wheels_by_both_stages_in_series():
+    # of a bogie: 4 primary springs; 2 secondary springs that also bend, and an anti-roll bar. The body yaws until
+    # nothing pushes sideways: its load leans by half of the roll of the columns, and half of load over shear stiffness
+    found = twist.twist_test(manchester(), 4e-3, 0.0)
+    load = 16e3 * 9.80665
+    aside = 0.525 - 0.46 + 0.5 * 0.605 + 0.5 * load / (2.0 * 160e3)
+    primary, secondary = 4.0 * 1220e3, 2.0 * 430e3 + 2.0 * 10.5e3 + 940e3 - load * aside
+    moment = 4e-3 * 9.5 / 1.5 / (1.0 / primary + 1.0 / secondary)
+    # the frames yaw a little, too, which shifts load from one of their axles to the other
+    by_bogie = (found.unloading * found.static).reshape(2, 2, 2).mean(axis=1)
+    assert by_bogie == pytest.approx(moment / 2.0 / 1.5, rel=0.01)
+
+
+def test_friction_in_a_box_opens_the_loop_by_its_force():
+    force = 2e3
+    places = [
+        (f"{end}.frame", m.name, (m.x, y, m.height))
+        for m in manchester().wheelsets
+        for end in (m.name.split(".")[0],)
+        for y in (1.0, -1.0)
+    ]
+    vehicle = with_struts("friction", places, axis=2, slider=Slider("coulomb", 8e6, force))
+    found, free = (twist.twist_test(v, 0.0, 5e-3) for v in (vehicle, manchester()))
+    assert found.static == pytest.approx(free.static, rel=1e-6)
+    # two faces 1 m from the middle against wheels 0.75 m from it; what slides at the end of the twist, too
+    assert found.friction == pytest.approx(2.0 * force / 1.5 / free.static, rel=1e-3)
+    assert found.unloading - free.unloading == pytest.approx(found.friction, rel=1e-3)
+    # the loop is closed, and its first way lies within it
+    closed = found.wheel_loads[found.closed]
+    assert closed[0] == pytest.approx(closed[-1], abs=1.0)
+    assert (found.wheel_loads[: twist.QUARTER] >= closed.min(axis=0) - 1.0).all()
+
+
+def test_both_ways_of_the_freight_wagon_differ_by_no_more_than_its_guides_hold():
+    found = twist.twist_test(shipped("freight_y25"))
+    # 0.3 * 0.364 of what the spring carries: the wheel less half of a wheelset
+    carried = found.static - 0.5 * 1300 * 9.80665
+    bound = 2.0 * 0.3 * 0.364 * carried / 1.5 / found.static
+    assert (found.friction < 1.01 * bound).all() and (found.friction > 0.6 * bound).all()
+
+
+# --- rotation ---------------------------------------------------------------------------------------------
+
+
+OWN = 2.0 * 160e3 * 1.0**2
+"""Yaw stiffness of the coach's secondary springs [N m/rad]: of 160 kN/m, 1 m to either side."""
+GIVING = OWN / (4.0 * 160e3 * 9.5**2 + OWN) + OWN / (4.0 * (31391e3 * 1.0**2 + 3884e3 * 1.28**2))
+"""What gives way beside them: the body, on the other bogie and lateral springs; the frame, in its primary springs."""
+
+
+def test_linear_springs_resist_by_their_stiffness_in_series_with_what_holds_body_and_frame():
+    found = rotation.rotation_test(manchester(), bogies_of(manchester())[0], 0.01 * SLOW, 1500.0)
+    stiffness = OWN / (1.0 + GIVING)
+    assert found.moment == pytest.approx(stiffness * found.angle, abs=5e-4 * found.largest)
+    assert found.angle.max() == pytest.approx(9.5 / 1500.0, rel=1e-4)
+    assert found.axle_load == pytest.approx(manchester().weight / 4.0, rel=1e-6)
+    assert found.factor == pytest.approx(stiffness * 9.5 / 1500.0 / (2.56 * manchester().weight / 4.0), rel=5e-4)
+
+
+def test_yaw_dampers_resist_with_the_rate_of_the_turntable():
+    c, b = 100e3, 1.2
+    places = [("front.frame", "carbody", (9.5, y, 0.8)) for y in (b, -b)]
+    vehicle = with_struts("damper", places, axis=0, damping=c, series=5e6)
+    slow, fast, free = (
+        rotation.rotation_test(v, bogies_of(v)[0], rate, 1500.0)
+        for v, rate in ((vehicle, SLOW), (vehicle, FAST), (manchester(), 0.01 * SLOW))
+    )
+    damping = 2.0 * c * b**2 / (1.0 + GIVING) ** 2  # what gives way takes of the rate, and of the springs' angle
+    assert fast.largest - slow.largest == pytest.approx(damping * radians(0.8), rel=2e-3)
+    assert slow.largest - free.largest == pytest.approx(damping * radians(0.2), rel=5e-3)
+
+
+def test_sliding_bearers_and_a_bowl_resist_by_friction_times_load_times_arm():
+    found = rotation.rotation_test(shipped("freight_y25"), bogies_of(shipped("freight_y25"))[0], SLOW)
+    bowl = 0.25 * 0.5 * (12600 * 9.80665 / 2.0 - 2 * 14e3) * 0.12
+    bearers = 0.3 * 14e3 * 0.85
+    assert found.largest == pytest.approx(2.0 * (bowl + bearers), rel=1e-3)
+    # Coulomb: it turns back with the same moment
+    middle = found.moment[np.abs(found.angle) < 1e-9]
+    assert np.abs(middle[1:]) == pytest.approx(found.largest, rel=1e-3)
+
+
+def test_bogies_at_either_end_are_alike():
+    for name in ("gz18", "irw"):
+        vehicle = shipped(name)
+        front, rear = (rotation.rotation_test(vehicle, b, FAST).factor for b in bogies_of(vehicle))
+        assert front == pytest.approx(rear, rel=1e-6)
+
+
+# --- which body holds what --------------------------------------------------------------------------------
+
+
+def test_an_axle_is_held_by_a_frame_and_not_by_its_own_bridge():
+    vehicle = shipped("irw")
+    assert [(b.frame, b.wheelsets) for b in bogies_of(vehicle)] == [("front.frame", (0, 1)), ("rear.frame", (2, 3))]
+    law = on_track(vehicle).law
+    assert list(law.axles["holder"]) == [vehicle.index(f"{end}.frame") for end in ("front", "front", "rear", "rear")]
+    assert bogies_of(shipped("cooperrider_bogie")) == ()
+
+
+# --- the command ------------------------------------------------------------------------------------------
+
+
+def test_the_command_tells_both_tests_and_draws_their_loops(tmp_path):
+    asked = ["vehicle", "vehicles/freight_y25.toml", "--twist-test", "--rotation-test", "--rotation-radius-m", "200"]
+    picture = tmp_path / "loops.png"
+    told = CliRunner().invoke(app, [*asked, "--loops", str(picture)]).stdout
+    assert "3.67 per mille under the body and 4.22 under every bogie" in told
+    assert "within the limit: EN 14363 allows 0.6 [mem]" in told and "X factor up to 0.08" in told
+    assert picture.stat().st_size > 10_000
+    found = json.loads(CliRunner().invoke(app, [*asked, "--twists", "0", "0", "--json"]).stdout)
+    assert found["twist_test"]["largest_unloading"] == pytest.approx(0.0, abs=1e-6)
+    assert [t["bogie"] for t in found["rotation_test"]] == ["front.frame"] * 2 + ["rear.frame"] * 2
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (["--twists", "3", "5"], "--twists belongs to --twist-test"),
+        (["--twist-test", "--twists", "3", "50"], "--twists 50: must be from 0 to 20 per mille"),
+        (["--loops", "loops.png"], "--loops draws those of --twist-test and --rotation-test"),
+    ],
+)
+def test_options_without_their_test_are_refused(asked, said):
+    told = CliRunner().invoke(app, ["vehicle", "vehicles/manchester_1.toml", *asked])
+    assert told.exit_code != 0 and said in " ".join(told.output.split())
+
+
+def test_a_vehicle_without_bogies_cannot_turn_them():
+    with pytest.raises(InputError, match="has no bogies to turn"):
+        rotation.turning_bogies(shipped("cooperrider_bogie"))
+    with pytest.raises(InputError, match="no wider than half of its pivots"):
+        rotation.rotation_test(manchester(), bogies_of(manchester())[0], SLOW, 9.0)

@@ -1,0 +1,1 @@
+"""Stationary tests of a vehicle: wheel unloading on a twisted track, resistance of its bogies against rotation."""

@@ -1,0 +1,48 @@
+"""Which body holds which wheelsets: the bogies of a vehicle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from wrsim.vehicle.vehicle import Vehicle
+
+
+@dataclass(frozen=True)
+class Bogie:
+    """A frame that holds wheelsets, by their numbers from the front; centre: the middle between its outermost axles
+    along the vehicle, wheelbase: the way from the one to the other [m]."""
+
+    frame: str
+    wheelsets: tuple[int, ...]
+    centre: float
+    wheelbase: float
+
+
+def holder_of(vehicle: Vehicle, wheelset: str) -> str | None:
+    """The body, no wheelset, that holds a wheelset: the first that an element joins to it or to its axle boxes; None
+    where only a frame of the track does."""
+    bodies = {body.name for body in vehicle.bodies}
+    pairs = [(vehicle.carrier(e.first), vehicle.carrier(e.second)) for e in vehicle.elements]
+    ends = [first for first, second in pairs if second == wheelset]
+    ends += [second for first, second in pairs if first == wheelset]
+    return next((name for name in ends if name in bodies), None)
+
+
+def bogies_of(vehicle: Vehicle) -> tuple[Bogie, ...]:
+    """The bogies from front to rear; none where the heaviest body holds the wheelsets itself, or nothing does."""
+    reference = vehicle.parts[vehicle.reference].name
+    groups: dict[str, list[int]] = {}
+    for i, mounted in enumerate(vehicle.wheelsets):
+        frame = holder_of(vehicle, mounted.name)
+        if frame is None or frame == reference:
+            return ()
+        groups.setdefault(frame, []).append(i)
+    found = []
+    for frame, numbers in groups.items():
+        x = [vehicle.wheelsets[i].x for i in numbers]
+        found.append(Bogie(frame, tuple(numbers), 0.5 * (max(x) + min(x)), float(np.ptp(x))))
+    return tuple(sorted(found, key=lambda bogie: -bogie.centre))
