@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -44,6 +45,13 @@ def conicity(
     roll: Annotated[
         str, typer.Option(help='none (EN 15302), rail-top or centre: see "Equivalent conicity" in docs/conicity.md.')
     ] = "none",
+    curve_m: Annotated[
+        list[float] | None,
+        typer.Option(metavar="RADIUS", help="Radial steering index in such a curve; as often as wanted."),
+    ] = None,
+    flange_from_deg: Annotated[
+        float, typer.Option(help="Contact angle from which the outer wheel is on its flange, for that index.")
+    ] = 40.0,
     models: Models = None,
     output: Annotated[
         Path | None,
@@ -63,7 +71,7 @@ def conicity(
         from wrsim.geometry.profile.flange import BACK
         from wrsim.inputs.checking import check_value
         from wrsim.inputs.values import number
-        from wrsim.scenario.sections.conicity import AMPLITUDES, ConicityPlan, Roll
+        from wrsim.scenario.sections.conicity import AMPLITUDES, ConicityPlan, CurveRadius, FlangeAngle, Roll
         from wrsim.vehicle.wheelset import Wheel, Wheelset
 
         check_value(Annotated[float, number(400, 2000)], gauge_mm, "--gauge-mm")
@@ -73,12 +81,16 @@ def conicity(
         for diameter in diameters:
             key = "--radius-mm" if diameters_mm is None else "--diameters-mm"
             check_value(Annotated[float, number(100 * factor, 1500 * factor)], 0.5 * factor * diameter, key)
+        for radius in curve_m or ():
+            check_value(CurveRadius, radius, "--curve-m")
+        flange_from = radians(check_value(FlangeAngle, flange_from_deg, "--flange-from-deg"))
         spacing = (flange_back_mm + 2e3 * BACK) / 1e3
         slope = _slope(inclination)
         way = check_value(Roll, roll, "--roll")
         if gauges_mm is not None or Path(wheel).is_dir() or Path(rail).is_dir():
-            if diameters_mm or wheel_right or rail_right:
-                raise InputError("a map is of wheelsets with like wheels on like rails: no --diameters-mm, -right")
+            if diameters_mm or wheel_right or rail_right or curve_m:
+                refused = "--diameters-mm, -right and --curve-m"
+                raise InputError(f"a map is of wheelsets with like wheels on like rails, at any radius: no {refused}")
             found = conicity_map(
                 _profiles(models, wheel, "wheel"),
                 {name: p.inclined(slope) for name, p in _profiles(models, rail, "rail").items()},
@@ -103,7 +115,7 @@ def conicity(
             right=Wheel(right_wheel, 0.5e-3 * diameters[1]),
         )
         names = [_both(p.name, q.name) for p, q in ((left_wheel, right_wheel), (left_rail, right_rail))]
-        plan = ConicityPlan(tuple(a / 1e3 for a in AMPLITUDES), way)
+        plan = ConicityPlan(tuple(a / 1e3 for a in AMPLITUDES), way, tuple(curve_m or ()), flange_from)
         title = f"{names[0]} on {names[1]}" + (f", inclined {inclination}" if slope else "")
         result = analyse(wheelset, (left_rail, right_rail), gauge_mm / 1e3, plan, title)
         files = [] if output is None else _files(result, output, pictures)
@@ -207,7 +219,7 @@ def _numbers(result: Result) -> dict[str, Any]:
     summary = conicity_summary(dataset)
     return {
         "title": result.title,
-        **{key: summary[key] for key in ("equivalent_conicity", "nonlinearity_per_mm", "equilibrium_shift_mm")},
+        **summary,
         "amplitude_mm": [round(1e3 * a, 9) for a in dataset["amplitude"].values.tolist()],
         "tan_gamma_e": [None if v != v else v for v in dataset["equivalent_conicity"].values.tolist()],
     }
@@ -236,3 +248,21 @@ def print_conicity(result: Result) -> None:
     say(f"amplitudes are counted from the equilibrium at y = {place:z.3f} mm; delta r and angles at y itself")
     if summary["nonlinearity_per_mm"] is not None:
         say(f"nonlinearity parameter {summary['nonlinearity_per_mm']:z.4f} per mm")
+    _print_steering(summary)
+
+
+def _print_steering(summary: dict[str, Any]) -> None:
+    """The radial steering index of the curves that were asked for."""
+    if "radial_steering" not in summary:
+        return
+    keys = ("curve_radius_m", "needed_mm", "available_mm", "q_E", "shift_mm")
+    rows = [
+        ["-" if curve[key] is None else f"{curve[key]:.4g}" for key in keys] for curve in summary["radial_steering"]
+    ]
+    angle = summary["flange_from_deg"]
+    print_table(
+        ("R m", "needed delta r mm", "available mm", "q_E", "at y mm"), rows, title="radial steering index [mem]"
+    )
+    smallest = summary["smallest_radial_curve_m"]
+    words = "nothing steers" if smallest is None else f"up to 1 from R {smallest:.0f} m"
+    say(f"q_E {words}; available: before the outer wheel's contact angle is {angle:g} deg")

@@ -13,6 +13,7 @@ from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
 from wrsim.plots.marks import broken, minus, note, remark
 from wrsim.plots.style import FULL_WIDTH, new_figure, shown, style
 from wrsim.results import CHANNELS
+from wrsim.results.steering import steering_summary
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 JUMP = 1.5
@@ -59,6 +60,11 @@ def radius_difference(axes: Axes, dataset: xr.Dataset) -> Axes:
     axes.plot([place], [0.0], "o", markerfacecolor="white", markeredgecolor=INK, markersize=4.0, zorder=3.0)
     if abs(place) > 5e-3:
         note(axes, f"{place:.2f} mm", (place, 0.0), (6.0, -10.0), color=INK)
+    for i, curve in enumerate(steering_summary(dataset).get("radial_steering", [])):
+        at = y.min() + 0.17 * (i % 3) * np.ptp(y)
+        for sign in (1.0, -1.0):
+            axes.axhline(sign * curve["needed_mm"], color=QUIET, linewidth=0.7, linestyle=(0, (4, 2)))
+        note(axes, f"R {curve['curve_radius_m']:g} m", (at, curve["needed_mm"]), (2.0, 2.0), fontsize=6.5)
     axes.set(xlabel=CHANNELS["lateral_shift"].label, ylabel="Rolling radius difference $\\Delta r$ [mm]")
     remark(axes, "left minus right")
     return axes

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from wrsim.results.rows import Row, wide
+from wrsim.results.steering import steering_summary
 from wrsim.results.summary import of_contacts as summary_of_contacts
 from wrsim.results.tables import of_contacts as tables_of_contacts
 from wrsim.results.wheelsets import of_wheelset, wheelsets
@@ -48,4 +49,5 @@ def conicity_summary(dataset: xr.Dataset) -> dict[str, Any]:
         "equivalent_conicity": {f"{mm}_mm": at(float(mm)) for mm in (1, 3, 5)},
         "nonlinearity_per_mm": None if two is None or four is None else 0.5 * (four - two),
         "equilibrium_shift_mm": 1e3 * float(dataset.attrs["equilibrium_shift_m"]),
+        **steering_summary(dataset),
     }

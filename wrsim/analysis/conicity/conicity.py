@@ -74,6 +74,8 @@ def conicity(
         "radius_left_m": radii[0],
         "radius_right_m": radii[1],
         "equilibrium_shift_m": found.equilibrium,
+        "flange_from_rad": plan.flange_from,
+        "curve_radii_m": " ".join(f"{radius:.15g}" for radius in plan.curves),
     }
     names = [f"y={1e3 * y + 0.0:+.3f}mm" for y in place[::KEPT]]
     return Result(assemble({"pose": names, "amplitude": found.amplitude}, channels, attributes))

@@ -25,10 +25,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
+from wrsim.results.steering import CONTACT_DISTANCE
+
 Array = NDArray[np.float64]
 
-CONTACT_DISTANCE = 1.5
-"""2 e, between the contact points of both wheels by EN 15302 [m]."""
 POINTS = 2000
 """Of the quadrature over a swing."""
 

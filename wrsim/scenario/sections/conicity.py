@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import degrees, radians
 from typing import Annotated, Any, ClassVar, Literal
 
-from wrsim.inputs.values import Series, positive
+from wrsim.inputs.values import Series, number, positive
+from wrsim.results.steering import FLANGE_FROM
 from wrsim.scenario.sections.table import Given, PlanTable
 
 Roll = Literal["none", "rail-top", "centre"]
+
+CurveRadius = Annotated[float, number(10, 100_000, "m")]
+FlangeAngle = Annotated[float, number(1, 89, "degrees of contact angle")]
 
 Amplitude = Annotated[float, positive(30, "mm")]
 AMPLITUDES = tuple(round(1.0 + 0.1 * i, 1) for i in range(61))
@@ -22,10 +27,14 @@ class ConicityPlan:
     roll = "none": the wheelset does not roll, as in EN 15302. "rail-top": it rolls until both wheels touch, the shift
     is that of its point at the height of the rail tops, which makes the kinematics of rolling exact. "centre": it
     rolls, the shift is that of its centre of mass, the ``lateral_shift`` of a run.
+    curves: radii [m] of which the radial steering index is told; flange_from: contact angle at which the flange begins
+    there [rad].
     """
 
     amplitudes: tuple[float, ...]
     roll: Roll = "none"
+    curves: tuple[float, ...] = ()
+    flange_from: float = FLANGE_FROM
 
     def facts(self) -> dict[str, Any]:
         """What a user checks."""
@@ -36,13 +45,22 @@ class ConicitySection(PlanTable):
     """Amplitudes of the equivalent conicity, and how the wheelset's shift is counted."""
 
     header: ClassVar[str] = "[conicity]"
-    aliases: ClassVar[dict[str, str]] = {"amplitude_mm": "amplitudes_mm y_mm"}
+    aliases: ClassVar[dict[str, str]] = {
+        "amplitude_mm": "amplitudes_mm y_mm",
+        "curve_radius_m": "curve_radii_m radius_m R",
+    }
 
     amplitude_mm: Series[Amplitude] = AMPLITUDES
     """Amplitudes of the lateral motion for which the conicity is found."""
     roll: Roll = "none"
     """What the lateral shift is: without roll as in EN 15302, at the rail tops, or at the wheelset's centre."""
 
+    curve_radius_m: Series[CurveRadius] = ()
+    """Radii of curves for which the radial steering index is told."""
+    flange_from_deg: FlangeAngle = degrees(FLANGE_FROM)
+    """Contact angle of the outer wheel from which it counts as on its flange, for the radial steering index."""
+
     def plan(self, given: Given) -> ConicityPlan:
         """The same in SI units."""
-        return ConicityPlan(tuple(a / 1000.0 for a in self.amplitude_mm), self.roll)
+        amplitudes = tuple(a / 1000.0 for a in self.amplitude_mm)
+        return ConicityPlan(amplitudes, self.roll, self.curve_radius_m, radians(self.flange_from_deg))
