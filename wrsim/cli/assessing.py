@@ -71,6 +71,7 @@ def print_assessment(found: Assessment) -> None:
     heads = ["", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "worst in"]
     print_table(heads, rows, left=("", "unit", "class (sections)", "by", "worst in"), width=WIDTH)
     say()
+    print_regressions(found)
     print_track(found)
     for source, letter in sources.items():
         say(f"{letter}  {source}")
@@ -78,6 +79,45 @@ def print_assessment(found: Assessment) -> None:
         say(f"note: {note}")
     verdict = "every quantity is within its limit" if found.passed else "A LIMIT IS EXCEEDED"
     say(f"{verdict}; [mem]: from memory of the standard, [pub]: from a published source")
+
+
+def print_regressions(found: Assessment) -> None:
+    """How quantities with a limit depend on what the sections differ in, and why some of them are not told."""
+    from wrsim.results.regression import SHOWN
+
+    rows, short = [], set()
+    for row in found.zones():
+        r, quantity = row.regression, row.worst.quantity
+        if r is None:
+            short |= {row.worst.section.zone} if found.estimate_over else set()
+            continue
+        factor = quantity.shown.factor
+        slopes = []
+        for name in found.estimate_over:
+            if name not in r.over:
+                slopes.append("")
+                continue
+            unit, own = SHOWN[name]
+            i = r.over.index(name)
+            slopes.append(f"{r.slope[i] * factor / own:z.3g} at {r.at[i] * own:.4g} {unit}")
+        numbers = [f"{value * factor:z.4g}" for value in (r.fit, r.deviation, r.estimate)]
+        if row.worst.limit is not None:
+            rows.append([quantity.symbol, f"{row.worst.section.zone} ({row.sections})", *slopes, *numbers])
+    if rows:
+        heads = [
+            "",
+            "class (sections)",
+            *(f"per {SHOWN[n][0]} of {n}" for n in found.estimate_over),
+            "fit",
+            "s",
+            "estimate",
+        ]
+        print_table(
+            heads, rows, title="estimated values by regression [mem]", left=("", "class (sections)"), width=WIDTH
+        )
+        say()
+    if short:
+        say(f"no regression, too few sections or influences that go together: {', '.join(sorted(short))}")
 
 
 def print_track(found: Assessment) -> None:

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wrsim.plots.colours import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.estimates import estimated, estimates_figure
 from wrsim.plots.marks import note, note_above, wheel_entries
 from wrsim.plots.style import FULL_WIDTH, new_figure, save, style
 from wrsim.results.assessment import Assessment, Section, Value
@@ -33,9 +34,13 @@ MOST = 1.5
 
 
 def assessment_pictures(found: Assessment, directory: str | Path) -> list[Path]:
-    """Write ``assessment.png`` (limits) and ``assessment_history.png``; returns their paths."""
+    """Write ``assessment.png`` (limits), ``assessment_history.png`` and where values are estimated by influences
+    ``assessment_estimates.png``; returns their paths.
+    """
     directory = Path(directory)
     files = [save(history_figure(found), directory / "assessment_history.png")]
+    if estimated(found):
+        files.append(save(estimates_figure(found), directory / "assessment_estimates.png"))
     if any(v.limit is not None for v in found.values):
         files.insert(0, save(limits_figure(found), directory / "assessment.png"))
     return files

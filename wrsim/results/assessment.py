@@ -6,15 +6,20 @@ Values are in SI units; ``Quantity.shown`` says in which unit people read them.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from wrsim.results.channels import Shown
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.regression import SHOWN, Influence, Regression, regression
+
+TRANSITION = "transition"
+"""Class of what lies between curves."""
 
 SAFETY, LOADING, RIDE, INFORMATION = "running safety", "track loading", "ride characteristics", "information"
 
@@ -55,7 +60,7 @@ class Section:
     @property
     def label(self) -> str:
         """Words for tables: zone, radius and hand."""
-        if math.isinf(self.radius) or self.zone == "transition":
+        if math.isinf(self.radius) or self.zone == TRANSITION:
             return self.zone
         return f"{self.zone}, R {abs(self.radius):.0f} m {'left' if self.radius > 0.0 else 'right'}"
 
@@ -137,7 +142,8 @@ class ZoneValue:
     """One quantity over all sections of a zone.
 
     worst: the section, wheelset and wheel nearest to or furthest beyond the limit; sections: how many; mean and
-    deviation of the sections' largest values; estimate: estimated maximum, None with too few sections.
+    deviation of the sections' largest values; estimate: estimated maximum, None with too few sections; regression: what
+    it comes from where it goes by influences.
     """
 
     worst: Value
@@ -145,6 +151,7 @@ class ZoneValue:
     mean: float
     deviation: float
     estimate: float | None
+    regression: Regression | None = None
 
     @property
     def passed(self) -> bool | None:
@@ -182,7 +189,8 @@ class Assessment:
 
     notes: what could not be assessed, and why; settings: numbers it rests on, in units for readers; signals: what was
     evaluated, against distance, for pictures (dimensions ``place``, ``wheelset``, ``wheel``); track: how uneven it is,
-    nothing on smooth track.
+    nothing on smooth track; estimate_over: influences by which values are estimated, none for the one-dimensional
+    method; estimate_at: where, the largest of the sections unless given [SI].
     """
 
     title: str
@@ -192,6 +200,8 @@ class Assessment:
     settings: Mapping[str, float | str]
     signals: xr.Dataset = field(repr=False)
     track: tuple[TrackQuality, ...] = ()
+    estimate_over: tuple[Influence, ...] = ()
+    estimate_at: Mapping[Influence, float] = field(default_factory=dict)
 
     @property
     def passed(self) -> bool:
@@ -212,7 +222,25 @@ class Assessment:
         groups: dict[tuple[str, str], list[Value]] = {}
         for value in self.values:
             groups.setdefault((value.quantity.key, value.section.zone), []).append(value)
-        return [_zone(values) for values in groups.values()]
+        return [self._zone(values) for values in groups.values()]
+
+    def _zone(self, values: list[Value]) -> ZoneValue:
+        worst = min(values, key=lambda v: -v.value if v.margin is None else v.margin)
+        largest: dict[Section, float] = {}
+        for v in values:
+            largest[v.section] = max(largest.get(v.section, -math.inf), v.value)
+        per_section = np.array(list(largest.values()))
+        mean = float(per_section.mean())
+        deviation = float(per_section.std(ddof=1)) if per_section.size > 1 else 0.0
+        k = 0.0 if worst.quantity.quasi_static else ESTIMATE[worst.quantity.group]
+        estimate, fitted = None, None
+        if per_section.size >= ENOUGH_SECTIONS and np.isfinite(per_section).all():
+            if self.estimate_over and worst.section.zone != TRANSITION:
+                fitted = regression(per_section, _influences(list(largest)), self.estimate_over, self.estimate_at, k)
+                estimate = None if fitted is None else fitted.estimate
+            elif k:
+                estimate = mean + k * deviation
+        return ZoneValue(worst, per_section.size, mean, deviation, estimate, fitted)
 
     def as_dict(self) -> dict[str, Any]:
         """What ``assessment.json`` holds, in units for readers."""
@@ -237,18 +265,13 @@ class Assessment:
         return as_csv([_COLUMNS, *(_flat(v) for v in self.values)])
 
 
-def _zone(values: list[Value]) -> ZoneValue:
-    worst = min(values, key=lambda v: -v.value if v.margin is None else v.margin)
-    largest: dict[int, float] = {}
-    for v in values:
-        largest[v.section.number] = max(largest.get(v.section.number, -math.inf), v.value)
-    per_section = np.array(list(largest.values()))
-    mean = float(per_section.mean())
-    deviation = float(per_section.std(ddof=1)) if per_section.size > 1 else 0.0
-    estimate = None
-    if per_section.size >= ENOUGH_SECTIONS and not worst.quantity.quasi_static:
-        estimate = mean + ESTIMATE[worst.quantity.group] * deviation
-    return ZoneValue(worst, per_section.size, mean, deviation, estimate)
+def _influences(sections: Sequence[Section]) -> dict[Influence, NDArray[np.float64]]:
+    """What sections differ in: cant deficiency [m], curvature without its hand [1/m], speed [m/s]."""
+    return {
+        "cant_deficiency": np.array([s.cant_deficiency for s in sections]),
+        "curvature": np.array([abs(1.0 / s.radius) for s in sections]),
+        "speed": np.array([s.speed for s in sections]),
+    }
 
 
 def _number(value: float | None, factor: float = 1.0) -> float | None:
@@ -298,8 +321,20 @@ def _zone_row(z: ZoneValue) -> dict[str, Any]:
         "mean": _number(z.mean, factor),
         "deviation": _number(z.deviation, factor),
         "estimated_maximum": _number(z.estimate, factor),
+        "regression": None if z.regression is None else _regression_row(z.regression, factor),
         "passed": z.passed,
         "worst": _value(z.worst),
+    }
+
+
+def _regression_row(r: Regression, factor: float) -> dict[str, Any]:
+    return {
+        "fit": r.fit * factor,
+        "deviation": r.deviation * factor,
+        "over": [
+            {"influence": name, "unit": SHOWN[name][0], "at": at * SHOWN[name][1], "slope": b * factor / SHOWN[name][1]}
+            for name, at, b in zip(r.over, r.at, r.slope, strict=True)
+        ],
     }
 
 

@@ -85,7 +85,10 @@ def assess(result: Result, settings: AssessmentSettings | None = None) -> Assess
     known |= {f"instability_frequency_{p.name}_Hz": p.frequency for p in points if p.is_frame}
     if nadal is not None:
         known["nadal_limit"] = nadal.value
-    return Assessment(result.title, sections, tuple(values), tuple(notes), known, _signals(axles), quality)
+    return Assessment(
+        result.title, sections, tuple(values), tuple(notes), known, _signals(axles), quality,
+        settings.estimate_over, settings.estimate_at,
+    )  # fmt: skip
 
 
 def _settings_of(dataset: xr.Dataset) -> AssessmentSettings:

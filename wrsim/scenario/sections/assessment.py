@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from math import radians
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, get_args
 
-from wrsim.inputs.values import number
+from wrsim.inputs.section import Fault
+from wrsim.inputs.values import List, number
+from wrsim.results.regression import Influence
 from wrsim.scenario.sections.table import Table
 
 Kind = Literal["passenger", "locomotive", "freight"]
@@ -18,7 +21,8 @@ class AssessmentSettings:
 
     kind of vehicle; axle_load 2Q0 of every wheelset [N]; friction: coefficient for Nadal's limit; flange_angle [rad];
     instability_frequency f0 [Hz]; section_length of every class of track [m]; straight_deficiency: cant deficiency [m]
-    up to which curves of large radius belong to straight track.
+    up to which curves of large radius belong to straight track; estimate_over, estimate_at: see
+    ``wrsim.results.assessment.Assessment``.
     """
 
     kind: Kind = "passenger"
@@ -28,6 +32,8 @@ class AssessmentSettings:
     instability_frequency: float | None = None
     section_length: float | None = None
     straight_deficiency: float | None = None
+    estimate_over: tuple[Influence, ...] = ()
+    estimate_at: Mapping[Influence, float] = field(default_factory=dict)
 
 
 class AssessmentSection(Table):
@@ -40,7 +46,11 @@ class AssessmentSection(Table):
         "flange_angle_deg": "flange_deg",
         "instability_frequency_Hz": "f0_Hz",
         "section_length_m": "section_m",
-        "straight_deficiency_mm": "cant_deficiency_mm",
+        "straight_deficiency_mm": "straight_mm",
+        "estimate_over": "regression influences",
+        "estimate_cant_deficiency_mm": "cant_deficiency_mm",
+        "estimate_radius_m": "estimate_R",
+        "estimate_speed_kmh": "estimate_v_kmh",
     }
 
     vehicle_kind: Kind = "passenger"
@@ -57,6 +67,33 @@ class AssessmentSection(Table):
     """Length of a track section of every class; that of EN 14363 unless given."""
     straight_deficiency_mm: Annotated[float, number(0, 200, "mm; UIC 518: 40")] | None = None
     """Cant deficiency up to which curves from R 600 m count as straight track; none do unless given."""
+    estimate_over: List[Influence] = ()
+    """Influences by which estimated values are found (two-dimensional method); mean and deviation unless given."""
+    estimate_cant_deficiency_mm: Annotated[float, number(-300, 400, "mm")] | None = None
+    """Cant deficiency at which values are estimated; the largest of the sections of a class unless given."""
+    estimate_radius_m: Annotated[float, number(10, 100_000, "m")] | None = None
+    """Radius at which values are estimated; the smallest of the sections of a class unless given."""
+    estimate_speed_kmh: Annotated[float, number(1, 500, "km/h")] | None = None
+    """Speed at which values are estimated; the largest of the sections of a class unless given."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """Every influence once; a place only for influences that are asked for."""
+        if len(set(self.estimate_over)) < len(self.estimate_over):
+            yield Fault(
+                "estimate_over", f"names one twice: must be some of {', '.join(get_args(Influence))}, each once"
+            )
+        for name, key, _ in self._places():
+            if name not in self.estimate_over:
+                yield Fault(key, f'goes with "{name}" in estimate_over')
+
+    def _places(self) -> Iterator[tuple[Influence, str, float]]:
+        """Influences that have a place given, their keys and the places in SI units."""
+        if self.estimate_cant_deficiency_mm is not None:
+            yield "cant_deficiency", "estimate_cant_deficiency_mm", 1e-3 * self.estimate_cant_deficiency_mm
+        if self.estimate_radius_m is not None:
+            yield "curvature", "estimate_radius_m", 1.0 / self.estimate_radius_m
+        if self.estimate_speed_kmh is not None:
+            yield "speed", "estimate_speed_kmh", self.estimate_speed_kmh / 3.6
 
     def settings(self) -> AssessmentSettings:
         """The same in SI units."""
@@ -68,4 +105,6 @@ class AssessmentSection(Table):
             instability_frequency=self.instability_frequency_Hz,
             section_length=self.section_length_m,
             straight_deficiency=None if self.straight_deficiency_mm is None else 1e-3 * self.straight_deficiency_mm,
+            estimate_over=self.estimate_over,
+            estimate_at={name: place for name, _, place in self._places()},
         )
