@@ -29,8 +29,9 @@ wrsim keys --schema > scenario.schema.json
 #:schema ./scenario.schema.json
 ```
 
-`wrsim keys --file vehicle --schema` gives that of vehicle files; there are also `wheelset`, `track`, `study` and
-`service`. Keys that go together, such as one radius or two, are beyond a schema: `wrsim check FILE` tells of them.
+`wrsim keys --file vehicle --schema` gives that of vehicle files; there are also `wheelset`, `train`, `track`,
+`study` and `service`. Keys that go together, such as one radius or two, are beyond a schema: `wrsim check FILE` tells
+of them.
 """
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -32,6 +33,16 @@ COARSE = FAST | {"contact.strips": 15, "contact.cells": 8}
 def manchester() -> Vehicle:
     """The shipped vehicle."""
     return load_vehicle(MANCHESTER, Finder((shipped_models(),)))
+
+
+@cache
+def coaches(count: int) -> Vehicle:
+    """A train of coaches, coupled as in the shipped one."""
+    text = (ROOT / "models/trains/manchester_3.toml").read_text(encoding="utf-8")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "train.toml"
+        path.write_text(text.replace("count = 3", f"count = {count}"), encoding="utf-8")
+        return load_vehicle(path, Finder((shipped_models(),)))
 
 
 @cache

@@ -26,6 +26,7 @@ FILES = {
     "service": ("a service", "wrsim.study.service.spec:ServiceFile"),
     "vehicle": ("a vehicle file", "wrsim.vehicle.vehicle_files:VehicleFile"),
     "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
+    "train": ("a train file", "wrsim.vehicle.train_files:TrainFile"),
     "track": ("a track file", "wrsim.scenario.track_file:TrackFile"),
     "columns": ("the column map of a recording", "wrsim.geometry.recording.columns:ColumnsFile"),
 }
@@ -40,7 +41,8 @@ def keys(
         str | None, typer.Argument(metavar="SECTION", help="A table such as contact or track.segments; default: all.")
     ] = None,
     file: Annotated[
-        str, typer.Option("--file", metavar="KIND", help="scenario, study, service, vehicle, wheelset, track, columns.")
+        str,
+        typer.Option("--file", metavar="KIND", help=f"{', '.join(FILES)}."),
     ] = "scenario",
     schema: Annotated[
         bool, typer.Option("--schema", help="Print the JSON schema of that kind of file, for editors.")

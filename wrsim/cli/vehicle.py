@@ -194,6 +194,7 @@ def _print_under_loads(found: dict[str, Any]) -> None:
 def sketch_of(vehicle: Vehicle) -> VehicleSketch:
     """The vehicle as a drawing takes it; bodies become the boxes of equal mass and inertia."""
     from wrsim.plots.vehicle import BoxSketch, ElementSketch, VehicleSketch, WheelSketch
+    from wrsim.vehicle.couplings import GLYPHS
     from wrsim.vehicle.elements import KINDS
 
     wheels = [
@@ -201,7 +202,8 @@ def sketch_of(vehicle: Vehicle) -> VehicleSketch:
         for mounted in vehicle.wheelsets
         for side, wheel in ((1.0, mounted.wheelset.left), (-1.0, mounted.wheelset.right))
     ]
-    glyphs = [(element, KINDS[element.kind].glyph) for element in vehicle.elements]
+    known = {kind: table.glyph for kind, table in KINDS.items()} | GLYPHS
+    glyphs = [(element, known[element.kind]) for element in vehicle.elements]
     elements = [ElementSketch(element.kind, element.points, *glyph) for element, glyph in glyphs if glyph is not None]
     points = [point.at for point in vehicle.points]
     boxes = [BoxSketch(body.name, body.centre, body.box) for body in vehicle.bodies]

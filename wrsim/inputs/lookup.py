@@ -52,7 +52,7 @@ class Finder:
         return same_name[0] if same_name else nearest(asked.as_posix(), known)
 
 
-ROOMS = ("wheels", "rails", "vehicles", "tracks")
+ROOMS = ("wheels", "rails", "vehicles", "trains", "tracks")
 """Folders inside a folder of models."""
 
 

@@ -26,8 +26,8 @@ COLOURS = (INK, "#0072B2", "#D55E00", "#009E73", "#9467A9", "#B8860B")
 def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of a vehicle's run, by file name without ending.
 
-    Of several wheelsets: guiding, shifting, loads, derailment, steering; of bodies, points and loads: bodies,
-    accelerations, external_loads.
+    Of several wheelsets: guiding, shifting, loads, derailment, steering; of bodies, points, couplings and loads:
+    bodies, accelerations, couplings, external_loads.
     """
     figures: dict[str, Callable[[], Figure]] = {}
     if dataset.sizes.get("time", 0) < 2 or "resolved_with" in dataset.attrs:
@@ -46,6 +46,9 @@ def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
         figures["vehicle_bodies"] = lambda: together_figure(dataset, "body", ("body_roll", "body_yaw", "body_vertical"))
     if "point" in dataset.dims:
         figures["vehicle_accelerations"] = lambda: together_figure(dataset, "point", ("point_ay", "point_az"))
+    if "coupling" in dataset.dims:
+        of_couplings = ("coupling_force", "coupling_fy_ahead", "coupling_fy_behind", "coupling_offset", "coupling_yaw")
+        figures["vehicle_couplings"] = lambda: together_figure(dataset, "coupling", of_couplings)
     if "external_load" in dataset.dims:
         forces = ("external_fx", "external_fy", "external_fz")
         figures["vehicle_external_loads"] = lambda: together_figure(dataset, "external_load", forces)

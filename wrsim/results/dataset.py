@@ -20,7 +20,7 @@ from wrsim.results.room import OnDisk
 FORMAT = "wrsim result"
 FORMAT_VERSION = 3
 REQUIRED_ATTRIBUTES = ("title", "analysis", "status", "scenario_text")
-OF_VEHICLE = ("body", "point", "suspension", "external_load")
+OF_VEHICLE = ("body", "point", "suspension", "coupling", "external_load")
 OF_WEAR = ("wear_law", "wear_zone")
 NAMED = ("wheelset", *OF_VEHICLE, *OF_WEAR)
 """Dimensions labelled by names: those of a vehicle and of its wear."""
@@ -51,9 +51,9 @@ def assemble(
 
     coords: either ``time`` (n,) in seconds for a run or ``pose`` (n,) names for a static analysis; ``wheel`` (default
     ``("left", "right")``) names the wheels present; ``amplitude`` (m,) in metres goes with poses; ``wheelset``,
-    ``body``, ``point``, ``suspension``, ``external_load`` are the names of a vehicle's parts, ``wear_law`` and
-    ``wear_zone`` those of its wear. Where ``wheelset`` is one
-    name (default ``"wheelset"``) instead of a list, the arrays come without that dimension.
+    ``body``, ``point``, ``suspension``, ``coupling``, ``external_load`` are the names of a vehicle's parts,
+    ``wear_law`` and ``wear_zone`` those of its wear. Where ``wheelset`` is one name (default ``"wheelset"``) instead of
+    a list, the arrays come without that dimension.
 
     channels: arrays by channel name, in SI units, shaped as the register says (sample first, then wheelset, wheel,
     patch, strip). The sizes of ``patch``, ``snapshot``, ``strip``, ``rail_point`` and ``wheel_point`` follow from the

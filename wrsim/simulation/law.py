@@ -119,7 +119,7 @@ class VehicleOnTrack:
             whole += _wheel_arrays(mounted.wheelset, track, models)
         self.arena = pack(whole)
         views = self.arena.views
-        self.whole = views[vehicle_forces.WHOLE]
+        self._units = views[vehicle_forces.UNITS]
         self.elements = views[vehicle_forces.ELEMENTS]
         self.records = views[vehicle_forces.READINGS].view(np.float64).reshape(-1, 6)
         self._loads = views[vehicle_forces.LOADS]
@@ -185,7 +185,8 @@ class VehicleOnTrack:
             out[:] = 0.0
             vehicle_forces.add_forces_on_wheels(q, q_t, out, buffer, index)
 
-        found = [Block.full(on_bodies, self.size)]
+        units = self.coordinates_of_units()
+        found = [Block.full(on_bodies, self.size) if len(units) < 2 else Block.in_a_row(on_bodies, units)]
         if self.wheels:
             count = len(self.wheels)
             own = np.arange(6 * count).reshape(count, 6)
@@ -200,6 +201,28 @@ class VehicleOnTrack:
             if len(own):
                 found.append(Block.apart(on_wheels, own))
         return found
+
+    def coordinates_of_units(self) -> list[NDArray[np.intp]]:
+        """Places in the state of what belongs to every vehicle of a train, what lies between two to that ahead; rails
+        under the wheels left out."""
+        unit_of = np.zeros(len(self.bodies) + vehicle_forces.FRAMES + len(self.vehicle.boxes), dtype=int)
+        for k, unit in enumerate(self.vehicle.units):
+            unit_of[list(unit.parts)] = k
+        first, boxes = self.size - self.positions, self.arena.views[vehicle_forces.AXLE_BOXES]
+        for j, box in enumerate(boxes):
+            unit_of[len(self.bodies) + vehicle_forces.FRAMES + j] = unit_of[box.wheelset]
+        owner = np.full(self.size, -1)
+        owner[: 6 * len(self.bodies)] = np.repeat(unit_of[: len(self.bodies)], 6)
+        for row in self.elements:
+            places = [row.state] if row.state >= 0 else []
+            if row.slider != friction.NO_SLIDER:
+                count = 3 if row.slider == friction.BERG else 2 if row.kind == suspension.PLANE else 1
+                places += range(row.slip, row.slip + count)
+            owner[6 * len(self.bodies) + np.array(places, dtype=int)] = unit_of[row.first]
+        owner[first : first + len(boxes)] = unit_of[boxes["wheelset"]]
+        for wheelset, place in self.twists.items():
+            owner[place] = unit_of[wheelset]
+        return [np.flatnonzero(owner == k) for k in range(len(self.vehicle.units))]
 
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
@@ -219,13 +242,13 @@ class VehicleOnTrack:
 
     @property
     def distance(self) -> float:
-        """Distance of the reference body along the centre line at the state asked for last [m]."""
-        return float(self.whole["s_reference"][0])
+        """Distance of the (first) vehicle's reference body along the centre line at the state asked for last [m]."""
+        return float(self._units["s"][0])
 
     @property
     def drive_force(self) -> float:
-        """Force that holds the speed at the state asked for last, positive forward [N]."""
-        return float(self.whole["drive_force"][0])
+        """Force that holds the speed at the state asked for last, of all vehicles, positive forward [N]."""
+        return float(self._units["force"].sum())
 
     @property
     def driven(self) -> bool:
@@ -270,7 +293,8 @@ class VehicleOnTrack:
         if self._records_of_wheels:
             for wheel, s in zip(self._records_of_wheels, rows[:, 1:].ravel(), strict=True):
                 wheel.s = s
-        self.whole["s_reference"] = at + vehicle.parts[vehicle.reference].centre[0]
+        for row, unit in zip(self._units, vehicle.units, strict=True):
+            row.s = at + vehicle.parts[unit.reference].centre[0]
         for load in self._loads:
             load.s = at + vehicle.parts[load.body].centre[0] + load.at.x
 
@@ -283,7 +307,7 @@ class VehicleOnTrack:
     def memory(self) -> Array:
         """What the next call starts from: it decides the last bits of the answer. See ``recorder.Remembers``."""
         return np.concatenate(
-            [self.whole["s_reference"], self._loads["s"]]
+            [self._units["s"], self._loads["s"]]
             + [[wheel.s for wheel in self._records_of_wheels]]
             + [wheel.model.arrays.memory() for wheels in self.wheels for wheel in wheels]
         )
@@ -291,10 +315,9 @@ class VehicleOnTrack:
     def recall(self, memory: Array) -> None:
         """Put back what ``memory`` gave."""
         self._asked_at = np.nan
-        loads = len(self._loads)
-        self.whole["s_reference"] = memory[0]
-        self._loads["s"] = memory[1 : 1 + loads]
-        place = 1 + loads
+        units, loads = len(self._units), len(self._loads)
+        self._units["s"], self._loads["s"] = memory[:units], memory[units : units + loads]
+        place = units + loads
         for wheel in self._records_of_wheels:
             wheel.s = memory[place]
             place += 1
@@ -346,10 +369,7 @@ class VehicleOnTrack:
         vehicle, count = self.vehicle, len(self.bodies) + vehicle_forces.FRAMES + len(self.vehicle.boxes)
         whole = np.zeros(1, vehicle_forces.VEHICLE)
         own = whole[0]
-        own.gravity, own.mass = gravity, vehicle.mass
-        own.inertia = vehicle.moved_mass
-        own.drive, own.reference = DRIVES.index(drive), vehicle.reference
-        own.ahead = vehicle.parts[vehicle.reference].centre[0]
+        own.gravity, own.drive = gravity, DRIVES.index(drive)
         own.step = self.track.centre.step
         own.guide_ahead = vehicle.guide_ahead
         own.rails, own.turns = -1, self._turns
@@ -372,6 +392,13 @@ class VehicleOnTrack:
             holder = holder_of(vehicle, m.name)
             axles[i].radius, axles[i].body = m.wheelset.mean_radius, i
             axles[i].holder = -1 if holder is None else vehicle.index(holder)
+        units = np.zeros(len(vehicle.units), load_kernel.UNIT)
+        for k, (row, unit) in enumerate(zip(units, vehicle.units, strict=True)):
+            row.mass, row.inertia, row.driven = unit.pulled_mass, unit.pulled_inertia, unit.driven
+            row.body, row.ahead = unit.reference, vehicle.parts[unit.reference].centre[0]
+            row.axles = len(unit.wheelsets)
+            for i in unit.wheelsets:
+                axles[i].unit = k
         if vehicle.slip_control is not None:
             own.slip_speed, own.slip_creepage = vehicle.slip_control.speed, vehicle.slip_control.creepage
         efforts, effort_tables = self._effort_arrays()
@@ -394,6 +421,7 @@ class VehicleOnTrack:
             self._motion(),
             efforts,
             effort_tables,
+            units,
         ]
 
     def _motion(self) -> NDArray[np.record]:

@@ -191,7 +191,7 @@ class LatinHypercubeAxis(_Sampled):
 Axis = GridAxis | CsvAxis | SobolAxis | LatinHypercubeAxis
 
 NUMBERS = tuple(name for name, c in CHANNELS.items() if c.kind != "text" and not c.coordinate)
-LABELS = ("wheelset", "wheel", "body", "point", "suspension", "external_load")
+LABELS = ("wheelset", "wheel", "body", "point", "suspension", "coupling", "external_load")
 """Dimensions of a channel of which one may be chosen by its name."""
 
 
@@ -222,6 +222,8 @@ class ChannelOutput(Section):
     """The point that counts; the worst of all unless given."""
     suspension: Annotated[str, text("the name of a suspension element")] | None = None
     """The suspension element that counts; the worst of all unless given."""
+    coupling: Annotated[str, text("the name of a coupling")] | None = None
+    """The coupling that counts; the worst of all unless given."""
     external_load: Annotated[str, text("the name of a load")] | None = None
     """The load that counts; the worst of all unless given."""
     from_m: Annotated[float, number(0, 1e6, "m along the centre line")] | None = None

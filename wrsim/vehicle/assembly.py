@@ -25,8 +25,8 @@ DEEPEST = 8
 
 
 @dataclass(frozen=True)
-class _Place:
-    """Where a part is: its name (with a dot behind, empty for the vehicle), its axes, its depth."""
+class Place:
+    """Where a part is: its name (with a dot behind, empty for a vehicle on its own), its axes, its depth."""
 
     prefix: str = ""
     axes: Axes = VEHICLE_AXES
@@ -52,13 +52,13 @@ class Assembly:
     pressed: dict[str, tuple[tuple[str, ...], KeyPath, str]] = field(default_factory=dict)
     """By the name of an element with friction: names that its normal spring may have, where it is named, and how."""
 
-    def add(self, part: sections.PartTable, path: KeyPath) -> None:
-        """Put the vehicle together from its outermost part, which stands at ``path`` of the file."""
-        self._bodies(part, path, _Place())
-        self._elements(part, path, _Place())
+    def add(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:
+        """Put the vehicle together from its outermost part, which stands at ``path`` of the file; place: of it."""
+        self._bodies(part, path, place)
+        self._elements(part, path, place)
         self.elements = [self._pressed(element) for element in self.elements]
 
-    def _bodies(self, part: sections.PartTable, path: KeyPath, place: _Place) -> None:
+    def _bodies(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:
         for name, body in part.bodies.items():
             full = self._new(name, (*path, "bodies", name), place)
             self.bodies[full] = Body(full, body.mass_kg, body.inertia_kg_m2, place.axes.point(body.centre_mm))
@@ -82,7 +82,7 @@ class Assembly:
                 raise self._fault((*path, "places", i, "name"), "stands there twice; give each a name", inner.name)
             self._bodies(*self._inner(inner, (*path, "places", i), place))
 
-    def _elements(self, part: sections.PartTable, path: KeyPath, place: _Place) -> None:
+    def _elements(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:
         for i, table in enumerate(part.elements):
             self.elements += self._repeated(table, (*path, "elements", i), place)
         for i, load in enumerate(part.loads):
@@ -104,7 +104,7 @@ class Assembly:
         for i, inner in enumerate(part.places):
             self._elements(*self._inner(inner, (*path, "places", i), place))
 
-    def _axle_boxes(self, name: str, table: sections.AxleBoxTable, path: KeyPath, place: _Place) -> None:
+    def _axle_boxes(self, name: str, table: sections.AxleBoxTable, path: KeyPath, place: Place) -> None:
         """Both boxes of an axle."""
         full = self._new(name, path, place)
         carrier = place.prefix + table.wheelset
@@ -121,8 +121,8 @@ class Assembly:
         self.wheelsets[carrier] = replace(mounted, boxes=(*mounted.boxes, *pair))
 
     def _inner(
-        self, table: sections.PlaceTable, path: KeyPath, place: _Place
-    ) -> tuple[sections.PartTable, KeyPath, _Place]:
+        self, table: sections.PlaceTable, path: KeyPath, place: Place
+    ) -> tuple[sections.PartTable, KeyPath, Place]:
         """A part at its place."""
         if table.part not in self.parts:
             known = (", ".join(self.parts) or "none") + suggest(table.part, list(self.parts))
@@ -131,10 +131,10 @@ class Assembly:
             raise self._fault((*path, "part"), f"parts lie in parts more than {DEEPEST} deep", table.part)
         x, y, z = ((-s if axis in table.mirror else s) for s, axis in zip(place.axes.signs, "xyz", strict=True))
         axes = Axes(place.axes.point(table.at_mm), (x, y, z))
-        inner = _Place(f"{place.prefix}{table.name}.", axes, place.depth + 1)
+        inner = Place(f"{place.prefix}{table.name}.", axes, place.depth + 1)
         return self.parts[table.part], ("parts", table.part), inner
 
-    def _new(self, name: str, path: KeyPath, place: _Place) -> str:
+    def _new(self, name: str, path: KeyPath, place: Place) -> str:
         """Full name of a body or wheelset."""
         if name == TRACK or "." in name:
             message = f"'{name}' cannot be the name of a body: '{TRACK}' is taken and points are for parts"
@@ -142,7 +142,7 @@ class Assembly:
         return place.prefix + name
 
     def _body(
-        self, name: str, path: KeyPath, place: _Place, boxes: bool = False, frames: tuple[str, ...] = (TRACK,)
+        self, name: str, path: KeyPath, place: Place, boxes: bool = False, frames: tuple[str, ...] = (TRACK,)
     ) -> str:
         """Full name of a body seen from a part; boxes: it may be a pair of axle boxes; frames: or one of these."""
         if name in frames:
@@ -167,7 +167,7 @@ class Assembly:
         name = self.boxes.get(name) or self._single_boxes.get(name, name)
         return self.bodies[name].centre if name in self.bodies else self.wheelsets[name].centre
 
-    def _repeated(self, table: ElementTable, path: KeyPath, place: _Place) -> Iterator[Element]:
+    def _repeated(self, table: ElementTable, path: KeyPath, place: Place) -> Iterator[Element]:
         """The elements of one table: one for every ``to`` and, where asked for, for both sides."""
         first = self._body(table.body, (*path, "body"), place, boxes=True)
         for to in table.to:

@@ -30,5 +30,7 @@ def bogie_mass(vehicle: Vehicle, body: str) -> float:
 
 def _joined(vehicle: Vehicle, body: str) -> set[str]:
     """Names of what suspension elements join to a body; a wheelset in the place of its axle boxes."""
-    pairs = ((vehicle.carrier(element.first), vehicle.carrier(element.second)) for element in vehicle.elements)
+    between = {name for coupling in vehicle.couplings for name in coupling.elements}
+    own = (element for element in vehicle.elements if element.name not in between)
+    pairs = ((vehicle.carrier(element.first), vehicle.carrier(element.second)) for element in own)
     return {b if a == body else a for a, b in pairs if body in (a, b)} - {body}

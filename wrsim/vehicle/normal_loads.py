@@ -21,7 +21,8 @@ LEAST = 1e-6
 
 def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[int, Triple] | None]:
     """Of every element whose friction depends on a load: the number of the element that gives the load, and what its
-    reading is multiplied with, component by component. A load counts as positive that acts as it does at rest.
+    reading is multiplied with, component by component. A load counts as positive that acts as it does at rest, or as
+    the slider says.
 
     Raises InputError for an element that does not exist, whose own friction depends on a load, or that carries nothing
     at rest; and for a bilinear spring that does not.
@@ -41,8 +42,12 @@ def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[in
             raise InputError(f"friction '{element.name}': there is no spring '{name}'{suggest(name, list(numbers))}")
         i = numbers[name]
         other = vehicle.elements[i]
-        if normal.of and other.slider is not None and other.slider.normal is not None:
+        if normal.of and other.slider is not None and other.slider.normal is not None and other.slider.normal.of:
             raise InputError(f"friction '{element.name}': the friction of '{name}' depends on a load itself")
+        if normal.sense is not None:
+            x, y, z = element.slider.friction * normal.factor * normal.sense * np.eye(3)[normal.axis]
+            found.append((i, (float(x), float(y), float(z))))
+            continue
         at_rest = other.reading_at_rest(preloads[i].force)
         axis = normal.axis if len(other.directions) > 1 else int(np.argmax(np.abs(at_rest)))
         if abs(at_rest[axis]) < LEAST * vehicle.mass * vehicle.gravity:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.vehicle.elements import GUIDE, TRACK, ZERO, Element, Spring, Triple
+from wrsim.vehicle.train import Coupling, Member, Unit, units_of
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
 
 if TYPE_CHECKING:
@@ -201,7 +202,8 @@ class Vehicle:
     carried: masses that press on bodies without moving by themselves. guide_ahead: where the wheelset that the guide
     frame holds sits in its bogie, ahead of the centre [m]: in a curve of curvature kappa the frame is turned by
     -guide_ahead kappa. drive: what holds the speed unless a scenario says otherwise. gravity: acceleration [m/s2].
-    efforts, slip_control: of motors and brakes, in runs.
+    efforts, slip_control: of motors and brakes, in runs. members, couplings: of a train, from front to rear; its bodies
+    and elements are those of all of its vehicles.
     """
 
     name: str
@@ -218,6 +220,8 @@ class Vehicle:
     gravity: float = STANDARD_GRAVITY
     efforts: tuple[Effort, ...] = ()
     slip_control: SlipControl | None = None
+    members: tuple[Member, ...] = ()
+    couplings: tuple[Coupling, ...] = ()
 
     def __repr__(self) -> str:
         counted = ", ".join(
@@ -276,10 +280,16 @@ class Vehicle:
 
     @property
     def reference(self) -> int:
-        """The part whose place on the track stands for the vehicle's: the heaviest body, or the first wheelset."""
-        if not self.bodies:
-            return 0
-        return len(self.wheelsets) + int(np.argmax([body.mass for body in self.bodies]))
+        """The part whose place on the track stands for the vehicle's: the heaviest body, or the first wheelset; of a
+        train that of its first vehicle."""
+        return self.units[0].reference
+
+    @cached_property
+    def units(self) -> tuple[Unit, ...]:
+        """The vehicles of a train, from front to rear; else this one."""
+        members = self.members or (Member(self.name, len(self.wheelsets), len(self.bodies), 0.0),)
+        turning = [m.inertia[1] / m.wheelset.mean_radius**2 for m in self.wheelsets]
+        return units_of(members, [part.mass for part in self.parts], turning)
 
     @property
     def runs_with_frame(self) -> bool:

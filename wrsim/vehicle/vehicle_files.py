@@ -1,11 +1,13 @@
 """Vehicle files (``models/vehicles/*.toml``) to plain data in SI units.
 
 A file with bodies, parts, elements or [wheelsets] is put together from its parts; one with nothing but [wheelset],
-[suspension] and [sprung] is a single wheelset that its bogie guides. See docs/vehicles.md for the format.
+[suspension] and [sprung] is a single wheelset that its bogie guides, one with [[vehicles]] a train. See
+docs/vehicles.md and docs/trains.md for the formats.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, ClassVar
 
@@ -18,13 +20,14 @@ from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, model_file, usual_finder
 from wrsim.inputs.section import Section
 from wrsim.inputs.values import Day, Source, number, text
-from wrsim.vehicle.assembly import Assembly
-from wrsim.vehicle.ballast import with_ballast
+from wrsim.vehicle.assembly import Assembly, Place
+from wrsim.vehicle.ballast import Ballast, with_ballast
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.elements.keys import scaled
 from wrsim.vehicle.files import SprungTable, SuspensionTable, WheelsetTable
 from wrsim.vehicle.normal_loads import normal_loads
 from wrsim.vehicle.preload import preloads
+from wrsim.vehicle.train_files import TrainFile, train_of
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.vehicle_sections import PartTable
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
@@ -98,8 +101,10 @@ def load_vehicle(path: str | Path, find: Finder | None = None) -> Vehicle:
     path = model_file(path)
     data, locate = opened(path, "vehicle file")
     finder = (find or usual_finder()).beside(path)
+    if "vehicles" in data:
+        return _checked(train_of(check(TrainFile, data, locate), finder, locate, _member), path)
     if any(key in data for key in OF_PARTS):
-        return _of_parts(check(VehicleFile, data, locate), path, finder, locate)
+        return _of_parts(check(VehicleFile, data, locate), path, finder, locate, Place())
     if "wheelset" not in data and "body" in data:
         raise InputError(f"{path}: is a profile file; a vehicle file with a table [wheelset] is needed here")
     return _of_one_wheelset(check(WheelsetFile, data, locate), finder, locate)
@@ -118,14 +123,22 @@ def _of_one_wheelset(file: WheelsetFile, finder: Finder, locate: Locate) -> Vehi
     )
 
 
-def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate) -> Vehicle:
+def _member(path: Path, find: Finder, place: Place) -> Vehicle:
+    """A vehicle of a train. Raises InputError."""
+    data, locate = opened(path, "vehicle file")
+    if not any(key in data for key in OF_PARTS):
+        raise InputError(f"{path}: is no vehicle of parts; a train takes vehicles with bodies")
+    return _of_parts(check(VehicleFile, data, locate), path, find.beside(path), locate, place)
+
+
+def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate, place: Place) -> Vehicle:
     types: dict[str, Wheelset] = {}
     if file.wheelset is not None:
         types[""] = _wheelset(file.wheelset, ("wheelset",), file, finder, locate)
     for name, table in file.wheelset_types.items():
         types[name] = _wheelset(table, ("wheelset_types", name), file, finder, locate)
     assembly = Assembly(file.parts, types, locate)
-    assembly.add(file, ())
+    assembly.add(file, (), place)
     vehicle = Vehicle(
         file.name,
         tuple(sorted(assembly.wheelsets.values(), key=lambda mounted: -mounted.x)),
@@ -137,9 +150,14 @@ def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate) -> 
         file.source,
         gravity=file.gravity_m_per_s2,
     )
+    return _checked(vehicle, path, assembly.ballast)
+
+
+def _checked(vehicle: Vehicle, path: Path, ballast: Sequence[Ballast] = ()) -> Vehicle:
+    """The vehicle of a file, with what it carries. Raises InputError where its springs cannot hold it."""
     try:
         check_connected(vehicle)
-        vehicle = with_ballast(vehicle, assembly.ballast)
+        vehicle = with_ballast(vehicle, ballast)
         normal_loads(vehicle, preloads(vehicle))
     except InputError as error:
         raise InputError(f"{path}: {error}") from None

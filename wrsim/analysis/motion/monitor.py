@@ -81,7 +81,8 @@ class Monitor:
         self.substitutes = np.array([wheel.model.arrays.substitutes for wheel in self.wheels], dtype=float)
         elements = law.vehicle.elements
         self.stops = [(i, e.limits, e.travel_place) for i, e in enumerate(elements) if e.limits]
-        self.pressed = np.flatnonzero(law.elements["normal"] >= 0)
+        normals = [None if e.slider is None else e.slider.normal for e in elements]
+        self.pressed = np.array([i for i, n in enumerate(normals) if n is not None and n.sense is None], dtype=int)
         self.notes = np.zeros((0, 6))
         """Rows (kind, which wheel or element, time, distance, last time, last distance)."""
         self.between = Between([wheel.model for wheel in self.wheels])

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from wrsim.analysis.contacts import friction_channels
+from wrsim.analysis.motion.couplings import coupling_channels
 from wrsim.analysis.motion.motions import (
     PointMotion,
     body_channels,
@@ -113,6 +114,8 @@ def result_of(
         coords["suspension"] = [element.name for element in vehicle.elements]
         ends = np.array([e.limits or (np.nan, np.nan) for e in vehicle.elements])
         channels |= {"suspension_stop_min": ends[:, 0], "suspension_stop_max": ends[:, 1]}
+    if vehicle.couplings:
+        coords["coupling"] = [coupling.name for coupling in vehicle.couplings]
     if vehicle.loads:
         coords["external_load"] = [load.name for load in vehicle.loads]
     if events:
@@ -194,6 +197,8 @@ def _block(
     if vehicle.elements:
         found |= {f"suspension_f{axis}": records[:, :, k] for k, axis in enumerate("xyz")}
         found |= {f"suspension_d{axis}": records[:, :, 3 + k] for k, axis in enumerate("xyz")}
+    if vehicle.couplings:
+        found |= coupling_channels(law, q, records)
     if vehicle.loads:
         found |= {f"external_f{axis}": external[:, :, k] for k, axis in enumerate("xyz")}
     return found

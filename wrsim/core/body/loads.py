@@ -8,18 +8,19 @@ Carried masses. A mass that follows the track frame without oscillating presses 
 dt/ds: the part along t is left to the train that moves it, the other two act at the centre of mass of the body, with
 the moment of the lateral part at its height above. The speed at which the cant changes adds no force.
 
-Drive. What holds the vehicle's speed acts like a spring and damper to a point that runs along the track as the speed of
-the run says, s_0(t): with the distance s of the reference body and e = s_0 - s, the force is
+Drive. What holds a vehicle's speed acts like a spring and damper to a point that runs along the track as the speed of
+the run says, s_0(t): with the distance s of its reference body and e = s_0 - s, the force is
 
     M (w^2 e + 2 w e_t) + (M + sum J / r^2) s_0_tt,    w = ``DRIVE_RATE``,
 
 M the mass of the vehicle, J and r inertia about the axle and radius of its wheelsets: what accelerates it does not wait
 for a lag. Either it pulls the reference body along the track, as the coupler of a train does, or it comes as equal
-moments on the axles, with the reaction on the bodies that hold them.
+moments on the axles, with the reaction on the bodies that hold them. In a train each driven vehicle has a point of its
+own; those that are not driven have nothing, and their masses stand in M of the driven ones.
 
-Efforts. Moments of motors and brakes on single axles by tables over the time or over the distance of the vehicle's
-origin, positive forward, with the same reaction. A negative one is a brake: it is against the rotation, and fades as
-the wheelset stands, M omega / ``BRAKE_FADE`` below that rate.
+Efforts. Moments of motors and brakes on single axles by tables over the time or over the distance of the (first)
+vehicle's origin, positive forward, with the same reaction. A negative one is a brake: it is against the rotation, and
+fades as the wheelset stands, M omega / ``BRAKE_FADE`` below that rate.
 
 Slip control. What is asked of an axle, drive and efforts together, is given in full while its slip speed in the
 direction of the moment, w = +-(omega r - v), is below half of a limit, and from there linearly less, nothing at the
@@ -65,10 +66,16 @@ OVER_TIME, OVER_DISTANCE = range(2)
 CARRIED = record("mass height", "body")
 """A carried mass [kg] and its height above the centre of its body [m]."""
 
-AXLE = record("radius asked moment twisting slip speed power", "body holder")
+AXLE = record("radius asked moment twisting slip speed power", "body holder unit")
 """An axle: mean radius of its wheels [m]; at the state asked for last the moment asked of it and given [N m], half the
 difference of the moments on its wheels, left less right, slip speed and speed [m/s], the power of the moments and their
-reaction [W]; its body, and the one that takes the reaction or -1."""
+reaction [W]; its body, the one that takes the reaction or -1, its vehicle."""
+
+UNIT = record("mass inertia ahead s force", "body axles driven")
+"""A vehicle, alone or in a train: mass that its drive moves, and with the inertia of what turns over its radius
+squared; what lies between its reference body and the track frame along the track, distance of that body (a guess,
+updated); force of its drive at the state asked for last; its reference body, how many axles it has, whether it is
+driven."""
 
 EFFORT = record("side", "axle over start rows")
 """A moment on an axle: on its left (+1), its right (-1) or both (0) of its wheels; what its table goes over; first row
@@ -82,7 +89,7 @@ BRAKE_FADE = 0.5  # [rad/s]
 
 
 class Asked(NamedTuple):
-    """Where the reference body should be along the track [m], its speed [m/s] and acceleration [m/s2]."""
+    """Where the track frame is along the track [m], its speed [m/s] and acceleration [m/s2]."""
 
     distance: float
     speed: float
@@ -139,38 +146,44 @@ def add_carried(track, carried, gravity, wrenches):
 
 
 @kernel
-def add_drive(asked, vehicle, bodies, axles, centre, wrenches):
-    """Add the pull that holds the vehicle's speed, or ask the axles for it; returns the status of ``locate``.
+def add_drive(asked, drive, units, bodies, axles, centre, wrenches):
+    """Add the pull that holds the speed of every vehicle, or ask its axles for it; returns the status of ``locate``.
 
-    asked: an ``Asked``; vehicle: a record VEHICLE of core.body.vehicle_forces; keeps where its reference body is.
+    asked: an ``Asked``; drive: its kind; units: records UNIT, which keep where their reference bodies are.
     """
-    body = get_body(bodies[vehicle.reference])
-    s, bad = locate(centre, body.position, vehicle.s_reference)
-    if bad != 0:
-        return bad
-    vehicle.s_reference = s
-    pull = 0.0
-    if vehicle.drive != FREE:
-        track = frame(centre, s)
-        slower = asked.speed - dot(body.velocity, track.t)
-        pull = vehicle.mass * DRIVE_RATE * (DRIVE_RATE * (asked.distance - s) + 2.0 * slower)
-        pull += vehicle.inertia * asked.acceleration
-        if vehicle.drive == TRAIN:
-            accumulate(wrenches[vehicle.reference].force, scale(pull, track.t))
-    vehicle.drive_force = pull
+    for k in range(units.shape[0]):
+        unit = units[k]
+        body = get_body(bodies[unit.body])
+        s, bad = locate(centre, body.position, unit.s)
+        if bad != 0:
+            return bad
+        unit.s = s
+        pull = 0.0
+        if drive != FREE and unit.driven != 0:
+            track = frame(centre, s)
+            slower = asked.speed - dot(body.velocity, track.t)
+            pull = unit.mass * DRIVE_RATE * (DRIVE_RATE * (asked.distance + unit.ahead - s) + 2.0 * slower)
+            pull += unit.inertia * asked.acceleration
+            if drive == TRAIN:
+                accumulate(wrenches[unit.body].force, scale(pull, track.t))
+        unit.force = pull
     for j in range(axles.shape[0]):
-        axles[j].asked = pull * axles[j].radius / axles.shape[0] if vehicle.drive == WHEELS else 0.0
+        unit = units[axles[j].unit]
+        axles[j].asked = unit.force * axles[j].radius / unit.axles if drive == WHEELS else 0.0
     return 0
 
 
 @kernel
-def add_efforts(t, q_t, vehicle, parts, bodies, efforts, tables, axles, wrenches):
-    """Add the moments on the axles: what the drive asks of them and the efforts; tables: (., 2) of all efforts."""
+def add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, tables, axles, wrenches):
+    """Add the moments on the axles: what the drive asks of them and the efforts; tables: (., 2) of all efforts.
+
+    vehicle: a record VEHICLE of core.body.vehicle_forces; origin: distance of the (first) vehicle's origin [m].
+    """
     for j in range(axles.shape[0]):
         axles[j].twisting = 0.0
     for j in range(efforts.shape[0]):
         effort = efforts[j]
-        x = vehicle.s_reference - vehicle.ahead if effort.over == OVER_DISTANCE else t
+        x = origin if effort.over == OVER_DISTANCE else t
         low, high, part = _between(tables, effort.start, effort.rows, x)
         moment = (1.0 - part) * tables[low, 1] + part * tables[high, 1]
         axle = axles[effort.axle]

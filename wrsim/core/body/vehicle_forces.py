@@ -43,6 +43,7 @@ from wrsim.core.body.loads import (
     CARRIED,
     EFFORT,
     LOAD,
+    UNIT,
     Asked,
     add_carried,
     add_drive,
@@ -74,23 +75,21 @@ from wrsim.core.track.path import NODE, frame, frame_rates
 # arrays of the arena before those of the wheels
 (
     WHOLE, PARTS, BODIES, WRENCHES, ELEMENTS, TABLES, READINGS, LOADS, LOAD_TABLES, CARRIED_MASSES, AXLES, CENTRE,
-    AXLE_BOXES, MOTION, EFFORTS, EFFORT_TABLES,
-) = range(16)  # fmt: skip
-FIRST_WHEEL = 16
+    AXLE_BOXES, MOTION, EFFORTS, EFFORT_TABLES, UNITS,
+) = range(17)  # fmt: skip
+FIRST_WHEEL = 17
 
 RAIL = record("mass stiffness damping")
 
 VEHICLE = record(
-    "gravity mass inertia ahead s_reference drive_force step guide_ahead slip_speed slip_creepage",
-    "drive reference rails turns",
+    "gravity step guide_ahead slip_speed slip_creepage",
+    "drive rails turns",
     rail_n=RAIL,
     rail_b=RAIL,
 )
-"""Acceleration of gravity; mass of the vehicle, and with the inertia of what turns over its radius squared; what lies
-between its reference body and the track frame along the track, distance of that body (a guess, updated); force of the
-drive; step of the centre line; how far the axle in the guide frame sits ahead of the bogie's centre; limits of the slip
-control, both 0 without. Kind of drive, number of the reference body, place of the rails' first coordinate or -1 on
-rigid ones; which of the stages that ask all wheels; the pieces of rail under the wheels, along n and b."""
+"""Acceleration of gravity; step of the centre line; how far the axle in the guide frame sits ahead of the bogie's
+centre; limits of the slip control, both 0 without. Kind of drive, place of the rails' first coordinate or -1 on rigid
+ones; which of the stages that ask all wheels; the pieces of rail under the wheels, along n and b."""
 
 PART = record("mass twist_inertia twist_stiffness twist_damping", "wheelset twist")
 """Mass of a body [kg]; of the twist of its axle inertia [kg m2], stiffness [N m/rad] and damping [N m s/rad]; number of
@@ -149,11 +148,11 @@ def add_forces_on_bodies(t, q, q_t, out, buffer, index):
     add_carried(track, records(buffer, index, CARRIED_MASSES, CARRIED), vehicle.gravity, wrenches)
     loads, load_tables = records(buffer, index, LOADS, LOAD), matrix(buffer, index, LOAD_TABLES)
     lost = add_loads(t, bodies, loads, load_tables, centre, wrenches)
-    asked = Asked(s + vehicle.ahead, speed, acceleration)
-    axles = records(buffer, index, AXLES, AXLE)
-    lost |= add_drive(asked, vehicle, bodies, axles, centre, wrenches)
+    axles, units = records(buffer, index, AXLES, AXLE), records(buffer, index, UNITS, UNIT)
+    lost |= add_drive(Asked(s, speed, acceleration), vehicle.drive, units, bodies, axles, centre, wrenches)
     efforts, effort_tables = records(buffer, index, EFFORTS, EFFORT), matrix(buffer, index, EFFORT_TABLES)
-    add_efforts(t, q_t, vehicle, parts, bodies, efforts, effort_tables, axles, wrenches)
+    origin = units[0].s - units[0].ahead
+    add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, effort_tables, axles, wrenches)
     for j in range(axles.shape[0]):
         part = parts[axles[j].body]
         if part.twist >= 0:

@@ -14,12 +14,14 @@ Friction = Literal["coulomb", "fancher", "berg"]
 class Normal:
     """The normal force of a slider: that of an element ``of`` (its full name; "": its own spring), times a factor.
 
-    axis: the component that counts where the element has three, 0, 1, 2; other elements have but one.
+    axis: the component that counts where the element has three, 0, 1, 2; other elements have but one. sense: the sign
+    of the force that presses, of surfaces that may be apart; None: that at rest, which they are not.
     """
 
     of: str
     factor: float = 1.0
     axis: Literal[0, 1, 2] = 2
+    sense: float | None = None
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,204 @@
+"""Couplings: impacts in closed form, slack, loops of friction, forces along a train, momentum; no rails needed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from support.vehicles import coaches, manchester
+from vehicle.test_vehicle_suspension import displaced, on_springs, rows
+
+from wrsim.core.body import vehicle_forces
+from wrsim.simulation.force_law import Block, force_derivative
+from wrsim.simulation.integrate import Motion, integrate
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.state import design_state
+from wrsim.simulation.system import System
+from wrsim.vehicle.couplings import Between, CentreCouplerTable, CouplingTable, ScrewCouplingTable
+from wrsim.vehicle.elements import TRACK, Spring
+from wrsim.vehicle.train import Member
+from wrsim.vehicle.vehicle import Body, Load, Vehicle
+
+MASS, HEIGHT, LENGTH = 40e3, 1.06, 10.0
+INERTIA = (5e4, 5e5, 5e5)
+GEAR: dict[str, Any] = {"stiffness_kN_per_m": 2000.0, "stroke_mm": 150.0}
+BUFFERS = GEAR | {"height_mm": 1e3 * HEIGHT, "half_spacing_mm": 875.0, "head_radius_mm": 1500.0}
+STIFF = BUFFERS["stiffness_kN_per_m"] * 1e3
+"""Of both pairs of buffers: two side by side, each of two in series."""
+
+
+def screw(draw: dict[str, Any] = GEAR, buffers: dict[str, Any] = BUFFERS, **more: Any) -> CouplingTable:
+    """A screw coupling with side buffers."""
+    values = {"kind": "screw", "height_mm": 1e3 * HEIGHT, "hinge_mm": 400.0, "draw": draw, "buffers": buffers}
+    return ScrewCouplingTable.model_validate(values | more)
+
+
+def wagons(coupling: CouplingTable, masses: tuple[float, ...] = (MASS, MASS), lateral: float = 4e6) -> Vehicle:
+    """Blocks in a row, free along the track, held up and straight; lateral: how they are held sideways [N/m]."""
+    pitch = LENGTH + coupling.gap
+    bodies = [Body(f"wagon{k}", m, INERTIA, (-pitch * k, 0.0, HEIGHT)) for k, m in enumerate(masses)]
+    rails = [
+        Spring(
+            f"rails{k}", "spring", TRACK, body.name, body.centre, (0.0, lateral, 4e6), turning_stiffness=(1e8, 1e8, 1e8)
+        )
+        for k, body in enumerate(bodies)
+    ]
+    joints = [
+        element
+        for k in range(len(masses) - 1)
+        for element in coupling.elements(Between(f"{k}-{k + 1}", f"wagon{k}", f"wagon{k + 1}", -pitch * (k + 0.5)))
+    ]
+    return replace(
+        manchester(), wheelsets=manchester().wheelsets[:1], bodies=tuple(bodies), elements=(*rails, *joints), points=(),
+        gravity=0.0, members=tuple(Member(body.name, int(k == 0), 1, body.centre[0]) for k, body in enumerate(bodies)),
+    )  # fmt: skip
+
+
+def motion(law: VehicleOnTrack, speeds: tuple[float, ...], duration: float, step: float = 2e-4) -> Motion:
+    """From the design position on with these speeds of the wagons [m/s]."""
+    q, q_t = design_state(law)
+    for k, v in enumerate(speeds):
+        q_t[6 * (1 + k) + 1] = v
+    system = System(law.bodies, law, law.dampers)
+    return integrate(system, q, q_t, duration=duration, step=step, integrator="rk44", weight=MASS * 9.81)
+
+
+def speeds_of(found: Motion, wagons: int = 2) -> np.ndarray:
+    """Longitudinal velocities (samples, wagons) [m/s]."""
+    return np.stack([found.q_t[:, 6 * (1 + k) + 1] for k in range(wagons)], axis=1)
+
+
+def forces_of(found: Motion, law: VehicleOnTrack) -> np.ndarray:
+    """Tension of every element at every sample (samples, elements) [N]."""
+    out, forces = np.zeros(law.size), []
+    for t, q, q_t in zip(found.times, found.q, found.q_t, strict=True):
+        law(t, q, q_t, out)
+        forces.append(law.records[:, 0].copy())
+    return np.array(forces)
+
+
+@pytest.mark.parametrize("second", [MASS, 2.5 * MASS])
+def test_the_impact_of_two_wagons_is_that_of_two_masses_and_a_spring(second: float) -> None:
+    """From the end of the gap: v sqrt(k m) for pi sqrt(m/k), m the reduced mass; momentum and energy are kept."""
+    gap, v = 0.05, 1.0
+    law = on_springs(wagons(screw(gap_mm=1e3 * gap, slack_mm=300.0), (MASS, second)))
+    reduced = MASS * second / (MASS + second)
+    lasts = np.pi * np.sqrt(reduced / STIFF)
+    found = motion(law, (0.0, v), gap / v + lasts + 0.05)
+    force = -forces_of(found, law).sum(axis=1)
+    touching = force > 0.0
+    assert not touching[found.times < gap / v - 1e-9].any()
+    assert force.max() == pytest.approx(v * np.sqrt(STIFF * reduced), rel=1e-4)
+    assert touching.sum() * found.step == pytest.approx(lasts, abs=2.0 * found.step)
+    own = speeds_of(found)
+    momentum = own @ (MASS, second)
+    assert np.abs(momentum - momentum[0]).max() < 1e-9 * momentum[0]
+    together = second * v / (MASS + second)
+    np.testing.assert_allclose(own[-1], [2.0 * together, 2.0 * together - v], atol=1e-4)
+
+
+def test_friction_in_the_buffers_takes_the_area_of_their_loop() -> None:
+    """(1 + s) F on the way in, (1 - s) F on the way out: of the speed sqrt((1 - s)/(1 + s)) is left, the other energy
+    is what the loop of force over stroke encloses."""
+    share, v = 0.3, 1.0
+    buffers = BUFFERS | {"friction_share": share, "friction_travel_mm": 0.2}
+    law = on_springs(wagons(screw(buffers=buffers, slack_mm=300.0)))
+    found = motion(law, (0.0, v), 0.6, 1e-4)
+    own = speeds_of(found)
+    assert own[-1, 0] - own[-1, 1] == pytest.approx(v * np.sqrt((1.0 - share) / (1.0 + share)), rel=5e-3)
+    forces, stroke = forces_of(found, law), found.q[:, 6 * 2 + 1] - found.q[:, 6 + 1] + LENGTH
+    loop = np.trapezoid(-forces.sum(axis=1), stroke)
+    lost = 0.5 * MASS * (v**2 - (own[-1] ** 2).sum())
+    assert loop == pytest.approx(lost, rel=1e-4)
+    assert -forces.sum(axis=1).max() == pytest.approx(0.0, abs=1.0)  # nothing pulls
+    inward = np.argmax(stroke)
+    at = stroke[: inward - 5 : 20] > 0.02
+    np.testing.assert_allclose(
+        -forces.sum(axis=1)[: inward - 5 : 20][at], (1.0 + share) * STIFF * stroke[: inward - 5 : 20][at], rtol=1e-3
+    )
+
+
+@pytest.mark.parametrize("kind", ["screw", "centre"])
+def test_slack_gives_no_force_until_it_is_used(kind: str) -> None:
+    """Two wagons that drift apart at 0.1 m/s: nothing, then the gear with its preload."""
+    slack, drift = 0.03, 0.1
+    gear = GEAR | {"preload_kN": 20.0, "friction_share": 0.2}
+    coupling = screw(gear, slack_mm=1e3 * slack, gap_mm=20.0)
+    free = slack
+    if kind == "centre":
+        values = {"kind": "centre", "height_mm": 1e3 * HEIGHT, "hinge_mm": 800.0, "slack_mm": 1e3 * slack}
+        coupling = CentreCouplerTable.model_validate(values | {"draw": gear, "buff": gear})
+        free = 0.5 * slack  # it stands in the middle
+    law = on_springs(wagons(coupling))
+    found = motion(law, (drift, 0.0), free / drift + 0.2)
+    force = forces_of(found, law)[:, 2]
+    apart = found.q[:, 6 + 1] - found.q[:, 6 * 2 + 1] - LENGTH - coupling.gap
+    inside = apart < free - 1e-9
+    assert inside.sum() > 100
+    assert np.abs(force[inside]).max() == 0.0
+    beyond = (apart > free + 2.5e-3) & (np.gradient(apart) > 0.0)
+    assert beyond.sum() > 10
+    expected = 1.2 * (20e3 + 0.5 * STIFF * (apart[beyond] - free))
+    np.testing.assert_allclose(force[beyond], expected, rtol=5e-3)
+
+
+def test_every_coupling_carries_the_masses_behind_it_times_the_acceleration() -> None:
+    """Four wagons, the first one pulled ever harder, slowly; no slack, and friction that lets no swing last."""
+    masses = (60e3, 40e3, 20e3, 30e3)
+    gear = GEAR | {"friction_share": 0.3, "friction_travel_mm": 5.0}
+    train = wagons(screw(gear, BUFFERS | {"preload_kN": 1.0}, pretension_kN=2.0), masses)
+    pull = 60e3
+    rising = Load("pull", "wagon0", (0.0, 0.0, HEIGHT), ((0.0, 0.0, 0.0, 0.0), (8.0, pull, 0.0, 0.0)))
+    law = on_springs(replace(train, loads=(rising,)))
+    found = motion(law, (), 12.0, 1e-3)
+    late = found.times > 11.0
+    tension = forces_of(found, law)[late]
+    names = [element.name for element in law.vehicle.elements]
+    for k in range(3):
+        own = [i for i, name in enumerate(names) if name.startswith(f"{k}-{k + 1} ")]
+        expected = pull * sum(masses[k + 1 :]) / sum(masses)
+        assert tension[:, own].sum(axis=1).mean() == pytest.approx(expected, rel=2e-3)
+
+
+def test_couplings_keep_momentum_and_angular_momentum() -> None:
+    """At any displacement, and what one vehicle feels the other feels the other way round."""
+    law = on_springs(coaches(2))
+    q, q_t = displaced(law)
+    for i in law.vehicle.units[1].parts:  # nearer to the one ahead, at the heading of that state
+        q[6 * i + 1 : 6 * i + 3] += 0.2 * np.array([np.cos(2.0), np.sin(2.0)])
+    law(0.0, q, q_t, np.zeros(law.size))
+    pushed = [r[0] for e, r in zip(law.vehicle.elements, law.records, strict=True) if e.kind == "buffer"]
+    assert min(pushed) < -1e4  # they are in touch
+    bodies, wrenches = (law.arena.views[k] for k in (vehicle_forces.BODIES, vehicle_forces.WRENCHES))
+    n = len(law.bodies)
+    places, forces, moments = (rows(a[:n]) for a in (bodies["position"], wrenches["force"], wrenches["moment"]))
+    largest = np.abs(forces).max()
+    assert np.abs(forces.sum(axis=0)).max() < 1e-10 * largest
+    turning = np.cross(places, forces) + moments
+    assert np.abs(turning.sum(axis=0)).max() < 1e-10 * largest * np.abs(places).max()
+
+
+def test_derivatives_of_a_train_are_taken_vehicle_by_vehicle() -> None:
+    """Vehicles act on their neighbours alone: those that lie three apart are changed at once."""
+    law = on_springs(coaches(5))
+    q, q_t = displaced(law)
+    block = law.blocks()[0]
+    size = max(len(own) for own in law.coordinates_of_units())
+    assert len(block.columns) == 3 * size < law.size
+    for by in ((1.0, 0.0), (0.3, 1.0)):
+        grouped = force_derivative(law, q, q_t, len(law.bodies), 0.0, *by)
+        law.blocks = lambda: [Block.full(block.forces, law.size)]  # type: ignore[method-assign]
+        plain = force_derivative(law, q, q_t, len(law.bodies), 0.0, *by)
+        del law.blocks
+        np.testing.assert_array_equal(grouped, plain)
+
+
+def test_at_rest_a_tight_coupling_pulls_as_its_buffers_push() -> None:
+    law = on_springs(coaches(2))
+    law(0.0, *design_state(law), np.zeros(law.size))
+    found = {e.name: r[0] for e, r in zip(law.vehicle.elements, law.records, strict=True)}
+    assert found["coach1-coach2 draw gear"] == pytest.approx(20e3, rel=1e-9)
+    for side in ("left", "right"):
+        assert found[f"coach1-coach2 buffer {side}"] == pytest.approx(-10e3, rel=1e-9)
