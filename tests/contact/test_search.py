@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 from support.contacts import (
     HALF_SPACING,
+    MODELS,
     PAIRS,
     PLAIN,
     RADIUS,
@@ -16,11 +17,13 @@ from support.contacts import (
     rail_origin,
     settle,
     wheel_at,
+    wheel_profile,
 )
 
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.records import Profile
 from wrsim.core.contact.search.locus import locus_point, outline
+from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import Arc, profile_from_sections, rail_head
 
 YAWS = (0.0, 0.012, -0.03)
@@ -152,6 +155,23 @@ def test_tread_root_and_flange_are_found_at_once():
     assert contact.patches["angle"] == pytest.approx([1.22, 0.44, 0.116], abs=0.01)
     assert (contact.patches["approach"] > 1e-6).all()
     assert len(set(contact.patches["group"])) == 3
+
+
+@pytest.mark.parametrize("yaw", [0.0, 20e-3, 28e-3, 33e-3, 40e-3])
+def test_a_steep_face_is_found_as_soon_as_it_is_touched_at_any_yaw(yaw):
+    """The back of a tram's flange: at 33 mrad 0.8 mm of its tip are 6 mm of the outline."""
+    rail = load_profile(MODELS / "rails/grooved_narrow.toml")
+    model = contact_model(wheel_profile("tram"), rail, radius=0.33, normal="strips", **PLAIN)
+    stand, depths = bench(model, rolling=False), []
+    for lateral in np.arange(1e-3, -4.6e-3, -1e-5):
+        stand.evaluate(lateral, 0.33 + 1e-4, yaw, 0.0)  # the tread is lifted
+        steep = [lobe["approach"] for lobe in model.arrays.patches[: model.arrays.total.lobes] if lobe["angle"] < -1.0]
+        if steep:
+            depths.append(steep[0])
+        if len(depths) == 3:
+            break
+    assert depths[0] < 1e-5
+    assert np.diff(depths) == pytest.approx(np.sin(np.radians(80.0)) * 1e-5, rel=0.02)
 
 
 @pytest.mark.parametrize("depth", [2e-5, 1e-4, 3e-4])

@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.optimize import brentq
 from support.allocations import allocations
 from support.contacts import (
+    MODELS,
     PLAIN,
     bench,
     contact_model,
@@ -31,6 +33,7 @@ from wrsim.core.contact.records import STATUS_UNSETTLED
 from wrsim.core.contact.strips.influence import potential, pressed_beside, primitives
 from wrsim.core.contact.strips.records import CURVE, FROM, INVERSE, MIDDLE, PUSH, TO, VECTORS
 from wrsim.core.contact.wheel_rail import wheel_rail
+from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.wear import Removal, worn
 
 DATA = Path(__file__).parents[1] / "data"
@@ -119,6 +122,31 @@ def test_hertz_ellipses_are_exact_up_to_the_strips(ratio, strips, wrong):
         lobe["p0"] / modulus / exact.p0,
     )
     assert measured == pytest.approx((1.0,) * 5, abs=wrong)
+
+
+@pytest.mark.parametrize("yaw", [12e-3, 18e-3, 24e-3, 30e-3])
+def test_a_tip_against_a_steep_face_is_hertz_however_slanted(yaw):
+    """The back of a tram's flange, an arc of 9 mm, on the straight guard face: a narrow ellipse along the wheel's
+    circumference, which leans by 4 to 10 degrees against the rail. Strips lie beside one another along x by three half
+    lengths and more."""
+    wheel, rail, radius = wheel_profile("tram"), load_profile(MODELS / "rails/grooved_narrow.toml"), 0.33
+    model = contact_model(wheel, rail, radius=radius, tangential="none", **STRIPS)
+    stand = bench(model, rolling=False)
+    lobes = model.arrays.patches
+
+    def approach(lateral):
+        stand.evaluate(lateral, radius + 1e-4, yaw, 0.0)  # the tread is lifted
+        return lobes[0]["approach"] if model.arrays.total.lobes else 0.0
+
+    closed = next(y for y in np.arange(0.0, -3e-3, -1e-5) if approach(y) > 0.0)
+    touching = brentq(lambda y: approach(y) - 2.5e-5, closed - 4e-5, closed + 1e-5)
+    depth = approach(touching)
+    assert model.arrays.total.lobes == 1 and np.degrees(lobes[0]["angle"]) == pytest.approx(-80.538, abs=0.1)
+    around = radius / np.cos(lobes[0]["angle"])
+    exact = hertz(9e-3 / around, depth / (2.0 * 9e-3))
+    modulus = combined_modulus(model.settings)
+    assert lobes[0]["p0"] / modulus == pytest.approx(exact.p0, rel=0.03)
+    assert lobes[0]["N"] / (modulus * (2.0 * 9e-3) ** 2) == pytest.approx(exact.force, rel=0.03)
 
 
 @pytest.mark.parametrize(

@@ -169,7 +169,7 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
     linked = False  # whether the outline stayed in the rail since the last contact found
     last_node = -stride
     last_slope = 0.0
-    last_distance = 0.0
+    last_distance = last_o = last_b = 0.0
     rail_end = rail_length(rail)
     per_node = 1.0 / (STRETCH * step)
     hollow *= 1.0 + (e_t / YAW_HOLLOWS) ** 2
@@ -209,8 +209,9 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
         slope = _rail_slope(rail, foot, at.no, at.nb)
         turns = near and (slope < 0.0) != (last_slope < 0.0)
         if turns:
-            # the parabola's vertex between the two samples says whether a closer look is worth it
-            between = stride * step
+            # the parabola's vertex between the two samples says whether a closer look is worth it; where the locus
+            # climbs around a yawed wheel, its outline is many times as long as the profile
+            between = sqrt((at.o - last_o) ** 2 + (at.b - last_b) ** 2)
             turns = last_distance - 0.5 * between * last_slope * last_slope / (slope - last_slope) < NEAR
         kind = MINIMUM if last_slope < 0.0 else MAXIMUM
         if turns and (kind == MINIMUM or linked):
@@ -240,6 +241,8 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
         last_node = i
         last_slope = slope
         last_distance = distance
+        last_o = at.o
+        last_b = at.b
         near = True
         clear = distance - FIELD_ERROR
         if clear > 0.0:

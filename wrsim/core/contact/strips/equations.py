@@ -34,6 +34,7 @@ from wrsim.core.contact.strips.shifts import off_locus
 
 EDGE_RATIO = 0.84  # of a^2 in the two outer strips, over what a parabola would give: Hertz's ellipses keep their width
 LEAST_DEPTH = 1e-8  # for the longest half length [m]
+THIRD = -1.0, 3.0, -3.0, 1.0  # difference
 LESS = 0.1  # weight of an edge's misfit
 EVENNESS = 0.005  # weight with which neighbouring factors are kept alike
 WEAKENING = 0.8  # exponent, as in contact.half_space.zones
@@ -187,6 +188,8 @@ def residuals(system, n, held):
         if not grid.on:
             continue
         own = base + n
+        if memo.shifted:
+            _calm(grid, places[g * n : (g + 1) * n], x[base : base + n], memo.deepest, out[base : base + n])
         for j in range(n):
             place = places[g * n + j]
             u, c = pressed(system, n, g, place.s, place.x + place.off)
@@ -194,8 +197,8 @@ def residuals(system, n, held):
             place.miss = c / (memo.stiffness * place.bend) - 1.0
             if place.y <= 0.0:
                 continue
-            out[base + j] = place.gap
-            largest = max(largest, abs(place.gap))
+            out[base + j] += place.gap
+            largest = max(largest, abs(out[base + j]))
             f, r = factor_of(place)
             out[own + f] += (1.0 - r) * place.weight * place.miss
             out[own + f + 1] += r * place.weight * place.miss
@@ -220,6 +223,33 @@ def residuals(system, n, held):
             out[e] = edge_wish(places, g * n, n, side)
             largest = max(largest, LESS * abs(out[e]))
     return largest
+
+
+@kernel
+def _calm(grid, places, squares, deepest, out):
+    """Add what holds a^2 of neighbouring strips on a parabola: the derivatives of a sum of squares of third
+    differences, nothing for Hertz's ellipse."""
+    n = places.size
+    weight = grid.calm * places[n // 2].bend / deepest
+    for j in range(n - 3):
+        if min(min(places[j].y, places[j + 1].y), min(places[j + 2].y, places[j + 3].y)) > 0.0:
+            bend = weight * (squares[j + 3] - squares[j] + 3.0 * (squares[j + 1] - squares[j + 2]))
+            out[j] -= bend
+            out[j + 1] += 3.0 * bend
+            out[j + 2] -= 3.0 * bend
+            out[j + 3] += bend
+
+
+@kernel
+def _calm_rows(grid, places, deepest, matrix):
+    """Derivatives of ``_calm`` by a^2; matrix: a grid's own rows and columns."""
+    n = places.size
+    weight = grid.calm * places[n // 2].bend / deepest
+    for j in range(n - 3):
+        if min(min(places[j].y, places[j + 1].y), min(places[j + 2].y, places[j + 3].y)) > 0.0:
+            for p in range(4):
+                for q in range(4):
+                    matrix[j + p, j + q] += weight * THIRD[p] * THIRD[q]
 
 
 @inlined
@@ -420,6 +450,9 @@ def jacobian(system, n, held):
             else:
                 _press_row(system, n, g, i)
                 _own_row(system, n, g, i)
+        if memo.shifted:
+            base = g * block
+            _calm_rows(grids[g], places[g * n : (g + 1) * n], memo.deepest, m[base : base + n, base : base + n])
     for g in range(memo.grids):
         grid, own = grids[g], g * block + n
         if not grid.on:

@@ -30,13 +30,14 @@ along x. a; amplitude over k; slope of the logarithm of 1/R_x, and of d R_x wher
 over both edges."""
 
 GRID = record(
-    "start end least most deepest spacing x reach along stretch pivot evenness link chain",
+    "start end least most deepest spacing x reach along stretch pivot evenness calm link chain",
     "on start_held end_held first last",
 )
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length along x;
-mean of its shifts, how the middles of its strips lie off the locus (`shifts.off_locus`) and how much more evenly its
-factors run; how firmly its last factor is held to the first of the next grid, how far the overlaps of both are one.
-Whether it is in contact, whether its edges are held at their bounds, its first and last lobe."""
+mean of its shifts, how the middles of its strips lie off the locus (`shifts.off_locus`), how much more evenly its
+factors run and how firmly its half lengths are held together; how firmly its last factor is held to the first of the
+next grid, how far the overlaps of both are one. Whether it is in contact, whether its edges are held at their bounds,
+its first and last lobe."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",

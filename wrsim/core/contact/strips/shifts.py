@@ -6,7 +6,7 @@ line too, but farther apart by a factor that follows from the curvatures. A grid
 hump that is as wide, as deep and leans as much; where the locus is bent its strips stay on it.
 """
 
-from math import sqrt
+from math import pi, sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
@@ -17,6 +17,8 @@ EXCENTRIC = 1.27  # power of the gap's ratio of curvatures that gives the ellips
 EVEN = 0.8, 0.95  # squared correlation of shift and place at which strips stay on the locus, and are all stretched
 FAINT = 3e-3  # spread of the shifts, over the half length, below which they do not matter
 STIFFER = 25.0  # growth of that weight with the spread of the shifts over the half length
+CALM = 2.0  # weight that holds a^2 of neighbours on a parabola, by the fourth power of how slanted a contact lies
+CALM_BENT = 0.1  # the same where the locus is bent, by its square
 JOINED = 0.5, 0.9  # saddle over the shallower depth at which neighbouring grids have nothing and all in common
 ALIKE = 0.3, 0.5  # the same for the shallower depth over the deeper one
 
@@ -95,6 +97,56 @@ def hertz_stretch(ratio, slope):
     return more / (1.0 + more * (1.0 - least))
 
 
+class Ellipse(NamedTuple):
+    """Contact of a slanted parabolic ground: half length [m] of the strip in its middle, half of its width [m], factor
+    k."""
+
+    half_length: float
+    half_width: float
+    factor: float
+
+
+@kernel
+def hertz_ellipse(ratio, slope, depth, bend):
+    """Hertz's ellipse over a ground this deep whose ridge is bent ``ratio`` times as much across as along, and leans.
+
+    slope: of the ridge's place along x; bend: curvature along [1/m]. With both principal curvatures of the gap, c1
+    along the longer axis: b/a by a power of their ratio, a^2 = 2 d/c1 (K - E)/(e^2 K), p0 = E* d/(b K) (Johnson,
+    Contact Mechanics, 4.2), the integrals by the arithmetic-geometric mean (Abramowitz and Stegun 17.6).
+    """
+    square = slope * slope
+    across = ratio + square
+    apart = sqrt((across - 1.0) ** 2 + 4.0 * square)
+    most, least = 0.5 * (1.0 + across + apart), 0.5 * (1.0 + across - apart)
+    thin = (least / most) ** (0.5 * EXCENTRIC)
+    p, q, power, part = 1.0, thin, 1.0, 0.5
+    excentric = max(1.0 - thin * thin, 1e-12)
+    for _ in range(8):
+        c = 0.5 * (p - q)
+        p, q = 0.5 * (p + q), sqrt(p * q)
+        part += power * c * c / excentric
+        power *= 2.0
+    integral = 0.5 * pi / p
+    long = 2.0 * depth / (least * bend) * part  # squares of both half axes
+    short = long * thin * thin
+    lean = (1.0 - least) / apart if apart > 0.0 else 0.0  # square of the cosine between x and the shorter axis
+    in_x = 1.0 / long + (1.0 / short - 1.0 / long) * lean
+    half_length = 1.0 / sqrt(in_x)
+    return Ellipse(half_length, sqrt(in_x * long * short), 2.0 * depth / (bend * sqrt(short) * integral * half_length))
+
+
+@inlined
+def slanted(hump):
+    """Ratio of the curvatures of this ground and slope of its ridge, none where it is bent."""
+    return _ratio(hump), hump.sx / hump.ss * (rise(_even(hump), EVEN))
+
+
+@inlined
+def _even(hump):
+    """Squared correlation of shift and place: 1 where the locus is straight."""
+    return hump.sx * hump.sx / (hump.ss * hump.xx) if hump.xx > 0.0 else 0.0
+
+
 @inlined
 def _ratio(hump):
     """Curvature of the ground across over that along: where a parabola is more than a level deep the square of the half
@@ -105,16 +157,29 @@ def _ratio(hump):
 @inlined
 def _stretch(hump):
     """How much farther from the mean middles lie than the locus over this ground, over the locus's distance."""
-    even = hump.sx * hump.sx / (hump.ss * hump.xx) if hump.xx > 0.0 else 0.0
-    return rise(even, EVEN) * (hertz_stretch(_ratio(hump), hump.sx / hump.ss) - 1.0)
+    return rise(_even(hump), EVEN) * (hertz_stretch(_ratio(hump), hump.sx / hump.ss) - 1.0)
 
 
 @inlined
 def _evenness(hump, reach):
     """How much more firmly factors are kept alike: where strips lie slanted across a narrow contact, their curvatures
     tell less of their own factor. reach: half length along x."""
+    return 1.0 + STIFFER * _lean(hump, reach)
+
+
+@inlined
+def _lean(hump, reach):
+    """How slanted a narrow contact lies: spread of its shifts over the half length along x."""
     ratio = _ratio(hump)
-    return 1.0 + STIFFER * sqrt(hump.xx) / reach * ratio / (1.0 + ratio)
+    return sqrt(hump.xx) / reach * ratio / (1.0 + ratio)
+
+
+@inlined
+def _calm(hump, reach):
+    """How firmly half lengths of neighbours are held together: the influence of strips that lie shifted closely side by
+    side hardly tells one from the other."""
+    square = _lean(hump, reach) ** 2
+    return CALM * square * square + CALM_BENT * square * (1.0 - rise(_even(hump), EVEN))
 
 
 @inlined
@@ -136,6 +201,7 @@ def set_shifts(system, found):
         hump = hump_of(grid, system.rows[g], grid.deepest)
         slant = sqrt(hump.xx)
         grid.along, grid.stretch, grid.evenness = hump.x, _stretch(hump), _evenness(hump, grid.reach)
+        grid.calm = _calm(hump, grid.reach)
         grid.pivot = grid.stretch * hump.x
         if slant > FAINT * grid.reach:
             matter = 1

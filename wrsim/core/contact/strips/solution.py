@@ -29,6 +29,7 @@ from wrsim.core.contact.strips.newton import (
     newton,
 )
 from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, NEXT, ROWS, SAVED, STEP, TERMS, X
+from wrsim.core.contact.strips.shifts import hertz_ellipse, hump_of, slanted
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
 WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9
@@ -100,11 +101,19 @@ def _guess(system, n, g, level):
     end = min(rows[last].s + 0.5 * grid.spacing, grid.most)
     begin(system, n, g, start, end, depth, bend)
     grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
-    ratio = depth / (bend * (0.5 * max(wide, 1) * grid.spacing) ** 2)
-    x[base + n : base + n + FACTORS] = hertz_factor(ratio)
-    # where Hertz's ellipse ends, and its half length
-    edge = min(max(1.0 - 0.5 * ratio**-0.168, 0.2), 0.8)
-    most = min(max(0.5 + 0.055 * log(ratio), 0.3), 0.8)
+    if system.memo[0].shifted:
+        ratio, slope = slanted(hump_of(grid, rows, depth))
+        ellipse = hertz_ellipse(ratio, slope, depth, bend)
+        factor = ellipse.factor
+        edge = 1.0 - ellipse.half_width**2 * ratio * bend / (2.0 * depth)
+        most = ellipse.half_length**2 * bend / (2.0 * depth)
+    else:
+        ratio = depth / (bend * (0.5 * max(wide, 1) * grid.spacing) ** 2)
+        factor = hertz_factor(ratio)
+        # where Hertz's ellipse ends, and its half length
+        edge = min(max(1.0 - 0.5 * ratio**-0.168, 0.2), 0.8)
+        most = min(max(0.5 + 0.055 * log(ratio), 0.3), 0.8)
+    x[base + n : base + n + FACTORS] = min(max(factor, LEAST_FACTOR), MOST_FACTOR)
     lay_strips(system, n)
     for j in range(n):
         place = system.places[g * n + j]
