@@ -19,6 +19,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.vehicle.bogies import bogies_of
 from wrsim.vehicle.elements import Slider, Strut
+from wrsim.vehicle.train import Member
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 
@@ -182,6 +183,12 @@ def test_the_command_tells_both_tests_and_draws_their_loops(tmp_path):
 def test_options_without_their_test_are_refused(asked, said):
     told = CliRunner().invoke(app, ["vehicle", "vehicles/manchester_1.toml", *asked])
     assert told.exit_code != 0 and said in " ".join(told.output.split())
+
+
+def test_a_train_is_tested_vehicle_by_vehicle():
+    train = replace(manchester(), members=(Member("coach", 4, 3, 0.0),))
+    with pytest.raises(InputError, match="is a train: its vehicles are tested one by one"):
+        twist.twist_test(train)
 
 
 def test_a_vehicle_without_bogies_cannot_turn_them():

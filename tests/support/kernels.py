@@ -176,6 +176,13 @@ def vehicle_cases() -> dict[str, list[float]]:
     angles[-4:], rates[-4:] = 1e-3, 0.2
     apart(0.0, angles, rates, twist := np.zeros(apart.size))
     found["twist"] = list(twist)
+    motors = load_vehicle(ROOT / "models/vehicles/manchester_motor.toml", Finder((shipped_models(),)))
+    moment = Effort(motors.drives[0].wheelset, ((0.0, 5e3),))
+    geared = VehicleOnTrack(replace(motors, efforts=(moment,)), law.track, (), speed=20.0, start=60.0)
+    still, turning = design_state(geared)
+    turning[list(geared.gears.values())] = 1e-3
+    geared(0.0, still, turning, shafts := np.zeros(geared.size))
+    found["geared motors"] = [*shafts, *geared.settled_rates(still, turning)]
     frame, sides = vehicle.index("front.frame"), {"coulomb": 1e5, "fancher": 5e4, "berg": 3e4}
     ends = vehicle.parts[frame].name, "carbody", vehicle.parts[frame].centre
     sliders: list[Element] = [

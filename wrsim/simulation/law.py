@@ -66,7 +66,8 @@ class VehicleOnTrack:
     ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand behind their coordinates. The
     last ``positions`` of them are positions: the pitch of the axle boxes, then the twist of axles whose wheels turn
     against each other (``twists``, their places by wheelset), then ``rails`` displacements of the rails under the
-    wheels (``core.body.vehicle_forces``). ``sliders``: places of the unknowns that belong to friction.
+    wheels (``core.body.vehicle_forces``). ``sliders``: places of the unknowns that belong to friction. ``gears``: by
+    wheelset the place of the twist of its geared motor's hollow axle; its rate stands behind it.
     After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
     and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
     places of x), ``axles`` what drive and brakes do to each wheelset (records AXLE of ``core.body.loads``),
@@ -104,9 +105,11 @@ class VehicleOnTrack:
         self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if self.elastic else 0
         twisting = [i for i, mounted in enumerate(vehicle.wheelsets) if mounted.wheelset.torsion is not None]
         self.positions = len(vehicle.boxes) + len(twisting) + self.rails
-        self.dampers = table.states + self.positions
+        self.dampers = table.states + 2 * len(vehicle.drives) + self.positions
         self.size = 6 * len(self.bodies) + self.dampers
         self.sliders = 6 * len(self.bodies) + np.array(table.slips, dtype=np.intp)
+        first = self.size - self.positions - 2 * len(vehicle.drives)
+        self.gears = {vehicle.index(d.wheelset): first + 2 * j for j, d in enumerate(vehicle.drives)}
         first = self.size - self.rails - len(twisting)
         self.twists = {wheelset: first + j for j, wheelset in enumerate(twisting)}
         use_threads(threads)
@@ -325,11 +328,17 @@ class VehicleOnTrack:
             for wheel in wheels:
                 place += wheel.model.arrays.recall(memory[place:])
 
-    def settled(self, slips: Array | None = None) -> AbstractContextManager[None]:
+    @contextmanager
+    def settled(self, slips: Array | None = None) -> Iterator[None]:
         """While this lasts, dampers in series with springs carry nothing, they have had time to give way, and sliders
         what they do after a straight way from the design position, or from their slips where these are not 0."""
         how = friction.FRESH if slips is None or not np.any(slips) else friction.HELD
-        return self._elements_with("settled", how)
+        self.arena.views[vehicle_forces.WHOLE]["settled"] = 1
+        try:
+            with self._elements_with("settled", how):
+                yield
+        finally:
+            self.arena.views[vehicle_forces.WHOLE]["settled"] = 0
 
     def settled_rates(self, q: Array, q_t: Array) -> Array:
         """The rates q_t with the unknowns that dampers in series with springs and sliders have once settled there."""
@@ -392,6 +401,13 @@ class VehicleOnTrack:
             holder = holder_of(vehicle, m.name)
             axles[i].radius, axles[i].body = m.wheelset.mean_radius, i
             axles[i].holder = -1 if holder is None else vehicle.index(holder)
+            axles[i].gear = -1
+        for d in vehicle.drives:
+            w = vehicle.index(d.wheelset)
+            row = axles[w]
+            row.holder, row.motor, row.gear = vehicle.index(d.case), vehicle.index(d.motor), self.gears[w]
+            row.ratio, row.rotor, row.turning = d.ratio, d.rotor_inertia, d.inertia
+            row.stiffness, row.damping = d.stiffness, d.damping
         units = np.zeros(len(vehicle.units), load_kernel.UNIT)
         for k, (row, unit) in enumerate(zip(units, vehicle.units, strict=True)):
             row.mass, row.inertia, row.driven = unit.pulled_mass, unit.pulled_inertia, unit.driven

@@ -55,6 +55,9 @@ def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
     kept = np.r_[w:rates, rates + w : len(matrix)]
     values, vectors = np.linalg.eig(matrix[np.ix_(kept, kept)])
     free = n - w
+    turning = [rates + at + 1 - int(np.sum(law.sliders <= at)) for at in law.gears.values()]  # rates of hollow axles
+    geared = np.searchsorted(kept, turning)
+    inertias = np.array([drive.inertia for drive in vehicle.drives])
     modes = []
     for value, vector in zip(values, vectors.T, strict=True):
         if value.imag <= 2.0 * np.pi * SLOWEST:
@@ -65,8 +68,10 @@ def natural_modes(vehicle: Vehicle) -> tuple[Mode, ...]:
         name = mode_name(vehicle, shape)
         behind = vector[free + len(inertia) : free + len(inertia) + len(law.twists)]
         twisting = sum(0.25 * law.bodies[w].inertia[1] * abs(a) ** 2 for w, a in zip(law.twists, behind, strict=True))
-        if max(swinging, twisting) > _energy(vehicle, shape).sum():
-            name = "axle boxes pitch" if swinging > twisting else "axles twist"
+        hollow = float(inertias @ np.abs(vector[geared]) ** 2) / abs(value) ** 2
+        if max(swinging, twisting, hollow) > _energy(vehicle, shape).sum():
+            words = {"axle boxes pitch": swinging, "axles twist": twisting, "hollow axles twist": hollow}
+            name = max(words, key=lambda word: words[word])
         modes.append(Mode(abs(value) / (2.0 * np.pi), -value.real / abs(value), shape, name))
     return tuple(sorted(modes, key=lambda mode: mode.frequency))
 

@@ -107,6 +107,7 @@ def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[
             lateral=part.centre[1] + float(aside[i] if wheelset else 0.5 * np.mean(aside)),
             yaw=-vehicle.guide_ahead * float(track.curvature(place)) if wheelset else 0.0,
         )
+    _turn_gears(law, q_t)
     return q, q_t
 
 
@@ -174,6 +175,7 @@ class SteadyMotion:
         )
         if status:
             raise SimulationError(f"the vehicle has no place on the track near {self.distance:g} m")
+        _turn_gears(law, q_t)
         return q, q_t, turning
 
     def residual(self, x: Array) -> Array:
@@ -195,6 +197,12 @@ class SteadyMotion:
         self.slips = q_t[self.law.sliders]
         with self.law.settled(self.slips):
             return float(np.max(np.abs(self.residual(self.unknowns(q, q_t)))))
+
+
+def _turn_gears(law: VehicleOnTrack, q_t: Array) -> None:
+    """Let the hollow axles of geared motors turn as their wheelsets do."""
+    for wheelset, place in law.gears.items():
+        q_t[place + 1] = q_t[6 * wheelset + COORDINATES.index("spin")]
 
 
 def steady_state(

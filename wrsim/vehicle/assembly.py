@@ -17,7 +17,7 @@ from wrsim.vehicle.ballast import Ballast
 from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, PlaneFriction, Strut, Triple
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Axes, Joint
 from wrsim.vehicle.load_tables import NO_BALLAST
-from wrsim.vehicle.vehicle import AxleBox, Body, Load, MountedWheelset, Payload, Point
+from wrsim.vehicle.vehicle import AxleBox, Body, GearedMotor, Load, MountedWheelset, Payload, Point
 from wrsim.vehicle.wheelset import Wheelset
 
 DEEPEST = 8
@@ -47,6 +47,7 @@ class Assembly:
     elements: list[Element] = field(default_factory=list)
     loads: list[Load] = field(default_factory=list)
     payloads: list[Payload] = field(default_factory=list)
+    drives: list[GearedMotor] = field(default_factory=list)
     ballast: list[Ballast] = field(default_factory=list)
     points: list[Point] = field(default_factory=list)
     pressed: dict[str, tuple[tuple[str, ...], KeyPath, str]] = field(default_factory=dict)
@@ -85,6 +86,8 @@ class Assembly:
     def _elements(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:
         for i, table in enumerate(part.elements):
             self.elements += self._repeated(table, (*path, "elements", i), place)
+        for i, drive in enumerate(part.drives):
+            self.drives.append(self._drive(drive, (*path, "drives", i), place))
         for i, load in enumerate(part.loads):
             body = self._body(load.on, (*path, "loads", i, "on"), place, frames=())
             self.loads.append(load.load(place.prefix + load.name, body, place.axes))
@@ -119,6 +122,34 @@ class Assembly:
             for side, y in (("left", 1.0), ("right", -1.0))
         )
         self.wheelsets[carrier] = replace(mounted, boxes=(*mounted.boxes, *pair))
+
+    def _drive(self, table: sections.DriveTable, path: KeyPath, place: Place) -> GearedMotor:
+        """A motor with its gear on a rigid wheelset that no other one drives."""
+        wheelset = self._body(table.on, (*path, "on"), place, frames=())
+        if wheelset not in self.wheelsets:
+            raise self._fault((*path, "on"), "is no wheelset", table.on)
+        if self.wheelsets[wheelset].wheelset.torsion is not None:
+            message = "has wheels that turn against each other: a gear drives a rigid one"
+            raise self._fault((*path, "on"), message, table.on)
+        if wheelset in (drive.wheelset for drive in self.drives):
+            raise self._fault((*path, "on"), "is driven by another one of [[drives]] already", table.on)
+
+        def body(key: str, name: str) -> str:
+            found = self._body(name, (*path, key), place, frames=())
+            if found not in self.bodies:
+                raise self._fault((*path, key), "is a wheelset: a motor and its gear are part of other bodies", name)
+            return found
+
+        return GearedMotor(
+            wheelset=wheelset,
+            motor=body("motor", table.motor),
+            case=body("motor" if table.case is None else "case", table.case or table.motor),
+            ratio=table.ratio * (1.0 if table.rotor_turns == "forward" else -1.0),
+            rotor_inertia=table.rotor_inertia_kg_m2,
+            hollow_inertia=table.hollow_axle_inertia_kg_m2,
+            stiffness=1e3 * table.stiffness_kNm_per_rad,
+            damping=1e3 * table.damping_kNms_per_rad,
+        )
 
     def _inner(
         self, table: sections.PlaceTable, path: KeyPath, place: Place

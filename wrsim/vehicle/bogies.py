@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.errors import InputError
+
 if TYPE_CHECKING:
     from wrsim.vehicle.vehicle import Vehicle
 
@@ -33,7 +35,12 @@ def holder_of(vehicle: Vehicle, wheelset: str) -> str | None:
 
 
 def bogies_of(vehicle: Vehicle) -> tuple[Bogie, ...]:
-    """The bogies from front to rear; none where the heaviest body holds the wheelsets itself, or nothing does."""
+    """The bogies from front to rear; none where the heaviest body holds the wheelsets itself, or nothing does.
+
+    Raises InputError for a train, whose vehicles are tested one by one.
+    """
+    if vehicle.members:
+        raise InputError(f"{vehicle.name} is a train: its vehicles are tested one by one")
     reference = vehicle.parts[vehicle.reference].name
     groups: dict[str, list[int]] = {}
     for i, mounted in enumerate(vehicle.wheelsets):

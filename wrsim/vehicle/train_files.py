@@ -122,6 +122,7 @@ def train_of(file: TrainFile, finder: Finder, locate: Locate, read: ReadMember) 
         tuple(point for each in vehicles for point in each.points),
         file.source,
         gravity=vehicles[0].gravity,
+        drives=tuple(drive for each in vehicles for drive in each.drives),
         members=tuple(
             Member(s.name, len(s.vehicle.wheelsets), len(s.vehicle.bodies), s.x, file.vehicles[s.table].driven)
             for s in standing

@@ -166,6 +166,30 @@ class Effort:
 
 
 @dataclass(frozen=True)
+class GearedMotor:
+    """A motor that drives a wheelset through a gear and a hollow axle, see ``core.body.loads``.
+
+    motor, case: bodies that hold the motor's stator and the gear. ratio: turns of the rotor for one of the axle,
+    negative where it turns the other way. rotor_inertia about the rotor, hollow_inertia of hollow axle and large wheel
+    about the axle [kg m2]; stiffness [N m/rad] and damping [N m s/rad] of hollow axle and couplings in torsion.
+    """
+
+    wheelset: str
+    motor: str
+    case: str
+    ratio: float
+    rotor_inertia: float
+    hollow_inertia: float
+    stiffness: float
+    damping: float = 0.0
+
+    @property
+    def inertia(self) -> float:
+        """Of all that turns, as the hollow axle sees it [kg m2]."""
+        return self.hollow_inertia + self.ratio**2 * self.rotor_inertia
+
+
+@dataclass(frozen=True)
 class SlipControl:
     """Keeps the slip speed of every axle below speed + creepage V [m/s], see ``core.body.loads``."""
 
@@ -202,8 +226,8 @@ class Vehicle:
     carried: masses that press on bodies without moving by themselves. guide_ahead: where the wheelset that the guide
     frame holds sits in its bogie, ahead of the centre [m]: in a curve of curvature kappa the frame is turned by
     -guide_ahead kappa. drive: what holds the speed unless a scenario says otherwise. gravity: acceleration [m/s2].
-    efforts, slip_control: of motors and brakes, in runs. members, couplings: of a train, from front to rear; its bodies
-    and elements are those of all of its vehicles.
+    efforts, slip_control: of motors and brakes, in runs; drives: motors with gears, which these go through.
+    members, couplings: of a train, from front to rear; its bodies and elements are those of all of its vehicles.
     """
 
     name: str
@@ -220,6 +244,7 @@ class Vehicle:
     gravity: float = STANDARD_GRAVITY
     efforts: tuple[Effort, ...] = ()
     slip_control: SlipControl | None = None
+    drives: tuple[GearedMotor, ...] = ()
     members: tuple[Member, ...] = ()
     couplings: tuple[Coupling, ...] = ()
 
@@ -288,8 +313,7 @@ class Vehicle:
     def units(self) -> tuple[Unit, ...]:
         """The vehicles of a train, from front to rear; else this one."""
         members = self.members or (Member(self.name, len(self.wheelsets), len(self.bodies), 0.0),)
-        turning = [m.inertia[1] / m.wheelset.mean_radius**2 for m in self.wheelsets]
-        return units_of(members, [part.mass for part in self.parts], turning)
+        return units_of(members, [part.mass for part in self.parts], self._turning)
 
     @property
     def runs_with_frame(self) -> bool:
@@ -314,7 +338,14 @@ class Vehicle:
     @property
     def moved_mass(self) -> float:
         """Mass with that of what turns, its inertia over the square of the radius [kg]."""
-        return self.mass + sum(m.inertia[1] / m.wheelset.mean_radius**2 for m in self.wheelsets)
+        return self.mass + sum(self._turning)
+
+    @property
+    def _turning(self) -> list[float]:
+        """Inertia about the axle of every wheelset, with that of its geared motor, over its radius squared [kg]."""
+        geared = {drive.wheelset: drive.inertia for drive in self.drives}
+        radii = [mounted.wheelset.mean_radius for mounted in self.wheelsets]
+        return [(m.inertia[1] + geared.get(m.name, 0.0)) / r**2 for m, r in zip(self.wheelsets, radii, strict=True)]
 
     def acceleration(self, time: float, distance: float) -> float:
         """What the efforts do to the vehicle at a time [s], its origin at a distance [m], without losses [m/s2]."""

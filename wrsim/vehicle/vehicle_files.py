@@ -32,7 +32,7 @@ from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.vehicle_sections import PartTable
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
 
-OF_PARTS = ("bodies", "wheelsets", "elements", "parts", "places", "wheelset_types")
+OF_PARTS = ("bodies", "wheelsets", "elements", "drives", "parts", "places", "wheelset_types")
 """Tables of a file that puts a vehicle together from parts."""
 
 
@@ -149,6 +149,7 @@ def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate, pla
         tuple(assembly.points),
         file.source,
         gravity=file.gravity_m_per_s2,
+        drives=tuple(assembly.drives),
     )
     return _checked(vehicle, path, assembly.ballast)
 

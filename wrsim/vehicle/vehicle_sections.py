@@ -66,6 +66,36 @@ class AxleBoxTable(Section):
     """Moments of inertia of each box; that about y is of its own pitch."""
 
 
+class DriveTable(Section):
+    """[[drives]]: a motor that drives a wheelset through a gear and a hollow axle."""
+
+    header: ClassVar[str] = "[[drives]]"
+    aliases: ClassVar[dict[str, str]] = {
+        "on": "wheelset axle",
+        "case": "gear gearbox gear_case",
+        "ratio": "gear_ratio i",
+    }
+
+    on: Annotated[str, text("the name of a wheelset of the same part")]
+    """Wheelset that is driven."""
+    motor: Annotated[str, text("the name of a body")]
+    """Body that the motor's stator is part of: the motor itself, or the frame that it sits in."""
+    case: Annotated[str, text("the name of a body")] | None = None
+    """Body that the case of the gear is part of; that of the motor unless given."""
+    ratio: Annotated[float, number(0.1, 50, "turns of the rotor for one of the axle")]
+    """Gear ratio."""
+    rotor_turns: Literal["backward", "forward"] = "backward"
+    """Which way the rotor turns as the vehicle runs forward: one pair of gear wheels turns it against the axle."""
+    rotor_inertia_kg_m2: Annotated[float, number(0, 1000, "kg m2")]
+    """Inertia of the rotor about its own axis."""
+    hollow_axle_inertia_kg_m2: Annotated[float, positive(1000, "kg m2")]
+    """Inertia of hollow axle and large gear wheel about the axle; not part of that of the wheelset."""
+    stiffness_kNm_per_rad: Annotated[float, positive(1e6, "kN m/rad")]
+    """Torsional stiffness of hollow axle and couplings, between gear and wheelset."""
+    damping_kNms_per_rad: Annotated[float, number(0, 1e4, "kN m s/rad")] = 0.0
+    """Torsional damping beside it."""
+
+
 class PointTable(Section):
     """[[points]]: a point of a body whose acceleration is kept in results."""
 
@@ -107,6 +137,8 @@ class PartTable(Section):
     """Pairs of axle boxes, by their names."""
     elements: List[AnyElementTable] = ()
     """Springs, dampers, stops and rods."""
+    drives: List[DriveTable] = ()
+    """Motors that drive wheelsets through gears and hollow axles."""
     loads: List[LoadTable] = ()
     """Forces that act on the vehicle: it moves under them."""
     payloads: List[PayloadTable] = ()

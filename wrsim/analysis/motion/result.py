@@ -144,7 +144,7 @@ def _block(
     records = np.zeros((n, *law.records.shape))
     reference, drive = np.zeros(n), np.zeros(n)
     external = np.zeros((n, len(vehicle.loads), 3))
-    axles = np.zeros((4, n, count))
+    axles = np.zeros((5, n, count))
     for i in range(n):
         law.look_near(places[block][i])
         law(times[i], q[i], q_t[i], out)
@@ -156,7 +156,7 @@ def _block(
         records[i] = law.records
         external[i] = law.load_forces
         reference[i], drive[i] = law.distance, law.drive_force
-        axles[:, i] = [law.axles[name] for name in ("moment", "power", "slip", "speed")]
+        axles[:, i] = [law.axles[name] for name in ("moment", "power", "slip", "speed", "shaft")]
         if vehicle.points:
             accelerations[i] = points.at(q[i], q_t[i], out)
     moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
@@ -188,8 +188,10 @@ def _block(
     if law.twists:
         found |= twist_channels(law, q, q_t)
     if law.driven:
-        moment, power, slip, speed = axles
+        moment, power, slip, speed, shaft = axles
         found |= {"drive_moment": moment, "drive_power": power, "axle_creepage": -slip / speed}
+        if law.gears:
+            found["shaft_moment"] = shaft
     if vehicle.bodies:
         found |= body_channels(law, q, q_t, bodies)
     if vehicle.points:

@@ -22,6 +22,17 @@ Efforts. Moments of motors and brakes on single axles by tables over the time or
 vehicle's origin, positive forward, with the same reaction. A negative one is a brake: it is against the rotation, and
 fades as the wheelset stands, M omega / ``BRAKE_FADE`` below that rate.
 
+Geared motors. A moment M asked of such an axle is what its motor gives, M / n, times the ratio n of the gear (negative
+where the rotor turns against the axle). Between gear and wheelset stands the hollow axle, twisted by delta:
+
+    T = k delta + c delta_t,   delta_t = w - w_axle,   (J_h + n^2 J_r) w_t = M - T,
+
+w and w_axle the rates of hollow axle and wheelset, J_h the inertia of hollow axle and large wheel, J_r that of the
+rotor. T acts on the wheelset, -M / n on the body of the motor, and the rest of the reaction, M + n (1 - n) J_r w_t in
+all, on the case of the gear: what the rotor, which turns at n w + (1 - n) w_case, takes to speed up comes from there.
+Left out are the acceleration of the case's own pitch in this, and gyroscopic moments of what turns there. delta and w
+are unknowns of their own.
+
 Slip control. What is asked of an axle, drive and efforts together, is given in full while its slip speed in the
 direction of the moment, w = +-(omega r - v), is below half of a limit, and from there linearly less, nothing at the
 limit w_1 = w_0 + c V. So no moment of its own lets an axle slip by more. The axle's omega is that against its boxes, v
@@ -66,10 +77,16 @@ OVER_TIME, OVER_DISTANCE = range(2)
 CARRIED = record("mass height", "body")
 """A carried mass [kg] and its height above the centre of its body [m]."""
 
-AXLE = record("radius asked moment twisting slip speed power", "body holder unit")
+AXLE = record(
+    "radius asked moment twisting slip speed power shaft ratio rotor turning stiffness damping",
+    "body holder unit motor gear",
+)
 """An axle: mean radius of its wheels [m]; at the state asked for last the moment asked of it and given [N m], half the
 difference of the moments on its wheels, left less right, slip speed and speed [m/s], the power of the moments and their
-reaction [W]; its body, the one that takes the reaction or -1, its vehicle."""
+reaction [W], the moment that comes to the wheelset. Of a geared motor: turns of the rotor for one of the axle, negative
+where it turns the other way; inertia of the rotor, and of all that turns as the hollow axle sees it [kg m2]; stiffness
+[N m/rad] and damping [N m s/rad] between hollow axle and wheelset. Its body, the one that takes the reaction or -1 (the
+case of the gear), its vehicle; the body of the motor; number of the first unknown of the drive, or -1 without one."""
 
 UNIT = record("mass inertia ahead s force", "body axles driven")
 """A vehicle, alone or in a train: mass that its drive moves, and with the inertia of what turns over its radius
@@ -174,10 +191,11 @@ def add_drive(asked, drive, units, bodies, axles, centre, wrenches):
 
 
 @kernel
-def add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, tables, axles, wrenches):
+def add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, tables, axles, wrenches, out):
     """Add the moments on the axles: what the drive asks of them and the efforts; tables: (., 2) of all efforts.
 
     vehicle: a record VEHICLE of core.body.vehicle_forces; origin: distance of the (first) vehicle's origin [m].
+    out: where the rates of the unknowns of geared motors go.
     """
     for j in range(axles.shape[0]):
         axles[j].twisting = 0.0
@@ -205,8 +223,10 @@ def add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, tables, axles, 
         if limit > 0.0:
             slip = axle.slip if axle.asked > 0.0 else -axle.slip
             axle.moment *= min(max(2.0 - 2.0 * slip / limit, 0.0), 1.0)
-        axle.power = 0.0
-        if axle.moment != 0.0:
+        axle.power, axle.shaft = 0.0, axle.moment
+        if axle.gear >= 0:
+            _turn_gear(axle, q_t, vehicle.settled != 0, bodies, wrenches, out)
+        elif axle.moment != 0.0:
             torque = scale(axle.moment, body.left)
             accumulate(wrenches[axle.body].moment, torque)
             axle.power = axle.moment * q_t[6 * axle.body + SPIN] + dot(torque, body.omega)
@@ -215,3 +235,30 @@ def add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, tables, axles, 
                 axle.power -= dot(torque, vec(bodies[axle.holder].omega))
         if axle.twisting != 0.0:
             axle.power += axle.twisting * q_t[parts[axle.body].twist]
+
+
+@kernel
+def _turn_gear(axle, q_t, settled, bodies, wrenches, out):
+    """Add what a geared motor does to its wheelset, its own body and the case of its gear; write the rates of its
+    unknowns, twist and rate of the hollow axle, or where they have come to once settled.
+    """
+    twist, turning = axle.gear, axle.gear + 1
+    spin = q_t[6 * axle.body + SPIN]
+    rate, acceleration = q_t[turning], 0.0
+    if settled:
+        rate = spin
+        out[twist], out[turning] = axle.moment / axle.stiffness, spin
+    else:
+        axle.shaft = axle.stiffness * q_t[twist] + axle.damping * (rate - spin)
+        acceleration = (axle.moment - axle.shaft) / axle.turning
+        out[twist], out[turning] = rate - spin, acceleration
+    about = get_body(bodies[axle.body])
+    n = axle.ratio
+    stator = axle.moment / n
+    reaction = axle.moment + n * (1.0 - n) * axle.rotor * acceleration
+    accumulate(wrenches[axle.body].moment, scale(axle.shaft, about.left))
+    accumulate(wrenches[axle.motor].moment, scale(-stator, about.left))
+    accumulate(wrenches[axle.holder].moment, scale(stator - reaction, about.left))
+    case, motor = dot(about.left, vec(bodies[axle.holder].omega)), dot(about.left, vec(bodies[axle.motor].omega))
+    rotor = n * (rate + dot(about.left, about.omega)) + (1.0 - n) * case
+    axle.power = stator * (rotor - motor)

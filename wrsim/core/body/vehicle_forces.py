@@ -4,7 +4,8 @@ One arena (core.arena): first the arrays named below, then those of each wheel a
 them, wheelset after wheelset; what loads and drive do, see ``core.body.loads``. Coordinates are six a body as in
 ``core.body.kinematics`` (pitch in the place of spin for bodies that are no wheelset), then one for every damper in
 series with a spring: its rate is the extension of the damping part, so that its "force" is the rate of that extension,
-on a mass of 1; the coordinate itself means nothing. Then comes the pitch of every axle box (core.body.axle_boxes), on
+on a mass of 1; the coordinate itself means nothing. So do twist and rate of the hollow axle of every geared motor
+(core.body.loads). Then comes the pitch of every axle box (core.body.axle_boxes), on
 an inertia of 1.
 
 Behind these stands the twist of every axle whose wheels may turn against each other: theta_t is the spin of the left
@@ -83,13 +84,14 @@ RAIL = record("mass stiffness damping")
 
 VEHICLE = record(
     "gravity step guide_ahead slip_speed slip_creepage",
-    "drive rails turns",
+    "drive rails turns settled",
     rail_n=RAIL,
     rail_b=RAIL,
 )
 """Acceleration of gravity; step of the centre line; how far the axle in the guide frame sits ahead of the bogie's
 centre; limits of the slip control, both 0 without. Kind of drive, place of the rails' first coordinate or -1 on rigid
-ones; which of the stages that ask all wheels; the pieces of rail under the wheels, along n and b."""
+ones; which of the stages that ask all wheels; whether geared motors have settled; the pieces of rail under the wheels,
+along n and b."""
 
 PART = record("mass twist_inertia twist_stiffness twist_damping", "wheelset twist")
 """Mass of a body [kg]; of the twist of its axle inertia [kg m2], stiffness [N m/rad] and damping [N m s/rad]; number of
@@ -152,7 +154,7 @@ def add_forces_on_bodies(t, q, q_t, out, buffer, index):
     lost |= add_drive(Asked(s, speed, acceleration), vehicle.drive, units, bodies, axles, centre, wrenches)
     efforts, effort_tables = records(buffer, index, EFFORTS, EFFORT), matrix(buffer, index, EFFORT_TABLES)
     origin = units[0].s - units[0].ahead
-    add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, effort_tables, axles, wrenches)
+    add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, effort_tables, axles, wrenches, out)
     for j in range(axles.shape[0]):
         part = parts[axles[j].body]
         if part.twist >= 0:

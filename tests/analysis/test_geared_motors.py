@@ -1,0 +1,208 @@
+"""Motors with gears and hollow axles: moments that close, energy, torsion, reactions on bogie and wheels, bad files."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import cumulative_trapezoid
+from support.vehicles import COARSE, ROOT, on_track
+
+from wrsim.analysis import run
+from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.start import start_state
+from wrsim.errors import InputError
+from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import Scenario, load
+from wrsim.simulation.bodies import mass_matrix
+from wrsim.simulation.integrate import integrate
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.linear import linearise
+from wrsim.simulation.modes import natural_modes
+from wrsim.simulation.state import design_state, steady_state
+from wrsim.simulation.system import System
+from wrsim.vehicle.vehicle import Effort, Load, Vehicle
+from wrsim.vehicle.vehicle_files import load_vehicle
+
+FILE = ROOT / "models/vehicles/manchester_motor.toml"
+STIFFNESS, TURNING = 1.5e6, 12.0 + 4.5**2 * 1.2
+"""Of the file: torsion of the hollow axle [N m/rad], inertia of all that turns there [kg m2]."""
+
+
+@cache
+def motor_coach() -> Vehicle:
+    return load_vehicle(FILE, Finder((shipped_models(),)))
+
+
+def scenario(**keys: object) -> Scenario:
+    """The motor coach on 130 m of straight track."""
+    own = {
+        "vehicle.model": "vehicles/manchester_motor.toml",
+        "track.segments": [{"kind": "straight", "length_m": 130.0}],
+        "run.start_distance_m": 14.0,
+        "run.output_interval_ms": 10.0,
+    }
+    given = {key.replace("__", "."): value for key, value in keys.items()}
+    return load(ROOT / "scenarios/manchester_r300.toml").with_values(COARSE | own | given)
+
+
+# --- moments ----------------------------------------------------------------------------------------------
+
+
+def test_what_motor_gear_and_axle_take_from_each_other_is_the_rate_of_what_turns():
+    vehicle = motor_coach()
+    (drive, _), moment = vehicle.drives, 8e3
+    driven = replace(vehicle, efforts=(Effort(drive.wheelset, ((0.0, moment),)),))
+    out = {}
+    for name, own in (("driven", driven), ("free", vehicle)):
+        law = on_track(own, 20.0).law
+        q, q_t = design_state(law)
+        q_t[law.gears[0]] = 2e-3  # twist of the hollow axle
+        out[name] = np.zeros(law.size)
+        law(0.0, q, q_t, out[name])
+    on = out["driven"] - out["free"]
+    pitch = 5 + 6 * np.arange(len(vehicle.parts))
+    about = on[pitch]
+    n, rotor = -4.5, 1.2
+    rate = on[law.gears[0] + 1]
+    assert rate == pytest.approx(moment / TURNING, rel=1e-9)
+    # all moments, and the rate of the momentum of hollow axle and rotor
+    assert about.sum() + (12.0 + n * rotor) * rate == pytest.approx(0.0, abs=1e-6 * moment)
+    assert about[vehicle.index(drive.motor)] == pytest.approx(-moment / n, rel=1e-9)
+    # the twist gives its moment to the wheelset, at once
+    assert law.axles["shaft"][0] == pytest.approx(STIFFNESS * 2e-3, rel=1e-9)
+
+
+def test_the_hollow_axle_swings_between_rotor_and_wheelset():
+    vehicle = motor_coach()
+    law = VehicleOnTrack(vehicle, on_track(vehicle).law.track, (), speed=20.0, start=50.0)
+    q, q_t = design_state(law)
+    values = np.linalg.eigvals(linearise(law, law.bodies, q, q_t).state_matrix)
+    wheelset = vehicle.wheelsets[0].inertia[1]
+    stiff = sqrt(STIFFNESS * (1.0 / TURNING + 1.0 / wheelset))
+    found = abs(values[np.argmin(np.abs(np.abs(values) - stiff))])
+    assert found == pytest.approx(stiff, rel=2e-3)
+    held = [mode for mode in natural_modes(vehicle) if mode.name == "hollow axles twist"]
+    assert [mode.frequency for mode in held] == pytest.approx([sqrt(STIFFNESS / TURNING) / 2.0 / pi] * 2, rel=1e-3)
+
+
+# --- reactions --------------------------------------------------------------------------------------------
+
+
+@cache
+def pulling(moment: float) -> tuple[np.ndarray, dict[str, float]]:
+    """Q of all wheels (4,) by wheelset and tension of the torque arms, at constant speed against a load at the
+    height of the traction rods."""
+    vehicle = motor_coach()
+    force = 2.0 * moment / 0.46
+    drawbar = Load.constant("drawbar", "carbody", (-force, 0.0, 0.0), (0.0, 0.0, 0.6))
+    names = [drive.wheelset for drive in vehicle.drives]
+    efforts = tuple(Effort(name, ((0.0, moment),)) for name in names)
+    law = on_track(replace(vehicle, loads=(drawbar,), efforts=efforts), 20.0).law
+    found = steady_state(law)
+    law.at(0.0, found.q, found.q_t)
+    q = np.array([sum(wheel.model.arrays.total["Fb"] for wheel in pair) for pair in law.wheels])
+    arms = {
+        element.name: float(record[0])
+        for element, record in zip(vehicle.elements, law.records, strict=True)
+        if "torque arm" in element.name
+    }
+    return q, arms
+
+
+def test_the_torque_arm_holds_what_gear_and_rotor_turn_against():
+    moment = 4e3
+    arms, rest = pulling(moment)[1], pulling(0.0)[1]
+    for name, tension in arms.items():
+        # motor and case: M / n on the one, M - M / n on the other, 0.6 m from the axle; a strut ahead is pushed up
+        by_hand = moment * (1.0 + 1.0 / 4.5) / 0.6 * (1.0 if "leading" in name else -1.0)
+        assert tension - rest[name] == pytest.approx(by_hand, rel=0.02)
+
+
+def test_pulling_unloads_the_leading_axle_of_the_bogie_by_the_height_of_its_rod():
+    moment = 4e3
+    change = pulling(moment)[0] - pulling(0.0)[0]
+    force, rod, columns = 2.0 * moment / 0.46, 5e6, 2.0 * 160e3
+    # rod and columns carry it side by side, 0.6 and 0.8275 m high; the body stays behind, and half of the moment of its
+    # 16 t about the shifted ends of the columns is the bogie's
+    height = (0.6 * rod + 0.8275 * columns) / (rod + columns)
+    behind = force / (rod + columns)
+    by_hand = (force * height + 0.5 * 16e3 * 9.80665 * behind) / 2.56
+    assert change[0] == pytest.approx(-by_hand, rel=0.01)
+    assert change[1] == pytest.approx(by_hand, rel=0.01)
+    assert np.abs(change[2:]).max() < 0.01 * by_hand
+
+
+# --- energy -----------------------------------------------------------------------------------------------
+
+
+def test_work_of_the_motors_is_kinetic_energy_or_lost_in_creep():
+    efforts = [
+        {"on": [drive.wheelset for drive in motor_coach().drives],
+         "time_s_moment_kNm": [[0.1, 0], [0.4, 6], [1.4, 6], [1.7, 0]]}
+    ]  # fmt: skip
+    setup = build(scenario(vehicle__drive="free", vehicle__efforts=efforts, run__time_s=4.0))
+    law = force_law(setup)
+    q, q_t = start_state(setup, law)
+    system = System(law.bodies, law, law.dampers)
+    motion = integrate(system, q, q_t, duration=4.0, step=1.25e-3, weight=law.vehicle.weight, sample_interval=5e-3)
+    assert motion.status == "completed"
+    n = 6 * len(law.bodies)
+    places = np.array(list(law.gears.values()))
+    powers, losses, energies = [], [], []
+    for t, state, rates in zip(motion.times, motion.q, motion.q_t, strict=True):
+        law.at(t, state, rates)
+        powers.append(float(np.sum(law.axles["power"])))
+        arrays = [wheel.model.arrays for pair in law.wheels for wheel in pair]
+        losses.append(sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays))
+        turning = 0.5 * TURNING * np.sum(rates[places + 1] ** 2) + 0.5 * STIFFNESS * np.sum(rates[places] ** 2)
+        energies.append(0.5 * rates[:n] @ mass_matrix(law.bodies, state)[:n, :n] @ rates[:n] + turning)
+    work, loss = (cumulative_trapezoid(p, motion.times, initial=0.0)[-1] for p in (powers, losses))
+    gained = energies[-1] - energies[0]
+    assert gained > 3e5
+    assert work - loss == pytest.approx(gained, abs=1e-3 * gained)
+
+
+# --- runs -------------------------------------------------------------------------------------------------
+
+
+def test_a_run_tells_what_the_hollow_axles_carry():
+    efforts = [{"on": ["front.bogie.outer"], "time_s_moment_kNm": [[0, 0], [0.2, 5]]}]
+    result = run(scenario(vehicle__drive="free", vehicle__efforts=efforts, run__time_s=1.2))
+    data = result.dataset
+    shaft, moment = (data[name].sel(wheelset="front.bogie.outer").values for name in ("shaft_moment", "drive_moment"))
+    # what speeds up rotor, gear and hollow axle does not come to the wheelset
+    speeding = np.gradient(data["spin_rate"].sel(wheelset="front.bogie.outer").values, data["time"].values)
+    late = data["time"].values > 0.7
+    assert np.mean(moment[late]) == pytest.approx(5e3)
+    assert np.mean(shaft[late]) == pytest.approx(np.mean(moment[late] - TURNING * speeding[late]), rel=2e-3)
+    # undriven axles have neither; the other motor only turns along
+    assert float(np.abs(data["shaft_moment"].sel(wheelset="rear.outer")).max()) == 0.0
+
+
+# --- bad files --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        (('on = "bogie.inner"', 'on = "bogie.outer"'), "is driven by another one of [[drives]] already"),
+        (('on = "bogie.inner"', 'on = "leading motor"'), "is no wheelset"),
+        (('motor = "leading motor"', 'motor = "bogie.outer"'), "a motor and its gear are part of other bodies"),
+        (('case = "leading case"', 'case = "leading crate"'), "did you mean 'leading case'"),
+        (("ratio = 4.5", "ratio = 0"), "must be a number from 0.1 to 50"),
+        (("stiffness_kNm_per_rad = 1500 ", "stiffness_kNm_per_rad = 0 "), "stiffness_kNm_per_rad"),
+        (("radius_mm = 460", "radius_mm = 460\nindependent_wheels = true"), "a gear drives a rigid one"),
+    ],
+)
+def test_bad_drives_are_refused_with_file_and_key(tmp_path, line, said):
+    text = FILE.read_text()
+    assert line[0] in text
+    (tmp_path / "bad.toml").write_text(text.replace(*line, 1))
+    with pytest.raises(InputError) as told:
+        load_vehicle(tmp_path / "bad.toml", Finder((shipped_models(),)))
+    assert said in str(told.value) and "bad.toml" in str(told.value)
