@@ -36,9 +36,10 @@ def manchester() -> Vehicle:
 
 
 @cache
-def coaches(count: int) -> Vehicle:
-    """A train of coaches, coupled as in the shipped one."""
+def coaches(count: int, model: str = "manchester_1") -> Vehicle:
+    """A train of coaches of a shipped model, coupled as in the shipped train."""
     text = (ROOT / "models/trains/manchester_3.toml").read_text(encoding="utf-8")
+    text = text.replace('model = "vehicles/manchester_1', f'model = "vehicles/{model}')
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "train.toml"
         path.write_text(text.replace("count = 3", f"count = {count}"), encoding="utf-8")

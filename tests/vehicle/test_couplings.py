@@ -180,9 +180,10 @@ def test_couplings_keep_momentum_and_angular_momentum() -> None:
     assert np.abs(turning.sum(axis=0)).max() < 1e-10 * largest * np.abs(places).max()
 
 
-def test_derivatives_of_a_train_are_taken_vehicle_by_vehicle() -> None:
+@pytest.mark.parametrize("model", ["manchester_1", "manchester_motor"])
+def test_derivatives_of_a_train_are_taken_vehicle_by_vehicle(model: str) -> None:
     """Vehicles act on their neighbours alone: those that lie three apart are changed at once."""
-    law = on_springs(coaches(5))
+    law = on_springs(coaches(5, model))
     q, q_t = displaced(law)
     block = law.blocks()[0]
     size = max(len(own) for own in law.coordinates_of_units())

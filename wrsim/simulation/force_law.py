@@ -127,6 +127,11 @@ class HasBlocks(Protocol):
         """Calls while this lasts leave no trace in the law."""
 
 
+def units_of(forces: ForceLaw) -> int:
+    """How many vehicles a law has in a row, each of which acts on its neighbours alone."""
+    return int(getattr(forces, "units", 1))
+
+
 def rails_of(forces: ForceLaw) -> int:
     """How many of a law's last coordinates are displacements of rails."""
     return int(getattr(forces, "rails", 0))

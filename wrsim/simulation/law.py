@@ -63,11 +63,12 @@ def _wheel_arrays(wheelset: Wheelset, track: Track, contacts: Contacts) -> Itera
 class VehicleOnTrack:
     """Generalised forces on a vehicle at any state; a ``ForceLaw``.
 
-    ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand behind their coordinates. The
-    last ``positions`` of them are positions: the pitch of the axle boxes, then the twist of axles whose wheels turn
-    against each other (``twists``, their places by wheelset), then ``rails`` displacements of the rails under the
-    wheels (``core.body.vehicle_forces``). ``sliders``: places of the unknowns that belong to friction. ``gears``: by
-    wheelset the place of the twist of its geared motor's hollow axle; its rate stands behind it.
+    ``units``: how many vehicles; ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand
+    behind their coordinates. The last ``positions`` of them are positions: the pitch of the axle boxes, then the twist
+    of axles whose wheels turn against each other (``twists``, their places by wheelset), then ``rails`` displacements
+    of the rails under the wheels (``core.body.vehicle_forces``). ``sliders``: places of the unknowns that belong to
+    friction. ``gears``: by wheelset the place of the twist of its geared motor's hollow axle; its rate stands behind
+    it.
     After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
     and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
     places of x), ``axles`` what drive and brakes do to each wheelset (records AXLE of ``core.body.loads``),
@@ -101,6 +102,7 @@ class VehicleOnTrack:
             *(SolidBody(body.mass, body.inertia) for body in vehicle.bodies),
         )
         table = suspension_table(vehicle)
+        self.units = len(vehicle.units)
         self.elastic = track.elasticity if contacts else None
         self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if self.elastic else 0
         twisting = [i for i, mounted in enumerate(vehicle.wheelsets) if mounted.wheelset.torsion is not None]
@@ -205,9 +207,10 @@ class VehicleOnTrack:
                 found.append(Block.apart(on_wheels, own))
         return found
 
-    def coordinates_of_units(self) -> list[NDArray[np.intp]]:
-        """Places in the state of what belongs to every vehicle of a train, what lies between two to that ahead; rails
-        under the wheels left out."""
+    def coordinates_of_units(self, alone: bool = False) -> list[NDArray[np.intp]]:
+        """Places in the state of what belongs to every vehicle of a train, what lies between two to that ahead, rails
+        under the wheels left out; alone: in the order of a law of that vehicle alone, with these rails, without the
+        unknowns of couplings."""
         unit_of = np.zeros(len(self.bodies) + vehicle_forces.FRAMES + len(self.vehicle.boxes), dtype=int)
         for k, unit in enumerate(self.vehicle.units):
             unit_of[list(unit.parts)] = k
@@ -217,6 +220,8 @@ class VehicleOnTrack:
         owner = np.full(self.size, -1)
         owner[: 6 * len(self.bodies)] = np.repeat(unit_of[: len(self.bodies)], 6)
         for row in self.elements:
+            if alone and unit_of[row.first] != unit_of[row.second]:
+                continue
             places = [row.state] if row.state >= 0 else []
             if row.slider != friction.NO_SLIDER:
                 count = 3 if row.slider == friction.BERG else 2 if row.kind == suspension.PLANE else 1
@@ -225,6 +230,10 @@ class VehicleOnTrack:
         owner[first : first + len(boxes)] = unit_of[boxes["wheelset"]]
         for wheelset, place in self.twists.items():
             owner[place] = unit_of[wheelset]
+        for wheelset, place in self.gears.items():
+            owner[place : place + 2] = unit_of[wheelset]
+        if alone and self.rails:
+            owner[self.size - self.rails :] = np.repeat(unit_of[: len(self.vehicle.wheelsets)], RAIL_COORDINATES)
         return [np.flatnonzero(owner == k) for k in range(len(self.vehicle.units))]
 
     @contextmanager

@@ -16,14 +16,15 @@ import sys
 import weakref
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple, dataclass, fields
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid
-from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, force_derivative
+from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, force_derivative, units_of
 from wrsim.simulation.implicit import CONTRACTION, SPECTRAL_RADIUS, ImplicitStep, NotSolved
 from wrsim.simulation.integrators import Integrator
 
@@ -88,7 +89,9 @@ class System:
     """An assembled Exudyn system; build one per force law and run it as often as you like.
 
     ``q`` and ``q_t`` (6 per body, then the dampers') are live views on Exudyn's memory: the state of the moment while
-    a run lasts. Copy what you keep; they must not outlive the system. ``work`` counts what it took.
+    a run lasts. Copy what you keep; they must not outlive the system. ``work`` counts what it took. ``sparse``: of a
+    train, whose vehicles act on their neighbours alone; the solver's work then grows with the number of vehicles, not
+    with its square or cube.
     """
 
     def __init__(self, bodies: Sequence[Solid], forces: ForceLaw, dampers: int = 0) -> None:
@@ -97,6 +100,7 @@ class System:
         self.forces = forces
         self.size = 6 * len(self.bodies) + dampers
         self.work = Work()
+        self.sparse = units_of(forces) > 1
         self._error: BaseException | None = None
         self._newton: ImplicitStep | None = None
         self._clock = (0.0, 1.0, 0)
@@ -121,13 +125,11 @@ class System:
                         initialCoordinates_t=zeros,
                     )
                 )
-                mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(dampers)))
+                mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=self._matrix(np.eye(dampers))))
                 nodes.append(node)
-            size = self.size
             mbs.AddObject(
                 items.ObjectGenericODE2(
                     nodeNumbers=nodes,
-                    massMatrix=np.zeros((size, size)),
                     forceUserFunction=self._force_function(),
                     jacobianUserFunction=self._jacobian_function(),  # type: ignore[arg-type]
                 )
@@ -138,6 +140,14 @@ class System:
         self.q: Array = cast(Array, mbs.systemData.GetODE2Coordinates(current, False))
         self.q_t: Array = cast(Array, mbs.systemData.GetODE2Coordinates_t(current, False))
         self.q_tt: Array = cast(Array, mbs.systemData.GetODE2Coordinates_tt(current, False))
+
+    def _matrix(self, full: Array) -> Any:
+        """A matrix as the solver takes it."""
+        if not self.sparse:
+            return full
+        kept = exudyn.MatrixContainer()
+        kept.SetWithSparseMatrix(csr_matrix(full))
+        return kept
 
     def _time(self, t: float) -> float:
         """The time [s] of the moment that Exudyn calls t."""
@@ -172,18 +182,18 @@ class System:
 
         return force
 
-    def _jacobian_function(self) -> Callable[..., Array]:
+    def _jacobian_function(self) -> Callable[..., Any]:
         """The same for the derivatives of what stands on the left-hand side; see ``_force_function``."""
         reference = weakref.ref(self)
 
-        def jacobian(mbs: object, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Array:
+        def jacobian(mbs: object, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Any:
             system = cast(System, reference())
             system.work.jacobians += 1
             try:
                 count, at = len(system.bodies), system._time(t)
                 found = force_derivative(system.forces, system.q, system.q_t, count, at, by_q, by_q_t, central=False)
                 cast(ImplicitStep, system._newton).take(found, by_q)
-                return -found
+                return system._matrix(-found)
             except BaseException as error:
                 system._error = error
                 raise
@@ -223,6 +233,8 @@ class System:
         initial = exudyn.ConfigurationType.Initial
         implicit = integrator == "generalised-alpha"
         settings = _settings(step, tolerance)
+        if self.sparse:
+            settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
         kind = exudyn.DynamicSolverType.GeneralizedAlpha if implicit else exudyn.DynamicSolverType.RK44
         half = 0.5 * step
         going = True

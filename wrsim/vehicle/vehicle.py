@@ -361,6 +361,27 @@ class Vehicle:
         """The vehicle with the loads that it has at time 0 with its origin at a distance [m], kept so."""
         return self.loaded_as(lambda load: load.force(0.0, distance + load.at[0]))
 
+    def alone(self, k: int) -> Vehicle:
+        """The k-th vehicle of a train without its couplings, where it stands in the train; without efforts."""
+        unit = self.units[k]
+        own = {self.names[i] for i in unit.parts}
+        of_unit = [e for e in self.elements if {self.carrier(e.first), self.carrier(e.second)} <= own]
+        return replace(
+            self,
+            name=self.members[k].name,
+            wheelsets=tuple(self.wheelsets[i] for i in unit.wheelsets),
+            bodies=tuple(body for body in self.bodies if body.name in own),
+            elements=tuple(of_unit),
+            loads=tuple(load for load in self.loads if load.body in own),
+            payloads=tuple(payload for payload in self.payloads if payload.body in own),
+            points=tuple(point for point in self.points if point.body in own),
+            efforts=(),
+            slip_control=None,
+            drives=tuple(drive for drive in self.drives if drive.wheelset in own),
+            members=(),
+            couplings=(),
+        )
+
     def with_wheelsets(self, change: Callable[[Wheelset], Wheelset]) -> Vehicle:
         """The vehicle with every wheelset changed; the guide frame holds its own at the height of the new wheels."""
         wheelsets, elements = [], list(self.elements)

@@ -14,13 +14,19 @@ from wrsim.analysis.motion.outcomes import NoSteadyMotion
 from wrsim.analysis.motion.overturning import pushed
 from wrsim.analysis.motion.run_in import run_in
 from wrsim.errors import SimulationError
-from wrsim.simulation.state import TOLERANCE, design_state, lower_on_rails, steady_state
+from wrsim.simulation.state import (
+    TOLERANCE,
+    Equilibrium,
+    SteadyMotion,
+    design_state,
+    lower_on_rails,
+    steady_state,
+)
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
     from wrsim.scenario.sections.run import RunPlan
     from wrsim.simulation.law import VehicleOnTrack
-    from wrsim.simulation.state import Equilibrium
     from wrsim.simulation.system import Array
 
     State = tuple[Array, Array]
@@ -78,7 +84,29 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
     return found.q, found.q_t
 
 
+def _of_train(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
+    """Each vehicle of a train by itself, on straight track; where couplings do not rest so, all of them together."""
+    q, q_t = np.zeros((2, law.size))
+    for k, places in enumerate(law.coordinates_of_units(alone=True)):
+        alone = replace(setup, vehicle=setup.vehicle.alone(k))
+        found = _found(alone, force_law(alone, law.speed, held_by(alone)))
+        q[places], q_t[places] = found.q, found.q_t
+    law.look_near(law.start)
+    q_t = law.settled_rates(q, q_t)
+    left = SteadyMotion(law).largest(q, q_t)
+    if left <= enough(setup):
+        return on_the_rails(law, Equilibrium(q, q_t, left, 0))
+    try:
+        return on_the_rails(law, steady_state(law, (q, q_t), tolerance=enough(setup)))
+    except NoSteadyMotion:
+        raise
+    except SimulationError as fault:
+        raise NoSteadyMotion(fault) from None
+
+
 def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
+    if setup.vehicle.members:
+        return _of_train(setup, law)
     curvature = float(setup.track.curvature(setup.plan.start))
     aside = pushed(setup, law.speed).left
     problems, near = [], []

@@ -1,0 +1,141 @@
+"""Trains on rails: each vehicle alone is what it is without a train, ends of vehicles swing as chords do, forces along
+the train, a run that is cut off."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.runs import FAST, SCENARIOS, arc, straight
+from support.vehicles import coaches, manchester, on_track
+
+from wrsim.analysis import run
+from wrsim.geometry.track.segments import Arc, Straight
+from wrsim.plots.vehicle_run import vehicle_figures
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import Scenario, load
+from wrsim.simulation import recorder as recorders
+from wrsim.simulation.integrate import integrate
+from wrsim.simulation.state import steady_state
+
+TRAIN = (SCENARIOS.parent / "models/trains/manchester_3.toml").read_text(encoding="utf-8")
+LENGTH, PIVOTS = 26.4, 19.0
+FREE = (("pretension_kN = 20 ", "#"), ("= 6000 ", "= 1 "), ("= 3000 ", "= 1 "), ("preload_kN = 15 ", "#"),
+        ("preload_kN = 10 ", "#"), ("plate_friction", "#"))  # fmt: skip
+"""Couplings that hold nothing."""
+
+
+def scenario(folder: Path, *changes: tuple[str, str], **keys: Any) -> Scenario:
+    """The shipped scenario with a train of other words and a fast contact."""
+    text = TRAIN
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "train.toml").write_text(text, encoding="utf-8")
+    own: dict[str, Any] = {"vehicle.model": str(folder / "train.toml"), "vehicle.loads": [], "output.patches_at_m": []}
+    return load(SCENARIOS / "train_s_curve.toml").with_values(own | FAST | keys)
+
+
+def test_vehicles_that_nothing_couples_run_as_each_does_alone() -> None:
+    """Two coaches into a curve, RK44: states within 1e-9 m and rad of those of either coach on its own."""
+    train, speed, start = coaches(2), 15.0, 60.0
+    own = train.elements[: 2 * len(manchester().elements)]
+    assert not any("-coach" in element.name for element in own)
+    segments = (Straight(start + 11.0), Arc(200.0, 300.0))
+    both = on_track(replace(train, elements=own, couplings=()), speed, segments, start)
+    q, q_t = np.zeros((2, both.law.size))
+    alone = []
+    for member, places in zip(train.members, both.law.coordinates_of_units(), strict=True):
+        one = on_track(manchester(), speed, segments, start + member.x)
+        found = steady_state(one.law)
+        q[places], q_t[places] = found.q, found.q_t
+        alone.append((places, integrate(one.system, found.q, found.q_t, duration=0.4, step=5e-4, integrator="rk44")))
+    together = integrate(both.system, q, q_t, duration=0.4, step=5e-4, integrator="rk44")
+    assert np.ptp(alone[0][1].q[:, 2]) > 1e-4  # the first one is in the curve, and steers
+    bodies = 6 * 7
+    for places, motion in alone:
+        np.testing.assert_allclose(together.q[:, places[:bodies]], motion.q[:, :bodies], rtol=0.0, atol=1e-9)
+        np.testing.assert_allclose(together.q_t[:, places], motion.q_t, rtol=0.0, atol=1e-7)
+
+
+def test_the_ends_of_vehicles_swing_through_an_s_curve_as_chords_do(tmp_path: Path) -> None:
+    """Slowly, with couplings that hold nothing: pivots on the centre line, ends on the chords through them. The largest
+    lateral offset within 1 %, the angle at every place within 1 % of its largest value.
+    """
+    curves = [straight(14.0), arc(26.0, 190.0), straight(6.0), arc(26.0, -190.0), straight(30.0)]
+    keys = {"track.segments": curves, "run.start_distance_m": 1.0, "run.distance_m": 59.0, "vehicle.speed_kmh": 10.0}
+    asked = scenario(tmp_path, ("count = 3", "count = 2"), *FREE, **keys, **{"run.output_interval_ms": 50.0})
+    d = run(asked).dataset
+    line, s = build(asked).track.centre, d["wheelset_distance"].values
+    ends = []
+    for k in (0, 1):
+        front, rear = (line.position(s[:, i : i + 2].mean(axis=1)) for i in (4 * k, 4 * k + 2))
+        along = (front - rear) / np.linalg.norm(front - rear, axis=1, keepdims=True)
+        np.testing.assert_allclose(np.linalg.norm(front - rear, axis=1), PIVOTS, atol=0.01)
+        middle = 0.5 * (front + rear)
+        ends.append((middle + (-1.0 if k == 0 else 1.0) * 0.5 * LENGTH * along, along))
+    (end_ahead, ahead), (end_behind, behind) = ends
+    forward = (ahead + behind) / np.linalg.norm(ahead + behind, axis=1, keepdims=True)
+    left = np.stack([-forward[:, 1], forward[:, 0]], axis=1)
+    offset = np.einsum("ij,ij->i", (end_ahead - end_behind)[:, :2], left)
+    yaw = np.arcsin(np.cross(behind, ahead)[:, 2])
+    found = d["coupling_offset"].values[:, 0]
+    assert np.abs(offset).max() > 0.35
+    assert np.abs(found).max() == pytest.approx(np.abs(offset).max(), rel=0.01)
+    assert np.abs(found - offset).max() < 0.02 * np.abs(offset).max()  # the coaches sway on their springs
+    assert np.abs(d["coupling_yaw"].values[:, 0] - yaw).max() < 0.01 * np.abs(yaw).max()
+    # in the full arc, in closed form: the overhang of either end beyond the centre line is alike on both coaches
+    overhang = ((0.5 * LENGTH) ** 2 - (0.5 * PIVOTS) ** 2) / (2.0 * 190.0)
+    assert np.abs(offset).max() < 2.0 * overhang  # the two ends lie on opposite sides at most
+    assert np.abs(d["coupling_force"].values).max() < 500.0
+
+
+def test_couplings_carry_what_accelerates_the_vehicles_behind(tmp_path: Path) -> None:
+    """The first coach alone is driven, 0.5 m/s2: masses and turning wheels behind each coupling, within 1 %."""
+    text = ("[[couplings]]", '[[vehicles]]\nname = "more"\nmodel = "vehicles/manchester_1.toml"\ncount = 2\n'
+            "length_mm = 26400\ndriven = false\n[[couplings]]")  # fmt: skip
+    rate = 0.5
+    speeds = {"time_s_speed_kmh": [[0.5, 36.0], [6.5, 36.0 + 3.6 * 6.0 * rate]]}
+    keys = {"track.segments": [straight(200.0)], "run.distance_m": 67.0, "vehicle.speed_kmh": speeds}
+    asked = scenario(tmp_path, ("count = 3", "count = 1"), text, **keys)
+    d = run(asked).dataset
+    late = d["time"].values > 3.0
+    one = manchester().moved_mass
+    found = d["coupling_force"].values[late].mean(axis=0)
+    np.testing.assert_allclose(found, [2.0 * one * rate, one * rate], rtol=0.01)
+    assert d["drive_force"].values[late].mean() == pytest.approx(3.0 * one * rate, rel=0.01)
+
+
+def test_forces_of_a_coupling_are_those_of_its_elements_and_of_both_sides(tmp_path: Path) -> None:
+    """In a curve with a tight coupling: hook and buffers add up to what the coupling says, and what acts on the vehicle
+    behind, turned by the angle between the bodies, acts on that ahead the other way round."""
+    keys = {"track.segments": [straight(14.0), arc(60.0, 190.0)], "run.start_distance_m": 1.0, "run.distance_m": 34.0}
+    asked = scenario(tmp_path, ("count = 3", "count = 2"), **keys, **{"run.output_interval_ms": 50.0})
+    result = run(asked)
+    d = result.dataset
+    names = [f"coach1-coach2 {each}" for each in ("draw gear", "buffer left", "buffer right")]
+    hook, left, right = (d["suspension_fx"].sel(suspension=name).values for name in names)
+    force, ahead, behind, yaw = (
+        d[f"coupling_{name}"].values[:, 0] for name in ("force", "fy_ahead", "fy_behind", "yaw")
+    )
+    tight = np.abs(left) > 60e3  # in a left curve the left buffer is pressed
+    assert tight.sum() > 10
+    assert np.abs(right[tight]).max() < 0.1 * np.abs(left[tight]).min()
+    np.testing.assert_allclose(force[tight], (hook + left + right)[tight], atol=0.02 * np.abs(left).max())
+    turned = (behind + ahead) / (2.0 * np.sin(0.5 * yaw))
+    np.testing.assert_allclose(turned[tight], force[tight], atol=0.02 * np.abs(left).max())
+    assert vehicle_figures(d)["vehicle_couplings"]().axes
+    assert {"coach1.front.frame", "coach2.rear.frame"} <= set(d["body"].values)
+
+
+def test_a_train_goes_on_to_the_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recorders, "FLUSH_INTERVAL", 0.0)
+    keys = {"track.segments": [straight(14.0), arc(60.0, 190.0)], "run.start_distance_m": 1.0, "run.distance_m": 4.0}
+    asked = scenario(tmp_path, ("count = 3", "count = 2"), **keys)
+    path = tmp_path / "x.part"
+    whole = run(asked, record=path)
+    path.write_bytes(path.read_bytes()[: int(0.6 * path.stat().st_size)])
+    assert run(asked, record=path, resume=True).dataset.identical(whole.dataset)
