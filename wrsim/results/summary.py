@@ -101,6 +101,8 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     }
     if "point" in dataset.dims:
         summary["points"] = {str(point): _of_point(dataset.sel(point=point)) for point in dataset["point"].values}
+    if "kinetic_energy" in dataset:
+        summary["energy"] = energy(dataset)
     if wear.has_wear(dataset):
         summary["wear"] = wear.summary(dataset)
     if "event" in dataset.dims:
@@ -110,6 +112,28 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Any]:
             for t, s, words in zip(*values, strict=True)
         ]
     return summary
+
+
+def energy(dataset: xr.Dataset) -> dict[str, float]:
+    """What became of the work of drive and pull over a run, in kJ.
+
+    left_over_kJ: work less everything that is told; what springs, rails and contacts hold or lose and what loads do.
+    """
+    time = dataset["time"].values
+
+    def over_time(power: str) -> float:
+        return 1e-3 * float(np.trapezoid(dataset[power].values, time))
+
+    found = {
+        "work_of_pull_kJ": over_time("pull_power"),
+        "work_of_drive_kJ": 1e-3 * float(dataset["drive_work"][-1].sum()) if "drive_work" in dataset else 0.0,
+        "lost_in_creep_kJ": over_time("creep_power"),
+        "lost_in_dampers_kJ": over_time("damper_power"),
+    }
+    for key, name in (("gained_in_motion_kJ", "kinetic_energy"), ("gained_in_height_kJ", "potential_energy")):
+        found[key] = 1e-3 * float(dataset[name][-1] - dataset[name][0])
+    work = found["work_of_pull_kJ"] + found["work_of_drive_kJ"]
+    return found | {"left_over_kJ": work - sum(value for key, value in found.items() if not key.startswith("work"))}
 
 
 def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:

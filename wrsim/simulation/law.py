@@ -340,14 +340,16 @@ class VehicleOnTrack:
     @contextmanager
     def settled(self, slips: Array | None = None) -> Iterator[None]:
         """While this lasts, dampers in series with springs carry nothing, they have had time to give way, and sliders
-        what they do after a straight way from the design position, or from their slips where these are not 0."""
+        what they do after a straight way from the design position, or from their slips where these are not 0;
+        hollow axles of geared motors turn with their wheelsets and carry what the motors give."""
         how = friction.FRESH if slips is None or not np.any(slips) else friction.HELD
-        self.arena.views[vehicle_forces.WHOLE]["settled"] = 1
+        whole = self.arena.views[vehicle_forces.WHOLE][0]
+        before, whole["settled"] = int(whole["settled"]), 1
         try:
             with self._elements_with("settled", how):
                 yield
         finally:
-            self.arena.views[vehicle_forces.WHOLE]["settled"] = 0
+            whole["settled"] = before
 
     def settled_rates(self, q: Array, q_t: Array) -> Array:
         """The rates q_t with the unknowns that dampers in series with springs and sliders have once settled there."""

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import asin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wrsim.core.body import steady as kernels
 from wrsim.core.linalg import Vec
+from wrsim.core.track import path as path_kernels
 from wrsim.errors import SimulationError
 from wrsim.simulation.force_law import following
 from wrsim.simulation.newton import bracket, newton
@@ -107,6 +109,8 @@ def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[
             lateral=part.centre[1] + float(aside[i] if wheelset else 0.5 * np.mean(aside)),
             yaw=-vehicle.guide_ahead * float(track.curvature(place)) if wheelset else 0.0,
         )
+        if not wheelset:  # on a grade it lies along the track
+            q[6 * i + COORDINATES.index("spin")] = -asin(path_kernels.frame(track.centre.curve, place).t.z)
     _turn_gears(law, q_t)
     return q, q_t
 

@@ -15,6 +15,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from wrsim.analysis.contacts import friction_channels
 from wrsim.analysis.motion.couplings import coupling_channels
+from wrsim.analysis.motion.energies import energy_channels, lost_at
 from wrsim.analysis.motion.motions import (
     PointMotion,
     body_channels,
@@ -145,6 +146,7 @@ def _block(
     reference, drive = np.zeros(n), np.zeros(n)
     external = np.zeros((n, len(vehicle.loads), 3))
     axles = np.zeros((5, n, count))
+    powers = np.zeros((3, n))
     for i in range(n):
         law.look_near(places[block][i])
         law(times[i], q[i], q_t[i], out)
@@ -157,6 +159,8 @@ def _block(
         external[i] = law.load_forces
         reference[i], drive[i] = law.distance, law.drive_force
         axles[:, i] = [law.axles[name] for name in ("moment", "power", "slip", "speed", "shaft")]
+        if vehicle.bodies:
+            powers[:, i] = lost_at(law, q_t[i])
         if vehicle.points:
             accelerations[i] = points.at(q[i], q_t[i], out)
     moved = np.zeros((n, count, 2, 2))  # rails under the wheels: left and right, lateral and up
@@ -193,7 +197,8 @@ def _block(
         if law.gears:
             found["shaft_moment"] = shaft
     if vehicle.bodies:
-        found |= body_channels(law, q, q_t, bodies)
+        found |= body_channels(law, q, q_t, bodies) | energy_channels(law, q, q_t)
+        found |= dict(zip(("creep_power", "damper_power", "pull_power"), powers, strict=True))
     if vehicle.points:
         found |= {f"point_a{axis}": accelerations[:, :, k] for k, axis in enumerate("xyz")}
     if vehicle.elements:

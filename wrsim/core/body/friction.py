@@ -23,7 +23,8 @@ everything else (as it does the extension of a damper behind a spring). The forc
   rests on its own way. So the law is Berg's for strokes of some MEMORY x2 and longer.
 
 Where the bound falls below the force (the normal force falls) the force falls with it, and the slip takes up the rest
-within some SETTLING. All of these take power: force times rate of travel less the rate of k z^2/2 is nowhere negative.
+within some SETTLING. All of these take power: force times rate of travel less the rate of k z^2/2 is nowhere negative,
+but for a little of BERG's on the way back from a return, where it yields before its force has turned.
 
 "Settled" is a slider that went straight to where it is: FRESH from the design position, where it had no force, on its
 law's own line; HELD from the slip that it has, elastic up to its bound: a state within the bound stays what it is.
@@ -108,8 +109,8 @@ def follow_strokes(element, bound, e, v, inner, inner_t):
 def slider_force(element, bound, e, v, inner, inner_t):
     """Pull of a slider in one direction against the travel e [m] at the rate v [m/s].
 
-    inner, inner_t: the slider's unknowns, and where their rates go; of a settled slider the unknowns where it has
-    come to go there.
+    Adds what friction takes to the element's loss. inner, inner_t: the slider's unknowns, and where their rates go; of
+    a settled slider the unknowns where it has come to go there.
     """
     first = element.slip
     if element.settled != MOVING:
@@ -121,7 +122,11 @@ def slider_force(element, bound, e, v, inner, inner_t):
             inner_t[first + 2] = max(z, inner[first + 2])
         return pull
     if element.slider == BERG:
-        return follow_strokes(element, bound, e, v, inner, inner_t)
-    pull, slip = slide(element, bound, Vec(e - inner[first], 0.0, 0.0), Vec(v, 0.0, 0.0))
+        force = follow_strokes(element, bound, e, v, inner, inner_t)
+        element.loss += force * inner_t[first]
+        return force
+    z = e - inner[first]
+    pull, slip = slide(element, bound, Vec(z, 0.0, 0.0), Vec(v, 0.0, 0.0))
     inner_t[first] = slip.x
+    element.loss += pull.x * v - element.stick * z * (v - slip.x)
     return pull.x

@@ -56,7 +56,7 @@ FIELD, SHEAR, AXIS, LINE, PLANE = range(5)
 
 ELEMENT = record(
     # AXIS and LINE; what concerns sliders also PLANE
-    "k c force_0 length series stick stick_damping bound",
+    "k c force_0 length series stick stick_damping bound loss",
     "kind first second direction state spring_start spring_rows damper_start damper_rows slider slip normal settled",
     point_1=VECTOR,
     point_2=VECTOR,
@@ -72,6 +72,7 @@ ELEMENT = record(
 """An element. first, second: its bodies; point_1, point_2: in their axes. In one direction: stiffness k, damping c,
 force at rest, length at rest, stiffness in series with the damper, axis, number of the damping part's unknown or -1,
 place and length of its tables. As a field: along and about the axes of the first body.
+loss: power that its dampers and its friction take at the state asked for last [W].
 Of its slider: stiffness and damping where it sticks, constant part of the bound of its force, kind, number of its first
 unknown; number of the element whose force makes the rest of the bound, or -1, and what that is multiplied with (its
 reading, component by component). settled: MOVING, or how dampers behind springs and sliders have come to rest
@@ -134,12 +135,16 @@ def _one_direction(element, tables, travel, rate, inner, inner_t):
         force = interpolate(tables, element.spring_start, element.spring_rows, travel)
     start, count = element.damper_start, element.damper_rows
     if element.state < 0:
-        force += interpolate(tables, start, count, rate) if count > 0 else element.c * rate
+        damper = interpolate(tables, start, count, rate) if count > 0 else element.c * rate
+        element.loss = damper * rate
+        force += damper
     elif element.settled != MOVING:
         inner_t[element.state] = travel
     else:
         damper = element.series * (travel - inner[element.state])
-        inner_t[element.state] = interpolate(tables, start, count, damper) if count > 0 else damper / element.c
+        slow = interpolate(tables, start, count, damper) if count > 0 else damper / element.c
+        inner_t[element.state] = slow
+        element.loss = damper * slow
         force += damper
     return force
 
@@ -171,6 +176,7 @@ def _field(bodies, element, sign, share, wrenches, reading):
         share * (sign * f0.y - k.y * d.y - c.y * u.y),
         share * (sign * f0.z - k.z * d.z - c.z * u.z),
     )
+    element.loss += share * (c.x * u.x * u.x + c.y * u.y * u.y + c.z * u.z * u.z)
     accumulate(reading.force, scale(sign, f))
     accumulate(reading.travel, scale(sign * share, d))
     force = combined(f, first.forward, first.left, first.up)
@@ -234,6 +240,7 @@ def _plane(bodies, element, inner, inner_t, wrenches, readings, reading):
         slip = shifted(e, -1.0 / element.stick, pull)
     else:
         pull, slip = slide(element, bound, z, v)
+        element.loss = dot(pull, v) - element.stick * dot(z, sub(v, slip))
     inner_t[i], inner_t[i + 1] = slip.x, slip.y
     f = mixed(-pull.x, a, -pull.y, b)
     put(reading.force, f)
@@ -261,6 +268,7 @@ def _turning(bodies, element, wrenches):
     moment = shifted(moment, m0.z, cross(second.forward, first.left))
     rate = own_components(first, sub(second.omega, first.omega))
     damping = Vec(c.x * rate.x, c.y * rate.y, c.z * rate.z)
+    element.loss += dot(damping, rate)
     moment = sub(moment, combined(damping, first.forward, first.left, first.up))
     accumulate(wrenches[element.second].moment, moment)
     accumulate(wrenches[element.first].moment, scale(-1.0, moment))
@@ -282,6 +290,7 @@ def suspension_forces(bodies, elements, tables, inner, inner_t, wrenches, readin
                 waiting += 1
                 continue
             reading = readings[i]
+            element.loss = 0.0
             put(reading.force, ZERO)
             put(reading.travel, ZERO)
             if element.kind == LINE:
