@@ -10,6 +10,8 @@ import pytest
 from support.vehicles import coaches, manchester
 from vehicle.test_vehicle_suspension import displaced, on_springs, rows
 
+from wrsim.analysis.motion.outcomes import Event
+from wrsim.analysis.motion.words import event_words
 from wrsim.core.body import vehicle_forces
 from wrsim.simulation.force_law import Block, force_derivative
 from wrsim.simulation.integrate import Motion, integrate
@@ -18,7 +20,7 @@ from wrsim.simulation.state import design_state
 from wrsim.simulation.system import System
 from wrsim.vehicle.couplings import Between, CentreCouplerTable, CouplingTable, ScrewCouplingTable
 from wrsim.vehicle.elements import TRACK, Spring
-from wrsim.vehicle.train import Member
+from wrsim.vehicle.train import Coupling, Member
 from wrsim.vehicle.vehicle import Body, Load, Vehicle
 
 MASS, HEIGHT, LENGTH = 40e3, 1.06, 10.0
@@ -203,3 +205,19 @@ def test_at_rest_a_tight_coupling_pulls_as_its_buffers_push() -> None:
     assert found["coach1-coach2 draw gear"] == pytest.approx(20e3, rel=1e-9)
     for side in ("left", "right"):
         assert found[f"coach1-coach2 buffer {side}"] == pytest.approx(-10e3, rel=1e-9)
+
+
+def test_a_stroke_that_is_used_up_is_an_event() -> None:
+    """At 3 m/s the buffers of two wagons go solid, and what stands behind them takes the rest."""
+    train = wagons(screw(buffers=BUFFERS | {"stroke_mm": 60.0}, slack_mm=300.0))
+    gear = next(element for element in train.elements if element.name == "0-1 buffer left")
+    assert gear.limits is not None
+    assert gear.limits[0] == pytest.approx(-0.12)
+    law = on_springs(train)
+    forces = -forces_of(motion(law, (0.0, 3.0), 0.3), law).sum(axis=1)
+    energy = 0.5 * 0.5 * MASS * 9.0 - 0.5 * STIFF * 0.12**2
+    beyond = (-STIFF * 0.12 + np.sqrt((STIFF * 0.12) ** 2 + 2.0 * 1e8 * energy)) / 1e8
+    assert forces.max() == pytest.approx(STIFF * 0.12 + 1e8 * beyond, rel=1e-3)
+    coupled = replace(train, couplings=(Coupling("0-1", "wagon0", "wagon1", gear.points[0], (gear.name,)),))
+    event = Event("stop", gear.name, (1.0, 2.0), (1.1, 2.5))
+    assert event_words(event, coupled) == "the stroke of 0-1 buffer left is used up for 0.50 m, 100 ms"

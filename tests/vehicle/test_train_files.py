@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.vehicles import ROOT, manchester
+from typer.testing import CliRunner
 from vehicle.test_vehicle_bad_files import GOOD
 
+from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.build import build
@@ -151,3 +153,9 @@ def test_a_train_starts_on_straight_track_and_runs_and_rests_only() -> None:
     steady = load(ROOT / "scenarios/steady_manchester.toml")
     with pytest.raises(InputError, match=r'model.*: is a train; analysis = "steady" knows one vehicle'):
         build(steady.with_values({"vehicle.model": "trains/manchester_3.toml"}))
+
+
+def test_a_train_has_no_tests_at_rest() -> None:
+    outcome = CliRunner().invoke(app, ["vehicle", "trains/manchester_3.toml", "--twist", "3"])
+    assert outcome.exit_code == 2
+    assert "is a train; tests at rest are for one vehicle" in outcome.output

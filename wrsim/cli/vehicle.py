@@ -24,6 +24,7 @@ from wrsim.cli.standing import (
     wheel_loads,
 )
 from wrsim.cli.storing import writing
+from wrsim.errors import InputError
 
 if TYPE_CHECKING:
     from wrsim.plots.vehicle import VehicleSketch
@@ -78,6 +79,8 @@ def vehicle(
         loaded = load_vehicle(model_file(file, models), usual_finder(models))
         check_ending("--loops", loops, ".png", ".svg")
         check_asked(twist_test, twists, rotation_test, loops)
+        if loaded.members and (cant_deficiency or twist or twist_test or rotation_test):
+            raise InputError(f"{file}: is a train; tests at rest are for one vehicle: give the file of one of them")
         found = facts_of(loaded, cant_deficiency, twist)
         twisted = twist_loop(loaded, twists) if twist_test else None
         turned = rotation_loops(loaded, rotation_radius_m) if rotation_test else ()

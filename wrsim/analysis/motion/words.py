@@ -62,6 +62,8 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
         return f"nothing presses friction {event.part} together {lasted}: it has no normal force"
     if event.kind == "steps":
         return f"time steps that Newton's method did not solve were cut into parts {lasted}"
+    if any(event.part in coupling.elements for coupling in vehicle.couplings):
+        return f"the stroke of {event.part} is used up {lasted}"
     return f"bump stop {event.part} is beyond the end of its table {lasted}"
 
 
