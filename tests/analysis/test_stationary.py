@@ -155,6 +155,9 @@ def test_an_axle_is_held_by_a_frame_and_not_by_its_own_bridge():
     law = on_track(vehicle).law
     assert list(law.axles["holder"]) == [vehicle.index(f"{end}.frame") for end in ("front", "front", "rear", "rear")]
     assert bogies_of(shipped("cooperrider_bogie")) == ()
+    # the case of a gear sits on one axle only
+    motors = bogies_of(shipped("manchester_motor"))
+    assert [(b.frame, b.wheelsets) for b in motors] == [("front.bogie.frame", (0, 1)), ("rear.frame", (2, 3))]
 
 
 # --- the command ------------------------------------------------------------------------------------------

@@ -25,13 +25,20 @@ class Bogie:
 
 
 def holder_of(vehicle: Vehicle, wheelset: str) -> str | None:
-    """The body, no wheelset, that holds a wheelset: the first that an element joins to it or to its axle boxes; None
-    where only a frame of the track does."""
+    """The body, no wheelset, that holds a wheelset: of those that elements join to it or to its axle boxes the one that
+    is joined to most wheelsets (a motor or a gear that sits on its axle is not), the first of several; None where only
+    a frame of the track holds it.
+    """
     bodies = {body.name for body in vehicle.bodies}
-    pairs = [(vehicle.carrier(e.first), vehicle.carrier(e.second)) for e in vehicle.elements]
-    ends = [first for first, second in pairs if second == wheelset]
-    ends += [second for first, second in pairs if first == wheelset]
-    return next((name for name in ends if name in bodies), None)
+    axles = {mounted.name for mounted in vehicle.wheelsets}
+    joined: dict[str, set[str]] = {}
+    for e in vehicle.elements:
+        ends = vehicle.carrier(e.first), vehicle.carrier(e.second)
+        for body, axle in (ends, ends[::-1]):
+            if body in bodies and axle in axles:
+                joined.setdefault(body, set()).add(axle)
+    holders = [body for body, held in joined.items() if wheelset in held]
+    return max(holders, key=lambda body: len(joined[body]), default=None)
 
 
 def bogies_of(vehicle: Vehicle) -> tuple[Bogie, ...]:
