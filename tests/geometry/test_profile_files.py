@@ -353,6 +353,15 @@ def test_files_that_are_not_there_or_not_text_are_refused(tmp_path):
         read_profile(tmp_path / "wheel.stl", "wheel")
 
 
+def test_a_toml_file_that_names_points_of_no_format_names_its_line(tmp_path):
+    place = tmp_path / "rail.toml"
+    place.write_text('name = "r"\nbody = "rail"\nkind = "points"\ndate = 2026-01-01\nsource = "s"\nfile = "rail.c[v"\n')
+    with pytest.raises(
+        InputError, match=r"rail.toml:6: file = .*no profile format has the suffix '.c\[v'.*name the format"
+    ):
+        load_profile(place)
+
+
 def test_writing_where_it_cannot_be_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"\.prr is for a rail, profile 'S1002' is a wheel"):
         write_profile(WHEEL, tmp_path / "w.prr")

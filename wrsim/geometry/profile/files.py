@@ -162,16 +162,22 @@ def _one_of(path: Path, key: str, value: str | None, allowed: Sequence[str]) -> 
         raise InputError(f"{path}: {key} = '{value}'; allowed: {', '.join(allowed)}{suggest(value, allowed)}")
 
 
+def suffix_fault(path: Path) -> str | None:
+    """What is wrong with the suffix of a file of points, in words; None where it tells a format."""
+    known = [s for layout in PROFILE_FILES.values() for s in layout.suffixes]
+    if path.suffix.lower() in known:
+        return None
+    return f"no profile format has the suffix '{path.suffix}'; allowed: {', '.join(known)}"
+
+
 def _layout(path: Path, format: str | None) -> Format:
     """The format by name or by suffix."""
     _one_of(path, "format", format, tuple(PROFILE_FILES))
     if format is not None:
         return PROFILE_FILES[format]
-    for layout in PROFILE_FILES.values():
-        if path.suffix.lower() in layout.suffixes:
-            return layout
-    known = [s for layout in PROFILE_FILES.values() for s in layout.suffixes]
-    raise InputError(f"{path}: no profile format has the suffix '{path.suffix}'; allowed: {', '.join(known)}")
+    if fault := suffix_fault(path):
+        raise InputError(f"{path}: {fault}")
+    return next(layout for layout in PROFILE_FILES.values() if path.suffix.lower() in layout.suffixes)
 
 
 def _body(path: Path, wanted: Kind | None, told: Kind | None) -> Kind:

@@ -24,7 +24,7 @@ import numpy as np
 from pydantic import Field
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, read_profile
+from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, read_profile, suffix_fault
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.geometry.profile.sections import (
     Arc,
@@ -394,7 +394,9 @@ class PointsFile(ProfileFile, kind="points"):
     shift_mm: Pair = (0.0, 0.0)
 
     def consistency(self) -> Iterator[Fault]:
-        """A cut-off is for measurements; a clip goes from left to right."""
+        """Suffix or format tell what stands where; a cut-off is for measurements; a clip goes from left to right."""
+        if self.format is None and (fault := suffix_fault(Path(self.file))):
+            yield Fault("file", f"{fault}, or name the format")
         if self.measured is False and self.cutoff_mm is not None:
             yield Fault("cutoff_mm", "is for measured profiles; must be left out with measured = false")
         if self.clip_mm is not None and not self.clip_mm[0] < self.clip_mm[1]:
