@@ -1,6 +1,8 @@
 """Creep forces of one lobe: its equivalent ellipse, its mean creepages, the model of the user's choice."""
 
-from wrsim.core.compiling import kernel
+from typing import NamedTuple
+
+from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.records import FASTRIP, FASTSIM, POLACH, SHEN_HEDRICK_ELKINS
 from wrsim.core.contact.tangential.fastrip import fastrip
 from wrsim.core.contact.tangential.fastsim import PARABOLA_PEAK, fastsim, fastsim_blended
@@ -15,6 +17,7 @@ from wrsim.core.contact.tangential.friction import set_friction
 from wrsim.core.contact.tangential.linear import linear_creep
 from wrsim.core.contact.tangential.polach import polach
 
+GAP = 1e-6  # of a strip's width: more apart are other stretches
 FIRM = 4.0  # from a quarter of the wheel's largest pressure amplitude on a lobe counts in full
 
 
@@ -57,11 +60,43 @@ def creep_forces(creep, shape, settings, speed, lobes, strips, count, i, work):
         linear_creep(own, n, mean, Flexibilities(soft.l1 / grip, soft.l2 / grip, soft.l3 / grip), direction, 0.0)
 
 
+class Stretch(NamedTuple):
+    """Strips beside one another without a gap: the first one behind them, their largest half length [m] and their
+    amplitude, largest pressure over that."""
+
+    end: int
+    longest: float
+    amplitude: float
+
+
+@inlined
+def _stretch(strips, first, n):
+    """The stretch that begins with a strip."""
+    longest = pressure = 0.0
+    j = first
+    while j < n:
+        strip = strips[j]
+        if j > first and strip.s - 0.5 * strip.ds > strips[j - 1].s + (0.5 + GAP) * strips[j - 1].ds:
+            break
+        longest, pressure = max(longest, strip.a), max(pressure, strip.p)
+        j += 1
+    return Stretch(j, longest, pressure / max(longest, 1e-300))
+
+
 @kernel
 def _joint(lobes, strips, count, i):
-    """Ellipse, mean creepages and normal force of lobe i and its share of those that it is coupled to."""
+    """Ellipse, mean creepages and normal force of lobe i and its share of those that it is coupled to.
+
+    A lobe may touch in several stretches, with gaps between. Each counts by its own length and width; one that is about
+    to lift off for as little as it carries.
+    """
     lobe = lobes[i]
     area = width = longest = normal = xi = eta = phi = 0.0
+    firmest = 0.0
+    m = 0
+    while m < lobe.n_strips:
+        own = _stretch(strips[i], m, lobe.n_strips)
+        m, firmest = own.end, max(firmest, own.amplitude)
     for j in range(count):
         other = lobes[j]
         share = 1.0
@@ -71,19 +106,22 @@ def _joint(lobes, strips, count, i):
                 share = lobe.coupling
             if other.partner == i:
                 share = max(share, other.coupling)
-            # a lobe about to lift off counts for as little as it carries
-            share *= min(other.amplitude / lobe.amplitude, 1.0)
         if share == 0.0 or other.N <= 0.0:
             continue
-        area += share * other.area
-        width += share * other.width
-        longest = max(longest, share * other.length)
-        normal += share * other.N
-        for m in range(other.n_strips):
-            strip = strips[j, m]
-            xi += share * strip.N * strip.xi
-            eta += share * strip.N * strip.eta
-            phi += share * strip.N * strip.phi
+        m = 0
+        while m < other.n_strips:
+            stretch = _stretch(strips[j], m, other.n_strips)
+            part = share * min(stretch.amplitude / firmest, 1.0)
+            longest = max(longest, 2.0 * part * stretch.longest)
+            for k in range(m, stretch.end):
+                strip = strips[j, k]
+                area += 2.0 * part * strip.a * strip.ds
+                width += part * strip.ds
+                normal += part * strip.N
+                xi += part * strip.N * strip.xi
+                eta += part * strip.N * strip.eta
+                phi += part * strip.N * strip.phi
+            m = stretch.end
     return ellipse_of(area, longest / width), Creepages(xi / normal, eta / normal, phi / normal), normal
 
 
