@@ -150,8 +150,8 @@ def test_a_tip_against_a_steep_face_is_hertz_however_slanted(yaw):
 
 
 def test_creep_forces_do_not_jump_where_a_lobe_beyond_a_gap_becomes_part_of_another():
-    """At 5.83 mm the lobe on the tread has no main point of its own any more: one patch with a gap in it, whose far part
-    must not count as if the whole width between were touched. A jump there made wagons chatter."""
+    """At 5.83 mm the lobe on the tread has no main point of its own any more: one patch with a gap in it, whose far
+    part must not count as if the whole width between were touched. A jump there made wagons chatter."""
     stand = bench(pair_model("S1002/60E1 1:40", tangential="fastrip", **STRIPS))
     forces, strips = [], []
     for lateral in np.arange(5.79e-3, 5.871e-3, 1e-5):
