@@ -17,8 +17,8 @@ EXCENTRIC = 1.27  # power of the gap's ratio of curvatures that gives the ellips
 EVEN = 0.8, 0.95  # squared correlation of shift and place at which strips stay on the locus, and are all stretched
 FAINT = 3e-3  # spread of the shifts, over the half length, below which they do not matter
 STIFFER = 25.0  # growth of that weight with the spread of the shifts over the half length
-CALM = 2.0  # weight that holds a^2 of neighbours on a parabola, by the fourth power of how slanted a contact lies
-CALM_BENT = 0.1  # the same where the locus is bent, by its square
+CALM, SLANTED = 5.0, 0.2  # weight that holds a^2 of neighbours on a parabola, by the square of its slant beyond that
+CALM_BENT = 0.1  # the same where the locus is bent, by the square of all of the slant
 JOINED = 0.5, 0.9  # saddle over the shallower depth at which neighbouring grids have nothing and all in common
 ALIKE = 0.3, 0.5  # the same for the shallower depth over the deeper one
 
@@ -178,8 +178,8 @@ def _lean(hump, reach):
 def _calm(hump, reach):
     """How firmly half lengths of neighbours are held together: the influence of strips that lie shifted closely side by
     side hardly tells one from the other."""
-    square = _lean(hump, reach) ** 2
-    return CALM * square * square + CALM_BENT * square * (1.0 - rise(_even(hump), EVEN))
+    lean = _lean(hump, reach)
+    return CALM * max(lean - SLANTED, 0.0) ** 2 + CALM_BENT * lean * lean * (1.0 - rise(_even(hump), EVEN))
 
 
 @inlined
