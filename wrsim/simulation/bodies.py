@@ -84,6 +84,15 @@ def mass_matrix(bodies: Sequence[Solid], q: Array) -> Array:
     return whole
 
 
+def accelerations(bodies: Sequence[Solid], q: Array, q_t: Array, forces: Array) -> Array:
+    """Accelerations of the coordinates of all bodies (bodies, 6) under generalised forces, body by body."""
+    blocks = np.zeros((len(bodies), 6, 6))
+    for i, body in enumerate(bodies):
+        kernel.mass_block(q[6 * i : 6 * i + 6], body.mass, *body.inertia, blocks[i])
+    left = (forces - velocity_forces(bodies, q, q_t))[: 6 * len(bodies)].reshape(-1, 6, 1)
+    return np.asarray(np.linalg.solve(blocks, left)[:, :, 0], dtype=np.float64)
+
+
 def velocity_forces(bodies: Sequence[Solid], q: Array, q_t: Array) -> Array:
     """Quadratic velocity forces h of M(q) q_tt + h(q, q_t) = F, as a new array of the length of q."""
     whole = np.zeros(len(q))

@@ -9,7 +9,7 @@ import numpy as np
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.rigid_body import pitched
 from wrsim.core.track import path as path_kernels
-from wrsim.simulation.bodies import mass_matrix, velocity_forces
+from wrsim.simulation.bodies import accelerations
 from wrsim.simulation.law import SIDES
 from wrsim.simulation.placement import poses_on_track
 from wrsim.vehicle.elements import GUIDE, TRACK
@@ -64,11 +64,10 @@ class PointMotion:
         track the lateral one shows the plane's component of gravity against the centrifugal acceleration.
         """
         law = self.law
-        mass = mass_matrix(law.bodies, q)
-        q_tt = np.asarray(np.linalg.solve(mass, forces - velocity_forces(law.bodies, q, q_t)), dtype=np.float64)
+        q_tt = accelerations(law.bodies, q, q_t, forces)
         found = np.zeros((len(self.bodies), 3))
         for j, (i, arm) in enumerate(zip(self.bodies, self.arms, strict=True)):
-            at, rates, changes = (state[6 * i : 6 * i + 6].copy() for state in (q, q_t, q_tt))
+            at, rates, changes = (state[6 * i : 6 * i + 6].copy() for state in (q, q_t, q_tt.ravel()))
             if i < len(law.vehicle.wheelsets):  # an axle box does not spin
                 at[5] = rates[5] = changes[5] = 0.0
             state = pitched(kinematics(at, rates), at[5])
