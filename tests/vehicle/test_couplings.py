@@ -221,3 +221,61 @@ def test_a_stroke_that_is_used_up_is_an_event() -> None:
     coupled = replace(train, couplings=(Coupling("0-1", "wagon0", "wagon1", gear.points[0], (gear.name,)),))
     event = Event("stop", gear.name, (1.0, 2.0), (1.1, 2.5))
     assert event_words(event, coupled) == "the stroke of 0-1 buffer left is used up for 0.50 m, 100 ms"
+
+
+def turned(law: VehicleOnTrack, moved: float, lateral: float, yaw: float) -> dict[str, np.ndarray]:
+    """Readings of the elements with the second wagon moved forward and to the left [m] and turned to the left [rad],
+    and ``on``: force and moment about the vertical on that wagon (x, y, about z).
+    """
+    q, q_t = design_state(law)
+    second = q[12:18]
+    second[1] += moved
+    second[2] += lateral
+    second[3] += yaw
+    out = np.zeros(law.size)
+    with law.settled():
+        law(0.0, q, q_t, out)
+    found = {e.name: r.copy() for e, r in zip(law.vehicle.elements, law.records, strict=True)}
+    return found | {"on": out[[13, 14, 15]]}
+
+
+def test_a_centre_coupler_pushes_along_its_bar() -> None:
+    """By hand: the bar between the hinges, its length and direction, the gear's force along it."""
+    hinge, moved, lateral, yaw = 0.8, 0.08, 0.15, 0.02
+    values = {"kind": "centre", "height_mm": 1e3 * HEIGHT, "hinge_mm": 1e3 * hinge, "draw": GEAR, "buff": GEAR}
+    law = on_springs(wagons(CentreCouplerTable.model_validate(values), lateral=0.0))
+    found = turned(law, moved, lateral, yaw)
+    arm = 0.5 * LENGTH - hinge  # from the wagon's middle to its hinge
+    end = np.array([-LENGTH + moved + arm * np.cos(yaw), lateral + arm * np.sin(yaw)])
+    bar = np.array([-arm, 0.0]) - end
+    length = np.linalg.norm(bar)
+    push = 0.5 * GEAR["stiffness_kN_per_m"] * 1e3 * (2.0 * hinge - length)  # of two gears in series
+    assert push > 2e4
+    assert found["0-1 buff gear"][0] == pytest.approx(-push, rel=1e-9)
+    assert found["0-1 draw gear"][0] == 0.0
+    force = -push * bar / length
+    np.testing.assert_allclose(found["on"][:2], force, rtol=1e-9)
+    moment = arm * (np.cos(yaw) * force[1] - np.sin(yaw) * force[0])
+    rails = 1e8 * np.sin(yaw)
+    assert found["on"][2] == pytest.approx(moment - rails, rel=1e-9)
+
+
+@pytest.mark.parametrize("yaw", [0.08, -0.08])
+def test_in_a_curve_the_inner_buffers_are_pressed_and_the_outer_ones_open(yaw: float) -> None:
+    """Two spheres a side: their distance by hand. Turned to the left, the vehicle behind comes nearer on its right."""
+    law = on_springs(wagons(screw(slack_mm=300.0), lateral=0.0))
+    found = turned(law, 0.0, -0.5 * LENGTH * np.sin(yaw), yaw)  # its end stays in the middle
+    radius, half = 1.5, 0.875
+    strokes = {}
+    for side, y in (("left", half), ("right", -half)):
+        x = 0.5 * LENGTH - radius
+        middle = np.array([-LENGTH, -0.5 * LENGTH * np.sin(yaw)])
+        behind = middle + np.array([x * np.cos(yaw) - y * np.sin(yaw), x * np.sin(yaw) + y * np.cos(yaw)])
+        ahead = np.array([-0.5 * LENGTH + radius, y])
+        strokes[side] = 2.0 * radius - np.linalg.norm(ahead - behind)
+        force = 0.5 * STIFF * max(strokes[side], 0.0)
+        assert found[f"0-1 buffer {side}"][0] == pytest.approx(-force, rel=1e-9)
+        assert found[f"0-1 buffer {side}"][3] == pytest.approx(-strokes[side], rel=1e-9)
+    inner = "right" if yaw > 0.0 else "left"
+    assert strokes[inner] > 0.0 > strokes["left" if inner == "right" else "right"]
+    assert strokes[inner] == pytest.approx(half * abs(yaw), rel=0.25)
