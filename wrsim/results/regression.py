@@ -22,7 +22,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import ndtr, stdtrit
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ def regression(
     found = np.linalg.lstsq(matrix, values, rcond=None)[0]
     deviation = float(np.sqrt(np.sum((values - matrix @ found) ** 2) / freedom))
     leverage = float(np.linalg.inv(matrix.T @ matrix)[0, 0])
-    quantile = float(stats.t.ppf(stats.norm.cdf(k), freedom))
+    quantile = float(stdtrit(freedom, ndtr(k)))
     slope = tuple(float(b / np.ptp(known[name])) for b, name in zip(found[1:], differ, strict=True))
     fit = float(found[0])
     estimate = fit + quantile * deviation * float(np.sqrt(1.0 + leverage))
