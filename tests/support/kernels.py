@@ -136,7 +136,7 @@ def _unsettled(model: ContactModel) -> list[float]:
     system = System(a.influence, a.rows, a.places, a.grids, a.vectors, a.matrix, a.memo)
     n = int(model.arrays.settings.strips)
     found = []
-    for step in (lambda: solve(system, n, False), lambda: substitute(system, n)):
+    for step in (lambda: solve(system, n, False, True), lambda: substitute(system, n)):
         step()
         found += list(a.vectors[X, : n + FACTORS])
     leave(system, n, 0)

@@ -379,6 +379,7 @@ def _inputs(model: ContactModel) -> Arrays:
     n.hollow = max(1.5 * hollows, 1.0)
     lobes, most = settings.patch_count, normal.rows(settings.strip_count)
     grids = lobes if normal.solves_for_strips else 0
+    of_a_lobe = most * max(grids, 1)
     unknowns = grids * block_of(most)
     return Arrays(
         wheel=wheel_table,
@@ -392,8 +393,8 @@ def _inputs(model: ContactModel) -> Arrays:
         pose=np.zeros(k.POSE),
         found=np.zeros(8, k.FOUND),
         patches=np.zeros(lobes, k.LOBE),
-        strips=np.zeros((lobes, most), k.STRIP),
-        work=np.zeros((12, max(most, 8))),
+        strips=np.zeros((lobes, of_a_lobe), k.STRIP),
+        work=np.zeros((12, max(of_a_lobe, 8))),
         influence=influence_table() if grids else np.zeros((0, 0)),
         rows=np.zeros((grids, ROWS), ROW),
         places=np.zeros(grids * most, PLACE),

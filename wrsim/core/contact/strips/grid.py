@@ -108,15 +108,16 @@ class Walk(NamedTuple):
 
 
 @kernel
-def lay_rows(wheel, rail, arc_wheel, arc_rail, grid, rows):
-    """Rows of a grid from ``least`` to ``most``; the main point is one of its lobes'."""
+def lay_rows(wheel, rail, grid, rows):
+    """Rows of a grid from ``least`` to ``most``, away from its pair of opposite points."""
+    arc_wheel, arc_rail = grid.arc, grid.place
     h = (grid.most - grid.least) / (ROWS - 1)
     grid.spacing = h
     grid.deepest = 1e-12
     right = min(max(int((arc_rail - grid.least) / h), 0), ROWS - 1)
     left = right - 1
-    shrink = opposite(wheel, rail, arc_wheel, arc_rail).shrink
-    up = down = Walk(arc_wheel, arc_rail, shrink, shrink, 0.0)
+    at = opposite(wheel, rail, arc_wheel, arc_rail)
+    up = down = Walk(arc_wheel - at.ahead * at.shrink, arc_rail, at.shrink, at.shrink, 0.0)
     # to both sides at a time: a processor does one while it waits for the other
     while left >= 0 or right < ROWS:
         if right < ROWS:
@@ -134,8 +135,9 @@ def _lay_row(wheel, rail, walk, grid, row, s):
     arc = walk.arc + (s - walk.s) * (1.5 * walk.shrink - 0.5 * walk.last - walk.drift)
     at = opposite(wheel, rail, arc, s)
     taken = at.ahead * at.shrink
-    drift = walk.drift + taken / (s - walk.s) if s != walk.s else walk.drift
-    row.s, row.d, row.x, row.o, row.b = s, at.d, at.x, at.o, at.b
+    # a first row may stand beside the pair that the walk begins at
+    drift = walk.drift + taken / (s - walk.s) if abs(s - walk.s) > 0.3 * grid.spacing else walk.drift
+    row.s, row.arc, row.d, row.x, row.o, row.b = s, arc - taken, at.d, at.x, at.o, at.b
     row.no, row.nb, row.r_t, row.slope = at.no, at.nb, at.r_t, at.slope
     grid.deepest = max(grid.deepest, at.d)
     return Walk(arc - taken, s, at.shrink, walk.shrink, drift)

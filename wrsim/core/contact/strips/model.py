@@ -18,30 +18,22 @@ condition holds at every strip's centre, the second in the mean around each of t
 a^2 of the outer strips is Hertz's. Strips that would have to pull carry nothing. s is the rail's arclength, and the
 distance of two strips is counted along it. Yaw shifts are left out of f.
 
-Lobes whose saddle is nearly as deep as they are share a grid of strips. After the solution it is cut at the saddle, so
-every lobe has its strips and nothing that is reported jumps where grids merge.
+Lobes that are nearly one share a grid of strips, a lobe with a shoulder may have two (`ground`). After the solution
+grids are cut at the saddles, so every lobe has its strips and nothing that is reported jumps where grids merge.
 """
 
 from math import pi, sqrt
 
-from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.patch import first_step
-from wrsim.core.contact.rail import changes
-from wrsim.core.contact.records import AFRESH, STATUS_PROFILE_END, STATUS_UNSETTLED
+from wrsim.core.compiling import kernel
+from wrsim.core.contact.records import AFRESH, STATUS_UNSETTLED
 from wrsim.core.contact.resultants import set_creepages, set_pressures
-from wrsim.core.contact.search.lobes import room_beside
-from wrsim.core.contact.strips.equations import block_of, set_fading
-from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, opposite
+from wrsim.core.contact.strips.equations import block_of
+from wrsim.core.contact.strips.grid import opposite
+from wrsim.core.contact.strips.ground import set_grids
 from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
-from wrsim.core.contact.strips.shifts import off_locus, rise, set_shifts
-from wrsim.core.contact.strips.solution import ROUGH, UNSOLVED, carry_over, solve, substitute
+from wrsim.core.contact.strips.shifts import off_locus
+from wrsim.core.contact.strips.solution import RETRIED, ROUGH, UNSOLVED, carry_over, solve, substitute
 
-MERGED = 0.9  # saddle over the depth of the shallower lobe from which on both share a grid
-DEEP = 0.5  # and over the deeper lobe: what is less touches apart from it
-LINK = 0.05  # weight that holds the factors of neighbouring grids together
-LINKED = 0.5, 0.9  # saddles over the shallower depth at which none and all of it counts
-ALIKE = 0.5, 0.8  # the same for the shallower depth over the other: a lobe that leaves holds nothing
-CHAINED = 0.0, 0.2  # the same for overlaps that hang together: none and all of what reaches one reaches the other
 OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
 LEAST_PART = 1e-6  # of a strip's width that is worth a row of its own
 
@@ -60,18 +52,23 @@ def press_strips(a, wheel, rail, pose, count):
     memo.modulus = settings.E
     memo.together, memo.apart = settings.together, settings.apart
     memo.stiffness = pi * settings.E
-    status = _set_grids(system, a.found, lobes, wheel, rail, pose, count)
+    status = set_grids(system, a.found, wheel, rail, pose, count, True)
     known = memo.known > 0
     if known and (memo.strips != n or not _same_grids(system, n, memo.known)):
         memo.inverted = 0
         known = carry_over(system, memo.strips, n)
-    result = solve(system, n, known)
+    result = solve(system, n, known, memo.parted == 0)
+    if result == UNSOLVED and memo.parted:
+        set_grids(system, a.found, wheel, rail, pose, count, False)
+        result = max(solve(system, n, False, True), RETRIED)
     memo.known = memo.grids if result != UNSOLVED else 0
     if result == UNSOLVED:
         substitute(system, n)
     if result >= ROUGH:
         memo.substitutes += 1
     memo.result = result
+    for i in range(count):
+        lobes[i].n_strips = 0
     for g in range(memo.grids):
         _hand_out(system, memo.strips, g, a.found, lobes, a.strips)
     for i in range(count):
@@ -85,64 +82,6 @@ def _set_main_point(wheel, rail, lobe):
     at = opposite(wheel, rail, lobe.arc_wheel, lobe.arc_rail)
     lobe.x, lobe.o, lobe.b = at.x, at.o, at.b
     lobe.half_length = sqrt(2.0 * max(at.d, 0.0) * at.r_t)
-
-
-@inlined
-def _hang_together(lobe, other):
-    """Whether neighbouring lobes share a grid: their saddle is nearly as deep as they are, and they are deep enough
-    beside each other to touch there."""
-    shallow = min(lobe.depth, other.depth)
-    return lobe.saddle > MERGED * shallow and shallow > DEEP * max(lobe.depth, other.depth)
-
-
-@kernel
-def _set_grids(system, found, lobes, wheel, rail, pose, count):
-    """Grids over all lobes, their bounds and rows. Returns a status."""
-    memo = system.memo[0]
-    status = 0
-    memo.grids = 0
-    memo.deepest = 1e-12
-    i = 0
-    while i < count:
-        last = i
-        while last < count - 1 and _hang_together(found[last], found[last + 1]):
-            last += 1
-        grid = system.grids[memo.grids]
-        grid.first, grid.last = i, last
-        ends = 0.0, 0.0
-        for side in range(2):
-            k = i if side == 0 else last
-            own = found[k]
-            limit = room_beside(found, k, count)[side]
-            direction = 1.0 if side == 1 else -1.0
-            first = first_step(own.depth, own.curvature)
-            way, beyond = find_end(wheel, rail, own.arc_wheel, own.arc_rail, own.depth, first, direction, limit)
-            status |= STATUS_PROFILE_END if beyond else 0
-            ends = (own.arc_rail - way, 0.0) if side == 0 else (ends[0], own.arc_rail + way)
-        grid.least, grid.most = ends
-        rows = system.rows[memo.grids]
-        lay_rows(wheel, rail, found[i].arc_wheel, found[i].arc_rail, grid, rows)
-        grade_rows(grid, rows, pose.axle)
-        memo.deepest = max(memo.deepest, grid.deepest)
-        main = 0
-        for k in range(i, last + 1):
-            main = k if found[k].depth > found[max(main, i)].depth or k == i else main
-        grid.x = lobes[main].x
-        grid.reach = lobes[main].half_length
-        grid.link = grid.chain = 0.0
-        if last < count - 1 and found[last].saddle > 0.0:
-            shallow = min(found[last].depth, found[last + 1].depth)
-            deep = max(found[last].depth, found[last + 1].depth)
-            grid.link = LINK * rise(found[last].saddle / shallow, LINKED) * rise(shallow / deep, ALIKE)
-            grid.chain = rise(found[last].saddle / shallow, CHAINED)
-        memo.grids += 1
-        i = last + 1
-    set_fading(system)
-    if changes(rail):
-        memo.shifted = 0  # the places at which such a rail is touched are no locus of one wheel
-    else:
-        set_shifts(system, found)
-    return status
 
 
 @kernel
@@ -197,12 +136,11 @@ def _middle(system, n, g):
 def _hand_out(system, n, g, found, lobes, strips):
     """The strips of a grid in contact to its lobes, cut at the saddles between them."""
     grid, rows = system.grids[g], system.rows[g]
+    if not grid.on:
+        return
     middle = _middle(system, n, g)
     for i in range(grid.first, grid.last + 1):
         lobe = lobes[i]
-        lobe.n_strips = 0
-        if not grid.on:
-            continue
         least = found[i - 1].saddle_arc if i > grid.first else grid.least
         most = found[i].saddle_arc if i < grid.last else grid.most
         for j in range(n):

@@ -13,10 +13,10 @@ EDGES = 2  # unknowns of a grid behind its factors
 FEWEST_FREE_STRIPS = 12  # of a grid
 ROWS = 48  # of the table of the geometry of a grid
 
-ROW = record("s d x o b no nb r_t slope bend density xi closing")
-"""A row of the table of a grid's geometry: place s, penetration d, shift x, centre (o, b), normal (no, nb), radius
-along the rail, slope of the rail, mean of the radius' inverse over what a strip runs over, density of strips and its
-integral; closing of the gap, penetration less displacement."""
+ROW = record("s arc d x o b no nb r_t slope bend density xi closing")
+"""A row of the table of a grid's geometry: place s, arclength opposite on the wheel, penetration d, shift x, centre
+(o, b), normal (no, nb), radius along the rail, slope of the rail, mean of the radius' inverse over what a strip runs
+over, density of strips and its integral; closing of the gap, penetration less displacement."""
 
 PLACE = record(
     "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x x_s at y over q weight gap miss off"
@@ -30,22 +30,24 @@ along x. a; amplitude over k; slope of the logarithm of 1/R_x, and of d R_x wher
 over both edges."""
 
 GRID = record(
-    "start end least most deepest spacing x reach along stretch pivot evenness calm link chain",
+    "start end least most deepest spacing x reach arc place along stretch pivot evenness calm bond link chain",
     "on start_held end_held first last",
 )
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length along x;
-mean of its shifts, how the middles of its strips lie off the locus (`shifts.off_locus`), how much more evenly its
-factors run and how firmly its half lengths are held together; how firmly its last factor is held to the first of the
-next grid, how far the overlaps of both are one. Whether it is in contact, whether its edges are held at their bounds,
-its first and last lobe."""
+arclengths on wheel and rail of a pair of opposite points; mean of its shifts, how the middles of its strips lie off the
+locus (`shifts.off_locus`), how much more evenly its factors run and how firmly its half lengths are held together;
+least penetration over its concave hull between it and the next grid (`ground`), how firmly its last factor is held to
+the first of that one, how far the overlaps of both are one. Whether it is in contact, whether its edges are held at
+their bounds, its first and last lobe."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",
-    "known strips grids shifted inverted iterations factorisations result substitutes",
+    "known strips grids parted shifted inverted iterations factorisations result substitutes",
 )
 """Of the whole system: about the worst of what the last steps left of the misfit, pi E*, E*, deepest penetration;
 distances of grids up to which they press each other down fully and from which on not at all [m]; number of grids in the
-last call (0: nothing is known), strips of a grid in it, grids now; whether shifts along x count; whether ``matrix`` is
+last call (0: nothing is known), strips of a grid in it, grids now; whether any of them
+is a part of a lobe or of lobes that hang together; whether shifts along x count; whether ``matrix`` is
 an inverse of use; residuals taken and Jacobians made in this call, and how it ended (`solution`); calls so far without
 a whole solution."""
 

@@ -19,8 +19,7 @@ FAINT = 3e-3  # spread of the shifts, over the half length, below which they do 
 STIFFER = 25.0  # growth of that weight with the spread of the shifts over the half length
 CALM, SLANTED = 5.0, 0.2  # weight that holds a^2 of neighbours on a parabola, by the square of its slant beyond that
 CALM_BENT = 0.1  # the same where the locus is bent, by the square of all of the slant
-JOINED = 0.5, 0.9  # saddle over the shallower depth at which neighbouring grids have nothing and all in common
-ALIKE = 0.3, 0.5  # the same for the shallower depth over the deeper one
+JOINED = 0.5, 0.9  # d over its hull at which neighbouring grids have nothing and all in common
 
 
 class Hump(NamedTuple):
@@ -189,10 +188,10 @@ def off_locus(grid, x):
 
 
 @kernel
-def set_shifts(system, found):
+def set_shifts(system):
     """How far the middles of all grids' strips lie off the locus, how evenly their factors run, whether it matters.
 
-    found: the lobes. Grids that are about to merge take what they will have in common.
+    Grids that are about to merge take what they will have in common.
     """
     memo, grids = system.memo[0], system.grids
     matter = 0
@@ -217,15 +216,15 @@ def set_shifts(system, found):
     if matter == 0:
         return
     for g in range(memo.grids - 1):
-        one, other = found[grids[g].last], found[grids[g + 1].first]
-        shallow, deep = min(one.depth, other.depth), max(one.depth, other.depth)
-        share = rise(one.saddle / shallow, JOINED) * rise(shallow / deep, ALIKE)
+        share = rise(grids[g].bond, JOINED)
         if share > 0.0:
             most = max(grids[g].deepest, grids[g + 1].deepest)
             both = joined(hump_of(grids[g], system.rows[g], most), hump_of(grids[g + 1], system.rows[g + 1], most))
-            stretch, even = _stretch(both), _evenness(both, max(grids[g].reach, grids[g + 1].reach))
+            reach = max(grids[g].reach, grids[g + 1].reach)
+            stretch, even, calm = _stretch(both), _evenness(both, reach), _calm(both, reach)
             for k in range(g, g + 2):
                 grid = grids[k]
                 grid.evenness += share * (even - grid.evenness)
+                grid.calm += share * (calm - grid.calm)
                 grid.stretch += share * (stretch - grid.stretch)
                 grid.pivot += share * (stretch * both.x - grid.pivot)

@@ -53,9 +53,10 @@ the rail, with edges and factors only roughly; or not."""
 
 
 @kernel
-def solve(system, n, known):
+def solve(system, n, known, whole):
     """Solve; known: the unknowns are those of a contact near by. Returns one of SETTLED to UNSOLVED.
 
+    whole: else there are other grids to try before strips count as not shifted, and there is no substitute.
     ``memo.strips`` says with how many strips a grid.
     """
     memo = system.memo[0]
@@ -73,10 +74,12 @@ def solve(system, n, known):
                 if _afresh(system, memo.strips, level, True, ROUGHLY if result == SETTLED else FAIRLY):
                     return result if attempt == 0 else STRAIGHT
                 result = RETRIED
-        if not memo.shifted:
+        if not memo.shifted or not whole:
             break
         memo.shifted = 0
     memo.strips = n
+    if not whole:
+        return UNSOLVED
     return ROUGH if _afresh(system, n, ROUGH_LEVEL, False, FAIRLY) else UNSOLVED
 
 

@@ -1,0 +1,173 @@
+"""What grids are laid over: lobes, parts of them, or several that are nearly one.
+
+Neighbouring lobes and shoulders of a lobe share a grid where the ground between them is hardly lower than the chord
+over it, the concave hull of d(s); where it is lower they have grids of their own, which end where d over the hull is
+least. So a hump that comes into contact beyond a gap has its own strips and edges, and its force grows from nothing.
+All this belongs to the pose alone.
+"""
+
+from math import sqrt
+
+from wrsim.core.compiling import inlined, kernel
+from wrsim.core.contact.patch import first_step
+from wrsim.core.contact.rail import changes
+from wrsim.core.contact.records import STATUS_PROFILE_END
+from wrsim.core.contact.search.lobes import room_beside
+from wrsim.core.contact.strips.equations import set_fading
+from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows
+from wrsim.core.contact.strips.records import ROWS
+from wrsim.core.contact.strips.shifts import rise, set_shifts
+
+GATHERED = 0.5  # saddle over the depth of the shallower lobe from which on their ground is looked at as one
+MERGED = 0.9  # least d over the concave hull where equal humps share a grid
+LESS = 0.1  # by which it is less where the lower of two humps is far lower: it takes more to touch apart
+HUMP = 0.05  # of the deepest penetration: lower ground does not touch
+LINK = 0.05  # weight that holds the factors of neighbouring grids together
+LINKED = 0.5, 0.9  # d over the hull at which none and all of it counts
+ALIKE = 0.5, 0.8  # the same for the shallower depth over the other: a grid that leaves holds nothing
+CHAINED = 0.0, 0.2  # saddle over the shallower depth: none and all of what reaches one lobe reaches the other
+
+
+@kernel
+def set_grids(system, found, wheel, rail, pose, count, parted):
+    """Grids over all lobes, their bounds and rows. Returns a status.
+
+    parted: else lobes alone make grids, cut at their saddles, and shoulders none.
+    """
+    gathered = GATHERED if parted else MERGED
+    memo = system.memo[0]
+    status = 0
+    memo.grids = memo.parted = 0
+    memo.deepest = 1e-12
+    i = 0
+    while i < count:
+        last = i
+        while last < count - 1 and found[last].saddle > gathered * min(found[last].depth, found[last + 1].depth):
+            last += 1
+        first = memo.grids
+        grid = system.grids[first]
+        for side in range(2):
+            k = i if side == 0 else last
+            own = found[k]
+            limit = room_beside(found, k, count)[side]
+            step = first_step(own.depth, own.curvature)
+            way, beyond = find_end(
+                wheel, rail, own.arc_wheel, own.arc_rail, own.depth, step, 1.0 if side == 1 else -1.0, limit
+            )
+            status |= STATUS_PROFILE_END if beyond else 0
+            if side == 0:
+                grid.least = own.arc_rail - way
+            else:
+                grid.most = own.arc_rail + way
+        grid.arc, grid.place = found[i].arc_wheel, found[i].arc_rail
+        lay_rows(wheel, rail, grid, system.rows[first])
+        most = min(last - i + 2, system.grids.size - first - (count - 1 - last)) if parted else 1
+        memo.grids += _part(system, first, most)
+        memo.parted = max(memo.parted, int(memo.grids > first + 1))
+        for g in range(first, memo.grids):
+            grid, rows = system.grids[g], system.rows[g]
+            grid.first, grid.last = i, last
+            if memo.grids > first + 1:
+                lay_rows(wheel, rail, grid, rows)
+            grade_rows(grid, rows, pose.axle)
+            memo.deepest = max(memo.deepest, grid.deepest)
+            _set_main_place(grid, rows)
+            grid.chain = 1.0
+        grid = system.grids[memo.grids - 1]
+        grid.bond = grid.chain = 0.0
+        if last < count - 1 and found[last].saddle > 0.0:
+            grid.chain = rise(found[last].saddle / min(found[last].depth, found[last + 1].depth), CHAINED)
+        i = last + 1
+    for g in range(memo.grids):
+        grid = system.grids[g]
+        grid.link = 0.0
+        if g < memo.grids - 1:
+            one, other = grid.deepest, system.grids[g + 1].deepest
+            grid.link = LINK * rise(grid.bond, LINKED) * rise(min(one, other) / max(one, other), ALIKE)
+    set_fading(system)
+    if changes(rail):
+        memo.shifted = 0  # the places at which such a rail is touched are no locus of one wheel
+    else:
+        set_shifts(system)
+    return status
+
+
+@inlined
+def _set_main_place(grid, rows):
+    """Shift along the rail and half length of the overlap where a grid is deepest."""
+    main = 0
+    for r in range(1, ROWS):
+        main = r if rows[r].d > rows[main].d else main
+    grid.x, grid.reach = rows[main].x, sqrt(2.0 * max(rows[main].d, 0.0) * rows[main].r_t)
+
+
+@kernel
+def _part(system, first, most):
+    """Part the ground of a grid where it lies low between two humps; bounds, a pair of opposite points and bonds to
+    ``grids`` from it on. Returns the number of parts, ``most`` or fewer."""
+    grids, rows = system.grids, system.rows[first]
+    whole = grids[first]
+    least, h, deepest = whole.least, whole.spacing, whole.deepest
+    parts = 1
+    k = first
+    while k < first + parts and parts < most:
+        start = int((grids[k].least - least) / h + 0.999)
+        end = min(int((grids[k].most - least) / h + 0.001), ROWS - 1)
+        at, bond = _find_waist(rows, start, end, deepest)
+        if bond >= MERGED:
+            k += 1
+            continue
+        for later in range(first + parts, k + 1, -1):
+            before = grids[later - 1]
+            grids[later].least, grids[later].most, grids[later].bond = before.least, before.most, before.bond
+        grids[k + 1].most, grids[k + 1].bond = grids[k].most, grids[k].bond
+        grids[k + 1].least = grids[k].most = least + h * at
+        grids[k].bond = bond
+        parts += 1
+    if parts > 1:
+        for k in range(first, first + parts):
+            middle = min(max(int((0.5 * (grids[k].least + grids[k].most) - least) / h + 0.5), 0), ROWS - 1)
+            grids[k].arc, grids[k].place = rows[middle].arc, rows[middle].s
+    return parts
+
+
+@kernel
+def _find_waist(rows, first, last, deepest):
+    """Between two rows: where the penetration over its concave hull is least between two humps, in rows, and how much
+    it is; 1.0 where there are no two humps."""
+    least, at = 1.0, 0.0
+    if not _may_have_two(rows, first, last, HUMP * deepest):
+        return at, least
+    p = first
+    while p < last:
+        # the hull's next corner
+        q, steep = p + 1, rows[p + 1].d - rows[p].d
+        for r in range(p + 2, last + 1):
+            slope = (rows[r].d - rows[p].d) / (r - p)
+            if slope >= steep:
+                q, steep = r, slope
+        if p > first and q < last and min(rows[p].d, rows[q].d) > HUMP * deepest:
+            more = LESS * (1.0 - min(rows[p].d, rows[q].d) / deepest)
+            for r in range(p + 1, q):
+                ratio = rows[r].d / (rows[p].d + steep * (r - p)) + more
+                if ratio < least:
+                    before = rows[r - 1].d / (rows[p].d + steep * (r - 1 - p)) + more
+                    after = rows[r + 1].d / (rows[p].d + steep * (r + 1 - p)) + more
+                    bend = before + after - 2.0 * ratio
+                    at = r + min(max(0.5 * (before - after) / bend, -0.5), 0.5) if bend > 0.0 else float(r)
+                    least = ratio
+        p = q
+    return at, least
+
+
+@inlined
+def _may_have_two(rows, first, last, level):
+    """Whether the penetration bends down, up, and down again beyond a level."""
+    down = up = again = False
+    for r in range(first + 1, last):
+        if rows[r].d > level:
+            bend = rows[r - 1].d + rows[r + 1].d - 2.0 * rows[r].d
+            again = again or (up and bend < 0.0)
+            up = up or (down and bend > 0.0)
+            down = down or bend < 0.0
+    return again
