@@ -19,7 +19,8 @@ ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
-NAMES = {"carbody", "bogie", "front", "rear", "outer", "inner", "frame", "outer box", "motor", "motors", "from", "to", "step"}
+PARTS = {"carbody", "bogie", "front", "rear", "outer", "inner", "frame", "outer box", "motor", "motors"}
+NAMES = PARTS | {"from", "to", "step"}
 """Names that the files on the pages give to their parts, and the words of a series."""
 KEYS = set(re.findall(r"`(\w+)`", (ROOT / "docs" / "keys.md").read_text()))
 
