@@ -8,7 +8,7 @@ from support.vehicles import ROOT, SHORT, into_the_curve, manchester
 
 from wrsim.analysis import run
 from wrsim.analysis.motion.forces import force_law
-from wrsim.analysis.motion.run_in import run_in
+from wrsim.analysis.motion.run_in import run_in, straight_before
 from wrsim.analysis.motion.start import start_state
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result
@@ -98,7 +98,8 @@ def test_driven_axles_hold_the_speed_as_a_pull_does() -> None:
     # without a pull every axle pushes its quarter itself, against the rails
     more = (pulled["X"] - driven["X"]).sum(dim="wheel").values
     assert more.sum() == pytest.approx(pull, rel=0.01)
-    assert more == pytest.approx(0.25 * pull, rel=0.02)  # the last axle is still on its way into the curve
+    assert more[:3] == pytest.approx(0.25 * pull, rel=0.01)
+    assert more[3] == pytest.approx(0.25 * pull, rel=0.03)  # still on its way into the curve
 
 
 def test_steady_motion_in_a_curve_is_where_a_long_run_into_it_ends() -> None:
@@ -124,6 +125,23 @@ def test_steady_motion_in_a_curve_is_where_a_long_run_into_it_ends() -> None:
     assert np.abs(forces - forces_reached)[..., 0].max() < 0.01 * np.abs(forces[..., 0]).max()  # Y
     apart = np.abs(places - places_reached).max(axis=0)  # lateral shift, angle of attack
     assert (apart < 0.01 * np.abs(places).max(axis=0)).all()
+
+
+def test_a_run_may_start_in_a_transition_as_one_does_that_has_come_there() -> None:
+    """The search for a balance finds none there; a run from the straight track behind passes the same place."""
+    coarse = {key: value for key, value in SHORT.items() if key.startswith("contact.")}
+    curve = load(ROOT / "scenarios/manchester_r150.toml").with_values(coarse | {"run.output_interval_ms": 2.0})
+    there = curve.with_values({"run.start_distance_m": 28.0, "run.distance_m": 0.5})
+    straight = straight_before(build(there))
+    assert straight is not None and 10.0 < straight < 28.0
+    begun = run(there).dataset
+    passed = run(curve.with_values({"run.start_distance_m": straight, "run.distance_m": 28.6 - straight})).dataset
+    places, behind = begun["distance"].values, passed["distance"].values
+    for name in ("Q", "Y"):
+        found, expected = begun[name].values, passed[name].values
+        for wheel in np.ndindex(found.shape[1:]):
+            then = np.interp(places, behind, expected[:, *wheel])
+            assert np.abs(found[:, *wheel] - then).max() < 0.005 * np.abs(expected).max(), (name, wheel)
 
 
 def test_irregularities_are_kept_under_every_wheelset_at_its_own_place() -> None:

@@ -1,4 +1,7 @@
-"""How a vehicle gets into a curve when no search finds its steady motion: it runs in from straight track."""
+"""How a vehicle gets into a curve when no search finds its steady motion: it runs in from straight track.
+
+Into a full curve through a long transition of its own; into a transition, where nothing is steady, along the track
+itself."""
 
 from __future__ import annotations
 
@@ -32,6 +35,9 @@ EASE = 3.0
 SETTLE = 3.0
 """... and in the full curve before the motion is taken as steady [s]."""
 
+APART = 1.0
+"""Between the places at which straight track is looked for [m]."""
+
 SAMPLES = 0.1
 """Time between two samples of the run [s]."""
 
@@ -57,17 +63,50 @@ def run_in(setup: Setup[RunPlan], start_of: Callable[[Setup, VehicleOnTrack], St
         contact=contact_at(setup, run.start),
         plan=replace(run, start=reach, end=2.0 * reach + ease + settle, profile=None),
     )
-    law = force_law(there, drive=held_by(setup))
+    law, q, q_t = _run(there, start_of)
+    ahead = vehicle.parts[vehicle.reference].centre[0]
+    return _moved(law, law.distance - ahead, setup, q, q_t)
+
+
+def straight_before(setup: Setup[RunPlan]) -> float | None:
+    """Distance at which the whole vehicle is last on straight track before its run starts, if that is in a transition
+    [m]; None where the curvature under it does not change or no straight track lies behind."""
+    track, start = setup.track, setup.plan.start
+    reach = max(abs(part.centre[0]) for part in setup.vehicle.parts) + 2.0
+    places = np.arange(start + reach, 0.0, -APART)
+    curvature = track.curvature(places)
+    if np.ptp(curvature[places >= start - reach]) < 1e-9:
+        return None
+    bent = places[np.abs(curvature) > 1e-9]
+    gaps = np.flatnonzero(-np.diff(bent, append=0.0) > 2.0 * reach + APART)
+    return float(bent[gaps[0]] - APART - reach) if gaps.size else None
+
+
+def run_up(setup: Setup[RunPlan], straight: float, start_of: Callable[[Setup, VehicleOnTrack], State]) -> State:
+    """State (q, q_t) at the start of a run in a transition, reached along the track from a straight place [m] behind.
+
+    It may be some millimetres off the start: moved there as a whole, the vehicle would not suit the changing track.
+    start_of(setup, law): steady motion there. Raises NoSteadyMotion when the run does not arrive.
+    """
+    run = setup.plan
+    there = replace(setup, plan=replace(run, start=straight, end=run.start, profile=None))
+    return _run(there, start_of)[1:]
+
+
+def _run(
+    there: Setup[RunPlan], start_of: Callable[[Setup, VehicleOnTrack], State]
+) -> tuple[VehicleOnTrack, Array, Array]:
+    """Run as ``there`` says: the law of forces, and the state at the end."""
+    law = force_law(there, drive=held_by(there))
     q, q_t = start_of(there, law)
     system = System(law.bodies, law, law.dampers)
-    step, weight = implicit_step(run.speed, SAMPLES), vehicle.weight
+    step, weight = implicit_step(there.plan.speed, SAMPLES), there.vehicle.weight
     motion = integrate(system, q, q_t, duration=there.plan.duration, step=step, weight=weight, sample_interval=SAMPLES)
     if motion.status != "completed":
         raise NoSteadyMotion(RunInStopped(motion.reason))
     law.look_near(there.plan.end)
     law(motion.end, motion.q[-1], motion.q_t[-1], np.zeros(law.size))
-    ahead = vehicle.parts[vehicle.reference].centre[0]
-    return _moved(law, law.distance - ahead, setup, motion.q[-1], motion.q_t[-1])
+    return law, motion.q[-1], motion.q_t[-1]
 
 
 def _moved(law: VehicleOnTrack, distance: float, setup: Setup[RunPlan], q: Array, q_t: Array) -> State:

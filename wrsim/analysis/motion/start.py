@@ -12,7 +12,7 @@ from wrsim.analysis.motion.derailment import derailed
 from wrsim.analysis.motion.forces import force_law, held_by
 from wrsim.analysis.motion.outcomes import NoSteadyMotion
 from wrsim.analysis.motion.overturning import pushed
-from wrsim.analysis.motion.run_in import run_in
+from wrsim.analysis.motion.run_in import run_in, run_up, straight_before
 from wrsim.errors import SimulationError
 from wrsim.simulation.state import (
     TOLERANCE,
@@ -68,8 +68,9 @@ def enough(setup: Setup[RunPlan]) -> float:
 def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
     """State (q, q_t) from which a run starts: steady motion in the track as it is at the start.
 
-    If no search finds it in a curve, the vehicle is run in from straight track; its last state is accepted if it is
-    steady enough, and so is, on straight track, the best that a search finds. With the exact contact solver the search
+    If the search from the middle does not find it in a curve, the vehicle is run in from straight track; its last state
+    is accepted if it is steady enough. In a transition nothing is steady: there it runs along its track. Then come
+    searches from other shifts; on straight track the best of them is taken. With the exact contact solver the search
     goes on from what a fast model finds. Motors and brakes do nothing yet. Raises NoSteadyMotion.
     """
     setup = replace(setup, vehicle=setup.vehicle.coasting)
@@ -109,28 +110,47 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
         return _of_train(setup, law)
     curvature = float(setup.track.curvature(setup.plan.start))
     aside = pushed(setup, law.speed).left
-    problems, near = [], []
-    for shift in shifts(setup, -curvature if curvature != 0.0 else aside):
+    ways = shifts(setup, -curvature if curvature != 0.0 else aside)
+    problems: list[SimulationError] = []
+    near: list[Equilibrium] = []
+
+    def searched(ways: list[Array]) -> Equilibrium | None:
+        for shift in ways:
+            try:
+                law.look_near(law.start)
+                guess = lower_on_rails(law, *design_state(law, lateral=shift))
+                found = on_the_rails(law, steady_state(law, guess, tolerance=enough(setup)))
+                if found.residual <= TOLERANCE:
+                    return found
+                near.append(found)
+            except SimulationError as fault:
+                problems.append(fault)
+        return None
+
+    found = searched(ways[:1])
+    straight = straight_before(setup)
+    if found is None and (curvature != 0.0 or straight is not None):
         try:
-            law.look_near(law.start)
-            guess = lower_on_rails(law, *design_state(law, lateral=shift))
-            found = on_the_rails(law, steady_state(law, guess, tolerance=enough(setup)))
-            if found.residual <= TOLERANCE:
-                return found
-            near.append(found)
+            found = _reached(setup, law, straight)
         except SimulationError as fault:
-            problems.append(fault)
-    if curvature == 0.0 and near:
-        return min(near, key=lambda found: found.residual)
-    try:
-        if curvature == 0.0:
-            raise problems[0]
-        held = replace(setup, vehicle=setup.vehicle.loaded_as_at(setup.plan.start))
+            problems.insert(0, fault)
+    if found is None and straight is None:
+        found = searched(ways[1:])
+        if found is None and near and curvature == 0.0:
+            found = min(near, key=lambda one: one.residual)
+    if found is None:
+        raise problems[0] if isinstance(problems[0], NoSteadyMotion) else NoSteadyMotion(problems[0]) from None
+    return found
+
+
+def _reached(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float | None) -> Equilibrium:
+    """The motion that a vehicle has come to from straight track: into a curve as long as that of the start, and steady
+    there, or along the track from a straight place [m] into its transition."""
+    held = replace(setup, vehicle=setup.vehicle.loaded_as_at(setup.plan.start))
+    if straight is None:
         return on_the_rails(law, steady_state(law, run_in(held, start_state), tolerance=enough(setup)))
-    except NoSteadyMotion:
-        raise
-    except SimulationError as fault:
-        raise NoSteadyMotion(fault) from None
+    q, q_t = run_up(held, straight, start_state)
+    return on_the_rails(law, Equilibrium(q, q_t, SteadyMotion(law).largest(q, q_t), 0))
 
 
 def on_the_rails(law: VehicleOnTrack, found: Equilibrium) -> Equilibrium:
