@@ -3,8 +3,8 @@
 Takes a short run with its tables and pictures, uninterrupted, as the truth. Then the command is started again and again
 with ``--resume`` in other folders and killed (SIGKILL) after a random time, in its start-up, its steps, its tables or
 its pictures, until it ends by itself. Counts kills, files that cannot be read after one, and files of a folder that
-differ from the uninterrupted run's by a byte. Most commands are forked from a process that has imported everything,
-every fifth starts from nothing.
+differ from the uninterrupted run's by a byte (the result: by a number). Most commands are forked from a process that
+has imported everything, every fifth starts from nothing.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import xarray as xr
 from hostile import until_ctrl_c
 
 from wrsim.cli import main as command
@@ -86,9 +87,16 @@ def run_for(arguments: list[str], fresh: bool, seconds: float) -> int | None:
     return None
 
 
-def contents(folder: Path) -> dict[str, bytes]:
-    """All files of a run but the ledger, which tells its story."""
-    return {p.name: p.read_bytes() for p in folder.iterdir() if p.name != LEDGER}
+def contents(folder: Path) -> dict[str, object]:
+    """All files of a run but the ledger, which tells its story; of the result what it holds: netCDF-C writes the time
+    of the clock into its file."""
+    files = [p for p in folder.iterdir() if p.name != LEDGER]
+    return {p.name: Result.load(p).dataset.load() if p.name == "result.nc" else p.read_bytes() for p in files}
+
+
+def alike(one: object, other: object) -> bool:
+    """Whether two files hold the same."""
+    return one.identical(other) if isinstance(one, xr.Dataset) and isinstance(other, xr.Dataset) else one == other
 
 
 def broken(folder: Path) -> list[str]:
@@ -173,7 +181,7 @@ def counted(folder: Path, kills: int, rng: random.Random) -> dict[str, int | flo
             print(f"run {counts['runs']} ended with exit code {code}", flush=True)
         after = contents(out)
         for file in sorted({*truth, *after}):
-            if truth.get(file) != after.get(file):
+            if not alike(truth.get(file), after.get(file)):
                 counts["different_files"] += 1
                 print(f"run {counts['runs']}: {file} is not that of the uninterrupted run", flush=True)
     return counts | stages | {"files_of_a_run": len(truth), "seconds_of_a_run": round(seconds[False], 1)}

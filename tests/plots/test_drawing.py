@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -77,3 +79,42 @@ def test_an_error_of_a_picture_is_met_here() -> None:
 
     with pytest.raises(ValueError, match="no such picture"), drawing({"a": faulty, "b": faulty}) as finish:
         finish()
+
+
+def test_the_second_process_dies_with_the_first(tmp_path: Path) -> None:
+    """It has inherited the lock of the folder: alive, it would keep the run that goes on out of it."""
+    code = f"""
+import os, time
+from pathlib import Path
+os.sched_getaffinity = lambda process: {{0, 1}}
+from wrsim.plots import drawing
+def slow():
+    Path({str(tmp_path / "second")!r}).write_text(str(os.getpid()))
+    time.sleep(60)
+with drawing({{"one": slow, "other": slow}}) as finish:
+    time.sleep(60)
+"""
+    first = subprocess.Popen([sys.executable, "-c", code])
+    try:
+        end = time.monotonic() + 30.0
+        while not (tmp_path / "second").exists() or not (tmp_path / "second").read_text():
+            assert first.poll() is None and time.monotonic() < end
+            time.sleep(0.02)
+        second = int((tmp_path / "second").read_text())
+        assert second != first.pid
+        first.kill()
+        first.wait()
+        end = time.monotonic() + 10.0
+        while _runs(second) and time.monotonic() < end:
+            time.sleep(0.02)
+        assert not _runs(second)
+    finally:
+        first.kill()
+
+
+def _runs(process: int) -> bool:
+    """Whether a process is there and no zombie."""
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False

@@ -7,6 +7,7 @@ met here, as they are without it.
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
 import os
 import signal
@@ -19,6 +20,9 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from wrsim.plots.style import rendered
+
+DIE_WITH_PARENT = 1
+"""PR_SET_PDEATHSIG of Linux's prctl: the signal that a process gets when its parent has died."""
 
 Makers = Mapping[str, Callable[[], Figure]]
 Finish = Callable[[], dict[str, bytes]]
@@ -34,7 +38,7 @@ def drawing(figures: Makers) -> Iterator[Finish]:
     context = multiprocessing.get_context("fork")
     taken = context.Value("i", 0)
     receiver, sender = context.Pipe(duplex=False)
-    second = context.Process(target=_second, args=(figures, taken, sender), daemon=True)
+    second = context.Process(target=_second, args=(figures, taken, sender, receiver, os.getpid()), daemon=True)
     with warnings.catch_warnings():
         # from 3.12 on: "may lead to deadlocks"; the only other threads are those of BLAS, which stop for a fork
         warnings.simplefilter("ignore", DeprecationWarning)
@@ -79,9 +83,16 @@ def _share(figures: Makers, taken: Any) -> dict[str, bytes]:
         drawn[names[place]] = _painted(figures[names[place]])
 
 
-def _second(figures: Makers, taken: Any, sender: Any) -> None:
-    """What the second process does; it says nothing, and leaves what goes wrong to the first."""
+def _second(figures: Makers, taken: Any, sender: Any, receiver: Any, first: int) -> None:
+    """What the second process does; it says nothing, and leaves what goes wrong to the first.
+
+    It must not outlive the first one: it has inherited the lock of the folder, and would keep others out of it.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    ctypes.CDLL(None).prctl(DIE_WITH_PARENT, signal.SIGKILL)
+    if os.getppid() != first:
+        os._exit(1)
+    receiver.close()
     try:
         sender.send(_share(figures, taken))
     except Exception:
