@@ -234,6 +234,21 @@ def test_tables_and_pictures_belong_to_the_run_until_they_are_there(
     assert len(analysed) == before
 
 
+def test_what_a_killed_run_had_not_finished_goes_and_nothing_else(scenario: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    unfinished = [".history.csv.0a1b2c3d.part", ".result.nc.k2_x9abc.part"]
+    own = [".notes.part", "history.csv.0a1b2c3d.part", ".history.csv.0a1b2c3d.parts"]
+    for name in (*unfinished, *own):
+        (out / name).write_text("begun")
+    (out / ".link.csv.0a1b2c3d.part").symlink_to(out / own[0])
+    done = call("run", scenario, "-o", out)
+    assert done.exit_code == 0, done.output
+    left = {path.name for path in out.iterdir()}
+    assert not left & set(unfinished)
+    assert left >= {*own, ".link.csv.0a1b2c3d.part"}
+
+
 def test_pictures_that_were_not_wanted_can_be_had_later(scenario: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert call("run", scenario, "-o", out, "--no-pictures").exit_code == 0

@@ -47,10 +47,13 @@ def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path 
 
     reads: files of its input; scenario: the file that is run. Raises ``InputError`` before anything is changed there.
     """
+    from wrsim.results.files import sweep
     from wrsim.results.ledger import Keeper, Ledger, keeping
 
     keeper = Keeper(tuple(reads), force, directory)
     with Ledger(directory).locked(), keeping(keeper):
+        for folder in (directory, *directory.glob("wheelset_*/")):
+            sweep(folder)
         kept = (RECORD,) if _is_record(directory, scenario) else ()
         keeper.check_folder(directory, [name for name in OUTPUTS if name not in kept])
         for folder in directory.glob("wheelset_*/"):

@@ -8,6 +8,7 @@ import hashlib
 import io
 import json
 import os
+import re
 import secrets
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -91,6 +92,17 @@ def write_atomically(path: str | Path, content: bytes | Iterable[bytes]) -> Path
             temporary.unlink(missing_ok=True)
             raise
     return path
+
+
+LEFT_OVER = re.compile(r"\..+\.(csv|json|nc|png|toml)\.[0-9a-z_]{8}\.part")
+"""Names that `write_atomically` and `sealed` give to what they have not finished."""
+
+
+def sweep(folder: Path) -> None:
+    """Remove what processes that were killed while they wrote have left in a folder; the caller holds its lock."""
+    for path in folder.glob(".*.part"):
+        if LEFT_OVER.fullmatch(path.name) and path.is_file() and not path.is_symlink():
+            path.unlink(missing_ok=True)
 
 
 def open_no_link(path: Path, flags: int) -> IO[bytes]:
