@@ -27,7 +27,8 @@ nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|xarray|matplotlib|pandas|pathlib)\..*"),  # types of other libraries: no inventory is fetched
     ("py:.*", r"(array_like|callable|mapping|sequence|Path)"),
-    ("py:.*", r"(Contact|Finder|FrictionAlong|HalfSpaceSettings|Material|RailSurface|Setup)"),  # of wrsim, not among its public names
+    # of wrsim, not among its public names
+    ("py:.*", r"(Contact|Finder|FrictionAlong|HalfSpaceSettings|Material|RailSurface|Setup)"),
 ]
 
 myst_enable_extensions = ["deflist"]
