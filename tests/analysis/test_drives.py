@@ -7,19 +7,16 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid, quad
+from scipy.integrate import quad
+from support.energy import balance
 from support.scenario_texts import CURVE, faults
 from support.vehicles import COARSE, ROOT, manchester
 
 from wrsim.analysis import run
 from wrsim.analysis.motion.forces import force_law
-from wrsim.analysis.motion.start import start_state
 from wrsim.core.body.line_motion import PIECE, motion_at
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
-from wrsim.simulation.bodies import mass_matrix
-from wrsim.simulation.integrate import integrate
-from wrsim.simulation.system import System
 from wrsim.vehicle.speed import SpeedProfile
 
 Array = NDArray[np.float64]
@@ -65,31 +62,6 @@ def test_over_distance_the_square_of_the_speed_is_linear():
 
 
 # --- energy -----------------------------------------------------------------------------------------------
-
-
-def balance(scenario: Scenario) -> tuple[Array, Array, Array, Array]:
-    """Times of a run on level track [s], and from its start on the change of kinetic energy, the work of the drive, and
-    what creep has dissipated [J]. What weight and springs hold and dampers take is left out: when it is quiet they are
-    as at the start.
-    """
-    setup = build(scenario)
-    law = force_law(setup)
-    q, q_t = start_state(setup, law)
-    system = System(law.bodies, law, law.dampers)
-    motion = integrate(
-        system, q, q_t, duration=setup.plan.duration, step=1.25e-3, weight=law.vehicle.weight, sample_interval=5e-3
-    )
-    assert motion.status == "completed"
-    n = 6 * len(law.bodies)
-    powers, losses, energies = [], [], []
-    for t, state, rates in zip(motion.times, motion.q, motion.q_t, strict=True):
-        law.at(t, state, rates)
-        powers.append(float(np.sum(law.axles["power"])))
-        arrays = [wheel.model.arrays for pair in law.wheels for wheel in pair]
-        losses.append(sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays))
-        energies.append(0.5 * rates[:n] @ mass_matrix(law.bodies, state)[:n, :n] @ rates[:n])
-    work, loss = (cumulative_trapezoid(p, motion.times, initial=0.0) for p in (powers, losses))
-    return motion.times, np.array(energies) - energies[0], work, loss
 
 
 SPEEDING_AND_BRAKING = [[0.1, 54], [0.9, 60], [2.4, 60], [3.2, 54]]

@@ -8,23 +8,17 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from scipy.integrate import cumulative_trapezoid
+from support.energy import balance
 from support.vehicles import COARSE, ROOT, on_track
 
 from wrsim.analysis import run
-from wrsim.analysis.motion.forces import force_law
-from wrsim.analysis.motion.start import start_state
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
-from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
-from wrsim.simulation.bodies import mass_matrix
-from wrsim.simulation.integrate import integrate
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.state import design_state, steady_state
-from wrsim.simulation.system import System
 from wrsim.vehicle.vehicle import Effort, Load, Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 
@@ -145,24 +139,14 @@ def test_work_of_the_motors_is_kinetic_energy_or_lost_in_creep():
         {"on": [drive.wheelset for drive in motor_coach().drives],
          "time_s_moment_kNm": [[0.1, 0], [0.4, 6], [1.4, 6], [1.7, 0]]}
     ]  # fmt: skip
-    setup = build(scenario(vehicle__drive="free", vehicle__efforts=efforts, run__time_s=4.0))
-    law = force_law(setup)
-    q, q_t = start_state(setup, law)
-    system = System(law.bodies, law, law.dampers)
-    motion = integrate(system, q, q_t, duration=4.0, step=1.25e-3, weight=law.vehicle.weight, sample_interval=5e-3)
-    assert motion.status == "completed"
-    n = 6 * len(law.bodies)
-    places = np.array(list(law.gears.values()))
-    powers, losses, energies = [], [], []
-    for t, state, rates in zip(motion.times, motion.q, motion.q_t, strict=True):
-        law.at(t, state, rates)
-        powers.append(float(np.sum(law.axles["power"])))
-        arrays = [wheel.model.arrays for pair in law.wheels for wheel in pair]
-        losses.append(sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays))
-        turning = 0.5 * TURNING * np.sum(rates[places + 1] ** 2) + 0.5 * STIFFNESS * np.sum(rates[places] ** 2)
-        energies.append(0.5 * rates[:n] @ mass_matrix(law.bodies, state)[:n, :n] @ rates[:n] + turning)
-    work, loss = (cumulative_trapezoid(p, motion.times, initial=0.0)[-1] for p in (powers, losses))
-    gained = energies[-1] - energies[0]
+
+    def of_gears(law: VehicleOnTrack, _q: np.ndarray, q_t: np.ndarray) -> float:
+        places = np.array(list(law.gears.values()))
+        return float(0.5 * TURNING * np.sum(q_t[places + 1] ** 2) + 0.5 * STIFFNESS * np.sum(q_t[places] ** 2))
+
+    driven = scenario(vehicle__drive="free", vehicle__efforts=efforts, run__time_s=4.0)
+    _times, energy, spent, lost = balance(driven, of_gears)
+    work, loss, gained = spent[-1], lost[-1], energy[-1]
     assert gained > 3e5
     assert work - loss == pytest.approx(gained, abs=1e-3 * gained)
 

@@ -8,9 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from wrsim.cli.showing import print_table, say
 
-CANT_BASE = 1.5
-"""Distance over which cant and twist are counted [m]."""
-
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -54,16 +51,12 @@ def twist_facts(vehicle: Vehicle, test: TwistTest) -> dict[str, Any]:
     """What the command tells of a twist test."""
     from wrsim.analysis.stationary.twist_test import UNLOADING_LIMIT
 
-    def by_wheel(values: NDArray[np.float64], factor: float = 1.0) -> dict[str, dict[str, float]]:
-        pairs = zip(vehicle.wheelsets, (factor * values).tolist(), strict=True)
-        return {m.name: {"left": left, "right": right} for m, (left, right) in pairs}
-
     return {
         "body_twist_permille": 1e3 * test.body,
         "bogie_twist_permille": 1e3 * test.bogie,
-        "static_kN": by_wheel(test.static, 1e-3),
-        "unloading": by_wheel(test.unloading),
-        "of_friction": by_wheel(test.friction),
+        "static_kN": _by_wheel(vehicle, test.static / 1e3),
+        "unloading": _by_wheel(vehicle, test.unloading),
+        "of_friction": _by_wheel(vehicle, test.friction),
         "largest_unloading": float(test.unloading.max()),
         "limit": UNLOADING_LIMIT,
     }
@@ -114,6 +107,7 @@ def loops_picture(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[
 
 def leaning_facts(vehicle: Vehicle, level: Standing, deficiency_mm: float) -> dict[str, Any]:
     """How a vehicle without loads stands on rails canted by so much; level: how it does on level ones."""
+    from wrsim.analysis.assessment.sections import CANT_BASE
     from wrsim.errors import SimulationError
     from wrsim.simulation.statics import leaning, standing
 
@@ -133,6 +127,7 @@ def leaning_facts(vehicle: Vehicle, level: Standing, deficiency_mm: float) -> di
 
 def twisted_facts(vehicle: Vehicle, level: Standing, twist: float) -> dict[str, Any]:
     """How it stands on a track of this twist, in parts of a thousand; see `leaning_facts`."""
+    from wrsim.analysis.assessment.sections import CANT_BASE
     from wrsim.errors import SimulationError
     from wrsim.simulation.statics import standing
 
@@ -146,19 +141,20 @@ def twisted_facts(vehicle: Vehicle, level: Standing, twist: float) -> dict[str, 
 
 def _unloading(vehicle: Vehicle, level: Standing, rest: Standing) -> dict[str, Any]:
     """Wheel loads, and the part of its load on level rails that every wheel has lost."""
-    lost = (1.0 - rest.wheel_loads / level.wheel_loads).tolist()
-    unloading = {m.name: {"left": a, "right": b} for m, (a, b) in zip(vehicle.wheelsets, lost, strict=True)}
+    lost = 1.0 - rest.wheel_loads / level.wheel_loads
     loads = wheel_loads(vehicle, rest.wheel_loads)
-    return loads | {"unloading": unloading, "largest_unloading": max(map(max, lost))}
+    return loads | {"unloading": _by_wheel(vehicle, lost), "largest_unloading": float(lost.max())}
 
 
 def wheel_loads(vehicle: Vehicle, loads: NDArray[np.float64]) -> dict[str, Any]:
     """Wheel loads (wheelsets, 2) [N] and their sum."""
-    found = {
-        m.name: {"left": float(q[0]) / 1e3, "right": float(q[1]) / 1e3}
-        for m, q in zip(vehicle.wheelsets, loads, strict=True)
-    }
-    return {"wheel_loads_kN": found, "weight_kN": float(loads.sum()) / 1e3}
+    return {"wheel_loads_kN": _by_wheel(vehicle, loads / 1e3), "weight_kN": float(loads.sum()) / 1e3}
+
+
+def _by_wheel(vehicle: Vehicle, values: NDArray[np.float64]) -> dict[str, dict[str, float]]:
+    """Numbers of the wheels (wheelsets, 2) by the wheelsets' names."""
+    pairs = zip(vehicle.wheelsets, values.tolist(), strict=True)
+    return {m.name: {"left": left, "right": right} for m, (left, right) in pairs}
 
 
 def print_standing(found: dict[str, Any]) -> None:

@@ -52,11 +52,11 @@ def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path 
 
     keeper = Keeper(tuple(reads), force, directory)
     with Ledger(directory).locked(), keeping(keeper):
-        for folder in (directory, *directory.glob("wheelset_*/")):
-            sweep(folder)
         kept = (RECORD,) if _is_record(directory, scenario) else ()
+        sweep(directory)
         keeper.check_folder(directory, [name for name in OUTPUTS if name not in kept])
         for folder in directory.glob("wheelset_*/"):
+            sweep(folder)
             keeper.check_folder(folder, OUTPUTS)
         yield keeper
 

@@ -24,7 +24,7 @@ from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.force_law import Array, Block
 from wrsim.simulation.suspension_table import SuspensionTable, suspension_table
 from wrsim.simulation.threads import use_threads
-from wrsim.vehicle.bogies import holder_of
+from wrsim.vehicle.bogies import holders_of
 from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle import Drive, LoadAxes, Over
 
@@ -408,8 +408,7 @@ class VehicleOnTrack:
         loads, load_tables = self._load_arrays()
         carried = [(c.mass, c.height, vehicle.index(c.body)) for c in vehicle.carried]
         axles = np.zeros(wheelsets, load_kernel.AXLE)
-        for i, m in enumerate(vehicle.wheelsets):
-            holder = holder_of(vehicle, m.name)
+        for i, (m, holder) in enumerate(zip(vehicle.wheelsets, holders_of(vehicle), strict=True)):
             axles[i].radius, axles[i].body = m.wheelset.mean_radius, i
             axles[i].holder = -1 if holder is None else vehicle.index(holder)
             axles[i].gear = -1

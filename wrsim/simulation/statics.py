@@ -128,7 +128,7 @@ class Stand(SteadyMotion):
         x, w = self._x, len(self._vehicle.wheelsets)
         own, held = self._own, [Y, SPIN]
         self._before = None if interval is None else (self.state(x)[0], interval)
-        own[:w, ROLL] += tilt - own[:w, ROLL]
+        own[:w, ROLL] = tilt
         if turned is not None:
             held += [X, HEADING]
             bogie, angle = turned
@@ -152,9 +152,8 @@ class Stand(SteadyMotion):
             up, about = supports.sum(axis=1), self._half * (supports[:, 0] - supports[:, 1])
             axles[:, Z] += up / self._vehicle.weight
             across = axles[:, Y] * np.cos(own[:w, HEADING]) - axles[:, X] * np.sin(own[:w, HEADING])
-            axles[:, ROLL] += (
-                about / self._vehicle.weight - self._radius * across
-            )  # the rails push back at their height
+            # the rails push back at their height
+            axles[:, ROLL] += about / self._vehicle.weight - self._radius * across
             return left[free]
 
         with self.law.settled(self.slips):

@@ -24,21 +24,21 @@ class Bogie:
     wheelbase: float
 
 
-def holder_of(vehicle: Vehicle, wheelset: str) -> str | None:
-    """The body, no wheelset, that holds a wheelset: of those that elements join to it or to its axle boxes the one that
-    is joined to most wheelsets (a motor or a gear that sits on its axle is not), the first of several; None where only
-    a frame of the track holds it.
+def holders_of(vehicle: Vehicle) -> list[str | None]:
+    """The body, no wheelset, that holds each wheelset: of those that elements join to it or to its axle boxes the one
+    that is joined to most wheelsets (a motor or a gear that sits on its axle is not), the first of several; None where
+    only a frame of the track holds it.
     """
     bodies = {body.name for body in vehicle.bodies}
-    axles = {mounted.name for mounted in vehicle.wheelsets}
+    axles = [mounted.name for mounted in vehicle.wheelsets]
     joined: dict[str, set[str]] = {}
     for e in vehicle.elements:
         ends = vehicle.carrier(e.first), vehicle.carrier(e.second)
         for body, axle in (ends, ends[::-1]):
             if body in bodies and axle in axles:
                 joined.setdefault(body, set()).add(axle)
-    holders = [body for body, held in joined.items() if wheelset in held]
-    return max(holders, key=lambda body: len(joined[body]), default=None)
+    of_axles = ([body for body, held in joined.items() if axle in held] for axle in axles)
+    return [max(holders, key=lambda body: len(joined[body]), default=None) for holders in of_axles]
 
 
 def bogies_of(vehicle: Vehicle) -> tuple[Bogie, ...]:
@@ -50,8 +50,7 @@ def bogies_of(vehicle: Vehicle) -> tuple[Bogie, ...]:
         raise InputError(f"{vehicle.name} is a train: its vehicles are tested one by one")
     reference = vehicle.parts[vehicle.reference].name
     groups: dict[str, list[int]] = {}
-    for i, mounted in enumerate(vehicle.wheelsets):
-        frame = holder_of(vehicle, mounted.name)
+    for i, frame in enumerate(holders_of(vehicle)):
         if frame is None or frame == reference:
             return ()
         groups.setdefault(frame, []).append(i)

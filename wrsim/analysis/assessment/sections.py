@@ -60,6 +60,7 @@ CLOSE = 1e-3
 """Places nearer than this [m] are one."""
 
 CANT_BASE = 1.5
+"""Distance over which cant, cant deficiency and twist are counted, whatever the gauge [m]."""
 
 
 def zone_of(curvature: float) -> str:

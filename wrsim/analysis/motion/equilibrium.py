@@ -80,10 +80,8 @@ def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
         q[6 * i : 6 * i + 6] = _seat(setup, i)
     try:
         return on_the_rails(law, steady_state(law, (q, q_t), tolerance=ENOUGH))
-    except NoSteadyMotion:
-        raise
     except SimulationError as fault:
-        raise NoSteadyMotion(fault) from None
+        raise NoSteadyMotion.of(fault) from None
 
 
 def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:

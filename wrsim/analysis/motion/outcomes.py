@@ -74,3 +74,8 @@ class NoSteadyMotion(SimulationError):
     def __init__(self, reason: OffRail | Overlap | Overturned | RunInStopped | SimulationError) -> None:
         super().__init__(str(reason))
         self.reason = reason
+
+    @classmethod
+    def of(cls, fault: SimulationError) -> NoSteadyMotion:
+        """What has stopped a search, as such an error; it may be one already."""
+        return fault if isinstance(fault, cls) else cls(fault)

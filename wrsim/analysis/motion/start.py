@@ -99,10 +99,8 @@ def _of_train(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
         return on_the_rails(law, Equilibrium(q, q_t, left, 0))
     try:
         return on_the_rails(law, steady_state(law, (q, q_t), tolerance=enough(setup)))
-    except NoSteadyMotion:
-        raise
     except SimulationError as fault:
-        raise NoSteadyMotion(fault) from None
+        raise NoSteadyMotion.of(fault) from None
 
 
 def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
@@ -127,20 +125,19 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
                 problems.append(fault)
         return None
 
-    found = searched(ways[:1])
+    if found := searched(ways[:1]):
+        return found
     straight = straight_before(setup)
-    if found is None and (curvature != 0.0 or straight is not None):
+    if curvature != 0.0 or straight is not None:
         try:
-            found = _reached(setup, law, straight)
+            return _reached(setup, law, straight)
         except SimulationError as fault:
             problems.insert(0, fault)
-    if found is None and straight is None:
-        found = searched(ways[1:])
-        if found is None and near and curvature == 0.0:
-            found = min(near, key=lambda one: one.residual)
-    if found is None:
-        raise problems[0] if isinstance(problems[0], NoSteadyMotion) else NoSteadyMotion(problems[0]) from None
-    return found
+    if straight is None and (found := searched(ways[1:])):
+        return found
+    if curvature == 0.0 and straight is None and near:
+        return min(near, key=lambda one: one.residual)
+    raise NoSteadyMotion.of(problems[0])
 
 
 def _reached(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float | None) -> Equilibrium:

@@ -10,14 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.analysis.assessment.sections import CANT_BASE
 from wrsim.simulation.statics import Stand
 from wrsim.vehicle.bogies import bogies_of
 from wrsim.vehicle.vehicle import Vehicle
 
 Array = NDArray[np.float64]
-
-TILT_BASE = 1.5
-"""Distance over which twist is counted [m]."""
 
 UNLOADING_LIMIT = 0.6
 """Largest Delta Q / Q0 [mem]."""
@@ -113,5 +111,5 @@ def twist_test(vehicle: Vehicle, body: float | None = None, bogie: float | None 
     up = np.arange(QUARTER + 1) / QUARTER
     down = 1.0 - up[1:]
     part = np.concatenate([up, down, -up[1:], -down, up[1:]])
-    loads = [stand.rest(tilt * p / TILT_BASE).wheel_loads for p in part]
+    loads = [stand.rest(tilt * p / CANT_BASE).wheel_loads for p in part]
     return TwistTest(body, bogie, part, np.array(loads))

@@ -104,8 +104,8 @@ class _Table:
             on_the_rails(law, Equilibrium(q, q_t, found.left, 0))
         except SimulationError as error:
             missing = 1e3 * cant_deficiency(point, self.setup.track.cant_base)
-            why = error if isinstance(error, NoSteadyMotion) else NoSteadyMotion(error)
-            self.messages[i] = f"{steady_words(why, self.vehicle)} (cant deficiency {missing:.0f} mm)"
+            why = steady_words(NoSteadyMotion.of(error), self.vehicle)
+            self.messages[i] = f"{why} (cant deficiency {missing:.0f} mm)"
             for raw in self.raw:
                 raw.clear(i)
             return

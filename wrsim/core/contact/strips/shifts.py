@@ -82,16 +82,39 @@ def joined(a, b):
     )
 
 
+class Slant(NamedTuple):
+    """What a slanted ground asks of a grid: how much farther from the mean middles lie than the locus, over the locus's
+    distance; how much more firmly factors are kept alike; how firmly half lengths of neighbours are held together."""
+
+    stretch: float
+    evenness: float
+    calm: float
+
+
+class Curvatures(NamedTuple):
+    """Principal curvatures of the gap, the larger and the smaller one, and their difference."""
+
+    most: float
+    least: float
+    apart: float
+
+
+@inlined
+def _principal(ratio, slope):
+    """Of a gap of curvature 1 along x, whose ridge is bent ``ratio`` times as much across and leans by ``slope``."""
+    square = slope * slope
+    across = ratio + square
+    apart = sqrt((across - 1.0) ** 2 + 4.0 * square)
+    return Curvatures(0.5 * (1.0 + across + apart), 0.5 * (1.0 + across - apart), apart)
+
+
 @inlined
 def hertz_stretch(ratio, slope):
     """How much farther apart along x the middles of the strips of Hertz's ellipse lie than the ridge of the gap.
 
     ratio: of the ridge's curvature across to the curvature along; slope: of the ridge's place along x.
     """
-    square = slope * slope
-    across = ratio + square
-    apart = sqrt((across - 1.0) ** 2 + 4.0 * square)
-    most, least = 0.5 * (1.0 + across + apart), 0.5 * (1.0 + across - apart)
+    most, least, apart = _principal(ratio, slope)
     more = ((most / least) ** EXCENTRIC - 1.0) / max(apart, 1e-9)
     return more / (1.0 + more * (1.0 - least))
 
@@ -113,10 +136,7 @@ def hertz_ellipse(ratio, slope, depth, bend):
     along the longer axis: b/a by a power of their ratio, a^2 = 2 d/c1 (K - E)/(e^2 K), p0 = E* d/(b K) (Johnson,
     Contact Mechanics, 4.2), the integrals by the arithmetic-geometric mean (Abramowitz and Stegun 17.6).
     """
-    square = slope * slope
-    across = ratio + square
-    apart = sqrt((across - 1.0) ** 2 + 4.0 * square)
-    most, least = 0.5 * (1.0 + across + apart), 0.5 * (1.0 + across - apart)
+    most, least, apart = _principal(ratio, slope)
     thin = (least / most) ** (0.5 * EXCENTRIC)
     p, q, power, part = 1.0, thin, 1.0, 0.5
     excentric = max(1.0 - thin * thin, 1e-12)
@@ -154,31 +174,19 @@ def _ratio(hump):
 
 
 @inlined
-def _stretch(hump):
-    """How much farther from the mean middles lie than the locus over this ground, over the locus's distance."""
-    return rise(_even(hump), EVEN) * (hertz_stretch(_ratio(hump), hump.sx / hump.ss) - 1.0)
+def _slant(hump, reach):
+    """What this ground asks of a grid; reach: half length along x.
 
-
-@inlined
-def _evenness(hump, reach):
-    """How much more firmly factors are kept alike: where strips lie slanted across a narrow contact, their curvatures
-    tell less of their own factor. reach: half length along x."""
-    return 1.0 + STIFFER * _lean(hump, reach)
-
-
-@inlined
-def _lean(hump, reach):
-    """How slanted a narrow contact lies: spread of its shifts over the half length along x."""
-    ratio = _ratio(hump)
-    return sqrt(hump.xx) / reach * ratio / (1.0 + ratio)
-
-
-@inlined
-def _calm(hump, reach):
-    """How firmly half lengths of neighbours are held together: the influence of strips that lie shifted closely side by
-    side hardly tells one from the other."""
-    lean = _lean(hump, reach)
-    return CALM * max(lean - SLANTED, 0.0) ** 2 + CALM_BENT * lean * lean * (1.0 - rise(_even(hump), EVEN))
+    Where strips lie slanted across a narrow contact, their curvatures tell less of their own factor; where they lie
+    shifted closely side by side, their influence hardly tells one from the other.
+    """
+    ratio, straight = _ratio(hump), rise(_even(hump), EVEN)
+    lean = sqrt(hump.xx) / reach * ratio / (1.0 + ratio)
+    return Slant(
+        straight * (hertz_stretch(ratio, hump.sx / hump.ss) - 1.0),
+        1.0 + STIFFER * lean,
+        CALM * max(lean - SLANTED, 0.0) ** 2 + CALM_BENT * lean * lean * (1.0 - straight),
+    )
 
 
 @inlined
@@ -198,11 +206,10 @@ def set_shifts(system):
     for g in range(memo.grids):
         grid = grids[g]
         hump = hump_of(grid, system.rows[g], grid.deepest)
-        slant = sqrt(hump.xx)
-        grid.along, grid.stretch, grid.evenness = hump.x, _stretch(hump), _evenness(hump, grid.reach)
-        grid.calm = _calm(hump, grid.reach)
+        grid.along = hump.x
+        grid.stretch, grid.evenness, grid.calm = _slant(hump, grid.reach)
         grid.pivot = grid.stretch * hump.x
-        if slant > FAINT * grid.reach:
+        if sqrt(hump.xx) > FAINT * grid.reach:
             matter = 1
         for h in range(g):
             if (
@@ -220,8 +227,7 @@ def set_shifts(system):
         if share > 0.0:
             most = max(grids[g].deepest, grids[g + 1].deepest)
             both = joined(hump_of(grids[g], system.rows[g], most), hump_of(grids[g + 1], system.rows[g + 1], most))
-            reach = max(grids[g].reach, grids[g + 1].reach)
-            stretch, even, calm = _stretch(both), _evenness(both, reach), _calm(both, reach)
+            stretch, even, calm = _slant(both, max(grids[g].reach, grids[g + 1].reach))
             for k in range(g, g + 2):
                 grid = grids[k]
                 grid.evenness += share * (even - grid.evenness)
