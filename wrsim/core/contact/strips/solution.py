@@ -7,10 +7,8 @@ first guesses and with fewer strips too, strips count as not shifted along the r
 as it is before the last step stands for it: u = d in all strips, edges and factors roughly. Kik-Piotrowski's contact on
 the same rows is what is left if there is none."""
 
-from math import log
-
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.strips.changes import FEWEST, begin, hertz_factor, in_contact, leave, move_edges
+from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, leave, move_edges
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     EVENNESS,
@@ -90,11 +88,10 @@ def _guess(system, n, g, level):
     x = system.vectors[X]
     base = g * block_of(n)
     depth = grid.deepest
-    wide = main = 0
+    main = 0
     first, last = ROWS - 1, 0
     for r in range(ROWS):
         d = rows[r].d
-        wide += 1 if d > 0.5 * depth else 0
         if d >= depth:
             main = r
         if d > level * depth:
@@ -104,19 +101,12 @@ def _guess(system, n, g, level):
     end = min(rows[last].s + 0.5 * grid.spacing, grid.most)
     begin(system, n, g, start, end, depth, bend)
     grid.start_held, grid.end_held = int(start <= grid.least), int(end >= grid.most)
-    if system.memo[0].shifted:
-        ratio, slope = slanted(hump_of(grid, rows, depth))
-        ellipse = hertz_ellipse(ratio, slope, depth, bend)
-        factor = ellipse.factor
-        edge = 1.0 - ellipse.half_width**2 * ratio * bend / (2.0 * depth)
-        most = ellipse.half_length**2 * bend / (2.0 * depth)
-    else:
-        ratio = depth / (bend * (0.5 * max(wide, 1) * grid.spacing) ** 2)
-        factor = hertz_factor(ratio)
-        # where Hertz's ellipse ends, and its half length
-        edge = min(max(1.0 - 0.5 * ratio**-0.168, 0.2), 0.8)
-        most = min(max(0.5 + 0.055 * log(ratio), 0.3), 0.8)
-    x[base + n : base + n + FACTORS] = min(max(factor, LEAST_FACTOR), MOST_FACTOR)
+    ratio, slope = slanted(hump_of(grid, rows, depth))
+    ellipse = hertz_ellipse(ratio, slope, depth, bend)
+    # of the depth: where the ellipse ends, and its half length
+    edge = 1.0 - ellipse.half_width**2 * ratio * bend / (2.0 * depth)
+    most = ellipse.half_length**2 * bend / (2.0 * depth)
+    x[base + n : base + n + FACTORS] = min(max(ellipse.factor, LEAST_FACTOR), MOST_FACTOR)
     lay_strips(system, n)
     for j in range(n):
         place = system.places[g * n + j]
