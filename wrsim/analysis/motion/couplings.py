@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.core.body.kinematics import kinematics
+from wrsim.core.body.rigid_body import pitched
 from wrsim.vehicle.couplings import Gear
 
 if TYPE_CHECKING:
@@ -50,16 +52,11 @@ class _Moved:
 
     def __init__(self, law: VehicleOnTrack, q: Array, name: str) -> None:
         i = law.vehicle.index(name)
-        z, x, y, heading, roll, pitch = q[:, 6 * i : 6 * i + 6].T
-        self.centre, self.position = np.array(law.vehicle.parts[i].centre), np.stack((x, y, z), axis=1)
-        (ch, cr, cp), (sh, sr, sp) = ([f(a) for a in (heading, roll, pitch)] for f in (np.cos, np.sin))
-        self.axes = np.array(
-            [
-                [ch * cp - sh * sr * sp, sh * cp + ch * sr * sp, -cr * sp],
-                [-sh * cr, ch * cr, sr],
-                [ch * sp + sh * sr * cp, sh * sp - ch * sr * cp, cr * cp],
-            ]
-        ).transpose(2, 0, 1)
+        own = q[:, 6 * i : 6 * i + 6]
+        bodies = [pitched(kinematics(at, np.zeros(6)), at[5]) for at in own]
+        self.centre = np.array(law.vehicle.parts[i].centre)
+        self.position = np.array([body.position for body in bodies])
+        self.axes = np.array([(body.forward, body.left, body.up) for body in bodies])
 
     def point(self, at: tuple[float, float, float]) -> Array:
         """Where a point of the design position has moved to, (samples, 3)."""
