@@ -13,6 +13,7 @@ from support.runs import LEADING, SCENARIOS, arc, mirrored, setup_of, transition
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.errors import InputError
 from wrsim.plots.pictures import standard_figures
+from wrsim.report import report_page
 from wrsim.results import Result
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
@@ -110,3 +111,16 @@ def test_wrong_input_is_one_clear_error(values: dict[str, Any], words: str) -> N
 def test_rails_that_change_have_no_wear() -> None:
     with pytest.raises(InputError, match="rails of one profile only"):
         build(load(SCENARIOS / "rail_states.toml").with_values({"wear.laws": ["usfd"]}))
+
+
+def test_the_report_has_the_wear_of_a_run(left: xr.Dataset) -> None:
+    result = Result(left)
+    page = report_page([result], ["run"])
+    section = page[page.index('<section id="wear"') : page.index('<section id="again"')]
+    own = result.summary()["wear"]["laws"]["archard"]["wheelsets"]["wheelset"]["right"]
+    assert f"<td>{own['tread_g_per_km']:.4g}</td><td>{own['flange_g_per_km']:.4g}</td>" in section
+    for words in ("Wheels, USFD", "Wheels, BRR", "Rails, Archard", "Fatigue of the rails"):
+        assert words in section
+    assert section.count("<img ") == 2
+    other = report_page([Result(left.drop_dims("wear_law"))], ["run"])
+    assert 'id="wear"' not in other

@@ -17,9 +17,12 @@ from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.depths import smoothed_table
 from wrsim.results import write_atomically
 from wrsim.results.ledger import digest_of
+from wrsim.results.sealed import write_sealed
 from wrsim.study.plan import PLAN, Plan
 from wrsim.study.service.history import history, write_history
+from wrsim.study.service.record import is_service, read_record
 from wrsim.study.service.service import Service, read_service
+from wrsim.study.service.stages import STAGES, tableau
 from wrsim.study.service.steps import STEP, Step, folder_of, steps_of
 from wrsim.study.task import run_case
 
@@ -131,7 +134,7 @@ def test_a_service_that_was_killed_gives_the_same_to_the_bit(
 
     again = list(steps_of(service, tmp_path, rest))
     assert again == steps
-    assert ran == [1] + [2] * (2 * len(steps) - 3)
+    assert ran == [1] + [2] * (STAGES * (len(steps) - 1) - 1)
     for i in range(len(steps)):
         assert (folder_of(tmp_path, i) / STEP).read_bytes() == (folder_of(whole, i) / STEP).read_bytes()
 
@@ -148,7 +151,54 @@ def test_half_the_step_gives_the_same_depth(service: Service, steps: list[Step],
     assert [step.way for step in finer] == pytest.approx([10e3, 10e3])
     one, other = (smoothed_table(np.array(own.areas), float(service.places[1]), 5e-3) for own in (steps[0], finer[-1]))
     assert other.sum() == pytest.approx(one.sum(), rel=1e-3)
-    np.testing.assert_allclose(one, other, rtol=0.0, atol=0.02 * one.max())
+    np.testing.assert_allclose(one, other, rtol=0.0, atol=0.01 * one.max())
+
+
+def test_stages_are_of_second_order_and_stay_stable() -> None:
+    """Chebyshev's method: exact for a rate that grows evenly, damped for any that decays, up to 9.8 of its time."""
+    before, whole = tableau()
+    places = before.sum(axis=1)
+    assert whole.sum() == pytest.approx(1.0, abs=1e-13) and whole @ places == pytest.approx(0.5, abs=1e-13)
+    assert places[0] == 0.0 and (np.diff(places) > 0.0).all() and places[-1] < 1.0
+
+    def growth(z: float) -> float:
+        return float(1.0 + z * whole @ np.linalg.solve(np.eye(STAGES) - z * before, np.ones(STAGES)))
+
+    assert max(abs(growth(z)) for z in np.linspace(-9.8, -0.01, 300)) < 1.0
+    assert abs(growth(-12.0)) > 1.0
+    off = [abs(growth(-z) - np.exp(-z)) for z in (0.1, 0.05)]
+    assert off[0] / off[1] == pytest.approx(8.0, rel=0.1)
+
+
+def test_the_page_of_a_service_holds_numbers_pictures_and_files(
+    service: Service, steps: list[Step], tmp_path: Path
+) -> None:
+    write_history(service, steps, tmp_path, pictures=False)
+    assert is_service(tmp_path) and not is_service(tmp_path.parent)
+    found = forked("report", tmp_path, "--json")
+    assert found.returncode == 0, found.stderr
+    page = (tmp_path / "report.html").read_text()
+    for words in (
+        service.title,
+        "mm worn off at the deepest place",
+        "Sd_mm",
+        "left,0.5,500,60",
+        "largest_step_km = 20",
+    ):
+        assert words in page
+    assert page.count("<img ") == 2 and page.count('<tr><th scope="row">') > len(steps)
+
+
+def test_a_page_takes_one_service_alone(service: Service, steps: list[Step], tmp_path: Path) -> None:
+    write_history(service, steps, tmp_path, pictures=False)
+    two = forked("report", tmp_path, tmp_path)
+    assert two.returncode == 2 and "is a service: a report takes one service" in two.stderr
+    view = forked("report", tmp_path, "--view")
+    assert view.returncode == 2 and "it is for results of runs" in view.stderr
+    dataset = read_record(tmp_path)
+    write_sealed(tmp_path / "wear.nc", dataset.drop_vars("depth"))
+    lacking = forked("report", tmp_path)
+    assert lacking.returncode == 2 and "but has no depth; run it again" in lacking.stderr
 
 
 def test_history_tells_the_flange_and_can_be_loaded(service: Service, steps: list[Step], tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""``wrsim report``: one page about one result, about several beside each other, or about a study."""
+"""``wrsim report``: one page about one result, several beside each other, a study, or wheels in service."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ from wrsim.errors import InputError
 def report(
     results: Annotated[
         list[Path],
-        typer.Argument(metavar="RESULT...", help="Results: files, folders, runs that were cut off; or one study."),
+        typer.Argument(
+            metavar="RESULT...", help="Results: files, folders, runs that were cut off; one study or service."
+        ),
     ],
     output: Annotated[
         Path | None,
@@ -28,19 +30,21 @@ def report(
     force: Force = False,
     as_json: Json = False,
 ) -> None:
-    """Write a page about a result, several results beside each other, or a study.
+    """Write a page about a result, several results beside each other, a study, or wheels in service.
 
-    It holds identity, verdict, assessment, histories and contacts; of a study outputs, pictures and cases.
+    It holds identity, verdict, assessment, histories, contacts and wear; of a study outputs, pictures and cases.
     """
     with reporting_errors(as_json), writing(force, *results[1:], of=results[0]):
         check_ending("-o", output, ".html")
         target = output or beside(results[0]) / "report.html"
         from wrsim.study.collect import is_study
+        from wrsim.study.service.record import is_service
 
-        studies = [path for path in results if is_study(path)]
-        if studies:
-            _report_study(studies[0], len(results), with_view, target, as_json)
-            return
+        for path in results:
+            kind = "study" if is_study(path) else "service" if is_service(path) else ""
+            if kind:
+                _report_alone(path, kind, len(results), with_view, target, as_json)
+                return
         from wrsim.report import report_page
         from wrsim.report.page import rerun
         from wrsim.results import write_atomically
@@ -57,15 +61,24 @@ def report(
         print_files([write_atomically(target, page.encode())], as_json)
 
 
-def _report_study(path: Path, count: int, with_view: bool, target: Path, as_json: bool) -> None:
-    """Write the page about a study."""
-    from wrsim.report.study import study_page
+def _report_alone(path: Path, kind: str, count: int, with_view: bool, target: Path, as_json: bool) -> None:
+    """Write the page about a study or a service."""
     from wrsim.results import write_atomically
-    from wrsim.study.collect import read_study
 
     if count > 1:
-        raise InputError(f"{path}: is a study: a report takes one study, or results of runs")
+        raise InputError(f"{path}: is a {kind}: a report takes one {kind}, or results of runs")
     if with_view:
-        raise InputError(f"--view: {path} is a study; it is for results of runs, as each case of a study is")
-    page = study_page(read_study(path), str(path))
+        raise InputError(f"--view: {path} is a {kind}; it is for results of runs, as each case of a {kind} is")
+    if kind == "study":
+        from wrsim.report.study import study_page
+        from wrsim.study.collect import read_study
+
+        page = study_page(read_study(path), str(path))
+    else:
+        from wrsim.report.service import service_page
+        from wrsim.study.service.record import read_record, rows_of
+
+        dataset = read_record(path)
+        header, *rows = rows_of(dataset)
+        page = service_page(dataset, str(path), [str(c) for c in header], [[str(c) for c in row] for row in rows])
     print_files([write_atomically(target, page.encode())], as_json)

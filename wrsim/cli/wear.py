@@ -31,7 +31,8 @@ def wear(
     """Wear wheels in service: cases by their shares, a new profile, again; started again, it goes on (docs/wear.md)."""
     with reporting_errors(as_json):
         from wrsim.results.ledger import Keeper, Ledger, keeping
-        from wrsim.study.service.history import OUTPUTS, report_of, rows_of, write_history
+        from wrsim.study.service.history import OUTPUTS, write_history
+        from wrsim.study.service.record import report_of, rows_of
         from wrsim.study.service.service import read_service
         from wrsim.study.service.steps import steps_of
 

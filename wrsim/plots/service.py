@@ -22,8 +22,7 @@ SEEN = 0.02
 
 def service_pictures(dataset: xr.Dataset, directory: Path) -> list[Path]:
     """Write ``wear_profiles.png`` and ``wear_mileage.png``; returns their paths."""
-    figures = {"wear_profiles": profiles_figure, "wear_mileage": mileage_figure}
-    return [save(make(dataset), directory / f"{name}.png") for name, make in figures.items()]
+    return [save(make(dataset), directory / f"{name}.png") for name, make in FIGURES.items()]
 
 
 def profiles_figure(dataset: xr.Dataset) -> Figure:
@@ -95,3 +94,7 @@ def mileage_figure(dataset: xr.Dataset) -> Figure:
             axes.set_xlabel("Mileage [km]")
         figure.suptitle(dataset.attrs["title"], x=0.01, ha="left", fontsize=8.5)
     return figure
+
+
+FIGURES = {"wear_profiles": profiles_figure, "wear_mileage": mileage_figure}
+"""Pictures of a service, by file name without ending."""

@@ -18,12 +18,15 @@ from wrsim import __version__
 from wrsim.errors import InputError
 from wrsim.plots.pictures import standard_figures
 from wrsim.plots.style import rendered
+from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.report import facts
 from wrsim.report.bands import bands_drawing
 from wrsim.report.charts import Charts, charts_of, drawing
 from wrsim.report.contacts import kept_contacts, pressure_key
 from wrsim.report.strip import track_strip
+from wrsim.report.wear import wear_tables
 from wrsim.results import Result
+from wrsim.results.wear import has_wear
 
 MOST_RESULTS = 8
 """Results in one report: more have no colours of their own."""
@@ -73,6 +76,7 @@ def report_page(
         "numbers": _numbers(results, names),
         "contacts": [(name, *kept_contacts(r.dataset)) for name, r in zip(names, results, strict=True)],
         "keys": [pressure_key(r.dataset) if "strip_p" in r.dataset else "" for r in results],
+        "wear": [_wear(r, name) for r, name in zip(results, names, strict=True) if has_wear(r.dataset)],
         "ride": facts.ride_table([ride for ride, _ in rides], names),
         "ride_notes": [why for _, why in rides if why],
         "bands": bands_drawing([ride for ride, _ in rides], names),
@@ -149,6 +153,16 @@ def _numbers(results: Sequence[Result], names: Sequence[str]) -> facts.Table | N
         (key, *(_plain(s.get(key)) for s in summaries)) for key in keys if key not in ("title", "analysis", "status")
     ]
     return facts.Table("", ("", *names), tuple(rows)) if rows else None
+
+
+def _wear(result: Result, name: str) -> dict[str, Any]:
+    """Tables and pictures of wear and fatigue of a run."""
+    figures = {"depths over the profiles": wear_figure, "rolling contact fatigue": fatigue_figure}
+    return {
+        "name": name,
+        "tables": wear_tables(result.dataset),
+        "pictures": [as_picture(words, make(result.dataset)) for words, make in figures.items()],
+    }
 
 
 def _plain(value: object) -> str:

@@ -50,7 +50,7 @@ def read_sealed(path: Path, what: str) -> xr.Dataset:
 
     Many numbers stay in the file until they are asked for. Raises InputError when it is missing, damaged or not ours.
     """
-    again = "run the study again" if what == "study" else "run the scenario again"
+    again = f"run the {what if what in ('study', 'service') else 'scenario'} again"
     try:
         with open(path, "rb") as stream:
             begin, sealed, whole = _looked_through(stream)

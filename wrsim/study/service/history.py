@@ -17,26 +17,14 @@ from wrsim.geometry.profile.profile import Profile
 from wrsim.results import write_atomically
 from wrsim.results.dataset import versions
 from wrsim.results.files import as_csv, as_json
-from wrsim.results.rows import Row
 from wrsim.results.sealed import write_sealed
 from wrsim.scenario.sections.conicity import ConicityPlan
+from wrsim.study.service.record import COLUMNS, FORMAT, NUMBERS, report_of, rows_of
 from wrsim.study.service.service import Service
 from wrsim.study.service.steps import DEPTHS, WHEEL, Step, write_wheel
 
-NUMBERS, TABLE, REPORT, WORN = "wear.nc", "wear.csv", "wear.json", "worn_"
+TABLE, REPORT, WORN = "wear.csv", "wear.json", "worn_"
 OUTPUTS = (NUMBERS, TABLE, REPORT, WORN + WHEEL, WORN + DEPTHS)
-COLUMNS = {
-    "mileage": ("mileage_km", 1e-3, "m", "mileage"),
-    "flange_thickness": ("Sd_mm", 1e3, "m", "flange thickness Sd"),
-    "flange_height": ("Sh_mm", 1e3, "m", "flange height Sh"),
-    "flange_steepness": ("qR_mm", 1e3, "m", "flange steepness qR"),
-    "conicity": ("conicity", 1.0, "1", "equivalent conicity"),
-    "deepest": ("depth_mm", 1e3, "m", "largest depth worn off"),
-    "deepest_u": ("depth_u_mm", 1e3, "m", "where that is"),
-    "tread": ("tread_g_per_km", 1e6, "kg/m", "mass lost on the tread in the step that begins here"),
-    "flange": ("flange_g_per_km", 1e6, "kg/m", "mass lost on the flange in the step that begins here"),
-}
-"""Numbers against the mileage: name in tables, factor, SI unit, meaning."""
 
 
 def history(service: Service, steps: Sequence[Step]) -> xr.Dataset:
@@ -68,7 +56,8 @@ def history(service: Service, steps: Sequence[Step]) -> xr.Dataset:
         "depth": (("point", "place"), np.stack(depths), {"units": "m", "long_name": "depth along the normal"}),
         "unworn_u": ("place", unworn[0], {"units": "m", "long_name": "outward coordinate of the unworn profile"}),
     }
-    about = {"format": "wrsim wear", "title": service.title, "law": service.law, "wheel": service.unworn.name}
+    about = {"format": FORMAT, "title": service.title, "law": service.law, "wheel": service.unworn.name}
+    about |= {"service_text": service.text, "cases_text": service.cases_text, "scenario_text": service.base.text}
     return xr.Dataset(
         variables, attrs=about | {"conicity_amplitude_m": 1e-3 * service.spec.conicity_amplitude_mm} | versions()
     )
@@ -109,26 +98,6 @@ def _conicity(service: Service, profile: Profile) -> float:
     except InputError:
         return float("nan")
     return float(found.dataset["equivalent_conicity"].values.ravel()[0])
-
-
-def rows_of(dataset: xr.Dataset) -> list[Row]:
-    """The table, in units for readers; the first row is the header."""
-    rows: list[Row] = [[column for column, _, _, _ in COLUMNS.values()]]
-    for i in range(dataset.sizes["point"]):
-        values = [factor * float(dataset[name].values[i]) for name, (_, factor, _, _) in COLUMNS.items()]
-        rows.append(["" if np.isnan(v) else f"{v:.8g}" for v in values])
-    return rows
-
-
-def report_of(dataset: xr.Dataset) -> dict[str, Any]:
-    """What stands in ``wear.json``: title, law, the numbers at the start and at the end."""
-    names = [column for column, _, _, _ in COLUMNS.values()]
-    first, *_, last = rows_of(dataset)[1:] * 2
-    ends = {
-        end: {name: float(cell) if cell else None for name, cell in zip(names, row, strict=True)}
-        for end, row in (("new", first), ("worn", last))
-    }
-    return {"title": dataset.attrs["title"], "law": dataset.attrs["law"], "steps": dataset.sizes["point"] - 1} | ends
 
 
 def write_history(

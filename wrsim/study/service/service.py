@@ -27,6 +27,7 @@ from wrsim.study.axes import Points, points_of
 from wrsim.study.outputs import outputs_digest
 from wrsim.study.plan import Plan, with_cases
 from wrsim.study.service.spec import ServiceFile
+from wrsim.study.service.stages import STAGES
 from wrsim.study.spec import CsvAxis, OutputsSection
 
 Array = NDArray[np.float64]
@@ -43,16 +44,18 @@ PLACE_STEP = 0.25e-3
 class Service:
     """A service in SI units.
 
-    spec: the file as it was read; base: the scenario with all that holds for every case; points: the cases; shares: of
-    the mileage, in their order; wheel: file of the unworn profile, which is ``unworn``; digest: of everything that
-    shapes the numbers.
+    text, spec: the file as it was read; base: the scenario with all that holds for every case; points, cases_text: the
+    cases and their table; shares: of the mileage, in their order; wheel: file of the unworn profile, which is
+    ``unworn``; digest: of everything that shapes the numbers.
     """
 
     file: Path
+    text: str
     title: str
     spec: ServiceFile
     base: Scenario
     points: Points
+    cases_text: str
     shares: tuple[float, ...]
     wheel: Path
     unworn: Profile
@@ -96,7 +99,7 @@ class Service:
             folder=str(folder.resolve()),
             title=f"{self.title}, {label}",
             analysis=base.analysis,
-            source=self.file.read_text(encoding="utf-8"),
+            source=self.text,
             text=base.text,
             folders=self.folders,
             axes=(self.points,),
@@ -136,15 +139,17 @@ def read_service(file: Path, models: Sequence[str | Path] = ()) -> tuple[Service
         )
         base = base.with_values({"wear.laws": [spec.law], "vehicle.wheel": str(wheel)}, locate(("base",)))
         setup = build(base)
-    digest = hashlib.sha256(repr((spec, base.text, sorted(setup.inputs.items()))).encode())
+    digest = hashlib.sha256(repr((spec, STAGES, base.text, sorted(setup.inputs.items()))).encode())
     for path, content in sorted((str(path), content) for path, content in seen.items()):
         digest.update(f"{path} {content}\n".encode())
     service = Service(
         file=file,
+        text=file.read_text(encoding="utf-8"),
         title=spec.title or base.title,
         spec=spec,
         base=base,
         points=points,
+        cases_text=table.read_text(encoding="utf-8"),
         shares=shares,
         wheel=wheel,
         unworn=unworn,

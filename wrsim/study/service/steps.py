@@ -1,12 +1,14 @@
 """Steps of wear: cases on one profile, the depth that they leave, and the mileage that this profile lasts.
 
-A step goes as far as the wear at its start leaves the largest depth that is allowed. Its cases run again on the profile
-that this makes, and what is lost is the mean of both (Heun's method): a spot of contact moves by its own width while a
-tenth of a millimetre wears off, and one look at it would dig too deep.
+A step goes as far as the wear at its start leaves the largest depth that is allowed. On the way its cases run again on
+the profiles that are left by then, and what is lost is weighed from all of these looks
+(`wrsim.study.service.stages`): a spot of contact moves by its own width while a tenth of a millimetre wears off, and
+one look at it would dig too deep.
 
 A step lies in its folder ``steps/000``, ``001``, ...: its wheel (``wheel.toml``, ``depths.csv``; the first step runs on
-the unworn profile itself), its cases as those of a study, the same for its end in ``ahead``, and ``step.json``, which
-is written last. A service that was killed begins with the first step without one, whose cases go on by their markers.
+the unworn profile itself), its cases as those of a study, the same for the profiles on its way in ``look1``, ``look2``,
+..., and ``step.json``, which is written last. A service that was killed begins with the first step without one, whose
+cases go on by their markers.
 All that a step hands to the next stands in ``step.json``, and is read from there also in a service that was not
 interrupted, so that both are the same to the bit.
 
@@ -19,7 +21,7 @@ from __future__ import annotations
 import datetime
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
@@ -34,13 +36,14 @@ from wrsim.results.files import as_json
 from wrsim.study.engine import missing
 from wrsim.study.plan import Plan
 from wrsim.study.service.service import Service
+from wrsim.study.service.stages import tableau
 from wrsim.study.task import COMPLETED, RESULT, read_marker
 
 Array = NDArray[np.float64]
 Work = Callable[[Plan, Sequence[int]], None]
 """Writes a plan into its folder and runs some of its cases to their markers."""
 
-STEPS, STEP, AHEAD, WHEEL, DEPTHS = "steps", "step.json", "ahead", "wheel.toml", "depths.csv"
+STEPS, STEP, LOOK, WHEEL, DEPTHS = "steps", "step.json", "look", "wheel.toml", "depths.csv"
 DAY = datetime.date(2026, 11, 22)
 """Date in the files of wheels: that of their form. The day of the computation would give the cases other names."""
 SHORTEST_REST = 1e-9
@@ -122,14 +125,18 @@ class _Wear:
 
 
 def _taken(service: Service, folder: Path, number: int, start: float, areas: Array, work: Work) -> Step:
-    """How far a step goes and what is lost by its end: Heun's method."""
-    here = _wear(service, folder, areas, start, work)
-    deepest, way = here.deepest(service), min(1e3 * service.spec.largest_step_km, service.mileage - start)
+    """How far a step goes and what is lost by its end."""
+    looks = [_wear(service, folder, areas, start, work)]
+    deepest, way = looks[0].deepest(service), min(1e3 * service.spec.largest_step_km, service.mileage - start)
     if deepest > 0.0:
         way = min(way, 1e-3 * service.spec.largest_depth_mm / deepest)
+    before, whole = tableau()
     try:
-        there = _wear(service, folder / AHEAD, areas + way * here.areas, start + way, work)
-        mean = _Wear(*(0.5 * (getattr(here, f.name) + getattr(there, f.name)) for f in fields(_Wear)))
+        for k, weights in enumerate(before[1:], 1):
+            on_the_way = areas + way * _weighed(looks, weights).areas
+            mileage = start + way * float(weights.sum())
+            looks.append(_wear(service, folder / f"{LOOK}{k}", on_the_way, mileage, work))
+        mean = _weighed(looks, whole)
         after = areas + way * mean.areas
         service.profile(after)
     except InputError as error:
@@ -137,6 +144,14 @@ def _taken(service: Service, folder: Path, number: int, start: float, areas: Arr
         raise InputError(f"{service.file}: {place}: {error}") from None
     lost = tuple(after.tolist())
     return Step(number, start, way, mean.deepest(service), mean.tread, mean.flange, lost, service.digest)
+
+
+def _weighed(looks: Sequence[_Wear], weights: Array) -> _Wear:
+    """The sum of some looks at the wear, each with its weight; those without a weight have not been taken yet."""
+    pairs = list(zip(weights.tolist(), looks, strict=False))
+    areas = np.sum([weight * own.areas for weight, own in pairs], axis=0)
+    tread, flange = (sum(weight * getattr(own, zone) for weight, own in pairs) for zone in ("tread", "flange"))
+    return _Wear(areas, tread, flange)
 
 
 def _wear(service: Service, folder: Path, areas: Array, mileage: float, work: Work) -> _Wear:

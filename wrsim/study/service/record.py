@@ -1,0 +1,66 @@
+"""What a service left: its numbers against the mileage, written and read again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from wrsim.errors import InputError
+from wrsim.results.rows import Row
+from wrsim.results.sealed import read_sealed
+
+NUMBERS = "wear.nc"
+"""File of a service's numbers."""
+FORMAT = "wrsim wear"
+COLUMNS = {
+    "mileage": ("mileage_km", 1e-3, "m", "mileage"),
+    "flange_thickness": ("Sd_mm", 1e3, "m", "flange thickness Sd"),
+    "flange_height": ("Sh_mm", 1e3, "m", "flange height Sh"),
+    "flange_steepness": ("qR_mm", 1e3, "m", "flange steepness qR"),
+    "conicity": ("conicity", 1.0, "1", "equivalent conicity"),
+    "deepest": ("depth_mm", 1e3, "m", "largest depth worn off"),
+    "deepest_u": ("depth_u_mm", 1e3, "m", "where that is"),
+    "tread": ("tread_g_per_km", 1e6, "kg/m", "mass lost on the tread in the step that begins here"),
+    "flange": ("flange_g_per_km", 1e6, "kg/m", "mass lost on the flange in the step that begins here"),
+}
+"""Numbers against the mileage: name in tables, factor, SI unit, meaning."""
+
+
+def is_service(path: Path) -> bool:
+    """True for the folder of a service, and for its file of numbers."""
+    return path.name == NUMBERS or (path / NUMBERS).is_file()
+
+
+def read_record(path: Path) -> xr.Dataset:
+    """The dataset of a service, from its folder or its ``wear.nc``. Raises InputError for anything else."""
+    file = path / NUMBERS if path.is_dir() else path
+    dataset = read_sealed(file, "service")
+    if dataset.attrs.get("format") != FORMAT:
+        raise InputError(f"{file}: a wrsim file, but no service")
+    lacking = [name for name in (*COLUMNS, "u", "w", "depth", "unworn_u") if name not in dataset.data_vars]
+    if lacking:
+        raise InputError(f"{file}: says that it is a service, but has no {lacking[0]}; run it again")
+    return dataset
+
+
+def rows_of(dataset: xr.Dataset) -> list[Row]:
+    """The table, in units for readers; the first row is the header."""
+    rows: list[Row] = [[column for column, _, _, _ in COLUMNS.values()]]
+    for i in range(dataset.sizes["point"]):
+        values = [factor * float(dataset[name].values[i]) for name, (_, factor, _, _) in COLUMNS.items()]
+        rows.append(["" if np.isnan(v) else f"{v:.8g}" for v in values])
+    return rows
+
+
+def report_of(dataset: xr.Dataset) -> dict[str, Any]:
+    """What stands in ``wear.json``: title, law, the numbers at the start and at the end."""
+    names = [column for column, _, _, _ in COLUMNS.values()]
+    first, *_, last = rows_of(dataset)[1:] * 2
+    ends = {
+        end: {name: float(cell) if cell else None for name, cell in zip(names, row, strict=True)}
+        for end, row in (("new", first), ("worn", last))
+    }
+    return {"title": dataset.attrs["title"], "law": dataset.attrs["law"], "steps": dataset.sizes["point"] - 1} | ends

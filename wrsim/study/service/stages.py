@@ -1,0 +1,44 @@
+"""How often a step of wear looks at the profile, and how far each look counts: a Runge-Kutta-Chebyshev method.
+
+Wear flattens what stands proud, the sooner the narrower it is: a spot that 10 um more would carry the whole load is
+gone after some ten kilometres, while a step takes a hundred. Heun's method digs such spots too deep in one step and
+leaves them too high in the next: its error falls only with the step, and the profile wavers. The method of second
+order of B. P. Sommeijer, L. F. Shampine and J. G. Verwer (RKC: an explicit solver for parabolic PDEs, Journal of
+Computational and Applied Mathematics 88, 1998) is stable for steps of .65 (s^2 - 1) over the fastest rate, s being its
+stages: 9.8 with four, where two steps of Heun's have 4.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.polynomial.chebyshev import Chebyshev
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+STAGES = 4
+"""Looks at a profile in one step of wear."""
+DAMPING = 2.0 / 13.0
+
+
+@cache
+def tableau(stages: int = STAGES) -> tuple[Array, Array]:
+    """Weights (stages, stages) of the rates before each stage, and those of all of them for the step (stages,)."""
+    s = stages
+    w0 = 1.0 + DAMPING / s**2
+    bases = [Chebyshev.basis(j) for j in range(s + 1)]
+    T, T1, T2 = (np.array([own.deriv(m)(w0) if m else own(w0) for own in bases]) for m in range(3))
+    w1 = T1[s] / T2[s]
+    b = np.zeros(s + 1)
+    b[2:] = T2[2:] / T1[2:] ** 2
+    b[:2] = b[2]
+    weights = np.zeros((s + 1, s))
+    weights[1, 0] = b[1] * w1
+    for j in range(2, s + 1):
+        mine = 2.0 * b[j] * w1 / b[j - 1]
+        weights[j] = 2.0 * b[j] * w0 / b[j - 1] * weights[j - 1] - b[j] / b[j - 2] * weights[j - 2]
+        weights[j, j - 1] += mine
+        weights[j, 0] -= (1.0 - b[j - 1] * T[j - 1]) * mine
+    return weights[:s], weights[s]
