@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 from support.contacts import PLAIN, RADIUS, contact_model, numbers, rail_profile, wheel_profile
-from support.crossings import CROSSING, crossing, lifted
+from support.crossings import CROSSING, crossing, lifted, turning
 
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model as model_of
@@ -28,6 +28,20 @@ NORMAL = ("strips", "kik-piotrowski")
 def on(surface, normal: str = "strips", wheel=WHEEL, **choices) -> ContactModel:
     model = contact_model(wheel, surface.sections[0].profile, normal=normal, **PLAIN | choices)
     return replace(model, rolled=rolled_rail(surface, RADIUS))
+
+
+def on_60e1(normal: str, lateral: float, axle: tuple[float, float, float]) -> tuple[ContactModel, np.ndarray]:
+    """S1002 on 60E1 without creep forces, and the wheel's origin where it is carried by 50 kN."""
+    model = contact_model(wheel_profile("S1002"), rail_profile("60E1", 40), normal=normal, strips=20, **PLAIN)
+
+    def lacking(z: float) -> float:
+        return model.evaluate((0.0, lateral, z), axle).force[2] - 5e4
+
+    # the flange may not be pressed deeper than an overlap: from above, in steps
+    z = RADIUS + 0.04
+    while lacking(z) < 0.0:
+        z -= 1e-4
+    return model, np.array([0.0, lateral, brentq(lacking, z, z + 1e-4, xtol=1e-10)])
 
 
 @pytest.fixture(scope="module")
@@ -74,21 +88,17 @@ def test_sections_that_are_alike_are_the_plain_rail() -> None:
 
 @pytest.mark.parametrize(("lateral", "yaw"), [(0.0, 0.0), (6e-3, 0.0), (6e-3, 0.01)])
 def test_far_from_where_it_changes_a_rail_is_the_plain_one(lateral: float, yaw: float) -> None:
+    # at yaw the shifts of strips along a rail of sections do not count in their influence on each other
+    share = {"N": 1e-3, "p0": 3e-3, "approach": 1e-3} if yaw == 0.0 else {"N": 0.015, "p0": 0.015, "approach": 1e-3}
     wheel, rail = wheel_profile("S1002"), rail_profile("60E1", 40)
     surface = lifted(rail, EVEN, np.where(EVEN > 0.9, 1e-3, 0.0))
     own = on(surface, wheel=wheel, strips=20)
-    plain = contact_model(wheel, rail, normal="strips", strips=20, **PLAIN)
     axle = (-sin(yaw), cos(yaw), 0.0)
-    origin = np.array([0.0, lateral, RADIUS + 0.03])
-    for _ in range(8):
-        plain.arrays.pose[:6] = *origin, *axle
-        plain.arrays.search()
-        origin[2] -= plain.arrays.total.closest
-    origin[2] -= 8e-5
+    plain, origin = on_60e1("strips", lateral, axle)
     one, other = plain.evaluate(origin, axle), own.evaluate(origin, axle, place=-0.5)
     assert len(one.patches) == len(other.patches)
-    for name, share in (("N", 1e-3), ("p0", 3e-3), ("approach", 1e-3)):
-        assert other.patches[name] == pytest.approx(one.patches[name], rel=share)
+    for name, most in share.items():
+        assert other.patches[name] == pytest.approx(one.patches[name], rel=most)
     assert other.patches["x"] == pytest.approx(one.patches["x"], abs=1e-6)
 
 
@@ -107,6 +117,32 @@ def test_the_normal_force_has_a_potential(normal: str) -> None:
         along = (force(top, s + 10.0 * h)[2] - force(top, s - 10.0 * h)[2]) / (20.0 * h)
         down = (force(top + h, s)[0] - force(top - h, s)[0]) / (2.0 * h)
         assert down == pytest.approx(along, rel=0.02)
+
+
+@pytest.mark.parametrize("normal", NORMAL)
+@pytest.mark.parametrize(("lateral", "yaw"), [(0.0, 0.0), (-8e-3, 0.0), (6e-3, 0.01), (6.4e-3, -0.01)])
+def test_a_rail_that_turns_pushes_back_by_its_moment(normal: str, lateral: float, yaw: float) -> None:
+    # virtual work: to go on by dx is to turn about the rail's origin by -twist dx
+    twist, axle = 5e-3, (-sin(yaw), cos(yaw), 0.0)
+    model, origin = on_60e1(normal, lateral, axle)
+    level, own = model.evaluate(origin, axle), model.evaluate(origin, axle, twist=twist)
+    about_the_rail = own.moment[0] + origin[1] * own.force[2] - origin[2] * own.force[1]
+    assert own.force[0] == pytest.approx(-twist * about_the_rail, rel=2e-3)
+    assert abs(own.force[0]) > 1e-5 * own.normal_force
+    assert level.force[0] == pytest.approx(0.0, abs=1e-9 * level.normal_force)
+    # it is touched where its normal meets the axle, and turns no wheel
+    assert abs((own.moment - level.moment) @ axle) < 0.02 * abs(own.force[0]) * RADIUS
+    assert own.normal_force == pytest.approx(level.normal_force, rel=3e-3)
+
+
+def test_a_rail_that_turns_is_one_of_turned_sections() -> None:
+    twist = 5e-3
+    model, origin = on_60e1("strips", 0.0, (0.0, 1.0, 0.0))
+    turned = turning(rail_profile("60E1", 40), EVEN, twist)
+    one = model.evaluate(origin, twist=twist)
+    other = on(turned, wheel=wheel_profile("S1002"), strips=20).evaluate(origin, place=0.0)
+    assert other.force == pytest.approx(one.force, rel=2e-3)
+    assert other.patches["x"] == pytest.approx(one.patches["x"], rel=0.05)
 
 
 def test_a_rail_that_is_too_steep_is_refused_with_its_place() -> None:

@@ -29,6 +29,11 @@ def lifted(rail: Profile, places: NDArray[np.float64], heights: NDArray[np.float
     )
 
 
+def turning(rail: Profile, places: NDArray[np.float64], twist: float) -> RailSurface:
+    """A rail whose section turns about its origin; twist: positive where its outer side rises [rad/m]."""
+    return RailSurface("turning", tuple(RailSection(float(s), rail.rotated(twist * float(s))) for s in places))
+
+
 @cache
 def crossing(start: float, end: float) -> RailSurface:
     """The sections of the crossing between two places [m]; features: edges of the nose, foot of the gap, wing's

@@ -83,7 +83,9 @@ def resolve(
     chosen = list(range(len(poses))) if moments is None else list(moments)
     samples = _samples(dataset, chosen)
     loads = dataset["Q"].values[samples]
-    along = np.zeros((len(chosen), len(wheels)))  # the places on the rails, which say what friction there is
+    along = np.zeros(
+        (len(chosen), len(wheels))
+    )  # the places on the rails, which say what friction and what twist there is
     if "wheelset_distance" in dataset:
         where = dataset["wheelset_distance"].values[samples]
         along = np.stack([setup.track.rail_distance("left" if w.side > 0 else "right", where) for w in wheels], axis=-1)
@@ -95,7 +97,9 @@ def resolve(
         for j, wheel in enumerate(wheels):
             fields: list[ElementField] = []
             if np.isfinite(poses[moment, j]).all():
+                rail = setup.track.left if wheel.side > 0 else setup.track.right
                 wheel.model.arrays.settings.place = along[row, j]
+                wheel.model.arrays.settings.twist = wheel.side * rail.twist(along[row, j])
                 wheel.model.arrays.pose[:] = poses[moment, j]
                 fields, words = _settle(wheel, float(loads[row, j]) if keep == "load" else 0.0)
                 raw.store(row, j, wheel.model)

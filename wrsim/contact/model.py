@@ -117,6 +117,7 @@ class ContactModel:
         velocity: ArrayLike = (0.0, 0.0, 0.0),
         omega: ArrayLike = (0.0, 0.0, 0.0),
         place: float = 0.0,
+        twist: float = 0.0,
     ) -> Contact:
         """Contact for one pose.
 
@@ -134,12 +135,15 @@ class ContactModel:
             Angular velocity of the wheel [rad/s].
         place : float
             Distance along a rail that changes along the track [m].
+        twist : float
+            How the rail's section turns along the track, positive where its outer side rises [rad/m].
 
         Returns
         -------
         Contact
         """
         self.arrays.settings.place = place
+        self.arrays.settings.twist = twist
         self.arrays.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
         return Contact.copy_from(self.arrays, self.solve())
 

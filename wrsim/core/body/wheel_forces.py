@@ -16,7 +16,7 @@ from wrsim.core.contact.arrays import ARRAYS as ARRAYS_OF_A_CONTACT
 from wrsim.core.contact.arrays import Arrays, results, settings_of
 from wrsim.core.contact.records import CONTACT
 from wrsim.core.linalg import BODY, VECTOR, ZERO, Curve, get_body, put
-from wrsim.core.track.path import NODE, frame, locate
+from wrsim.core.track.path import NODE, frame, locate, twist
 
 # arrays of the arena of one wheel
 OWN, RAIL, IN_CONTACT = range(3)
@@ -58,7 +58,9 @@ def one_wheel(buffer, index):
     pose[2] -= wheel.rail_b
     pose[7] -= wheel.side * wheel.rail_n_t
     pose[8] -= wheel.rail_b_t
-    settings_of(buffer, arrays).place = s
+    settings = settings_of(buffer, arrays)
+    settings.place = s
+    settings.twist = wheel.side * twist(rail, s)
     wheel.status = stages.run(CONTACT, buffer, arrays)
     force, moment = wheel_wrench(body, at, wheel.side, wheel.half_spacing, results(buffer, arrays)[0])
     put(wheel.force, force)

@@ -1,5 +1,8 @@
 """A rail at a wheel: its profile, or what the wheel feels of sections that change along the track.
 
+A rail that turns about itself, as it does on a ramp of cant, rises along the track wherever it is touched beside its
+origin: by micrometres a metre, but the wheel is lifted by it, and without that slope nobody would do this work.
+
 Between stations the tables are cubics of the distance (values and rates at both), row by row; between rows a point is
 read as in ``core.contact.profile``. A yawed wheel feels every point at the place where its own outline has it, by
 e_x (u - R tan) ahead with the tangent's slope across.
@@ -102,21 +105,27 @@ def rail_point(rail, arc):
 
 
 @inlined
-def along(rail, arc):
-    """What the rail does along the track at arclength ``arc``; nothing where it is one profile."""
-    if not changes(rail):
-        return Along(0.0, 0.0, 0.0, 0.0)
-    x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
-    i = min(int(x), rail.rows - 2)
-    r = x - i
-    share = _share(rail, i)
-    ahead = (1.0 - r) * _value(rail, share, i, 5) + r * _value(rail, share, i + 1, 5)
-    return Along(
-        ahead,
-        rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead),
-        (1.0 - r) * _value(rail, share, i, 6) + r * _value(rail, share, i + 1, 6),
-        (1.0 - r) * _value(rail, share, i, 7) + r * _value(rail, share, i + 1, 7),
-    )
+def along(rail, arc, point, to_axle):
+    """What the rail does along the track at arclength ``arc``, where its section has ``point``; nothing where it is one
+    profile that does not turn.
+
+    A section that turns by ``twist`` a metre about (0, 0) rises along its normal by twist (u tu + w tw). It is touched
+    so far ahead that this normal meets the axle, at the distance ``to_axle``: a wheel without friction is not driven.
+    """
+    slope = 0.0
+    if rail.twist != 0.0:
+        slope = rail.twist * (point.u * point.tu + point.w * point.tw)
+    ahead = to_axle * slope
+    bend = 0.0
+    if changes(rail):
+        x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
+        i = min(int(x), rail.rows - 2)
+        r = x - i
+        share = _share(rail, i)
+        ahead += (1.0 - r) * _value(rail, share, i, 5) + r * _value(rail, share, i + 1, 5)
+        slope += (1.0 - r) * _value(rail, share, i, 6) + r * _value(rail, share, i + 1, 6)
+        bend = (1.0 - r) * _value(rail, share, i, 7) + r * _value(rail, share, i + 1, 7)
+    return Along(ahead, rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead), slope, bend)
 
 
 @inlined

@@ -104,7 +104,7 @@ def _start_lobe(rail, own, lobe):
     lobe.arc_rail = own.arc_rail
     lobe.no = -at.tw
     lobe.nb = at.tu
-    lobe.slope = along(rail, own.arc_rail).slope
+    lobe.slope = along(rail, own.arc_rail, at, rail.radius).slope
     lobe.n_strips = 0
     lobe.N = lobe.p0 = lobe.area = lobe.length = lobe.width = lobe.recess = 0.0
     return STATUS_TOO_DEEP if own.depth > DEEPEST else 0

@@ -56,6 +56,10 @@ class Path:
         """Position at arclength s [m]: shape (..., 3)."""
         return self.frame(s)[..., 0, :]
 
+    def twist(self, s: float) -> float:
+        """How the cross-section turns about the tangent, positive where its left side rises [rad/m]."""
+        return float(core.twist(self.curve, s))
+
     def curvature(self, s: ArrayLike) -> NDArray[np.float64]:
         """Horizontal curvature at arclength s [1/m], positive to the left; shape of s."""
         s = np.asarray(s, dtype=np.float64)

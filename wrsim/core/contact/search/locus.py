@@ -32,7 +32,8 @@ LARGEST_SINE = 0.7  # of theta and alpha: beyond, the point is no candidate for 
 
 class Locus(NamedTuple):
     """Point of the locus (x, o, b) [m]; unit normal out of the wheel (towards the rail); the profile's arclength per
-    arclength of the outline; radius of curvature along t [m]; curvature of the profile [1/m]."""
+    arclength of the outline; radius of curvature along t [m]; distance to the axle along the normal [m]; curvature of
+    the profile [1/m]."""
 
     x: float
     o: float
@@ -41,6 +42,7 @@ class Locus(NamedTuple):
     nb: float
     shrink: float
     r_t: float
+    to_axle: float
     k: float
 
 
@@ -75,6 +77,7 @@ def locus_point(wheel, arc):
     u = at.u
     rho = wheel.radius - at.w
     if e.x == 0.0:
+        to_axle = rho / max(at.tu, 1e-3)
         return Locus(
             origin.x,
             origin.y + u * e.y + rho * e.z,
@@ -82,7 +85,8 @@ def locus_point(wheel, arc):
             at.tw * e.y + at.tu * e.z,
             at.tw * e.z - at.tu * e.y,
             1.0,
-            rho / max(at.tu, 1e-3),
+            to_axle,
+            to_axle,
             at.k,
         )
     iq = 1.0 / q
@@ -109,6 +113,7 @@ def locus_point(wheel, arc):
         at.tw * e.z + at.tu * db,
         cosine * q * inverse_ratio,
         r1 * inverse_ratio,
+        r1,
         at.k,
     )
 
