@@ -9,6 +9,7 @@ from math import pi, sqrt, tan
 
 import numpy as np
 import pytest
+from support.scenario_texts import CURVE
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 from typer.testing import CliRunner
 
@@ -21,6 +22,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment
+from wrsim.results.assessment_tables import assessment_json
 from wrsim.scenario.sections.assessment import AssessmentSettings
 from wrsim.vehicle.levels import bogie_mass, level_of
 from wrsim.vehicle.vehicle_files import load_vehicle
@@ -269,7 +271,7 @@ def test_short_peaks_are_averaged_over_two_metres():
         return np.where(np.abs(s - 100.0) < 0.5, 40e3, 0.0), 0.0 * s
 
     found = assess(run(110.0, speed=5.0, y=y), NADAL)
-    assert found.signals["sum_Y"].values.max() == pytest.approx(20e3, rel=0.01)
+    assert found.signals[""]["sum_Y"].values.max() == pytest.approx(20e3, rel=0.01)
 
 
 def test_a_hunting_wheelset_is_found_with_its_frequency_and_rms():
@@ -309,7 +311,7 @@ def test_wheelsets_are_assessed_where_they_are_themselves():
     assert [s.start for s in found.sections[1:3]] == pytest.approx([200.0, 250.0], abs=0.2)
     hit = {(v.wheelset, v.section.number) for v in found.of("sum_Y") if v.value > 30e3}
     assert hit == {("1", 3), ("2", 3)}
-    signals = found.signals["sum_Y"].values
+    signals = found.signals[""]["sum_Y"].values
     inside = np.isfinite(signals).all(axis=0)
     assert signals[0, inside] == pytest.approx(signals[1, inside], abs=50.0)
 
@@ -402,7 +404,7 @@ def test_a_wheel_pushed_sideways_without_load_is_beyond_any_limit():
     found = assess(run(250.0, q=q, y=lambda s: (0.0 * s, 5e3 + 0.0 * s)), NADAL)
     assert only(found, "Y_over_Q", "right") == np.inf
     assert found.passed is False
-    assert json.loads(found.json())["values"]  # infinite values do not break the file
+    assert json.loads(assessment_json(found))["values"]  # infinite values do not break the file
 
 
 # --- limits -------------------------------------------------------------------------------------------------
@@ -443,6 +445,67 @@ def test_the_command_leaves_tables_and_pictures(tmp_path):
     assert float(row["value"]) == pytest.approx(30.0, rel=1e-3)
     assert float(row["limit"]) == pytest.approx(65.0)
     assert {"assessment.png", "assessment_history.png"} <= {p.name for p in tmp_path.iterdir()}
+
+
+def of_radius(radius: float, guiding: float, scenario: str = "") -> Result:
+    """A run through a full curve of 140 m with that guiding force of the outer wheel [N]."""
+    return run(
+        400.0,
+        curvature=curve(radius, 80.0, 40.0, 140.0),
+        y=lambda s: (0.0 * s, guiding * curve(1.0, 80.0, 40.0, 140.0)(s)),
+        attributes={"scenario_text": scenario},
+    )
+
+
+def test_sections_of_several_runs_count_together():
+    several = [of_radius(300.0, 30e3), of_radius(390.0, 40e3), of_radius(330.0, 20e3)]
+    found, alone = assess(several), [assess(one) for one in several]
+    assert [s.number for s in found.sections] == list(range(1, sum(len(a.sections) for a in alone) + 1))
+    assert [s.run for s in found.sections] == [name for name, a in zip("123", alone, strict=True) for _ in a.sections]
+    assert [v.value for v in found.of("Q")] == [v.value for a in alone for v in a.of("Q")]
+    (zone,) = [z for z in found.zones() if z.worst.quantity.key == "Y_qst"]
+    assert zone.sections == 6
+    # the limit goes by the mean radius of all sections of the class, not by that of each run
+    assert [v.limit.value for v in found.of("Y_qst")] == pytest.approx([30e3 + 10500e3 / 340.0] * 6, rel=1e-3)
+    assert zone.worst.section.run == "2" and zone.worst.value == pytest.approx(40e3, rel=1e-3)
+
+
+def test_estimated_maxima_need_fewer_runs_when_these_count_together():
+    runs = [run(1000.0, y=lambda s, k=k: (k * 2e3 + 0.0 * s, 0.0 * s)) for k in range(3)]
+    (zone,) = [z for z in assess(runs).zones() if z.worst.quantity.key == "sum_Y"]
+    per_section = np.repeat([0.0, 2e3, 4e3], 4)
+    assert zone.sections == 12 and zone.mean == pytest.approx(per_section.mean(), abs=1.0)
+    assert zone.estimate == pytest.approx(per_section.mean() + 3.0 * per_section.std(ddof=1), rel=1e-3)
+    assert all(z.estimate is None for one in runs for z in assess(one).zones())
+
+
+def test_runs_of_different_vehicles_or_settings_are_no_test():
+    one = run(300.0)
+    with pytest.raises(InputError, match="the runs a and b are not of one vehicle: the first has the wheelsets"):
+        assess([one, with_wheelsets([one, one])], names=("a", "b"))
+    other = of_radius(300.0, 30e3, CURVE + '\n[assessment]\nvehicle_kind = "freight"\n')
+    with pytest.raises(InputError, match=r"the runs a and b have different \[assessment\]"):
+        assess([one, other], names=("a", "b"))
+    assert assess([one, other], AssessmentSettings()).settings["vehicle_kind"] == "passenger"
+    with pytest.raises(InputError, match="run b: the result cannot be assessed: it has no Q"):
+        assess([one, Result(one.dataset.drop_vars("Q"))], names=("a", "b"))
+
+
+def test_the_command_assesses_several_runs_as_one(tmp_path):
+    for name, radius in (("slow", 300.0), ("fast", 390.0)):
+        (tmp_path / name).mkdir()
+        of_radius(radius, 30e3).save(tmp_path / name / "result.nc")
+    folders = [str(tmp_path / "slow"), str(tmp_path / "fast" / "result.nc")]
+    refused = CliRunner().invoke(app, ["assess", *folders])
+    assert refused.exit_code == 2 and "-o DIR is missing" in refused.output
+    refused = CliRunner().invoke(app, ["assess", folders[0], str(tmp_path / "slow" / "result.nc"), "-o", str(tmp_path)])
+    assert refused.exit_code == 2 and "given twice" in refused.output
+    done = CliRunner().invoke(app, ["assess", *folders, "-o", str(tmp_path / "both")])
+    assert done.exit_code == 0, done.output
+    found = json.loads((tmp_path / "both" / "assessment.json").read_text())
+    assert found["runs"] == ["slow", "fast"] and {s["run"] for s in found["sections"]} == {"slow", "fast"}
+    pictures = {p.name for p in (tmp_path / "both").glob("*.png")}
+    assert pictures == {"assessment.png", "assessment_history_1.png", "assessment_history_2.png"}
 
 
 def test_what_cannot_be_assessed_says_why():

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from wrsim.analysis.assessment import assess
 from wrsim.cli import app
+from wrsim.results.assessment_tables import assessment_json
 from wrsim.results.regression import regression
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
@@ -111,7 +112,7 @@ def test_an_assessment_estimates_at_a_cant_deficiency_beyond_that_of_the_run():
     # neighbours reach into a section by half a window and what the filter swings over
     assert fitted.slope[0] == pytest.approx(1e5, rel=0.05) and fitted.fit == pytest.approx(35e3, rel=0.02)
     assert zone.estimate == fitted.estimate > fitted.fit
-    row = next(z for z in json.loads(found.json())["zones"] if z["worst"]["quantity"] == "sum_Y")
+    row = next(z for z in json.loads(assessment_json(found))["zones"] if z["worst"]["quantity"] == "sum_Y")
     (over,) = row["regression"]["over"]
     assert (over["influence"], over["unit"], over["at"]) == ("cant_deficiency", "mm", pytest.approx(150.0))
     assert over["slope"] == pytest.approx(0.1, rel=0.05)

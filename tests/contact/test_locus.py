@@ -50,7 +50,7 @@ class Surface:
 def kernel(profile, yaw, arc):
     """locus_point with the table of the model: (x, o, b), (normal), shrink, r_t, curvature of the profile."""
     table, step = profile.table(1e-4)
-    x, o, b, no, nb, shrink, rt, curvature = locus_point(wheel_at(table, step, RADIUS, ORIGIN, axle(yaw)), arc)
+    x, o, b, no, nb, shrink, rt, _, curvature = locus_point(wheel_at(table, step, RADIUS, ORIGIN, axle(yaw)), arc)
     return np.array([x, o, b]), np.array([0.0, no, nb]), shrink, rt, curvature
 
 
@@ -164,7 +164,7 @@ def test_without_yaw_the_locus_is_the_profile():
     table, step = profile.table(1e-4)
     wheel = wheel_at(table, step, RADIUS, np.array([0.0, 0.0, RADIUS]), np.array([0.0, 1.0, 0.0]))
     arc = 0.3 * profile.length
-    x, o, b, no, nb, shrink, r_t, _ = locus_point(wheel, arc)
+    x, o, b, no, nb, shrink, r_t, _, _ = locus_point(wheel, arc)
     u, w = profile.at(arc)
     tu, tw = profile.tangent(arc)
     assert (x, shrink) == (0.0, 1.0)
@@ -182,3 +182,14 @@ def test_opposite_yaw_mirrors_the_locus_along_the_rail():
         assert tuple(back - ORIGIN) == pytest.approx(tuple((point - ORIGIN) * [-1.0, 1.0, 1.0]), abs=1e-15)
         assert (shrink_back, r_back) == (shrink, r_t)
         assert tuple(normal_back) == tuple(normal)
+
+
+@pytest.mark.parametrize("yaw", YAWS)
+@pytest.mark.parametrize("profile", WHEELS.values(), ids=WHEELS)
+def test_the_normal_meets_the_axle(profile, yaw):
+    table, step = profile.table(1e-4)
+    e = axle(yaw)
+    for arc in places(profile, yaw):
+        at = locus_point(wheel_at(table, step, RADIUS, ORIGIN, e), arc)
+        arm = np.array([at.x, at.o, at.b]) - at.to_axle * np.array([0.0, at.no, at.nb]) - ORIGIN
+        assert np.linalg.norm(arm - (arm @ e) * e) < 1e-9

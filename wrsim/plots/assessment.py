@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -34,11 +35,14 @@ MOST = 1.5
 
 
 def assessment_pictures(found: Assessment, directory: str | Path) -> list[Path]:
-    """Write ``assessment.png`` (limits), ``assessment_history.png`` and where values are estimated by influences
-    ``assessment_estimates.png``; returns their paths.
+    """Write ``assessment.png`` (limits), ``assessment_history.png`` (of several runs with their numbers) and where
+    values are estimated by influences ``assessment_estimates.png``; returns their paths.
     """
     directory = Path(directory)
-    files = [save(history_figure(found), directory / "assessment_history.png")]
+    files = []
+    for i, run in enumerate(found.signals, 1):
+        name = f"assessment_history_{i}.png" if run else "assessment_history.png"
+        files.append(save(history_figure(found, run), directory / name))
     if estimated(found):
         files.append(save(estimates_figure(found), directory / "assessment_estimates.png"))
     if any(v.limit is not None for v in found.values):
@@ -96,8 +100,9 @@ def _rows(found: Assessment) -> list[tuple[str, list[Value]]]:
     return rows
 
 
-def history_figure(found: Assessment) -> Figure:
-    """Sum Y, Y/Q, Q and Y as they were evaluated, with their limits, over shaded sections."""
+def history_figure(found: Assessment, run: str = "") -> Figure:
+    """Sum Y, Y/Q, Q and Y of a run as they were evaluated, with their limits, over shaded sections."""
+    signals, sections = found.signals[run], [s for s in found.sections if s.run == run]
     panels: tuple[tuple[str, str, float, tuple[str, ...]], ...] = (
         ("sum_Y", "ΣY, 20 Hz, 2 m\n[kN]", 1e-3, ("sum_Y",)),
         ("Y_over_Q", "Y/Q, 20 Hz, 2 m", 1.0, ("Y_over_Q",)),
@@ -108,25 +113,26 @@ def history_figure(found: Assessment) -> Figure:
         figure = new_figure(FULL_WIDTH, 34.0 * len(panels) + 24.0)
         rows = figure.subplots(len(panels), 1, sharex=True)
         for axes, (signal, label, factor, quantities) in zip(rows, panels, strict=True):
-            shade_sections(axes, found.sections)
-            signal_of(axes, found, signal, factor)
-            limited = [value for quantity in quantities for value in found.of(quantity)]
+            shade_sections(axes, sections)
+            signal_of(axes, signals, signal, factor)
+            limited = [v for quantity in quantities for v in found.of(quantity) if v.section.run == run]
             limit_of(axes, limited, factor, both=signal == "sum_Y")
             axes.set_ylabel(label)
-        _number_sections(rows[0], found.sections)
+        _number_sections(rows[0], sections)
         rows[-1].set_xlabel("Distance along the track [m]")
-        place = found.signals["place"].values
+        place = signals["place"].values
         rows[-1].set_xlim(place[0], place[-1])
         figure.align_ylabels(list(rows))
-        figure.suptitle(found.title, x=0.01, ha="left", fontsize=8.5)
-        figure.legend(handles=_legend(found), loc="outside lower center", ncols=4)
+        title = f"{found.title}\nrun {run}" if run else found.title
+        figure.suptitle(title, x=0.01, ha="left", fontsize=8.5)
+        figure.legend(handles=_legend(signals), loc="outside lower center", ncols=4)
     return figure
 
 
-def signal_of(axes: Axes, found: Assessment, name: str, factor: float) -> Axes:
+def signal_of(axes: Axes, signals: xr.Dataset, name: str, factor: float) -> Axes:
     """One signal: a line a wheelset, or a wheelset and wheel."""
-    place = found.signals["place"].values
-    data = found.signals[name].values
+    place = signals["place"].values
+    data = signals[name].values
     for i in range(data.shape[0]):
         line = GROUP_LINE[i % len(GROUP_LINE)]
         own = [(INK, data[i])] if data.ndim == 2 else list(zip(WHEEL_COLOUR.values(), data[i].T, strict=True))
@@ -172,9 +178,9 @@ def _number_sections(axes: Axes, sections: Sequence[Section]) -> None:
         note_above(axes, str(s.number), middle)
 
 
-def _legend(found: Assessment) -> list[Artist]:
+def _legend(signals: xr.Dataset) -> list[Artist]:
     entries = wheel_entries()
-    names = [str(name) for name in found.signals["wheelset"].values]
+    names = [str(name) for name in signals["wheelset"].values]
     if len(names) > 1:
         for i, label in enumerate(numbered(names).values()):
             line = GROUP_LINE[i % len(GROUP_LINE)]

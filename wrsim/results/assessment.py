@@ -8,15 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.results.channels import Shown
-from wrsim.results.files import as_csv, as_json
-from wrsim.results.regression import SHOWN, Influence, Regression, regression
+from wrsim.results.regression import Influence, Regression, regression
 
 TRANSITION = "transition"
 """Class of what lies between curves."""
@@ -40,7 +38,8 @@ class Section:
 
     number: from 1; zone: its class; start, end [m]; radius [m]: of the mean curvature (of the sharpest one in a
     transition), positive to the left, infinite on straight track; speed [m/s] and cant deficiency [m] (over 1.5 m,
-    positive where cant is missing): means; short: shorter than sections of that zone should be.
+    positive where cant is missing): means; short: shorter than sections of that zone should be; run: its name, where
+    several runs are assessed together.
     """
 
     number: int
@@ -51,6 +50,7 @@ class Section:
     speed: float
     cant_deficiency: float
     short: bool
+    run: str = ""
 
     @property
     def length(self) -> float:
@@ -188,7 +188,8 @@ class Assessment:
     """Everything that an assessment found.
 
     notes: what could not be assessed, and why; settings: numbers it rests on, in units for readers; signals: what was
-    evaluated, against distance, for pictures (dimensions ``place``, ``wheelset``, ``wheel``); track: how uneven it is,
+    evaluated in each run, by its name, against distance, for pictures (dimensions ``place``, ``wheelset``, ``wheel``);
+    the name of a lone run is empty; track: how uneven it is,
     nothing on smooth track; estimate_over: influences by which values are estimated, none for the one-dimensional
     method; estimate_at: where, the largest of the sections unless given [SI].
     """
@@ -198,7 +199,7 @@ class Assessment:
     values: tuple[Value, ...]
     notes: tuple[str, ...]
     settings: Mapping[str, float | str]
-    signals: xr.Dataset = field(repr=False)
+    signals: Mapping[str, xr.Dataset] = field(repr=False)
     track: tuple[TrackQuality, ...] = ()
     estimate_over: tuple[Influence, ...] = ()
     estimate_at: Mapping[Influence, float] = field(default_factory=dict)
@@ -242,28 +243,6 @@ class Assessment:
                 estimate = mean + k * deviation
         return ZoneValue(worst, per_section.size, mean, deviation, estimate, fitted)
 
-    def as_dict(self) -> dict[str, Any]:
-        """What ``assessment.json`` holds, in units for readers."""
-        return {
-            "title": self.title,
-            "passed": self.passed,
-            "settings": dict(self.settings),
-            "notes": list(self.notes),
-            "quantities": [_quantity(q) for q in dict.fromkeys(v.quantity for v in self.values)],
-            "sections": [_section(s) for s in self.sections],
-            "track_quality": [_track_row(t) for t in self.track],
-            "zones": [_zone_row(z) for z in self.zones()],
-            "values": [_value(v) for v in self.values],
-        }
-
-    def json(self) -> bytes:
-        """Content of ``assessment.json``."""
-        return as_json(self.as_dict(), indent=1)
-
-    def csv(self) -> bytes:
-        """Content of ``assessment.csv``: one row per value."""
-        return as_csv([_COLUMNS, *(_flat(v) for v in self.values)])
-
 
 def _influences(sections: Sequence[Section]) -> dict[Influence, NDArray[np.float64]]:
     """What sections differ in: cant deficiency [m], curvature without its hand [1/m], speed [m/s]."""
@@ -272,98 +251,3 @@ def _influences(sections: Sequence[Section]) -> dict[Influence, NDArray[np.float
         "curvature": np.array([abs(1.0 / s.radius) for s in sections]),
         "speed": np.array([s.speed for s in sections]),
     }
-
-
-def _number(value: float | None, factor: float = 1.0) -> float | None:
-    """A plain number that JSON knows; None for what is none."""
-    return None if value is None or not math.isfinite(value) else float(value) * factor
-
-
-def _quantity(q: Quantity) -> dict[str, Any]:
-    named = {"key": q.key, "symbol": q.symbol, "name": q.words, "group": q.group, "unit": q.shown.symbol}
-    return named | {"evaluation": q.evaluation, "source": q.source}
-
-
-def _section(s: Section) -> dict[str, Any]:
-    return {
-        "section": s.number,
-        "zone": s.zone,
-        "start_m": s.start,
-        "end_m": s.end,
-        "radius_m": _number(s.radius),
-        "speed_kmh": 3.6 * s.speed,
-        "cant_deficiency_mm": 1e3 * s.cant_deficiency,
-        "short": s.short,
-    }
-
-
-def _value(v: Value) -> dict[str, Any]:
-    factor = v.quantity.shown.factor
-    return {
-        "quantity": v.quantity.key,
-        "section": v.section.number,
-        "wheelset": v.wheelset,
-        "wheel": v.wheel,
-        "point": v.point,
-        "value": _number(v.value, factor),
-        "limit": None if v.limit is None else _number(v.limit.value, factor),
-        "limit_source": "" if v.limit is None else f"{v.limit.source} [{v.limit.mark}]",
-        "margin": _number(v.margin),
-        "passed": v.passed,
-    }
-
-
-def _zone_row(z: ZoneValue) -> dict[str, Any]:
-    factor = z.worst.quantity.shown.factor
-    return {
-        "zone": z.worst.section.zone,
-        "sections": z.sections,
-        "mean": _number(z.mean, factor),
-        "deviation": _number(z.deviation, factor),
-        "estimated_maximum": _number(z.estimate, factor),
-        "regression": None if z.regression is None else _regression_row(z.regression, factor),
-        "passed": z.passed,
-        "worst": _value(z.worst),
-    }
-
-
-def _regression_row(r: Regression, factor: float) -> dict[str, Any]:
-    return {
-        "fit": r.fit * factor,
-        "deviation": r.deviation * factor,
-        "over": [
-            {"influence": name, "unit": SHOWN[name][0], "at": at * SHOWN[name][1], "slope": b * factor / SHOWN[name][1]}
-            for name, at, b in zip(r.over, r.at, r.slope, strict=True)
-        ],
-    }
-
-
-def _track_row(t: TrackQuality) -> dict[str, Any]:
-    return {
-        "section": t.section.number,
-        "direction": t.direction,
-        "deviation_mm": 1e3 * t.deviation,
-        "largest_mm": 1e3 * t.largest,
-        "step_by_deviation": t.by_deviation,
-        "step_by_largest": t.by_largest,
-        "TL90": t.tl90,
-    }
-
-
-_COLUMNS = (
-    "quantity", "unit", "section", "zone", "start_m", "end_m", "radius_m", "wheelset", "wheel", "point", "value",
-    "limit", "margin", "passed", "limit_source",
-)  # fmt: skip
-
-
-def _flat(v: Value) -> list[str]:
-    row = _section(v.section) | _value(v) | {"unit": v.quantity.shown.symbol}
-    return [_cell(row[key]) for key in _COLUMNS]
-
-
-def _cell(value: Any) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
