@@ -34,6 +34,7 @@ from wrsim.plots.moments import PatchAt, choose_moments, patches_of, select, tou
 from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, rounded
 from wrsim.plots.stops import stop_note
 from wrsim.plots.style import headline, new_figure, pressure_map, shown, style
+from wrsim.results import CHANNELS
 from wrsim.results.moments import moment_dim
 
 MOST_MOMENTS = 6
@@ -50,13 +51,12 @@ def has_outlines(dataset: xr.Dataset) -> bool:
 
 def outlines(axes: Axes, dataset: xr.Dataset, moment: int, wheel: str) -> Axes:
     """Draw the rail and the wheel of one moment as cut solids, in mm."""
-    of_wheel = dataset[[f"{part}_profile_{n}" for part in ("rail", "wheel") for n in "yz"]].sel(wheel=wheel)
-    dim = moment_dim(dataset)
+    at = {"wheel": list(dataset["wheel"].values).index(wheel), moment_dim(dataset): moment}
     for part, fill, beyond, order in (("rail", RAIL_FILL, -300.0, 1.0), ("wheel", WHEEL_FILL, 300.0, 1.1)):
-        chosen = of_wheel[[f"{part}_profile_y", f"{part}_profile_z"]]
-        if dim in chosen.dims:
-            chosen = chosen.isel({dim: moment})
-        y, z = (shown(chosen, f"{part}_profile_{n}") for n in "yz")
+        y, z = (
+            dataset.variables[name].isel(at, missing_dims="ignore").values * CHANNELS[name].shown.factor
+            for name in (f"{part}_profile_y", f"{part}_profile_z")
+        )
         finite = np.isfinite(y) & np.isfinite(z)
         if not finite.any():
             continue
@@ -158,7 +158,10 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
             draw_label(figure, f"{wheel} wheel" if wheel else "", WHEEL_COLOUR.get(wheel, INK), top + 0.5 * flat)
             for j, column in enumerate(columns):
                 axes = _framed(page.axes(figure, j, top, flat), 3)
-                _label_axes(axes, first=j == 0)
+                if j == 0:
+                    _label_axes(axes, first=True)
+                else:  # the window of the first one
+                    axes.set(xticks=(), yticks=())
                 cross_section(axes, dataset, column.moment, wheel or column.wheel, scale)
                 _mark_windows(axes, dataset, column.moment, wheel or column.wheel)
             top += flat + _UNDER_OVERVIEW
@@ -173,7 +176,7 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
                     _label_axes(axes, first=j == row.used[0][0], beneath=note)
                 top += page.panel + _UNDER_ZOOM
         reading = (
-            "Axes: outward $o$ (field side to the right) and up $b$\n"
+            "Axes: outward o (field side to the right) and up b\n"
             "from the rail's profile origin.\n"
             "Thin lines: pressure along the normals." + selection_words(dataset, chosen)
         )
@@ -186,9 +189,9 @@ _UNDER_OVERVIEW, _UNDER_ZOOM = 8.5, 15.0
 
 def _label_axes(axes: Axes, *, first: bool, beneath: str = "") -> None:
     """Names of the axes, the upward one at the first panel of a row, and a note beneath."""
-    axes.set_xlabel("$o$ [mm]" + (f"\n{beneath}" if beneath else ""), fontsize=6.0, color=QUIET, labelpad=1.0)
+    axes.set_xlabel("o [mm]" + (f"\n{beneath}" if beneath else ""), fontsize=6.0, color=QUIET, labelpad=1.0)
     if first:
-        axes.set_ylabel("$b$ [mm]", fontsize=6.0, color=QUIET, labelpad=1.0)
+        axes.set_ylabel("b [mm]", fontsize=6.0, color=QUIET, labelpad=1.0)
 
 
 def _framed(axes: Axes, ticks: int) -> Axes:

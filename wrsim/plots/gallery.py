@@ -145,6 +145,6 @@ def colour_bar(figure: Figure, scale: Normalize, top: float, reading: str) -> No
     """Pressure scale beneath the panels, with a few words on how to read the picture beside it."""
     axes = place(figure, LEFT, top, 55.0, 2.2)
     bar = figure.colorbar(ScalarMappable(scale, pressure_map()), cax=axes, orientation="horizontal")
-    bar.set_label("Contact pressure $p$ [MPa]", labelpad=1.0)
+    bar.set_label("Contact pressure p [MPa]", labelpad=1.0)
     bar.ax.tick_params(width=0.4)
     write(figure, LEFT + 60.0, top, reading, fontsize=6.8, color=QUIET)

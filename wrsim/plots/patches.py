@@ -107,21 +107,24 @@ def rounded(values: Array) -> Array:
 
 
 def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> str:
-    """Numbers of a patch beneath its picture: largest pressure, normal force (if wanted), contact angle."""
+    """Numbers of a patch beneath its picture: largest pressure, normal force (if wanted), contact angle.
+
+    In plain letters: each formula of matplotlib's is parsed for some milliseconds.
+    """
     sample = sample_of(dataset, where.moment)
     sample_dim = "time" if "time" in dataset.dims else "pose"
     forms = {
-        "p0": "$p_0$ = {:.0f} MPa",
-        "N": "$N$ = {:.1f} kN",
-        "contact_angle": r"$\gamma$ = {:.1f}°",
-        "contact_angle_variation": r"$\Delta\gamma$ = {:.1f}°",
+        "p0": "p₀ = {:.0f} MPa",
+        "N": "N = {:.1f} kN",
+        "contact_angle": "γ = {:.1f}°",
+        "contact_angle_variation": "Δγ = {:.1f}°",
     }
-    told = dataset[[name for name in forms if name in dataset]]  # slices of everything take a tenth of a second
-    row = told.isel({sample_dim: sample, "patch": where.patch}).sel(wheel=where.wheel)
+    at = {sample_dim: sample, "patch": where.patch, "wheel": list(dataset["wheel"].values).index(where.wheel)}
+    row = {name: float(dataset.variables[name].isel(at)) for name in forms if name in dataset}
     texts = {
-        name: form.format(float(row[name]) * CHANNELS[name].shown.factor)
-        for name, form in forms.items()
-        if name in row and np.isfinite(row[name]) and (force or name != "N")
+        name: forms[name].format(value * CHANNELS[name].shown.factor)
+        for name, value in row.items()
+        if np.isfinite(value) and (force or name != "N")
     }
     lines = [[texts[n] for n in pair if n in texts] for pair in (list(forms)[:2], list(forms)[2:])]
     return minus("\n".join(", ".join(line) for line in lines if line))
@@ -164,12 +167,12 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
                 axes.set(xlim=(s - half, s + half), ylim=(x - long, x + long))
                 few_ticks(axes, 4, 6.2)
                 note = patch_note(dataset, where, force=page.panel > 28.0)
-                axes.set_xlabel(f"$s$ [mm]\n{note}", fontsize=6.0, color=QUIET, labelpad=1.0)
+                axes.set_xlabel(f"s [mm]\n{note}", fontsize=6.0, color=QUIET, labelpad=1.0)
                 if j == row.used[0][0]:
-                    axes.set_ylabel("$x$ [mm]", labelpad=1.0, fontsize=6.8)
+                    axes.set_ylabel("x [mm]", labelpad=1.0, fontsize=6.8)
             top += height + _BENEATH
         reading = (
-            "Across: curved axis $s$, field side to the right. Up: rolling direction $x$.\n"
+            "Across: curved axis s, field side to the right. Up: rolling direction x.\n"
             "One scale everywhere; every panel is cut out around its patch." + selection_words(dataset, chosen)
         )
         colour_bar(figure, scale, top + 1.0, reading)

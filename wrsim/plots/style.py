@@ -131,8 +131,8 @@ def rendered(figure: Figure, vector: bool = False) -> bytes:
             figure.set_layout_engine("none")
         if vector:
             figure.savefig(stream, format="svg", metadata={"Date": None})
-        else:  # a twelfth more bytes than at the usual level, a sixth less time
-            figure.savefig(stream, format="png", metadata={"Software": None}, pil_kwargs={"compress_level": 3})
+        else:  # a tenth more bytes than at the usual level, a fifth less time
+            figure.savefig(stream, format="png", metadata={"Software": None}, pil_kwargs={"compress_level": 1})
     return stream.getvalue()
 
 
