@@ -74,6 +74,27 @@ def test_the_schema_of_vehicles_accepts_every_shipped_one(file: Path) -> None:
     assert faults(schema_of(kind), data | {"name": 1})
 
 
+def test_editors_find_a_schema_for_every_shipped_file_and_it_accepts_them() -> None:
+    rules = tomllib.loads((ROOT / ".taplo.toml").read_text())["rule"]
+    found = set()
+    for rule in rules:
+        schema = Draft7Validator(json.loads((ROOT / rule["schema"]["path"]).read_text()))
+        for file in (file for pattern in rule["include"] for file in ROOT.glob(pattern)):
+            assert faults(schema, tomllib.loads(file.read_text())) == [], file
+            found.add(file)
+    shipped = {*(ROOT / "models").rglob("*.toml"), *(ROOT / "scenarios").rglob("*.toml")}
+    assert shipped - found == set()
+
+
+def test_a_slip_in_a_profile_is_found_in_the_kind_that_the_file_names() -> None:
+    schema, kinds = schema_of("profile"), ("rails/60E1.toml", "wheels/S1002.toml", "wheels/S1002_worn.toml")
+    for name in kinds:
+        data = tomllib.loads((ROOT / "models" / name).read_text())
+        assert faults(schema, data) == []
+        assert faults(schema, data | {"radius": 3.0})
+        assert faults(schema, data | {"kind": "cone"})
+
+
 @pytest.mark.parametrize("file", FILES)
 def test_every_key_says_what_it_is_and_may_be_with_an_example(file: str) -> None:
     for table in tables_of(file):
@@ -101,6 +122,12 @@ def test_a_new_scenario_can_be_run(kind: str, tmp_path: Path) -> None:
     assert refused.exit_code == 2 and "has changed since" in refused.output
 
 
+def test_new_says_where_files_of_other_kinds_begin() -> None:
+    answer = runner.invoke(app, ["new", "train"])
+    said = " ".join(answer.output.split())
+    assert answer.exit_code == 2 and "models/trains" in said.replace(" ", "") and "keys --file train" in said
+
+
 def test_keys_of_a_table_are_printed_and_a_slip_names_the_nearest() -> None:
     answer = runner.invoke(app, ["keys", "contact"])
     assert answer.exit_code == 0 and "tangential" in answer.output and "half-space" in answer.output
@@ -109,6 +136,8 @@ def test_keys_of_a_table_are_printed_and_a_slip_names_the_nearest() -> None:
     assert meaning in answer.output and meaning in schema_text("scenario")
     answer = runner.invoke(app, ["keys", "track.elasticity"])
     assert answer.exit_code == 0 and "rail sideways under one wheel" in answer.output
+    answer = runner.invoke(app, ["keys", "rail-head", "--file", "profile"])
+    assert answer.exit_code == 0 and "half_widths_mm" in answer.output and "conicity" not in answer.output
     answer = runner.invoke(app, ["keys", "contcat"])
     assert answer.exit_code == 2 and "did you mean 'contact'?" in answer.output
     answer = runner.invoke(app, ["keys", "--file", "stduy"])

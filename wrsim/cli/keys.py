@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from re import findall
 from textwrap import fill
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -28,9 +29,12 @@ FILES = {
     "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
     "train": ("a train file", "wrsim.vehicle.train_files:TrainFile"),
     "track": ("a track file", "wrsim.scenario.track_file:TrackFile"),
+    "profile": ("a profile file", "wrsim.geometry.profile.models:AnyProfileFile"),
     "columns": ("the column map of a recording", "wrsim.geometry.recording.columns:ColumnsFile"),
 }
-"""Kinds of files that users write, and the class of each."""
+"""Kinds of files that users write, and the class of each, or the classes that it may be one of."""
+MODELS = {"vehicle": "vehicles", "wheelset": "vehicles", "train": "trains", "track": "tracks", "profile": "wheels"}
+"""Folders of the shipped files of a kind."""
 WIDTH = 110
 ABSENT = {"needed": "has to be given", "none": "may be left out"}
 """Words for what keys without a default have in its place."""
@@ -106,8 +110,10 @@ def _chosen(section: str, tables: list[type[Section]]) -> list[type[Section]]:
 
 
 def _names(kind: type[Section]) -> list[str]:
-    """Names of a table in its header: ``contact.material.wheel`` and ``contact.material.rail``."""
-    return [part.split("]")[0].strip("[") for part in kind.header.split(" ") if part.startswith("[")] or [kind.header]
+    """Names of a table in its header: ``contact.material.wheel`` and ``contact.material.rail``; ``points`` of a file
+    of that kind."""
+    in_brackets = [part.split("]")[0].strip("[") for part in kind.header.split(" ") if part.startswith("[")]
+    return in_brackets or [kind.header, *findall('"([^"]+)"', kind.header)]
 
 
 def schema_text(file: str) -> str:
@@ -148,9 +154,16 @@ def new(
 ) -> None:
     """Write a scenario to start from: it runs as it is, and names every other key in a comment."""
     with reporting_errors(as_json), writing(force):
+        from wrsim.inputs.lookup import shipped_models
         from wrsim.results import write_atomically
         from wrsim.scenario.templates import template
 
+        if kind in FILES and kind != "scenario":
+            shipped = f"; copy one of {shipped_models() / MODELS[kind]}" if kind in MODELS else ""
+            raise InputError(
+                f"{kind}: must be the analysis of a scenario ({', '.join(ANALYSES)}){shipped}; "
+                f"the keys of {FILES[kind][0]}: wrsim keys --file {kind}"
+            )
         if kind not in ANALYSES:
             raise InputError(f"{kind}: must be {', '.join(ANALYSES)}{suggest(kind, list(ANALYSES))}")
         path = write_atomically(output or Path(f"{kind}.toml"), template(kind).encode())

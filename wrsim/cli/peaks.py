@@ -39,6 +39,8 @@ def print_peaks(result: Result) -> None:
     else:
         _print_wheelset(result.title, *summary["wheelsets"].values())
     _print_curves(summary)
+    if "energy" in summary:
+        _print_energy(summary["energy"])
     print_some([f"{event['distance_m']:.1f} m: {event['event']}" for event in summary.get("events", [])], "events")
     if "integration" in summary:
         _print_integration(**summary["integration"])
@@ -115,6 +117,15 @@ def _print_curves(summary: dict[str, Any]) -> None:
         print_table([*left, *HEADS], rows, title=title, left=left, width=WIDTH)
     if least > MOST_CURVES:
         say(f"and {least - MOST_CURVES} more full curves: see summary.json")
+
+
+def _print_energy(energy: dict[str, float]) -> None:
+    """What became of the work of drive and pull; what nothing was put in or taken out of is left out."""
+    from wrsim.results.summary import ENERGY
+
+    rows = [[words, f"{energy[key]:z.4g}"] for key, words in ENERGY.items() if energy[key] or key == "left_over_kJ"]
+    say()
+    print_table(("", "kJ"), rows, title="balance of energy over the run", left=("",))
 
 
 def _print_integration(

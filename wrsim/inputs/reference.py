@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal, get_args, get_origin
 
+from pydantic import TypeAdapter
 from pydantic_core import PydanticUndefined
 
 from wrsim.inputs.meanings import meanings
@@ -154,15 +155,17 @@ def _code(text: str) -> str:
     return f"`{text}`"
 
 
-def json_schema(section: type[Section], title: str) -> dict[str, Any]:
+def json_schema(file: Any, title: str) -> dict[str, Any]:
     """JSON schema (draft 7) of a file, for editors: keys, kinds, ranges, defaults, words.
+
+    file: its class, or a union of the classes of which it may be one.
 
     It names no address of its own: Taplo refuses one that is not whole, and ours lies wherever the user has put it.
     """
-    schema = section.model_json_schema(mode="validation")
+    schema = TypeAdapter(file).json_schema(mode="validation")
     definitions = schema.pop("$defs", {})
-    classes = {kind.__name__: kind for kind in tables_in(section)} | {section.__name__: section}
-    schema = _cleaned(schema, classes.get(section.__name__))
+    classes = {kind.__name__: kind for kind in tables_in(file)}
+    schema = _cleaned(schema, classes.get(getattr(file, "__name__", "")))
     own = {name: _cleaned(value, classes.get(name)) for name, value in sorted(definitions.items())}
     return {"$schema": SCHEMA, **schema, "title": title, "definitions": own}
 

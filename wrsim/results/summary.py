@@ -114,6 +114,18 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     return summary
 
 
+ENERGY = {
+    "work_of_pull_kJ": "work of the pull that holds the speed",
+    "work_of_drive_kJ": "work of motors and brakes",
+    "lost_in_creep_kJ": "lost in creep",
+    "lost_in_dampers_kJ": "lost in dampers and friction of the suspension",
+    "gained_in_motion_kJ": "gained in motion",
+    "gained_in_height_kJ": "gained in height",
+    "left_over_kJ": "left over: springs, rails, contacts, loads",
+}
+"""Parts of the balance of energy in words."""
+
+
 def energy(dataset: xr.Dataset) -> dict[str, float]:
     """What became of the work of drive and pull over a run, in kJ.
 

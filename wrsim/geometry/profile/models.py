@@ -18,64 +18,55 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal, get_args
 
 import numpy as np
 from pydantic import Field
 
 from wrsim.errors import InputError
+from wrsim.geometry.profile.file_tables import (
+    MM,
+    ArcSection,
+    BellOfWear,
+    ChainArc,
+    ChainLine,
+    Coordinate,
+    Length,
+    LineSection,
+    Pair,
+    PolynomialSection,
+    read_depths,
+)
 from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, read_profile, suffix_fault
 from wrsim.geometry.profile.profile import Kind, Profile
-from wrsim.geometry.profile.sections import (
-    Arc,
-    Line,
-    Polynomial,
-    arc_between,
-    circle,
-    cone,
-    profile_from_sections,
-    rail_head,
-)
+from wrsim.geometry.profile.sections import Arc, Line, circle, cone, profile_from_sections, rail_head
 from wrsim.geometry.profile.sections import Section as Piece
-from wrsim.geometry.profile.wear import AnyRemoval, DepthTable, Direction, Removal, worn
+from wrsim.geometry.profile.wear import AnyRemoval, worn
 from wrsim.inputs.checking import check, opened
-from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.lookup import Finder, model_file, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Day, List, Source, Switch, Two, number, positive, text
-
-MM = 1e-3
+from wrsim.inputs.values import Day, List, Source, Switch, fields, number, positive, text
 
 SHORTEST = 5e-3
 """Arclength that a profile needs [m]: tables of it stand at 0.1 mm, contacts are some millimetres wide."""
 
-Length = Annotated[float, positive(1e4)]
-Coordinate = Annotated[float, number(-1000.0, 1000.0)]
-
-
-Pair = Annotated[Two[Annotated[float, number(-1e5, 1e5)]], Field(description="two numbers: [u, height]")]
-
-
-FILE_KINDS: dict[str, type[ProfileFile]] = {}
-"""What stands in files of each kind."""
-
 
 class ProfileFile(Section):
-    """What every profile file says. A subclass names its kind, which puts it on the list."""
+    """What every profile file says; `AnyProfileFile` lists the kinds."""
 
     header: ClassVar[str] = "a profile file"
     aliases: ClassVar[dict[str, str]] = {"kind": "type", "name": "title", "source": "reference"}
 
     name: Annotated[str, text("the profile's name")]
+    """Name of the profile; it stands in pictures and messages."""
     body: Kind
+    """Whose profile it is."""
     kind: str
+    """How the shape is given; it decides which further keys the file takes."""
     date: Day
+    """Day on which the file was written."""
     source: Source
-
-    def __init_subclass__(cls, kind: str, **rest: Any) -> None:
-        super().__init_subclass__(**rest)
-        cls.header = f'a profile file with kind = "{kind}"'
-        FILE_KINDS[kind] = cls
+    """Where the shape comes from."""
 
     def build(self, path: Path) -> Profile:
         """Make the profile; `path` is the file, for names relative to it."""
@@ -85,87 +76,20 @@ class ProfileFile(Section):
 # --- kind = "sections" --------------------------------------------------------------------------------
 
 
-class PolynomialSection(Section):
-    """height = c0 + c1 u + c2 u^2 + ..., in mm."""
-
-    header: ClassVar[str] = '[[sections]] with shape = "polynomial"'
-
-    shape: Literal["polynomial"]
-    from_mm: Coordinate
-    to_mm: Coordinate
-    coefficients_mm: List[Annotated[float, number()]]
-
-    def piece(self, down: bool) -> Piece:
-        """The section in metres, up positive."""
-        sign = -1.0 if down else 1.0
-        c = tuple(sign * c * 1000.0 ** (k - 1) for k, c in enumerate(self.coefficients_mm))
-        low, high = sorted((self.from_mm, self.to_mm))
-        return Polynomial(c, low * MM, high * MM)
-
-    def consistency(self) -> Iterator[Fault]:
-        """A section has an extent and at least one coefficient."""
-        yield from _extent(self.from_mm, self.to_mm)
-        if not self.coefficients_mm:
-            yield Fault("coefficients_mm", "must hold at least one number")
-
-
-class ArcSection(Section):
-    """Part of a circle, above or below its centre."""
-
-    header: ClassVar[str] = '[[sections]] with shape = "arc"'
-
-    shape: Literal["arc"]
-    from_mm: Coordinate
-    to_mm: Coordinate
-    centre_mm: Pair
-    radius_mm: Length
-    half: Literal["upper", "lower"]
-
-    def piece(self, down: bool) -> Piece:
-        """The section in metres, up positive."""
-        u, w = self.centre_mm
-        low, high = sorted((self.from_mm, self.to_mm))
-        w = -w if down else w
-        return arc_between(u * MM, w * MM, self.radius_mm * MM, self.half == "upper", low * MM, high * MM)
-
-    def consistency(self) -> Iterator[Fault]:
-        """The arc reaches as far as the section."""
-        yield from _extent(self.from_mm, self.to_mm)
-        for key, end in (("from_mm", self.from_mm), ("to_mm", self.to_mm)):
-            u, reach = self.centre_mm[0], self.radius_mm
-            if abs(end - u) > reach * (1.0 + 1e-9):
-                yield Fault(key, f"is beside the circle; must be a number from {u - reach:g} to {u + reach:g}")
-
-
-class LineSection(Section):
-    """Straight between two points."""
-
-    header: ClassVar[str] = '[[sections]] with shape = "line"'
-
-    shape: Literal["line"]
-    start_mm: Pair
-    end_mm: Pair
-
-    def piece(self, down: bool) -> Piece:
-        """The section in metres, up positive."""
-        sign = -MM if down else MM
-        (u0, w0), (u1, w1) = sorted((self.start_mm, self.end_mm))
-        return Line(u0 * MM, sign * w0, u1 * MM, sign * w1)
-
-    def consistency(self) -> Iterator[Fault]:
-        """Two points are two points."""
-        if self.start_mm == self.end_mm:
-            yield Fault("end_mm", "must differ from start_mm")
-
-
 Shape = Annotated[PolynomialSection | ArcSection | LineSection, Field(discriminator="shape")]
 
 
-class SectionsFile(ProfileFile, kind="sections"):
+class SectionsFile(ProfileFile):
     """Lines, polynomials and arcs by centre."""
 
+    header: ClassVar[str] = 'a profile file with kind = "sections"'
+
+    kind: Literal["sections"]
+    """Lines, polynomials and arcs by centre."""
     heights: Literal[*HEIGHTS] = "up"  # type: ignore[valid-type]
+    """Which way the file's heights grow."""
     sections: List[Shape]
+    """The pieces, end to end, from either side."""
 
     def build(self, path: Path) -> Profile:
         """See `ProfileFile`. Sections may be listed from either end."""
@@ -179,31 +103,19 @@ class SectionsFile(ProfileFile, kind="sections"):
 # --- kind = "chain" -----------------------------------------------------------------------------------
 
 
-class ChainLine(Section):
-    """Straight on for a length."""
-
-    header: ClassVar[str] = '[[pieces]] with shape = "line"'
-
-    shape: Literal["line"]
-    length_mm: Length
-
-
-class ChainArc(Section):
-    """Turn with a radius until a tangent angle."""
-
-    header: ClassVar[str] = '[[pieces]] with shape = "arc"'
-
-    shape: Literal["arc"]
-    radius_mm: Length
-    to_angle_deg: Annotated[float, number(-180.0, 180.0)]
-
-
-class ChainFile(ProfileFile, kind="chain"):
+class ChainFile(ProfileFile):
     """Tangent lines and arcs; heights are shifted so that the curve passes through the origin."""
 
+    header: ClassVar[str] = 'a profile file with kind = "chain"'
+
+    kind: Literal["chain"]
+    """Tangent lines and arcs."""
     start_mm: Coordinate
+    """Where the chain begins, outward from the origin."""
     start_angle_deg: Annotated[float, number(-180.0, 180.0)]
+    """Angle of the tangent there, positive where the curve rises outward."""
     pieces: List[Annotated[ChainLine | ChainArc, Field(discriminator="shape")]]
+    """Lines and arcs, each tangent to the one before, outward."""
 
     def build(self, path: Path) -> Profile:
         """See `ProfileFile`."""
@@ -234,13 +146,21 @@ class ChainFile(ProfileFile, kind="chain"):
 # --- the simple kinds ---------------------------------------------------------------------------------
 
 
-class RailHeadFile(ProfileFile, kind="rail-head"):
+class RailHeadFile(ProfileFile):
     """Tangent arcs from the crown outward and straight sides."""
 
+    header: ClassVar[str] = 'a profile file with kind = "rail-head"'
+
+    kind: Literal["rail-head"]
+    """A symmetric rail head."""
     radii_mm: List[Annotated[float, positive(1e4)]]
+    """Radii of the arcs from the crown outward."""
     half_widths_mm: List[Annotated[float, positive(1e3)]]
+    """Where each arc but the last ends, from the middle of the rail."""
     side_slope: Annotated[float, number(0.0, 1.0, "1:20 is 0.05")]
+    """Slope of the sides from the vertical."""
     depth_mm: Length
+    """How far the sides reach below the top."""
 
     def consistency(self) -> Iterator[Fault]:
         """One half width for every radius but the last."""
@@ -261,12 +181,19 @@ class RailHeadFile(ProfileFile, kind="rail-head"):
         return rail_head(self.name, radii, widths, self.side_slope, self.depth_mm * MM, self.source)
 
 
-class ConeFile(ProfileFile, kind="cone"):
+class ConeFile(ProfileFile):
     """A straight line through the tape circle."""
 
+    header: ClassVar[str] = 'a profile file with kind = "cone"'
+
+    kind: Literal["cone"]
+    """A straight line."""
     conicity: Annotated[float, number(-1.0, 1.0, "1:20 is 0.05")]
+    """Slope of the line; positive: the radius grows towards the flange."""
     from_mm: Coordinate
+    """Where the line begins, outward from the tape circle."""
     to_mm: Coordinate
+    """Where it ends."""
 
     def consistency(self) -> Iterator[Fault]:
         """From left to right."""
@@ -278,11 +205,17 @@ class ConeFile(ProfileFile, kind="cone"):
         return cone(self.name, self.body, self.conicity, self.from_mm * MM, self.to_mm * MM, self.source)
 
 
-class CircleFile(ProfileFile, kind="circle"):
+class CircleFile(ProfileFile):
     """One arc, horizontal at the origin."""
 
+    header: ClassVar[str] = 'a profile file with kind = "circle"'
+
+    kind: Literal["circle"]
+    """One arc."""
     radius_mm: Annotated[float, number(-1e5, 1e5, "positive: convex upward, negative: hollow")]
+    """Radius of the arc."""
     half_width_mm: Length
+    """How far the arc reaches on either side of the origin."""
 
     def consistency(self) -> Iterator[Fault]:
         """Less than half a circle."""
@@ -297,29 +230,20 @@ class CircleFile(ProfileFile, kind="circle"):
 # --- kind = "worn" ------------------------------------------------------------------------------------
 
 
-class BellOfWear(Section):
-    """Depth cos^2 over a stretch of the profile, see `wrsim.geometry.profile.wear`."""
-
-    header: ClassVar[str] = "[[removals]]"
-
-    direction: Direction
-    depth_mm: Annotated[float, number(-20.0, 20.0, "negative: material that flowed there")]
-    middle_mm: Coordinate
-    half_width_mm: Annotated[float, number(0.5, 500.0)]
-
-    def removal(self) -> Removal:
-        """The same in metres."""
-        return Removal(self.direction, self.depth_mm * MM, self.middle_mm * MM, self.half_width_mm * MM)
-
-
-class WornFile(ProfileFile, kind="worn"):
+class WornFile(ProfileFile):
     """Another profile with bells of material taken off, or depths from a table."""
 
+    header: ClassVar[str] = 'a profile file with kind = "worn"'
     aliases: ClassVar[dict[str, str]] = ProfileFile.aliases | {"removals": "removal wear", "depths": "depth_table"}
 
+    kind: Literal["worn"]
+    """Another profile with material taken off."""
     base: Annotated[str, text('the file of the unworn profile, such as "S1002.toml",')]
+    """The unworn profile, looked up beside this file and then among the models."""
     removals: List[BellOfWear] = ()
+    """Bells of wear that are taken off."""
     depths: Annotated[str, text("a CSV file of depths, relative to this file,")] | None = None
+    """Table of `place_mm` (arclength from the origin) and `depth_mm` (along the normal), with bells or without."""
 
     def consistency(self) -> Iterator[Fault]:
         """Something is taken off."""
@@ -347,51 +271,39 @@ class WornFile(ProfileFile, kind="worn"):
         return worn(new, removals, self.name, self.source)
 
 
-PLACE, DEPTH = "place_mm", "depth_mm"
-"""Columns of a table of depths."""
-
-
-def read_depths(path: Path) -> DepthTable:
-    """A table of depths: arclength from the origin and depth along the normal, in mm. Raises InputError."""
-    columns = {PLACE: Coordinate, DEPTH: Annotated[float, number(-20.0, 20.0)]}
-    table, lines = read_columns(path, columns, (PLACE, DEPTH), "places")
-    places = table[PLACE]
-    if places.size < 4:
-        raise InputError(f"{path}: needs at least 4 places")
-    back = np.flatnonzero(np.diff(places) <= 0.0)
-    if back.size:
-        raise InputError(f"{path}:{lines[back[0] + 1]}: {PLACE}: must be more than in the line before")
-    return DepthTable(MM * places, MM * table[DEPTH])
-
-
-def write_depths(table: DepthTable) -> str:
-    """The text of a table of depths: read back it is the same to the bit, but for the millimetres."""
-    rows = (
-        f"{1e3 * place!r},{1e3 * depth!r}"
-        for place, depth in zip(table.places.tolist(), table.depths.tolist(), strict=True)
-    )
-    return "\n".join((f"{PLACE},{DEPTH}", *rows)) + "\n"
-
-
 _building: ContextVar[tuple[Path, ...]] = ContextVar("profile files that are being built", default=())
 
 
 # --- kind = "points" ----------------------------------------------------------------------------------
 
 
-class PointsFile(ProfileFile, kind="points"):
+class PointsFile(ProfileFile):
     """A file of points beside it."""
 
+    header: ClassVar[str] = 'a profile file with kind = "points"'
+
+    kind: Literal["points"]
+    """A file of points."""
     file: Annotated[str, text("the name of a file of points, relative to this file,")]
+    """The points: two columns, SIMPACK or MiniProf."""
     format: Literal[*PROFILE_FILES] | None = None  # type: ignore[valid-type]
+    """How the file is to be read; left out, its suffix tells."""
     measured: Switch | None = None
+    """Whether points are measured, so smoothed, or exact, so interpolated; left out: MiniProf is measured."""
     cutoff_mm: Annotated[float, positive(100.0)] | None = None
+    """Length of the waves that smoothing halves; left out: 5 mm."""
     unit: Literal["mm", "m", "in"] | None = None
+    """Unit of the coordinates; left out: what the file says, or mm."""
     heights: Literal[*HEIGHTS] | None = None  # type: ignore[valid-type]
+    """Which way the file's heights grow; left out: what the file says, or its shape."""
     field_side: Literal[*SIDES] | None = None  # type: ignore[valid-type]
+    """Sign of the file's lateral coordinates on the field side; left out: by the flange, of rails positive."""
     clip_mm: Pair | None = None
+    """Only points between these two u are kept, after turning."""
     turn_mrad: Annotated[float, number(-3200.0, 3200.0)] = 0.0
+    """Turn about the origin, positive: top towards the track centre."""
     shift_mm: Pair = (0.0, 0.0)
+    """Moves the profile outward and up, last of all."""
 
     def consistency(self) -> Iterator[Fault]:
         """Suffix or format tell what stands where; a cut-off is for measurements; a clip goes from left to right."""
@@ -423,6 +335,15 @@ class PointsFile(ProfileFile, kind="points"):
             turn=1e-3 * self.turn_mrad,
             shift=(self.shift_mm[0] * MM, self.shift_mm[1] * MM),
         )
+
+
+AnyProfileFile = Annotated[
+    SectionsFile | ChainFile | RailHeadFile | ConeFile | CircleFile | WornFile | PointsFile, Field(discriminator="kind")
+]
+FILE_KINDS: dict[str, type[ProfileFile]] = {
+    get_args(fields(kind)["kind"])[0]: kind for kind in get_args(get_args(AnyProfileFile)[0])
+}
+"""What stands in files of each kind."""
 
 
 class _AnyFile(Section):
@@ -492,8 +413,3 @@ def _read_toml(path: Path, kind: Kind | None) -> ProfileFile:
     if kind is not None and model.body != kind:
         raise InputError(f'{locate(("body",))}: body = "{model.body}": a {kind} profile is needed here')
     return model
-
-
-def _extent(start: float, end: float) -> Iterator[Fault]:
-    if start == end:
-        yield Fault("to_mm", "must differ from from_mm")
