@@ -9,10 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.runs import FAST, SCENARIOS, arc, straight
+from scipy.optimize import linear_sum_assignment
+from support.runs import FAST, SCENARIOS, arc, straight, transition
 from support.vehicles import coaches, manchester, on_track
 
 from wrsim.analysis import run
+from wrsim.analysis.stability.modes import modes_of
+from wrsim.analysis.stability.rolling import RollingVehicle
+from wrsim.analysis.steady.steady import run_steady
 from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.plots.vehicle_run import vehicle_figures
 from wrsim.scenario.build import build
@@ -107,6 +111,69 @@ def test_couplings_carry_what_accelerates_the_vehicles_behind(tmp_path: Path) ->
     found = d["coupling_force"].values[late].mean(axis=0)
     np.testing.assert_allclose(found, [2.0 * one * rate, one * rate], rtol=0.01)
     assert d["drive_force"].values[late].mean() == pytest.approx(3.0 * one * rate, rel=0.01)
+
+
+def test_a_train_that_nothing_couples_is_in_steady_motion_as_each_vehicle_is(tmp_path: Path) -> None:
+    """In a curve of 1500 m: pose and forces of every wheel those of the coach on its own, 1e-6 of the largest."""
+    (tmp_path / "train.toml").write_text(TRAIN.replace("count = 3", "count = 2"), encoding="utf-8")
+    base = load(SCENARIOS / "steady_manchester.toml")
+    found = []
+    for model in ("vehicles/manchester_1.toml", str(tmp_path / "train.toml")):
+        keys = {"vehicle.model": model, "steady.radius_m": [1500.0], "steady.speed_kmh": [80.0]}
+        setup = build(base.with_values(keys | FAST))
+        own = [element for element in setup.vehicle.elements if "-coach" not in element.name]
+        found.append(run_steady(replace(setup, vehicle=replace(setup.vehicle, elements=tuple(own), couplings=()))))
+    one, both = (result.dataset for result in found)
+    for name in ("lateral_shift", "yaw", "Y", "Q"):
+        alone, coupled = (d[name].values[0] for d in (one, both))
+        np.testing.assert_allclose(coupled, np.concatenate([alone, alone]), atol=1e-6 * np.abs(alone).max(), rtol=0.0)
+
+
+def test_a_train_starts_in_a_curve_as_one_that_has_come_there(tmp_path: Path) -> None:
+    """Two coaches with tight couplings in a left curve of 300 m, after 10 m of a run that begins there and of one from
+    straight track: the couplings' forces, Y and Q within 2 % of the largest."""
+    curves = [straight(45.0), transition(40.0), arc(160.0, 300.0, 60.0)]
+    keys = {"track.segments": curves, "vehicle.speed_kmh": 40.0, "run.output_interval_ms": 20.0}
+    found = []
+    for start in (31.0, 180.0):
+        own = keys | {"run.start_distance_m": start, "run.distance_m": 190.0 - start}
+        found.append(run(scenario(tmp_path, ("count = 3", "count = 2"), **own)).dataset.isel(time=-1))
+    came, began = found
+    coupled = {"suspension": [name for name in came["suspension"].values if "-coach" in name]}
+    assert float(np.abs(came["suspension_fx"].sel(coupled)).max()) > 50e3
+    for name, which in (("suspension_fx", coupled), ("Y", {}), ("Q", {})):
+        here, there = (d[name].sel(which).values for d in (began, came))
+        np.testing.assert_allclose(here, there, atol=0.02 * np.abs(there).max(), rtol=0.0, err_msg=name)
+
+
+def test_a_train_starts_where_a_transition_is_beneath_it(tmp_path: Path) -> None:
+    """It has come along the track: Y and Q are those of a run that passes there, within 1 % of the largest Q."""
+    curves = [straight(60.0), transition(40.0), arc(60.0, 300.0, 60.0)]
+    keys = {"track.segments": curves, "vehicle.speed_kmh": 40.0, "run.output_interval_ms": 10.0}
+    found = []
+    for start in (38.0, 95.0):
+        own = keys | {"run.start_distance_m": start, "run.distance_m": 100.0 - start}
+        found.append(run(scenario(tmp_path, ("count = 3", "count = 2"), **own)).dataset.isel(time=-1))
+    passed, began = found
+    for name in ("Y", "Q"):
+        np.testing.assert_allclose(began[name], passed[name], atol=0.01 * float(passed["Q"].max()), rtol=0.0)
+
+
+def test_modes_of_a_train_that_hardly_anything_couples_are_those_of_each_vehicle(tmp_path: Path) -> None:
+    """Eigenvalues of two coaches at 100 km/h: those of one, twice, within 1e-3 of their size."""
+    (tmp_path / "train.toml").write_text(TRAIN.replace("count = 3", "count = 2"), encoding="utf-8")
+    base = load(SCENARIOS / "stability_manchester.toml")
+    found = []
+    for model in ("vehicles/manchester_1.toml", str(tmp_path / "train.toml")):
+        setup = build(base.with_values({"vehicle.model": model} | FAST))
+        own = [element for element in setup.vehicle.elements if "-coach" not in element.name]
+        loose = replace(setup, vehicle=replace(setup.vehicle, elements=tuple(own), couplings=()))
+        rolling = RollingVehicle(loose, 27.8)
+        found.append(modes_of(rolling.linearised(27.8), 27.8, len(rolling.law.vehicle.wheelsets), 30.0).values)
+    one, both = found
+    assert len(both) == 2 * len(one) > 20
+    apart = np.abs(np.repeat(one, 2)[:, None] - both[None, :]) / np.abs(both)
+    assert apart[linear_sum_assignment(apart)].max() < 1e-3
 
 
 def test_forces_of_a_coupling_are_those_of_its_elements_and_of_both_sides(tmp_path: Path) -> None:

@@ -146,13 +146,10 @@ def test_a_train_that_cannot_be_used_is_told_in_one_line(name: str, tmp_path: Pa
     assert "train.toml" in str(caught.value)
 
 
-def test_a_train_starts_on_straight_track_and_runs_and_rests_only() -> None:
-    scenario = load(ROOT / "scenarios/train_s_curve.toml")
-    with pytest.raises(InputError, match=r"start_distance_m = 120.*in a curve at .* let it start where all of it"):
-        build(scenario.with_values({"run.start_distance_m": 120.0}))
-    steady = load(ROOT / "scenarios/steady_manchester.toml")
-    with pytest.raises(InputError, match=r'model.*: is a train; analysis = "steady" knows one vehicle'):
-        build(steady.with_values({"vehicle.model": "trains/manchester_3.toml"}))
+def test_a_train_has_no_single_poses() -> None:
+    static = load(ROOT / "scenarios/static_s1002.toml")
+    with pytest.raises(InputError, match=r'model.*: is a train; analysis = "static" knows one vehicle'):
+        build(static.with_values({"vehicle.model": "trains/manchester_3.toml"}))
 
 
 def test_a_train_has_no_tests_at_rest() -> None:

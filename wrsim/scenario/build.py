@@ -101,7 +101,7 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
         raise scenario.fault(("vehicle", "model"), needed)
     if analysis.own_track and spec.vehicle.drive == "free" and not vehicle.runs_with_frame:
         raise scenario.fault(("vehicle", "drive"), 'must be "train" or "wheels": something has to hold the speed')
-    if vehicle.members and not (analysis.moves or analysis.name == "equilibrium"):
+    if vehicle.members and not (analysis.own_track or analysis.moves or analysis.name == "equilibrium"):
         message = f'is a train; analysis = "{analysis.name}" knows one vehicle: take the file of one of them'
         raise scenario.fault(("vehicle", "model"), message)
     if any(mounted.wheelset.torsion is not None for mounted in vehicle.wheelsets):

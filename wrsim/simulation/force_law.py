@@ -102,18 +102,24 @@ class Block:
     @classmethod
     def in_a_row(cls, forces: Forces, own: Sequence[NDArray[np.intp]]) -> Block:
         """Things in a row, each with coordinates of its own, that act on themselves and their neighbours."""
-        longest = max(map(len, own))
-        groups: list[tuple[list[int], list[NDArray[np.intp]]]] = [([], []) for _ in range(min(3, len(own)) * longest)]
-        near = [np.concatenate(own[max(k - 1, 0) : k + 2]) for k in range(len(own))]
-        widest = max(map(len, near))
-        for k, coordinates in enumerate(own):  # a row that stands twice is written twice alike
-            rows = np.concatenate([near[k], np.full(widest - len(near[k]), near[k][0])])
-            for j, place in enumerate(coordinates):
-                columns, of_columns = groups[k % 3 * longest + j]
-                columns.append(int(place))
-                of_columns.append(rows)
-        used = [(np.array(columns), np.array(rows)) for columns, rows in groups if columns]
-        return cls(forces, tuple(columns for columns, _ in used), tuple(rows for _, rows in used))
+        groups = groups_in_a_row(own)
+        return cls(forces, tuple(columns for columns, _ in groups), tuple(rows for _, rows in groups))
+
+
+def groups_in_a_row(own: Sequence[NDArray[np.intp]]) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """Which coordinates of things in a row, each with its own, may be changed at once (columns), and what each of them
+    acts on (rows): itself and its neighbours."""
+    longest = max(map(len, own))
+    groups: list[tuple[list[int], list[NDArray[np.intp]]]] = [([], []) for _ in range(min(3, len(own)) * longest)]
+    near = [np.concatenate(own[max(k - 1, 0) : k + 2]) for k in range(len(own))]
+    widest = max(map(len, near))
+    for k, coordinates in enumerate(own):  # a row that stands twice is written twice alike
+        rows = np.concatenate([near[k], np.full(widest - len(near[k]), near[k][0])])
+        for j, place in enumerate(coordinates):
+            columns, of_columns = groups[k % 3 * longest + j]
+            columns.append(int(place))
+            of_columns.append(rows)
+    return [(np.array(columns), np.array(rows)) for columns, rows in groups if columns]
 
 
 @runtime_checkable

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+Apart = Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]
+"""Groups of unknowns (n,), each of which acts on its own row of places of the residual (n, m) alone."""
 
 DIFFERENCE = 0.01
 """Step of the numerical derivative as a part of the change that matters."""
@@ -34,11 +37,15 @@ def newton(
     max_iterations: int,
     near: Callable[[Array], Array] | None = None,
     while_deriving: Callable[[], AbstractContextManager[None]] = nullcontext,
+    apart: Apart | None = None,
+    difference: float | Array = DIFFERENCE,
 ) -> tuple[Array, Array, int]:
     """The best x, its residual (evaluated last), how often derivatives were taken; the caller judges.
 
     small: changes of the unknowns that change the residual by a few per cent. near: a cheaper function with nearly the
-    same derivatives, of which they are taken. while_deriving: what holds while derivatives are taken.
+    same derivatives, of which they are taken. while_deriving: what holds while derivatives are taken. apart: unknowns
+    whose derivatives are taken at once, every one by itself unless given. difference: steps of the derivatives as parts
+    of the small changes, of all unknowns or of each.
 
     A wheelset that moves across its rails has to rise and roll as their profiles ask, and only a path that bends with
     them is not barred by stiff contacts: steps follow the curvature of the residual along them (geodesic acceleration,
@@ -60,7 +67,7 @@ def newton(
             break
         norms.append(float(np.linalg.norm(r)))
         with while_deriving():
-            jacobian = _jacobian(near or residual, x, small)
+            jacobian = _jacobian(near or residual, x, small, difference, apart or _each_alone(x.size))
         for _ in range(15):
             step = _step(jacobian, r, damping)
             bend = residual(x + PROBE * small * step) - r - PROBE * jacobian @ step
@@ -78,14 +85,23 @@ def newton(
     return x, residual(x), len(norms)
 
 
-def _jacobian(residual: Callable[[Array], Array], x: Array, small: Array) -> Array:
+def _each_alone(size: int) -> Apart:
+    """Every unknown may act on everything."""
+    return [(np.array([i]), np.arange(size)[None]) for i in range(size)]
+
+
+def _jacobian(
+    residual: Callable[[Array], Array], x: Array, small: Array, difference: float | Array, apart: Apart
+) -> Array:
     """Derivative of the residual with respect to x / small, by central differences."""
-    columns = []
-    for i in range(x.size):
+    columns_of_it = np.zeros((x.size, x.size))
+    part = np.broadcast_to(difference, x.size)
+    for columns, rows in apart:
         h = np.zeros(x.size)
-        h[i] = DIFFERENCE * small[i]
-        columns.append((residual(x + h) - residual(x - h)) / (2.0 * DIFFERENCE))
-    return np.array(columns).T
+        h[columns] = part[columns] * small[columns]
+        change = residual(x + h) - residual(x - h)
+        columns_of_it[columns[:, None], rows] = change[rows] / (2.0 * part[columns, None])
+    return columns_of_it.T
 
 
 def _step(jacobian: Array, r: Array, damping: float) -> Array:

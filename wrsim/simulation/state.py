@@ -18,8 +18,8 @@ from wrsim.core.body import steady as kernels
 from wrsim.core.linalg import Vec
 from wrsim.core.track import path as path_kernels
 from wrsim.errors import SimulationError
-from wrsim.simulation.force_law import following
-from wrsim.simulation.newton import bracket, newton
+from wrsim.simulation.force_law import following, groups_in_a_row
+from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, newton
 from wrsim.simulation.placement import place_on_track
 from wrsim.simulation.system import COORDINATES, Array
 
@@ -38,6 +38,10 @@ GOAL, TOLERANCE = 1e-10, 1e-9
 
 BODIES_PLACED = 1e-6
 """Forces left over on the bodies, as a part of the weight, with which the search goes on to the wheelsets."""
+
+COUPLED = 1e-4
+"""Steps of the derivatives of bodies that couplings hold on to, as parts of these changes: heads of buffers that stick
+give way by some 0.1 mm, ten metres from the middle."""
 
 SMALL_RAIL = (1e-5, 1e-5)
 """Changes of a rail's displacement, lateral and vertical, that change the forces by a few per cent [m]."""
@@ -135,6 +139,11 @@ class SteadyMotion:
         self.small = np.array(
             [(SMALL_WHEELSET if i < w else SMALL_BODY)[name] for i in range(n) for name in COORDINATES]
         )
+        self.difference = np.full(6 * n + law.positions, DIFFERENCE)
+        for coupling in law.vehicle.couplings:
+            for name in (coupling.ahead, coupling.behind):
+                own = 6 * law.vehicle.index(name)
+                self.difference[own : own + 6] = COUPLED
         self.scale = np.full(6 * n, 1.0 / law.vehicle.weight)
         self._out, self._inertia = np.zeros(law.size), np.zeros(6 * n)
         self.positions = slice(law.size - law.positions, law.size)
@@ -151,6 +160,18 @@ class SteadyMotion:
         rails = () if law.elastic is None else np.tile(law.elastic.mass, law.rails // 2)
         twisting = (0.25 * law.bodies[i].inertia[1] for i in law.twists)
         self.masses = np.array([*(box.inertia[1] for _, box in law.vehicle.boxes.values()), *twisting, *rails])
+
+    @property
+    def apart(self) -> Apart | None:
+        """Unknowns that may be changed at once, each of another vehicle of a train; None for one vehicle."""
+        law, n = self.law, 6 * len(self.inertia)
+        if law.units < 2:
+            return None
+        own = []
+        for places in law.coordinates_of_units(alone=True):
+            behind = places[places >= law.size - law.positions] - (law.size - law.positions) + n
+            own.append(np.concatenate([places[places < n], behind]))
+        return groups_in_a_row(own)
 
     def state(self, x: Array) -> tuple[Array, Array]:
         """State (q, q_t) with these unknowns; those of dampers in series with springs 0, of sliders ``slips``."""
@@ -242,8 +263,9 @@ def steady_state(
         first = _place_bodies(steady, x, max_iterations)
         # derivatives from one contact to the next, residuals afresh: the answer does not hang on the way to it
         x, left, iterations = newton(
-            steady.residual, x, steady.small, goal, max_iterations, slope, lambda: following(near or law)
-        )
+            steady.residual, x, steady.small, goal, max_iterations, slope, lambda: following(near or law),
+            steady.apart, steady.difference,
+        )  # fmt: skip
     largest = float(np.max(np.abs(left)))
     if not largest <= tolerance:
         raise Unbalanced(_largest(law, left))
@@ -266,7 +288,10 @@ def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:
         whole[bodies] = places
         return steady.residual(whole)[bodies]
 
-    x[bodies], _, iterations = newton(residual, x[bodies].copy(), steady.small[bodies], BODIES_PLACED, max_iterations)
+    x[bodies], _, iterations = newton(
+        residual, x[bodies].copy(), steady.small[bodies], BODIES_PLACED, max_iterations,
+        difference=steady.difference[bodies],
+    )  # fmt: skip
     return iterations
 
 

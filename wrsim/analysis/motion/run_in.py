@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from wrsim.scenario.sections.run import RunPlan
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
+    from wrsim.vehicle.vehicle import Vehicle
 
     State = tuple[Array, Array]
 
@@ -34,6 +35,12 @@ EASE = 3.0
 
 SETTLE = 3.0
 """... and in the full curve before the motion is taken as steady [s]."""
+
+MARGIN = 2.0
+"""Beyond the centres of the first and the last of a vehicle's parts [m]."""
+
+EVEN = 1e-9
+"""Curvature, and change of it, that does not count [1/m]."""
 
 APART = 1.0
 """Between the places at which straight track is looked for [m]."""
@@ -48,38 +55,43 @@ def run_in(setup: Setup[RunPlan], start_of: Callable[[Setup, VehicleOnTrack], St
     start_of(setup, law): steady motion on straight track. Raises NoSteadyMotion when the run does not arrive.
     """
     track, run, vehicle = setup.track, setup.plan, setup.vehicle
-    reach = max(abs(part.centre[0]) for part in vehicle.parts) + 2.0
+    behind, ahead = _reach(vehicle)
     curvature = float(track.curvature(run.start))
-    ease, settle = max(EASE * run.speed, 20.0), SETTLE * run.speed + reach
+    ease, settle = max(EASE * run.speed, 20.0), SETTLE * run.speed + behind
     bend = Arc(
-        settle + 2.0 * reach,
+        settle + behind + ahead,
         1.0 / curvature,
         cant=float(np.copysign(1.0, curvature) * track.cant(run.start)),
         gauge_widening=float(track.gauge(run.start)) - track.nominal_gauge,
     )
     there = replace(
         setup,
-        track=track.relaid([Straight(2.0 * reach), Transition(ease), bend]),
+        track=track.relaid([Straight(behind + ahead), Transition(ease), bend]),
         contact=contact_at(setup, run.start),
-        plan=replace(run, start=reach, end=2.0 * reach + ease + settle, profile=None),
+        plan=replace(run, start=behind, end=behind + ahead + ease + settle, profile=None),
     )
     law, q, q_t = _run(there, start_of)
-    ahead = vehicle.parts[vehicle.reference].centre[0]
-    return _moved(law, law.distance - ahead, setup, q, q_t)
+    return _moved(law, law.distance - vehicle.parts[vehicle.reference].centre[0], setup, q, q_t)
 
 
 def straight_before(setup: Setup[RunPlan]) -> float | None:
     """Distance at which the whole vehicle is last on straight track before its run starts, if that is in a transition
     [m]; None where the curvature under it does not change or no straight track lies behind."""
     track, start = setup.track, setup.plan.start
-    reach = max(abs(part.centre[0]) for part in setup.vehicle.parts) + 2.0
-    places = np.arange(start + reach, 0.0, -APART)
+    behind, ahead = _reach(setup.vehicle)
+    places = np.arange(start + ahead, 0.0, -APART)
     curvature = track.curvature(places)
-    if np.ptp(curvature[places >= start - reach]) < 1e-9:
+    if np.ptp(curvature[places >= start - behind]) < EVEN:
         return None
-    bent = places[np.abs(curvature) > 1e-9]
-    gaps = np.flatnonzero(-np.diff(bent, append=0.0) > 2.0 * reach + APART)
-    return float(bent[gaps[0]] - APART - reach) if gaps.size else None
+    bent = places[np.abs(curvature) > EVEN]
+    gaps = np.flatnonzero(-np.diff(bent, append=0.0) > behind + ahead + APART)
+    return float(bent[gaps[0]] - APART - ahead) if gaps.size else None
+
+
+def _reach(vehicle: Vehicle) -> tuple[float, float]:
+    """How far the track under a vehicle goes behind its origin and ahead of it, with some room [m]."""
+    places = [part.centre[0] for part in vehicle.parts]
+    return MARGIN - min(places), MARGIN + max(places)
 
 
 def run_up(setup: Setup[RunPlan], straight: float, start_of: Callable[[Setup, VehicleOnTrack], State]) -> State:

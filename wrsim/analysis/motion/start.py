@@ -85,27 +85,7 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
     return found.q, found.q_t
 
 
-def _of_train(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
-    """Each vehicle of a train by itself, on straight track; where couplings do not rest so, all of them together."""
-    q, q_t = np.zeros((2, law.size))
-    for k, places in enumerate(law.coordinates_of_units(alone=True)):
-        alone = replace(setup, vehicle=setup.vehicle.alone(k))
-        found = _found(alone, force_law(alone, law.speed, held_by(alone)))
-        q[places], q_t[places] = found.q, found.q_t
-    law.look_near(law.start)
-    q_t = law.settled_rates(q, q_t)
-    left = SteadyMotion(law).largest(q, q_t)
-    if left <= enough(setup):
-        return on_the_rails(law, Equilibrium(q, q_t, left, 0))
-    try:
-        return on_the_rails(law, steady_state(law, (q, q_t), tolerance=enough(setup)))
-    except SimulationError as fault:
-        raise NoSteadyMotion.of(fault) from None
-
-
 def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
-    if setup.vehicle.members:
-        return _of_train(setup, law)
     curvature = float(setup.track.curvature(setup.plan.start))
     aside = pushed(setup, law.speed).left
     ways = shifts(setup, -curvature if curvature != 0.0 else aside)
@@ -115,9 +95,7 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     def searched(ways: list[Array]) -> Equilibrium | None:
         for shift in ways:
             try:
-                law.look_near(law.start)
-                guess = lower_on_rails(law, *design_state(law, lateral=shift))
-                found = on_the_rails(law, steady_state(law, guess, tolerance=enough(setup)))
+                found = on_the_rails(law, _from_shift(setup, law, shift))
                 if found.residual <= TOLERANCE:
                     return found
                 near.append(found)
@@ -125,9 +103,10 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
                 problems.append(fault)
         return None
 
-    if found := searched(ways[:1]):
-        return found
     straight = straight_before(setup)
+    bent = straight is not None and bool(setup.vehicle.members)  # a train is too long for a transition to be a curve
+    if not bent and (found := searched(ways[:1])):
+        return found
     if curvature != 0.0 or straight is not None:
         try:
             return _reached(setup, law, straight)
@@ -138,6 +117,22 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     if curvature == 0.0 and straight is None and near:
         return min(near, key=lambda one: one.residual)
     raise NoSteadyMotion.of(problems[0])
+
+
+def _from_shift(setup: Setup[RunPlan], law: VehicleOnTrack, shift: Array) -> Equilibrium:
+    """The steady motion that Newton's method finds with the wheelsets so far aside; of a train first each vehicle by
+    itself, in its own place, then all of them together with the forces of their couplings."""
+    law.look_near(law.start)
+    if not setup.vehicle.members:
+        return steady_state(law, lower_on_rails(law, *design_state(law, lateral=shift)), tolerance=enough(setup))
+    q, q_t = np.zeros((2, law.size))
+    for k, places in enumerate(law.coordinates_of_units(alone=True)):
+        alone = replace(setup, vehicle=setup.vehicle.alone(k))
+        aside = shift[list(setup.vehicle.units[k].wheelsets)]
+        own = _from_shift(alone, force_law(alone, law.speed, held_by(alone)), aside)
+        q[places], q_t[places] = own.q, own.q_t
+    q_t[law.sliders] = 0.0  # friction goes on from the design position, as it did in each vehicle
+    return steady_state(law, (q, q_t), tolerance=enough(setup))
 
 
 def _reached(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float | None) -> Equilibrium:

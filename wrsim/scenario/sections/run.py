@@ -6,8 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, ClassVar
 
-import numpy as np
-
 from wrsim.contact.wear.laws import WearSettings
 from wrsim.geometry.track.track import Track
 from wrsim.inputs.section import Fault
@@ -16,9 +14,6 @@ from wrsim.scenario.sections.table import Given, PlanTable, Table
 from wrsim.scenario.sections.wear import WearSection
 from wrsim.simulation.integrators import DEFAULT_INTEGRATOR, Integrator
 from wrsim.vehicle.speed import SpeedProfile
-
-LOOK, EVEN = 0.5, 1e-6
-"""Between two places at which the track under a train is looked at [m], and the curvature that counts [1/m]."""
 
 
 @dataclass(frozen=True)
@@ -120,8 +115,6 @@ class RunSection(PlanTable):
             room += f", and the first wheelset is {ahead:.6g} m ahead of the vehicle's origin"
         if start >= last:
             raise given.fault(("run", "start_distance_m"), f"{room}; nothing is left to run")
-        if given.vehicle.members:
-            self._stands_straight(given)
         if not given.analysis.moves:
             return RunPlan(start, start, 0.0, patches_at=(start,))
         motion = given.speed_from(start, last)
@@ -151,18 +144,6 @@ class RunSection(PlanTable):
             left_out=tuple(place for place in places if not start <= place <= end),
             wear=given.table(WearSection).settings(start, end, given.fault),
         )
-
-    def _stands_straight(self, given: Given) -> None:
-        """Refuse a train that would start, or rest, in a curve: how it lies there is not searched."""
-        places = self.start_distance_m + np.array([mounted.x for mounted in given.vehicle.wheelsets])
-        along = np.linspace(places.min(), places.max(), 1 + int(np.ptp(places) / LOOK))
-        curved = along[np.abs(np.asarray(given.track.curvature(along))) > EVEN]
-        if curved.size:
-            message = (
-                f"the train stands from {places.min():.6g} to {places.max():.6g} m there, in a curve at "
-                f"{curved[0]:.6g} m: let it start where all of it is on straight track"
-            )
-            raise given.fault(("run", "start_distance_m"), message)
 
 
 def _middle_of_arcs(track: Track, start: float, end: float) -> tuple[float, ...]:
