@@ -1,9 +1,11 @@
-"""Mutated input files: scenarios, vehicles, tracks, profiles, tables. Run: python benchmarks/hostile.py [N] [--json]
+"""Mutated input files of every kind: scenarios, vehicles, trains, tracks, profiles, tables, studies, services, records.
 
-Takes N (default 1000) mutants of the shipped files, some bytes, lines, numbers or words changed in each, and checks
-each as ``wrsim check`` does. Counts what must not be: an answer other than "valid" or an InputError, a message that
-does not name a file, an answer that takes more than 20 s of processor time. ``--seed`` begins elsewhere; Ctrl-C ends
-the count and tells what there is.
+Run: python benchmarks/hostile.py [N] [--json]
+
+Takes N (default 1000) mutants of the shipped files, some bytes, lines, numbers or words changed in each, and reads
+each as far as ``wrsim check``, ``study --dry-run``, ``wear`` and ``recording`` do before they begin. Counts what must
+not be: an answer other than "valid" or an InputError, a message that does not name a file, an answer that takes more
+than 20 s of processor time. ``--seed`` begins elsewhere; Ctrl-C ends the count and tells what there is.
 """
 
 from __future__ import annotations
@@ -22,15 +24,20 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from wrsim.errors import InputError
+from wrsim.geometry.recording.recording import read_recording
+from wrsim.geometry.recording.restoring import restore
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
+from wrsim.study.plan import planned
+from wrsim.study.service.service import read_service
 
 ROOT = Path(__file__).parents[1]
 LONGEST = 20.0  # processor time of one answer [s]
 NAMED = re.compile(r"\S*\.(?:toml|csv|whl)(?:, |:)")
 """How a message begins: with the file."""
 PLACED = re.compile(
-    r"\.(?:toml|csv|whl)(?::\d+)+: |, line \d+|\(\w+[\w.\[\]]* in |: [\w.\[\]]+(?: = | is missing|: )|not UTF-8|empty"
+    r"\.(?:toml|csv|whl)(?::\d+)+: |, line \d+|\(\w+[\w.\[\]]* in |: [\w.\[\]]+(?: = | is missing|: )"
+    r"|not UTF-8|empty|has no rows"
 )
 """Where in the file: a line, a key, the key that names the file; or that all of it is no text."""
 NUMBER = re.compile(rb"-?\d+\.?\d*(?:[eE][-+]?\d+)?")
@@ -39,12 +46,16 @@ WORDS = (b"true", b'"x"', b"[]", b"[1, 2]", b"{}", b"{from = 0, to = 1e9, step =
 KINDS = (
     "scenarios/*.toml",
     "models/vehicles/*.toml",
+    "models/trains/*.toml",
     "models/tracks/*.toml",
     "models/wheels/*.toml",
     "models/rails/*.toml",
     "scenarios/measured/*.csv",
     "scenarios/measured/*.whl",
     "scenarios/measured/*.toml",
+    "scenarios/studies/*.toml",
+    "scenarios/wear/*",
+    "scenarios/recorded/*",
 )
 BARE = ("ball", "hollow", "corner", "crown", "groove")  # curves that are placed by their origins
 
@@ -90,6 +101,8 @@ def user_of(file: Path) -> tuple[Path, dict[str, str]]:
         whole = file.suffix == ".toml" and file.parent.name == "scenarios"
         return (file if whole else ROOT / "scenarios/static_measured.toml"), {}
     name = own.relative_to("models").as_posix()
+    if own.parts[1] == "trains":
+        return ROOT / "scenarios/train_s_curve.toml", {}
     if own.parts[1] == "tracks":
         return ROOT / "scenarios/mixed_line.toml", {}
     if own.parts[1] == "vehicles":
@@ -100,12 +113,30 @@ def user_of(file: Path) -> tuple[Path, dict[str, str]]:
     return user, {"vehicle.wheel" if own.parts[1] == "wheels" else "track.rail": name}
 
 
+def read(folder: Path, own: Path) -> None:
+    """Read a file in a copy of the shipped ones, ``own`` among them, as far as the command goes that it is for."""
+    copy, models = folder / own, [folder / "models"]
+    kind = own.parts[1] if len(own.parts) > 2 else ""
+    if kind == "studies":
+        planned(copy, folder / "results", models)
+    elif kind == "wear" and own.stem not in ("coach", "leading_wheelset"):
+        read_service(copy.with_name("service.toml") if own.suffix == ".csv" else copy, models)
+    elif kind == "wear":
+        read_service(copy.with_name("coach_service.toml" if own.stem == "coach" else "service.toml"), models)
+    elif kind == "recorded":
+        table = copy.with_suffix(".csv")
+        restore(read_recording(table, copy.with_suffix(".toml"), part=(None, None)), (3.0, 70.0), 8.0)
+    else:
+        user, keys = user_of(ROOT / own)
+        scenario = load(folder / user.relative_to(ROOT), models)
+        build(scenario.with_values(keys) if keys else scenario)
+
+
 def check(folder: Path, file: Path, content: bytes) -> str:
     """Check a mutant in a copy of the shipped files; says what became of it."""
     copy = folder / file.relative_to(ROOT)
     original = copy.read_bytes()
     copy.write_bytes(content)
-    user, keys = user_of(file)
 
     def stop(number: int, stack: object) -> None:
         raise TooSlow
@@ -113,8 +144,7 @@ def check(folder: Path, file: Path, content: bytes) -> str:
     signal.signal(signal.SIGVTALRM, stop)
     signal.setitimer(signal.ITIMER_VIRTUAL, LONGEST)
     try:
-        scenario = load(folder / user.relative_to(ROOT), [folder / "models"])
-        build(scenario.with_values(keys) if keys else scenario)
+        read(folder, file.relative_to(ROOT))
         return "valid"
     except InputError as error:
         message = str(error)

@@ -49,6 +49,7 @@ OVER = '[[vary]]\nkind = "sobol"\nsamples = {}\n[[vary.over]]\nkey = "contact.fr
         (OVER.format(8, "low = -1.0\nhigh = 0.2"), r"contact\.friction = -0\.\d+: must be a number from 0 to 2"),
         ('[[vary]]\nkind = "csv"\nfile = "rwos.csv"\n', r'study\.toml:3: vary\.file = "rwos\.csv": not found in'),
         ('[[vary]]\nkind = "csv"\nfile = "bad.csv"\n', r"bad\.csv:3: has 1 cells; must have 2"),
+        ('[[vary]]\nkind = "csv"\nfile = "head.csv"\n', r"head\.csv:2: is all that is there; must have a header"),
         (
             '[[vary]]\nkind = "csv"\nfile = "key.csv"\n',
             r"key\.csv:2: contact\.frction = 0\.2: unknown key; .friction. is given",
@@ -77,6 +78,7 @@ OVER = '[[vary]]\nkind = "sobol"\nsamples = {}\n[[vary.over]]\nkey = "contact.fr
 )
 def test_every_fault_of_a_study_file_is_one_clear_error(axes: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text("contact.friction,vehicle.speed_kmh\n0.1,40\n0.2\n")
+    (tmp_path / "head.csv").write_text("# keys\nvehicle.speed_kmh\n")
     (tmp_path / "key.csv").write_text("contact.frction\n0.2\n")
     (tmp_path / "h.py").write_text("def numbers(result):\n    return {}\n")
     with pytest.raises(InputError, match=message) as problem:

@@ -88,7 +88,8 @@ def _rows(path: Path, name: str) -> Points:
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if len(lines) < 2:
-        raise InputError(f"{path}: needs a header of dotted keys and a row for every case")
+        where = f"{path}:{lines[0][0]}: is all that is there" if lines else f"{path}: is empty"
+        raise InputError(f"{where}; must have a header of dotted keys and a row for every case")
     separator = ";" if ";" in lines[0][1] and "," not in lines[0][1] else ","
     cells = [(number, _cells(path, number, line, separator)) for number, line in lines]
     first, header = cells.pop(0)

@@ -188,7 +188,7 @@ class CouplingTable(Section):
     """Kind of coupling."""
     height_mm: Annotated[float, positive(5000, "mm above the rails")]
     """Height of hook or coupler above the rails."""
-    hinge_mm: Annotated[float, number(0, 5000, "mm behind the coupling plane, into the vehicle")]
+    hinge_mm: Annotated[float, number(10, 5000, "mm behind the coupling plane, into the vehicle")]
     """Distance of the hinge, about which hook or coupler swings, from the end of its vehicle."""
     slack_mm: Annotated[float, number(0, 500, "mm")] = 0.0
     """Play of the coupling: of a screw coupling before it pulls, of a centre coupler from one side to the other."""

@@ -164,7 +164,11 @@ def _weighted(points: Points) -> tuple[Points, tuple[float, ...]]:
     columns = list(points.columns)
     if SHARE not in columns:
         file = points.places[0].rpartition(":")[0]
-        raise InputError(f'{file}: needs a column "{SHARE}": part of the mileage that each case stands for')
+        own = ", ".join(str(name) for name in columns)
+        raise InputError(
+            f'{file}: share is missing: needs a column "{SHARE}", part of the mileage that each case stands for; '
+            f"its columns are {own}"
+        )
     at = columns.index(SHARE)
     shares = []
     for place, row in zip(points.places, points.values, strict=True):
