@@ -479,6 +479,23 @@ def test_estimated_maxima_need_fewer_runs_when_these_count_together():
     assert all(z.estimate is None for one in runs for z in assess(one).zones())
 
 
+def test_curves_count_at_cant_deficiencies_of_a_test_only():
+    # 72 km/h without cant: 1.5 v^2 / (g R) = 204, 185 and 157 mm in R 300, 331 and 390 m
+    several = [of_radius(300.0, 30e3), of_radius(331.0, 40e3), of_radius(390.0, 20e3)]
+    found = assess(several, AssessmentSettings(admissible_deficiency=0.17))  # 127.5 to 187 mm
+    curves = [s for s in found.sections if s.zone == "very small radius"]
+    assert [s.counts for s in curves] == [False, False, True, True, True, True]
+    assert all(s.counts for s in found.sections if s.zone != "very small radius")
+    (zone,) = [z for z in found.zones() if z.worst.quantity.key == "Y_qst"]
+    assert (zone.sections, zone.counted, zone.number) == (6, 4, "4 of 6")
+    assert zone.mean == pytest.approx(30e3, rel=1e-3)  # of 40 and 20 kN
+    assert zone.worst.limit.value == pytest.approx(30e3 + 10500e3 / 360.5, rel=1e-3)
+    none = assess(several[:1], AssessmentSettings(admissible_deficiency=0.1))
+    (zone,) = [z for z in none.zones() if z.worst.quantity.key == "Y_qst"]
+    assert (zone.counted, zone.estimate) == (0, None) and zone.worst.value == pytest.approx(30e3, rel=1e-3)
+    assert json.loads(assessment_json(none))["zones"]
+
+
 def test_runs_of_different_vehicles_or_settings_are_no_test():
     one = run(300.0)
     with pytest.raises(InputError, match="the runs a and b are not of one vehicle: the first has the wheelsets"):

@@ -17,7 +17,7 @@ WIDTH = 112
 """Letters that the tables need."""
 
 if TYPE_CHECKING:
-    from wrsim.results.assessment import Assessment, ZoneValue
+    from wrsim.results.assessment import Assessment, Section, ZoneValue
 
 
 def assess(
@@ -79,12 +79,18 @@ def _names(results: list[Path]) -> list[str]:
     return ["/".join(path.parts[-parts:]) for path in paths]
 
 
+def _remark(section: Section) -> str:
+    """What there is to say of a section, behind its class."""
+    words = [word for word, said in (("short", section.short), ("does not count", not section.counts)) if said]
+    return f" ({', '.join(words)})" if words else ""
+
+
 def print_assessment(found: Assessment) -> None:
     """Sections, then the worst value of every quantity in every class of track, then what could not be said."""
     rows = []
     for s in found.sections:
         numbers = (f"{s.start:z.1f}", f"{s.end:.1f}", f"{3.6 * s.speed:.0f}", f"{1e3 * s.cant_deficiency:z.0f}")
-        rows.append([*([s.run] if s.run else []), str(s.number), s.label + (" (short)" if s.short else ""), *numbers])
+        rows.append([*([s.run] if s.run else []), str(s.number), s.label + _remark(s), *numbers])
     heads = ["section", "class", "from m", "to m", "km/h", "cant deficiency mm"]
     if found.sections[0].run:
         heads.insert(0, "run")
@@ -133,7 +139,7 @@ def print_regressions(found: Assessment) -> None:
             slopes.append(f"{r.slope[i] * factor / own:z.3g} at {r.at[i] * own:.4g} {unit}")
         numbers = [f"{value * factor:z.4g}" for value in (r.fit, r.deviation, r.estimate)]
         if row.worst.limit is not None:
-            rows.append([quantity.symbol, f"{row.worst.section.zone} ({row.sections})", *slopes, *numbers])
+            rows.append([quantity.symbol, f"{row.worst.section.zone} ({row.number})", *slopes, *numbers])
     if rows:
         heads = [
             "",
@@ -171,7 +177,7 @@ def _cells(row: ZoneValue, first: bool, letter: str) -> list[str]:
     return [
         worst.quantity.symbol if first else "",
         shown.symbol if first and shown.symbol != "1" else "",
-        f"{worst.section.zone} ({row.sections})",
+        f"{worst.section.zone} ({row.number})",
         *(cells[key] for key in ("worst", "estimate", "limit", "margin", "verdict")),
         letter,
         cells["worst in"],

@@ -39,7 +39,7 @@ class Section:
     number: from 1; zone: its class; start, end [m]; radius [m]: of the mean curvature (of the sharpest one in a
     transition), positive to the left, infinite on straight track; speed [m/s] and cant deficiency [m] (over 1.5 m,
     positive where cant is missing): means; short: shorter than sections of that zone should be; run: its name, where
-    several runs are assessed together.
+    several runs are assessed together; counts: in statistics of its zone, for its cant deficiency is one of a test.
     """
 
     number: int
@@ -51,6 +51,7 @@ class Section:
     cant_deficiency: float
     short: bool
     run: str = ""
+    counts: bool = True
 
     @property
     def length(self) -> float:
@@ -141,13 +142,14 @@ class Value:
 class ZoneValue:
     """One quantity over all sections of a zone.
 
-    worst: the section, wheelset and wheel nearest to or furthest beyond the limit; sections: how many; mean and
-    deviation of the sections' largest values; estimate: estimated maximum, None with too few sections; regression: what
-    it comes from where it goes by influences.
+    worst: the section, wheelset and wheel nearest to or furthest beyond the limit; sections: how many; counted: those
+    that count in statistics; mean and deviation of their largest values; estimate: estimated maximum, None with too few
+    sections; regression: what it comes from where it goes by influences.
     """
 
     worst: Value
     sections: int
+    counted: int
     mean: float
     deviation: float
     estimate: float | None
@@ -168,6 +170,11 @@ class ZoneValue:
         if worst is None or limit is None or self.estimate is None:
             return worst
         return min(worst, 1.0 - self.estimate / limit.value)
+
+    @property
+    def number(self) -> str:
+        """How many sections, in words: where some do not count, how many do."""
+        return str(self.sections) if self.counted == self.sections else f"{self.counted} of {self.sections}"
 
     def cells(self) -> dict[str, str]:
         """What tables say, in the unit for readers; empty texts where there is nothing to say."""
@@ -229,9 +236,10 @@ class Assessment:
         worst = min(values, key=lambda v: -v.value if v.margin is None else v.margin)
         largest: dict[Section, float] = {}
         for v in values:
-            largest[v.section] = max(largest.get(v.section, -math.inf), v.value)
+            if v.section.counts:
+                largest[v.section] = max(largest.get(v.section, -math.inf), v.value)
         per_section = np.array(list(largest.values()))
-        mean = float(per_section.mean())
+        mean = float(per_section.mean()) if per_section.size > 0 else math.nan
         deviation = float(per_section.std(ddof=1)) if per_section.size > 1 else 0.0
         k = 0.0 if worst.quantity.quasi_static else ESTIMATE[worst.quantity.group]
         estimate, fitted = None, None
@@ -241,7 +249,8 @@ class Assessment:
                 estimate = None if fitted is None else fitted.estimate
             elif k:
                 estimate = mean + k * deviation
-        return ZoneValue(worst, per_section.size, mean, deviation, estimate, fitted)
+        count = len({v.section for v in values})
+        return ZoneValue(worst, count, per_section.size, mean, deviation, estimate, fitted)
 
 
 def _influences(sections: Sequence[Section]) -> dict[Influence, NDArray[np.float64]]:

@@ -57,6 +57,7 @@ def _section(s: Section) -> dict[str, Any]:
         "speed_kmh": 3.6 * s.speed,
         "cant_deficiency_mm": 1e3 * s.cant_deficiency,
         "short": s.short,
+        "counts": s.counts,
     }
 
 
@@ -81,6 +82,7 @@ def _zone_row(z: ZoneValue) -> dict[str, Any]:
     return {
         "zone": z.worst.section.zone,
         "sections": z.sections,
+        "counted": z.counted,
         "mean": _number(z.mean, factor),
         "deviation": _number(z.deviation, factor),
         "estimated_maximum": _number(z.estimate, factor),

@@ -14,7 +14,7 @@ from wrsim.analysis.assessment.axles import Axle, quasi_static
 from wrsim.analysis.assessment.filters import on_raster, sampling_rate
 from wrsim.analysis.assessment.nadal import limit_of
 from wrsim.analysis.assessment.points import Point, points_of
-from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, sections_of
+from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, counts, sections_of
 from wrsim.analysis.assessment.stops import stop_values
 from wrsim.analysis.assessment.track_quality import track_quality
 from wrsim.errors import InputError
@@ -124,7 +124,9 @@ def _run_of(result: Result, settings: AssessmentSettings, name: str, before: int
     if passed < q.WINDOW:
         raise InputError(f"the run is {passed:.2f} m long; sliding means are taken over {q.WINDOW:g} m")
     own = sections_of(dataset, settings.section_length, settings.straight_deficiency)
-    sections = tuple(replace(s, number=before + s.number, run=name) for s in own)
+    sections = tuple(
+        replace(s, number=before + s.number, run=name, counts=counts(s, settings.admissible_deficiency)) for s in own
+    )
     notes: list[str] = []
     names = wheelsets(dataset)
     several, labels = len(names) > 1, numbered(names)
@@ -199,12 +201,12 @@ def _settings_of(dataset: xr.Dataset) -> AssessmentSettings:
 
 
 def _mean_radii(sections: Sequence[Section]) -> Mapping[str, float]:
-    """Mean radius of the sections of every class of curves [m]."""
-    curves = [s for s in sections if s.zone not in (STRAIGHT, TRANSITION)]
-    return {
-        zone: float(np.mean([abs(s.radius) for s in curves if s.zone == zone]))
-        for zone in dict.fromkeys(s.zone for s in curves)
-    }
+    """Mean radius of the sections of every class of curves [m], of those that count where some do."""
+    radii: dict[str, float] = {}
+    for zone in dict.fromkeys(s.zone for s in sections if s.zone not in (STRAIGHT, TRANSITION)):
+        own = [s for s in sections if s.zone == zone]
+        radii[zone] = float(np.mean([abs(s.radius) for s in own if s.counts] or [abs(s.radius) for s in own]))
+    return radii
 
 
 def _signals(axles: Sequence[Axle]) -> xr.Dataset:

@@ -63,6 +63,18 @@ CANT_BASE = 1.5
 """Distance over which cant, cant deficiency and twist are counted, whatever the gauge [m]."""
 
 
+TESTED = (0.75, 1.10)
+"""Cant deficiency of full curves that count in a test, over the admissible one (UIC 518 [mem])."""
+
+
+def counts(section: Section, admissible: float | None) -> bool:
+    """Whether a section counts in the statistics of its class; admissible: cant deficiency [m]."""
+    if admissible is None or section.zone in (STRAIGHT, TRANSITION):
+        return True
+    least, most = (factor * admissible for factor in TESTED)
+    return least - CLOSE <= section.cant_deficiency <= most + CLOSE
+
+
 def zone_of(curvature: float) -> str:
     """Class of a curve or of straight track."""
     radius = 1.0 / max(abs(curvature), 1e-12)

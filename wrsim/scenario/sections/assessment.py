@@ -21,8 +21,8 @@ class AssessmentSettings:
 
     kind of vehicle; axle_load 2Q0 of every wheelset [N]; friction: coefficient for Nadal's limit; flange_angle [rad];
     instability_frequency f0 [Hz]; section_length of every class of track [m]; straight_deficiency: cant deficiency [m]
-    up to which curves of large radius belong to straight track; estimate_over, estimate_at: see
-    ``wrsim.results.assessment.Assessment``.
+    up to which curves of large radius belong to straight track; admissible_deficiency: of the vehicle [m];
+    estimate_over, estimate_at: see ``wrsim.results.assessment.Assessment``.
     """
 
     kind: Kind = "passenger"
@@ -32,6 +32,7 @@ class AssessmentSettings:
     instability_frequency: float | None = None
     section_length: float | None = None
     straight_deficiency: float | None = None
+    admissible_deficiency: float | None = None
     estimate_over: tuple[Influence, ...] = ()
     estimate_at: Mapping[Influence, float] = field(default_factory=dict)
 
@@ -47,6 +48,7 @@ class AssessmentSection(Table):
         "instability_frequency_Hz": "f0_Hz",
         "section_length_m": "section_m",
         "straight_deficiency_mm": "straight_mm",
+        "admissible_deficiency_mm": "admissible_mm I_adm_mm",
         "estimate_over": "regression influences",
         "estimate_cant_deficiency_mm": "cant_deficiency_mm",
         "estimate_radius_m": "estimate_R",
@@ -67,6 +69,8 @@ class AssessmentSection(Table):
     """Length of a track section of every class; that of EN 14363 unless given."""
     straight_deficiency_mm: Annotated[float, number(0, 200, "mm; UIC 518: 40")] | None = None
     """Cant deficiency up to which curves from R 600 m count as straight track; none do unless given."""
+    admissible_deficiency_mm: Annotated[float, number(10, 400, "mm of cant deficiency")] | None = None
+    """Admissible cant deficiency: full curves count in statistics from 0.75 to 1.10 of it; all unless given."""
     estimate_over: List[Influence] = ()
     """Influences by which estimated values are found (two-dimensional method); mean and deviation unless given."""
     estimate_cant_deficiency_mm: Annotated[float, number(-300, 400, "mm")] | None = None
@@ -105,6 +109,9 @@ class AssessmentSection(Table):
             instability_frequency=self.instability_frequency_Hz,
             section_length=self.section_length_m,
             straight_deficiency=None if self.straight_deficiency_mm is None else 1e-3 * self.straight_deficiency_mm,
+            admissible_deficiency=None
+            if self.admissible_deficiency_mm is None
+            else 1e-3 * self.admissible_deficiency_mm,
             estimate_over=self.estimate_over,
             estimate_at={name: place for name, _, place in self._places()},
         )
