@@ -9,6 +9,8 @@ from hypothesis import settings
 
 sys.exudynFast = False  # the module that checks ranges and lengths
 os.environ.setdefault("NUMBA_NUM_THREADS", "2")  # two threads can be tried on one core
+# threads that wait awake take turns with the other workers of the suite: a test of two took minutes beside them
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 # the first example of a test compiles kernels: no deadline; the same examples in every run
 settings.register_profile("wrsim", deadline=None, derandomize=True)

@@ -8,6 +8,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,8 +23,9 @@ from typer.testing import CliRunner
 from wrsim.cli import app
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report import report_page
+from wrsim.report.charts import charts_of
 from wrsim.report.envelope import envelope, pieces_of
-from wrsim.report.facts import cards
+from wrsim.report.facts import cards, limits_of
 from wrsim.report.page import rerun
 from wrsim.report.svg import element, path
 from wrsim.results import Result
@@ -261,3 +263,28 @@ def test_cards_number_the_wheelsets_from_the_front() -> None:
     both = Result(xr.concat([front, rear], "wheelset", data_vars="minimal", coords="minimal", join="override"))
     assert [name for name, _ in cards([both], ["A"])] == ["1 front.outer", "2 rear.outer"]
     assert [name for name, _ in cards([Result(front)], ["A"])] == ["front.outer"]
+
+
+def test_couplings_of_a_train_have_charts_of_their_own() -> None:
+    data = curve_run(samples=40)
+    force = np.linspace(0.0, 1e5, 40)[:, None] * [1.0, -2.0]
+    train = data.assign_coords(coupling=["a-b", "b-c"]).assign(coupling_force=(("time", "coupling"), force))
+    charts = charts_of([train], [""], {})
+    assert charts is not None
+    (chart,) = (c for c in charts.charts if c.key == "coupling_force")
+    assert [line.label for line in chart.lines] == ["a-b", "b-c"] and chart.unit == "kN"
+    assert chart.peak().startswith("largest magnitude -200 kN") and chart.peak().endswith("b-c")
+    assert "Coupling force" in page_of(Result(train)) and "Coupling force" not in page_of(Result(data))
+
+
+def test_limits_of_wheelsets_of_nearly_one_load_are_one_line() -> None:
+    shown = SimpleNamespace(factor=1e-3)
+    limits = (46.3e3, 46.1e3, 46.2e3, 60.0e3)
+    found = SimpleNamespace(
+        values=[
+            SimpleNamespace(quantity=SimpleNamespace(key="sum_Y", shown=shown), limit=SimpleNamespace(value=value))
+            for value in limits
+        ]
+    )
+    drawn = [value for _, value in limits_of([found])["sum_Y"]]  # type: ignore[list-item]
+    assert drawn == pytest.approx([46.1, 60.0, -46.1, -60.0])

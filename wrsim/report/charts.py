@@ -24,10 +24,14 @@ OF_WHEELSETS = ("lateral_shift", "yaw", "curvature", "cant")
 FURTHER = ("p0", "contact_angle", "T_gamma", "guide_force_y")
 OF_BODIES = ("body_lateral", "body_roll", "body_yaw")
 OF_POINTS = ("point_ay", "point_az")
+OF_COUPLINGS = ("coupling_force", "coupling_offset", "coupling_yaw")
 """Channels in the order of their charts."""
 
+NAMED = ("body", "point", "coupling")
+"""Dimensions, besides that of wheelsets, whose labels tell the curves of a chart."""
+
 DASHES = ("", "5 3", "1 3", "8 3 2 3", "12 4")
-"""Of the left and the right wheel; of several results those of bodies and points, whose colours tell the results."""
+"""Of the left and the right wheel; of several results those of ``NAMED``, whose colours tell the results."""
 
 SIGNS = {
     "Y": "positive: the wheel pushes its rail outward",
@@ -40,6 +44,9 @@ SIGNS = {
     "contact_angle": "largest patch, main point",
     "p0": "largest patch",
     "guide_force_y": "of the frame on the wheelset, positive to the left",
+    "coupling_force": "pull is positive",
+    "coupling_offset": "of two vehicles: that ahead against that behind, positive to the left",
+    "coupling_yaw": "of two vehicles: that ahead against that behind, positive to the left",
 }
 
 
@@ -149,7 +156,7 @@ def charts_of(
     moves = all("distance" in d.coords and np.ptp(d["distance"].values) > 1e-9 for d in datasets)
     along, parts = "m" if moves else "s", called(datasets)
     found = []
-    for key in (*OF_WHEELS, *OF_WHEELSETS, *FURTHER, *OF_BODIES, *OF_POINTS):
+    for key in (*OF_WHEELS, *OF_WHEELSETS, *FURTHER, *OF_BODIES, *OF_POINTS, *OF_COUPLINGS):
         lines = [line for run, d in enumerate(datasets) for line in _lines(d, key, moves, run, names, parts)]
         if lines and any(np.nan_to_num(line.values).any() for line in lines):
             channel = CHANNELS[key]
@@ -182,7 +189,7 @@ def _lines(
         data = data.isel(patch=0)
     several = len(names) > 1
     values = data.values.astype(float) * CHANNELS[key].shown.factor
-    of = next((d for d in ("wheelset", "body", "point") if d in data.dims), "")
+    of = next((d for d in ("wheelset", *NAMED) if d in data.dims), "")
     parts = [str(p) for p in np.atleast_1d(dataset[of].values)] if of else [""]
     if key in ("curvature", "cant"):  # of the track: that of one wheelset says it all
         values, parts = values[:, :1], parts[:1]
@@ -196,13 +203,13 @@ def _lines(
         if not several and len(parts) == 1 and len(wheels) == 1:
             colour = INK
         for j, wheel in enumerate(wheels):
-            shown = called.get(part, part) if len(parts) > 1 or of in ("body", "point") else ""
+            shown = called.get(part, part) if len(parts) > 1 or of in NAMED else ""
             words = [w for w in (names[run] if several else "", shown, wheel) if w]
             label = ", ".join(words) or CHANNELS[key].long_name
             group = part if of == "wheelset" and key not in ("curvature", "cant") else ""
             if wheel and not several and len(parts) == 1:
                 colour = WHEEL_COLOUR[wheel]
-            dash = DASHES[i % len(DASHES)] if several and of in ("body", "point") else DASHES[j]
+            dash = DASHES[i % len(DASHES)] if several and of in NAMED else DASHES[j]
             lines.append(Line(label, group, run, colour, dash, places, values[:, i, j]))
     return lines
 

@@ -25,6 +25,10 @@ IN_CURVES = ("lateral_shift", "yaw", "sum_Y", "Y", "Q", "Y_over_Q", "contact_ang
 """Channels whose medians in full curves stand on the cards."""
 
 
+APART = 1.05
+"""Limits that differ by less are one line in a chart."""
+
+
 @dataclass(frozen=True)
 class Verdict:
     """One line: state and words."""
@@ -207,7 +211,10 @@ def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, 
 
 
 def limits_of(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str, float]]]:
-    """Limits to draw across histories: of the track shifting force both ways, of Y/Q."""
+    """Limits to draw across histories: of the track shifting force both ways, of Y/Q.
+
+    Of limits that lie as near each other as those of wheelsets of nearly one load, the least.
+    """
     lines: dict[str, set[float]] = {"sum_Y": set(), "Y_over_Q": set(), "Q": set()}
     for each in found:
         for value in each.values if each is not None else ():
@@ -215,9 +222,12 @@ def limits_of(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str, f
                 lines[value.quantity.key].add(round(value.limit.value * value.quantity.shown.factor, 3))
     drawn: dict[str, list[tuple[str, float]]] = {}
     for key, values in lines.items():
-        drawn[key] = [(f"limit {v:.4g}", v) for v in sorted(values)]
-        if key == "sum_Y":
-            drawn[key] += [(f"limit {-v:.4g}", -v) for v in sorted(values)]
+        apart: list[float] = []
+        for v in sorted(values):
+            if not apart or v > APART * apart[-1]:
+                apart.append(v)
+        both = [*apart, *(-v for v in apart)] if key == "sum_Y" else apart
+        drawn[key] = [(f"limit {v:.4g}", v) for v in both]
     return drawn
 
 
