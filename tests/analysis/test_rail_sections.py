@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +12,15 @@ import pytest
 from support.runs import FAST, SCENARIOS
 
 from wrsim.analysis import run
+from wrsim.analysis.resolve import resolve
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.lookup import shipped_models
+from wrsim.report.view_data import view_data
 from wrsim.results import Result
+from wrsim.results.moments import sample_of
 from wrsim.scenario.build import build
-from wrsim.scenario.loading import load
+from wrsim.scenario.loading import load, load_text
 
 NEW, WORN = "rails/60E1.toml", "rails/60E1_worn.toml"
 
@@ -45,6 +50,32 @@ def test_sections_are_drawn_as_they_are_at_each_moment(lowered: Result) -> None:
     heights = lowered.wheelset()["rail_profile_z"].max("rail_point").values
     assert heights[0] == pytest.approx(heights[0].mean(), abs=1e-5)
     assert heights[-1] - heights[0] == pytest.approx(-2e-3, abs=1e-5)
+
+
+def test_the_viewer_draws_the_rail_of_every_moment(lowered: Result) -> None:
+    """Whole units of 5 um; differences along the moments are kept."""
+    own = view_data(lowered, None)["sections"]["of"][1]["rail"]
+    steps = np.frombuffer(zlib.decompress(base64.b64decode(own["data"])), "<i2").reshape(own["shape"])
+    top = own["unit"] * np.cumsum(steps.astype(int), axis=0)[..., 1].max(axis=1)
+    heights = 1e3 * lowered.wheelset()["rail_profile_z"].sel(wheel="right").max("rail_point").values
+    assert top == pytest.approx(heights, abs=0.01) and top[-1] < top[0] - 1.9
+
+
+@pytest.mark.parametrize("keep", ["pose", "load"])
+def test_contacts_are_solved_again_on_the_rail_of_their_place(lowered: Result, keep: Any) -> None:
+    before = lowered.wheelset()
+    scenario = load_text(str(lowered.dataset.attrs["scenario_text"]), SCENARIOS)
+    after = resolve(lowered, scenario, "file", keep=keep).wheelset()
+    rows = [sample_of(before, m) for m in range(before.sizes["snapshot"])]
+    for name in ("N", "p0", "Q", "contact_angle", "u_rail"):
+        assert after[name].values == pytest.approx(before[name].values[rows], rel=1e-4, nan_ok=True)
+    assert after["rail_profile_z"].values == pytest.approx(before["rail_profile_z"].values, nan_ok=True)
+
+
+def test_the_exact_solver_refuses_rails_that_change(lowered: Result) -> None:
+    scenario = load_text(str(lowered.dataset.attrs["scenario_text"]), SCENARIOS)
+    with pytest.raises(InputError, match="knows no rail that changes along the track"):
+        resolve(lowered, scenario)
 
 
 def table(path: Path, heights: dict[float, float], features: str = "1 2") -> Path:

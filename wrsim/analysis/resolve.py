@@ -66,10 +66,6 @@ def resolve(
     # no study runs with the exact solver, but its wheels can be looked at
     built = build(scenario)
     setup = replace(built, contact=replace(own.spec.contact.settings(), friction=built.contact.friction))
-    if any(setup.surfaces):
-        raise InputError(
-            "its rails change along the track ([[track.rail_sections]]): their contacts are not solved again"
-        )
     dataset = result.wheelset(wheelset)
     names = [m.name for m in setup.vehicle.wheelsets]
     label = str(dataset["wheelset"].item())
@@ -83,11 +79,10 @@ def resolve(
     chosen = list(range(len(poses))) if moments is None else list(moments)
     samples = _samples(dataset, chosen)
     loads = dataset["Q"].values[samples]
-    along = np.zeros(
-        (len(chosen), len(wheels))
-    )  # the places on the rails, which say what friction and what twist there is
-    if "wheelset_distance" in dataset:
-        where = dataset["wheelset_distance"].values[samples]
+    along = np.zeros((len(chosen), len(wheels)))  # places on the rails: what profile, friction and twist there is
+    place = next((name for name in ("wheelset_distance", "distance") if name in dataset), "")  # of one alone its own
+    if place:
+        where = dataset[place].values[samples]
         along = np.stack([setup.track.rail_distance("left" if w.side > 0 else "right", where) for w in wheels], axis=-1)
     raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.patch_count)
     remarks = [""] * len(chosen)

@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from wrsim.errors import InputError, SimulationError
 from wrsim.plots.cross_section import has_outlines, pressed_curve
 from wrsim.plots.moments import patches_of, select, touching_runs
-from wrsim.plots.style import pressure_map, shown
+from wrsim.plots.style import pressure_map
 from wrsim.report.svg import Array, needed
+from wrsim.report.wear import LEAST_DEPTH, depth_at, worn_outlines
 from wrsim.results import CHANNELS, Result
 from wrsim.results.moments import has_patches, moment_dim, sample_of
+from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 if TYPE_CHECKING:
@@ -306,17 +308,11 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
     """One wheel at all moments. Lengths in mm; patches: moment of each, and its points from edge to edge."""
     dim = moment_dim(one)
     mine = one.sel(wheel=side)
-    rail = mine[["rail_profile_y", "rail_profile_z"]]
-    rail = rail.isel({dim: 0}) if dim in rail.dims else rail
-    o, b = shown(rail, "rail_profile_y"), shown(rail, "rail_profile_z")
-    kept = needed(o, b, 0.02)
-    y, z = (mine[f"wheel_profile_{n}"].transpose(dim, "wheel_point").values * 1e3 for n in "yz")
-    finite = np.flatnonzero(np.isfinite(y).all(axis=1))
-    if finite.size:
-        points = needed(y[finite[0]], z[finite[0]], 0.01)
-        outline = np.stack((y[:, points], z[:, points]), axis=-1)
-    else:
-        outline = np.full((count, 1, 2), np.nan)
+    worn = has_wear(one)
+    rail, _, on_rail = _outline(mine, "rail", dim, 0.02, worn)
+    if (rail == rail[:1]).all():  # the same all along the track
+        rail = rail[:1]
+    outline, finite, on_wheel = _outline(mine, "wheel", dim, 0.01, worn)
     moments, shapes, numbers = [], [], []
     for m in range(count):
         for where in patches_of(one, m, side):
@@ -332,11 +328,42 @@ def _wheel(one: xr.Dataset, side: str, count: int, most: float) -> dict[str, Any
                 weight = strips["strip_N"].values
                 mean = np.arctan2((weight * np.sin(angle)).sum(), (weight * np.cos(angle)).sum())
                 numbers.append((float(weight.sum()) * 1e-3, float(np.degrees(mean)), float(p.max())))
-    return {
-        "rail": [_short(o[kept]), _short(b[kept])],
+    found = {"wear": worn_outlines(mine, on_wheel, on_rail)} if worn else {}
+    return found | {
+        "rail": steps_of(rail, 0.005),
         "outline": steps_of(outline, 0.005),
         "missing": [int(m) for m in range(count) if m not in set(finite.tolist())],
         "patch_moment": moments,
         "patch": steps_of(np.array(shapes).reshape(-1, NODES, 4), 0.002),
         "patch_numbers": packed(np.array(numbers).reshape(-1, 3), "f4"),
     }
+
+
+def _outline(mine: xr.Dataset, body: str, dim: str, error: float, worn: bool) -> tuple[Array, NDArray[np.intp], Array]:
+    """An outline at all moments (moments, points, 2) [mm], the moments that have one, and which points were needed for
+    an error [mm], as shares of the profile's length. worn: with all points of it that wear.
+
+    Moments without an outline have that of the nearest one.
+    """
+    lines = np.stack([mine[f"{body}_profile_{n}"].transpose(dim, f"{body}_point").values * 1e3 for n in "yz"], axis=-1)
+    there = np.isfinite(lines[..., 0])
+    finite = np.flatnonzero(there.any(axis=1))
+    if not finite.size:
+        return np.zeros((len(lines), 1, 2)), finite, np.zeros(1)
+    for m in finite:  # a nose that is not there yet: its points lie on the last one before
+        lines[m] = lines[m][_nearest(np.flatnonzero(there[m]), lines.shape[1])]
+    new = finite[np.append(True, (np.diff(lines[finite, :, 1], axis=0) != 0.0).any(axis=1))]
+    share = np.linspace(0.0, 1.0, lines.shape[1])
+    kept = [needed(*lines[m].T, error) for m in (new if body == "rail" else new[:1])]
+    if worn:
+        kept.append(np.flatnonzero(depth_at(mine, body, share) > LEAST_DEPTH))
+    points = np.unique(np.concatenate(kept))
+    return lines[_nearest(finite, len(lines))][:, points], finite, share[points]
+
+
+def _nearest(known: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """For each of so many numbers the nearest of those that are known, which rise."""
+    at = np.clip(np.searchsorted(known, np.arange(count)), 1, max(known.size - 1, 1))
+    low, high = known[at - 1], known[np.minimum(at, known.size - 1)]
+    own = np.arange(count)
+    return np.where(own - low <= high - own, low, high)

@@ -1,6 +1,7 @@
 // One wheel on its rail: the section to scale above, the patches closely beneath it.
 const INK = "#222222", QUIET = "#6b6b6b", RAIL = "#e4e7eb", WHEEL = "#f4efe4";
 const FORCES = { N: "#b00020", Y: "#0072b2", Q: "#00795c" };
+const WEAR = "#8e44adb0", WEAR_WORDS = "#6c2f87";
 const OVERVIEW = [-88, 58, -42, 22];
 
 export class Section {
@@ -34,10 +35,19 @@ export class Section {
 
   outline(wheel, moment) {
     const of = this.sections.of[wheel];
-    if (of.missing.includes(moment)) return [];
-    const [, points] = of.outline.shape;
+    return of.missing.includes(moment) ? [] : this.points(of.outline, moment);
+  }
+
+  /** The rail at the moment; one alone stands for all of them. */
+  rail(wheel, moment) {
+    const { rail } = this.sections.of[wheel];
+    return this.points(rail, rail.shape[0] === 1 ? 0 : moment);
+  }
+
+  points(outlines, moment) {
+    const [, points] = outlines.shape;
     const from = moment * points * 2;
-    return Array.from({ length: points }, (_, i) => [of.outline.data[from + 2 * i], of.outline.data[from + 2 * i + 1]]);
+    return Array.from({ length: points }, (_, i) => [outlines.data[from + 2 * i], outlines.data[from + 2 * i + 1]]);
   }
 
   draw() {
@@ -135,8 +145,10 @@ export class Section {
       g.lineWidth = 1;
       g.stroke();
     };
-    solid(of.rail[0].map((o, i) => [o, of.rail[1][i]]), top + height + 50, RAIL);
-    solid(this.outline(this.wheel, this.moment), top - 50, WHEEL);
+    const rail = this.rail(this.wheel, this.moment), wheel = this.outline(this.wheel, this.moment);
+    solid(rail, top + height + 50, RAIL);
+    solid(wheel, top - 50, WHEEL);
+    if (of.wear) this.worn(g, of.wear, rail, wheel, X, Y, 0.12 * height, near);
     const reach = near ? 0.3 * Math.min(window[1] - window[0], window[3] - window[2]) : 0;
     for (const patch of patches) {
       const line = patch.points.map(([o, b]) => [X(o), Y(b)]);
@@ -194,6 +206,28 @@ export class Section {
     g.strokeStyle = "#d9d9d9";
     g.lineWidth = 1;
     g.strokeRect(left + 0.5, top + 0.5, width - 1, height - 1);
+  }
+
+  /** What wears off, as bands inside of the wheel and the rail; the deepest place of each is as thick as `most`. */
+  worn(g, wear, rail, wheel, X, Y, most, near) {
+    g.fillStyle = WEAR;
+    for (const [points, depth, way] of [[rail, wear.rail, 1], [wheel, wear.wheel, -1]]) {
+      if (points.length < 2) continue;
+      const inner = points.map(([o, b], i) => {
+        const [p, q] = [points[Math.max(i - 1, 0)], points[Math.min(i + 1, points.length - 1)]];
+        const [dx, dy] = [X(q[0]) - X(p[0]), Y(q[1]) - Y(p[1])], long = Math.hypot(dx, dy) || 1;
+        const deep = (way * most * depth[i]) / 100;
+        return [X(o) - (dy / long) * deep, Y(b) + (dx / long) * deep];
+      });
+      g.beginPath();
+      [...points.map(([o, b]) => [X(o), Y(b)]), ...inner.reverse()].forEach(([x, y], i) => (i ? g.lineTo(x, y) : g.moveTo(x, y)));
+      g.closePath();
+      g.fill();
+    }
+    if (near) return;
+    const [left, top] = this.frame;
+    g.textAlign = "left";
+    this.say(g, wear.words, left + 8, top + 16, 12, WEAR_WORDS);
   }
 
   /** The mean contact angle of a patch, that of the sum of its strips' forces, drawn in its middle. */
