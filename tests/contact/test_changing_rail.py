@@ -164,7 +164,7 @@ def test_the_exact_solver_knows_no_rail_that_changes(ramp) -> None:
 def over_the_crossing() -> ContactModel:
     if not CROSSING.exists():
         pytest.skip("the reference folder is not beside the project")
-    surface = crossing(0.16, 0.33)
+    surface = crossing(0.1, 0.33)
     model = contact_model(
         wheel_profile("S1002"), surface.sections[0].profile, normal="strips", tangential="fastrip", friction=0.3
     )
@@ -198,3 +198,43 @@ def test_the_load_passes_from_wing_to_nose_as_in_contact(over_the_crossing: Cont
             # of the nose, where it carries enough; the wing is touched where its curvature jumps: 13 % off
             if patch["o"] < 0.0 and patch["N"] > 3e3:
                 assert patch["p0"] == pytest.approx(1e6 * float(row["pmax_MPa"]), rel=0.05)
+
+
+def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact(over_the_crossing: ContactModel) -> None:
+    """CONTACT's numbers: shared reference, crossing_56e1/README.md. 1 um sideways moves 150 N from one to the other."""
+
+    def contact(lateral: float) -> Contact:
+        return at_rest(over_the_crossing, lateral, 1e4, 0.16)[0]
+
+    def wing(lateral: float) -> float:
+        return sum(float(patch["N"]) for patch in contact(lateral).patches if patch["o"] > 0.0)
+
+    lateral = brentq(lambda y: wing(y) - 6171.0, 3.5e-3, 3.54e-3, xtol=1e-9)
+    assert lateral == pytest.approx(3.52e-3, abs=2.5e-6)
+    patches = contact(lateral).patches
+    nose = min(patches, key=lambda p: p["o"])
+    on_wing = max((p for p in patches if p["o"] > 0.0), key=lambda p: p["N"])
+    assert nose["N"] == pytest.approx(4790.0, rel=0.01)
+    for patch, y, p0 in ((nose, 718.20, 1584e6), (on_wing, 782.08, 635e6)):
+        assert 750.0 + 1e3 * patch["o"] == pytest.approx(y, abs=0.2)
+        assert patch["p0"] == pytest.approx(p0, rel=0.05)
+
+
+def test_an_artificial_nose_is_touched_where_contact_says() -> None:
+    """S1002 on a nose that rises 1:10, touched 5.127 mm outside: 45.757 mm ahead of the axle and 4.5765 mm deep beside
+    the unmoved wheel's lowest point at the tape circle (shared reference). Its section is not known; a crown of 10 mm
+    stands for it."""
+    wheel = wheel_profile("S1002")
+    outward, ahead = 5.127e-3, 45.757e-3
+    at = float(wheel.arclength_of(outward))
+    slope = float(wheel.slope_angle(np.array([at])).item())
+    nose = circle("nose", "rail", 0.01, 5e-3)
+    crown = nose.shifted(outward + 0.01 * sin(slope), 0.0)
+    model = on(lifted(crown, EVEN, RISE * EVEN), wheel=wheel)
+
+    def lowered(z: float) -> Contact:
+        return model.evaluate((0.0, 0.0, RADIUS - z), velocity=(1.0, 0, 0), omega=(0, 1.0 / RADIUS, 0))
+
+    patch = lowered(brentq(lambda z: lowered(z).force[2] - 10110.0, -2.3e-3, -2e-3, xtol=1e-9)).patches[0]
+    assert 1e3 * patch["x"] == pytest.approx(1e3 * ahead, abs=0.05)
+    assert 1e3 * patch["o"] == pytest.approx(1e3 * outward, abs=0.1)
