@@ -49,3 +49,16 @@ def test_what_it_loses_of_its_speed_is_the_work_of_creep():
     lost = 0.5 * rolling * (speed[0] ** 2 - speed[-1] ** 2)
     work = np.trapezoid(found["T_gamma"].sum(("wheelset", "wheel")).values, found["distance"].values)
     assert lost == pytest.approx(work, rel=0.05)  # and dampers take a little
+
+
+def test_it_stays_where_the_search_for_its_steady_motion_puts_it():
+    """A run that starts in the full curve: the wheels stay within 20 um and Q within 1 % for 40 m, with the front bogie
+    at the outer rail and the rear one at the inner rail. From straight track its dampers creep for a minute.
+    """
+    keys = {"run.start_distance_m": 150.0, "run.distance_m": 40.0, "vehicle.drive": "train"}
+    found = run(load(SCENARIOS / "irw_r300.toml").with_values(keys)).dataset
+    shift, load_ = found["lateral_shift"].values, found["Q"].values
+    assert np.abs(shift - shift[0]).max() < 20e-6
+    assert np.abs(load_ - load_[0]).max() < 0.01 * load_.mean()
+    assert (shift[0, :2] > 9e-3).all()
+    assert (shift[0, 2:] < -9e-3).all()

@@ -67,7 +67,7 @@ def newton(
             break
         norms.append(float(np.linalg.norm(r)))
         with while_deriving():
-            jacobian = _jacobian(near or residual, x, small, difference, apart or _each_alone(x.size))
+            jacobian = derivatives(near or residual, x, small, difference, apart)
         for _ in range(15):
             step = _step(jacobian, r, damping)
             bend = residual(x + PROBE * small * step) - r - PROBE * jacobian @ step
@@ -90,13 +90,17 @@ def _each_alone(size: int) -> Apart:
     return [(np.array([i]), np.arange(size)[None]) for i in range(size)]
 
 
-def _jacobian(
-    residual: Callable[[Array], Array], x: Array, small: Array, difference: float | Array, apart: Apart
+def derivatives(
+    residual: Callable[[Array], Array],
+    x: Array,
+    small: Array,
+    difference: float | Array = DIFFERENCE,
+    apart: Apart | None = None,
 ) -> Array:
-    """Derivative of the residual with respect to x / small, by central differences."""
+    """Derivative of the residual with respect to x / small, by central differences; the rest as for ``newton``."""
     columns_of_it = np.zeros((x.size, x.size))
     part = np.broadcast_to(difference, x.size)
-    for columns, rows in apart:
+    for columns, rows in apart or _each_alone(x.size):
         h = np.zeros(x.size)
         h[columns] = part[columns] * small[columns]
         change = residual(x + h) - residual(x - h)
@@ -113,6 +117,32 @@ def _step(jacobian: Array, r: Array, damping: float) -> Array:
         normal = jacobian.T @ jacobian
         step = np.linalg.solve(normal + damping * np.trace(normal) * np.eye(jacobian.shape[1]), jacobian.T @ -r)
     return np.asarray(step * (LONGEST / np.max(np.abs(step), initial=LONGEST)))
+
+
+def roots(function: Callable[[Array], Array], begin: Array, small: float, enough: float) -> Array:
+    """Where falling functions, each of its own argument, are zero; all at once, by the Illinois method.
+
+    function: of all arguments (n,); begin (n,): where the search begins, which goes on in steps that double from
+    ``small``. Ends where all are within ``enough``, or after 40 steps.
+    """
+    x, f = begin.copy(), function(begin)
+    other, of_other = x.copy(), f.copy()
+    step = small * np.sign(f)
+    for _ in range(40):
+        far = np.abs(f) > enough
+        if not far.any():
+            break
+        astride = f * of_other < 0.0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            between = (x * of_other - other * f) / (of_other - f)
+        new = np.where(far, np.where(astride, between, x + step), x)
+        step = np.where(astride, step, 2.0 * step)
+        of_new = function(new)
+        crossed = of_new * f < 0.0
+        of_other = np.where(crossed, f, np.where(astride, 0.5 * of_other, of_new))
+        other = np.where(crossed, x, np.where(astride, other, new))
+        x, f = new, of_new
+    return x
 
 
 def bracket(function: Callable[[float], float], begin: float, small: float, enough: float, reach: float) -> bool:

@@ -19,8 +19,9 @@ from wrsim.core.linalg import Vec
 from wrsim.core.track import path as path_kernels
 from wrsim.errors import SimulationError
 from wrsim.simulation.force_law import following, groups_in_a_row
-from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, newton
+from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, newton, roots
 from wrsim.simulation.placement import place_on_track
+from wrsim.simulation.relaxation import relax
 from wrsim.simulation.system import COORDINATES, Array
 
 if TYPE_CHECKING:
@@ -52,6 +53,13 @@ SMALL_BOX = 1e-4
 SMALL_TURN, SMALL_TWIST = 1e-2, 1e-4
 """The same of the rate with which independent wheels turn against each other [rad/s], and of the twist of an axle
 [rad]."""
+
+FREE = 1e-9
+"""Moment about its axle with which an independent wheel rolls freely, as a part of the weight times 1 m."""
+
+MOST_STEPS, AT_FLANGES = 120, 1e-6
+"""Of the way of a vehicle with independent wheels to its flanges: steps, and forces left over at its end, as a part of
+the weight."""
 
 SEARCH_HEIGHT = 0.05
 """How far a wheelset is lowered or raised in search of the rails [m]."""
@@ -154,6 +162,8 @@ class SteadyMotion:
         free = [torsion is None or torsion.independent for torsion in twists]
         self.turns = np.array([at for at, alone in zip(law.twists.values(), free, strict=True) if alone], dtype=int)
         """Places of the twists of independent wheels in the state, ..."""
+        self.alone = np.array([i for i, by_itself in zip(law.twists, free, strict=True) if by_itself], dtype=int)
+        """Numbers of their wheelsets."""
         self.turning = self.turns - (law.size - law.positions) + 6 * n
         """... and among the unknowns."""
         self.scale = np.append(self.scale, np.full(law.positions, self.scale[0]))
@@ -217,6 +227,22 @@ class SteadyMotion:
             left[self.turning] = x[self.turning]
         return left
 
+    def rolled(self, x: Array) -> Array:
+        """The same with independent wheels turning so that the moment about the axle of each vanishes: creep forces
+        saturate, and far from free rolling their derivatives say little."""
+        x = x.copy()
+        spins, turning = self.spins[self.alone], self.turning
+
+        def moments(omega: Array) -> Array:
+            left, right = omega.reshape(2, -1)
+            x[spins], x[turning] = 0.5 * (left + right), left - right
+            rest = self.residual(x)
+            return np.concatenate([0.5 * rest[spins] + rest[turning], 0.5 * rest[spins] - rest[turning]])
+
+        begin = np.concatenate([x[spins] + 0.5 * x[turning], x[spins] - 0.5 * x[turning]])
+        moments(roots(moments, begin, SMALL_TURN, FREE))
+        return x
+
     def largest(self, q: Array, q_t: Array) -> float:
         """Largest force left over at the steady state near (q, q_t), as a part of the weight."""
         self.slips = q_t[self.law.sliders]
@@ -271,6 +297,24 @@ def steady_state(
         raise Unbalanced(_largest(law, left))
     q, q_t = steady.state(x)
     return Equilibrium(q, law.settled_rates(q, q_t), largest, first + iterations)
+
+
+def relaxed_state(law: VehicleOnTrack, guess: tuple[Array, Array]) -> Equilibrium:
+    """Where a vehicle with independent wheels creeps to from a state, which is near its steady motion: no creep forces
+    lead its axles there, flanges do, and Newton's method does not find the way to them.
+    """
+    law.look_near(law.start)
+    steady = SteadyMotion(law)
+    q, q_t = guess
+    steady.slips = q_t[law.sliders]
+    x = steady.unknowns(q, q_t)
+    with law.settled(steady.slips):
+        _place_bodies(steady, x, MOST_STEPS)
+        x, largest = relax(
+            steady.residual, x, steady.small, AT_FLANGES, MOST_STEPS, steady.rolled, lambda: following(law)
+        )
+    q, q_t = steady.state(x)
+    return Equilibrium(q, q_t, largest, MOST_STEPS)
 
 
 def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:

@@ -53,6 +53,11 @@ class Wheelset:
     torsion: Torsion | None = None
 
     @property
+    def independent(self) -> bool:
+        """True if each wheel turns on its own."""
+        return self.torsion is not None and self.torsion.independent
+
+    @property
     def mean_radius(self) -> float:
         """Mean of the two tape-circle radii [m]."""
         return 0.5 * (self.left.radius + self.right.radius)

@@ -20,6 +20,7 @@ from wrsim.simulation.state import (
     SteadyMotion,
     design_state,
     lower_on_rails,
+    relaxed_state,
     steady_state,
 )
 
@@ -107,6 +108,8 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     bent = straight is not None and bool(setup.vehicle.members)  # a train is too long for a transition to be a curve
     if not bent and (found := searched(ways[:1])):
         return found
+    if straight is None and law.speed > 0.0 and any(m.wheelset.independent for m in law.vehicle.wheelsets):
+        return on_the_rails(law, _relaxed(setup, law))
     if curvature != 0.0 or straight is not None:
         try:
             return _reached(setup, law, straight)
@@ -133,6 +136,16 @@ def _from_shift(setup: Setup[RunPlan], law: VehicleOnTrack, shift: Array) -> Equ
         q[places], q_t[places] = own.q, own.q_t
     q_t[law.sliders] = 0.0  # friction goes on from the design position, as it did in each vehicle
     return steady_state(law, (q, q_t), tolerance=enough(setup))
+
+
+def _relaxed(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
+    """The steady motion of a vehicle with independent wheels, which creeps to its flanges. Raises NoSteadyMotion."""
+    law.look_near(law.start)
+    try:
+        near = relaxed_state(law, lower_on_rails(law, *design_state(law)))
+        return steady_state(law, (near.q, near.q_t), tolerance=enough(setup))
+    except SimulationError as fault:
+        raise NoSteadyMotion.of(fault) from None
 
 
 def _reached(setup: Setup[RunPlan], law: VehicleOnTrack, straight: float | None) -> Equilibrium:

@@ -173,6 +173,8 @@ def steady_in_curve(setup: Setup, point: SteadyPoint, solved: Sequence[Found] = 
     Raises SimulationError when there is no steady motion.
     """
     _upright(setup, point)
+    if any(mounted.wheelset.independent for mounted in setup.vehicle.wheelsets):
+        return _from_design(setup, point)  # between flanges nothing leads from curve to curve
     same = [found for found in solved if found.point.radius * point.radius > 0.0]
     try:
         if same:
