@@ -11,6 +11,7 @@ import xarray as xr
 from support.runs import SCENARIOS
 
 from wrsim.analysis import run
+from wrsim.results import Result
 from wrsim.scenario.loading import load, load_text
 
 RADIUS, AHEAD, MASS, SPEED = 25.0, 0.65, 700.0 + 4500.0, 10.0 / 3.6
@@ -61,6 +62,46 @@ def test_the_back_of_the_flange_stands_on_the_guard_face():
     angle = np.degrees(sample["contact_angle"].values[1])
     assert np.nanmin(angle) == pytest.approx(FACE, abs=0.2)
     assert sample["lateral_shift"].item() < in_the_curve(GAUGES[0])["lateral_shift"].item() + 1.5e-3
+
+
+@cache
+def car() -> Result:
+    """The shipped car, through the transition and along the curve."""
+    found = run(load(SCENARIOS / "tram_car_r25.toml"))
+    assert found.status == "completed"
+    return found
+
+
+def test_rails_carry_the_car_around_the_curve():
+    """Once it has settled: forces in the axes of the car's middle against masses times V^2 r / R^2, their radii by the
+    chords of the car and of its bogies; 1 %, for it sways a little. Wheel loads are its weight."""
+    late = car().dataset.where(car().dataset["distance"] > 33.0, drop=True)
+    ahead = (late["wheelset_distance"].values - late["distance"].values[:, None]) / RADIUS
+    across = late["Y"].values[..., 0] - late["Y"].values[..., 1]
+    inward = across * np.cos(ahead) - late["X"].values.sum(axis=-1) * np.sin(ahead)
+    chord = [(2800.0, 0.0), (5000.0, AHEAD), (18000.0, 3.5)]
+    turning = (15.0 / 3.6 / RADIUS) ** 2 * sum(m * (RADIUS - half**2 / (2.0 * RADIUS)) for m, half in chord)
+    assert inward.sum(axis=1).mean() == pytest.approx(turning, rel=0.01)
+    assert late["Q"].sum(("wheelset", "wheel")).mean().item() == pytest.approx(25800.0 * 9.80665, rel=1e-3)
+
+
+def test_guard_faces_lead_both_bogies_and_independent_wheels_do_not_fight():
+    """Backs of both leading inner wheels on the guard face; lengthwise forces an eighth of rigid axles'."""
+    last = car().dataset.isel(time=-1)
+    angle, normal = np.degrees(last["contact_angle"].values), last["N"].values
+    on_face = np.nansum(np.where(angle < -70.0, normal, 0.0), axis=-1)
+    assert on_face[0, 1] > 30e3
+    assert on_face[2, 1] > 10e3
+    assert np.delete(on_face.ravel(), [1, 5]).max() == 0.0
+    lengthwise = np.abs(last["X"].values)
+    assert lengthwise[2:].max() < lengthwise[:2].max() / 8.0
+
+
+def test_what_the_pull_gives_creep_takes():
+    """Within 1.5 %: two blows on guard faces, in which steps are cut."""
+    energy = car().summary()["energy"]
+    assert abs(energy["left_over_kJ"]) < 0.015 * energy["work_of_pull_kJ"]
+    assert energy["work_of_pull_kJ"] > 100.0
 
 
 POSE = """
