@@ -8,6 +8,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
+import xarray as xr
 from support.energy import balance
 from support.vehicles import COARSE, ROOT, on_track
 
@@ -190,3 +191,44 @@ def test_bad_drives_are_refused_with_file_and_key(tmp_path, line, said):
     with pytest.raises(InputError) as told:
         load_vehicle(tmp_path / "bad.toml", Finder((shipped_models(),)))
     assert said in str(told.value) and "bad.toml" in str(told.value)
+
+
+# --- nose-suspended motors ----------------------------------------------------------------------------------
+
+NOSE_MASS, BEHIND, ARM = 2200.0, 0.45, 1.0
+"""Of a motor [kg], of its centre and of its nose from the axle [m]."""
+
+
+@cache
+def pulling_away() -> xr.Dataset:
+    """The shipped scenario."""
+    return run(load(ROOT / "scenarios/nose_suspended.toml")).dataset
+
+
+def of_motor(name: str, time: float) -> tuple[float, float]:
+    """Tension of the link of a nose and force of both bearings down on the axle at a time [s], in N."""
+    sample = pulling_away().sel(time=time, method="nearest")
+    link = sample["suspension_fx"].sel(suspension=f"front.{name} nose").item()
+    sides = [f"front.{name} bearing {side}" for side in ("left", "right")]
+    return link, -sample["suspension_fz"].sel(suspension=sides).sum().item()
+
+
+def test_a_nose_suspended_motor_rests_on_its_axle_and_its_nose_by_the_lever():
+    for name in ("leading", "trailing"):
+        link, axle = of_motor(name, 0.0)
+        weight = NOSE_MASS * 9.80665
+        assert link == pytest.approx(weight * BEHIND / ARM, rel=2e-3)
+        assert axle == pytest.approx(weight * (1.0 - BEHIND / ARM), rel=2e-3)
+
+
+def test_its_moment_is_a_pair_of_forces_on_nose_and_axle():
+    """M/l, less what the rotor takes to speed up: 7 kN m over 1 m. Behind the leading axle the nose pulls the frame
+    down and relieves the axle; before the trailing one it is the other way round."""
+    d = pulling_away()
+    rate = (d["spin_rate"].sel(time=1.35, method="nearest") - d["spin_rate"].sel(time=1.0, method="nearest")) / 0.35
+    n, rotor = -4.5, 1.2
+    for i, (name, sign) in enumerate((("leading", 1.0), ("trailing", -1.0))):
+        moment = 7e3 + n * (1.0 - n) * rotor * rate.values[i]
+        link, axle = np.mean([of_motor(name, t) for t in np.arange(1.0, 1.35, 0.004)], axis=0) - of_motor(name, 0.0)
+        assert link == pytest.approx(sign * moment / ARM, rel=0.01)
+        assert axle == pytest.approx(-sign * moment / ARM, rel=0.01)
