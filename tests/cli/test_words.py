@@ -18,6 +18,7 @@ from typer.testing import CliRunner
 import wrsim.analysis
 from wrsim import __version__
 from wrsim.cli import app
+from wrsim.cli.showing import print_table
 from wrsim.results import Result
 
 runner = CliRunner()
@@ -80,6 +81,17 @@ def test_the_balance_of_energy_is_told(run: Result, tmp_path: Path) -> None:
     assert abs(float(rows.pop("left over: springs, rails, contacts, loads"))) < 1e-6
     found = {"work of the pull that holds the speed": 1000.0, "lost in creep": 250.0, "gained in motion": 750.0}
     assert {name: float(value) for name, value in rows.items()} == pytest.approx(found, rel=1e-3)
+
+
+@pytest.mark.parametrize("columns", [40, 78, 200])
+def test_no_number_of_a_table_is_cut_however_narrow_the_terminal(columns: int, capsys: Any, monkeypatch: Any) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    rows = [["a long name of a wheel", "0.0769812", "-0.0079512 at 135.9 m"], ["right", "12", "7"]]
+    print_table(("wheel", "derailment quotient", "difference %"), rows, left=("wheel",))
+    told = capsys.readouterr().out
+    assert all(cell in told for row in rows for cell in row) and "…" not in told
+    words = told.partition("a long")[0].split()
+    assert sorted(words) == sorted(["wheel", "derailment", "quotient", "difference", "%"])
 
 
 def test_the_time_that_a_run_took_is_told_beside_the_time_on_the_track(

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from shlex import quote
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from wrsim.register import ANALYSES, resolved
@@ -88,19 +89,27 @@ def print_table(
 ) -> None:
     """A table on the screen. Columns are flush right but for those in ``left``; a row of one cell is a heading in bold.
 
-    width: letters that the table needs, where the terminal may be narrower.
+    width: letters that the table needs, where the terminal may be narrower. No cell is ever cut, heads are wrapped.
     """
+    from rich.cells import cell_len
     from rich.console import Console
     from rich.table import Table
 
+    rows = [[*map(plain, row)] for row in rows]
+    columns = [[*head.split(), *(row[i] for row in rows if len(row) > 1)] for i, head in enumerate(heads)]
+    least = [max(map(cell_len, column), default=0) for column in columns]
+    whole = [max(letters, cell_len(head)) for letters, head in zip(least, heads, strict=True)]
     console = Console(highlight=False, markup=False)
     console.width = max(console.width, width)
+    if sum(whole) + 2 * len(heads) > console.width:
+        whole = least
+        console.width = max(console.width, sum(least) + 2 * len(heads))
     table = Table(title=plain(title) or None, title_justify="left", title_style="bold", box=None, pad_edge=False)
-    for head in heads:
-        quiet = "dim" if head == "at" else None
-        table.add_column(head, justify="left" if head in left else "right", style=quiet, no_wrap=head in left)
+    for head, letters in zip(heads, whole, strict=True):
+        look: Any = {"justify": "left" if head in left else "right", "style": "dim" if head == "at" else None}
+        table.add_column(fill(head, max(letters, 1)), no_wrap=True, **look)
     for row in rows:
-        table.add_row(*map(plain, row), style="bold" if len(row) == 1 else None)
+        table.add_row(*row, style="bold" if len(row) == 1 else None)
     console.print(table)
 
 
