@@ -7,7 +7,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
-const BEHIND = 70, AHEAD = 110, STEP = 1, SLEEPERS = 0.65;
+const BEHIND = 60, AHEAD = 110, STEP = 1, SLEEPERS = 0.65;
 const FORCE = [new Color("#3b6fb6"), new Color("#e8d34a"), new Color("#c01020")];
 const SIDES = [1, -1];
 
@@ -64,6 +64,9 @@ function wheel(shape, side) {
 export class Stage {
   constructor(canvas, vehicle, track) {
     Object.assign(this, { canvas, vehicle, track, focus: null });
+    const places = vehicle.wheelsets.map((w) => w.x - vehicle.reference);
+    this.ends = [Math.min(...places), Math.max(...places)];
+    this.behind = BEHIND - Math.min(this.ends[0], -10); // rails beneath the last vehicle of a train too
     this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     this.scene = new Scene();
     this.scene.background = new Color("#eef3f8");
@@ -117,7 +120,7 @@ export class Stage {
       return { ...element, holders: ends, long, mesh };
     });
     this.rails = SIDES.map((side, j) => this.rail(side, vehicle.rails[j], vehicle.rail_origins[j]));
-    const count = Math.floor((BEHIND + AHEAD) / SLEEPERS);
+    const count = Math.floor((this.behind + AHEAD) / SLEEPERS);
     this.sleepers = new InstancedMesh(new BoxGeometry(0.24, 2.5, 0.16), material("#a8a29a"), count);
     this.sleepers.frustumCulled = false;
     this.scene.add(this.sleepers);
@@ -144,7 +147,7 @@ export class Stage {
   }
 
   rail(side, profile, [o, b]) {
-    const nodes = Math.floor((BEHIND + AHEAD) / STEP) + 1;
+    const nodes = Math.floor((this.behind + AHEAD) / STEP) + 1;
     const w = profile.u.map((u, i) => [side * (o + u), b + profile.w[i]]);
     // web and foot, which no contact sees
     const low = Math.min(...profile.w) + b, mid = side * o;
@@ -215,7 +218,7 @@ export class Stage {
 
   /** The rails and sleepers around the vehicle. */
   sweep(s) {
-    const first = Math.floor((s - BEHIND) / STEP) * STEP;
+    const first = Math.floor((s - this.behind) / STEP) * STEP;
     for (const { mesh, ring, nodes } of this.rails) {
       const position = mesh.geometry.attributes.position;
       let at = 0;
@@ -231,7 +234,7 @@ export class Stage {
       }
       position.needsUpdate = true;
     }
-    const one = new Object3D(), begin = Math.floor((s - BEHIND) / SLEEPERS);
+    const one = new Object3D(), begin = Math.floor((s - this.behind) / SLEEPERS);
     one.rotation.order = "ZYX";
     for (let i = 0; i < this.sleepers.count; i++) {
       const f = this.relative((begin + i) * SLEEPERS);
@@ -265,12 +268,13 @@ export class Stage {
   /** Look at the vehicle, or at one part of it, from a side. */
   view(name, focus = this.focus) {
     this.focus = focus;
-    const xs = this.vehicle.wheelsets.map((w) => w.x - this.vehicle.reference);
-    const near = focus ? 3.4 : Math.max(6, 0.62 * (Math.max(...xs) - Math.min(...xs)) + 7);
+    const [rear, front] = this.ends, middle = 0.5 * (rear + front);
+    const near = focus ? 3.4 : Math.max(6, 0.62 * (front - rear) + 7 + 0.3 * Math.max(0, front - rear - 30));
     const wide = Math.max(1, 1.7 / (this.camera.aspect || 1));
     const from = { oblique: [-0.85, 0.8, 0.5], side: [0, 1.25, 0.12], behind: [-1.2, 0.02, 0.22], above: [0, -0.01, 1.5] }[name];
-    this.controls.target.set(0, 0, focus ? 0.4 : 1);
-    this.camera.position.set(...from.map((v, k) => v * near * wide + (k === 2 ? (focus ? 0.4 : 1) : 0)));
+    const at = [focus ? 0 : middle, 0, focus ? 0.4 : 1];
+    this.controls.target.set(...at);
+    this.camera.position.set(...from.map((v, k) => v * near * wide + at[k]));
     this.controls.update();
     this.follow();
   }
