@@ -28,6 +28,7 @@ from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, HalfSpaceSettings, Material
 from wrsim.core.body.kinematics import first_not_finite
+from wrsim.core.body.rigid_body import kinetic_energies
 from wrsim.core.contact.normal.elliptic import k_minus_e
 from wrsim.core.contact.strips.changes import leave
 from wrsim.core.contact.strips.records import FACTORS, System, X
@@ -37,7 +38,7 @@ from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.segments import Arc
 from wrsim.inputs.lookup import Finder, shipped_models
-from wrsim.simulation.bodies import mass_matrix, velocity_forces
+from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
@@ -199,6 +200,8 @@ def vehicle_cases() -> dict[str, list[float]]:
     found["friction"] = list(rubbed)
     found["friction settled"] = list(rubbing.settled_rates(rubs, rubs_t))
     found["inertia"] = [*mass_matrix(law.bodies, q).ravel(), *velocity_forces(law.bodies, q, q_t)]
+    kinetic_energies(q[None], q_t[None], inertia_table(law.bodies), len(vehicle.wheelsets), energy := np.zeros(1))
+    found["kinetic energy"] = list(energy)
     found["finite"] = [float(first_not_finite(q, q_t))]
     poses = poses_on_track(law.track.centre, q[None, :6], q_t[None, :6], 50.0)
     found["poses"] = [float(np.ravel(value)[0]) for value in vars(poses).values()]

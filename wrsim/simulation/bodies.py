@@ -84,6 +84,11 @@ def mass_matrix(bodies: Sequence[Solid], q: Array) -> Array:
     return whole
 
 
+def inertia_table(bodies: Sequence[Solid]) -> NDArray[np.record]:
+    """Records INERTIA of all bodies."""
+    return np.array([(body.mass, *body.inertia) for body in bodies], kernel.INERTIA)
+
+
 def accelerations(bodies: Sequence[Solid], q: Array, q_t: Array, forces: Array) -> Array:
     """Accelerations of the coordinates of all bodies (bodies, 6) under generalised forces, body by body."""
     blocks = np.zeros((len(bodies), 6, 6))

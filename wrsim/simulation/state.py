@@ -18,6 +18,7 @@ from wrsim.core.body import steady as kernels
 from wrsim.core.linalg import Vec
 from wrsim.core.track import path as path_kernels
 from wrsim.errors import SimulationError
+from wrsim.simulation.bodies import inertia_table
 from wrsim.simulation.force_law import following, groups_in_a_row
 from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, newton, roots
 from wrsim.simulation.placement import place_on_track
@@ -143,7 +144,7 @@ class SteadyMotion:
         n, w = len(law.bodies), len(law.vehicle.wheelsets)
         self.distance = law.start + law.vehicle.parts[law.vehicle.reference].centre[0]
         self.spins = 5 + 6 * np.arange(w)
-        self.inertia = np.array([(body.mass, *body.inertia) for body in law.bodies], kernels.INERTIA)
+        self.inertia = inertia_table(law.bodies)
         self.small = np.array(
             [(SMALL_WHEELSET if i < w else SMALL_BODY)[name] for i in range(n) for name in COORDINATES]
         )

@@ -6,27 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.core.body import vehicle_forces
+from wrsim.core.body.rigid_body import kinetic_energies
+from wrsim.simulation.bodies import inertia_table
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import COORDINATES
 
 Array = NDArray[np.float64]
 
-Z, HEADING, ROLL, SPIN = (COORDINATES.index(name) for name in ("z", "heading", "roll", "spin"))
+Z, SPIN = COORDINATES.index("z"), COORDINATES.index("spin")
 
 
 def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
     """Kinetic energy of all bodies, axle boxes and geared motors, and m g z of all bodies, (samples,) [J]."""
     vehicle, n = law.vehicle, 6 * len(law.bodies)
-    own, rates = (a[:, :n].reshape(len(q), -1, 6) for a in (q, q_t))
     mass = np.array([body.mass for body in law.bodies])
-    about = np.array([body.inertia for body in law.bodies])
-    axles = len(vehicle.wheelsets)
-    # the axes of a wheelset do not spin with it: it is the same about all across its axle
-    pitch = np.where(np.arange(own.shape[1]) < axles, 0.0, own[:, :, SPIN])
-    sr, cr, sp, cp = np.sin(own[:, :, ROLL]), np.cos(own[:, :, ROLL]), np.sin(pitch), np.cos(pitch)
-    h, r, p = rates[:, :, HEADING], rates[:, :, ROLL], rates[:, :, SPIN]
-    turning = np.stack([cp * r - cr * sp * h, sr * h + p, cr * cp * h + sp * r], axis=-1)
-    kinetic = 0.5 * ((rates[:, :, :3] ** 2).sum(axis=-1) @ mass + (turning**2 * about).sum(axis=(1, 2)))
+    kinetic = np.zeros(len(q))
+    kinetic_energies(q, q_t, inertia_table(law.bodies), len(vehicle.wheelsets), kinetic)
     first = law.size - law.positions
     for j, (_, box) in enumerate(vehicle.boxes.values()):
         kinetic += 0.5 * box.inertia[1] * q_t[:, first + j] ** 2
@@ -34,7 +29,7 @@ def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Arra
         kinetic += 0.5 * drive.inertia * q_t[:, place + 1] ** 2
     for wheelset, twist in law.twists.items():
         kinetic += 0.125 * law.bodies[wheelset].inertia[1] * q_t[:, twist] ** 2
-    return {"kinetic_energy": kinetic, "potential_energy": vehicle.gravity * own[:, :, Z] @ mass}
+    return {"kinetic_energy": kinetic, "potential_energy": vehicle.gravity * q[:, Z:n:6] @ mass}
 
 
 def lost_at(law: VehicleOnTrack, q_t: Array) -> tuple[float, float, float]:

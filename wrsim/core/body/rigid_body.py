@@ -14,11 +14,15 @@ takes is G^T (I G_t theta_t + omega x I omega).
 
 from math import cos, sin
 
-from wrsim.core.body.kinematics import HEADING, ROLL, SPIN
+from wrsim.core.arena import record
+from wrsim.core.body.kinematics import HEADING, ROLL, SPIN, X, Y, Z
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.linalg import Body, Vec, dot, mixed
 
 PITCH = SPIN
+
+INERTIA = record("mass xx yy zz")
+"""Mass [kg] and principal inertia [kg m2] of a body."""
 
 
 @inlined
@@ -29,6 +33,33 @@ def pitched(body, pitch):
     forward = mixed(c, body.forward, -s, body.up)
     up = mixed(s, body.forward, c, body.up)
     return Body(body.position, body.velocity, forward, body.left, up, body.omega)
+
+
+@inlined
+def turning(roll, pitch, rates):
+    """Angular velocity in body axes [rad/s] at a roll and a pitch [rad] with the rates (6,) of the coordinates."""
+    sr, cr = sin(roll), cos(roll)
+    sp, cp = sin(pitch), cos(pitch)
+    h, r, p = rates[HEADING], rates[ROLL], rates[PITCH]
+    return Vec(r * cp - h * cr * sp, h * sr + p, r * sp + h * cr * cp)
+
+
+@kernel
+def kinetic_energies(q, q_t, inertia, wheelsets, out):
+    """Kinetic energy (samples,) [J] of all bodies at states (samples, 6 n or more).
+
+    inertia: (n,) records INERTIA; wheelsets: bodies before this number have axes that do not spin with them.
+    """
+    for i in range(q.shape[0]):
+        twice = 0.0
+        for k in range(inertia.shape[0]):
+            own = q[i, 6 * k : 6 * k + 6]
+            rates = q_t[i, 6 * k : 6 * k + 6]
+            about = inertia[k]
+            w = turning(own[ROLL], own[PITCH] if k >= wheelsets else 0.0, rates)
+            twice += about.mass * (rates[X] * rates[X] + rates[Y] * rates[Y] + rates[Z] * rates[Z])
+            twice += about.xx * w.x * w.x + about.yy * w.y * w.y + about.zz * w.z * w.z
+        out[i] = 0.5 * twice
 
 
 @kernel
@@ -52,7 +83,7 @@ def velocity_forces(q, q_t, ixx, iyy, izz, out):
     sr, cr = sin(q[ROLL]), cos(q[ROLL])
     sp, cp = sin(q[PITCH]), cos(q[PITCH])
     h, r, p = q_t[HEADING], q_t[ROLL], q_t[PITCH]
-    w = Vec(r * cp - h * cr * sp, h * sr + p, r * sp + h * cr * cp)
+    w = turning(q[ROLL], q[PITCH], q_t)
     # G_t theta_t
     b = Vec(
         h * (sr * sp * r - cr * cp * p) - r * sp * p,

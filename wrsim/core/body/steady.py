@@ -5,15 +5,11 @@ then moves at v = V t + w x (r - r_0), turns at w (a wheelset in addition about 
 and the moment w x L. On straight track nothing accelerates. How fast w itself changes in a transition is left out.
 """
 
-from wrsim.core.arena import record
 from wrsim.core.body.kinematics import SPIN, X, Y, Z, add_generalised_forces, kinematics
 from wrsim.core.body.rigid_body import PITCH, pitched, rates_of
 from wrsim.core.compiling import kernel
 from wrsim.core.linalg import Vec, add, combined, components, cross, scale, sub
 from wrsim.core.track.path import frame, frame_rates, locate
-
-INERTIA = record("mass xx yy zz")
-"""Mass [kg] and principal inertia [kg m2] of a body."""
 
 
 @kernel
