@@ -22,6 +22,7 @@ from wrsim.core.stages import make_ready
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.force_law import Array, Block
+from wrsim.simulation.layout import RAIL_COORDINATES, Layout
 from wrsim.simulation.suspension_table import SuspensionTable, suspension_table
 from wrsim.simulation.threads import use_threads
 from wrsim.vehicle.bogies import holders_of
@@ -46,9 +47,6 @@ OVER: tuple[Over, ...] = ("time", "distance")
 UNBOUNDED = 1e15
 """Added to the bound of a slider's force [N], one that no force reaches."""
 
-RAIL_COORDINATES = vehicle_forces.RAIL_COORDINATES
-"""Displacements of the rails under one wheelset."""
-
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
@@ -64,11 +62,8 @@ class VehicleOnTrack:
     """Generalised forces on a vehicle at any state; a ``ForceLaw``.
 
     ``units``: how many vehicles; ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand
-    behind their coordinates. The last ``positions`` of them are positions: the pitch of the axle boxes, then the twist
-    of axles whose wheels turn against each other (``twists``, their places by wheelset), then ``rails`` displacements
-    of the rails under the wheels (``core.body.vehicle_forces``). ``sliders``: places of the unknowns that belong to
-    friction. ``gears``: by wheelset the place of the twist of its geared motor's hollow axle; its rate stands behind
-    it.
+    behind their coordinates; where they stand, and ``size``, ``positions``, ``rails``, ``sliders``, ``gears`` and
+    ``twists``: see ``Layout``.
     After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
     and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
     places of x), ``axles`` what drive and brakes do to each wheelset (records AXLE of ``core.body.loads``),
@@ -104,16 +99,11 @@ class VehicleOnTrack:
         table = suspension_table(vehicle)
         self.units = len(vehicle.units)
         self.elastic = track.elasticity if contacts else None
-        self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if self.elastic else 0
-        twisting = [i for i, mounted in enumerate(vehicle.wheelsets) if mounted.wheelset.torsion is not None]
-        self.positions = len(vehicle.boxes) + len(twisting) + self.rails
-        self.dampers = table.states + 2 * len(vehicle.drives) + self.positions
-        self.size = 6 * len(self.bodies) + self.dampers
-        self.sliders = 6 * len(self.bodies) + np.array(table.slips, dtype=np.intp)
-        first = self.size - self.positions - 2 * len(vehicle.drives)
-        self.gears = {vehicle.index(d.wheelset): first + 2 * j for j, d in enumerate(vehicle.drives)}
-        first = self.size - self.rails - len(twisting)
-        self.twists = {wheelset: first + j for j, wheelset in enumerate(twisting)}
+        self.layout = layout = Layout.of(vehicle, len(self.bodies), table, self.elastic is not None)
+        self.size, self.dampers, self.positions, self.rails = (
+            layout.size, layout.dampers, layout.positions, layout.rails,
+        )  # fmt: skip
+        self.sliders, self.gears, self.twists = layout.sliders, layout.gears, layout.twists
         use_threads(threads)
         self._turns = wheel_kernel.IN_TURN if threads == 1 else wheel_kernel.SIDE_BY_SIDE
         make_ready(wheel_kernel.ONE_WHEEL, wheel_kernel.one_wheel)
@@ -208,33 +198,8 @@ class VehicleOnTrack:
         return found
 
     def coordinates_of_units(self, alone: bool = False) -> list[NDArray[np.intp]]:
-        """Places in the state of what belongs to every vehicle of a train, what lies between two to that ahead, rails
-        under the wheels left out; alone: in the order of a law of that vehicle alone, with these rails, without the
-        unknowns of couplings."""
-        unit_of = np.zeros(len(self.bodies) + vehicle_forces.FRAMES + len(self.vehicle.boxes), dtype=int)
-        for k, unit in enumerate(self.vehicle.units):
-            unit_of[list(unit.parts)] = k
-        first, boxes = self.size - self.positions, self.arena.views[vehicle_forces.AXLE_BOXES]
-        for j, box in enumerate(boxes):
-            unit_of[len(self.bodies) + vehicle_forces.FRAMES + j] = unit_of[box.wheelset]
-        owner = np.full(self.size, -1)
-        owner[: 6 * len(self.bodies)] = np.repeat(unit_of[: len(self.bodies)], 6)
-        for row in self.elements:
-            if alone and unit_of[row.first] != unit_of[row.second]:
-                continue
-            places = [row.state] if row.state >= 0 else []
-            if row.slider != friction.NO_SLIDER:
-                count = 3 if row.slider == friction.BERG else 2 if row.kind == suspension.PLANE else 1
-                places += range(row.slip, row.slip + count)
-            owner[6 * len(self.bodies) + np.array(places, dtype=int)] = unit_of[row.first]
-        owner[first : first + len(boxes)] = unit_of[boxes["wheelset"]]
-        for wheelset, place in self.twists.items():
-            owner[place] = unit_of[wheelset]
-        for wheelset, place in self.gears.items():
-            owner[place : place + 2] = unit_of[wheelset]
-        if alone and self.rails:
-            owner[self.size - self.rails :] = np.repeat(unit_of[: len(self.vehicle.wheelsets)], RAIL_COORDINATES)
-        return [np.flatnonzero(owner == k) for k in range(len(self.vehicle.units))]
+        """Places in the state of what belongs to every vehicle of a train: see ``Layout.of_units``."""
+        return self.layout.of_units(self.elements, alone)
 
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
