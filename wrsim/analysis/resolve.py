@@ -79,10 +79,10 @@ def resolve(
     chosen = list(range(len(poses))) if moments is None else list(moments)
     samples = _samples(dataset, chosen)
     loads = dataset["Q"].values[samples]
-    along = np.zeros((len(chosen), len(wheels)))  # places on the rails: what profile, friction and twist there is
-    place = next((name for name in ("wheelset_distance", "distance") if name in dataset), "")  # of one alone its own
-    if place:
-        where = dataset[place].values[samples]
+    # the places on the rails, which say what profile and friction there is and how the rail turns
+    along = np.zeros((len(chosen), len(wheels)))
+    if "distance" in dataset:
+        where = dataset["distance"].values[samples]
         along = np.stack([setup.track.rail_distance("left" if w.side > 0 else "right", where) for w in wheels], axis=-1)
     raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.patch_count)
     remarks = [""] * len(chosen)
@@ -94,7 +94,8 @@ def resolve(
             if np.isfinite(poses[moment, j]).all():
                 rail = setup.track.left if wheel.side > 0 else setup.track.right
                 wheel.model.arrays.settings.place = along[row, j]
-                wheel.model.arrays.settings.twist = wheel.side * rail.twist(along[row, j])
+                twist, left, up = rail.turning(along[row, j])
+                wheel.model.turn_rail(wheel.side * twist, wheel.side * left, up)
                 wheel.model.arrays.pose[:] = poses[moment, j]
                 fields, words = _settle(wheel, float(loads[row, j]) if keep == "load" else 0.0)
                 raw.store(row, j, wheel.model)

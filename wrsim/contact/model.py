@@ -117,7 +117,7 @@ class ContactModel:
         velocity: ArrayLike = (0.0, 0.0, 0.0),
         omega: ArrayLike = (0.0, 0.0, 0.0),
         place: float = 0.0,
-        twist: float = 0.0,
+        turning: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> Contact:
         """Contact for one pose.
 
@@ -135,17 +135,23 @@ class ContactModel:
             Angular velocity of the wheel [rad/s].
         place : float
             Distance along a rail that changes along the track [m].
-        twist : float
-            How the rail's section turns along the track, positive where its outer side rises [rad/m].
+        turning : tuple
+            How the rail's section turns along the track, positive where its outer side rises [rad/m], and how the rail
+            bends outward and up [1/m].
 
         Returns
         -------
         Contact
         """
         self.arrays.settings.place = place
-        self.arrays.settings.twist = twist
+        self.turn_rail(*turning)
         self.arrays.pose[:] = np.concatenate([np.asarray(x, dtype=float) for x in (origin, axle, velocity, omega)])
         return Contact.copy_from(self.arrays, self.solve())
+
+    def turn_rail(self, twist: float, outward: float, up: float) -> None:
+        """Say how the rail turns and bends where the wheel is; see `evaluate`."""
+        settings = self.arrays.settings
+        settings.twist, settings.bow_o, settings.bow_b = twist, outward, up
 
     @property
     def friction_here(self) -> Friction:

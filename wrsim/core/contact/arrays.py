@@ -111,7 +111,7 @@ def bodies(a):
         share = share_at(a.stations[0], settings.rows, place, settings.station)
         settings.station = share.at
     rail = Rail(
-        a.rail, a.rates, a.stations[0], settings.rail_step, settings.rows, share, place, settings.twist, pose.axle.x,
-        pose.origin.y, settings.radius,
+        a.rail, a.rates, a.stations[0], settings.rail_step, settings.rows, share, place, settings.twist, settings.bow_o,
+        settings.bow_b, pose.axle.x, pose.origin.y, settings.radius,
     )  # fmt: skip
     return wheel, rail, pose

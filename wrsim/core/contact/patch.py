@@ -67,7 +67,7 @@ def pair(wheel, rail, arc_wheel, arc_rail, out_o, out_b):
     r = rail_point(rail, arc_rail)
     no, nb = bisector(w, r)
     gap = (w.o + out_o - r.u) * no + (w.b + out_b - r.w) * nb
-    at = along(rail, arc_rail, r, w.to_axle)
+    at = along(rail, arc_rail, r, w.x, w.to_axle)
     return Pair(
         gap, w.x + at.ahead, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w) + at.drop, no, nb, w.shrink,
         parting(w.r_t, at), at.slope,
@@ -176,5 +176,5 @@ def lay_strips(wheel, rail, lobe, projected, n, strips):
             strip.slope = at.slope
             strip.r_t = at.r_t
             i += direction
-    at_main = along(rail, lobe.arc_rail, rail_point(rail, lobe.arc_rail), main_point.to_axle)
+    at_main = along(rail, lobe.arc_rail, rail_point(rail, lobe.arc_rail), main_point.x, main_point.to_axle)
     return sqrt(2.0 * (delta - lobe.recess) * parting(main_point.r_t, at_main))

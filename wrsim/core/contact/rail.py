@@ -1,7 +1,8 @@
 """A rail at a wheel: its profile, or what the wheel feels of sections that change along the track.
 
 A rail that turns about itself, as it does on a ramp of cant, rises along the track wherever it is touched beside its
-origin: by micrometres a metre, but the wheel is lifted by it, and without that slope nobody would do this work.
+origin, and one that bends wherever a yawed wheel touches it ahead of its axle or behind. These are slopes of .1 to 2
+mrad, but without them nobody would do the work of lifting or pushing the wheel.
 
 Between stations the tables are cubics of the distance (values and rates at both), row by row; between rows a point is
 read as in ``core.contact.profile``. A yawed wheel feels every point at the place where its own outline has it, by
@@ -105,27 +106,28 @@ def rail_point(rail, arc):
 
 
 @inlined
-def along(rail, arc, point, to_axle):
-    """What the rail does along the track at arclength ``arc``, where its section has ``point``; nothing where it is one
-    profile that does not turn.
+def along(rail, arc, point, x, to_axle):
+    """What the rail does along the track at arclength ``arc``, where its section has ``point`` and a wheel touches at x
+    [m]; nothing where it is one profile that neither turns nor bends.
 
-    A section that turns by ``twist`` a metre about (0, 0) rises along its normal by twist (u tu + w tw). It is touched
-    so far ahead that this normal meets the axle, at the distance ``to_axle``: a wheel without friction is not driven.
+    A section that turns by ``twist`` a metre about (0, 0) rises along its normal by twist (u tu + w tw), one that bends
+    by bow_b tu - bow_o tw times the way from the wheel's section. It is touched so far ahead of x that the true normal
+    meets the axle, at the distance ``to_axle``: a wheel without friction is not driven.
     """
-    slope = 0.0
-    if rail.twist != 0.0:
-        slope = rail.twist * (point.u * point.tu + point.w * point.tw)
-    ahead = to_axle * slope
-    bend = 0.0
+    ahead = slope = bend = 0.0
     if changes(rail):
-        x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
-        i = min(int(x), rail.rows - 2)
-        r = x - i
+        y = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
+        i = min(int(y), rail.rows - 2)
+        r = y - i
         share = _share(rail, i)
-        ahead += (1.0 - r) * _value(rail, share, i, 5) + r * _value(rail, share, i + 1, 5)
-        slope += (1.0 - r) * _value(rail, share, i, 6) + r * _value(rail, share, i + 1, 6)
+        ahead = (1.0 - r) * _value(rail, share, i, 5) + r * _value(rail, share, i + 1, 5)
+        slope = (1.0 - r) * _value(rail, share, i, 6) + r * _value(rail, share, i + 1, 6)
         bend = (1.0 - r) * _value(rail, share, i, 7) + r * _value(rail, share, i + 1, 7)
-    return Along(ahead, rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead), slope, bend)
+    bow = rail.bow_b * point.tu - rail.bow_o * point.tw
+    rise = rail.twist * (point.u * point.tu + point.w * point.tw) + bow * (x + ahead)
+    rise /= max(1.0 - bow * to_axle, LEAST_PARTING)  # the way that it is ahead for this rise counts, too
+    ahead += to_axle * rise
+    return Along(ahead, rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead), slope + rise, bend)
 
 
 @inlined

@@ -18,8 +18,8 @@ SETTINGS = record(
     " wheel_step radius rail_step field_o field_b field_spacing hollow"
     # distances of two places of contact that press each other down fully, and not at all (strip model)
     " together apart"
-    # distance along the rail, how it turns there; how far the field of a rail of sections may be off
-    " place twist slack",
+    # distance along the rail, how it turns and bends there; how far the field of a rail of sections may be off
+    " place twist bow_o bow_b slack",
     # nodes between two samples of the search
     "tangential parabolic blended stride"
     # normal model and the strips that it gets
@@ -114,8 +114,8 @@ class Rail(NamedTuple):
 
     table: (stations * rows, 5 or 8); rates: of the same shape, (0, 0) for one profile; stations: their places (n,);
     step: arclength between rows [m]; rows: of one section; share: between which stations the wheel stands; place:
-    distance along the rail; twist: how the section turns along it, positive where its outer side rises [rad/m]; yaw:
-    axle's component along the rail; o, radius: of the wheel.
+    distance along the rail; twist: how the section turns along it, positive where its outer side rises [rad/m]; bow_o,
+    bow_b: curvature of the rail outward and up [1/m]; yaw: axle's component along the rail; o, radius: of the wheel.
     """
 
     table: Any
@@ -126,6 +126,8 @@ class Rail(NamedTuple):
     share: Share
     place: float
     twist: float
+    bow_o: float
+    bow_b: float
     yaw: float
     o: float
     radius: float

@@ -14,6 +14,7 @@ from wrsim.core.contact.rail import along, rail_point
 from wrsim.core.contact.records import CREEP_FORCES, NO_CREEP_FORCES, STATUS_TOO_DEEP, Field, read_pose
 from wrsim.core.contact.resultants import add_lobe
 from wrsim.core.contact.search.lobes import couple, select_deepest
+from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.contact.search.points import find_contacts
 
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
@@ -35,7 +36,7 @@ def wheel_rail(buffer, index):
     count = select_deepest(a.found, count, lobes.shape[0])
     couple(a.found, count, settings.eps, lobes)
     for i in range(count):
-        status |= _start_lobe(rail, a.found[i], lobes[i])
+        status |= _start_lobe(wheel, rail, a.found[i], lobes[i])
     _group(a.found, settings.eps, lobes, count)
     a.total[0].lobes = count
     status |= stages.run(settings.normal, buffer, index)
@@ -96,15 +97,15 @@ def _sum_up(a, pose, buffer, index):
 
 
 @kernel
-def _start_lobe(rail, own, lobe):
+def _start_lobe(wheel, rail, own, lobe):
     """Main point of a lobe that the search has found, so far without pressure. Returns status bits."""
-    at = rail_point(rail, own.arc_rail)
+    on_wheel, at = locus_point(wheel, own.arc_wheel), rail_point(rail, own.arc_rail)
     lobe.approach = own.depth
     lobe.arc_wheel = own.arc_wheel
     lobe.arc_rail = own.arc_rail
     lobe.no = -at.tw
     lobe.nb = at.tu
-    lobe.slope = along(rail, own.arc_rail, at, rail.radius).slope
+    lobe.slope = along(rail, own.arc_rail, at, on_wheel.x, on_wheel.to_axle).slope
     lobe.n_strips = 0
     lobe.N = lobe.p0 = lobe.area = lobe.length = lobe.width = lobe.recess = 0.0
     return STATUS_TOO_DEEP if own.depth > DEEPEST else 0

@@ -206,13 +206,6 @@ def frame_rates(curve, s):
 
 
 @kernel
-def twist(curve, s):
-    """How the frame turns about its tangent per metre beside heading and grade, droll/ds [rad/m]; zero outside."""
-    i, xi, beyond = _cell(curve, s)
-    return _roll_slope(curve, i, xi) if beyond == 0.0 else 0.0 * beyond
-
-
-@kernel
 def frame_many(curve, s, out):
     """`frame` for an array s of shape (m,); origin, t, n, b go to ``out`` of shape (m, 12)."""
     for j in range(s.shape[0]):

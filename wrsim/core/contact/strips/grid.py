@@ -51,7 +51,7 @@ def opposite(wheel, rail, arc_wheel, arc_rail):
     wo = w.o + ahead * w.nb
     wb = w.b - ahead * w.no
     d = -((wo - r.u) * no + (wb - r.w) * nb)
-    at = along(rail, arc_rail, r, w.to_axle)
+    at = along(rail, arc_rail, r, w.x, w.to_axle)
     return Opposite(
         d * tilted(at), w.x + at.ahead, 0.5 * (wo + r.u), 0.5 * (wb + r.w) + at.drop, no, nb, w.shrink,
         parting(w.r_t, at), ahead, at.slope,
