@@ -15,6 +15,8 @@ from wrsim.results import Result
 from wrsim.scenario.loading import load_text
 
 SHORT = CURVE.replace("[run]\n", "[run]\nstart_distance_m = 80\ntime_s = 0.05\n")
+WET = SHORT + "[[contact.friction_sections]]\nfrom_m = 60\nfriction = 0.1\n"
+RAMP = SHORT.replace("start_distance_m = 80", "start_distance_m = 50")
 POSES = STATIC.replace("lateral_mm = 0\n", "lateral_mm = [0, 5.06]\nyaw_mrad = 5\n")
 MOMENTS = ("strip_p", "strip_N", "strip_Fx", "strip_xi", "wheel_origin", "wheel_profile_y")
 
@@ -31,7 +33,7 @@ def samples(result):
     return np.searchsorted(d["time"].values, d["snapshot_time"].values - 1e-9)
 
 
-@pytest.mark.parametrize("text", [SHORT, POSES])
+@pytest.mark.parametrize("text", [SHORT, WET, RAMP, POSES], ids=["curve", "wet", "ramp", "poses"])
 def test_the_same_model_finds_the_same_contacts(text):
     before = ran(text)
     after = resolve(before, load_text(text), "file", keep="pose")

@@ -83,6 +83,9 @@ def resolve(
     along = np.zeros((len(chosen), len(wheels)))
     if "distance" in dataset:
         where = dataset["distance"].values[samples]
+    along = np.zeros((len(chosen), len(wheels)))
+    if "distance" in dataset:
+        where = dataset["distance"].values[samples]
         along = np.stack([setup.track.rail_distance("left" if w.side > 0 else "right", where) for w in wheels], axis=-1)
     raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.patch_count)
     remarks = [""] * len(chosen)
@@ -93,8 +96,10 @@ def resolve(
             fields: list[ElementField] = []
             if np.isfinite(poses[moment, j]).all():
                 rail = setup.track.left if wheel.side > 0 else setup.track.right
-                wheel.model.arrays.settings.place = along[row, j]
-                twist, left, up = rail.turning(along[row, j])
+                ahead = wheel.half_spacing * poses[moment, j, 3]  # of a yawed axle's end
+                place = float(along[row, j] + ahead)
+                wheel.model.arrays.settings.place = place
+                twist, left, up = rail.turning(place)
                 wheel.model.turn_rail(wheel.side * twist, wheel.side * left, up)
                 wheel.model.arrays.pose[:] = poses[moment, j]
                 fields, words = _settle(wheel, float(loads[row, j]) if keep == "load" else 0.0)
