@@ -83,9 +83,6 @@ def resolve(
     along = np.zeros((len(chosen), len(wheels)))
     if "distance" in dataset:
         where = dataset["distance"].values[samples]
-    along = np.zeros((len(chosen), len(wheels)))
-    if "distance" in dataset:
-        where = dataset["distance"].values[samples]
         along = np.stack([setup.track.rail_distance("left" if w.side > 0 else "right", where) for w in wheels], axis=-1)
     raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.patch_count)
     remarks = [""] * len(chosen)
