@@ -52,6 +52,27 @@ def test_sections_are_drawn_as_they_are_at_each_moment(lowered: Result) -> None:
     assert heights[-1] - heights[0] == pytest.approx(-2e-3, abs=1e-5)
 
 
+def test_a_check_rail_takes_a_wheelset_by_the_back_of_its_flange() -> None:
+    """Its face is 6:1, its rail inclined 1:40. Before it all is as on the plain rail."""
+    short = {"run.start_distance_m": 9.3, "run.distance_m": 1.5, "output.patches_at_m": []}
+    scenario = load(SCENARIOS / "check_rail.toml").with_values(short)
+    own = run(scenario).wheelset()
+    plain = run(scenario.with_values({"track.rail_sections": [], "run.distance_m": 0.2})).wheelset()
+    before = plain["lateral_shift"].values[0]
+    assert before < -6e-3 and own["lateral_shift"].values[0] == pytest.approx(before, abs=1e-8)
+    assert own["Q"].values[0] == pytest.approx(plain["Q"].values[0], rel=1e-5)
+    last = own.isel(time=-1)
+    assert -4.4e-3 < last["lateral_shift"].item() < -4.0e-3
+    patches = last.sel(wheel="left")
+    back = int(np.nanargmin(patches["contact_angle"].values))
+    steep = np.arctan(6.0) - np.arctan(1.0 / 40.0)
+    assert patches["contact_angle"].values[back] == pytest.approx(-steep, abs=2e-3)
+    assert patches["N"].values[back] > 2e4
+    # the flange of the other wheel is free: its contact lies on the tread
+    assert abs(np.nanmax(last.sel(wheel="right")["contact_angle"].values)) < 0.35
+    assert last["Y"].sel(wheel="left").item() < 0.0
+
+
 def test_the_viewer_draws_the_rail_of_every_moment(lowered: Result) -> None:
     """Whole units of 5 um; differences along the moments are kept."""
     own = view_data(lowered, None)["sections"]["of"][1]["rail"]

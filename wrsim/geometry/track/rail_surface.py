@@ -81,7 +81,8 @@ class RailSurface:
                 )
         count = self._lengths.shape[1]
         starts = [0, *(k for k in range(1, count) if self._is_gap(k)), count]
-        object.__setattr__(self, "pieces", tuple(self._piece(first, last) for first, last in pairwise(starts)))
+        parts = [part for part in pairwise(starts) if not self._is_floor(*part)]
+        object.__setattr__(self, "pieces", tuple(self._piece(*part) for part in parts))
 
     @property
     def start(self) -> float:
@@ -125,6 +126,14 @@ class RailSurface:
         ]
         return bool(depths) and min(depths) > DEEP
 
+    def _is_floor(self, first: int, last: int) -> bool:
+        """Whether regions ``first`` to ``last`` - 1 lie deep everywhere, as a floor between two features does."""
+        for own in self.sections:
+            arc = np.linspace(own.edges[first], own.edges[last], 100)
+            if own.profile.at(arc)[1].max() > own.profile.w.max() - DEEP:
+                return False
+        return True
+
     def _piece(self, first: int, last: int) -> Piece:
         """The piece of regions ``first`` to ``last`` - 1."""
         lengths = self._lengths[:, first:last]
@@ -139,11 +148,8 @@ class RailSurface:
         s = np.array([self.sections[i].distance for i in there])
         open_ends = (bool(there[0] > 0), bool(there[-1] < len(self.sections) - 1))
         spline = _joined(s, rows, open_ends)
-        # an inner feature, the nearest to the middle; without one the middle itself
-        inner = np.cumsum(counts)[:-1]
-        middle = int(counts.sum()) // 2
-        anchor = int(inner[np.argmin(abs(inner - middle))]) if inner.size else middle
-        return Piece(spline, open_ends, anchor)
+        tops = np.array([self.sections[i].profile.w.max() for i in there])
+        return Piece(spline, open_ends, _anchor(counts, (rows[:, :, 1] - tops[:, None]).min(axis=0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +160,15 @@ class Piece:
     spline: PPoly
     open_ends: tuple[bool, bool]
     anchor: int
+
+
+def _anchor(counts: NDArray[np.int64], heights: Array) -> int:
+    """The row that stands still along s: the inner feature nearest to the middle, or the middle itself, if wheels come
+    there; else the highest row. heights: least one of every row below the highest point of its section [m]."""
+    middle = int(counts.sum()) // 2
+    inner = np.cumsum(counts)[:-1]
+    wanted = sorted(inner.tolist(), key=lambda row: abs(row - middle)) or [middle]
+    return next((row for row in wanted if heights[row] > -DEEP), int(np.argmax(heights)))
 
 
 def _rows(section: RailSection, first: int, counts: NDArray[np.int64]) -> Array:
