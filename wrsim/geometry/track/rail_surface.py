@@ -127,7 +127,9 @@ class RailSurface:
         return bool(depths) and min(depths) > DEEP
 
     def _is_floor(self, first: int, last: int) -> bool:
-        """Whether regions ``first`` to ``last`` - 1 lie deep everywhere, as a floor between two features does."""
+        """Whether regions ``first`` to ``last`` - 1 are there and lie deep everywhere, as a floor does."""
+        if self._lengths[:, first:last].sum(axis=1).min() <= SHORTEST:
+            return False
         for own in self.sections:
             arc = np.linspace(own.edges[first], own.edges[last], 100)
             if own.profile.at(arc)[1].max() > own.profile.w.max() - DEEP:
