@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 import wrsim.core
-from support.contacts import numbers, pair_model
+from support.contacts import bench, contact_of, numbers, pair_model
 from support.vehicles import ROOT, manchester, on_track
 from wrsim.contact.channels import WheelOnRail, wheel_outline
 from wrsim.contact.conical import ConicalWheels
@@ -103,6 +103,13 @@ def contact_cases() -> dict[str, list[float]]:
     for lateral, depth in ((6e-3, 1e-4), (6.15e-3, 2e-5)):
         found[f"lobes change {lateral:g}"] = lowered(model, lateral, 0.002, depth)
     found["strips, not at once"] = _unsettled(model)
+    # a tail beside a hump comes and goes
+    model = pair_model(PAIR, normal="strips", **SMALL | {"strips": 12})
+    model.arrays.follow(True)
+    stand = bench(model, rolling=False)
+    for height in (0.460652, 0.460651, 0.460692, 0.4608):
+        stand.evaluate(6.53e-3, height, 0.0176, 0.0)
+        found[f"a tail {height:g}"] = numbers(contact_of(stand))
     coarse = HalfSpaceSettings(resolution=6, tolerance=1e-9)
     level = replace(coarse, pairing="level", influence="angle-corrected")
     for name, settings, tangential, rail in (

@@ -3,6 +3,7 @@
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.equations import block_of, edge_wish, lay_strips, pressed
 from wrsim.core.contact.strips.records import FACTORS, ROWS, STEP, X
+from wrsim.core.contact.strips.tails import has_tail
 
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
 FEWEST = 3  # strips in contact below which a grid leaves
@@ -13,10 +14,15 @@ HUMP = 0.45  # closing, over its largest, up to which the contact of a new grid 
 
 @kernel
 def leave(system, n, g):
-    """Take a grid out of contact."""
+    """Take a grid out of contact, its tails with it."""
     base = g * block_of(n)
     system.grids[g].on = 0
     system.vectors[X, base : base + n] = 0.0
+    for side in range(2):
+        if has_tail(system.grids[: system.memo[0].grids], g, side):
+            tail = g - 1 + 2 * side
+            system.grids[tail].on = 0
+            system.vectors[X, tail * block_of(n) : tail * block_of(n) + n] = 0.0
 
 
 @kernel
@@ -41,6 +47,8 @@ def trim(system, n, g):
     memo, grid, places = system.memo[0], system.grids[g], system.places[g * n : (g + 1) * n]
     base = g * block_of(n)
     x = system.vectors[X]
+    if grid.tail != 0:
+        return False  # stays as it is
     first, last, count = in_contact(x[base : base + n])
     highest = 0.0
     for j in range(n):
@@ -91,7 +99,8 @@ def enter(system, n, held):
     for g in range(memo.grids):
         grid, base = system.grids[g], g * block
         if not grid.on:
-            changed = _grid_enters(system, n, g) or changed
+            if grid.tail == 0:
+                changed = _grid_enters(system, n, g) or changed
             continue
         for j in range(n):
             place = places[g * n + j]
@@ -100,16 +109,25 @@ def enter(system, n, held):
                 if 0 < j < n - 1:
                     x[base + j] = max(x[base + j], 0.5 * min(x[base + j - 1], x[base + j + 1]))
                 changed = True
-        if held:
+        if held or grid.tail != 0:
             continue
         changed = _reach_out(system, n, g) or changed
-        if grid.start_held and edge_wish(places, g * n, n, 0) < 0.0:
+        if grid.start_held and not _goes_on(system, n, g, 0) and edge_wish(places, g * n, n, 0) < 0.0:
             grid.start_held = 0
             changed = True
-        if grid.end_held and edge_wish(places, g * n, n, 1) < 0.0:
+        if grid.end_held and not _goes_on(system, n, g, 1) and edge_wish(places, g * n, n, 1) < 0.0:
             grid.end_held = 0
             changed = True
     return changed
+
+
+@kernel
+def _goes_on(system, n, g, side):
+    """Whether the contact goes on in a tail beyond this edge."""
+    if not has_tail(system.grids[: system.memo[0].grids], g, side):
+        return False
+    beside = g * block_of(n) - block_of(n) + n - 1 if side == 0 else (g + 1) * block_of(n)
+    return system.vectors[X, beside] > 0.0
 
 
 @inlined
@@ -209,13 +227,27 @@ def hertz_factor(ratio):
 
 
 @kernel
+def lay_tail(system, n, g, factor):
+    """A tail comes on, all of it, no strip in contact."""
+    grid, x = system.grids[g], system.vectors[X]
+    base = g * block_of(n)
+    grid.on = grid.start_held = grid.end_held = 1
+    x[base : base + n] = 0.0
+    x[base + n : base + n + FACTORS] = factor
+    x[base + n + FACTORS], x[base + n + FACTORS + 1] = grid.least, grid.most
+
+
+@kernel
 def begin(system, n, g, start, end, depth, bend):
-    """First guess of a grid: a hump of this depth between these edges. bend: 1/R_x [1/m]."""
+    """First guess of a grid: a hump of this depth between these edges, nothing on its tails. bend: 1/R_x [1/m]."""
     grid, x = system.grids[g], system.vectors[X]
     base = g * block_of(n)
     grid.on = 1
     grid.start_held = grid.end_held = 0
     factor = hertz_factor(depth / (bend * (0.5 * (end - start)) ** 2))
+    for side in range(2):
+        if has_tail(system.grids[: system.memo[0].grids], g, side):
+            lay_tail(system, n, g - 1 + 2 * side, factor)
     for j in range(n):
         z = 2.0 * (j + 0.5) / n - 1.0
         x[base + j] = depth / bend * (1.0 - z * z)

@@ -31,6 +31,7 @@ from wrsim.core.contact.strips.records import (
     X,
 )
 from wrsim.core.contact.strips.shifts import off_locus
+from wrsim.core.contact.strips.tails import bending
 
 EDGE_RATIO = 0.84  # of a^2 in the two outer strips, over what a parabola would give: Hertz's ellipses keep their width
 LEAST_DEPTH = 1e-8  # for the longest half length [m]
@@ -119,7 +120,10 @@ def set_amplitudes(system, n):
             vectors[TO, g * n + j] = place.hi
             vectors[INVERSE, g * n + j] = inverse
             vectors[PUSH, g * n + j] = place.q * place.y
-            vectors[CURVE, g * n + j] = place.q
+            place.bent, place.bent_y = 1.0, 0.0
+            if grid.tail != 0:
+                place.bent, place.bent_y = bending(grid, place)
+            vectors[CURVE, g * n + j] = place.q * place.bent
         if force > 0.0:
             for j in range(n):
                 places[g * n + j].weight /= force
@@ -205,6 +209,13 @@ def residuals(system, n, held):
         if held:
             out[own : own + block - n] = 0.0
             continue
+        if grid.tail != 0:
+            at_joint = x[joint(g, grid, n)]
+            for f in range(FACTORS):
+                out[own + f] = x[own + f] - at_joint
+                largest = max(largest, abs(out[own + f]))
+            out[own + FACTORS] = out[own + FACTORS + 1] = 0.0
+            continue
         even = evenness(memo, grid)
         for f in range(FACTORS):
             before, after = x[own + max(f - 1, 0)], x[own + min(f + 1, FACTORS - 1)]
@@ -250,6 +261,12 @@ def _calm_rows(grid, places, deepest, matrix):
             for p in range(4):
                 for q in range(4):
                     matrix[j + p, j + q] += weight * THIRD[p] * THIRD[q]
+
+
+@inlined
+def joint(g, grid, n):
+    """Unknown of the factor where a tail meets its hump."""
+    return (g + grid.tail) * block_of(n) + n + (FACTORS - 1 if grid.tail < 0 else 0)
 
 
 @inlined
@@ -331,17 +348,17 @@ def _press_row(system, n, g, i):
             place = places[j]
             if place.y <= 0.0:
                 continue
-            full = place.over > 1.0
+            full, bent = place.over > 1.0, place.bent
             # by a^2, or by the amplitude where a^2 is as large as can be
             q = part * place.q
             column = base + j - first
             m[row, column] = unit * q * (u[j] if full else u[j] - 0.5 * du[j]) / place.over
-            by_y = q * (c[j] if full else -0.5 * dc[j]) / (place.y * place.over)
+            by_y = bent * q * (c[j] if full else place.bent_y * c[j] - 0.5 * dc[j]) / (place.y * place.over)
             m[w, column] += s0 * by_y
             m[w + 1, column] += s1 * by_y
             fj, rj = factor_of(place)
             k = base + n + fj
-            by_u, by_c = part * unit * place.half * place.y * u[j], part * place.half * c[j]
+            by_u, by_c = part * unit * place.half * place.y * u[j], bent * part * place.half * c[j]
             m[row, k] += (1.0 - rj) * by_u
             m[row, k + 1] += rj * by_u
             m[w, k] += s0 * (1.0 - rj) * by_c
@@ -350,9 +367,9 @@ def _press_row(system, n, g, i):
             m[w + 1, k + 1] += s1 * rj * by_c
             # by the ends of the strip, over pi E*, and by its middle
             qa, qc = q * place.root, q / place.root
-            u0, u1, v0, v1 = qa * f0[j], qa * f1[j], qc * g0[j], qc * g1[j]
+            u0, u1, v0, v1 = qa * f0[j], qa * f1[j], bent * qc * g0[j], bent * qc * g1[j]
             mid_u = q * place.y * (u[j] * place.lean - 0.5 * place.growing * du[j])
-            mid_c = q * (c[j] * place.lean - place.growing * (c[j] + 0.5 * dc[j]))
+            mid_c = bent * q * (c[j] * place.lean - place.growing * (c[j] + 0.5 * dc[j]))
             start_u += u1 * place.hi_start - u0 * place.lo_start + mid_u * place.mid_start
             start_c += v1 * place.hi_start - v0 * place.lo_start + mid_c * place.mid_start
             end_u += u1 * place.hi_end - u0 * place.lo_end + mid_u * place.mid_end
@@ -362,7 +379,7 @@ def _press_row(system, n, g, i):
             if not shifted:
                 continue
             # by this strip's middle along x against the one here
-            x_u, x_c = qa * t[j], qc * cx[j]
+            x_u, x_c = qa * t[j], bent * qc * cx[j]
             moved = stretch * place.x_s
             start_u -= x_u * moved * place.mid_start
             end_u -= x_u * moved * place.mid_end
@@ -461,6 +478,13 @@ def jacobian(system, n, held):
             for i in range(own, own + block - n):
                 m[i, :size] = 0.0
                 m[i, i] = 1.0
+            continue
+        if grid.tail != 0:
+            for i in range(own, own + block - n):
+                m[i, :size] = 0.0
+                m[i, i] = 1.0
+                if i < own + FACTORS:
+                    m[i, joint(g, grid, n)] = -1.0
             continue
         even = evenness(memo, grid)
         for f in range(FACTORS):

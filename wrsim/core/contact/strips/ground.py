@@ -17,6 +17,7 @@ from wrsim.core.contact.strips.equations import set_fading
 from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows
 from wrsim.core.contact.strips.records import ROWS
 from wrsim.core.contact.strips.shifts import rise, set_shifts
+from wrsim.core.contact.strips.tails import cut_tails
 
 GATHERED = 0.5  # saddle over the depth of the shallower lobe from which on their ground is looked at as one
 MERGED = 0.9  # least d over the concave hull where equal humps share a grid
@@ -37,7 +38,7 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
     gathered = GATHERED if parted else MERGED
     memo = system.memo[0]
     status = 0
-    memo.grids = memo.parted = 0
+    memo.grids = memo.parted = memo.tails = 0
     memo.deepest = 1e-12
     i = 0
     while i < count:
@@ -61,8 +62,9 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
                 grid.most = own.arc_rail + way
         grid.arc, grid.place = found[i].arc_wheel, found[i].arc_rail
         lay_rows(wheel, rail, grid, system.rows[first])
-        most = min(last - i + 2, system.grids.size - first - (count - 1 - last)) if parted else 1
-        memo.grids += _part(system, first, most)
+        room = system.grids.size - first - (count - 1 - last)
+        grid.tail = 0
+        memo.grids += _part(system, wheel, rail, first, min(last - i + 2, room) if parted else 1, room)
         memo.parted = max(memo.parted, int(memo.grids > first + 1))
         for g in range(first, memo.grids):
             grid, rows = system.grids[g], system.rows[g]
@@ -81,7 +83,8 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
     for g in range(memo.grids):
         grid = system.grids[g]
         grid.link = 0.0
-        if g < memo.grids - 1:
+        memo.tails = 3 * memo.tails + grid.tail + 1
+        if g < memo.grids - 1 and grid.tail == 0 and system.grids[g + 1].tail == 0:
             one, other = grid.deepest, system.grids[g + 1].deepest
             grid.link = LINK * rise(grid.bond, LINKED) * rise(min(one, other) / max(one, other), ALIKE)
     set_fading(system)
@@ -102,9 +105,10 @@ def _set_main_place(grid, rows):
 
 
 @kernel
-def _part(system, first, most):
-    """Part the ground of a grid where it lies low between two humps; bounds, a pair of opposite points and bonds to
-    ``grids`` from it on. Returns the number of parts, ``most`` or fewer."""
+def _part(system, wheel, rail, first, most, room):
+    """Part the ground of a grid where it lies low between two humps, into ``most`` parts or fewer, and where tails
+    begin; bounds, a pair of opposite points and bonds to ``grids`` from it on. Returns the number of parts, ``room`` or
+    fewer."""
     grids, rows = system.grids, system.rows[first]
     whole = grids[first]
     least, h, deepest = whole.least, whole.spacing, whole.deepest
@@ -120,10 +124,13 @@ def _part(system, first, most):
         for later in range(first + parts, k + 1, -1):
             before = grids[later - 1]
             grids[later].least, grids[later].most, grids[later].bond = before.least, before.most, before.bond
-        grids[k + 1].most, grids[k + 1].bond = grids[k].most, grids[k].bond
+            grids[later].tail = 0
+        grids[k + 1].most, grids[k + 1].bond, grids[k + 1].tail = grids[k].most, grids[k].bond, 0
         grids[k + 1].least = grids[k].most = least + h * at
         grids[k].bond = bond
         parts += 1
+    if most > 1 and not changes(rail):
+        parts = cut_tails(system, wheel, rail, first, parts, room)
     if parts > 1:
         for k in range(first, first + parts):
             middle = min(max(int((0.5 * (grids[k].least + grids[k].most) - least) / h + 0.5), 0), ROWS - 1)

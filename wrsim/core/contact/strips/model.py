@@ -54,7 +54,7 @@ def press_strips(a, wheel, rail, pose, count):
     memo.stiffness = pi * settings.E
     status = set_grids(system, a.found, wheel, rail, pose, count, True)
     known = memo.known > 0
-    if known and (memo.strips != n or not _same_grids(system, n, memo.known)):
+    if known and (memo.strips != n or memo.tails != memo.known_tails or not _same_grids(system, n, memo.known)):
         memo.inverted = 0
         known = carry_over(system, memo.strips, n)
     result = solve(system, n, known, memo.parted == 0)
@@ -62,6 +62,7 @@ def press_strips(a, wheel, rail, pose, count):
         set_grids(system, a.found, wheel, rail, pose, count, False)
         result = max(solve(system, n, False, True), RETRIED)
     memo.known = memo.grids if result != UNSOLVED else 0
+    memo.known_tails = memo.tails
     if result == UNSOLVED:
         substitute(system, n)
     if result >= ROUGH:

@@ -227,7 +227,8 @@ def _longest_step(system, n):
         if not grid.on:
             continue
         highest = 0.0
-        for j in range(base, base + n):
+        hump = (g + grid.tail) * block
+        for j in range(hump, hump + n):
             highest = max(highest, x[j])
         for j in range(base, base + n):
             if x[j] > 0.0:
@@ -271,6 +272,10 @@ def _advance(system, n, held, share, calm):
                 new = 0.0 if leaves else KEPT * y
             x[base + j] = new
         if held:
+            continue
+        if grid.tail != 0:
+            for f in range(base + n, base + n + FACTORS):
+                x[f] += share * step[f]
             continue
         for f in range(base + n, base + n + FACTORS):
             k = x[f] + share * step[f]

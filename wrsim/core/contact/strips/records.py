@@ -21,35 +21,38 @@ over, density of strips and its integral; closing of the gap, penetration less d
 PLACE = record(
     "lo hi s lo_start lo_end hi_start hi_end d d_s bend bend_s x x_s at y over q weight gap miss off"
     # for the derivatives
-    " root half lean growing mid_start mid_end"
+    " root half lean growing mid_start mid_end bent bent_y"
 )
 """A strip: from lo to hi, middle s; slopes of lo and hi over both edges; penetration d and its slope; 1/R_x and its
 slope; shift x and its slope; place among the factors; a^2 (0 out of contact) and what its amplitude is more than k asks
 for, amplitude, weight of its curvature; u - d and the misfit of the curvature; how far its middle lies off the locus
 along x. a; amplitude over k; slope of the logarithm of 1/R_x, and of d R_x where a is as long as it can be; slopes of s
-over both edges."""
+over both edges; how much of what it does to the curvature counts, and the slope of its logarithm over that of a^2
+(`tails`)."""
 
 GRID = record(
-    "start end least most deepest spacing x reach arc place along stretch pivot evenness calm bond link chain",
-    "on start_held end_held first last",
+    "start end least most deepest spacing x reach arc place along stretch pivot evenness calm bond link chain "
+    "line_s line_x line_slope line_reach",
+    "on start_held end_held first last tail",
 )
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length along x;
 arclengths on wheel and rail of a pair of opposite points; mean of its shifts, how the middles of its strips lie off the
 locus (`shifts.off_locus`), how much more evenly its factors run and how firmly its half lengths are held together;
 least penetration over its concave hull between it and the next grid (`ground`), how firmly its last factor is held to
-the first of that one, how far the overlaps of both are one. Whether it is in contact, whether its edges are held at
-their bounds, its first and last lobe."""
+the first of that one, how far the overlaps of both are one; of a tail (`tails`) a place, its shift and the slope of the
+line that the locus has under its hump, and how far off that line it begins. Whether it is in contact, whether its edges
+are held at their bounds, its first and last lobe; of a tail the number of its hump's grid less its own, else 0."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",
-    "known strips grids parted shifted inverted iterations factorisations result substitutes",
+    "known strips grids parted tails known_tails shifted inverted iterations factorisations result substitutes",
 )
 """Of the whole system: about the worst of what the last steps left of the misfit, pi E*, E*, deepest penetration;
 distances of grids up to which they press each other down fully and from which on not at all [m]; number of grids in the
-last call (0: nothing is known), strips of a grid in it, grids now; whether any of them
-is a part of a lobe or of lobes that hang together; whether shifts along x count; whether ``matrix`` is
-an inverse of use; residuals taken and Jacobians made in this call, and how it ended (`solution`); calls so far without
-a whole solution."""
+last call (0: nothing is known), strips of a grid in it, grids now; whether any of them is a part of a lobe or of lobes
+that hang together; which are tails, now and in the last call, as a number; whether shifts along x count; whether
+``matrix`` is an inverse of use; residuals taken and Jacobians made in this call, and how it ended (`solution`); calls
+so far without a whole solution."""
 
 X, F, STEP, SAVED, NEXT, PIVOT, SCALE, FADING, FROM, TO, INVERSE, PUSH, CURVE, MIDDLE, TERMS = range(15)
 """Rows of ``vectors``: unknowns, misfits, step, unknowns before a step, a step besides, rows exchanged in the factors,

@@ -195,6 +195,9 @@ def off_locus(grid, x):
     return grid.stretch * x - grid.pivot
 
 
+NO_SLANT = Slant(0.0, 1.0, 0.0)  # of a tail: its strips lie on the locus
+
+
 @kernel
 def set_shifts(system):
     """How far the middles of all grids' strips lie off the locus, how evenly their factors run, whether it matters.
@@ -207,7 +210,7 @@ def set_shifts(system):
         grid = grids[g]
         hump = hump_of(grid, system.rows[g], grid.deepest)
         grid.along = hump.x
-        grid.stretch, grid.evenness, grid.calm = _slant(hump, grid.reach)
+        grid.stretch, grid.evenness, grid.calm = _slant(hump, grid.reach) if grid.tail == 0 else NO_SLANT
         grid.pivot = grid.stretch * hump.x
         if sqrt(hump.xx) > FAINT * grid.reach:
             matter = 1
@@ -224,7 +227,7 @@ def set_shifts(system):
         return
     for g in range(memo.grids - 1):
         share = rise(grids[g].bond, JOINED)
-        if share > 0.0:
+        if share > 0.0 and grids[g].tail == 0 and grids[g + 1].tail == 0:
             most = max(grids[g].deepest, grids[g + 1].deepest)
             both = joined(hump_of(grids[g], system.rows[g], most), hump_of(grids[g + 1], system.rows[g + 1], most))
             stretch, even, calm = _slant(both, max(grids[g].reach, grids[g + 1].reach))

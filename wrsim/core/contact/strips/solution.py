@@ -8,13 +8,14 @@ as it is before the last step stands for it: u = d in all strips, edges and fact
 the same rows is what is left if there is none."""
 
 from wrsim.core.compiling import kernel
-from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, leave, move_edges
+from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, lay_tail, leave, move_edges
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     EVENNESS,
     block_of,
     evenness,
     factor_of,
+    joint,
     lay_strips,
     residuals,
     set_amplitudes,
@@ -125,19 +126,23 @@ def _afresh(system, n, level, whole, held):
         base = g * block_of(n)
         system.vectors[X, base : base + block_of(n)] = 0.0
     for g in range(memo.grids):
-        if system.grids[g].deepest >= SURELY * memo.deepest:
+        if system.grids[g].tail == 0 and system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
     for turn in range(ROUNDS):
         descend(system, n, True, held, HELD_STEPS)
         moved = 0.0
         for g in range(memo.grids):
-            if system.grids[g].on:
+            if system.grids[g].on and system.grids[g].tail == 0:
                 moved = max(moved, _draw_edges(system, n, g, turn))
         residuals(system, n, False)
         changed = 0.0
         for g in range(memo.grids):
-            if system.grids[g].on:
+            if system.grids[g].on and system.grids[g].tail == 0:
                 changed = max(changed, _relax_factors(system, n, g))
+        for g in range(memo.grids):
+            grid, own = system.grids[g], g * block_of(n) + n
+            if grid.on and grid.tail != 0:
+                system.vectors[X, own : own + FACTORS] = system.vectors[X, joint(g, grid, n)]
         if turn > 0 and moved < CALM_EDGES and changed < CALM_FACTORS:
             break
     held = descend(system, n, True, FAIRLY, HELD_STEPS)
@@ -294,7 +299,7 @@ def carry_over(system, before, n):
             if grid.least < old_s[i] < grid.most:
                 first = i if first < 0 else first
                 last = i
-        if first < 0 or last - first + 1 < FEWEST:
+        if grid.tail != 0 or first < 0 or last - first + 1 < FEWEST:
             continue
         found = True
         start = max(old_s[first] - 0.5 * old_w[first], grid.least)
@@ -305,6 +310,10 @@ def carry_over(system, before, n):
             s = start + (f + 0.5) / FACTORS * (end - start)
             i = _before(old_s, count, s)
             x[base + n + f] = _between(old_s, old_k, count, i, s)
+    for g in range(memo.grids):
+        grid = grids[g]
+        if grid.tail != 0 and grids[g + grid.tail].on:
+            lay_tail(system, n, g, x[joint(g, grid, n)])
     lay_strips(system, n)
     for g in range(memo.grids):
         for j in range(n if grids[g].on else 0):

@@ -1,0 +1,176 @@
+"""Tails: ground beside a hump that a yawed wheel touches elsewhere along the rail, or hardly.
+
+Beside a hump the elastic surface bends up. Where the ground does so as well the two run nearly alike, and a contact
+that goes on there ends now here, now there. Without yaw that is harmless. But where the locus turns aside, too, its
+short strips lie beside the long ones of the hump, and what they do to the curvature of the surface there is as large
+as what the hump does itself: the factors of the hump, and with them its force, hung on where the contact ended.
+
+So a hump's grid ends where the locus leaves the line it has under the hump, by the pose alone. What lies beyond is a
+tail: a grid of strips that stand still, come into contact and leave it one by one from no force, and take the factor
+at the hump's end. For a given hump that is a monotone problem. What they do to the curvature counts the less the
+farther they lie off the line and the shorter they are.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+from wrsim.core.compiling import inlined, kernel
+from wrsim.core.contact.strips.grid import opposite
+from wrsim.core.contact.strips.records import ROWS
+from wrsim.core.contact.strips.shifts import rise
+from wrsim.core.root import Bracket, crossing, narrowed
+
+BENT = 0.05  # of the half length of the overlap: how far the locus leaves the line of its hump where a tail begins
+FADED = 3.0  # times that: where the curvature that a tail makes no longer counts
+SHORT = 6.0  # times that: half length of strips of which half of the curvature counts
+CORE = 0.8  # of the depth of a hump: ground that says where its line is
+SAG = 0.85, 0.97  # least d beyond over its concave hull: all of a tail, and none
+SHOULDER = 0.48, 0.6  # d at a corner of the hull over that of the hump: none of a shoulder, which is no tail, and all
+LOW = 0.4  # of the depth of a hump: a tail that begins lower is not touched
+FEWEST = 3  # rows of a tail
+
+
+class Line(NamedTuple):
+    """Straight line through the locus under a hump: place, shift, slope; half length of the overlap [m]."""
+
+    s: float
+    x: float
+    slope: float
+    half_length: float
+
+
+@kernel
+def cut_tails(system, wheel, rail, first, parts, most):
+    """Cut the tails off the ground of the grids from ``first`` on. Returns the number of grids, ``most`` or fewer."""
+    grids, rows = system.grids, system.rows[first]
+    least, h = grids[first].least, grids[first].spacing
+    k = first
+    while k < first + parts:
+        start = int((grids[k].least - least) / h + 0.999)
+        end = min(int((grids[k].most - least) / h + 0.001), ROWS - 1)
+        main = start
+        for r in range(start, end + 1):
+            main = r if rows[r].d > rows[main].d else main
+        line = _line_of(rows, start, end, main)
+        for side in range(2):
+            if parts == most:
+                break
+            at, reach = _find_tail(wheel, rail, rows, main, start if side == 0 else end, line)
+            if at < 0.0:
+                continue
+            for later in range(first + parts, k, -1):
+                before = grids[later - 1]
+                grids[later].least, grids[later].most = before.least, before.most
+                grids[later].bond, grids[later].tail = before.bond, before.tail
+            grids[k].most = grids[k + 1].least = least + h * at
+            grids[k].bond = 0.0
+            parts += 1
+            hump, tail = (k + 1, k) if side == 0 else (k, k + 1)
+            grids[hump].tail, grids[tail].tail = 0, hump - tail
+            grids[tail].line_s, grids[tail].line_x = line.s, line.x
+            grids[tail].line_slope, grids[tail].line_reach = line.slope, reach
+            k += 1
+        k += 1
+    return parts
+
+
+@inlined
+def _off(line, s, x):
+    """How far a place of the locus lies off a line."""
+    return abs(x - line.x - line.slope * (s - line.s))
+
+
+@kernel
+def _line_of(rows, start, end, main):
+    """The line of the hump that is deepest at row ``main``: of all ground beyond CORE of its depth."""
+    level = CORE * rows[main].d
+    total = s_mean = x_mean = ss = sx = 0.0
+    for r in range(start, end + 1):
+        weight = max(rows[r].d - level, 0.0)
+        total += weight
+        s_mean += weight * rows[r].s
+        x_mean += weight * rows[r].x
+    s_mean, x_mean = s_mean / total, x_mean / total
+    for r in range(start, end + 1):
+        weight = max(rows[r].d - level, 0.0)
+        ss += weight * (rows[r].s - s_mean) ** 2
+        sx += weight * (rows[r].s - s_mean) * (rows[r].x - x_mean)
+    return Line(s_mean, x_mean, sx / max(ss, 1e-30), sqrt(2.0 * max(rows[main].d, 0.0) * rows[main].r_t))
+
+
+@kernel
+def _find_tail(wheel, rail, rows, main, end, line):
+    """Where the tail of a hump begins on the way to the end of its ground, in rows, and how far off the line that is
+    [m]; rows are -1.0 where there is none, or one that is not touched."""
+    reach = BENT * line.half_length
+    r = _leaves(rows, main, end, line, reach)
+    if r >= 0:
+        reach /= max(1.0 - rise(_sag(rows, main, end), SAG), 1e-6)
+        r = _leaves(rows, main, end, line, reach)
+    if r < 0:
+        return -1.0, reach
+    step = 1 if end > main else -1
+    return r + step * _crossing(wheel, rail, rows[r], rows[r + step], line, reach), reach
+
+
+@kernel
+def _leaves(rows, main, end, line, reach):
+    """The last row on the way from a hump to the end of its ground that is not so far off the line; -1 where there is
+    none with a tail beyond."""
+    step = 1 if end > main else -1
+    for r in range(main, end - FEWEST * step, step):
+        if _off(line, rows[r + step].s, rows[r + step].x) > reach:
+            return r if rows[r].d > LOW * rows[main].d else -1
+    return -1
+
+
+@kernel
+def _sag(rows, main, end):
+    """Least penetration over its concave hull beyond a hump, where the hull has no corner that is a shoulder."""
+    step = 1 if end > main else -1
+    least = 1.0
+    p = main
+    while p != end:
+        # the hull's next corner
+        q, steep = p + step, rows[p + step].d - rows[p].d
+        for r in range(p + 2 * step, end + step, step):
+            slope = (rows[r].d - rows[p].d) / abs(r - p)
+            if slope >= steep:
+                q, steep = r, slope
+        counts = 1.0 - rise(rows[q].d / rows[main].d, SHOULDER)
+        for r in range(p + step, q, step):
+            least = min(least, 1.0 - counts * (1.0 - rows[r].d / (rows[p].d + steep * abs(r - p))))
+        p = q
+    return least
+
+
+@kernel
+def _crossing(wheel, rail, one, other, line, reach):
+    """Share of the way from one row to the next at which the locus is so far off the line."""
+    bracket = Bracket(0.0, reach - _off(line, one.s, one.x), 1.0, reach - _off(line, other.s, other.x), 0)
+    share = 1.0
+    for _ in range(8):
+        share = crossing(bracket)
+        s, arc = one.s + share * (other.s - one.s), one.arc + share * (other.arc - one.arc)
+        at = opposite(wheel, rail, arc, s)
+        left = reach - _off(line, s, opposite(wheel, rail, arc - at.ahead * at.shrink, s).x)
+        if abs(left) < 1e-6 * reach:
+            break
+        bracket = narrowed(bracket, share, left)
+    return share
+
+
+@inlined
+def has_tail(grids, g, side):
+    """Whether the grid beyond this end of grid g is its tail; grids: those there are."""
+    k = g - 1 if side == 0 else g + 1
+    return 0 <= k < grids.size and grids[k].tail != 0 and k + grids[k].tail == g
+
+
+@inlined
+def bending(grid, place):
+    """How much of what a strip of a tail does to the curvature counts, and the slope of its logarithm over that of
+    a^2."""
+    off = abs(place.x - grid.line_x - grid.line_slope * (place.s - grid.line_s)) / grid.line_reach
+    short = (SHORT * grid.line_reach) ** 2 / max(place.y, 1e-30)
+    return (1.0 - rise(off, (1.0, FADED))) / (1.0 + short), short / (1.0 + short)
