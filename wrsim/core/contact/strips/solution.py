@@ -7,6 +7,8 @@ first guesses and with fewer strips too, strips count as not shifted along the r
 as it is before the last step stands for it: u = d in all strips, edges and factors roughly. Kik-Piotrowski's contact on
 the same rows is what is left if there is none."""
 
+from math import inf
+
 from wrsim.core.compiling import kernel
 from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, lay_tail, leave, move_edges
 from wrsim.core.contact.strips.equations import (
@@ -41,6 +43,7 @@ ROUGH_LEVEL = LEVELS[1]
 ROUNDS = 8  # of half lengths, edges and factors in turn
 CALM_EDGES, CALM_FACTORS = 0.5, 0.15  # moves in a round, in widths of strips and over themselves, that end the turns
 PUSH, FAR = 0.6, 6.0  # ratio of a^2 of the outer strips from which on an edge is moved far out, in mean widths
+MOST_OVER = 2.0  # a^2 asked for over the largest one that an overlap has
 PUSHES = 3  # first turns in which that is done
 SOFT, HARD = 0.8, 2.0  # exponent of the factors' relaxation; largest ratio it acts on
 EVEN = 0.01  # weight of evenness in it
@@ -61,7 +64,7 @@ def solve(system, n, known, whole):
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
     memo.strips = n
-    if known and newton(system, n, WARM_TOLERANCE, WARM_STEPS):
+    if known and newton(system, n, WARM_TOLERANCE, WARM_STEPS) and _sound(system, n):
         return SETTLED
     result = SETTLED
     for attempt in range(2):
@@ -70,7 +73,8 @@ def solve(system, n, known, whole):
                 break
             memo.strips = n - fewer
             for level in LEVELS:
-                if _afresh(system, memo.strips, level, True, ROUGHLY if result == SETTLED else FAIRLY):
+                held = ROUGHLY if result == SETTLED else FAIRLY
+                if _afresh(system, memo.strips, level, True, held) and _sound(system, memo.strips):
                     return result if attempt == 0 else STRAIGHT
                 result = RETRIED
         if not memo.shifted or not whole:
@@ -79,7 +83,25 @@ def solve(system, n, known, whole):
     memo.strips = n
     if not whole:
         return UNSOLVED
-    return ROUGH if _afresh(system, n, ROUGH_LEVEL, False, FAIRLY) else UNSOLVED
+    return ROUGH if _afresh(system, n, ROUGH_LEVEL, False, FAIRLY) and _sound(system, n) else UNSOLVED
+
+
+@kernel
+def _sound(system, n):
+    """Whether all unknowns are numbers, some strip is in contact, and none asks for a half length far beyond that of
+    its overlap: deep in an overlap Newton's method may end in what is no contact, with a hundred times the force."""
+    x, block = system.vectors[X], block_of(n)
+    touches = False
+    for g in range(system.memo[0].grids):
+        for j in range(block if system.grids[g].on else 0):
+            if not abs(x[g * block + j]) < inf:
+                return False
+        for j in range(n if system.grids[g].on else 0):
+            place = system.places[g * n + j]
+            if place.over > MOST_OVER:
+                return False
+            touches = touches or place.y > 0.0
+    return touches
 
 
 @kernel
@@ -263,7 +285,7 @@ def substitute(system, n):
             displacement += weight * (place.gap * memo.deepest + place.d)
     for g in range(memo.grids):
         base = g * block_of(n) + n
-        x[base : base + FACTORS] = penetration / displacement
+        x[base : base + FACTORS] = min(max(penetration / max(displacement, 1e-30), LEAST_FACTOR), MOST_FACTOR)
     set_amplitudes(system, n)
 
 
