@@ -43,7 +43,7 @@ ROUGH_LEVEL = LEVELS[1]
 ROUNDS = 8  # of half lengths, edges and factors in turn
 CALM_EDGES, CALM_FACTORS = 0.5, 0.15  # moves in a round, in widths of strips and over themselves, that end the turns
 PUSH, FAR = 0.6, 6.0  # ratio of a^2 of the outer strips from which on an edge is moved far out, in mean widths
-MOST_OVER = 2.0  # a^2 asked for over the largest one that an overlap has
+OVERLAP, MOST_OVER = 1e-3, 2.0  # penetration [m]; a^2 asked for over the largest that it has room for
 PUSHES = 3  # first turns in which that is done
 SOFT, HARD = 0.8, 2.0  # exponent of the factors' relaxation; largest ratio it acts on
 EVEN = 0.01  # weight of evenness in it
@@ -88,15 +88,15 @@ def solve(system, n, known, whole):
 
 @kernel
 def _sound(system, n):
-    """Whether all unknowns are numbers, some strip is in contact, and none asks for a half length far beyond that of
-    its overlap: deep in an overlap Newton's method may end in what is no contact, with a hundred times the force."""
-    x, block = system.vectors[X], block_of(n)
-    touches = False
-    for g in range(system.memo[0].grids):
+    """Whether all unknowns are numbers, and in an overlap some strip is in contact and none asks for a half length far
+    beyond its own: there Newton's method may end in what is no contact, with a hundred times the force or none."""
+    memo, x, block = system.memo[0], system.vectors[X], block_of(n)
+    touches = memo.deepest < OVERLAP
+    for g in range(memo.grids):
         for j in range(block if system.grids[g].on else 0):
             if not abs(x[g * block + j]) < inf:
                 return False
-        for j in range(n if system.grids[g].on else 0):
+        for j in range(n if system.grids[g].on and memo.deepest >= OVERLAP else 0):
             place = system.places[g * n + j]
             if place.over > MOST_OVER:
                 return False
