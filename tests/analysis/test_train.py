@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.optimize import linear_sum_assignment
 from support.runs import FAST, SCENARIOS, arc, straight, transition
 from support.vehicles import coaches, manchester, on_track
@@ -129,16 +130,18 @@ def test_a_train_that_nothing_couples_is_in_steady_motion_as_each_vehicle_is(tmp
         np.testing.assert_allclose(coupled, np.concatenate([alone, alone]), atol=1e-6 * np.abs(alone).max(), rtol=0.0)
 
 
+def two_coaches_at(place: float, start: float, tmp_path: Path, keys: dict[str, Any]) -> xr.Dataset:
+    """The moment at which two coaches that start there come to a place [m]."""
+    own = keys | {"run.start_distance_m": start, "run.distance_m": place - start}
+    return run(scenario(tmp_path, ("count = 3", "count = 2"), **own)).dataset.isel(time=-1)
+
+
 def test_a_train_starts_in_a_curve_as_one_that_has_come_there(tmp_path: Path) -> None:
     """Two coaches with tight couplings in a left curve of 300 m, after 10 m of a run that begins there and of one from
     straight track: the couplings' forces, Y and Q within 2 % of the largest."""
     curves = [straight(45.0), transition(40.0), arc(160.0, 300.0, 60.0)]
     keys = {"track.segments": curves, "vehicle.speed_kmh": 40.0, "run.output_interval_ms": 20.0}
-    found = []
-    for start in (31.0, 180.0):
-        own = keys | {"run.start_distance_m": start, "run.distance_m": 190.0 - start}
-        found.append(run(scenario(tmp_path, ("count = 3", "count = 2"), **own)).dataset.isel(time=-1))
-    came, began = found
+    came, began = (two_coaches_at(190.0, start, tmp_path, keys) for start in (31.0, 180.0))
     coupled = {"suspension": [name for name in came["suspension"].values if "-coach" in name]}
     assert float(np.abs(came["suspension_fx"].sel(coupled)).max()) > 50e3
     for name, which in (("suspension_fx", coupled), ("Y", {}), ("Q", {})):
@@ -150,11 +153,7 @@ def test_a_train_starts_where_a_transition_is_beneath_it(tmp_path: Path) -> None
     """It has come along the track: Y and Q are those of a run that passes there, within 1 % of the largest Q."""
     curves = [straight(60.0), transition(40.0), arc(60.0, 300.0, 60.0)]
     keys = {"track.segments": curves, "vehicle.speed_kmh": 40.0, "run.output_interval_ms": 10.0}
-    found = []
-    for start in (38.0, 95.0):
-        own = keys | {"run.start_distance_m": start, "run.distance_m": 100.0 - start}
-        found.append(run(scenario(tmp_path, ("count = 3", "count = 2"), **own)).dataset.isel(time=-1))
-    passed, began = found
+    passed, began = (two_coaches_at(100.0, start, tmp_path, keys) for start in (38.0, 95.0))
     for name in ("Y", "Q"):
         np.testing.assert_allclose(began[name], passed[name], atol=0.01 * float(passed["Q"].max()), rtol=0.0)
 

@@ -156,11 +156,10 @@ class SteadyMotion:
         self.scale = np.full(6 * n, 1.0 / law.vehicle.weight)
         self._out, self._inertia = np.zeros(law.size), np.zeros(6 * n)
         self.positions = slice(law.size - law.positions, law.size)
-        twists = [law.vehicle.wheelsets[i].wheelset.torsion for i in law.twists]
-        small = [SMALL_TURN if torsion is None or torsion.independent else SMALL_TWIST for torsion in twists]
-        boxes = np.full(law.positions - law.rails - len(twists), SMALL_BOX)
+        free = [law.vehicle.wheelsets[i].wheelset.independent for i in law.twists]
+        small = [SMALL_TURN if alone else SMALL_TWIST for alone in free]
+        boxes = np.full(law.positions - law.rails - len(free), SMALL_BOX)
         self.small = np.concatenate([self.small, boxes, small, np.tile(SMALL_RAIL, law.rails // 2)])
-        free = [torsion is None or torsion.independent for torsion in twists]
         self.turns = np.array([at for at, alone in zip(law.twists.values(), free, strict=True) if alone], dtype=int)
         """Places of the twists of independent wheels in the state, ..."""
         self.alone = np.array([i for i, by_itself in zip(law.twists, free, strict=True) if by_itself], dtype=int)

@@ -15,8 +15,8 @@ from wrsim.core.compiling import KEPT, inlined, kernel
 from wrsim.core.contact.arrays import ARRAYS as ARRAYS_OF_A_CONTACT
 from wrsim.core.contact.arrays import Arrays, results, settings_of
 from wrsim.core.contact.records import CONTACT
-from wrsim.core.linalg import BODY, VECTOR, ZERO, Curve, dot, get_body, put
-from wrsim.core.track.path import NODE, frame, frame_rates, locate
+from wrsim.core.linalg import BODY, VECTOR, ZERO, Curve, get_body, put
+from wrsim.core.track.path import NODE, bends, frame, locate
 
 # arrays of the arena of one wheel
 OWN, RAIL, IN_CONTACT = range(3)
@@ -60,10 +60,8 @@ def one_wheel(buffer, index):
     pose[8] -= wheel.rail_b_t
     settings = settings_of(buffer, arrays)
     settings.place = s
-    turning, _roll = frame_rates(rail, s)
-    settings.twist = wheel.side * dot(turning, at.t)
-    settings.bow_o = wheel.side * dot(turning, at.b)
-    settings.bow_b = -dot(turning, at.n)
+    twist, to_left, up = bends(rail, s, at)
+    settings.twist, settings.bow_o, settings.bow_b = wheel.side * twist, wheel.side * to_left, up
     wheel.status = stages.run(CONTACT, buffer, arrays)
     force, moment = wheel_wrench(body, at, wheel.side, wheel.half_spacing, results(buffer, arrays)[0])
     put(wheel.force, force)

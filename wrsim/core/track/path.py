@@ -206,6 +206,14 @@ def frame_rates(curve, s):
 
 
 @kernel
+def bends(curve, s, own):
+    """How the curve turns about itself at s, positive where its left side rises [rad/m], and how it bends to the left
+    and up [1/m], all zero outside; own: its frame there."""
+    turning, _roll = frame_rates(curve, s)
+    return dot(turning, own.t), dot(turning, own.b), -dot(turning, own.n)
+
+
+@kernel
 def frame_many(curve, s, out):
     """`frame` for an array s of shape (m,); origin, t, n, b go to ``out`` of shape (m, 12)."""
     for j in range(s.shape[0]):

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wrsim.core.linalg import VECTOR, Curve, dot
+from wrsim.core.linalg import VECTOR, Curve
 from wrsim.core.track import path as core
 from wrsim.errors import InputError
 
@@ -59,8 +59,8 @@ class Path:
     def turning(self, s: float) -> tuple[float, float, float]:
         """How the cross-section turns about the tangent, positive where its left side rises [rad/m], and how the path
         bends to the left and up [1/m]."""
-        own, (turning, _) = core.frame(self.curve, s), core.frame_rates(self.curve, s)
-        return float(dot(turning, own.t)), float(dot(turning, own.b)), -float(dot(turning, own.n))
+        twist, to_left, up = core.bends(self.curve, s, core.frame(self.curve, s))
+        return float(twist), float(to_left), float(up)
 
     def curvature(self, s: ArrayLike) -> NDArray[np.float64]:
         """Horizontal curvature at arclength s [1/m], positive to the left; shape of s."""

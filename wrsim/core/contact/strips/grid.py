@@ -236,3 +236,23 @@ def place_strips(grid, rows, places):
         place.x_s = (rows[c + 1].x - rows[c].x) / h
         place.x = rows[c].x + t * h * place.x_s
         place.at = min(max((j + 0.5) / n * FACTORS - 0.5, 0.0), FACTORS - 1.0)
+
+
+@inlined
+def next_corner(rows, p, end, step):
+    """The corner behind row p of the concave hull of the penetration, on the way to row ``end``, and how much the hull
+    rises from row to row up to there. step: +1 or -1."""
+    q, steep = p + step, rows[p + step].d - rows[p].d
+    for r in range(p + 2 * step, end + step, step):
+        slope = (rows[r].d - rows[p].d) / abs(r - p)
+        if slope >= steep:
+            q, steep = r, slope
+    return q, steep
+
+
+@kernel
+def make_room(grids, k, end):
+    """Bounds, bonds and tails of the grids from k to before ``end`` move on by one; those of k stand twice then."""
+    for later in range(end, k, -1):
+        own, before = grids[later], grids[later - 1]
+        own.least, own.most, own.bond, own.tail = before.least, before.most, before.bond, before.tail

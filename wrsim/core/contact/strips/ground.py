@@ -14,7 +14,7 @@ from wrsim.core.contact.rail import changes
 from wrsim.core.contact.records import STATUS_PROFILE_END
 from wrsim.core.contact.search.lobes import room_beside
 from wrsim.core.contact.strips.equations import set_fading
-from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows
+from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, make_room, next_corner
 from wrsim.core.contact.strips.records import ROWS
 from wrsim.core.contact.strips.shifts import rise, set_shifts
 from wrsim.core.contact.strips.tails import cut_tails
@@ -121,11 +121,7 @@ def _part(system, wheel, rail, first, most, room):
         if bond >= MERGED:
             k += 1
             continue
-        for later in range(first + parts, k + 1, -1):
-            before = grids[later - 1]
-            grids[later].least, grids[later].most, grids[later].bond = before.least, before.most, before.bond
-            grids[later].tail = 0
-        grids[k + 1].most, grids[k + 1].bond, grids[k + 1].tail = grids[k].most, grids[k].bond, 0
+        make_room(grids, k, first + parts)
         grids[k + 1].least = grids[k].most = least + h * at
         grids[k].bond = bond
         parts += 1
@@ -147,12 +143,7 @@ def _find_waist(rows, first, last, deepest):
         return at, least
     p = first
     while p < last:
-        # the hull's next corner
-        q, steep = p + 1, rows[p + 1].d - rows[p].d
-        for r in range(p + 2, last + 1):
-            slope = (rows[r].d - rows[p].d) / (r - p)
-            if slope >= steep:
-                q, steep = r, slope
+        q, steep = next_corner(rows, p, last, 1)
         if p > first and q < last and min(rows[p].d, rows[q].d) > HUMP * deepest:
             more = LESS * (1.0 - min(rows[p].d, rows[q].d) / deepest)
             for r in range(p + 1, q):

@@ -8,7 +8,8 @@ from math import sqrt
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.changes import ENTRY, enter, leave, trim
-from wrsim.core.contact.strips.equations import block_of, jacobian, lay_strips, residuals, set_amplitudes
+from wrsim.core.contact.strips.derivatives import jacobian
+from wrsim.core.contact.strips.equations import block_of, lay_strips, residuals, set_amplitudes
 from wrsim.core.contact.strips.records import (
     FACTORS,
     NEXT,

@@ -15,7 +15,7 @@ from math import sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.strips.grid import opposite
+from wrsim.core.contact.strips.grid import make_room, next_corner, opposite
 from wrsim.core.contact.strips.records import ROWS
 from wrsim.core.contact.strips.shifts import rise
 from wrsim.core.root import Bracket, crossing, narrowed
@@ -58,10 +58,7 @@ def cut_tails(system, wheel, rail, first, parts, most):
             at, reach = _find_tail(wheel, rail, rows, main, start if side == 0 else end, line)
             if at < 0.0:
                 continue
-            for later in range(first + parts, k, -1):
-                before = grids[later - 1]
-                grids[later].least, grids[later].most = before.least, before.most
-                grids[later].bond, grids[later].tail = before.bond, before.tail
+            make_room(grids, k, first + parts)
             grids[k].most = grids[k + 1].least = least + h * at
             grids[k].bond = 0.0
             parts += 1
@@ -131,12 +128,7 @@ def _sag(rows, main, end):
     least = 1.0
     p = main
     while p != end:
-        # the hull's next corner
-        q, steep = p + step, rows[p + step].d - rows[p].d
-        for r in range(p + 2 * step, end + step, step):
-            slope = (rows[r].d - rows[p].d) / abs(r - p)
-            if slope >= steep:
-                q, steep = r, slope
+        q, steep = next_corner(rows, p, end, step)
         counts = 1.0 - rise(rows[q].d / rows[main].d, SHOULDER)
         for r in range(p + step, q, step):
             least = min(least, 1.0 - counts * (1.0 - rows[r].d / (rows[p].d + steep * abs(r - p))))
