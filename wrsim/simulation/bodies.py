@@ -13,7 +13,7 @@ from wrsim.core.body import rigid_body as kernel
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
-    from wrsim.vehicle.vehicle import MountedWheelset
+    from wrsim.vehicle.vehicle import MountedWheelset, Vehicle
     from wrsim.vehicle.wheelset import Wheelset
 
 Array = NDArray[np.float64]
@@ -59,17 +59,33 @@ class RigidBody:
 
 @dataclass(frozen=True)
 class SolidBody:
-    """A body that does not spin: mass [kg], principal inertia about x, y, z [kg m2]."""
+    """A body that does not spin: mass [kg], principal inertia about x, y, z [kg m2]. geared: the part of that about y
+    that gears and rotors in it make up (``core.body.loads``)."""
 
     mass: float
     inertia: tuple[float, float, float]
+    geared: float = 0.0
 
     def __post_init__(self) -> None:
         for key, value in (("mass", self.mass), *zip(("Ixx", "Iyy", "Izz"), self.inertia, strict=True)):
             if not (np.isfinite(value) and value > 0.0):
                 raise InputError(f"body: {key} must be a positive number, not {value!r}")
-        if 2.0 * max(self.inertia) > sum(self.inertia) * (1.0 + 1e-9):
-            raise InputError(f"body: one of the inertias {self.inertia} kg m2 is larger than the other two together")
+        x, y, z = self.inertia
+        own = (x, y - self.geared, z)
+        if 2.0 * max(own) > sum(own) * (1.0 + 1e-9):
+            raise InputError(f"body: one of the inertias {own} kg m2 is larger than the other two together")
+
+    @classmethod
+    def all_of(cls, vehicle: Vehicle) -> tuple[SolidBody, ...]:
+        """The bodies of a vehicle but its wheelsets, with what its geared motors add to their cases."""
+        geared = dict.fromkeys((body.name for body in vehicle.bodies), 0.0)
+        for drive in vehicle.drives:
+            geared[drive.case] += drive.case_inertia
+        found = []
+        for body in vehicle.bodies:
+            (x, y, z), more = body.inertia, geared[body.name]
+            found.append(cls(body.mass, (x, y + more, z), more))
+        return tuple(found)
 
 
 Solid = RigidBody | SolidBody

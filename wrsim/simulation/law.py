@@ -94,7 +94,7 @@ class VehicleOnTrack:
         self.profile = profile or SpeedProfile.constant(speed)
         self.bodies: tuple[Solid, ...] = (
             *(RigidBody.of(mounted) for mounted in vehicle.wheelsets),
-            *(SolidBody(body.mass, body.inertia) for body in vehicle.bodies),
+            *SolidBody.all_of(vehicle),
         )
         table = suspension_table(vehicle)
         self.units = len(vehicle.units)

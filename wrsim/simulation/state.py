@@ -251,7 +251,7 @@ class SteadyMotion:
 
 
 def _turn_gears(law: VehicleOnTrack, q_t: Array) -> None:
-    """Let the hollow axles of geared motors turn as their wheelsets do."""
+    """Let the hollow axles of geared motors turn as their wheelsets do, whose cases do not pitch."""
     for wheelset, place in law.gears.items():
         q_t[place + 1] = q_t[6 * wheelset + COORDINATES.index("spin")]
 

@@ -188,6 +188,11 @@ class GearedMotor:
         """Of all that turns, as the hollow axle sees it [kg m2]."""
         return self.hollow_inertia + self.ratio**2 * self.rotor_inertia
 
+    @property
+    def case_inertia(self) -> float:
+        """What it adds to the inertia of its case about the axle [kg m2]: the case cannot turn without it."""
+        return self.hollow_inertia * self.rotor_inertia * (1.0 - self.ratio) ** 2 / self.inertia
+
 
 @dataclass(frozen=True)
 class SlipControl:

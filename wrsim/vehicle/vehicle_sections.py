@@ -87,9 +87,9 @@ class DriveTable(Section):
     rotor_turns: Literal["backward", "forward"] = "backward"
     """Which way the rotor turns as the vehicle runs forward: one pair of gear wheels turns it against the axle."""
     rotor_inertia_kg_m2: Annotated[float, number(0, 1000, "kg m2")]
-    """Inertia of the rotor about its own axis."""
+    """Inertia of the rotor about its own axis; not part of that of the motor about the lateral axis."""
     hollow_axle_inertia_kg_m2: Annotated[float, positive(1000, "kg m2")]
-    """Inertia of hollow axle and large gear wheel about the axle; not part of that of the wheelset."""
+    """Inertia of hollow axle and large gear wheel about the axle; not part of that of wheelset or case."""
     stiffness_kNm_per_rad: Annotated[float, positive(1e6, "kN m/rad")]
     """Torsional stiffness of hollow axle and couplings, between gear and wheelset."""
     damping_kNms_per_rad: Annotated[float, number(0, 1e4, "kN m s/rad")] = 0.0

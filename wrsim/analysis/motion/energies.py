@@ -13,7 +13,7 @@ from wrsim.simulation.system import COORDINATES
 
 Array = NDArray[np.float64]
 
-Z, SPIN = COORDINATES.index("z"), COORDINATES.index("spin")
+Z = COORDINATES.index("z")
 
 
 def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
@@ -38,9 +38,7 @@ def lost_at(law: VehicleOnTrack, q_t: Array) -> tuple[float, float, float]:
     """
     arrays = (wheel.model.arrays for pair in law.wheels for wheel in pair)
     creep = sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays)
-    dampers = float(law.elements["loss"].sum())
-    for drive, (wheelset, place) in zip(law.vehicle.drives, law.gears.items(), strict=True):
-        dampers += drive.damping * (q_t[place + 1] - q_t[6 * wheelset + SPIN]) ** 2
+    dampers = float(law.elements["loss"].sum() + law.axles["loss"].sum())
     for wheelset, twist in law.twists.items():
         torsion = law.vehicle.wheelsets[wheelset].wheelset.torsion
         dampers += 0.0 if torsion is None else torsion.damping * q_t[twist] ** 2

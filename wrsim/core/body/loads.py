@@ -23,15 +23,23 @@ vehicle's origin, positive forward, with the same reaction. A negative one is a 
 fades as the wheelset stands, M omega / ``BRAKE_FADE`` below that rate.
 
 Geared motors. A moment M asked of such an axle is what its motor gives, M / n, times the ratio n of the gear (negative
-where the rotor turns against the axle). Between gear and wheelset stands the hollow axle, twisted by delta:
+where the rotor turns against the axle). Against the case of the gear, which pitches at p = e.omega_case about its
+lateral axis e, the hollow axle turns at u and the rotor at n u, and the wheelset at w = a.(omega_axle - omega_case)
+about its own, a. The kinetic energy of what turns and the twist delta of the hollow axle are
 
-    T = k delta + c delta_t,   delta_t = w - w_axle,   (J_h + n^2 J_r) w_t = M - T,
+    J_h (u + p)^2 / 2 + J_r (n u + p)^2 / 2,    delta_t = u - w,    T = k delta + c delta_t,
 
-w and w_axle the rates of hollow axle and wheelset, J_h the inertia of hollow axle and large wheel, J_r that of the
-rotor. T acts on the wheelset, -M / n on the body of the motor, and the rest of the reaction, M + n (1 - n) J_r w_t in
-all, on the case of the gear: what the rotor, which turns at n w + (1 - n) w_case, takes to speed up comes from there.
-Left out are the acceleration of the case's own pitch in this, and gyroscopic moments of what turns there. delta and w
-are unknowns of their own.
+J_h of hollow axle and large wheel, J_r of the rotor. Written in the momentum that belongs to u, J v with J = J_h + n^2
+J_r, v = u + sigma p and sigma = (J_h + n J_r) / J, the energy is
+
+    J v^2 / 2 + J_c p^2 / 2,    J_c = J_h J_r (1 - n)^2 / J,
+
+without a product of v and p: J v_t = M - T, and J_c counts with the inertia of the case about e. T a acts on the
+wheelset, -M / n e on the body of the motor, and on the case M / n e - T a - sigma (M - T) e. What turns also keeps its
+direction: the momentum J_r (n u + p) of the rotor times the rate of the motor's axis is a moment on the motor, that of
+the rest on the case; J_c has its own there. Where motor and case are one body, momentum and energy are kept exactly;
+else e stands for the direction of the motor's axis as well, but in its own gyroscopic moment. delta and v are unknowns
+of their own.
 
 Slip control. What is asked of an axle, drive and efforts together, is given in full while its slip speed in the
 direction of the moment, w = +-(omega r - v), is below half of a limit, and from there linearly less, nothing at the
@@ -78,15 +86,16 @@ CARRIED = record("mass height", "body")
 """A carried mass [kg] and its height above the centre of its body [m]."""
 
 AXLE = record(
-    "radius asked moment twisting slip speed power shaft ratio rotor turning stiffness damping",
+    "radius asked moment twisting slip speed power shaft loss ratio rotor turning stiffness damping",
     "body holder unit motor gear",
 )
 """An axle: mean radius of its wheels [m]; at the state asked for last the moment asked of it and given [N m], half the
 difference of the moments on its wheels, left less right, slip speed and speed [m/s], the power of the moments and their
-reaction [W], the moment that comes to the wheelset. Of a geared motor: turns of the rotor for one of the axle, negative
-where it turns the other way; inertia of the rotor, and of all that turns as the hollow axle sees it [kg m2]; stiffness
-[N m/rad] and damping [N m s/rad] between hollow axle and wheelset. Its body, the one that takes the reaction or -1 (the
-case of the gear), its vehicle; the body of the motor; number of the first unknown of the drive, or -1 without one."""
+reaction [W], the moment that comes to the wheelset, what damping of the hollow axle takes [W]. Of a geared motor: turns
+of the rotor for one of the axle, negative where it turns the other way; inertia of the rotor, and of all that turns as
+the hollow axle sees it [kg m2]; stiffness [N m/rad] and damping [N m s/rad] between hollow axle and wheelset. Its body,
+the one that takes the reaction or -1 (the case of the gear), its vehicle; the body of the motor; number of the first
+unknown of the drive, or -1 without one."""
 
 UNIT = record("mass inertia ahead s force", "body axles driven")
 """A vehicle, alone or in a train: mass that its drive moves, and with the inertia of what turns over its radius
@@ -223,7 +232,7 @@ def add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, tables, axles, 
         if limit > 0.0:
             slip = axle.slip if axle.asked > 0.0 else -axle.slip
             axle.moment *= min(max(2.0 - 2.0 * slip / limit, 0.0), 1.0)
-        axle.power, axle.shaft = 0.0, axle.moment
+        axle.power, axle.shaft, axle.loss = 0.0, axle.moment, 0.0
         if axle.gear >= 0:
             _turn_gear(axle, q_t, vehicle.settled != 0, bodies, wrenches, out)
         elif axle.moment != 0.0:
@@ -240,25 +249,32 @@ def add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, tables, axles, 
 @kernel
 def _turn_gear(axle, q_t, settled, bodies, wrenches, out):
     """Add what a geared motor does to its wheelset, its own body and the case of its gear; write the rates of its
-    unknowns, twist and rate of the hollow axle, or where they have come to once settled.
+    unknowns, twist and momentum of the hollow axle over its inertia, or where they have come to once settled.
     """
     twist, turning = axle.gear, axle.gear + 1
-    spin = q_t[6 * axle.body + SPIN]
-    rate, acceleration = q_t[turning], 0.0
-    if settled:
-        rate = spin
-        out[twist], out[turning] = axle.moment / axle.stiffness, spin
-    else:
-        axle.shaft = axle.stiffness * q_t[twist] + axle.damping * (rate - spin)
-        acceleration = (axle.moment - axle.shaft) / axle.turning
-        out[twist], out[turning] = rate - spin, acceleration
-    about = get_body(bodies[axle.body])
+    about, case, motor = get_body(bodies[axle.body]), get_body(bodies[axle.holder]), get_body(bodies[axle.motor])
     n = axle.ratio
+    sigma = 1.0 + n * (1.0 - n) * axle.rotor / axle.turning
+    pitch = dot(case.left, case.omega)
+    spin = q_t[6 * axle.body + SPIN] + dot(about.left, sub(about.omega, case.omega))
+    rate, axle.loss = q_t[turning], 0.0
+    if settled:
+        rate = spin + sigma * pitch
+        out[twist], out[turning] = axle.moment / axle.stiffness, rate
+    else:
+        twisting = rate - sigma * pitch - spin
+        axle.shaft = axle.stiffness * q_t[twist] + axle.damping * twisting
+        axle.loss = axle.damping * twisting * twisting
+        out[twist], out[turning] = twisting, (axle.moment - axle.shaft) / axle.turning
     stator = axle.moment / n
-    reaction = axle.moment + n * (1.0 - n) * axle.rotor * acceleration
+    rotor = n * (rate - sigma * pitch) + pitch
+    of_rotor = axle.rotor * rotor
+    of_rest = sigma * axle.turning * rate - of_rotor
+    onto = wrenches[axle.holder]
     accumulate(wrenches[axle.body].moment, scale(axle.shaft, about.left))
-    accumulate(wrenches[axle.motor].moment, scale(-stator, about.left))
-    accumulate(wrenches[axle.holder].moment, scale(stator - reaction, about.left))
-    case, motor = dot(about.left, vec(bodies[axle.holder].omega)), dot(about.left, vec(bodies[axle.motor].omega))
-    rotor = n * (rate + dot(about.left, about.omega)) + (1.0 - n) * case
-    axle.power = stator * (rotor - motor)
+    accumulate(onto.moment, scale(-axle.shaft, about.left))
+    accumulate(onto.moment, scale(stator - sigma * (axle.moment - axle.shaft), case.left))
+    accumulate(onto.moment, scale(-of_rest, cross(case.omega, case.left)))
+    accumulate(wrenches[axle.motor].moment, scale(-stator, case.left))
+    accumulate(wrenches[axle.motor].moment, scale(-of_rotor, cross(motor.omega, motor.left)))
+    axle.power = stator * (rotor - dot(case.left, motor.omega))
