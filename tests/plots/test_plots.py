@@ -16,7 +16,6 @@ from wrsim.plots import (
     channels_figure,
     choose_moments,
     contact_angle,
-    contact_angle_figure,
     contact_patch,
     cross_section_zoom,
     history,
@@ -47,7 +46,7 @@ def static_poses(*options) -> xr.Dataset:
     return Result(synthetic_result.static_poses(*options)).wheelset()
 
 
-RUN_PICTURES = ["overview", "contact_angle", "forces", "derailment", "motion", "pressure", "patches", "sections"]
+RUN_PICTURES = ["overview", "forces", "contact", "patches", "sections"]
 
 
 @pytest.fixture
@@ -147,7 +146,7 @@ def test_a_resting_wheelset_is_drawn_against_time():
 
 @pytest.mark.parametrize(
     "make",
-    [contact_angle_figure, overview_figure, lambda d: channels_figure(d, ("Q",)), patch_gallery, section_gallery],
+    [overview_figure, lambda d: channels_figure(d, ("Q",)), patch_gallery, section_gallery],
 )
 def test_a_stopped_run_says_on_every_picture_where_and_why(make):
     figure = make(curve_run(stopped=True))

@@ -199,7 +199,7 @@ def test_no_line_runs_over_a_motion_that_has_not_settled() -> None:
 def test_nothing_of_a_legend_is_cut_off(one) -> None:
     """Entries that do not fit beside each other stand below each other."""
     figures = standard_figures(one)
-    for name in ("overview", "contact_angle", "pressure", "derailment"):
+    for name in ("overview", "forces", "contact"):
         figure = figures[name]()
         figure.savefig(io.BytesIO(), format="png")
         for legend in figure.legends:
@@ -208,7 +208,7 @@ def test_nothing_of_a_legend_is_cut_off(one) -> None:
 
 
 def test_the_words_of_a_limit_keep_clear_of_the_letters(one) -> None:
-    figure = standard_figures(one)["derailment"]()
+    figure = channels_figure(one, ("Y_over_Q", "T_gamma"))
     figure.savefig(io.BytesIO(), format="png")
     letters, words = [], []
     for axes in figure.axes:

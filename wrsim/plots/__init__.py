@@ -9,7 +9,6 @@ from wrsim.plots.drawing import drawing
 from wrsim.plots.histories import (
     channels_figure,
     contact_angle,
-    contact_angle_figure,
     history,
     mark_snapshots,
     overview_figure,
@@ -29,7 +28,6 @@ __all__ = [
     "channels_figure",
     "choose_moments",
     "contact_angle",
-    "contact_angle_figure",
     "contact_patch",
     "cross_section",
     "cross_section_zoom",

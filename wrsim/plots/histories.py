@@ -252,21 +252,12 @@ def _letters_entry(dataset: xr.Dataset) -> list[Artist]:
     return [Line2D([], [], label=f"{letters}: see patches, sections", **look)]
 
 
-def contact_angle_figure(dataset: xr.Dataset) -> Figure:
-    """Contact-angle histories, one panel a wheel."""
-    return stacked(dataset, _angle_panels(dataset), panel_height_mm=44.0, legend=_angle_legend(dataset))
-
-
 def overview_figure(dataset: xr.Dataset) -> Figure:
-    """The run at a glance: contact angles of both wheels, Y/Q, lateral shift."""
-    panels = _angle_panels(dataset)
-    panels += [partial(history, name=name) for name in ("Y_over_Q", "lateral_shift") if name in dataset]
+    """The run at a glance: contact angles of both wheels, Y/Q, lateral shift, yaw."""
+    panels: list[Panel] = [partial(contact_angle, wheel=str(wheel)) for wheel in dataset["wheel"].values]
+    panels += [partial(history, name=name) for name in ("Y_over_Q", "lateral_shift", "yaw") if name in dataset]
     legend = wheel_entries(dataset["wheel"].values) + _angle_legend(dataset)
     return stacked(dataset, panels, panel_height_mm=32.0, legend=legend)
-
-
-def _angle_panels(dataset: xr.Dataset) -> list[Panel]:
-    return [partial(contact_angle, wheel=str(wheel)) for wheel in dataset["wheel"].values]
 
 
 def _angle_legend(dataset: xr.Dataset) -> list[Artist]:

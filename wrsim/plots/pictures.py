@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from wrsim.errors import InputError, suggest
 from wrsim.plots.cross_section import has_outlines, section_gallery
 from wrsim.plots.drawing import drawing
-from wrsim.plots.histories import ANGLES, channels_figure, contact_angle_figure, overview_figure
+from wrsim.plots.histories import ANGLES, channels_figure, overview_figure
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.static import PANELS, static_figure
 from wrsim.plots.vehicle_run import vehicle_figures
@@ -26,11 +26,9 @@ from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets, worst_whe
 
 HISTORIES: dict[str, tuple[str, ...]] = {
     "forces": ("Q", "Y", "sum_Y", "guide_force_y"),
-    "derailment": ("Y_over_Q", "T_gamma", "rail_friction", "rail_friction_corner"),
-    "motion": ("lateral_shift", "yaw"),
-    "pressure": ("p0", "area"),
+    "contact": ("p0", "area", "T_gamma", "rail_friction", "rail_friction_corner"),
 }
-"""Pictures of a run and the channels in them."""
+"""Pictures of a run beside its overview, and the channels in them; none stands in two: every panel costs time."""
 
 
 def standard_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
@@ -56,15 +54,13 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
 def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of one wheelset, by file name without ending.
 
-    Runs of several instants: overview, contact_angle, forces, derailment, motion, pressure. Static analyses of
-    several poses: contact. Both: patches and sections of the snapshots or poses. What there are no
-    data for is left out.
+    Runs of several instants: overview, forces, contact. Static analyses of several poses: contact. Both: patches and
+    sections of the snapshots or poses. What there are no data for is left out.
     """
     figures: dict[str, Callable[[], Figure]] = {}
     if one.sizes.get("time", 0) > 1 and "resolved_with" not in one.attrs:  # these are moments, no history
         if set(ANGLES) <= set(one):
             figures["overview"] = lambda: overview_figure(one)
-            figures["contact_angle"] = lambda: contact_angle_figure(one)
         for name, channels in HISTORIES.items():
             present = tuple(c for c in channels if c in one and (c != "guide_force_y" or one[c].values.any()))
             if present:

@@ -11,7 +11,6 @@ from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 
 from wrsim.analysis.contacts import friction_channels
 from wrsim.analysis.motion.couplings import coupling_channels
@@ -84,6 +83,8 @@ def result_of(
     channels: dict[str, Any] = dict(kept.arrays)
     channels["distance"] = reference = np.asarray(channels["distance"])
     if law.driven:
+        from scipy.integrate import cumulative_trapezoid  # some 40 ms to import, for drives alone
+
         channels["drive_work"] = cumulative_trapezoid(channels["drive_power"], motion.times, axis=0, initial=0.0)
     snapshots = choose_snapshots(setup, reference, _together(channels), motion.status == "stopped")
     strips = [StripRecorder(pair) for pair in law.wheels]
