@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 from wrsim.analysis.stationary import rotation_test as rotation
 from wrsim.analysis.stationary import twist_test as twist
 from wrsim.cli import app
+from wrsim.cli.standing import print_standing
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.vehicle.bogies import bogies_of
@@ -163,17 +164,20 @@ def test_an_axle_is_held_by_a_frame_and_not_by_its_own_bridge():
 # --- the command ------------------------------------------------------------------------------------------
 
 
-def test_the_command_tells_both_tests_and_draws_their_loops(tmp_path):
-    asked = ["vehicle", "vehicles/freight_y25.toml", "--twist-test", "--rotation-test", "--rotation-radius-m", "200"]
-    picture = tmp_path / "loops.png"
-    told = CliRunner().invoke(app, [*asked, "--loops", str(picture)]).stdout
+def test_the_command_tells_both_tests_and_draws_their_loops(tmp_path, capsys):
+    loops = [tmp_path / f"{name}.png" for name in ("twist", "both")]
+    asked = ["vehicle", "vehicles/freight_y25.toml", "--twist-test", "--loops", str(loops[0])]
+    told = CliRunner().invoke(app, asked).stdout
     assert "3.67 per mille under the body and 4.22 under every bogie" in told
-    assert "within the limit: EN 14363 allows 0.6 [mem]" in told and "X factor up to 0.08" in told
-    assert picture.stat().st_size > 10_000
-    linear = ["vehicle", "vehicles/manchester_1.toml", "--twist-test", "--rotation-test"]
+    assert "within the limit: EN 14363 allows 0.6 [mem]" in told
+    linear = ["vehicle", "vehicles/manchester_1.toml", "--twist-test", "--rotation-test", "--loops", str(loops[1])]
     found = json.loads(CliRunner().invoke(app, [*linear, "--twists", "0", "0", "--json"]).stdout)
     assert found["twist_test"]["largest_unloading"] == pytest.approx(0.0, abs=1e-6)
     assert [t["bogie"] for t in found["rotation_test"]] == ["front.frame"] * 2 + ["rear.frame"] * 2
+    assert all(picture.stat().st_size > 10_000 for picture in loops)
+    print_standing({"rotation_test": found["rotation_test"]})
+    largest = max(t["X"] for t in found["rotation_test"])
+    assert f"X factor up to {largest:.3f}" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

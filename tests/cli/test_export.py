@@ -1,79 +1,150 @@
-"""Exported files hold the numbers of the result, as the programs they are made for read them."""
+"""Exported files hold the numbers of the result, all of them, as the programs they are made for read them."""
 
 from __future__ import annotations
 
+import math
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 from scipy.io import loadmat
+from support.runs import FAST, SCENARIOS
 from support.synthetic_result import curve_run, static_poses
 from typer.testing import CliRunner
 
+from wrsim.analysis import run
 from wrsim.cli import app
-from wrsim.results import Result
+from wrsim.results import CHANNELS, Result
+from wrsim.scenario.loading import load
 
 runner = CliRunner()
 
+SHOWN = {
+    "kN": ("N", 1e3), "mm": ("m", 1e-3), "mrad": ("rad", 1e-3), "°": ("rad", math.pi / 180.0), "MPa": ("Pa", 1e6),
+    "mm²": ("m2", 1e-6), "km/h": ("m/s", 1.0 / 3.6), "kJ": ("J", 1e3), "kW": ("W", 1e3), "kNm": ("N m", 1e3),
+    "1/km": ("1/m", 1e-3), "m/s²": ("m/s2", 1.0), "µm": ("m", 1e-6), "nm": ("m", 1e-9), "t": ("kg", 1e3),
+    "‰": ("1", 1e-3),
+}  # fmt: skip
+"""Units for readers: the unit of SI, and how much of it one is."""
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run with all its exports."""
+
+SUFFIXES = {channel.shown.suffix for channel in CHANNELS.values()}
+"""How units end the names of columns."""
+
+
+def coach() -> xr.Dataset:
+    """A vehicle that has run a few steps: wheelsets, bodies, points, suspension, strips."""
+    keys = {"run.start_distance_m": 150.0, "run.time_s": 0.03, "output.patches_at_m": [150.2]}
+    return run(load(SCENARIOS / "manchester_r300.toml").with_values(FAST | keys)).dataset
+
+
+@pytest.fixture(scope="module", params=[curve_run, static_poses, coach], ids=lambda make: make.__name__)
+def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A result with its exports."""
+    for library in ("pyarrow", "asammdf"):
+        pytest.importorskip(library)
     folder = tmp_path_factory.mktemp("run")
-    Result(curve_run()).save(folder / "result.nc")
-    answer = runner.invoke(app, ["export", str(folder), "--to", "mat,csv"])
+    Result(request.param()).save(folder / "result.nc")
+    formats = "mat,csv,parquet" + ("" if request.param is static_poses else ",mdf")
+    answer = runner.invoke(app, ["export", str(folder), "--to", formats])
     assert answer.exit_code == 0, answer.output
     return folder
 
 
-def test_matlab_gets_every_channel_with_its_dimensions(folder: Path) -> None:
-    dataset = Result.load(folder).dataset
-    found = loadmat(folder / "result.mat", simplify_cells=True)
-    for name in ("Y", "Q", "p0", "strip_pressure"):
-        if name in dataset:
-            np.testing.assert_array_equal(found["channels"][name], np.squeeze(dataset[name].values))
-            assert found["units"][name] == dataset[name].attrs["units"]
-    assert list(found["channels"]["wheel"]) == ["left", "right"]
-    assert found["about"]["title"] == dataset.attrs["title"]
+@pytest.fixture(scope="module")
+def dataset(folder: Path) -> xr.Dataset:
+    return Result.load(folder).dataset
 
 
-def test_the_table_has_a_column_for_every_wheel_in_units_for_readers(folder: Path) -> None:
-    dataset = Result.load(folder).dataset
-    table = pd.read_csv(folder / "result.csv")
-    np.testing.assert_allclose(
-        table["Y_wheelset_left_kN"], dataset["Y"].sel(wheel="left").values[:, 0] / 1e3, rtol=1e-9
-    )
-    np.testing.assert_allclose(table["distance_m"], dataset["distance"].values, rtol=1e-9, atol=1e-9)
-    assert len(table) == dataset.sizes["time"]
+@pytest.fixture(scope="module")
+def samples(dataset: xr.Dataset) -> dict[tuple[str, ...], xr.Variable]:
+    """Every row of numbers or words over the samples, by the words of its name: channel, wheelset, wheel, ..."""
+    found = {}
+    first = "time" if "time" in dataset.dims else "pose"
+    for name, data in dataset.variables.items():
+        if data.dims[:1] == (first,) and "strip" not in data.dims:
+            others = data.dims[1:]
+            for place in product(*(range(dataset.sizes[dim]) for dim in others)):
+                at = dict(zip(others, place, strict=True))
+                words = (str(dataset[dim].values[i]).replace(" ", "_") for dim, i in at.items())
+                found[str(name), *words] = data.isel(at)
+    assert len(found) > 30
+    return found
 
 
-def test_parquet_holds_the_same_table_with_its_units(folder: Path) -> None:
-    parquet = pytest.importorskip("pyarrow.parquet")
-    assert runner.invoke(app, ["export", str(folder), "--to", "parquet"]).exit_code == 0
-    table = parquet.read_table(folder / "result.parquet")
-    frame = pd.read_csv(folder / "result.csv")
-    assert table.column_names == list(frame.columns)
-    np.testing.assert_allclose(table["Q_wheelset_right_kN"].to_numpy(), frame["Q_wheelset_right_kN"], rtol=1e-9)
-    assert table.schema.field("Q_wheelset_right_kN").metadata[b"unit"] == b"kN"
+def in_si(values: Any, unit: str, variable: xr.Variable) -> np.ndarray[Any, np.dtype[Any]]:
+    """Values of a column in the SI unit of its channel, whose unit must be that one."""
+    si, size = SHOWN.get(unit, (unit, 1.0))
+    assert si == variable.attrs["units"], (si, variable.attrs)
+    return np.asarray(values, dtype=float) * size
+
+
+def test_matlab_gets_every_channel_with_its_dimensions(folder: Path, dataset: xr.Dataset) -> None:
+    found = loadmat(folder / "result.mat", squeeze_me=False, struct_as_record=False)
+    channels, units, dimensions = (found[part][0, 0] for part in ("channels", "units", "dimensions"))
+    for name, variable in dataset.variables.items():
+        own, values = getattr(channels, str(name)), variable.values
+        words = values.dtype.kind in "UO"
+        shape = values.shape if values.ndim > 1 else (values.size, 1)
+        if words:
+            assert [cell.item() if cell.size else "" for cell in own.ravel()] == [str(w) for w in values.ravel()], name
+        else:
+            np.testing.assert_array_equal(own, values.reshape(shape), err_msg=str(name))
+        assert "".join(getattr(units, str(name)).ravel()) == variable.attrs.get("units", "")
+        assert [cell.item() for cell in getattr(dimensions, str(name)).ravel()] == list(variable.dims)
+    assert found["about"][0, 0].title.item() == dataset.attrs["title"]
+
+
+def test_the_table_has_a_column_for_every_row_of_samples(folder: Path, samples: dict[tuple[str, ...], Any]) -> None:
+    """Each number of the text, ten digits, is that of the result; and there is no other column."""
+    units = Result.load(folder).to_dataframe().attrs["units"]
+    table = pd.read_csv(folder / "result.csv", keep_default_na=False, na_values=[""])
+    left = list(table.columns)
+    for words, variable in samples.items():
+        name = "_".join(words)
+        (column,) = (c for c in left if c == name or c.removeprefix(f"{name}_") in SUFFIXES)
+        left.remove(column)
+        if variable.dtype.kind in "UO":
+            assert ["" if w != w else str(w) for w in table[column]] == [str(w) for w in variable.values], column
+            continue
+        values = in_si(table[column], units.get(column, "1"), variable)
+        np.testing.assert_allclose(values, variable.values, rtol=1e-9, atol=0.0, err_msg=column)
+    assert left == []
+
+
+def test_parquet_holds_the_same_table_to_the_bit(folder: Path, samples: dict[tuple[str, ...], Any]) -> None:
+    table = pytest.importorskip("pyarrow.parquet").read_table(folder / "result.parquet")
+    frame = Result.load(folder).to_dataframe()
+    assert table.column_names == list(frame.columns) and len(frame.columns) == len(samples)
+    for name in table.column_names:
+        np.testing.assert_array_equal(table[name].to_numpy(), frame[name].to_numpy(), err_msg=name)
+        unit = table.schema.field(name).metadata[b"unit"].decode()
+        assert unit == frame.attrs["units"].get(name, unit)
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_mdf_holds_signals_over_time(folder: Path) -> None:
-    asammdf = pytest.importorskip("asammdf")
-    answer = runner.invoke(app, ["export", str(folder), "--to", "mdf"])
-    assert answer.exit_code == 0, answer.output
-    dataset = Result.load(folder).dataset
-    with asammdf.MDF(folder / "result.mf4") as file:
-        signal = file.get("Y_wheelset_left_kN")
-    np.testing.assert_allclose(signal.samples, dataset["Y"].sel(wheel="left").values[:, 0] / 1e3, rtol=1e-12)
-    np.testing.assert_allclose(signal.timestamps, dataset["time"].values)
-    assert signal.unit == "kN"
+def test_mdf_holds_every_signal_over_time(folder: Path) -> None:
+    if not (folder / "result.mf4").exists():
+        pytest.skip("poses have no time")
+    frame, held = Result.load(folder).to_dataframe(), set()
+    with pytest.importorskip("asammdf").MDF(folder / "result.mf4") as file:
+        for group, index in (place for places in file.channels_db.values() for place in places):
+            signal = file.get(group=group, index=index)
+            held.add(signal.name)
+            if signal.name not in ("time", "t"):
+                np.testing.assert_array_equal(signal.samples, frame[signal.name].to_numpy(), err_msg=signal.name)
+                np.testing.assert_array_equal(signal.timestamps, frame["time_s"].to_numpy())
+                assert signal.unit == frame.attrs["units"].get(signal.name, signal.unit)
+    assert held - {"time", "t"} == set(frame.columns) - {"time_s"}
 
 
-def test_what_cannot_be_exported_is_one_sentence(folder: Path, tmp_path: Path) -> None:
-    answer = runner.invoke(app, ["export", str(folder), "--to", "matt"])
-    assert answer.exit_code == 2 and "'matt' is none of mat, csv, parquet, mdf (did you mean 'mat'?)" in answer.output
+def test_what_cannot_be_exported_is_one_sentence(tmp_path: Path) -> None:
     Result(static_poses()).save(tmp_path / "result.nc")
+    answer = runner.invoke(app, ["export", str(tmp_path), "--to", "matt"])
+    assert answer.exit_code == 2 and "'matt' is none of mat, csv, parquet, mdf (did you mean 'mat'?)" in answer.output
     answer = runner.invoke(app, ["export", str(tmp_path), "--to", "mdf"])
     assert answer.exit_code == 2 and "MDF keeps signals over time" in answer.output

@@ -15,7 +15,7 @@ from wrsim.scenario.loading import load_text
 
 POSES = "lateral_mm = [0, 5.06, 6.5]\nyaw_mrad = 5\nload_kN = 60\n"
 # off the rail, its end on it, two lobes, full overlap, flange; 1 N and 1 MN
-HARD = "lateral_mm = [-72, -60, 5.06, 8, 9]\nyaw_mrad = [0, -87, 87]\nload_kN = [0.001, 1000]\n"
+HARD = "lateral_mm = [-72, -60, 5.06, 8, 9]\nyaw_mrad = [{yaws}]\nload_kN = [0.001, 1000]\n"
 
 
 @cache
@@ -82,9 +82,10 @@ def test_angles_and_places_agree_with_the_strip_model():
     assert exact["width"].values[:, 0, 0] == pytest.approx(strips["width"].values[:, 0, 0], rel=0.2)
 
 
-@pytest.mark.parametrize("friction", [0, 2])
-def test_hard_poses_have_a_result_or_a_reason(friction):
-    d = solved('normal = "half-space"\nhalf_space = {resolution = 8}', HARD, friction)
+# two flanges at -87 mrad have a reason only; with friction they come to it in 20 s
+@pytest.mark.parametrize(("friction", "yaws"), [(0, "0, -87, 87"), (2, "0, 87")])
+def test_hard_poses_have_a_result_or_a_reason(friction, yaws):
+    d = solved('normal = "half-space"\nhalf_space = {resolution = 8}', HARD.format(yaws=yaws), friction)
     solved_ones = d["pose_message"].values == ""
     assert solved_ones.sum() >= 15
     assert any("beside its rail" in message for message in d["pose_message"].values)
