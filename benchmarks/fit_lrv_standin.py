@@ -30,7 +30,7 @@ from table2 import SCENARIO, comparison, ours, published
 
 from wrsim import InputError, SimulationError, load, run
 from wrsim.analysis.poses.static import run_static
-from wrsim.geometry.profile.models import ChainFile
+from wrsim.geometry.profile.file_kinds import ChainFile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.inputs.checking import check
 from wrsim.scenario.build import Setup, build

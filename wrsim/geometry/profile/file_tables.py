@@ -1,4 +1,4 @@
-"""The tables inside profile files (`wrsim.geometry.profile.models`), and the table of depths beside a worn one."""
+"""The tables inside profile files (`wrsim.geometry.profile.file_kinds`), and the table of depths beside a worn one."""
 
 from __future__ import annotations
 

@@ -1,0 +1,271 @@
+"""What stands in the TOML file of a profile, by its kind: shapes by formula, and files of points.
+
+The kind that starts from another profile is in `wrsim.geometry.profile.models`, which reads all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile.file_tables import (
+    MM,
+    ArcSection,
+    ChainArc,
+    ChainLine,
+    Coordinate,
+    Length,
+    LineSection,
+    Pair,
+    PolynomialSection,
+)
+from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, suffix_fault
+from wrsim.geometry.profile.profile import Kind, Profile
+from wrsim.geometry.profile.sections import Arc, Line, circle, cone, profile_from_sections, rail_head
+from wrsim.geometry.profile.sections import Section as Piece
+from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.values import Day, List, Source, Switch, number, positive, text
+
+
+class ProfileFile(Section):
+    """What every profile file says; `AnyProfileFile` lists the kinds."""
+
+    header: ClassVar[str] = "a profile file"
+    aliases: ClassVar[dict[str, str]] = {"kind": "type", "name": "title", "source": "reference"}
+
+    name: Annotated[str, text("the profile's name")]
+    """Name of the profile; it stands in pictures and messages."""
+    body: Kind
+    """Whose profile it is."""
+    kind: str
+    """How the shape is given; it decides which further keys the file takes."""
+    date: Day
+    """Day on which the file was written."""
+    source: Source
+    """Where the shape comes from."""
+
+    def build(self, path: Path) -> Profile:
+        """Make the profile; `path` is the file, for names relative to it."""
+        raise NotImplementedError
+
+
+# --- kind = "sections" --------------------------------------------------------------------------------
+
+
+Shape = Annotated[PolynomialSection | ArcSection | LineSection, Field(discriminator="shape")]
+
+
+class SectionsFile(ProfileFile):
+    """Lines, polynomials and arcs by centre."""
+
+    header: ClassVar[str] = 'a profile file with kind = "sections"'
+
+    kind: Literal["sections"]
+    """Lines, polynomials and arcs by centre."""
+    heights: Literal[*HEIGHTS] = "up"  # type: ignore[valid-type]
+    """Which way the file's heights grow."""
+    sections: List[Shape]
+    """The pieces, end to end, from either side."""
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`. Sections may be listed from either end."""
+        pieces = [s.piece(self.heights == "down") for s in self.sections]
+        if not pieces:
+            raise InputError("sections is empty; at least one [[sections]] table is needed")
+        pieces.sort(key=lambda s: float(s.evaluate(np.array([s.start]))[0][0, 0]))
+        return profile_from_sections(self.name, self.body, pieces, self.source)
+
+
+# --- kind = "chain" -----------------------------------------------------------------------------------
+
+
+class ChainFile(ProfileFile):
+    """Tangent lines and arcs; heights are shifted so that the curve passes through the origin."""
+
+    header: ClassVar[str] = 'a profile file with kind = "chain"'
+
+    kind: Literal["chain"]
+    """Tangent lines and arcs."""
+    start_mm: Coordinate
+    """Where the chain begins, outward from the origin."""
+    start_angle_deg: Annotated[float, number(-180.0, 180.0)]
+    """Angle of the tangent there, positive where the curve rises outward."""
+    pieces: List[Annotated[ChainLine | ChainArc, Field(discriminator="shape")]]
+    """Lines and arcs, each tangent to the one before, outward."""
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`."""
+        if not self.pieces:
+            raise InputError("pieces is empty; at least one [[pieces]] table is needed")
+        place, angle = np.array([self.start_mm * MM, 0.0]), np.radians(self.start_angle_deg)
+        chain: list[Piece] = []
+        for i, piece in enumerate(self.pieces):
+            if isinstance(piece, ChainLine):
+                end = place + piece.length_mm * MM * np.array([np.cos(angle), np.sin(angle)])
+                chain.append(Line(place[0], place[1], end[0], end[1]))
+            else:
+                last = np.radians(piece.to_angle_deg)
+                if abs(last - angle) < 1e-9:
+                    raise InputError(
+                        f"pieces[{i}].to_angle_deg = {piece.to_angle_deg:g}: the curve has this angle "
+                        "already; must differ, or the piece be a line"
+                    )
+                radius = piece.radius_mm * MM
+                side = np.sign(last - angle) * radius * np.array([-np.sin(angle), np.cos(angle)])
+                chain.append(Arc(place[0] + side[0], place[1] + side[1], radius, angle, last))
+                end, angle = chain[-1].evaluate(np.array([chain[-1].end]))[0][0], last
+            place = end
+        profile = profile_from_sections(self.name, self.body, chain, self.source)
+        return profile.shifted(dw=-float(profile.at(profile.arclength_of(0.0))[1]))
+
+
+# --- the simple kinds ---------------------------------------------------------------------------------
+
+
+class RailHeadFile(ProfileFile):
+    """Tangent arcs from the crown outward and straight sides."""
+
+    header: ClassVar[str] = 'a profile file with kind = "rail-head"'
+
+    kind: Literal["rail-head"]
+    """A symmetric rail head."""
+    radii_mm: List[Annotated[float, positive(1e4)]]
+    """Radii of the arcs from the crown outward."""
+    half_widths_mm: List[Annotated[float, positive(1e3)]]
+    """Where each arc but the last ends, from the middle of the rail."""
+    side_slope: Annotated[float, number(0.0, 1.0, "1:20 is 0.05")]
+    """Slope of the sides from the vertical."""
+    depth_mm: Length
+    """How far the sides reach below the top."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """One half width for every radius but the last."""
+        if not self.radii_mm:
+            yield Fault("radii_mm", "must hold at least one radius, from the crown outward")
+        elif len(self.half_widths_mm) != len(self.radii_mm) - 1:
+            yield Fault(
+                "half_widths_mm",
+                f"must hold {len(self.radii_mm) - 1} numbers, where each arc of radii_mm but the last ends",
+            )
+        if self.body != "rail":
+            yield Fault("body", 'must be "rail" for this kind')
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`."""
+        radii = [r * MM for r in self.radii_mm]
+        widths = [b * MM for b in self.half_widths_mm]
+        return rail_head(self.name, radii, widths, self.side_slope, self.depth_mm * MM, self.source)
+
+
+class ConeFile(ProfileFile):
+    """A straight line through the tape circle."""
+
+    header: ClassVar[str] = 'a profile file with kind = "cone"'
+
+    kind: Literal["cone"]
+    """A straight line."""
+    conicity: Annotated[float, number(-1.0, 1.0, "1:20 is 0.05")]
+    """Slope of the line; positive: the radius grows towards the flange."""
+    from_mm: Coordinate
+    """Where the line begins, outward from the tape circle."""
+    to_mm: Coordinate
+    """Where it ends."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """From left to right."""
+        if self.to_mm <= self.from_mm:
+            yield Fault("to_mm", f"must be above from_mm = {self.from_mm:g}")
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`."""
+        return cone(self.name, self.body, self.conicity, self.from_mm * MM, self.to_mm * MM, self.source)
+
+
+class CircleFile(ProfileFile):
+    """One arc, horizontal at the origin."""
+
+    header: ClassVar[str] = 'a profile file with kind = "circle"'
+
+    kind: Literal["circle"]
+    """One arc."""
+    radius_mm: Annotated[float, number(-1e5, 1e5, "positive: convex upward, negative: hollow")]
+    """Radius of the arc."""
+    half_width_mm: Length
+    """How far the arc reaches on either side of the origin."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """Less than half a circle."""
+        if not self.half_width_mm < abs(self.radius_mm):
+            yield Fault("half_width_mm", f"must be a number below the radius, {abs(self.radius_mm):g}")
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`."""
+        return circle(self.name, self.body, self.radius_mm * MM, self.half_width_mm * MM, self.source)
+
+
+# --- kind = "points" ----------------------------------------------------------------------------------
+
+
+class PointsFile(ProfileFile):
+    """A file of points beside it."""
+
+    header: ClassVar[str] = 'a profile file with kind = "points"'
+
+    kind: Literal["points"]
+    """A file of points."""
+    file: Annotated[str, text("the name of a file of points, relative to this file,")]
+    """The points: two columns, SIMPACK or MiniProf."""
+    format: Literal[*PROFILE_FILES] | None = None  # type: ignore[valid-type]
+    """How the file is to be read; left out, its suffix tells."""
+    measured: Switch | None = None
+    """Whether points are measured, so smoothed, or exact, so interpolated; left out: MiniProf is measured."""
+    cutoff_mm: Annotated[float, positive(100.0)] | None = None
+    """Length of the waves that smoothing halves; left out: 5 mm."""
+    unit: Literal["mm", "m", "in"] | None = None
+    """Unit of the coordinates; left out: what the file says, or mm."""
+    heights: Literal[*HEIGHTS] | None = None  # type: ignore[valid-type]
+    """Which way the file's heights grow; left out: what the file says, or its shape."""
+    field_side: Literal[*SIDES] | None = None  # type: ignore[valid-type]
+    """Sign of the file's lateral coordinates on the field side; left out: by the flange, of rails positive."""
+    clip_mm: Pair | None = None
+    """Only points between these two u are kept, after turning."""
+    turn_mrad: Annotated[float, number(-3200.0, 3200.0)] = 0.0
+    """Turn about the origin, positive: top towards the track centre."""
+    shift_mm: Pair = (0.0, 0.0)
+    """Moves the profile outward and up, last of all."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """Suffix or format tell what stands where; a cut-off is for measurements; a clip goes from left to right."""
+        if self.format is None and (fault := suffix_fault(Path(self.file))):
+            yield Fault("file", f"{fault}, or name the format")
+        if self.measured is False and self.cutoff_mm is not None:
+            yield Fault("cutoff_mm", "is for measured profiles; must be left out with measured = false")
+        if self.clip_mm is not None and not self.clip_mm[0] < self.clip_mm[1]:
+            yield Fault("clip_mm", "must be two rising numbers: [from u, to u]")
+
+    def build(self, path: Path) -> Profile:
+        """See `ProfileFile`."""
+        return self.reading(path).profile()
+
+    def reading(self, path: Path) -> Reading:
+        """The points, not yet a profile."""
+        return read_points(
+            path.parent / self.file,
+            self.body,
+            format=self.format,
+            name=self.name,
+            source=self.source,
+            measured=self.measured,
+            cutoff=None if self.cutoff_mm is None else self.cutoff_mm * MM,
+            unit=self.unit,
+            heights=self.heights,
+            field_side=self.field_side,
+            clip=None if self.clip_mm is None else (self.clip_mm[0] * MM, self.clip_mm[1] * MM),
+            turn=1e-3 * self.turn_mrad,
+            shift=(self.shift_mm[0] * MM, self.shift_mm[1] * MM),
+        )
