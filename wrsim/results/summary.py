@@ -183,7 +183,9 @@ def peak(
     """
     if name not in dataset:
         return None
-    data = dataset[name] if wheel is None else dataset[name].sel(wheel=wheel)
+    data = dataset.variables[name]  # its labels, carried along, take most of the time
+    if wheel is not None:
+        data = data.isel(wheel=int(np.flatnonzero(dataset.variables["wheel"].values == wheel)[0]))
     values = data.values.reshape(data.shape[0], int(np.prod(data.shape[1:])))
     finite = np.isfinite(values)
     if not finite.any():
@@ -250,8 +252,8 @@ def _median(data: xr.DataArray, channel: Channel) -> float | None:
 def _place(dataset: xr.Dataset, index: int) -> dict[str, Any]:
     if "pose" in dataset.dims:
         return {"pose": str(dataset["pose"].values[index])}
-    place = {"distance_m": float(dataset["distance"].values[index])} if "distance" in dataset.coords else {}
-    return place | {"time_s": float(dataset["time"].values[index])}
+    place = {"distance_m": float(dataset.variables["distance"][index])} if "distance" in dataset.coords else {}
+    return place | {"time_s": float(dataset.variables["time"][index])}
 
 
 def _wheel(dataset: xr.Dataset, wheel: str) -> dict[str, Any]:
