@@ -8,14 +8,18 @@ from math import atan, cos, hypot, sin, sqrt
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from support.contacts import PLAIN, RADIUS, contact_model, numbers, rail_profile, wheel_profile
 from support.crossings import CROSSING, crossing, lifted, turning
+from support.kernels import branches_that_cross
 
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model as model_of
+from wrsim.core.track.felt_rail import unfold
 from wrsim.errors import InputError
 from wrsim.geometry.profile.sections import circle
+from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.rolled_rail import rolled_rail
 
 CROWN = circle("crown", "rail", 0.3, 0.02)
@@ -86,10 +90,26 @@ def test_sections_that_are_alike_are_the_plain_rail() -> None:
     np.testing.assert_allclose(numbers(alike), numbers(plain), rtol=1e-9)
 
 
+def test_what_is_joined_between_sections_has_its_own_tangents_and_curvature() -> None:
+    """A hump that moves along the profile from section to section and grows, at uneven distances."""
+    places = np.array([-0.4, -0.2, -0.12, -0.05, 0.0, 0.03, 0.1, 0.2, 0.4])
+    rail = rail_profile("60E1", 40)
+    moved = (rail.rotated(0.05 * float(np.sin(9.0 * s))).shifted(2e-3 * s, 1e-3 * s * s) for s in places)
+    surface = RailSurface("moved", tuple(RailSection(float(s), own) for s, own in zip(places, moved, strict=True)))
+    for piece in surface.pieces:
+        for s in (-0.15, -0.02, 0.014, 0.06):
+            rows = piece.spline(s)
+            along = CubicSpline(np.arange(len(rows)), rows[:, :2])(np.arange(len(rows)), 1)
+            normal = np.column_stack((-rows[:, 3], rows[:, 2])) / np.hypot(rows[:, 2], rows[:, 3])[:, None]
+            off = (along * normal).sum(axis=1) / np.hypot(*along.T)
+            # what is left are the steps of the rows' distance at features and the profile's jumps of curvature
+            assert np.median(np.abs(off)) < 1e-5 and np.percentile(np.abs(off), 95.0) < 3e-3
+        jumps = piece.spline(places[1:-1] + 1e-9, 2) - piece.spline(places[1:-1] - 1e-9, 2)
+        assert np.abs(jumps).max() < 1e-3
+
+
 @pytest.mark.parametrize(("lateral", "yaw"), [(0.0, 0.0), (6e-3, 0.0), (6e-3, 0.01)])
 def test_far_from_where_it_changes_a_rail_is_the_plain_one(lateral: float, yaw: float) -> None:
-    # at yaw the shifts of strips along a rail of sections do not count in their influence on each other
-    share = {"N": 1e-3, "p0": 3e-3, "approach": 1e-3} if yaw == 0.0 else {"N": 0.015, "p0": 0.015, "approach": 1e-3}
     wheel, rail = wheel_profile("S1002"), rail_profile("60E1", 40)
     surface = lifted(rail, EVEN, np.where(EVEN > 0.9, 1e-3, 0.0))
     own = on(surface, wheel=wheel, strips=20)
@@ -97,7 +117,7 @@ def test_far_from_where_it_changes_a_rail_is_the_plain_one(lateral: float, yaw: 
     plain, origin = on_60e1("strips", lateral, axle)
     one, other = plain.evaluate(origin, axle), own.evaluate(origin, axle, place=-0.5)
     assert len(one.patches) == len(other.patches)
-    for name, most in share.items():
+    for name, most in (("N", 1e-3), ("p0", 3e-3), ("approach", 1e-3)):
         assert other.patches[name] == pytest.approx(one.patches[name], rel=most)
     assert other.patches["x"] == pytest.approx(one.patches["x"], abs=1e-6)
 
@@ -163,6 +183,33 @@ def test_the_exact_solver_knows_no_rail_that_changes(ramp) -> None:
 # --- a real crossing ----------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("anchor", [0, 60])
+def test_what_runs_on_below_the_other_branch_is_left_out(anchor: int) -> None:
+    keep = np.zeros(61, dtype=bool)
+    unfold(branches_that_cross(61), anchor, -1.0, keep)
+    assert (keep == (np.abs(np.linspace(-1.2, 1.2, 61)) > sqrt(0.75))).all()
+
+
+def test_the_felt_section_is_the_upper_envelope_where_branches_cross() -> None:
+    """The wing's outer corner moves outward: what is felt of it ahead and behind crosses with a notch between them."""
+    if not CROSSING.exists():
+        pytest.skip("the reference folder is not beside the project")
+    surface = crossing(-0.3, -0.1)
+    felt = rolled_rail(surface, RADIUS)
+    u = np.linspace(0.015, 0.034, 400)
+    for s in (-0.2434, -0.1604, -0.1438):
+        highest = np.full(u.size, -1.0)
+        for x in np.linspace(-0.04, 0.04, 801):
+            for piece in surface.pieces:
+                rows = piece.spline(s + x)
+                top = rows[rows[:, 1] > -5e-3]
+                drop = RADIUS - sqrt(RADIUS**2 - x**2)
+                highest = np.maximum(highest, np.interp(u, top[:, 0], top[:, 1], -1.0, -1.0) - drop)
+        rows = felt.section(s)
+        rows = rows[rows[:, 1] > -5e-3]
+        assert np.interp(u, rows[:, 0], rows[:, 1]) == pytest.approx(highest, abs=1e-5)
+
+
 @pytest.fixture(scope="module")
 def over_the_crossing() -> ContactModel:
     if not CROSSING.exists():
@@ -191,35 +238,27 @@ def test_the_load_passes_from_wing_to_nose_as_in_contact(over_the_crossing: Cont
     for lateral in dict.fromkeys(row["y_ws_mm"] for row in rows):
         own = [row for row in rows if row["y_ws_mm"] == lateral]
         contact, sunk = at_rest(over_the_crossing, 1e-3 * float(lateral), 1e4, 0.239)
-        assert 1e3 * sunk == pytest.approx(float(own[0]["z_ws_mm"]), abs=0.002)
+        assert 1e3 * sunk == pytest.approx(float(own[0]["z_ws_mm"]), abs=0.0005)
         for row in own:
             y = 1e-3 * float(row["y_tr_mm"]) - 0.75
             patch = min(contact.patches, key=lambda p: abs(p["o"] - y))
             place = 1e-3 * np.array([float(row["x_tr_mm"]), 0.0, -float(row["z_tr_mm"])])
-            assert hypot(patch["o"] - y, patch["x"] - place[0], patch["b"] - place[2]) < 1e-3
-            assert patch["N"] == pytest.approx(float(row["Fn_N"]), abs=200.0)
-            # of the nose, where it carries enough; the wing is touched where its curvature jumps: 13 % off
-            if patch["o"] < 0.0 and patch["N"] > 3e3:
-                assert patch["p0"] == pytest.approx(1e6 * float(row["pmax_MPa"]), rel=0.05)
+            assert hypot(patch["o"] - y, patch["x"] - place[0], patch["b"] - place[2]) < 3e-4
+            assert patch["N"] == pytest.approx(float(row["Fn_N"]), abs=100.0)
+            # of the nose, where it carries enough. The wing's patch lies slanted where its curvature changes: 9 %
+            if patch["o"] > 0.0 or patch["N"] > 3e3:
+                off = 0.03 if patch["o"] < 0.0 else 0.09
+                assert patch["p0"] == pytest.approx(1e6 * float(row["pmax_MPa"]), rel=off)
 
 
 def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact(over_the_crossing: ContactModel) -> None:
     """CONTACT's numbers: shared reference, crossing_56e1/README.md. 1 um sideways moves 150 N from one to the other."""
-
-    def contact(lateral: float) -> Contact:
-        return at_rest(over_the_crossing, lateral, 1e4, 0.16)[0]
-
-    def wing(lateral: float) -> float:
-        return sum(float(patch["N"]) for patch in contact(lateral).patches if patch["o"] > 0.0)
-
-    lateral = brentq(lambda y: wing(y) - 6171.0, 3.5e-3, 3.54e-3, xtol=1e-9)
-    assert lateral == pytest.approx(3.52e-3, abs=2.5e-6)
-    patches = contact(lateral).patches
-    nose = min(patches, key=lambda p: p["o"])
-    on_wing = max((p for p in patches if p["o"] > 0.0), key=lambda p: p["N"])
-    assert nose["N"] == pytest.approx(4790.0, rel=0.01)
-    for patch, y, p0 in ((nose, 718.20, 1584e6), (on_wing, 782.08, 635e6)):
+    patches = at_rest(over_the_crossing, 3.52e-3, 1e4, 0.16)[0].patches
+    assert len(patches) == 2
+    for o, y, force, p0 in ((-1.0, 718.20, 4790.0, 1584e6), (1.0, 782.08, 6171.0, 635e6)):
+        patch = next(p for p in patches if p["o"] * o > 0.0)
         assert 750.0 + 1e3 * patch["o"] == pytest.approx(y, abs=0.2)
+        assert patch["N"] == pytest.approx(force, abs=200.0)
         assert patch["p0"] == pytest.approx(p0, rel=0.05)
 
 

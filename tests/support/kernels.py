@@ -33,6 +33,7 @@ from wrsim.core.contact.normal.elliptic import k_minus_e
 from wrsim.core.contact.strips.changes import leave
 from wrsim.core.contact.strips.records import FACTORS, System, X
 from wrsim.core.contact.strips.solution import solve, substitute
+from wrsim.core.track.felt_rail import unfold
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
@@ -129,6 +130,9 @@ def contact_cases() -> dict[str, list[float]]:
         found[f"rail of sections, {normal}"] = numbers(model.evaluate((0.0, 0.0, 0.4593), place=0.02))
         yawed = model.evaluate((0.0, 1e-4, 0.4593), (-0.01, sqrt(1.0 - 1e-4), 0.0), place=0.021)
         found[f"rail of sections, {normal}, yawed"] = numbers(yawed)
+    keep = np.zeros(61, dtype=bool)
+    unfold(branches_that_cross(61), 0, -1.0, keep)
+    found["branches that cross"] = keep.astype(float).tolist()
     along = FrictionAlong((0.0, 1.0, 2.0), (Friction(0.4), FRICTION, Friction(0.1)))
     model = contact_model(circle("round", "wheel", -0.5, 0.003), crown, 0.46, ContactSettings(strips=6, cells=4), along)
     for place in (-1.0, 0.3, 1.0, 1.7, 3.0):
@@ -136,6 +140,14 @@ def contact_cases() -> dict[str, list[float]]:
         found[f"friction along the rail, {place:g}"] = numbers(rolling)
     found["integral"] = [k_minus_e(0.3, 0.7)]
     return found
+
+
+def branches_that_cross(count: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Rows (u, w, tangent) of a curve parallel to a parabola, beyond its centre of curvature: branches cross at u = 0,
+    half way between the ends of a loop at t = -.866 and .866 of -1.2 to 1.2 along it."""
+    t = np.linspace(-1.2, 1.2, count)
+    root = np.sqrt(1.0 + 4.0 * t * t)
+    return np.column_stack((t - 2.0 * t / root, t * t + 1.0 / root, 1.0 / root, 2.0 * t / root))
 
 
 def _unsettled(model: ContactModel) -> list[float]:

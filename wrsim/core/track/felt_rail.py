@@ -8,6 +8,7 @@ from wrsim.core.root import interval
 
 PLACES = 61  # at least, at which a contact is looked for before it is found to round-off
 FALL = 3.0  # slope with which a piece falls off behind its ends
+LONGEST_LOOP = 100  # rows that run backwards where two branches cross
 
 
 class Felt(NamedTuple):
@@ -118,7 +119,8 @@ def felt_rows(c, knots, ends, s, radius, reach, out):
 def unfold(rows, anchor, lowest, keep):
     """Mark in ``keep`` (n,) the rows that follow each other from the anchor to both sides, down to a height.
 
-    Where two branches of the felt section cross, rows run backwards: these are left out.
+    Where two branches of the felt section cross, rows run on beneath the other branch, backwards, and forwards again
+    on that one: what lies beyond the crossing on the first and before it on the second is left out.
     """
     keep[:] = False
     keep[anchor] = True
@@ -130,4 +132,36 @@ def unfold(rows, anchor, lowest, keep):
             if forward > 1e-6 and du * rows[i, 2] + dw * rows[i, 3] > 1e-6:
                 keep[i] = True
                 last = i
+            elif (i - last) * way <= LONGEST_LOOP:
+                back = _crossed(rows, i, way, anchor, keep)
+                if back != i:
+                    k = last
+                    while k != back:
+                        keep[k] = False
+                        k -= way
+                    last = back
             i += way
+
+
+@kernel
+def _crossed(rows, i, way, anchor, keep):
+    """The last row that is kept before the way from row i to the next crosses what is kept; i if it does not."""
+    if not 0 <= i + way < rows.shape[0]:
+        return i
+    au, aw, bu, bw = rows[i, 0], rows[i, 1], rows[i + way, 0], rows[i + way, 1]
+    before = i
+    k, steps = i - way, 0
+    while (k - anchor) * way >= 0 and steps < 2 * LONGEST_LOOP:
+        if keep[k]:
+            if before != i:
+                cu, cw, du, dw = rows[k, 0], rows[k, 1], rows[before, 0], rows[before, 1]
+                one = (bu - au) * (cw - aw) - (bw - aw) * (cu - au)
+                other = (bu - au) * (dw - aw) - (bw - aw) * (du - au)
+                third = (du - cu) * (aw - cw) - (dw - cw) * (au - cu)
+                fourth = (du - cu) * (bw - cw) - (dw - cw) * (bu - cu)
+                if one * other < 0.0 and third * fourth <= 0.0:
+                    return k
+            before = k
+        k -= way
+        steps += 1
+    return i

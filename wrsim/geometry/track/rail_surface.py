@@ -6,9 +6,9 @@ every section, so that corner is joined to corner. A feature that lies deeper th
 rail on both sides of it, is a gap: it parts the rail into pieces, as the nose of a crossing and its wing rail. A piece
 that has no length in a section does not exist there.
 
-Along s the points of a piece and their tangents are joined by cubics without overshoot (F. N. Fritsch and J. Butland,
-SIAM Journal on Scientific and Statistical Computing 5, 1984). Before the first and behind the last section the rail
-stays as it is there; a piece that begins or ends between sections falls off steeply."""
+Along s the points of a piece and their tangents are joined by cubic splines, held back at steps as in F. N. Fritsch and
+R. E. Carlson, SIAM Journal on Numerical Analysis 17, 1980. Before the first and behind the last section the rail stays
+as it is there; a piece that begins or ends between sections falls off steeply."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Array, Profile
@@ -29,6 +29,8 @@ DEEP = 0.038
 """No wheel comes deeper below the highest point [m]."""
 SHORTEST = 1e-4
 """A piece below this length [m] does not exist."""
+STEEPEST_OVER = 3.0
+"""Largest slope over the smaller secant beside it: a cubic between two numbers does not overshoot then."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,10 +185,39 @@ def _rows(section: RailSection, first: int, counts: NDArray[np.int64]) -> Array:
 
 
 def _joined(s: Array, rows: Array, open_ends: tuple[bool, bool]) -> PPoly:
-    """Cubics through rows (sections, n, 4) at s; level at the ends where the rail goes on as it is."""
-    inner = PchipInterpolator(s, rows, axis=0)
-    slopes = inner(s, 1)
+    """Cubics through rows (sections, n, 4) at s; level at the ends where the rail goes on as it is.
+
+    The rail's curvature along the track enters the contact, so cubics meet with the same second derivative. Not so at a
+    step: a section whose slope would be far larger than a secant beside it, all rows together, takes that of the
+    parabola through it and its neighbours, held back. Rows are held back alike: so what lies between sections is a sum
+    of shares of them, and the tangents that are joined are its own tangents.
+    """
+    gaps = np.diff(s)
+    secants = np.diff(rows, axis=0) / gaps[:, None, None]
+    sizes = _size(secants)
+    most = STEEPEST_OVER * np.minimum(sizes[:-1], sizes[1:])
+    share = (gaps[1:] / (gaps[:-1] + gaps[1:]))[:, None, None]
+    inner = share * secants[:-1] + (1.0 - share) * secants[1:]
+    inner *= np.minimum(most / np.maximum(_size(inner), 1e-30), 1.0)[:, None, None]
+    at_steps = np.concatenate((secants[:1], inner, secants[-1:]))
     for end, loose in zip((0, -1), open_ends, strict=True):
         if not loose:
-            slopes[end] = 0.0
-    return CubicHermiteSpline(s, rows, slopes)
+            at_steps[end] = 0.0
+    steps = np.zeros(s.size, dtype=bool)
+    steps[[0, -1]] = True
+    while True:
+        slopes = at_steps.copy()
+        for first, last in pairwise(np.flatnonzero(steps).tolist()):
+            if last > first + 1:
+                own = slice(first, last + 1)
+                ends = ((1, at_steps[first]), (1, at_steps[last]))
+                slopes[first + 1 : last] = CubicSpline(s[own], rows[own], bc_type=ends)(s[own][1:-1], 1)
+        more = np.append(np.append(False, _size(slopes[1:-1]) > most), False) & ~steps
+        if not more.any():
+            return CubicHermiteSpline(s, rows, slopes)
+        steps |= more
+
+
+def _size(rates: Array) -> Array:
+    """Root of the mean square of the points' rates, of every section."""
+    return np.asarray(np.sqrt((rates[:, :, :2] ** 2).mean(axis=(1, 2))))

@@ -88,10 +88,7 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
             one, other = grid.deepest, system.grids[g + 1].deepest
             grid.link = LINK * rise(grid.bond, LINKED) * rise(min(one, other) / max(one, other), ALIKE)
     set_fading(system)
-    if changes(rail):
-        memo.shifted = 0  # the places at which such a rail is touched are no locus of one wheel
-    else:
-        set_shifts(system)
+    set_shifts(system)
     return status
 
 
