@@ -22,7 +22,8 @@ forces = result.plot("Y", "Q")
 
 # %%
 # The contact angle is not one number: it varies over a patch that bends around the gauge corner.
-angles = result.plot("contact_angle")
+# The overview shows its range as a band.
+angles = result.plot("overview")
 
 # %%
 # One patch as arrays, the one with the largest force. ``s`` is the curved axis, ``x`` the rolling direction; all in SI

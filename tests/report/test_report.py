@@ -247,6 +247,23 @@ def test_the_charts_answer_with_the_envelope_of_the_dataset(
     assert chromium.complaints() == []
 
 
+def test_quantities_stay_in_sight_where_their_table_is_scrolled(chromium: Browser, page: str, tmp_path: Path) -> None:
+    """On a telephone the assessment is wider than the page: its last column comes into sight, the first one stays."""
+    file = tmp_path / "report.html"
+    file.write_text(page)
+    chromium.open(file, width=500)
+    places = """
+        const table = document.querySelector(".assessment"), box = table.closest(".wide");
+        box.scrollLeft = 1e5;
+        const edges = (element) => { const r = element.getBoundingClientRect(); return [r.left, r.right]; };
+        return [box, table.querySelector("tbody th"), table.querySelector("tbody tr td:last-child")].map(edges);
+    """
+    box, quantity, last = chromium.run(places)
+    assert quantity[0] == pytest.approx(box[0], abs=1.0) and quantity[1] < last[1]
+    assert last[1] == pytest.approx(box[1], abs=1.0)
+    assert chromium.run("return document.querySelector('.assessment').closest('.wide').scrollLeft > 50")
+
+
 def test_texts_of_users_run_nothing(chromium: Browser, curve: Result, tmp_path: Path) -> None:
     evil = replace(curve, dataset=curve.dataset.assign_attrs(title=EVIL, scenario_text=EVIL))
     file = tmp_path / "report.html"
