@@ -1,6 +1,6 @@
 """A coach runs over the nose of a crossing: peak wheel force against speed, and how it changes with the step.
 
-    python benchmarks/crossing.py --speeds 10 40 100 [--steps-us 50 25] [--json]
+    python benchmarks/crossing.py --speeds 10 20 40 60 80 100 [--steps-us 100 50] [--json] [--picture crossing.png]
 
 The crossing 56E1-R245-1:9.25 is read from the reference folder beside the project and stands in the right rail of
 straight track. Forces are those of the leading right wheel, unfiltered, at every step: the blow is over after some
@@ -17,6 +17,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
@@ -62,12 +63,31 @@ def peak(table: Path, speed: float, step_us: int) -> dict[str, Any]:
     }
 
 
+def draw(rows: list[dict[str, Any]], picture: Path) -> None:
+    """Peak and least force over speed, a line for every step."""
+    figure = Figure(figsize=(6.5, 4.0), layout="constrained")
+    axes = figure.subplots()
+    steps = sorted({row["step_us"] for row in rows}, reverse=True)
+    for step_us, style in zip(steps, ("o-", "x--", "+:", "s-."), strict=False):
+        own = sorted((row for row in rows if row["step_us"] == step_us), key=lambda row: row["speed_kmh"])
+        speeds = [row["speed_kmh"] for row in own]
+        for name, colour in (("peak_kN", "C3"), ("least_kN", "C0")):
+            words = f"{'largest' if name == 'peak_kN' else 'least'}, steps of {step_us:g} us"
+            axes.plot(speeds, [row[name] for row in own], style, color=colour, label=words)
+    axes.axhline(rows[0]["static_kN"], color="0.5", lw=0.8, label="on the plain rail")
+    axes.set(xlabel="speed [km/h]", ylabel="force of the leading right wheel [kN]", xlim=(0.0, None), ylim=(0.0, None))
+    axes.grid(alpha=0.3)
+    axes.legend()
+    figure.savefig(picture, dpi=150)
+
+
 def main() -> None:
     """Print a table, or with --json one line."""
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--speeds", nargs="+", type=float, default=[10.0, 40.0, 100.0])
-    options.add_argument("--steps-us", nargs="+", type=int, default=[50, 25])
+    options.add_argument("--speeds", nargs="+", type=float, default=[10.0, 20.0, 40.0, 60.0, 80.0, 100.0])
+    options.add_argument("--steps-us", nargs="+", type=int, default=[100, 50])
     options.add_argument("--json", action="store_true")
+    options.add_argument("--picture", type=Path, help="peak over speed, for every step")
     asked = options.parse_args()
     rows = []
     folder = TemporaryDirectory()
@@ -84,6 +104,8 @@ def main() -> None:
                     f"static {row['static_kN']:.2f} ({row['status']})",
                     flush=True,
                 )
+    if asked.picture is not None:
+        draw(rows, asked.picture)
     if asked.json:
         print(json.dumps({"crossing": rows}))
 

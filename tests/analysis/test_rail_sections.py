@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 import zlib
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,8 @@ from wrsim.scenario.build import build
 from wrsim.scenario.loading import load, load_text
 
 NEW, WORN = "rails/60E1.toml", "rails/60E1_worn.toml"
+END = 1e3 * load_profile(shipped_models() / NEW).length
+"""Of the new rail's profile [mm]."""
 
 
 def section(at: float, rail: str = NEW, **more: Any) -> dict[str, Any]:
@@ -99,6 +102,20 @@ def test_the_exact_solver_refuses_rails_that_change(lowered: Result) -> None:
         resolve(lowered, scenario)
 
 
+def test_a_wheel_that_drops_into_a_gap_says_where() -> None:
+    """One metre without a rail: a floor 50 mm lower."""
+    gap = [section(s, down_mm=50.0 * (5.0 < s < 6.0)) for s in (4.0, 5.0, 5.01, 5.99, 6.0, 7.0)]
+    values = {"track.rail_sections": gap, "run.start_distance_m": 4.7, "run.distance_m": 1.5, "output.patches_at_m": []}
+    own = run(load(SCENARIOS / "rail_states.toml").with_values(values | {"vehicle.speed_kmh": 30} | FAST))
+    assert own.status == "stopped"
+    found = re.search(
+        r"wheel has dropped into a gap of its rail, or beside it, at .* ([\d.]+) m along the track", own.stop_reason
+    )
+    assert found and 5.0 < float(found[1]) < 5.6
+    lifted = own.dataset["event_label"].values.tolist()
+    assert any("is lifted" in words for words in lifted)
+
+
 def table(path: Path, heights: dict[float, float], features: str = "1 2") -> Path:
     """Points of a new rail, a quarter of a millimetre apart, at places [m] moved up [mm]; features on its top."""
     rail = load_profile(shipped_models() / NEW)
@@ -171,6 +188,19 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
     (
         {"track.rail_sections": [section(5.0, features_mm=[0.5]), *(section(s, features_mm=[0]) for s in (6.0, 7.0))]},
         "is there in 1 sections; it must be there in two or more that follow each other",
+    ),
+    (
+        {"track.rail_sections": [section(s, features_mm=[f]) for s, f in ((4.0, END), (5.0, END), (5.3, 0), (7.0, 0))]},
+        "rail 'left rail': has a gap of 0.3 m from 5 to 5.3 m, where one side of feature 1 has ended",
+    ),
+    (
+        {
+            "track.rail_sections": [
+                section(s, features_mm=f, down_mm=50 if 5.05 < s < 5.25 else 0)
+                for s, f in ((4.0, [END, END]), (5.0, [END, END]), (5.1, [0, END]), (5.2, [0, END]), (5.3, [0, 0]))
+            ]
+        },
+        "rail 'left rail': has a gap of 0.1 m from 5 to 5.1 m",
     ),
     ({"track.rail_sections": [{"at_m": 5.0}, section(6.0)]}, "or give table"),
     ({"track.rail_sections": [section(5.0, table="a.csv"), section(6.0)]}, "cannot stand next to rail"),

@@ -44,7 +44,7 @@ class Wheel:
         pose = self.model.arrays.pose
         height = pose.item(2) - self.level
         if height < -DROP:
-            return OffRail(self.wheelset, self.side, "dropped")
+            return OffRail(self.wheelset, self.side, "dropped" if self.model.rolled is None else "sunk")
         if self.tip is not None and self._outward(pose, self.tip) > self.face:
             return OffRail(self.wheelset, self.side, "climbed", height)
         return None

@@ -15,13 +15,14 @@ Side = Literal["left", "right", "outer", "inner"]
 class OffRail:
     """A wheel that has left its rail.
 
-    how: its flange has climbed over the rail, lifting it by ``amount`` [m]; it has dropped beside the rail; or it has
-    had no contact for ``amount`` [m], 0 where nothing is known of the way.
+    how: its flange has climbed over the rail, lifting it by ``amount`` [m]; it has dropped beside the rail, or sunk
+    beside one that changes along the track or into a gap of it; or it has had no contact for ``amount`` [m], 0 where
+    nothing is known of the way.
     """
 
     wheelset: str
     side: str
-    how: Literal["climbed", "dropped", "no contact"]
+    how: Literal["climbed", "dropped", "sunk", "no contact"]
     amount: float = 0.0
 
 

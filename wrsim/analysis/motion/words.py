@@ -35,6 +35,8 @@ def off_rail_words(outcome: OffRail, vehicle: Vehicle) -> str:
         return f"the flange of {wheel} has climbed over its rail (lifted by {1e3 * outcome.amount:.0f} mm)"
     if outcome.how == "dropped":
         return f"{wheel} has dropped beside its rail"
+    if outcome.how == "sunk":
+        return f"{wheel} has dropped into a gap of its rail, or beside it"
     if outcome.amount > 0.0:
         return f"{wheel} has had no contact with its rail for {outcome.amount:.2f} m"
     return f"{wheel} has no contact with its rail"

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from hashlib import sha256
 from itertools import pairwise
 
 import numpy as np
@@ -31,6 +32,9 @@ SHORTEST = 1e-4
 """A piece below this length [m] does not exist."""
 STEEPEST_OVER = 3.0
 """Largest slope over the smaller secant beside it: a cubic between two numbers does not overshoot then."""
+
+PARTS = ("arclength", "u", "w", "angle", "curvature_before", "curvature_after")
+"""Arrays that make a profile."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +86,28 @@ class RailSurface:
                     + ", ".join(f"{1e3 * f:.6g}" for f in own.features)
                 )
         count = self._lengths.shape[1]
+        for feature in range(1, count):
+            self._check_carried(feature)
         starts = [0, *(k for k in range(1, count) if self._is_gap(k)), count]
         parts = [part for part in pairwise(starts) if not self._is_floor(*part)]
         object.__setattr__(self, "pieces", tuple(self._piece(*part) for part in parts))
+
+    def __eq__(self, other: object) -> bool:
+        """Whether sections lie at the same places and are alike to the bit, so that tables serve several runs."""
+        return isinstance(other, RailSurface) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    @cached_property
+    def _content(self) -> bytes:
+        """A digest of all that makes the surface."""
+        digest = sha256(self.name.encode())
+        for own in self.sections:
+            digest.update(np.array([own.distance, *own.edges]).tobytes())
+            for part in PARTS:
+                digest.update(getattr(own.profile, part).tobytes())
+        return digest.digest()
 
     @property
     def start(self) -> float:
@@ -105,9 +128,8 @@ class RailSurface:
     def constant(self) -> Profile | None:
         """The profile of all sections, if they are alike."""
         first = self.sections[0].profile
-        parts = ("arclength", "u", "w", "angle", "curvature_before", "curvature_after")
         alike = all(
-            np.array_equal(getattr(own.profile, part), getattr(first, part)) for own in self.sections for part in parts
+            np.array_equal(getattr(own.profile, part), getattr(first, part)) for own in self.sections for part in PARTS
         )
         return first if alike else None
 
@@ -116,11 +138,28 @@ class RailSurface:
         """Length of every region of every section, (sections, regions) [m]."""
         return np.array([np.diff(own.edges) for own in self.sections])
 
+    def _beside(self, feature: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """In which sections there is rail before a feature, 1 to regions - 1, and behind it."""
+        before, behind = self._lengths[:, :feature].sum(axis=1), self._lengths[:, feature:].sum(axis=1)
+        return before > SHORTEST, behind > SHORTEST
+
+    def _check_carried(self, feature: int) -> None:
+        """Refuse a part of the rail that ends before the next one begins: nothing would carry a wheel between them."""
+        before, behind = self._beside(feature)
+        if (before & behind).any() or not (before.any() and behind.any()):
+            return
+        alone = before.astype(int) - behind
+        parted = next((i, k) for i, k in pairwise(np.flatnonzero(alone).tolist()) if alone[i] != alone[k])
+        end, begin = (self.sections[i].distance for i in parted)
+        raise InputError(
+            f"rail '{self.name}': has a gap of {begin - end:.4g} m from {end:.6g} to {begin:.6g} m, where one side of "
+            f"feature {feature} has ended and the other has not begun: nothing carries a wheel there; both sides must "
+            "be there in one section or more"
+        )
+
     def _is_gap(self, feature: int) -> bool:
         """Whether a feature, 1 to regions - 1, lies deep wherever there is rail on both sides of it."""
-        inner = (self._lengths[:, :feature].sum(axis=1) > SHORTEST) & (
-            self._lengths[:, feature:].sum(axis=1) > SHORTEST
-        )
+        inner = np.logical_and(*self._beside(feature))
         depths = [
             own.profile.w.max() - own.profile.at(own.edges[feature])[1]
             for own, there in zip(self.sections, inner, strict=True)
