@@ -22,7 +22,10 @@ from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.settings import ContactSettings
 from wrsim.scenario.cases import Pose
 
-PAIRS = (("S1002", "60E1", 40), ("S1002", "60E1", 20), ("S1002_worn", "60E1", 40), ("S1002_worn", "60E1_worn", 40))
+PAIRS = (
+    ("S1002", "60E1", 40), ("S1002", "60E1", 20), ("S1002", "54E1", 20), ("S1002_worn", "60E1", 40),
+    ("S1002_worn", "60E1_worn", 40),
+)  # fmt: skip
 STEEPEST = 12  # steps looked into
 HALVINGS = 12
 

@@ -20,6 +20,7 @@ from wrsim.core.root import Bracket, crossing, narrowed
 
 LEVEL = 0.1  # of a lobe's depth: rows reach so far
 FLOOR = 0.3  # share of even density
+NEAR = 0.01  # of the rows' distance: how far ahead a point may be for the shift along the rail to be read there
 LEAST_FACING = 2.5e-3  # square of the sine between axle and normal, held above
 
 
@@ -135,6 +136,10 @@ def _lay_row(wheel, rail, walk, grid, row, s):
     arc = walk.arc + (s - walk.s) * (1.5 * walk.shrink - 0.5 * walk.last - walk.drift)
     at = opposite(wheel, rail, arc, s)
     taken = at.ahead * at.shrink
+    if abs(taken) > NEAR * grid.spacing:
+        # where profiles bend sharply: the locus may run along the rail ten times as fast as across
+        at = opposite(wheel, rail, arc - taken, s)
+        taken += at.ahead * at.shrink
     # a first row may stand beside the pair that the walk begins at
     drift = walk.drift + taken / (s - walk.s) if abs(s - walk.s) > 0.3 * grid.spacing else walk.drift
     row.s, row.arc, row.d, row.x, row.o, row.b = s, arc - taken, at.d, at.x, at.o, at.b

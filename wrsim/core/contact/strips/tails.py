@@ -25,8 +25,9 @@ FADED = 3.0  # times that: where the curvature that a tail makes no longer count
 SHORT = 6.0  # times that: half length of strips of which half of the curvature counts
 CORE = 0.8  # of the depth of a hump: ground that says where its line is
 SAG = 0.85, 0.97  # least d beyond over its concave hull: all of a tail, and none
-SHOULDER = 0.48, 0.6  # d at a corner of the hull over that of the hump: none of a shoulder, which is no tail, and all
-LOW = 0.4  # of the depth of a hump: a tail that begins lower is not touched
+SHOULDER = 0.6, 0.75  # d at a corner of the hull over that of the hump: none of a shoulder, which is no tail, and all
+LONG = 0.48, 0.6  # the same for the squares of the half lengths of both overlaps, 2 R_x d: strips as long are no tail
+LOW = 0.3, 0.45  # of the depth of a hump: ground that lies lower is not touched, so none of it is a tail, and all
 FEWEST = 3  # rows of a tail
 
 
@@ -98,11 +99,11 @@ def _line_of(rows, start, end, main):
 @kernel
 def _find_tail(wheel, rail, rows, main, end, line):
     """Where the tail of a hump begins on the way to the end of its ground, in rows, and how far off the line that is
-    [m]; rows are -1.0 where there is none, or one that is not touched."""
+    [m]; rows are -1.0 where there is none. The less the ground is a tail, the farther off the line it begins."""
     reach = BENT * line.half_length
     r = _leaves(rows, main, end, line, reach)
     if r >= 0:
-        reach /= max(1.0 - rise(_sag(rows, main, end), SAG), 1e-6)
+        reach /= max((1.0 - rise(_sag(rows, main, end), SAG)) * rise(rows[r].d / rows[main].d, LOW), 1e-6)
         r = _leaves(rows, main, end, line, reach)
     if r < 0:
         return -1.0, reach
@@ -117,20 +118,27 @@ def _leaves(rows, main, end, line, reach):
     step = 1 if end > main else -1
     for r in range(main, end - FEWEST * step, step):
         if _off(line, rows[r + step].s, rows[r + step].x) > reach:
-            return r if rows[r].d > LOW * rows[main].d else -1
+            return r
     return -1
 
 
 @kernel
 def _sag(rows, main, end):
-    """Least penetration over its concave hull beyond a hump, where the hull has no corner that is a shoulder."""
+    """Least penetration over its concave hull beyond a hump, where the hull has no corner that is a shoulder.
+
+    The hull is that of all the ground, whichever grids it is parted into; ``end``: where the grid of the hump ends.
+    """
     step = 1 if end > main else -1
+    far = ROWS - 1 if end > main else 0
     least = 1.0
     p = main
-    while p != end:
-        q, steep = next_corner(rows, p, end, step)
-        counts = 1.0 - rise(rows[q].d / rows[main].d, SHOULDER)
-        for r in range(p + step, q, step):
+    while (end - p) * step > 0:
+        q, steep = next_corner(rows, p, far, step)
+        beyond = (q - end) * step > 0
+        corner = end if beyond and rows[end].d < rows[q].d else q
+        depth = rows[corner].d / rows[main].d
+        counts = 1.0 - max(rise(depth, SHOULDER), rise(depth * rows[corner].r_t / rows[main].r_t, LONG))
+        for r in range(p + step, end + step if beyond else q, step):
             least = min(least, 1.0 - counts * (1.0 - rows[r].d / (rows[p].d + steep * abs(r - p))))
         p = q
     return least
