@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wrsim.plots.marks import minus
 from wrsim.plots.poses import pose_groups
 from wrsim.plots.style import shown
-from wrsim.results.moments import moment_dim, used_strips, with_patches
+from wrsim.results.moments import moment_dim, order_of_strips, with_patches
 
 
 @dataclass(frozen=True)
@@ -56,10 +56,11 @@ def snapshot_letter(index: int) -> str:
 def select(dataset: xr.Dataset, where: PatchAt) -> xr.Dataset:
     """The strips of one patch by increasing s: the channels that are drawn, with the ``strip`` dimension alone."""
     at = _indices(dataset, where)
-    # plain variables: labels of everything, carried along, cost a tenth of a gallery
+    # plain arrays: labels of everything, carried along, cost a tenth of a gallery
     drawn = {name: dataset.variables[name] for name in _DRAWN if name in dataset}
-    patch = xr.Dataset({name: values.isel(at, missing_dims="ignore") for name, values in drawn.items()})
-    return patch.isel(strip=used_strips(patch))
+    values = {name: own.values[tuple(at.get(str(dim), slice(None)) for dim in own.dims)] for name, own in drawn.items()}
+    used = order_of_strips(values["strip_s"], values["strip_p"])
+    return xr.Dataset({name: ("strip", own[used], drawn[name].attrs) for name, own in values.items()})
 
 
 def _indices(dataset: xr.Dataset, where: PatchAt) -> dict[str, int]:
@@ -89,11 +90,14 @@ _DRAWN = ("strip_s", "strip_ds", "strip_x", "strip_a", "strip_p", "strip_angle",
 
 def touching_runs(strips: xr.Dataset) -> list[xr.Dataset]:
     """The strips under pressure, split where a gap lies between neighbours: the islands of one patch."""
-    loaded = strips.isel(strip=np.flatnonzero((strips["strip_a"].values > 0.0) & (strips["strip_p"].values > 0.0)))
+    a, p = (strips.variables[f"strip_{name}"].values for name in "ap")
+    loaded = strips.isel(strip=np.flatnonzero((a > 0.0) & (p > 0.0)))
     if loaded.sizes["strip"] == 0:
         return []
-    s, ds = loaded["strip_s"].values, loaded["strip_ds"].values
+    s, ds = (loaded.variables[f"strip_{name}"].values for name in ("s", "ds"))
     gaps = np.flatnonzero(np.diff(s) > 0.75 * (ds[1:] + ds[:-1])) + 1
+    if gaps.size == 0:
+        return [loaded]
     return [loaded.isel(strip=part) for part in np.split(np.arange(s.size), gaps)]
 
 

@@ -138,7 +138,7 @@ def rendered(figure: Figure, vector: bool = False) -> bytes:
 
 def shown(dataset: xr.Dataset, name: str) -> NDArray[np.float64]:
     """Values of a channel in the unit for readers."""
-    return np.asarray(dataset[name].values, dtype=float) * CHANNELS[name].shown.factor
+    return np.asarray(dataset.variables[name].values, dtype=float) * CHANNELS[name].shown.factor
 
 
 def abscissa(dataset: xr.Dataset) -> tuple[NDArray[np.float64], str]:

@@ -25,10 +25,10 @@ def with_patches(dataset: xr.Dataset) -> NDArray[np.bool_]:
     return strips.reshape(strips.shape[0], -1).any(axis=1)
 
 
-def used_strips(patch: xr.Dataset) -> NDArray[np.intp]:
-    """Places of the strips of one patch along ``strip``, by increasing s."""
-    used = np.flatnonzero(np.isfinite(patch["strip_p"].values))
-    return used[np.argsort(patch["strip_s"].values[used], kind="stable")]
+def order_of_strips(s: NDArray[np.float64], p: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Places of strips that have a pressure, by increasing s."""
+    used = np.flatnonzero(np.isfinite(p))
+    return used[np.argsort(s[used], kind="stable")]
 
 
 def moment_dim(dataset: xr.Dataset) -> str:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
 from wrsim.results.channels import CHANNELS
-from wrsim.results.moments import moment_dim, moments_at, sample_of, used_strips
+from wrsim.results.moments import moment_dim, moments_at, order_of_strips, sample_of
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ def patch_of(one: xr.Dataset, at: str | float, wheel: str | None, number: int, c
     patch = of_wheel.isel(patch=number)
     if dim == "snapshot":
         patch = patch.isel(time=sample_of(one, moment))
-    used = used_strips(patch)
+    used = order_of_strips(patch["strip_s"].values, patch["strip_p"].values)
     strips = {str(n): v.values[used] for n, v in patch.variables.items() if v.dims == ("strip",)}
     fields = _elements(patch, used) or _strips(strips, columns)
     about = {name: (CHANNELS[channel].unit, CHANNELS[channel].long_name) for channel, name in TRACTIONS.items()}
