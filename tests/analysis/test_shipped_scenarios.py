@@ -70,7 +70,7 @@ def test_every_scenario_runs_in_short(file):
     values: dict[str, Any] = {}
     if scenario.analysis in ("curving", "ride"):
         start = scenario.spec.run.start_distance_m
-        short = {"run.distance_m": 2.0} if scenario.spec.run.time_s is None else {"run.time_s": 0.15}
+        short = {"run.distance_m": 1.2} if scenario.spec.run.time_s is None else {"run.time_s": 0.15}
         values = short | {"output.patches_at_m": [start + 1.0]}
     if scenario.analysis == "stability":
         values = {"stability.speed_kmh": 100, "stability.nonlinear": False}

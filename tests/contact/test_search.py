@@ -132,7 +132,7 @@ def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
     model = pair_model(pair, **PLAIN)
     peaks = brute_force(model)
     several = 0
-    for origin, axle in random_poses(model, 120, seed=3):
+    for origin, axle in random_poses(model, 80, seed=3):
         contact = model.evaluate(origin, axle)
         found = columns(contact.patches, "arc_wheel approach")
         zones = peaks()

@@ -50,7 +50,6 @@ def largest_differences(one: xr.Dataset, other: xr.Dataset) -> dict[str, float]:
 @pytest.mark.parametrize(
     ("vehicle", "heading", "start"),
     [
-        (STEERING, 0.7, (0.0, 0.0, 0.0)),
         (STEERING, 15.0, (1000.0, 2000.0, 300.0)),
         (LEADING, np.pi, (30.0, -40.0, 5.0)),
         (LEADING, -2.5, (0.0, 0.0, 0.0)),
