@@ -14,7 +14,7 @@ from vehicle.test_vehicle_suspension import MASS, box, displaced, on_springs, sp
 from wrsim.analysis import run
 from wrsim.results import Result
 from wrsim.scenario.loading import load
-from wrsim.simulation.state import design_state
+from wrsim.simulation.design import design_state
 from wrsim.vehicle.elements import TRACK, Element, PlaneFriction, Slider, Strut
 
 SPEEDING = {"time_s_speed_kmh": [[0.1, 54], [0.9, 60], [2.4, 60]]}

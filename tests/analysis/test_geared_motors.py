@@ -21,10 +21,11 @@ from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.loading import Scenario, load
+from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
-from wrsim.simulation.state import design_state, steady_state
+from wrsim.simulation.state import steady_state
 from wrsim.simulation.system import System
 from wrsim.vehicle.vehicle import Effort, Load, Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle

@@ -14,7 +14,8 @@ from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.segments import Arc
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load_text
-from wrsim.simulation.state import design_state, lower_on_rails, steady_state
+from wrsim.simulation.design import design_state
+from wrsim.simulation.state import lower_on_rails, steady_state
 from wrsim.simulation.step import eigenvalues
 
 TRACK = RailElasticity(stiffness=(25e6, 50e6), damping=(40e3, 60e3), mass=(120.0, 160.0))

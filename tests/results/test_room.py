@@ -18,9 +18,9 @@ from wrsim.analysis.motion.run import recorded_run
 from wrsim.results import Result, room, sealed, write_run
 from wrsim.results.tables import write_table
 from wrsim.scenario.build import Setup
+from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import Motion, integrate, recorded_motion
 from wrsim.simulation.recorder import FileRecorder
-from wrsim.simulation.state import design_state
 from wrsim.simulation.system import System
 
 

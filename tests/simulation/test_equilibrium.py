@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 
+from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.newton import newton
-from wrsim.simulation.state import NotCarried, Unbalanced, design_state, lower_on_rails, steady_state
+from wrsim.simulation.state import NotCarried, Unbalanced, lower_on_rails, steady_state
 from wrsim.simulation.system import COORDINATES
 
 SPEED = 30.0

@@ -41,9 +41,10 @@ from wrsim.geometry.track.segments import Arc
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
+from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
-from wrsim.simulation.state import SteadyMotion, design_state
+from wrsim.simulation.state import SteadyMotion
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut
 from wrsim.vehicle.vehicle import Effort, Load, SlipControl
 from wrsim.vehicle.vehicle_files import load_vehicle

@@ -41,9 +41,10 @@ from wrsim.core.track.path import frame, locate
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
+from wrsim.simulation.design import design_state
 from wrsim.simulation.force_law import Block
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.state import Equilibrium, design_state
+from wrsim.simulation.state import Equilibrium
 from wrsim.simulation.system import COORDINATES, System
 from wrsim.vehicle.vehicle import Load, Vehicle, single_wheelset
 from wrsim.vehicle.wheelset import Wheel, Wheelset

@@ -21,10 +21,11 @@ from wrsim.geometry.track.segments import Arc, Segment
 from wrsim.geometry.track.track import Track
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
+from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import Motion, integrate
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import TrackPoses, poses_on_track
-from wrsim.simulation.state import Equilibrium, design_state
+from wrsim.simulation.state import Equilibrium
 from wrsim.simulation.step import SAFETY, round_step, stable_step
 from wrsim.simulation.system import RigidBody, System
 from wrsim.vehicle.elements import Triple

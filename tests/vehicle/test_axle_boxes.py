@@ -12,10 +12,10 @@ from vehicle.test_vehicle_suspension import displaced, on_springs, rows
 
 from wrsim.core.body import vehicle_forces
 from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
-from wrsim.simulation.state import design_state
 from wrsim.simulation.statics import standing
 from wrsim.vehicle.elements import Element, Spring
 from wrsim.vehicle.levels import level_of

@@ -13,10 +13,10 @@ from vehicle.test_vehicle_suspension import displaced, on_springs, rows
 from wrsim.analysis.motion.outcomes import Event
 from wrsim.analysis.motion.words import event_words
 from wrsim.core.body import vehicle_forces
+from wrsim.simulation.design import design_state
 from wrsim.simulation.force_law import Block, force_derivative
 from wrsim.simulation.integrate import Motion, integrate
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.state import design_state
 from wrsim.simulation.system import System
 from wrsim.vehicle.couplings import Between, CentreCouplerTable, CouplingTable, ScrewCouplingTable
 from wrsim.vehicle.elements import TRACK, Spring

@@ -12,13 +12,13 @@ from vehicle.test_vehicle_suspension import HEIGHT, MASS, box, displaced, on_spr
 
 from wrsim.core.body.friction import STUCK
 from wrsim.errors import InputError
+from wrsim.simulation.design import design_state
 from wrsim.simulation.force_law import force_derivative
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.integrators import Integrator
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
-from wrsim.simulation.state import design_state
 from wrsim.simulation.system import System
 from wrsim.vehicle.elements import TRACK, Element, Normal, PlaneFriction, Slider, Strut, Triple
 from wrsim.vehicle.vehicle import Load

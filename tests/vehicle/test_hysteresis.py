@@ -14,9 +14,9 @@ from vehicle.test_vehicle_suspension import HEIGHT, MASS, box, on_springs, sprin
 
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import natural_modes
-from wrsim.simulation.state import design_state
 from wrsim.vehicle.elements import KINDS, TRACK, Slider, Strut
 from wrsim.vehicle.elements.bilinear_spring import BilinearSpring
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Joint

@@ -15,7 +15,7 @@ from wrsim.cli.commands import app
 from wrsim.errors import InputError
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
-from wrsim.simulation.state import design_state
+from wrsim.simulation.design import design_state
 
 SCENARIO = ROOT / "scenarios/manchester_r300.toml"
 

@@ -139,7 +139,11 @@ BAD = {
     ),
     "no such normal spring": (
         guide(('"primary"', '"primry"')),
-        'elements[0].normal_spring = "primry": is no element; there is guide front left, ',
+        'elements[0].normal_spring = "primry": is no element; there is guide, ',
+    ),
+    "friction that presses itself": (
+        guide(('"primary"', '"guide"')),
+        'elements[0].normal_spring = "guide": depends on the load of a spring itself: must be that spring',
     ),
     "normal spring without load": (
         guide(('"primary"', '"damper"')),

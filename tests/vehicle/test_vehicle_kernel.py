@@ -12,8 +12,8 @@ from support.vehicles import manchester
 from wrsim.core.body.vehicle_forces import vehicle_forces
 from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import Track
+from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.state import design_state
 
 PRINT = "from vehicle.test_vehicle_kernel import forces; print(*forces()[1])"
 

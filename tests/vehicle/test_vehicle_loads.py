@@ -13,8 +13,8 @@ from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import Track
 from wrsim.inputs.lookup import Finder, shipped_models
+from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.state import design_state
 from wrsim.simulation.statics import standing
 from wrsim.vehicle.vehicle import Load, Payload, Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle

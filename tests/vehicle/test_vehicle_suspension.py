@@ -14,11 +14,11 @@ from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.bodies import SolidBody, mass_matrix, velocity_forces
+from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
-from wrsim.simulation.state import design_state
 from wrsim.simulation.system import System
 from wrsim.vehicle.elements import TRACK, Element, Spring, Strut
 from wrsim.vehicle.vehicle import Body, Vehicle

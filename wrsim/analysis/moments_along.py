@@ -22,8 +22,8 @@ from wrsim.contact.channels import StripRecorder
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import CHANNELS
 from wrsim.results.wheelsets import wheelsets
+from wrsim.simulation.design import design_state
 from wrsim.simulation.placement import place_on_track
-from wrsim.simulation.state import design_state
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -168,13 +168,16 @@ class VehicleOnTrack:
         if status & wheel_kernel.OFF_TRACK:
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
 
+    def on_bodies(self, t: float, q: Array, q_t: Array, out: Array) -> None:
+        """Everything but the contacts, which act on wheelsets alone."""
+        self._asked_at = np.nan
+        out[:] = 0.0
+        if vehicle_forces.add_forces_on_bodies(t, q, q_t, out, self.arena.buffer, self.arena.index):
+            raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
+
     def blocks(self) -> list[Block]:
         """See ``HasBlocks``: everything but the contacts, and the contacts, each of them of one wheelset."""
-        buffer, index = self.arena.buffer, self.arena.index
-
-        def on_bodies(t: float, q: Array, q_t: Array, out: Array) -> None:
-            out[:] = 0.0
-            vehicle_forces.add_forces_on_bodies(t, q, q_t, out, buffer, index)
+        buffer, index, on_bodies = self.arena.buffer, self.arena.index, self.on_bodies
 
         def on_wheels(t: float, q: Array, q_t: Array, out: Array) -> None:
             out[:] = 0.0

@@ -1,6 +1,6 @@
 """States of a vehicle on its track: the design position, rest, and steady motion at speed.
 
-``design_state`` puts every body where the file has it, ``lower_on_rails`` lets the rails carry the wheelsets,
+``lower_on_rails`` lets the rails carry the wheelsets,
 ``steady_state`` finds the poses at which nothing accelerates but what the curve asks for; at speed 0 that is the
 position of rest. All of them are meant at the time 0, when the vehicle's origin is at the start of its law.
 """
@@ -9,19 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import asin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wrsim.core.body import steady as kernels
 from wrsim.core.linalg import Vec
-from wrsim.core.track import path as path_kernels
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import inertia_table
-from wrsim.simulation.force_law import following, groups_in_a_row
+from wrsim.simulation.design import design_state, turn_gears
+from wrsim.simulation.force_law import ForceLaw, following, groups_in_a_row
 from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, newton, roots
-from wrsim.simulation.placement import place_on_track
 from wrsim.simulation.relaxation import relax
 from wrsim.simulation.system import COORDINATES, Array
 
@@ -95,37 +93,6 @@ class NotCarried(SimulationError):
             f"the rails do not carry wheelset '{wheelset}' anywhere within {1e3 * SEARCH_HEIGHT:g} mm of its height; "
             "do wheels, gauge and radius fit?"
         )
-
-
-def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[Array, Array]:
-    """State (q, q_t) of a vehicle that follows the track in its design position, its origin at the start of the law.
-
-    Every body lies at its own place along the track, wheelsets ``lateral`` [m] to the left (each, or all alike), bodies
-    half as much as they on average, and a wheelset with the yaw at which the guide frame holds it. The wheels do not
-    touch the rails yet, or overlap them by nothing.
-    """
-    q, q_t = np.zeros(law.size), np.zeros(law.size)
-    vehicle, track = law.vehicle, law.track
-    aside = np.broadcast_to(lateral, len(vehicle.wheelsets))
-    lower = np.mean([mounted.height - mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
-    for i, part in enumerate(vehicle.parts):
-        wheelset = i < len(vehicle.wheelsets)
-        radius = vehicle.wheelsets[i].wheelset.mean_radius if wheelset else np.inf
-        own = slice(6 * i, 6 * i + 6)
-        place = law.start + part.centre[0]
-        q[own], q_t[own] = place_on_track(
-            track.centre,
-            place,
-            speed=law.speed,
-            height=part.centre[2] - float(lower),
-            spin_rate=law.speed / radius,
-            lateral=part.centre[1] + float(aside[i] if wheelset else 0.5 * np.mean(aside)),
-            yaw=-vehicle.guide_ahead * float(track.curvature(place)) if wheelset else 0.0,
-        )
-        if not wheelset:  # on a grade it lies along the track
-            q[6 * i + COORDINATES.index("spin")] = -asin(path_kernels.frame(track.centre.curve, place).t.z)
-    _turn_gears(law, q_t)
-    return q, q_t
 
 
 class SteadyMotion:
@@ -210,15 +177,22 @@ class SteadyMotion:
         )
         if status:
             raise SimulationError(f"the vehicle has no place on the track near {self.distance:g} m")
-        _turn_gears(law, q_t)
+        turn_gears(law, q_t)
         return q, q_t, turning
 
     def residual(self, x: Array) -> Array:
         """Forces less inertia forces over the weight (6 n,), then the moments on the axle boxes and the forces on the
         rails under the wheels."""
+        return self._left(x, self.law)
+
+    def without_contacts(self, x: Array) -> Array:
+        """The same but for what contacts do: of bodies, no wheelsets, that is all."""
+        return self._left(x, self.law.on_bodies)
+
+    def _left(self, x: Array, forces: ForceLaw) -> Array:
         n = len(self.inertia)
         q, q_t, turning = self._state(x)
-        self.law(0.0, q, q_t, self._out)
+        forces(0.0, q, q_t, self._out)
         kernels.together_inertia(q, q_t, turning, self.inertia, len(self.spins), self._inertia)
         left = np.append(self._out[: 6 * n] - self._inertia, self.masses * self._out[self.positions])
         left *= self.scale
@@ -248,12 +222,6 @@ class SteadyMotion:
         self.slips = q_t[self.law.sliders]
         with self.law.settled(self.slips):
             return float(np.max(np.abs(self.residual(self.unknowns(q, q_t)))))
-
-
-def _turn_gears(law: VehicleOnTrack, q_t: Array) -> None:
-    """Let the hollow axles of geared motors turn as their wheelsets do, whose cases do not pitch."""
-    for wheelset, place in law.gears.items():
-        q_t[place + 1] = q_t[6 * wheelset + COORDINATES.index("spin")]
 
 
 def steady_state(
@@ -330,7 +298,7 @@ def _place_bodies(steady: SteadyMotion, x: Array, max_iterations: int) -> int:
 
     def residual(places: Array) -> Array:
         whole[bodies] = places
-        return steady.residual(whole)[bodies]
+        return steady.without_contacts(whole)[bodies]
 
     x[bodies], _, iterations = newton(
         residual, x[bodies].copy(), steady.small[bodies], BODIES_PLACED, max_iterations,

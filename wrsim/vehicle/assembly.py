@@ -52,6 +52,8 @@ class Assembly:
     points: list[Point] = field(default_factory=list)
     pressed: dict[str, tuple[tuple[str, ...], KeyPath, str]] = field(default_factory=dict)
     """By the name of an element with friction: names that its normal spring may have, where it is named, and how."""
+    written: dict[str, tuple[str, str]] = field(default_factory=dict)
+    """By the name of an element: what its place puts before it, and its name as the file has it."""
 
     def add(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:
         """Put the vehicle together from its outermost part, which stands at ``path`` of the file; place: of it."""
@@ -226,6 +228,7 @@ class Assembly:
                     repeated = (f" {to}{word}", f" {to}", word, "")
                     names = tuple(place.prefix + normal.of + end for end in repeated)
                     self.pressed[full] = names, (*path, "normal_spring"), normal.of
+                self.written.setdefault(full, (place.prefix, table.name))
                 yield element
 
     def _pressed(self, element: Element) -> Element:
@@ -233,10 +236,15 @@ class Assembly:
         if element.name not in self.pressed or not isinstance(element, (Strut, PlaneFriction)):
             return element
         names, path, said = self.pressed[element.name]
-        known = [other.name for other in self.elements]
+        known = {other.name: other for other in self.elements}
         found = next((name for name in names if name in known), None)
         if found is None:
-            raise self._fault(path, f"is no element; there is {', '.join(known)}" + suggest(names[0], known), said)
+            prefix, _ = self.written[element.name]
+            own = list(dict.fromkeys(name for at, name in self.written.values() if at == prefix))
+            raise self._fault(path, f"is no element; there is {', '.join(own)}" + suggest(said, own), said)
+        slider = known[found].slider
+        if slider is not None and slider.normal is not None and slider.normal.of:
+            raise self._fault(path, "depends on the load of a spring itself: must be that spring", said)
         return element if element.slider is None else replace(element, slider=element.slider.pressed_by(found))
 
     def _fits(self, element: Element, path: KeyPath) -> None:

@@ -59,3 +59,30 @@ def bogies_of(vehicle: Vehicle) -> tuple[Bogie, ...]:
         x = [vehicle.wheelsets[i].x for i in numbers]
         found.append(Bogie(frame, tuple(numbers), 0.5 * (max(x) + min(x)), float(np.ptp(x))))
     return tuple(sorted(found, key=lambda bogie: -bogie.centre))
+
+
+def wheelsets_beneath(vehicle: Vehicle) -> dict[str, tuple[int, ...]]:
+    """Numbers of the wheelsets that carry each body, no wheelset: those that it holds; of another body, those of the
+    bodies that elements join it to. None where it hangs on no body that wheelsets carry."""
+    found: dict[str, set[int]] = {}
+    for i, holder in enumerate(holders_of(vehicle)):
+        if holder is not None:
+            found.setdefault(holder, set()).add(i)
+    numbers = {mounted.name: i for i, mounted in enumerate(vehicle.wheelsets)}
+    own = {i: held for held in found.values() for i in held}
+    joined: dict[str, set[str]] = {body.name: set() for body in vehicle.bodies}
+    for e in vehicle.elements:
+        ends = vehicle.carrier(e.first), vehicle.carrier(e.second)
+        for one, other in (ends, ends[::-1]):
+            if one in joined:
+                joined[one].add(other)
+    while True:
+        further = {}
+        for body in joined.keys() - found.keys():
+            carried = [found[other] for other in joined[body] if other in found]
+            carried += [own[numbers[other]] for other in joined[body] if numbers.get(other) in own]
+            if carried:
+                further[body] = set().union(*carried)
+        if not further:
+            return {body: tuple(sorted(found.get(body, ()))) for body in joined}
+        found |= further

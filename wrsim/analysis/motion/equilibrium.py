@@ -17,17 +17,10 @@ from wrsim.analysis.motion.start import EXACT, PLAY, on_the_rails, shifts
 from wrsim.analysis.motion.words import steady_words
 from wrsim.core.body.kinematics import X, Y
 from wrsim.errors import SimulationError
+from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.newton import bracket, newton
-from wrsim.simulation.state import (
-    GOAL,
-    TOLERANCE,
-    Equilibrium,
-    SteadyMotion,
-    design_state,
-    lower_on_rails,
-    steady_state,
-)
+from wrsim.simulation.state import GOAL, TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails, steady_state
 from wrsim.vehicle.vehicle import Load, single_wheelset
 
 if TYPE_CHECKING:

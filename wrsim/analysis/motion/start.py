@@ -14,11 +14,11 @@ from wrsim.analysis.motion.outcomes import NoSteadyMotion
 from wrsim.analysis.motion.overturning import pushed
 from wrsim.analysis.motion.run_in import run_in, run_up, straight_before
 from wrsim.errors import SimulationError
+from wrsim.simulation.design import design_state
 from wrsim.simulation.state import (
     TOLERANCE,
     Equilibrium,
     SteadyMotion,
-    design_state,
     lower_on_rails,
     relaxed_state,
     steady_state,

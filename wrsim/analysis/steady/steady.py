@@ -27,7 +27,8 @@ from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result, assemble
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.steady import SteadyPoint
-from wrsim.simulation.placement import TrackPoses, place_on_track, poses_on_track
+from wrsim.simulation.design import carried_over
+from wrsim.simulation.placement import TrackPoses, poses_on_track
 from wrsim.simulation.state import Equilibrium, SteadyMotion, steady_state
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
@@ -227,7 +228,7 @@ def _continued(setup: Setup, near: Found, point: SteadyPoint) -> Found:
         )
         law = _law(setup, between)
         try:
-            guess = _carried_over(near, law)
+            guess = carried_over(near.law, near.q, near.q_t, law)
             found = steady_state(law, guess, max_iterations=MOST_ITERATIONS, tolerance=enough(setup))
         except SimulationError:
             step *= 0.5
@@ -253,22 +254,3 @@ def _law(setup: Setup, point: SteadyPoint) -> VehicleOnTrack:
     before, behind = MARGIN - min(places), MARGIN + max(places)
     track = setup.track.relaid([Arc(before + behind, point.radius, point.cant)])
     return force_law(replace(setup, track=track, plan=RunPlan(before, before, point.speed)))
-
-
-def _carried_over(near: Found, law: VehicleOnTrack) -> tuple[Array, Array]:
-    """The state of another curve with all poses against the track kept, in the curve of a law."""
-    q, q_t = np.zeros(law.size), np.zeros(law.size)
-    wheelsets = len(law.vehicle.wheelsets)
-    for i, part in enumerate(law.vehicle.parts):
-        own = slice(6 * i, 6 * i + 6)
-        place = near.law.start + part.centre[0]
-        was = poses_on_track(near.law.track.centre, near.q[None, own], near.q_t[None, own], place)
-        spin = was.spin_rate[0] * law.speed / near.law.speed if i < wheelsets else 0.0
-        q[own], q_t[own] = place_on_track(
-            law.track.centre, law.start + part.centre[0], speed=law.speed, height=was.height[0], spin_rate=spin,
-            lateral=was.lateral[0], yaw=was.yaw[0], roll=was.roll[0],
-        )  # fmt: skip
-        if i >= wheelsets:
-            q[own.stop - 1] = near.q[own.stop - 1]
-    q[6 * len(law.bodies) :] = near.q[6 * len(law.bodies) :]
-    return q, q_t
