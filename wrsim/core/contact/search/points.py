@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.profile import node
-from wrsim.core.contact.rail import changes, rail_length, rail_point
+from wrsim.core.contact.rail import rail_length, rail_point
 from wrsim.core.contact.search.locus import LARGEST_SINE, locus_node, locus_point
 
 FIELD_ERROR = 1e-5  # of the field's interpolation, generously [m]
@@ -138,10 +138,7 @@ def refine(wheel, rail, lo, hi, arc, foot, kind):
 
 @inlined
 def _rail_slope(rail, foot, no, nb):
-    """Slope of the distance along a wheel outline with normal (no, nb) over the rail point ``foot``."""
-    if changes(rail):
-        at = rail_point(rail, foot)
-        return nb * at.tw + no * at.tu
+    """Slope of the distance along a wheel outline with normal (no, nb) over the point ``foot`` of a plain rail."""
     table = rail.table
     x = foot / rail.step
     i = min(max(int(x), 0), table.shape[0] - 2)
@@ -183,11 +180,13 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
             i += stride
             continue
         distance, foot = field_distance(field, at.o, at.b)
+        slope = 0.0
         if field.slack > 0.0:
             # the field is that of a station nearby
             if distance < FAR + field.slack:
                 on_rail = project(rail, at.o, at.b, foot, 2)
                 distance, foot = on_rail.distance, on_rail.arc
+                slope = at.no * on_rail.nb - at.nb * on_rail.no
             else:
                 distance -= field.slack
         if distance < FIELD_ERROR and not near and i - stride > last_node:
@@ -206,7 +205,8 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
             skip = int((distance - FIELD_ERROR) * per_node)
             i += skip if calm and skip > stride else stride
             continue
-        slope = _rail_slope(rail, foot, at.no, at.nb)
+        if field.slack == 0.0:
+            slope = _rail_slope(rail, foot, at.no, at.nb)
         turns = near and (slope < 0.0) != (last_slope < 0.0)
         if turns:
             # the parabola's vertex between the two samples says whether a closer look is worth it; where the locus
