@@ -83,7 +83,7 @@ def our_figures(stand, contact):
 
 
 @cache
-def cases():
+def cases(normal="kik-piotrowski", tangential="fastsim"):
     """All cases of the table, solved."""
     lines = (Path(__file__).parents[1] / "data/contact_own_static.csv").read_text().splitlines()
     rows: dict[str, list[dict[str, str]]] = {}
@@ -100,7 +100,9 @@ def cases():
         r = patches[0]
         rolling, place = r["tang"] == "3", (r["cant_label"], r["tang"])
         if place not in stands:
-            model = pair_model(f"S1002/60E1 {r['cant_label']}", tangential="fastsim" if rolling else "none")
+            model = pair_model(
+                f"S1002/60E1 {r['cant_label']}", normal=normal, tangential=tangential if rolling else "none"
+            )
             stands[place] = bench(model, rolling=rolling)
         stand = stands[place]
         lateral, yaw, load = 1e-3 * float(r["y_ws_mm"]), float(r["yaw_rad"]), float(r["Fz_req_N"])
@@ -214,16 +216,24 @@ def test_lateral_force_without_friction_on_the_tread():
 
 
 def test_creep_forces_at_twelve_milliradian_of_yaw():
-    # Lateral creepage of 1.2 % saturates friction: on the tread only its direction is in question (1.5 % of mu Q
-    # measured); on the flange N and with it mu N is up to 2.8 times Q, and spin turns the force (11 % measured).
-    assert_all_within(0.02, calm(True, yaw=0.012), of_creep_forces)
-    assert_all_within(0.12, calm(False, yaw=0.012), of_creep_forces)
+    # Lateral creepage of 1.2 % saturates friction: on the tread only its direction is in question (0.9 % of mu Q
+    # measured); on the flange N and with it mu N is up to 2.8 times Q, and spin turns the force (3.2 % measured).
+    assert_all_within(0.01, calm(True, yaw=0.012), of_creep_forces)
+    assert_all_within(0.04, calm(False, yaw=0.012), of_creep_forces)
 
 
 def test_creep_forces_without_yaw():
-    # far from saturation: 5 to 10 % of mu N are what FASTSIM is known for; the flange adds the error of the angle
-    assert_all_within(0.105, calm(True, yaw=0.0, rolling=True), of_creep_forces)
-    assert_all_within(0.19, calm(False, yaw=0.0, rolling=True), of_creep_forces)
+    # far from saturation FASTSIM makes 5 % of mu Q; the flange, with up to 2.8 times Q, adds the error of the angle
+    assert_all_within(0.055, calm(True, yaw=0.0, rolling=True), of_creep_forces)
+    assert_all_within(0.18, calm(False, yaw=0.0, rolling=True), of_creep_forces)
+
+
+def test_creep_forces_along_the_track_err_to_neither_side():
+    # creepages between wheel and rail, half the approach nearer to the axle, would make -0.026 of mu Q in the median
+    # of the strips' forces, whose median is 0.0003 with creepages on the wheel's undeformed surface
+    chosen = [c for c in cases("strips", "fastrip") if c.calm and c.on_tread and c.rolling and c.yaw == 0.0]
+    errors = [(c.ours.force[0] - c.reference.force[0]) / (FRICTION * c.load) for c in chosen]
+    assert abs(np.median(errors)) < 0.002
 
 
 def test_number_of_patches_is_that_of_contact_away_from_jumps():

@@ -1,4 +1,4 @@
-"""From strips to resultants: sums at the strips' centres, creepages from rigid motion, power, damping."""
+"""From strips to resultants: sums on the wheel's surface, creepages from rigid motion, power, damping."""
 
 import numpy as np
 import pytest
@@ -21,9 +21,9 @@ def evaluate(model, lateral, yaw, depth=1e-4, extra=(0.0, 0.0, 0.0), spin=(0.0, 
     return model.evaluate(origin, axle, velocity, omega), origin, velocity, omega
 
 
-def centres(strips, origin):
-    """Strip centres from the wheel's profile origin, (n, 3) in (t, o, b)."""
-    return columns(strips, "x o b") - origin
+def on_wheel(strips, origin):
+    """Where strips lie on the wheel's undeformed surface, from its profile origin, (n, 3) in (t, o, b)."""
+    return columns(strips, "x o b") - 0.5 * strips["penetration"][:, None] * axes(strips)[0] - origin
 
 
 def axes(strips):
@@ -33,13 +33,13 @@ def axes(strips):
 
 
 @pytest.mark.parametrize(("lateral", "yaw"), PLACES)
-def test_forces_act_at_the_centres_of_the_strips(lateral, yaw):
+def test_forces_act_on_the_undeformed_surface_of_the_wheel(lateral, yaw):
     contact, origin, _, _ = evaluate(pair_model("S1002/60E1 1:40"), lateral, yaw)
     strips = strips_of(contact)
     normal, outward = axes(strips)
     force = strips["N"][:, None] * normal + strips["Fy"][:, None] * outward
     force[:, 0] += strips["Fx"]
-    moment = np.cross(centres(strips, origin), force) + strips["Mz"][:, None] * normal
+    moment = np.cross(on_wheel(strips, origin), force) + strips["Mz"][:, None] * normal
     np.testing.assert_allclose(contact.force, force.sum(axis=0), rtol=1e-12)
     np.testing.assert_allclose(contact.moment, moment.sum(axis=0), rtol=1e-11)
     # patches: sums, spin moment about the main point along its normal, extremes
@@ -61,6 +61,18 @@ def test_forces_act_at_the_centres_of_the_strips(lateral, yaw):
         assert (lobe["angle_min"], lobe["angle_max"]) == pytest.approx((angles.min(), angles.max()), abs=1e-6)
 
 
+@pytest.mark.parametrize("normal", ["kik-piotrowski", "strips"])
+@pytest.mark.parametrize("lateral", [0.0, 3e-3, 6e-3])
+def test_a_wheel_rolls_freely_on_its_undeformed_radius(normal, lateral):
+    # identical bodies stretch alike in their contact: CONTACT's creepages are (V - omega r) / V with this r, too
+    model = pair_model("S1002/60E1 1:40", normal=normal)
+    contact, *_ = evaluate(model, lateral, 0.0)
+    for lobe in contact.patches:
+        radius = RADIUS - model.wheel.at(lobe["arc_wheel"])[1]
+        expected = SPEED * (1.0 - 1.002 * radius / RADIUS) / np.hypot(SPEED, 0.05)
+        assert lobe["xi"] == pytest.approx(expected, abs=1e-7)  # half the approach would make 1e-4
+
+
 @pytest.mark.parametrize(("lateral", "yaw"), PLACES)
 def test_creepages_are_the_rigid_motion_at_each_strip_over_the_speed(lateral, yaw):
     contact, origin, velocity, omega = evaluate(
@@ -68,7 +80,7 @@ def test_creepages_are_the_rigid_motion_at_each_strip_over_the_speed(lateral, ya
     )
     strips = strips_of(contact)
     normal, outward = axes(strips)
-    motion = velocity + np.cross(omega, centres(strips, origin))
+    motion = velocity + np.cross(omega, on_wheel(strips, origin))
     # below 50 mm/s creepages are regularised: the speed is sqrt(V^2 + 0.05^2)
     speed = np.hypot(SPEED, 0.05)
     np.testing.assert_allclose(strips["xi"], motion[:, 0] / speed, rtol=1e-9, atol=1e-14)

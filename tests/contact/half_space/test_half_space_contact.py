@@ -255,7 +255,8 @@ def test_forces_are_the_sum_over_the_patch():
         for i in np.flatnonzero(p[j]):
             f = cell * np.array([q[0, j, i], p[j, i] * no + q[1, j, i] * nb, p[j, i] * nb - q[1, j, i] * no])
             force += f
-            moment += np.cross(np.array([grid.x[i], *grid.centre[j]]) - b.wheels[0].model.arrays.pose[:3], f)
+            place = grid.centre[j] + 0.5 * grid.axis["gap"][j] * grid.normal[j]
+            moment += np.cross(np.array([grid.x[i], *place]) - b.wheels[0].model.arrays.pose[:3], f)
     assert patch.force == pytest.approx(force, rel=1e-9)
     assert patch.moment == pytest.approx(moment, rel=1e-9)
     assert contact.force == pytest.approx(sum(p.force for p in contact.patches))

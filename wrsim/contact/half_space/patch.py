@@ -77,7 +77,8 @@ class Patch:
             q, slip, state = traction.q, traction.slip, traction.state
         no, nb = grid.normal.T[:, :, None]
         forces = np.stack([q[0], p * no + q[1] * nb, p * nb - q[1] * no]) * grid.cell
-        x, (o, b) = grid.x[None, :], grid.centre.T[:, :, None]
+        # on the wheel's undeformed surface, where the slip is taken
+        x, (o, b) = grid.x[None, :], (grid.centre + 0.5 * grid.axis["gap"][:, None] * grid.normal).T[:, :, None]
         origin = grid.bodies.pose.origin
         arms = np.stack(np.broadcast_arrays(x - origin.x, o - origin.y, b - origin.z))
         moment = np.cross(arms, forces, axis=0).sum(axis=(1, 2))

@@ -101,6 +101,7 @@ def _write_region(patch: Patch, region: Region, lobe: Any, strips: Records) -> N
     strips["p"] = own.max(axis=1)
     for name in ("no", "nb", "o", "b", "r_t"):
         strips[name] = axis[name]
+    strips["penetration"] = -axis["gap"]
     strips["N"] = own.sum(axis=1) * grid.cell
     strips["Fx"] = qx.sum(axis=1) * grid.cell
     strips["Fy"] = qs.sum(axis=1) * grid.cell

@@ -46,8 +46,7 @@ between this one and the next, with its rail arclength (-1 where the profiles se
 STRIP = record("s ds x a p no nb slope o b N Fx Fy Mz xi eta phi r_t mu penetration")
 """A strip: centre s and width ds across, middle x and half length a along the rail, largest pressure p; unit normal
 (no, nb) from rail to wheel, slope of the rail along the track there, and centre (o, b); normal force, creep forces,
-moment about the centre; creepages; radius of curvature along the rail; coefficient of friction; penetration (strip
-model)."""
+moment about the centre; creepages; radius of curvature along the rail; coefficient of friction; penetration."""
 
 LOBE = record(
     "N Fx Fy Mz p0 area length width approach angle angle_min angle_max angle_mean xi eta phi closing wear"

@@ -39,9 +39,19 @@ def _across(row):
 
 
 @inlined
-def _set_creepages(row, pose, inverse):
+def _on_wheel(row, penetration):
+    """The place of a strip or a lobe on the wheel's undeformed surface: half the penetration below its centre.
+
+    Bodies of one material stretch alike where they touch, so a wheel rolls freely on its undeformed radius. CONTACT
+    takes creepages there, too.
+    """
+    return shifted(_centre(row), -0.5 * penetration, _normal(row))
+
+
+@inlined
+def _set_creepages(row, penetration, pose, inverse):
     """Write xi, eta, phi of a strip or a lobe; returns the velocity there."""
-    velocity = add(pose.velocity, cross(pose.omega, sub(_centre(row), pose.origin)))
+    velocity = add(pose.velocity, cross(pose.omega, sub(_on_wheel(row, penetration), pose.origin)))
     row.xi = dot(velocity, _along(row)) * inverse
     row.eta = dot(velocity, _across(row)) * inverse
     row.phi = dot(pose.omega, _normal(row)) * inverse
@@ -52,14 +62,14 @@ def _set_creepages(row, pose, inverse):
 def set_creepages(pose, least_speed, lobe, strips, n):
     """Creepages of each strip and of the main point: velocity of the wheel's material over the rolling speed.
 
-    The rail rests. v = v_origin + omega x r at the strip's centre, projected on the strip's (t, t_s); spin is
-    omega . n(s). Writes xi, eta, phi of the strips and the lobe, and closing (rate of approach) of the lobe. The speed
-    is held above ``least_speed`` [m/s].
+    The rail rests. v = v_origin + omega x r on the wheel's undeformed surface, projected on the strip's (t, t_s); spin
+    is omega . n(s). Writes xi, eta, phi of the strips and the lobe, and closing (rate of approach) of the lobe. The
+    speed is held above ``least_speed`` [m/s].
     """
     inverse = 1.0 / sqrt(pose.velocity.x * pose.velocity.x + least_speed * least_speed)
-    lobe.closing = -dot(_set_creepages(lobe, pose, inverse), _normal(lobe))
+    lobe.closing = -dot(_set_creepages(lobe, lobe.approach, pose, inverse), _normal(lobe))
     for i in range(n):
-        _set_creepages(strips[i], pose, inverse)
+        _set_creepages(strips[i], strips[i].penetration, pose, inverse)
 
 
 @kernel
@@ -85,7 +95,10 @@ def set_pressures(strips, n, factor):
 
 @kernel
 def add_lobe(pose, lobe, strips, n, total):
-    """Sum the strips' forces at their centres: to the wheel's total and to the lobe's own figures [S 31]."""
+    """Sum the strips' forces: to the wheel's total and to the lobe's own figures [S 31].
+
+    They act on the wheel where the creepages are taken, so that the wheel loses by them what creep dissipates.
+    """
     force = moment = main_moment = Vec(0.0, 0.0, 0.0)
     sum_x = sum_y = sum_no = sum_nb = wear = 0.0
     least = 1e9
@@ -96,7 +109,9 @@ def add_lobe(pose, lobe, strips, n, total):
         creep = mixed(strip.Fx, _along(strip), strip.Fy, _across(strip))
         own = shifted(creep, strip.N, normal)
         force = add(force, own)
-        moment = add(moment, shifted(cross(sub(_centre(strip), pose.origin), own), strip.Mz, normal))
+        moment = add(
+            moment, shifted(cross(sub(_on_wheel(strip, strip.penetration), pose.origin), own), strip.Mz, normal)
+        )
         sum_x += strip.Fx
         sum_y += strip.Fy
         wear -= strip.Fx * strip.xi + strip.Fy * strip.eta + strip.Mz * strip.phi
