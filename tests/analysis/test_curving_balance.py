@@ -136,8 +136,8 @@ def test_the_outer_wheel_takes_the_load_that_the_inner_one_loses(case):
     distance, middle = outer - inner, 0.5 * (inner + outer)
     moment = overturning(curve) - sum(curve.masses) * curve.down * middle
     transfer = 0.5 * np.diff(curve.both("Q")).item()
-    # 1 % is asked; found is 0.15 %: guiding forces act a little below the rail tops
-    assert transfer == pytest.approx(moment / distance, rel=2.5e-3)
+    # 1 % is asked; found is 0.25 %, 0.04 mm of the load's place: main points stand for the centres of the forces
+    assert transfer == pytest.approx(moment / distance, rel=4e-3)
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -105,7 +105,11 @@ def test_independent_wheels_of_the_source_roll_on_straight_track_as_it_says(tmp_
     setup = build(gz18.scenario(tmp_path, "r300", car="irw"))
     assert standing(setup.vehicle).wheel_loads == pytest.approx(np.full((4, 2), 49287.489), rel=1e-6)
     law = force_law(setup)
-    _, q_t = start_state(setup, law)
+    q, q_t = start_state(setup, law)
+    law(0.0, q, q_t, np.zeros(law.size))
     spins = q_t[6 * np.arange(4) + 5]
-    assert spins == pytest.approx(np.full(4, 38.782287), rel=5e-5)  # 20 um of the radius
+    # the source takes creepages in the middle of the overlap, half the approach nearer to the axle
+    approach = np.array([pair[0].model.arrays.patches["approach"][0] for pair in law.wheels])
+    radii = law.speed / spins - 0.5 * approach
+    assert law.speed / radii == pytest.approx(np.full(4, 38.782287), rel=2e-5)  # 9 um of the radius
     assert q_t[list(law.twists.values())] == pytest.approx(np.zeros(4), abs=1e-6)

@@ -104,9 +104,9 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
                 problems.append(fault)
         return None
 
+    # in a transition wheels rise and fall with the cant: poses that are held are no motion there
     straight = straight_before(setup)
-    bent = straight is not None and bool(setup.vehicle.members)  # a train is too long for a transition to be a curve
-    if not bent and (found := searched(ways[:1])):
+    if straight is None and (found := searched(ways[:1])):
         return found
     if straight is None and law.speed > 0.0 and any(m.wheelset.independent for m in law.vehicle.wheelsets):
         return on_the_rails(law, _relaxed(setup, law))
@@ -115,7 +115,7 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
             return _reached(setup, law, straight)
         except SimulationError as fault:
             problems.insert(0, fault)
-    if straight is None and (found := searched(ways[1:])):
+    if found := searched(ways[1:] if straight is None else ways[:1]):
         return found
     if curvature == 0.0 and straight is None and near:
         return min(near, key=lambda one: one.residual)
