@@ -437,6 +437,14 @@ def test_quasi_static_values_are_medians_in_the_full_curve():
     assert curve["right"]["Q_kN"] == pytest.approx(expected, rel=1e-3)
 
 
+def test_the_pressure_of_a_full_curve_is_that_of_the_patch_that_is_pressed_most():
+    run = curve_run().copy(deep=True)
+    main = run["p0"].isel(patch=0).values.copy()
+    run["p0"][{"patch": 1}] = 3.0 * main
+    before, after = (Result(one).summary()["wheelsets"]["wheelset"]["full_curves"][0] for one in (curve_run(), run))
+    assert after["right"]["p0_MPa"] == pytest.approx(3.0 * before["right"]["p0_MPa"])
+
+
 def test_every_hand_of_an_s_curve_is_found_and_straight_track_has_none():
     distance = np.linspace(0.0, 400.0, 801)
     curvature = np.interp(distance, [50, 80, 150, 210, 300, 330], [0.0, 1 / 200, 1 / 200, -1 / 250, -1 / 250, 0.0])

@@ -197,7 +197,10 @@ def peak(
 
 
 def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
-    """Quasi-static values: medians over the second half of every stretch of constant, non-zero curvature."""
+    """Quasi-static values: medians over the second half of every stretch of constant, non-zero curvature.
+
+    Of a wheel's patches p0 is the largest pressure, the contact angle that of the patch with the largest force.
+    """
     if "curvature" not in dataset or dataset.sizes["time"] < _SHORTEST:
         return []
     curves = []
@@ -215,7 +218,7 @@ def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
                 curve[CHANNELS[name].column] = _median(part[name], CHANNELS[name])
         for wheel in dataset["wheel"].values:
             curve[str(wheel)] = {
-                CHANNELS[name].column: _median(_main_patch(part[name].sel(wheel=wheel)), CHANNELS[name])
+                CHANNELS[name].column: _median(_of_wheel(part[name].sel(wheel=wheel)), CHANNELS[name])
                 for name in CURVE_CHANNELS
                 if name in part and "wheel" in part[name].dims
             }
@@ -240,8 +243,11 @@ def _constant_stretches(distance: NDArray[Any], curvature: NDArray[Any]) -> list
     return [(int(first), int(last)) for first, last in pairs if last - first + 1 >= _SHORTEST]
 
 
-def _main_patch(data: xr.DataArray) -> xr.DataArray:
-    return data.isel(patch=0) if "patch" in data.dims else data
+def _of_wheel(data: xr.DataArray) -> xr.DataArray:
+    """One value of a wheel's patches: the largest pressure of all, else that of the patch with the largest force."""
+    if "patch" not in data.dims:
+        return data
+    return data.max("patch") if data.name == "p0" else data.isel(patch=0)
 
 
 def _median(data: xr.DataArray, channel: Channel) -> float | None:
