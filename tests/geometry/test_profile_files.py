@@ -304,6 +304,7 @@ BAD = [
     (spoilt(7, "nan 1.0"), r"points.csv:7: nan is not a finite number"),
     (spoilt(7, "1.0 inf"), r"points.csv:7: inf is not a finite number"),
     (spoilt(7, "1.0 2,o"), r"points.csv:7: 3 columns; allowed: 2"),
+    (spoilt(7, "900.0 -0.d473"), r"points.csv:7: the curve goes back on itself here"),
     (spoilt(7, "1.0 2.o"), r"points.csv:7: '2.o' is not a number"),
     (spoilt(7, "1.0"), r"points.csv:7: 1 columns; allowed: 2, lateral coordinate and height"),
     (spoilt(400, "500.0 2.0"), r"points.csv:400: the curve goes back on itself here"),

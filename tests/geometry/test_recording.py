@@ -359,6 +359,10 @@ def rows(**changed: Any) -> str:
         (rows(), f"{BY_BAND}\n{BY_CHORD}", "has chord_m and band: must be one of"),
         (rows().replace("level_mm", "lvl_mm"), BY_BAND, "line.toml: channels: column 'level_mm' is not in"),
         (HEAD, BY_BAND, "line.csv: has no rows"),
+        (
+            "\n".join(rows().split("\n")[:10]), BY_BAND,
+            "line.csv:10: the table ends after 9 rows; at least 40 are needed",
+        ),
         (rows(), f"{BY_BAND}\n{MAP[MAP.rindex('[['):]}{BY_BAND}", "is level like channels[1]"),
     ],
 )  # fmt: skip

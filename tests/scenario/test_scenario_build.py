@@ -254,3 +254,12 @@ def test_each_normal_model_has_its_usual_creep_forces_and_strips(normal, creep):
         by_width = build(scenario.with_values({"contact.strip_width_mm": 0.2})).contact
         assert (by_width.strip_count, by_width.strip_width) == (None, pytest.approx(2e-4))
     assert usual.fast().creep_forces == ("fastsim" if normal == "kik-piotrowski" else "fastrip")
+
+
+def test_a_default_that_does_not_fit_the_rest_is_named_without_a_value() -> None:
+    scenario = load(
+        Path(__file__).parents[2] / "scenarios" / "manchester_r300.toml"
+    )  # starts where runs start by default
+    given = scenario.with_values({"track.segments": [{"kind": "straight", "length_m": 9.0}]})
+    with pytest.raises(InputError, match=r"run.start_distance_m: must lie on the track, which is 9 m long"):
+        build(given)

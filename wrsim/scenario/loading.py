@@ -76,7 +76,11 @@ class Scenario:
 
     def fault(self, path: KeyPath, message: str) -> InputError:
         """Return the error for a key whose value passed the schema but does not fit the rest."""
-        return InputError(fault_line(path, message, self.locate, value_at(self._merged.data, path)))
+        try:
+            value = value_at(self._merged.data, path)
+        except (KeyError, IndexError, TypeError):
+            value = None  # the key is not given: its default does not fit
+        return InputError(fault_line(path, message, self.locate, value))
 
     def find(self, path: KeyPath, name: str) -> Path:
         """Return the model file of this name; InputError names the key at ``path`` that asks for it."""

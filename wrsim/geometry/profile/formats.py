@@ -89,6 +89,10 @@ def read_lines(path: Path) -> list[str]:
     return text.splitlines()
 
 
+LARGEST_EXPONENT = 300
+"""Of a digit's value; 0e473 is a number, its last digit is worth nothing that is one."""
+
+
 def _number(word: str, file: str, line: int) -> float:
     """A finite number, or InputError with file and line. Fortran's exponents (1.0D+01) are numbers."""
     try:
@@ -105,7 +109,8 @@ def _last_digit(word: str) -> float:
     match = re.fullmatch(r"[-+]?\d*(?:\.(\d*))?(?:[eEdD]([-+]?\d+))?", word.strip())
     if match is None:
         return 0.0
-    return float(10.0 ** (int(match[2] or 0) - len(match[1] or "")))
+    exponent = int(match[2] or 0) - len(match[1] or "")
+    return 10.0**exponent if abs(exponent) < LARGEST_EXPONENT else 0.0
 
 
 # --- two columns --------------------------------------------------------------------------------------

@@ -98,7 +98,10 @@ def read_recording(
     low, high = (-np.inf if part[0] is None else part[0]), (np.inf if part[1] is None else part[1])
     inside = np.flatnonzero((distance >= low) & (distance <= high))
     if inside.size < FEWEST:
-        raise InputError(f"{path}: {inside.size} rows from {low:g} to {high:g} m; at least {FEWEST} are needed")
+        asked = "" if part == (None, None) else f" from {low:g} to {high:g} m"
+        raise InputError(
+            f"{path}:{numbers[-1]}: the table ends after {inside.size} rows{asked}; at least {FEWEST} are needed"
+        )
     first, last = int(inside[0]), int(inside[-1]) + 1
     distance, lines = distance[first:last], numbers[1:][first:last]
     _check_distance(path, along.column, distance, lines)
