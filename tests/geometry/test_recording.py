@@ -290,6 +290,15 @@ def test_opposite_signs_are_told(car: Car, tmp_path: Path) -> None:
     assert any("the cant leans outward in 2 of 2 curves" in note for note in found.notes)
 
 
+def test_rows_that_are_no_track_are_told_with_their_file(car: Car, tmp_path: Path) -> None:
+    columns = geometry(car)
+    bent = {k: 1e3 * v if k.startswith("curvature") else v for k, v in columns.items()}  # 1/m taken for 1/km
+    with pytest.raises(
+        InputError, match=r"line.csv: 0 to [\d.]+ m: no track's design follows from these rows: segment"
+    ):
+        restored(tmp_path, car, bent, "")
+
+
 def test_twist_alone_tells_the_cross_level(car: Car, tmp_path: Path) -> None:
     s = car.distance
     cross = car.track.cross_level(s)

@@ -85,7 +85,11 @@ def restore(
     cant = work.first("cant")
     plateaus = fit_design(s, curvature, np.zeros(s.size) if cant is None else cant, spread, forms)
     segments = _segments(plateaus, s, off_gauge)
-    law = laws(segments, gauge, ROUNDING)
+    try:
+        law = laws(segments, gauge, ROUNDING)
+    except InputError as error:  # rows that are no track's
+        ends = f"{s[0]:g} to {s[-1]:g} m"
+        raise InputError(f"{recording.path}: {ends}: no track's design follows from these rows: {error}") from None
     design = _Design(law.curvature(s), law.cant(s), law.widening(s))
     _check_hands(plateaus, work.notes)
 
