@@ -1,8 +1,8 @@
-"""States of a vehicle on its track: the design position, rest, and steady motion at speed.
+"""States of a vehicle on its track: rest, and steady motion at speed.
 
-``lower_on_rails`` lets the rails carry the wheelsets,
-``steady_state`` finds the poses at which nothing accelerates but what the curve asks for; at speed 0 that is the
-position of rest. All of them are meant at the time 0, when the vehicle's origin is at the start of its law.
+From a design position (`simulation.design`) ``lower_on_rails`` lets the rails carry the wheelsets, and ``steady_state``
+finds the poses at which nothing accelerates but what the curve asks for; at speed 0 that is the position of rest. All
+of them are meant at the time 0, when the vehicle's origin is at the start of its law.
 """
 
 from __future__ import annotations
