@@ -1,7 +1,8 @@
 """How fast a whole vehicle runs, and which step is accurate. Run: python benchmarks/bench_vehicle.py [--json]
 
-Manchester vehicle 1, eight wheels: at 60 km/h into a curve of 300 m (curve), on rails that go from new to worn and back
-twice (sections), at 160 km/h on straight track with ERRI
+Manchester vehicle 1, eight wheels: at 60 km/h into a curve of 300 m (curve), on rails whose sections are
+alike but for .1 um (alike: the same contacts as in the curve, at the cost of sections), on rails worn all along (worn),
+on rails that go from new to worn and back twice (sections), at 160 km/h on straight track with ERRI
 low irregularities (uneven), at 5 km/h into a curve of 150 m (slow). A laden freight wagon, whose suspension is full of
 friction, at 60 km/h into a curve of 300 m (freight). Every run goes as a user's does: with the
 integrator and the step that it chooses, its samples and its monitor; without the search for its start and without the
@@ -52,9 +53,17 @@ SECTIONS: dict[str, Any] = {
         {"at_m": at, "rail": f"rails/60E1{'_worn' * worn}.toml"} for at, worn in ((10, 0), (40, 1), (70, 0), (90, 1))
     ],
 }
+ALIKE: dict[str, Any] = {
+    "run.distance_m": 100.0,
+    "track.rail_sections": [
+        {"at_m": at, "rail": "rails/60E1.toml", "outward_mm": off} for at, off in ((10, 0.0), (40, 1e-4), (70, 0.0))
+    ],
+}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "curve": ("manchester_r300.toml", {"run.distance_m": 100.0}),
     "uneven": ("manchester_r300.toml", UNEVEN),
+    "alike": ("manchester_r300.toml", ALIKE),
+    "worn": ("manchester_r300.toml", {"run.distance_m": 100.0, "track.rail": "rails/60E1_worn.toml"}),
     "sections": ("manchester_r300.toml", SECTIONS),
     "freight": ("freight_r300_laden.toml", {}),
     "slow": ("manchester_r150.toml", {"vehicle.speed_kmh": 5.0, "run.start_distance_m": 16.0, "run.distance_m": 10.0}),

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.profile import length
-from wrsim.core.contact.rail import along, parting, rail_length, rail_point
+from wrsim.core.contact.rail import along, parting, rail_and_felt, rail_length
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.root import Bracket, crossing, narrowed
 
@@ -64,10 +64,10 @@ def first_step(depth, curvature):
 def pair(wheel, rail, arc_wheel, arc_rail, out_o, out_b):
     """The pair of points at these arclengths; the gap with the wheel moved out by (out_o, out_b), else as it is."""
     w = locus_point(wheel, arc_wheel)
-    r = rail_point(rail, arc_rail)
+    r, felt = rail_and_felt(rail, arc_rail)
     no, nb = bisector(w, r)
     gap = (w.o + out_o - r.u) * no + (w.b + out_b - r.w) * nb
-    at = along(rail, arc_rail, r, w.x, w.to_axle)
+    at = along(rail, felt, r, w.x, w.to_axle)
     return Pair(
         gap, w.x + at.ahead, 0.5 * (w.o + r.u), 0.5 * (w.b + r.w) + at.drop, no, nb, w.shrink,
         parting(w.r_t, at), at.slope,
@@ -176,5 +176,6 @@ def lay_strips(wheel, rail, lobe, projected, n, strips):
             strip.slope = at.slope
             strip.r_t = at.r_t
             i += direction
-    at_main = along(rail, lobe.arc_rail, rail_point(rail, lobe.arc_rail), main_point.x, main_point.to_axle)
+    point, felt = rail_and_felt(rail, lobe.arc_rail)
+    at_main = along(rail, felt, point, main_point.x, main_point.to_axle)
     return sqrt(2.0 * (delta - lobe.recess) * parting(main_point.r_t, at_main))

@@ -31,6 +31,15 @@ class Along(NamedTuple):
     bend: float
 
 
+class Felt(NamedTuple):
+    """What the tables of a rail that changes along the track tell at a point of its section: how far ahead of the axle
+    it is touched [m], slope, curvature [1/m]."""
+
+    ahead: float
+    slope: float
+    bend: float
+
+
 @inlined
 def changes(rail):
     """Whether the rail changes along the track."""
@@ -95,10 +104,37 @@ def rail_point(rail, arc):
     """Point of the rail's section at arclength ``arc`` [m]; beyond either end it goes on straight."""
     if not changes(rail):
         return profile_point(Profile(rail.table, rail.step), arc)
+    x, i, one, other = _at(rail, arc)
+    return _point(rail, one, other, arc, x, i)
+
+
+@inlined
+def rail_and_felt(rail, arc):
+    """As ``rail_point``, and what the tables tell along the track there."""
+    if not changes(rail):
+        return profile_point(Profile(rail.table, rail.step), arc), Felt(0.0, 0.0, 0.0)
+    x, i, one, other = _at(rail, arc)
+    r = x - i
+    return _point(rail, one, other, arc, x, i), Felt(
+        (1.0 - r) * _value(rail, one, i, 5) + r * _value(rail, other, i + 1, 5),
+        (1.0 - r) * _value(rail, one, i, 6) + r * _value(rail, other, i + 1, 6),
+        (1.0 - r) * _value(rail, one, i, 7) + r * _value(rail, other, i + 1, 7),
+    )
+
+
+@inlined
+def _at(rail, arc):
+    """Of a rail that changes along the track: arclength in rows, held on them; the row before; where that one and the
+    next are felt."""
     x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
     i = min(int(x), rail.rows - 2)
-    share = _share(rail, i)
-    at = between(_node(rail, share, i), _node(rail, share, i + 1), x - i, rail.step)
+    return x, i, _share(rail, i), _share(rail, i + 1)
+
+
+@inlined
+def _point(rail, one, other, arc, x, i):
+    """The point at x rows, behind row i."""
+    at = between(_node(rail, one, i), _node(rail, other, i + 1), x - i, rail.step)
     beyond = arc - x * rail.step
     if beyond != 0.0:
         return Point(at.u + beyond * at.tu, at.w + beyond * at.tw, at.tu, at.tw, 0.0)
@@ -106,28 +142,36 @@ def rail_point(rail, arc):
 
 
 @inlined
-def along(rail, arc, point, x, to_axle):
-    """What the rail does along the track at arclength ``arc``, where its section has ``point`` and a wheel touches at x
-    [m]; nothing where it is one profile that neither turns nor bends.
+def rail_chord(rail, arc):
+    """Point of a rail that changes along the track, linear between two rows: half a micrometre off where a rail is bent
+    most; beyond either end the last one."""
+    x, i, one, other = _at(rail, arc)
+    p, q = _node(rail, one, i), _node(rail, other, i + 1)
+    r = x - i
+    return Point(
+        p.u + r * (q.u - p.u),
+        p.w + r * (q.w - p.w),
+        p.tu + r * (q.tu - p.tu),
+        p.tw + r * (q.tw - p.tw),
+        p.k + r * (q.k - p.k),
+    )
+
+
+@inlined
+def along(rail, felt, point, x, to_axle):
+    """What the rail does along the track where its section has ``point`` and ``felt`` and a wheel touches at x [m];
+    nothing where it is one profile that neither turns nor bends.
 
     A section that turns by ``twist`` a metre about (0, 0) rises along its normal by twist (u tu + w tw), one that bends
     by bow_b tu - bow_o tw times the way from the wheel's section. It is touched so far ahead of x that the true normal
     meets the axle, at the distance ``to_axle``: a wheel without friction is not driven.
     """
-    ahead = slope = bend = 0.0
-    if changes(rail):
-        y = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
-        i = min(int(y), rail.rows - 2)
-        r = y - i
-        share = _share(rail, i)
-        ahead = (1.0 - r) * _value(rail, share, i, 5) + r * _value(rail, share, i + 1, 5)
-        slope = (1.0 - r) * _value(rail, share, i, 6) + r * _value(rail, share, i + 1, 6)
-        bend = (1.0 - r) * _value(rail, share, i, 7) + r * _value(rail, share, i + 1, 7)
     bow = rail.bow_b * point.tu - rail.bow_o * point.tw
-    rise = rail.twist * (point.u * point.tu + point.w * point.tw) + bow * (x + ahead)
+    rise = rail.twist * (point.u * point.tu + point.w * point.tw) + bow * (x + felt.ahead)
     rise /= max(1.0 - bow * to_axle, LEAST_PARTING)  # the way that it is ahead for this rise counts, too
-    ahead += to_axle * rise
-    return Along(ahead, rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead), slope + rise, bend)
+    ahead = felt.ahead + to_axle * rise
+    drop = rail.radius - sqrt(rail.radius * rail.radius - ahead * ahead)
+    return Along(ahead, drop, felt.slope + rise, felt.bend)
 
 
 @inlined

@@ -10,7 +10,7 @@ are stands in core.contact.stages. What one leaves for the next is in the arrays
 from wrsim.core import stages
 from wrsim.core.compiling import kernel
 from wrsim.core.contact.arrays import arrays, bodies
-from wrsim.core.contact.rail import along, rail_point
+from wrsim.core.contact.rail import along, rail_and_felt
 from wrsim.core.contact.records import CREEP_FORCES, NO_CREEP_FORCES, STATUS_TOO_DEEP, Field, read_pose
 from wrsim.core.contact.resultants import add_lobe
 from wrsim.core.contact.search.lobes import couple, select_deepest
@@ -99,13 +99,14 @@ def _sum_up(a, pose, buffer, index):
 @kernel
 def _start_lobe(wheel, rail, own, lobe):
     """Main point of a lobe that the search has found, so far without pressure. Returns status bits."""
-    on_wheel, at = locus_point(wheel, own.arc_wheel), rail_point(rail, own.arc_rail)
+    on_wheel = locus_point(wheel, own.arc_wheel)
+    at, felt = rail_and_felt(rail, own.arc_rail)
     lobe.approach = own.depth
     lobe.arc_wheel = own.arc_wheel
     lobe.arc_rail = own.arc_rail
     lobe.no = -at.tw
     lobe.nb = at.tu
-    lobe.slope = along(rail, own.arc_rail, at, on_wheel.x, on_wheel.to_axle).slope
+    lobe.slope = along(rail, felt, at, on_wheel.x, on_wheel.to_axle).slope
     lobe.n_strips = 0
     lobe.N = lobe.p0 = lobe.area = lobe.length = lobe.width = lobe.recess = 0.0
     return STATUS_TOO_DEEP if own.depth > DEEPEST else 0

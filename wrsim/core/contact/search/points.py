@@ -8,12 +8,12 @@ Newton's method: a place where the connecting vector is parallel to both normals
 normals throughout, so a vertical rail side is as good as the crown.
 """
 
-from math import sqrt
+from math import inf, sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.profile import node
-from wrsim.core.contact.rail import rail_length, rail_point
+from wrsim.core.contact.rail import rail_chord, rail_length, rail_point
 from wrsim.core.contact.search.locus import LARGEST_SINE, locus_node, locus_point
 
 FIELD_ERROR = 1e-5  # of the field's interpolation, generously [m]
@@ -23,6 +23,8 @@ STRETCH = 1.2  # the outline is at most this much longer than the profile where 
 STEEP = 0.1  # on steeper parts of a yawed wheel nothing is skipped
 YAW_HOLLOWS = 0.03  # yaw that makes the hollow parts of the outline about twice as hollow as the profile [rad]
 MARGIN = 5.5e-3  # the field reaches at least this far beyond the rail [m]
+LARGEST_TURN, FARTHEST_FOOT = 0.02, 2e-3  # of the rail between a foot and where it is guessed: angle, arclength [m]
+FALL = 0.02  # of the slope in a good step of Newton's
 MINIMUM, MAXIMUM = 1.0, -1.0  # of the distance
 
 
@@ -95,9 +97,33 @@ def project(rail, o, b, arc, steps):
     return Foot(arc, distance, no, nb, at.k)
 
 
+@inlined
+def _near(rail, o, b, foot, no, nb):
+    """Distance of (o, b) from a rail that changes along the track, arclength of its foot, and slope of the distance
+    along a wheel outline with normal (no, nb); foot: about where it is.
+
+    Right to second order in how far that is off, which the samples of a search want; else by Newton's method.
+    """
+    at = rail_chord(rail, foot)
+    du, dw = o - at.u, b - at.w
+    distance = dw * at.tu - du * at.tw
+    lean = 1.0 / max(1.0 - at.k * distance, 0.2)
+    off = (du * at.tu + dw * at.tw) * lean
+    turn = at.k * off
+    if abs(turn) > LARGEST_TURN or abs(off) > FARTHEST_FOOT:
+        on_rail = project(rail, o, b, foot, 2)
+        return on_rail.distance, on_rail.arc, no * on_rail.nb - nb * on_rail.no
+    # normal over the foot: (-tw - turn tu, tu - turn tw)
+    slope = no * (at.tu - turn * at.tw) + nb * (at.tw + turn * at.tu)
+    return distance - 0.5 * turn * off / lean, foot + off, slope
+
+
 @kernel
 def refine(wheel, rail, lo, hi, arc, foot, kind):
     """A stationary point of the distance between two wheel arclengths: safeguarded Newton on its slope.
+
+    Where curvatures jump, at joins of arcs, they tell the rate of the slope wrongly: where a step has not brought it
+    down by far the next one is the secant's.
 
     arc, foot: first guess on wheel and rail; kind: MINIMUM (slope negative at ``lo``) or MAXIMUM.
     """
@@ -106,6 +132,7 @@ def refine(wheel, rail, lo, hi, arc, foot, kind):
     status = 1
     projections = 3  # the first guess of the foot may be far off; later ones are foretold
     last = 1.0  # length of the last step
+    before, slope_before = arc, inf
     for _ in range(60):
         at = locus_point(wheel, arc)
         on_rail = project(rail, at.o, at.b, foot, projections)
@@ -120,6 +147,10 @@ def refine(wheel, rail, lo, hi, arc, foot, kind):
             hi = arc
         lean = max(1.0 - on_rail.k * distance, 0.2)
         rate = at.k * cosine - on_rail.k * cosine * cosine / (lean * at.shrink)
+        if abs(slope) > FALL * abs(slope_before):
+            secant = (slope - slope_before) / (arc - before)
+            rate = secant if kind * secant > 0.0 else rate
+        before, slope_before = arc, slope
         step = -slope / rate if kind * rate > 0.0 else 2.0 * (hi - lo)
         if abs(step) < 1e-11 or hi - lo < 1e-12:
             on_rail = project(rail, at.o, at.b, foot, projections)
@@ -127,7 +158,7 @@ def refine(wheel, rail, lo, hi, arc, foot, kind):
             status = 0
             break
         new = arc + step
-        # beside a join of arcs the rate may be off by half and Newton's steps swing to and fro
+        # else steps may swing to and fro
         if new <= lo or new >= hi or abs(step) > 0.5 * last:
             new = 0.5 * (lo + hi)
         last = abs(new - arc)
@@ -184,9 +215,7 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
         if field.slack > 0.0:
             # the field is that of a station nearby
             if distance < FAR + field.slack:
-                on_rail = project(rail, at.o, at.b, foot, 2)
-                distance, foot = on_rail.distance, on_rail.arc
-                slope = at.no * on_rail.nb - at.nb * on_rail.no
+                distance, foot, slope = _near(rail, at.o, at.b, foot, at.no, at.nb)
             else:
                 distance -= field.slack
         if distance < FIELD_ERROR and not near and i - stride > last_node:
