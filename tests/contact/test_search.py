@@ -127,6 +127,31 @@ def brute_force(model, points=4001):
     return peaks
 
 
+def test_the_deepest_zone_is_found_where_the_back_of_a_flange_lies_in_a_check_rail():
+    """The outline of a yawed wheel is too steep there to touch (`LARGEST_SINE`); a search of it went to and fro for ever.
+    """
+    model = contact_model(wheel_profile("S1002"), load_profile(MODELS / "rails/60E1_check.toml"), **PLAIN)
+    peaks, (o, _) = brute_force(model), rail_origin(model.rail)
+    for lateral, height, yaw, roll in (  # these did not end
+        (-0.01084672309824293, -0.0008972988942744877, 0.0007092974820154044, 0.009009273926518705),
+        (-0.010496791413067173, 0.0008897067453338636, 0.006006031557939238, 0.004571210536235892),
+    ):
+        model.evaluate(np.array([0.0, HALF_SPACING + lateral - o, RADIUS + height]), axle_of(yaw, roll))
+    rng = np.random.default_rng(2)
+    at_the_back = 0
+    for _ in range(200):
+        origin = np.array([0.0, HALF_SPACING + rng.uniform(-12e-3, -5e-3) - o, RADIUS + rng.uniform(-1e-3, 1e-3)])
+        contact = model.evaluate(origin, axle_of(rng.uniform(-0.02, 0.02), rng.uniform(-0.01, 0.01)))
+        found = columns(contact.patches, "arc_wheel approach")
+        if any(depth > 4e-3 for _, depth in found):  # brute force looks no deeper than 5 mm
+            continue
+        arc, depth, _ = max(peaks(), key=lambda zone: zone[1], default=(0.0, 0.0, 0.0))
+        if depth > 1e-6:
+            assert any(abs(a - arc) < 5e-4 and abs(d - depth) < 1e-6 for a, d in found)
+            at_the_back += arc < 5e-3
+    assert at_the_back > 30
+
+
 @pytest.mark.parametrize("pair", PAIRS)
 def test_every_zone_of_interpenetration_is_found_and_no_other(pair):
     model = pair_model(pair, **PLAIN)

@@ -208,6 +208,7 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
         if abs(at.sine) >= LARGEST_SINE:
             near = False
             linked = False
+            last_node = i
             i += stride
             continue
         distance, foot = field_distance(field, at.o, at.b)
