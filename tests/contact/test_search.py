@@ -128,8 +128,7 @@ def brute_force(model, points=4001):
 
 
 def test_the_deepest_zone_is_found_where_the_back_of_a_flange_lies_in_a_check_rail():
-    """The outline of a yawed wheel is too steep there to touch (`LARGEST_SINE`); a search of it went to and fro for ever.
-    """
+    """Its outline is too steep there to touch (`LARGEST_SINE`); a search of it went to and fro for ever."""
     model = contact_model(wheel_profile("S1002"), load_profile(MODELS / "rails/60E1_check.toml"), **PLAIN)
     peaks, (o, _) = brute_force(model), rail_origin(model.rail)
     for lateral, height, yaw, roll in (  # these did not end
