@@ -1,11 +1,13 @@
-"""Jumps of the contact forces over lateral shift and yaw.
+"""Jumps of the contact forces over lateral shift, yaw, approach and load.
 
-    python benchmarks/contact_continuity.py [--normal strips] [--strips 20] [--step 1] [--yaw 0 12] [--load 24 100]
+    python benchmarks/contact_continuity.py [--over shift yaw approach load] [--normal strips] [--strips 20] [--step 1]
+        [--pair 0 1 2 3 4] [--yaw 0 12] [--load 24 100] [--lateral 2 6]
 
-A wheel is carried along a smooth path of heights (those at which Kik-Piotrowski bears the load at every quarter of a
-millimetre). Where its force changes most from one step to the next the step is halved twelve times: what is left of
-the change is a jump. Prints the largest of them over the load, and the time of a pose. Steps of 20 um find the jumps
-of a sweep in a minute, steps of 1 um the smaller ones too.
+A wheel is carried along a smooth path of heights: those at which Kik-Piotrowski bears the load, which is given or goes
+from 5 to 150 kN, or down from where the wheel touches its rail to where Kik-Piotrowski bears 150 kN. Where its force
+changes most from one step to the next the step is halved twelve times: what is left of the change is a jump. Prints the
+largest of them over the load, and the time of a pose. Steps of 20 um find the jumps of a sweep in a minute, steps of
+1 um the smaller ones too (loads go by as many kN). Over approach and load every lateral shift is swept at every yaw.
 """
 
 from __future__ import annotations
@@ -13,49 +15,84 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
-from strip_robustness import stand
+from strip_robustness import PAIRS, Stand, force, stand
 
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.settings import ContactSettings
 from wrsim.scenario.cases import Pose
 
-PAIRS = (
-    ("S1002", "60E1", 40), ("S1002", "60E1", 20), ("S1002", "54E1", 20), ("S1002_worn", "60E1", 40),
-    ("S1002_worn", "60E1_worn", 40),
-)  # fmt: skip
 STEEPEST = 12  # steps looked into
 HALVINGS = 12
+LOADS = np.arange(5e3, 150e3 + 1.0, 5e3)  # [N]
 
 
-def sweep(bench: PoseSolver, heights: PoseSolver, load: float, states, knots, step: float):  # type: ignore[no-untyped-def]
-    """One sweep: ``states`` gives (lateral, yaw) of a number between the ends of ``knots``. Largest jump, in words."""
-    path = [heights.solve(Pose("", *states(x), load)).height for x in knots]
-    good = np.isfinite(path)
-    height = PchipInterpolator(knots[good], np.array(path)[good])
+Path = Callable[[float], tuple[float, float, float, float]]
+"""Lateral shift, height, yaw [m, rad] and the load that stands for the force [N] at a place of a sweep."""
 
-    def force(x: float) -> np.ndarray:
-        lateral, yaw = states(x)
-        bench.evaluate(lateral, float(height(x)), yaw, 0.0)
+
+def smooth(knots: np.ndarray, what: int, state: tuple[float, float, float], heights: PoseSolver):  # type: ignore[no-untyped-def]
+    """A path along which Kik-Piotrowski bears the load, smooth between knots: the path, its ends.
+
+    state: lateral shift, yaw and load [m, rad, MN]; ``what`` of them goes along the knots.
+    """
+
+    def states(x: float) -> tuple[float, float, float]:
+        lateral, yaw, load = (x if i == what else value for i, value in enumerate(state))
+        return lateral, yaw, 1e6 * load
+
+    found = np.array([heights.solve(Pose("", *states(x))).height for x in knots])
+    good = np.isfinite(found)
+    height = PchipInterpolator(knots[good], found[good])
+
+    def path(x: float) -> tuple[float, float, float, float]:
+        lateral, yaw, load = states(x)
+        return lateral, float(height(x)), yaw, load
+
+    return path, knots[good][0], knots[good][-1]
+
+
+def downwards(both: Stand, lateral: float, yaw: float):  # type: ignore[no-untyped-def]
+    """A path straight down from a micrometre of approach on: the path, its ends [m]."""
+    touching = both.touching(lateral, yaw)
+    lowest = both.screen.solve(Pose("", lateral, yaw, LOADS[-1])).height
+    if touching is None or not np.isfinite(lowest):
+        return None
+
+    def path(x: float) -> tuple[float, float, float, float]:
+        both.screen.evaluate(lateral, touching - x, yaw, 0.0)
+        return lateral, touching - x, yaw, max(force(both.screen), LOADS[0])
+
+    return path, 1e-6, touching - lowest
+
+
+def largest_jump(bench: PoseSolver, path: Path, start: float, end: float, step: float) -> tuple[float, str]:
+    """The largest jump of a sweep over the load there; also in words."""
+
+    def forces_at(x: float) -> np.ndarray:
+        lateral, height, yaw, load = path(x)
+        bench.evaluate(lateral, height, yaw, 0.0)
         return bench.force / load
 
-    xs = np.arange(knots[good][0], knots[good][-1], step)
+    xs = np.arange(start, end, step)
     forces = np.empty((len(xs), 3))
     began = time.perf_counter()
     for i, x in enumerate(xs):
-        forces[i] = force(x)
+        forces[i] = forces_at(x)
     cost = 1e6 * (time.perf_counter() - began) / len(xs)
     change = np.abs(np.diff(forces, axis=0)).max(axis=1)
     usual = np.array([np.median(change[max(0, i - 4) : i + 5]) for i in range(len(change))])
     worst, where = 0.0, 0.0
     for i in np.argsort(usual - change)[:STEEPEST]:
         left, right = xs[i], xs[i + 1]
-        at_left, at_right = force(left), force(right)
+        at_left, at_right = forces_at(left), forces_at(right)
         for _ in range(HALVINGS):
             middle = 0.5 * (left + right)
-            between = force(middle)
+            between = forces_at(middle)
             if np.abs(between - at_left).max() > np.abs(at_right - between).max():
                 right, at_right = middle, between
             else:
@@ -66,31 +103,49 @@ def sweep(bench: PoseSolver, heights: PoseSolver, load: float, states, knots, st
     return worst, f"{worst:9.4f} at {1e3 * where:8.4f}{len(xs):8d} poses{cost:8.0f} us"
 
 
+def sweeps(both: Stand, chosen: argparse.Namespace) -> Iterator[tuple[str, Any]]:
+    """All sweeps of a pair: in words, path with its ends."""
+    shifts, yaws = np.arange(-10e-3, 10e-3 + 1e-9, 2.5e-4), np.arange(-12e-3, 12e-3 + 1e-9, 5e-4)
+    for load in chosen.load:
+        for yaw in chosen.yaw if "shift" in chosen.over else ():
+            yield (
+                f"{load:g} kN, yaw {yaw:g} mrad, y [mm]",
+                smooth(shifts, 0, (0.0, 1e-3 * yaw, 1e-3 * load), both.screen),
+            )
+        for y in chosen.lateral if "yaw" in chosen.over else ():
+            yield f"{load:g} kN, y {y:g} mm, yaw [mrad]", smooth(yaws, 1, (1e-3 * y, 0.0, 1e-3 * load), both.screen)
+    for yaw in chosen.yaw:
+        for y in chosen.lateral:
+            place = f"yaw {yaw:g} mrad, y {y:g} mm"
+            if "approach" in chosen.over and (found := downwards(both, 1e-3 * y, 1e-3 * yaw)):
+                yield f"{place}, approach [mm]", found
+            if "load" in chosen.over:
+                yield f"{place}, load [kN]", smooth(1e-6 * LOADS, 2, (1e-3 * y, 1e-3 * yaw, 0.0), both.screen)
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--over", nargs="+", choices=("shift", "yaw", "approach", "load"), default=["shift", "yaw"])
     parser.add_argument("--normal", default="strips")
     parser.add_argument("--strips", type=int, default=20)
-    parser.add_argument("--step", type=float, default=1.0, help="[um, urad]")
+    parser.add_argument("--step", type=float, default=1.0, help="[um, urad, kN]")
+    parser.add_argument("--pair", type=int, nargs="+", default=range(5), help="Numbers of the pairs.")
     parser.add_argument("--yaw", type=float, nargs="+", default=[0.0, 12.0], help="[mrad]")
     parser.add_argument("--load", type=float, nargs="+", default=[24.0, 100.0], help="[kN]")
+    parser.add_argument("--lateral", type=float, nargs="+", default=[2.0, 6.0], help="[mm]")
     parser.add_argument("--json", action="store_true", help="One line of numbers at the end.")
     chosen = parser.parse_args()
     ours = ContactSettings(normal=chosen.normal, strips=chosen.strips, tangential="none", damping=0.0)
-    plain = ContactSettings(normal="kik-piotrowski", tangential="none", damping=0.0)
     jumps: dict[str, float] = {}
-    for pair in PAIRS:
-        bench, heights = stand(pair, ours), stand(pair, plain)
-        for load in chosen.load:
-            name = f"{pair[0]} / {pair[1]} 1:{pair[2]}, {load:g} kN"
-            lateral = np.arange(-10e-3, 10e-3 + 1e-9, 2.5e-4)
-            yaws = np.arange(-12e-3, 12e-3 + 1e-9, 5e-4)
-            sweeps = [(f"yaw {yaw:g} mrad, y [mm]", lambda y, yaw=yaw: (y, 1e-3 * yaw), lateral) for yaw in chosen.yaw]
-            sweeps += [(f"y {y:g} mm, yaw [mrad]", lambda a, y=y: (1e-3 * y, a), yaws) for y in (2.0, 6.0)]
-            for words, states, knots in sweeps:
-                key = f"{name}, {words}"
-                jumps[key], found = sweep(bench, heights, 1e3 * load, states, knots, 1e-6 * chosen.step)
-                print(f"{key}: {found}", flush=True)
+    for number in chosen.pair:
+        both = Stand(PAIRS[number], chosen.strips)
+        bench = stand(PAIRS[number], ours)
+        for words, (path, start, end) in sweeps(both, chosen):
+            key = f"{both.name}, {words}"
+            step = 1e-6 * chosen.step * (1e3 if words.endswith("load [kN]") else 1.0)
+            jumps[key], found = largest_jump(bench, path, start, end, step)
+            print(f"{key}: {found}", flush=True)
     if chosen.json:
         print(json.dumps({"jumps": {chosen.normal: jumps}}))
 

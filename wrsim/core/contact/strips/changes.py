@@ -9,6 +9,7 @@ ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penet
 FEWEST = 3  # strips in contact below which a grid leaves
 RETURN, LEAVE = 1e-3, 4e-4  # closing at which a grid comes into contact; a^2/R_x at which it leaves; over the deepest
 REACH = 0.01  # closing at which edges move out over a gap, as well: a hump so flat bears some .001 of the load
+REACHES = 2  # times that edges of a grid do so in a solution: a hump of a strip's width may not stay in contact
 HUMP = 0.45  # closing, over its largest, up to which the contact of a new grid reaches at first
 
 
@@ -177,8 +178,11 @@ def _may_close(rows, r, step, rise):
 
 @kernel
 def _reach_out(system, n, g):
-    """Edges of a grid move out over a gap to where it has closed again beyond. True if one does."""
+    """Edges of a grid move out over a gap to where it has closed again beyond, and strips come into contact there.
+    True if so."""
     memo, grid, rows = system.memo[0], system.grids[g], system.rows[g]
+    if grid.reaches == REACHES:
+        return False
     least = REACH * memo.deepest
     start, end = grid.start, grid.end
     for side in range(2):
@@ -211,12 +215,26 @@ def _reach_out(system, n, g):
             r += step
     if start == grid.start and end == grid.end:
         return False
-    before = grid.start, grid.end
+    before, held = (grid.start, grid.end), (grid.start_held, grid.end_held)
     move_edges(system, n, g, start, end)
+    x, base = system.vectors[X], g * block_of(n)
+    touch = 0
     for j in range(n):
-        s = system.places[g * n + j].s
-        if s < before[0] or s > before[1]:
-            system.vectors[X, g * block_of(n) + j] = 0.0
+        place = system.places[g * n + j]
+        if before[0] <= place.s <= before[1]:
+            continue
+        # what presses down still are the strips as they lay before
+        u, _c = pressed(system, n, g, place.s, place.x)
+        x[base + j] = max(place.d - u / memo.stiffness, 0.0) / place.bend
+        touch += int(x[base + j] > 0.0)
+    if touch < 2:
+        # an edge takes two: one strip alone would be drawn in again
+        x[base : base + n] = system.vectors[STEP, :n]
+        x[base + n + FACTORS], x[base + n + FACTORS + 1] = before
+        grid.start_held, grid.end_held = held
+        lay_strips(system, n)
+        return False
+    grid.reaches += 1
     return True
 
 

@@ -36,6 +36,7 @@ TURNS = 12  # changes of strips and edges in one solution
 HALVINGS = 6  # of a step, at most
 STUCK = 4  # steps that stay long all the same, after which a solution is given up
 CALM = 0.05  # misfit below which strips may leave
+SPENT = 1e-4  # a^2/R_x over the deepest penetration below which they may at any misfit: it may be theirs
 NEAR = 1e-3  # misfit at which strips and edges are looked after
 SURE = 2.0  # safety of the foretold misfit
 
@@ -267,7 +268,7 @@ def _advance(system, n, held, share, calm):
                 new = max(new, 0.0)
                 changed = changed or new == 0.0
             elif new < KEPT * y:
-                leaves = calm and new < OVERSHOOT * y
+                leaves = new < OVERSHOOT * y and (calm or y * system.places[g * n + j].bend < SPENT * memo.deepest)
                 changed = changed or leaves
                 whole = False
                 new = 0.0 if leaves else KEPT * y

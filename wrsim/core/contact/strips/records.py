@@ -33,7 +33,7 @@ over both edges; how much of what it does to the curvature counts, and the slope
 GRID = record(
     "start end least most deepest spacing x reach arc place along stretch pivot evenness calm bond link chain "
     "line_s line_x line_slope line_reach",
-    "on start_held end_held first last tail",
+    "on start_held end_held first last tail reaches",
 )
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length along x;
 arclengths on wheel and rail of a pair of opposite points; mean of its shifts, how the middles of its strips lie off the
@@ -41,7 +41,8 @@ locus (`shifts.off_locus`), how much more evenly its factors run and how firmly 
 least penetration over its concave hull between it and the next grid (`ground`), how firmly its last factor is held to
 the first of that one, how far the overlaps of both are one; of a tail (`tails`) a place, its shift and the slope of the
 line that the locus has under its hump, and how far off that line it begins. Whether it is in contact, whether its edges
-are held at their bounds, its first and last lobe; of a tail the number of its hump's grid less its own, else 0."""
+are held at their bounds, its first and last lobe; of a tail the number of its hump's grid less its own, else 0; how
+often its edges have moved out over a gap in this solution."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",

@@ -64,6 +64,8 @@ def solve(system, n, known, whole):
     memo = system.memo[0]
     memo.iterations = memo.factorisations = 0
     memo.strips = n
+    for g in range(memo.grids):
+        system.grids[g].reaches = 0
     if known and newton(system, n, WARM_TOLERANCE, WARM_STEPS) and _sound(system, n):
         return SETTLED
     result = SETTLED
@@ -144,7 +146,7 @@ def _afresh(system, n, level, whole, held):
     memo = system.memo[0]
     memo.inverted = 0
     for g in range(memo.grids):
-        system.grids[g].on = 0
+        system.grids[g].on = system.grids[g].reaches = 0
         base = g * block_of(n)
         system.vectors[X, base : base + block_of(n)] = 0.0
     for g in range(memo.grids):
