@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import datetime
 import json
 import shutil
+import tomllib
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -110,9 +112,9 @@ def test_mass_off_the_wheels_is_mass_lost(service: Service, steps: list[Step]) -
 
 
 def test_a_service_that_was_killed_gives_the_same_to_the_bit(
-    service: Service, steps: list[Step], folder: Path, tmp_path: Path
+    service: Service, steps: list[Step], folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Killed in its second step, one case done; then all that it had is read."""
+    """Killed in its second step, one case done; then all that it had is read, on the next day as well."""
     whole = folder / "out"
     shutil.copytree(folder_of(whole, 0), folder_of(tmp_path, 0))
 
@@ -132,6 +134,13 @@ def test_a_service_that_was_killed_gives_the_same_to_the_bit(
         ran.append(len(todo))
         work(plan, todo)
 
+    class Tomorrow(datetime.date):
+        @classmethod
+        def today(cls) -> Tomorrow:
+            day = datetime.date.today() + datetime.timedelta(days=1)
+            return cls(day.year, day.month, day.day)
+
+    monkeypatch.setattr("wrsim.study.service.steps.date", Tomorrow)
     again = list(steps_of(service, tmp_path, rest))
     assert again == steps
     assert ran == [1] + [2] * (STAGES * (len(steps) - 1) - 1)
@@ -206,6 +215,7 @@ def test_history_tells_the_flange_and_can_be_loaded(service: Service, steps: lis
     assert {"wear.nc", "wear.csv", "wear.json", "worn_wheel.toml", "wear_profiles.png", "wear_mileage.png"} == {
         file.name for file in files
     }
+    assert tomllib.loads((tmp_path / "worn_wheel.toml").read_text())["date"] == datetime.date.today()
     assert dataset.sizes["point"] == len(steps) + 1
     assert dataset["flange_thickness"].values[0] == pytest.approx(32.5e-3, abs=1e-6)
     assert dataset["flange_height"].values[-1] > dataset["flange_height"].values[0] - 1e-9

@@ -18,10 +18,12 @@ were turned round now and then.
 
 from __future__ import annotations
 
-import datetime
+import contextlib
 import json
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -44,8 +46,6 @@ Work = Callable[[Plan, Sequence[int]], None]
 """Writes a plan into its folder and runs some of its cases to their markers."""
 
 STEPS, STEP, LOOK, WHEEL, DEPTHS = "steps", "step.json", "look", "wheel.toml", "depths.csv"
-DAY = datetime.date(2026, 11, 22)
-"""Date in the files of wheels: that of their form. The day of the computation would give the cases other names."""
 SHORTEST_REST = 1e-9
 """Of the mileage, below which nothing is left to run."""
 
@@ -179,13 +179,23 @@ def write_wheel(service: Service, folder: Path, areas: Array, label: str, stem: 
         "name": f"{service.unworn.name} after {label}",
         "body": "wheel",
         "kind": "worn",
-        "date": DAY,
         "source": f"computed: {service.title}",
         "base": str(service.wheel),
         "depths": depths.name,
     }
     write_atomically(depths, write_depths(table).encode())
-    return write_atomically(folder / f"{stem}{WHEEL}", write_toml(content).encode())
+    file = folder / f"{stem}{WHEEL}"
+    return write_atomically(file, write_toml(content | {"date": _day_of(file, content)}).encode())
+
+
+def _day_of(file: Path, content: dict[str, str]) -> date:
+    """Today, or the day on which the same was written: with another one, cases that are done would have other names."""
+    with contextlib.suppress(OSError, ValueError, KeyError):
+        known = tomllib.loads(file.read_text(encoding="utf-8"))
+        day = date.fromisoformat(str(known.pop("date")))
+        if known == content:
+            return day
+    return date.today()
 
 
 def _lost(service: Service, plan: Plan) -> tuple[Array, float, float]:
