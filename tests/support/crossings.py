@@ -19,6 +19,7 @@ from wrsim.geometry.track.section_table import read_sections
 
 CROSSING = Path(__file__).parents[3] / "shared" / "reference" / "crossing_56e1"
 NOSE_DEPTH = -30.0  # [mm]
+OUTER_EDGE = (31.0, 25.0, 3.8)  # of the head: where it is, at least so far from the corner; how far it falls off [mm]
 
 
 def lifted(rail: Profile, places: NDArray[np.float64], heights: NDArray[np.float64]) -> RailSurface:
@@ -85,9 +86,14 @@ def _features(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], tuple[f
     nose = w[foot] < w[:foot].max(initial=-1e3) - 20.0
     foot = foot if nose else 0
     corner = foot + int(np.flatnonzero((angle[foot:] < 45.0) & (w[foot:] > -20.0))[0])
+    # a planed top runs out at a place that stays: its outer edge, and what falls off beyond it
+    top = np.append(
+        np.flatnonzero((np.arange(u.size) > corner) & (u > max(OUTER_EDGE[0], u[corner] + OUTER_EDGE[1]))), u.size - 1
+    )[0]
+    beyond = np.append(np.flatnonzero((np.arange(u.size) > top) & (u > u[top] + OUTER_EDGE[2])), u.size - 1)[0]
     edges = [0, 0]
     if nose:
         left = int(np.flatnonzero(angle[:foot] < 20.0)[0])
         right = int(np.flatnonzero((angle[:foot] > -45.0) & (w[:foot] > NOSE_DEPTH))[-1])
         edges = [left, right]
-    return knots, tuple(float(arc[i]) for i in (*edges, foot, corner))
+    return knots, tuple(float(arc[i]) for i in (*edges, foot, corner, int(top), int(beyond)))

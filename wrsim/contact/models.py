@@ -87,8 +87,6 @@ def contact_model(
             f"normal = {settings.normal!r:.40}: must be one of {', '.join(NORMAL_MODELS)}"
             f"{suggest(str(settings.normal), tuple(NORMAL_MODELS))}"
         )
-    if surface is not None and settings.normal == "half-space":
-        raise InputError('normal = "half-space": knows no rail that changes along the track; use "strips"')
     rolled = None
     if surface is not None:
         rolled = None if surface.constant else rolled_rail(surface, radius)
@@ -99,4 +97,5 @@ def contact_model(
 
 def fast_model(model: ContactModel) -> ContactModel:
     """The same wheel on the same rail with `ContactSettings.fast`, in arrays of its own."""
-    return contact_model(model.wheel, model.rail, model.radius, model.settings.fast(), model.friction)
+    surface = None if model.rolled is None else model.rolled.surface
+    return contact_model(model.wheel, model.rail, model.radius, model.settings.fast(), model.friction, surface)

@@ -132,13 +132,9 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
         for each in dict.fromkeys(mounted.wheelset for mounted in vehicle.wheelsets):
             _check_placement(scenario, each, rails, track)
     surfaces = _surfaces(scenario, track, files)
-    if any(surfaces):
-        if not analysis.moves:
-            message = f'are for runs: analysis = "{spec.analysis}" knows one profile of each rail'
-            raise scenario.fault(("track", "rail_sections"), message)
-        if spec.contact.normal == "half-space":
-            message = "knows no rail that changes along the track ([[track.rail_sections]])"
-            raise scenario.fault(("contact", "normal"), message)
+    if any(surfaces) and not analysis.moves:
+        message = f'are for runs: analysis = "{spec.analysis}" knows one profile of each rail'
+        raise scenario.fault(("track", "rail_sections"), message)
     own = scenario.table(resolved(analysis.plan_table))
     drive = spec.vehicle.drive or vehicle.drive
     speed = spec.vehicle.speed_kmh

@@ -88,7 +88,7 @@ def _press_on(
             break
         grid = _lay_grid(footprint, box, dx, ds)
         angles = grid.angle if settings.influence == "angle-corrected" else None
-        operator = Operator(len(grid.s), len(grid.x), ds, dx, compliance, angles, footprint.shares(grid.s))
+        operator = Operator(len(grid.s), len(grid.x), ds, grid.length, compliance, angles, footprint.shares(grid.s))
         pressed = Pressed(grid, operator, solve_normal(operator, grid.pen, settings.tolerance, start))
         if not pressed.reaches_edge:
             break
@@ -99,6 +99,7 @@ def _lay_grid(footprint: Footprint, box: Box, dx: float, ds: float) -> Grid:
     """Elements over a box; a row and a column go through the main point."""
     first, last = floor(box.start / ds), ceil(box.end / ds)
     axis = footprint.axis.lay(ds, first, last)
-    x_main = float(axis["x"][min(max(-first, 0), len(axis) - 1)])
+    main = min(max(-first, 0), len(axis) - 1)
+    x_main = float(axis["x"][main])
     left, right = floor((box.x_start - x_main) / dx), ceil((box.x_end - x_main) / dx)
-    return Grid(footprint.axis.bodies, axis, x_main + dx * np.arange(left, right + 1, dtype=np.float64), dx, ds)
+    return Grid(footprint.axis.bodies, axis, x_main + dx * np.arange(left, right + 1, dtype=np.float64), dx, ds, main)

@@ -75,10 +75,12 @@ class Patch:
             q, slip, state = np.zeros((2, *p.shape)), rigid, np.where(p > 0.0, SLIP, OUTSIDE)
         else:
             q, slip, state = traction.q, traction.slip, traction.state
-        no, nb = grid.normal.T[:, :, None]
-        forces = np.stack([q[0], p * no + q[1] * nb, p * nb - q[1] * no]) * grid.cell
+        along, across, normal = grid.axes.transpose(0, 2, 1)[..., None]
+        forces = (q[0] * along + q[1] * across + p * normal) * grid.cell
         # on the wheel's undeformed surface, where the slip is taken
+        rise = (grid.x - grid.axis["x"][:, None]) * grid.incline.slope
         x, (o, b) = grid.x[None, :], (grid.centre + 0.5 * grid.axis["gap"][:, None] * grid.normal).T[:, :, None]
+        o, b = o + rise * grid.incline.no, b + rise * grid.incline.nb
         origin = grid.bodies.pose.origin
         arms = np.stack(np.broadcast_arrays(x - origin.x, o - origin.y, b - origin.z))
         moment = np.cross(arms, forces, axis=0).sum(axis=(1, 2))
@@ -172,9 +174,9 @@ def _islands(p: Array) -> Iterator[tuple[slice, slice, Array]]:
 def _region(grid: Grid, rows: slice, columns: slice, own: Array) -> Region:
     """A region from its own pressures."""
     starts, ends = np.zeros((2, len(own)))
-    figures = measure(own, grid.dx, grid.ds, starts, ends)
+    figures = measure(own, grid.length, grid.ds, starts, ends)
     first, last = np.zeros((2, 1))
-    measure(own.max(axis=1)[None, :], grid.ds, grid.dx, first, last)
+    measure(own.max(axis=1)[None, :], grid.ds, grid.length, first, last)
     s_from = float(grid.s[rows.start] + grid.ds * (first[0] - 0.5))
     s_to = float(grid.s[rows.start] + grid.ds * (last[0] - 0.5))
     outer = float(grid.x[columns.start]) - 0.5 * grid.dx

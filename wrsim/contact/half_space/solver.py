@@ -47,7 +47,7 @@ class HalfSpace(HalfSpaceSettings):
         The approach comes from the pose. before: solution of a pose near by on the same elements, to start from.
         Tractions are solved for when the model's settings say ``creep_forces == "half-space"``.
         """
-        footprints, closest, status = find_footprints(model.arrays, self)
+        footprints, closest, status = find_footprints(model, self)
         patches = []
         for number, footprint in enumerate(footprints):
             start = before.patches[number] if before is not None and number < len(before.patches) else None
@@ -60,7 +60,7 @@ class HalfSpace(HalfSpaceSettings):
 
     def elements_at(self, model: ContactModel) -> tuple[float, float] | None:
         """Elements (dx, ds) of the deepest patch at the pose set in the model's arrays [m]; None without contact."""
-        footprints, _, _ = find_footprints(model.arrays, self)
+        footprints, _, _ = find_footprints(model, self)
         pressed = press(footprints[0], self, _compliance(model), None) if footprints else None
         return None if pressed is None else (pressed.grid.dx, pressed.grid.ds)
 
@@ -129,7 +129,7 @@ def _damping(grid: Grid, damping: float) -> Array:
     origin, axle, velocity, omega = (np.array(vector) for vector in grid.bodies.pose)
     turning = omega - (omega @ axle) * axle
     arm = np.column_stack([grid.axis["x"], grid.centre]) - origin
-    closing = -((velocity + np.cross(turning, arm))[:, 1:] * grid.normal).sum(axis=1)
+    closing = -((velocity + np.cross(turning, arm)) * grid.axes[2]).sum(axis=1)
     return np.maximum(1.0 + damping * closing, 0.0)[:, None]
 
 

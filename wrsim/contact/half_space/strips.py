@@ -92,23 +92,23 @@ def _write_region(patch: Patch, region: Region, lobe: Any, strips: Records) -> N
     qx, qs = np.where(inside, patch.q[:, rows, columns], 0.0)
     middle = 0.5 * (region.starts + region.ends)
     main = grid.at_row(rows.start + _main_row(grid.pen[rows, columns]))
-    axis, slope = grid.axis[rows], np.hypot(main["no"], main["nb"])
+    axis, size = grid.axis[rows], np.hypot(main["no"], main["nb"])
     strips[:] = np.zeros((), k.STRIP)
     strips["s"] = axis["s"] - main["s"]
     strips["ds"] = grid.ds
     strips["x"] = middle
     strips["a"] = 0.5 * (region.ends - region.starts)
     strips["p"] = own.max(axis=1)
-    for name in ("no", "nb", "o", "b", "r_t"):
+    for name in ("no", "nb", "o", "b", "r_t", "slope"):
         strips[name] = axis[name]
     strips["penetration"] = -axis["gap"]
     strips["N"] = own.sum(axis=1) * grid.cell
     strips["Fx"] = qx.sum(axis=1) * grid.cell
     strips["Fy"] = qs.sum(axis=1) * grid.cell
     strips["Mz"] = (qs * (grid.x[columns] - middle[:, None])).sum(axis=1) * grid.cell
-    for name in ("x", "o", "b", "arc_wheel", "arc_rail"):
+    for name in ("x", "o", "b", "arc_wheel", "arc_rail", "slope"):
         lobe[name] = main[name]
-    lobe.no, lobe.nb = main["no"] / slope, main["nb"] / slope
+    lobe.no, lobe.nb = main["no"] / size, main["nb"] / size
     lobe.start, lobe.end = region.s[0] - main["s"], region.s[1] - main["s"]
     lobe.width = region.s[1] - region.s[0]
     lobe.length = region.length

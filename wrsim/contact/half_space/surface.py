@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.model import KernelArrays
+from wrsim.contact.model import ContactModel
 from wrsim.core.contact.arrays import bodies
 from wrsim.core.contact.half_space import surface
 from wrsim.core.contact.half_space.rigid_slip import rigid_slip
 from wrsim.core.contact.records import Pose, Rail, Wheel
+from wrsim.geometry.track.rail_surface import RailSurface
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.void]
@@ -21,16 +23,21 @@ Rows = NDArray[np.void]
 
 @dataclass(frozen=True)
 class Bodies:
-    """Wheel and rail at a pose, as kernels take them."""
+    """Wheel and rail at a pose, as kernels take them; of a rail that changes along the track its surface, and the
+    distance along it where x counts from [m]."""
 
     wheel: Wheel
     rail: Rail
     pose: Pose
+    surface: RailSurface | None
+    place: float
 
     @classmethod
-    def of(cls, a: KernelArrays) -> Bodies:
+    def of(cls, model: ContactModel) -> Bodies:
         """At the pose set in a model's arrays."""
-        return cls(*bodies(a.rows))
+        surface = None if model.rolled is None else model.rolled.surface
+        wheel, rail, pose = bodies(model.arrays.rows)
+        return cls(wheel, rail, pose, surface, float(model.arrays.settings.place))
 
     def holds(self, rows: Rows) -> NDArray[np.bool_]:
         """Which rows of an axis lie on both profiles, not where these are continued straight."""
@@ -66,13 +73,15 @@ class Axis:
         surface.lay_axis(
             self.bodies.wheel, self.bodies.rail, self.arc_wheel, self.arc_rail, self.level, start, step, rows
         )
+        if self.bodies.surface is None:
+            rows["slope"] = 0.0
 
 
 @dataclass(frozen=True)
 class Grid:
     """Elements dx x ds over a patch.
 
-    bodies: at the pose; axis: (rows,); x: (columns,) centres along the rail [m].
+    bodies: at the pose; axis: (rows,); x: (columns,) centres along the rail [m]; main: row of the main point.
     """
 
     bodies: Bodies
@@ -80,11 +89,23 @@ class Grid:
     x: Array
     dx: float
     ds: float
+    main: int
+
+    @cached_property
+    def incline(self) -> surface.Incline:
+        """Of the reference, that of the rail at the main point."""
+        row = self.axis[self.main]
+        return surface.Incline(float(row["slope"]), float(row["no"]), float(row["nb"]))
+
+    @property
+    def length(self) -> float:
+        """Of an element along the rail, which may be inclined [m]."""
+        return self.dx * sqrt(1.0 + self.incline.slope**2)
 
     @property
     def cell(self) -> float:
         """Area of an element [m2]."""
-        return self.dx * self.ds
+        return self.length * self.ds
 
     @property
     def s(self) -> Array:
@@ -95,6 +116,18 @@ class Grid:
     def normal(self) -> Array:
         """Normals of the rows from rail to wheel (o, b), (rows, 2)."""
         return np.column_stack([self.axis["no"], self.axis["nb"]])
+
+    @cached_property
+    def axes(self) -> Array:
+        """Directions (along the rail, across, normal) of the rows, (3, rows, 3) in rail axes."""
+        no, nb, slope = (self.axis[name] for name in ("no", "nb", "slope"))
+        ahead, upright = np.ones_like(slope), 1.0 / np.sqrt(1.0 + slope**2)
+        along, normal = (ahead, slope * no, slope * nb), (-slope, no, nb)
+        flat = (0.0 * no, nb, -no)
+        return (
+            np.stack([np.column_stack(d) for d in (along, flat, normal)])
+            * np.stack([upright, ahead, upright])[..., None]
+        )
 
     @cached_property
     def centre(self) -> Array:
@@ -116,7 +149,12 @@ class Grid:
     def _gap(self) -> Array:
         """Interpenetration, and distance along the normal from the reference to the wheel [m]."""
         gap = np.empty((2, len(self.axis), len(self.x)))
-        surface.fill_gap(self.bodies.wheel, self.bodies.rail, self.axis, float(self.x[0]), self.dx, gap[0], gap[1])
+        own, x0 = self.bodies, float(self.x[0])
+        if own.surface is None:
+            surface.fill_gap(own.wheel, own.rail, self.axis, x0, self.dx, gap[0], gap[1])
+        else:
+            rows, parts = own.surface.rows(own.place + self.x)
+            surface.fill_gap_along(own.wheel, rows, parts, self.incline, self.axis, x0, self.dx, gap[0], gap[1])
         return gap
 
     def rigid_slip(self, least_speed: float, ahead: float) -> Array:
@@ -125,7 +163,8 @@ class Grid:
         least_speed: the rolling speed is held above it [m/s].
         """
         w = np.empty_like(self._gap)
-        rigid_slip(self.bodies.pose, least_speed, self.axis, float(self.x[0]) + ahead, self.dx, self._gap[1], w)
+        x0 = float(self.x[0]) + ahead
+        rigid_slip(self.bodies.pose, least_speed, self.axis, self.incline, x0, self.dx, self._gap[1], w)
         return w
 
     def at_row(self, row: float) -> dict[str, float]:

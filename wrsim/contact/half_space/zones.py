@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.half_space.surface import Axis, Bodies
-from wrsim.contact.model import KernelArrays
+from wrsim.contact.model import ContactModel
 from wrsim.contact.settings import HalfSpaceSettings
 
 Array = NDArray[np.float64]
@@ -104,10 +104,11 @@ class Footprint:
         )
 
 
-def find_footprints(a: KernelArrays, settings: HalfSpaceSettings) -> tuple[list[Footprint], float, int]:
+def find_footprints(model: ContactModel, settings: HalfSpaceSettings) -> tuple[list[Footprint], float, int]:
     """Main points at the pose that is set, deepest first, with their zones; closest distance [m]; search status."""
+    a = model.arrays
     count, status = a.search()
-    bodies = Bodies.of(a)
+    bodies = Bodies.of(model)
     footprints: list[Footprint] = []
     taken: list[tuple[float, float]] = []  # stretches of the wheel's profile
 

@@ -1,6 +1,6 @@
 """Where a wheel touches a rail whose profile changes along the track: see `wrsim.geometry.track.rolled_rail`."""
 
-from math import inf, sqrt
+from math import atan2, inf, sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
@@ -59,6 +59,18 @@ def _felt(c, knots, ends, row, s, x, radius, i):
 
 
 @inlined
+def _own_curvature(c, row, y, i):
+    """Curvature at a row of the section at y in interval i [1/m]: how its tangent turns from the row before to the one
+    behind, over their distance."""
+    p, q = max(row - 1, 0), min(row + 1, c.shape[2] - 1)
+    pu, pw = _cubic(c, i, p, 2, y)[0], _cubic(c, i, p, 3, y)[0]
+    qu, qw = _cubic(c, i, q, 2, y)[0], _cubic(c, i, q, 3, y)[0]
+    du = _cubic(c, i, q, 0, y)[0] - _cubic(c, i, p, 0, y)[0]
+    dw = _cubic(c, i, q, 1, y)[0] - _cubic(c, i, p, 1, y)[0]
+    return atan2(pu * qw - pw * qu, pu * qu + pw * qw) / max(sqrt(du * du + dw * dw), 1e-9)
+
+
+@inlined
 def _next(knots, s, i, step):
     """The next place to look at: every knot and the middle between two of them are among these."""
     if s < knots[0] or s >= knots[knots.size - 1]:
@@ -70,8 +82,10 @@ def _next(knots, s, i, step):
 
 @kernel
 def felt_rows(c, knots, ends, s, radius, reach, out):
-    """The felt section of a piece at s, one row of ``out`` (n, 9) for each of its rows: u, w, tu, tw, how far ahead it
-    is touched, slope and second derivative along its normal, slip along its tangent; whether it was found within reach.
+    """The felt section of a piece at s, one row of ``out`` (n, 8) for each of its rows: u, w, tu, tw, how far ahead it
+    is touched, slope and curvature along the track, along its normal; whether it was found within reach.
+
+    A row slips past: along the track, across to nothing, its section's own curvature is felt, too.
 
     c, knots: of the cubics (4, m, n, 4), (m + 1,); ends: (2,), above 0 where the piece falls off.
     """
@@ -110,9 +124,10 @@ def felt_rows(c, knots, ends, s, radius, reach, out):
         own = out[row]
         own[0], own[1], own[2], own[3], own[4] = at.u, at.w, at.tu, at.tw, x
         own[5] = at.tu * at.dw - at.tw * at.du
+        y = min(max(s + x, knots[0]), knots[knots.size - 1]) - knots[i]
         own[6] = at.tu * (at.ddw - 2.0 * past * at.dtw) - at.tw * (at.ddu - 2.0 * past * at.dtu)
-        own[7] = past
-        own[8] = found
+        own[6] += past * past * _own_curvature(c, row, y, i)
+        own[7] = found
 
 
 @kernel

@@ -6,9 +6,9 @@ every section, so that corner is joined to corner. A feature that lies deeper th
 rail on both sides of it, is a gap: it parts the rail into pieces, as the nose of a crossing and its wing rail. A piece
 that has no length in a section does not exist there.
 
-Along s the points of a piece and their tangents are joined by cubic splines, held back at steps as in F. N. Fritsch and
-R. E. Carlson, SIAM Journal on Numerical Analysis 17, 1980. Before the first and behind the last section the rail stays
-as it is there; a piece that begins or ends between sections falls off steeply."""
+Along s the points of a piece and their tangents are joined by cubic splines, which part where sections tell of a step
+or a bend. Before the first and behind the last section the rail stays as it is there; a piece that begins or ends
+between sections falls off steeply."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 
+from wrsim.core.track.felt_rail import FALL
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Array, Profile
 
@@ -30,8 +31,12 @@ DEEP = 0.038
 """No wheel comes deeper below the highest point [m]."""
 SHORTEST = 1e-4
 """A piece below this length [m] does not exist."""
+FALLING = 0.5
+"""Sine of the slope from which on a section that is cut off goes on straight."""
 STEEPEST_OVER = 3.0
 """Largest slope over the smaller secant beside it: a cubic between two numbers does not overshoot then."""
+AS_FAR = 0.5
+"""Of the slope that neighbours tell: the slope of smooth cubics may differ so far from it."""
 
 PARTS = ("arclength", "u", "w", "angle", "curvature_before", "curvature_after")
 """Arrays that make a profile."""
@@ -133,6 +138,20 @@ class RailSurface:
         )
         return first if alike else None
 
+    def rows(self, s: Array) -> tuple[Array, NDArray[np.int64]]:
+        """Points and tangents, of any length, at distances (n,) [m]: rows of all pieces one behind the other
+        (n, rows, 4); the first row of every piece, and their number."""
+        found = []
+        for piece in self.pieces:
+            knots = piece.spline.x
+            inside = np.clip(s, knots[0], knots[-1])
+            own = piece.spline(inside)
+            loose = np.where(s < knots[0], piece.open_ends[0], piece.open_ends[1])
+            own[:, :, 1] -= (FALL * np.abs(s - inside) * loose)[:, None]
+            found.append(own)
+        starts = np.cumsum([0, *(own.shape[1] for own in found)])
+        return np.ascontiguousarray(np.concatenate(found, axis=1)), starts
+
     @cached_property
     def _lengths(self) -> Array:
         """Length of every region of every section, (sections, regions) [m]."""
@@ -187,7 +206,7 @@ class RailSurface:
                 "it must be there in two or more that follow each other"
             )
         counts = np.maximum(np.ceil(lengths.max(axis=0) / STEP).astype(int), 2)
-        rows = np.array([_rows(self.sections[i], first, counts) for i in there])
+        rows = np.array([_rows(self.sections[i], first, counts, lengths.max(axis=0)) for i in there])
         s = np.array([self.sections[i].distance for i in there])
         open_ends = (bool(there[0] > 0), bool(there[-1] < len(self.sections) - 1))
         spline = _joined(s, rows, open_ends)
@@ -214,47 +233,68 @@ def _anchor(counts: NDArray[np.int64], heights: Array) -> int:
     return next((row for row in wanted if heights[row] > -DEEP), int(np.argmax(heights)))
 
 
-def _rows(section: RailSection, first: int, counts: NDArray[np.int64]) -> Array:
-    """Rows of some regions of a section, (sum of counts + 1, 4)."""
-    edges = section.edges[first : first + counts.size + 1]
+def _rows(section: RailSection, first: int, counts: NDArray[np.int64], longest: Array) -> Array:
+    """Rows of some regions of a section, (sum of counts + 1, 4); longest: length of each region where it is longest
+    [m].
+
+    Ends of a piece are counted by length from the feature that they begin at: a profile that was recorded deeper down
+    would else draw all of its flank along. Where a section has less of an end it goes on straight, or down where it
+    ends on its top.
+    """
+    edges = section.edges[first : first + counts.size + 1].copy()
+    if counts.size > 1:
+        edges[0], edges[-1] = edges[1] - longest[0], edges[-2] + longest[-1]
     share = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(edges, edges[1:], counts, strict=False)]
     arc = np.concatenate((*share, edges[-1:]))
     rate = np.gradient(arc)
-    return np.column_stack((*section.profile.at(arc), *(rate * np.array(section.profile.tangent(arc)))))
+    inside = np.clip(arc, *section.edges[[first, first + counts.size]])
+    tangent = np.array(section.profile.tangent(inside))
+    way = np.sign(arc - inside)
+    tangent = np.where(way * tangent[1] > -FALLING * np.abs(way), np.array([[0.0], [-1.0]]) * way, tangent)
+    return np.column_stack((*(np.array(section.profile.at(inside)) + (arc - inside) * tangent), *(rate * tangent)))
 
 
 def _joined(s: Array, rows: Array, open_ends: tuple[bool, bool]) -> PPoly:
     """Cubics through rows (sections, n, 4) at s; level at the ends where the rail goes on as it is.
 
     The rail's curvature along the track enters the contact, so cubics meet with the same second derivative. Not so at a
-    step: a section whose slope would be far larger than a secant beside it, all rows together, takes that of the
-    parabola through it and its neighbours, held back. Rows are held back alike: so what lies between sections is a sum
-    of shares of them, and the tangents that are joined are its own tangents.
+    section where that would lead far off the slope that its neighbours tell, as where a stretch that is planed begins:
+    it takes theirs. All rows have the same weights: so what lies between sections is a sum of shares of them, and the
+    tangents that are joined are its own tangents.
     """
-    gaps = np.diff(s)
-    secants = np.diff(rows, axis=0) / gaps[:, None, None]
-    sizes = _size(secants)
-    most = STEEPEST_OVER * np.minimum(sizes[:-1], sizes[1:])
-    share = (gaps[1:] / (gaps[:-1] + gaps[1:]))[:, None, None]
-    inner = share * secants[:-1] + (1.0 - share) * secants[1:]
-    inner *= np.minimum(most / np.maximum(_size(inner), 1e-30), 1.0)[:, None, None]
-    at_steps = np.concatenate((secants[:1], inner, secants[-1:]))
-    for end, loose in zip((0, -1), open_ends, strict=True):
-        if not loose:
-            at_steps[end] = 0.0
-    steps = np.zeros(s.size, dtype=bool)
-    steps[[0, -1]] = True
+    local, least = _local_slopes(s, rows, open_ends)
+    most = AS_FAR * np.maximum(least, _size(local[1:-1]))
+    broken = np.zeros(s.size, dtype=bool)
+    broken[[0, -1]] = True
     while True:
-        slopes = at_steps.copy()
-        for first, last in pairwise(np.flatnonzero(steps).tolist()):
+        slopes = local.copy()
+        for first, last in pairwise(np.flatnonzero(broken).tolist()):
             if last > first + 1:
                 own = slice(first, last + 1)
-                ends = ((1, at_steps[first]), (1, at_steps[last]))
+                ends = ((1, local[first]), (1, local[last]))
                 slopes[first + 1 : last] = CubicSpline(s[own], rows[own], bc_type=ends)(s[own][1:-1], 1)
-        more = np.append(np.append(False, _size(slopes[1:-1]) > most), False) & ~steps
+        more = np.append(np.append(False, _size((slopes - local)[1:-1]) > most), False) & ~broken
         if not more.any():
             return CubicHermiteSpline(s, rows, slopes)
-        steps |= more
+        broken |= more
+
+
+def _local_slopes(s: Array, rows: Array, open_ends: tuple[bool, bool]) -> tuple[Array, Array]:
+    """Slope of every section by the two secants on either side, the more of the side that is straighter (H. Akima,
+    Journal of the ACM 17, 1970, with the mean of neighbours added to each weight so that level stretches stay level),
+    held back against overshoot (F. N. Fritsch and R. E. Carlson, SIAM Journal on Numerical Analysis 17, 1980); size of
+    the smaller secant beside each inner section."""
+    secants = np.diff(rows, axis=0) / np.diff(s)[:, None, None]
+    ends = [secants[[end]] * float(loose) for end, loose in zip((0, -1), open_ends, strict=True)]
+    beyond = np.concatenate((ends[0], ends[0], secants, ends[1], ends[1]))
+    bent = _size(np.diff(beyond, axis=0)) + 0.5 * _size(beyond[1:] + beyond[:-1])
+    behind, ahead = bent[:-2], bent[2:]
+    total = behind + ahead
+    share = np.where(total > 0.0, ahead / np.where(total > 0.0, total, 1.0), 0.5)[:, None, None]
+    slopes = share * beyond[1:-2] + (1.0 - share) * beyond[2:-1]
+    least = np.minimum(_size(beyond[1:-2]), _size(beyond[2:-1]))
+    slopes *= np.minimum(STEEPEST_OVER * least / np.maximum(_size(slopes), 1e-30), 1.0)[:, None, None]
+    return slopes, least[1:-1]
 
 
 def _size(rates: Array) -> Array:

@@ -58,9 +58,10 @@ along the track (normal to the section) and its curvature along the track, posit
 
 @dataclass(frozen=True, eq=False)
 class RolledRail:
-    """Felt sections at stations: places (n,) [m], tables (n, rows, len(COLUMNS)), distance of the rows [m]; rates:
-    derivative of the tables along s, of the same shape."""
+    """Felt sections at stations of a surface: places (n,) [m], tables (n, rows, len(COLUMNS)), distance of the rows
+    [m]; rates: derivative of the tables along s, of the same shape."""
 
+    surface: RailSurface
     stations: Array
     tables: Array
     rates: Array
@@ -113,7 +114,7 @@ def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> Roll
     known = {x: _table(curves, arcs) for x, curves in felt.items()}
     unsure = list(pairwise(s.tolist()))
     while unsure:
-        now = _joined(known, step)
+        now = _joined(surface, known, step)
         again = []
         for low, high in unsure:
             middle = 0.5 * (low + high)
@@ -123,13 +124,13 @@ def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> Roll
             known[middle] = table
             again += [(low, middle), (middle, high)]
         unsure = again
-    return _joined(known, step)
+    return _joined(surface, known, step)
 
 
-def _joined(known: dict[float, Array], step: float) -> RolledRail:
+def _joined(surface: RailSurface, known: dict[float, Array], step: float) -> RolledRail:
     s = np.array(sorted(known))
     tables = np.stack([known[float(x)] for x in s])
-    return RolledRail(s, tables, _rates(s, tables), step)
+    return RolledRail(surface, s, tables, _rates(s, tables), step)
 
 
 def _is_good(rail: RolledRail, s: float, table: Array) -> bool:
@@ -161,7 +162,7 @@ def _rates(s: Array, tables: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Curve:
-    """Felt section of a piece: arclengths from its anchor (n,), rows (n, 8) as `felt_rows` writes them, those that lie
+    """Felt section of a piece: arclengths from its anchor (n,), rows (n, 7) as `felt_rows` writes them, those that lie
     too deep or fold back left out; empty where the piece does not exist."""
 
     arc: Array
@@ -172,11 +173,11 @@ def _felt(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
     """The felt sections of all pieces at s."""
     felt = []
     for piece in surface.pieces:
-        rows = np.zeros((piece.spline.c.shape[2], 9))
+        rows = np.zeros((piece.spline.c.shape[2], 8))
         felt_rows(piece.spline.c, piece.spline.x, np.array(piece.open_ends, dtype=float), s, radius, REACH, rows)
         felt.append(rows)
     lowest = max(float(rows[:, 1].max()) for rows in felt) - DEEP
-    if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 8] == 0.0)).any() for rows in felt):
+    if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 7] == 0.0)).any() for rows in felt):
         raise InputError(
             f"rail '{surface.name}': near {s:.4g} m it is so steep along the track that a wheel of radius "
             f"{1e3 * radius:g} mm would touch it more than {1e3 * REACH:g} mm from its axle"
@@ -187,11 +188,11 @@ def _felt(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
 def _curve(piece: Piece, rows: Array, lowest: float) -> _Curve:
     """The felt section of a piece down to a height."""
     if rows[piece.anchor, 1] < lowest:
-        return _Curve(np.zeros(0), np.zeros((0, 8)))
+        return _Curve(np.zeros(0), np.zeros((0, 7)))
     keep = np.zeros(len(rows), dtype=bool)
     unfold(rows, piece.anchor, lowest, keep)
     at = int(keep[: piece.anchor].sum())
-    rows = rows[keep, :8]
+    rows = rows[keep, :7]
     bent = np.arcsin(np.clip(rows[:-1, 2] * rows[1:, 3] - rows[:-1, 3] * rows[1:, 2], -1.0, 1.0))
     arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(rows[:, :2], axis=0).T) * (1.0 + bent**2 / 24.0)))
     return _Curve(arc - arc[at], rows)
@@ -221,9 +222,8 @@ def _rows(curve: _Curve, arc: Array) -> Array:
     point = point + (arc - inside)[:, None] * tangent
     angle = np.unwrap(np.arctan2(rows[:, 3], rows[:, 2]))
     k = np.interp(arc, 0.5 * (at[1:] + at[:-1]), np.diff(angle) / np.diff(at), 0.0, 0.0)
-    ahead, slope, bend, past = (np.interp(arc, at, column) for column in rows[:, 4:].T)
-    # where a row slips past, the section's own curvature is felt along the track, too
-    return np.column_stack((point, tangent, k, ahead, slope, bend + past**2 * k))
+    ahead, slope, bend = (np.interp(arc, at, column) for column in rows[:, 4:].T)
+    return np.column_stack((point, tangent, k, ahead, slope, bend))
 
 
 @dataclass(frozen=True)

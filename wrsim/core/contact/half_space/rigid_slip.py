@@ -8,11 +8,12 @@ of the wheel.
 from math import sqrt
 
 from wrsim.core.compiling import kernel
-from wrsim.core.linalg import Vec, add, cross, dot, sub
+from wrsim.core.contact.half_space.surface import centre_at
+from wrsim.core.linalg import Vec, add, cross, dot, shifted, sub
 
 
 @kernel
-def rigid_slip(pose, least_speed, axis, x0, dx, place, w):
+def rigid_slip(pose, least_speed, axis, incline, x0, dx, place, w):
     """Write the slip w (2, rows, columns) at x0 + i dx on the surface that ``surface.fill_gap`` has found.
 
     least_speed: the rolling speed is held above it [m/s].
@@ -25,12 +26,15 @@ def rigid_slip(pose, least_speed, axis, x0, dx, place, w):
         normal = Vec(0.0, row.no, row.nb)
         tangent = Vec(0.0, row.nb, -row.no)
         for i in range(w.shape[2]):
-            point = Vec(x0 + i * dx, row.o + place[j, i] * row.no, row.b + place[j, i] * row.nb)
+            point = shifted(centre_at(row, incline, x0 + i * dx), place[j, i], normal)
             u = add(pose.velocity, cross(pose.omega, sub(point, pose.origin)))
             # the rail's material comes at -v along the rail; the wheel's at u - v, with un along the normal
-            un = dot(u, normal)
-            mx = u.x - rail - rail
+            ux, un = u.x, dot(u, normal)
+            if row.slope != 0.0:
+                upright = 1.0 / sqrt(1.0 + row.slope * row.slope)
+                ux, un = (ux + row.slope * un) * upright, (un - row.slope * ux) * upright
+            mx = ux - rail - rail
             size = sqrt(mx * mx + un * un)
-            slip = -forward * (u.x * mx + un * un) / size if size > 1e-3 * least_speed else u.x
+            slip = -forward * (ux * mx + un * un) / size if size > 1e-3 * least_speed else ux
             w[0, j, i] = slip * inverse
             w[1, j, i] = dot(u, tangent) * inverse

@@ -9,9 +9,14 @@ tan(a) and the normals err by a quarter of that times the difference of the curv
 
 The gap is measured along the row's normal from the rail to the surface of revolution itself, not to a parabola: yaw
 needs no shift of rows, the true surface of a yawed flange lies skewed on the grid.
+
+Of a rail that changes along the track every column has the section at its own place. The reference is inclined as the
+rail is at the main point; a gap along the normal of a section that rises by ``slope`` counts 1/sqrt(1 + slope^2) of
+itself, which is the distance of the inclined surfaces.
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 from wrsim.core.arena import record
 from wrsim.core.compiling import inlined, kernel
@@ -19,11 +24,12 @@ from wrsim.core.contact.patch import pair
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.rail import rail_point
 from wrsim.core.contact.search.locus import locus_point
-from wrsim.core.linalg import Vec, dot, norm, shifted
+from wrsim.core.linalg import Vec, dot, norm, shifted, sub
 
-AXIS = record("s x o b no nb arc_wheel arc_rail gap r_t")
+AXIS = record("s x o b no nb arc_wheel arc_rail gap r_t slope")
 """A row of the axis: s, centre (x of the outline, o, b), normal from rail to wheel (no, nb), arclengths on wheel and
-rail, gap along the normal of the true position (negative: interpenetration), radius of curvature along the rail."""
+rail, gap along the normal of the true position (negative: interpenetration), radius of curvature along the rail, slope
+of the rail along the track."""
 
 NO_SURFACE = -1.0  # interpenetration where the normal meets no wheel or no rail [m]
 ACCURACY = 2e-10  # of the gap [m]
@@ -79,7 +85,7 @@ def lay_axis(wheel, rail, arc_wheel, arc_rail, level, start, step, axis):
         row.s = goal
         row.arc_wheel = arc_wheel
         row.arc_rail = arc_rail
-        row.gap, row.x, row.o, row.b, row.no, row.nb, _sh, row.r_t, _sl = pair(
+        row.gap, row.x, row.o, row.b, row.no, row.nb, _sh, row.r_t, row.slope = pair(
             wheel, rail, arc_wheel, arc_rail, 0.0, 0.0
         )
 
@@ -130,6 +136,92 @@ def _meet_wheel(wheel, point, normal, arc, t):
         if abs(height) < ACCURACY:
             return t, arc, abs(t) < REACH
     return t, arc, False
+
+
+class Incline(NamedTuple):
+    """Of the reference along the track: its slope, and the direction in the section in which it rises."""
+
+    slope: float
+    no: float
+    nb: float
+
+
+@inlined
+def centre_at(row, incline, x):
+    """Centre of a row in the section at x."""
+    rise = (x - row.x) * incline.slope
+    return Vec(x, row.o + rise * incline.no, row.b + rise * incline.nb)
+
+
+@inlined
+def _meet_section(section, parts, centre, no, nb, near):
+    """Distance along a normal from a centre to a section, of several the one nearest to ``near``; whether it gets
+    there. section: (n, 4) points and tangents of any length; parts: first row of every piece, and n."""
+    best, found = 0.0, False
+    for k in range(parts.size - 1):
+        u, w = section[parts[k], 0] - centre.y, section[parts[k], 1] - centre.z
+        before = u * nb - w * no
+        for i in range(parts[k], parts[k + 1] - 1):
+            u, w = section[i + 1, 0] - centre.y, section[i + 1, 1] - centre.z
+            behind = u * nb - w * no
+            if before <= 0.0 < behind:
+                t, facing = _within(section, i, centre, no, nb, before / (before - behind))
+                if facing and abs(t) < REACH and (not found or abs(t - near) < abs(best - near)):
+                    best, found = t, True
+            before = behind
+    return best, found
+
+
+@inlined
+def _within(section, i, centre, no, nb, share):
+    """Distance along a normal to the cubic between two rows, which it meets near ``share`` of the way."""
+    du, dw = section[i + 1, 0] - section[i, 0], section[i + 1, 1] - section[i, 1]
+    chord = sqrt(du * du + dw * dw)
+    a = chord / sqrt(section[i, 2] * section[i, 2] + section[i, 3] * section[i, 3])
+    b = chord / sqrt(section[i + 1, 2] * section[i + 1, 2] + section[i + 1, 3] * section[i + 1, 3])
+    u = w = along = across = 0.0
+    for _ in range(4):
+        f, g = share, 1.0 - share
+        rise, first, last = f * f * (3.0 - 2.0 * f), f * g * g * a, -f * f * g * b
+        u = section[i, 0] + rise * du + first * section[i, 2] + last * section[i + 1, 2] - centre.y
+        w = section[i, 1] + rise * dw + first * section[i, 3] + last * section[i + 1, 3] - centre.z
+        rise, first, last = 6.0 * f * g, g * (1.0 - 3.0 * f) * a, f * (3.0 * f - 2.0) * b
+        su = rise * du + first * section[i, 2] + last * section[i + 1, 2]
+        sw = rise * dw + first * section[i, 3] + last * section[i + 1, 3]
+        along, across = su * nb - sw * no, u * nb - w * no
+        share = min(max(share - across / max(along, 1e-3 * chord), 0.0), 1.0)
+    return u * no + w * nb, along > LEAST_FACING * chord
+
+
+@kernel
+def fill_gap_along(wheel, sections, parts, incline, axis, x0, dx, pen, place):
+    """As ``fill_gap`` on a rail that changes along the track.
+
+    sections: (columns, n, 4), see ``_meet_section``; the reference is inclined, see ``Incline``.
+    """
+    columns = pen.shape[1]
+    for j in range(axis.size):
+        row = axis[j]
+        normal = Vec(0.0, row.no, row.nb)
+        upright = 1.0 / sqrt(1.0 + row.slope * row.slope)
+        middle = min(max(int((row.x - x0) / dx + 0.5), 0), columns - 1)
+        for side in range(2):
+            step = 1 - 2 * side
+            i = middle - side
+            found = True
+            t = last_t = 0.5 * row.gap if side == 0 else place[j, middle]
+            arc = last_arc = row.arc_wheel
+            while 0 <= i < columns:
+                centre = centre_at(row, incline, x0 + i * dx)
+                rail_t, on_rail = 0.0, False
+                if found:
+                    t, arc, found = _meet_wheel(wheel, sub(centre, wheel.origin), normal, arc, t)
+                    rail_t, on_rail = _meet_section(sections[i], parts, centre, row.no, row.nb, t)
+                pen[j, i] = (rail_t - t) * upright if found and on_rail else NO_SURFACE
+                place[j, i] = t if found else 0.0
+                t, last_t = 2.0 * t - last_t, t
+                arc, last_arc = 2.0 * arc - last_arc, arc
+                i += step
 
 
 @kernel
