@@ -1,7 +1,7 @@
 """Strips, edges and grids of the strip model that come into contact and leave it: what changes the equations."""
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.strips.equations import block_of, edge_wish, lay_strips, pressed
+from wrsim.core.contact.strips.equations import block_of, edge_wish, gap_and_curvature, lay_strips, pressed
 from wrsim.core.contact.strips.records import FACTORS, ROWS, STEP, X
 from wrsim.core.contact.strips.tails import has_tail
 
@@ -99,18 +99,17 @@ def enter(system, n, held):
     changed = False
     for g in range(memo.grids):
         grid, base = system.grids[g], g * block
-        if not grid.on:
-            if grid.tail == 0:
-                changed = _grid_enters(system, n, g) or changed
-            continue
-        for j in range(n):
+        for j in range(n if grid.on else 0):
             place = places[g * n + j]
-            if x[base + j] <= 0.0 and place.gap < -ENTRY:
+            if x[base + j] > 0.0:
+                continue
+            place.gap, _c = gap_and_curvature(system, n, g, place)
+            if place.gap < -ENTRY:
                 x[base + j] = -place.gap * memo.deepest / place.bend
                 if 0 < j < n - 1:
                     x[base + j] = max(x[base + j], 0.5 * min(x[base + j - 1], x[base + j + 1]))
                 changed = True
-        if held or grid.tail != 0:
+        if held or grid.tail != 0 or not grid.on:
             continue
         changed = _reach_out(system, n, g) or changed
         if grid.start_held and not _goes_on(system, n, g, 0) and edge_wish(places, g * n, n, 0) < 0.0:
@@ -119,6 +118,9 @@ def enter(system, n, held):
         if grid.end_held and not _goes_on(system, n, g, 1) and edge_wish(places, g * n, n, 1) < 0.0:
             grid.end_held = 0
             changed = True
+    for g in range(memo.grids):
+        if system.grids[g].tail == 0 and not system.grids[g].on:
+            changed = _grid_enters(system, n, g) or changed
     return changed
 
 

@@ -24,6 +24,7 @@ from wrsim.core.contact.strips.records import (
     FROM,
     INVERSE,
     MIDDLE,
+    SOLVED,
     TERMS,
     TO,
 )
@@ -52,16 +53,17 @@ def _press_held(system, n, g, i):
         part = unit * fading(system, h, g)
         if part == 0.0:
             continue
-        first, base = h * n, h * block_of(n)
+        column = h * (block_of(n) - n)
+        first, last = h * n + system.grids[h].pressing, h * n + system.grids[h].beyond
         begin, end, inverse = vectors[FROM], vectors[TO], vectors[INVERSE]
-        find_presses(system.table, begin, end, inverse, first, first + n, at.s, u, du)
+        find_presses(system.table, begin, end, inverse, first, last, at.s, u, du)
         if memo.shifted:
-            put_presses_beside(begin, end, inverse, vectors[MIDDLE], first, first + n, at.s, at.x + at.off, u, du)
-        for j in range(n):
-            place = system.places[first + j]
+            put_presses_beside(begin, end, inverse, vectors[MIDDLE], first, last, at.s, at.x + at.off, u, du)
+        for j in range(first, last):
+            place = system.places[j]
             if place.y > 0.0:
-                less = 0.0 if place.over > 1.0 else 0.5 * du[first + j]
-                m[g * block_of(n) + i, base + j] = part * place.q * (u[first + j] - less) / place.over
+                less = 0.0 if place.over > 1.0 else 0.5 * du[j]
+                m[g * block_of(n) + i, column + j] = part * place.q * (u[j] - less) / place.over
 
 
 @kernel
@@ -88,23 +90,24 @@ def _press_row(system, n, g, i):
         part = fading(system, h, g)
         if part == 0.0:
             continue
-        first, base = h * n, h * block
-        find_terms(system.table, begin, finish, inverse, first, first + n, at.s, u, c, du, dc, f0, f1, g0, g1)
+        base, before = h * block, h * (block - n)
+        first, last = h * n + grids[h].pressing, h * n + grids[h].beyond
+        find_terms(system.table, begin, finish, inverse, first, last, at.s, u, c, du, dc, f0, f1, g0, g1)
         if shifted:
             put_beside(
-                begin, finish, inverse, vectors[MIDDLE], first, first + n, at.s, at.x + at.off,
+                begin, finish, inverse, vectors[MIDDLE], first, last, at.s, at.x + at.off,
                 u, c, du, dc, f0, f1, g0, g1, t, cx,
             )  # fmt: skip
         start_u = start_c = end_u = end_c = 0.0
         stretch = 1.0 + grids[h].stretch
-        for j in range(first, first + n):
+        for j in range(first, last):
             place = places[j]
             if place.y <= 0.0:
                 continue
             full, bent = place.over > 1.0, place.bent
             # by a^2, or by the amplitude where a^2 is as large as can be
             q = part * place.q
-            column = base + j - first
+            column = before + j
             m[row, column] = unit * q * (u[j] if full else u[j] - 0.5 * du[j]) / place.over
             by_y = bent * q * (c[j] if full else place.bent_y * c[j] - 0.5 * dc[j]) / (place.y * place.over)
             m[w, column] += s0 * by_y
@@ -184,22 +187,21 @@ def _own_row(system, n, g, i):
 
 @kernel
 def jacobian(system, n, held):
-    """Derivatives of all equations by all unknowns to ``matrix``, for the state of the last ``residuals``."""
+    """Derivatives of the equations by the unknowns that are solved for, to ``matrix``, for the state of the last
+    ``residuals``; the numbers of these unknowns to ``vectors[SOLVED]``, how many there are to the memo.
+
+    Strips out of contact, edges that are held and grids that are not on stay as they are, the factors of tails are
+    those at their joints; held: all factors and edges stay.
+    """
     memo, places, grids = system.memo[0], system.places, system.grids
     m = system.matrix
     block = block_of(n)
     size = memo.grids * block
     m[:size, :size] = 0.0
     for g in range(memo.grids):
-        base = g * block
-        if not grids[g].on:
-            for i in range(base, base + block):
-                m[i, i] = 1.0
-            continue
-        for j in range(n):
+        for j in range(n if grids[g].on else 0):
             place = places[g * n + j]
             if place.y <= 0.0:
-                m[base + j, base + j] = 1.0
                 continue
             place.root = sqrt(place.y)
             place.half = 0.5 * memo.modulus * place.bend * place.over
@@ -224,50 +226,72 @@ def jacobian(system, n, held):
             base = g * block
             _calm_rows(grids[g], places[g * n : (g + 1) * n], memo.deepest, m[base : base + n, base : base + n])
     for g in range(memo.grids):
-        grid, own = grids[g], g * block + n
-        if not grid.on:
+        if grids[g].on and grids[g].tail == 0 and not held:
+            _factor_and_edge_rows(system, n, g)
+    _gather(system, n, held)
+
+
+@kernel
+def _factor_and_edge_rows(system, n, g):
+    """What holds the factors of a grid together, and the derivatives of the edges' misfits."""
+    memo, places, grids, m = system.memo[0], system.places, system.grids, system.matrix
+    grid, block = grids[g], block_of(n)
+    own = g * block + n
+    even = evenness(memo, grid)
+    for f in range(FACTORS):
+        r = own + f
+        if f > 0:
+            m[r, r] += even
+            m[r, r - 1] -= even
+        if f < FACTORS - 1:
+            m[r, r] += even
+            m[r, r + 1] -= even
+    if grid.link > 0.0 and grids[g + 1].on:
+        one, other = own + FACTORS - 1, own + block
+        m[one, one] += grid.link
+        m[one, other] -= grid.link
+        m[other, other] += grid.link
+        m[other, one] -= grid.link
+    for side in range(2):
+        r = own + FACTORS + side
+        outer, inner = (g * n, g * n + 1) if side == 0 else (g * n + n - 1, g * n + n - 2)
+        y1 = max(places[inner].y, 1e-30)
+        m[r, g * block + outer - g * n] = 1.0 / y1
+        m[r, g * block + inner - g * n] = -places[outer].y / (y1 * y1)
+        one, two = places[outer], places[inner]
+        w0, w1 = one.hi - one.lo, two.hi - two.lo
+        rate = -EDGE_RATIO / (2.0 * w0 + w1) ** 2
+        by_start = (one.hi_start - one.lo_start) * w1 - (two.hi_start - two.lo_start) * w0
+        by_end = (one.hi_end - one.lo_end) * w1 - (two.hi_end - two.lo_end) * w0
+        _add_edges(m, r, own + FACTORS, rate * by_start, rate * by_end)
+
+
+@kernel
+def _gather(system, n, held):
+    """Bring what is solved for to the first rows and columns of ``matrix``."""
+    memo, grids, m, solved = system.memo[0], system.grids, system.matrix, system.vectors[SOLVED]
+    block = block_of(n)
+    size = 0
+    for g in range(memo.grids):
+        grid, base = grids[g], g * block
+        for j in range(n if grid.on else 0):
+            if system.places[g * n + j].y > 0.0:
+                solved[size] = base + j
+                size += 1
+        if not grid.on or grid.tail != 0 or held:
             continue
-        if held:
-            for i in range(own, own + block - n):
-                m[i, :size] = 0.0
-                m[i, i] = 1.0
-            continue
-        if grid.tail != 0:
-            for i in range(own, own + block - n):
-                m[i, :size] = 0.0
-                m[i, i] = 1.0
-                if i < own + FACTORS:
-                    m[i, joint(g, grid, n)] = -1.0
-            continue
-        even = evenness(memo, grid)
-        for f in range(FACTORS):
-            r = own + f
-            if f > 0:
-                m[r, r] += even
-                m[r, r - 1] -= even
-            if f < FACTORS - 1:
-                m[r, r] += even
-                m[r, r + 1] -= even
-        if grid.link > 0.0 and grids[g + 1].on:
-            one, other = own + FACTORS - 1, own + block
-            m[one, one] += grid.link
-            m[one, other] -= grid.link
-            m[other, other] += grid.link
-            m[other, one] -= grid.link
-        for side in range(2):
-            r = own + FACTORS + side
-            if grid.start_held if side == 0 else grid.end_held:
-                m[r, :size] = 0.0
-                m[r, r] = 1.0
-                continue
-            outer, inner = (g * n, g * n + 1) if side == 0 else (g * n + n - 1, g * n + n - 2)
-            y1 = max(places[inner].y, 1e-30)
-            m[r, g * block + outer - g * n] = 1.0 / y1
-            m[r, g * block + inner - g * n] = -places[outer].y / (y1 * y1)
-            one, two = places[outer], places[inner]
-            w0, w1 = one.hi - one.lo, two.hi - two.lo
-            rate = -EDGE_RATIO / (2.0 * w0 + w1) ** 2
-            by_start = (one.hi_start - one.lo_start) * w1 - (two.hi_start - two.lo_start) * w0
-            by_end = (one.hi_end - one.lo_end) * w1 - (two.hi_end - two.lo_end) * w0
-            _add_edges(m, r, own + FACTORS, rate * by_start, rate * by_end)
-    return size
+        for j in range(n, block):
+            kept = grid.start_held if j == block - 2 else grid.end_held if j == block - 1 else 0
+            if not kept:
+                solved[size] = base + j
+                size += 1
+    memo.unknowns = size
+    for i in range(size):
+        row = int(solved[i])
+        for g in range(memo.grids):
+            if grids[g].on and grids[g].tail != 0:
+                at_joint, own = joint(g, grids[g], n), g * block + n
+                for f in range(own, own + FACTORS):
+                    m[row, at_joint] += m[row, f]
+        for j in range(size):
+            m[i, j] = m[row, int(solved[j])]

@@ -97,6 +97,7 @@ def set_amplitudes(system, n):
         grid = system.grids[g]
         force = 0.0
         base = g * block_of(n)
+        grid.pressing = grid.beyond = 0
         for j in range(n):
             place = places[g * n + j]
             place.q = place.weight = place.y = 0.0
@@ -111,6 +112,8 @@ def set_amplitudes(system, n):
                 place.weight = place.q * place.y * (place.hi - place.lo)
                 inverse = 1.0 / sqrt(place.y)
                 force += place.weight
+                grid.pressing = grid.pressing if grid.beyond > 0 else j
+                grid.beyond = j + 1
             vectors[FROM, g * n + j] = place.lo
             vectors[TO, g * n + j] = place.hi
             vectors[INVERSE, g * n + j] = inverse
@@ -158,20 +161,29 @@ def pressed(system, n, g, s, x):
     for h in range(system.memo[0].grids):
         part = fading(system, h, g)
         if part > 0.0:
+            first, end = h * n + system.grids[h].pressing, h * n + system.grids[h].beyond
             if shifted:
-                own_u, own_c = pressed_beside(system.table, system.vectors, h * n, (h + 1) * n, s, x)
+                own_u, own_c = pressed_beside(system.table, system.vectors, first, end, s, x)
             else:
-                own_u, own_c = pressed_by(system.table, system.vectors, h * n, (h + 1) * n, s)
+                own_u, own_c = pressed_by(system.table, system.vectors, first, end, s)
             u += part * own_u
             c += part * own_c
     return u, c
 
 
 @kernel
+def gap_and_curvature(system, n, g, place):
+    """u - d of a strip of grid g, over the deepest penetration, and the curvature of u times pi E*."""
+    memo = system.memo[0]
+    u, c = pressed(system, n, g, place.s, place.x + place.off)
+    return (u / memo.stiffness - place.d + 0.5 * place.bend * place.off * place.off) / memo.deepest, c
+
+
+@kernel
 def residuals(system, n, held):
     """Misfits of all equations to ``vectors[F]``; returns the largest, edges counting LESS.
 
-    held: factors and edges stay as they are, their equations are left out.
+    held: factors and edges stay as they are, their equations are left out; strips out of contact have their gaps, too.
     """
     memo, places, grids = system.memo[0], system.places, system.grids
     x, out = system.vectors[X], system.vectors[F]
@@ -191,8 +203,9 @@ def residuals(system, n, held):
             _calm(grid, places[g * n : (g + 1) * n], x[base : base + n], memo.deepest, out[base : base + n])
         for j in range(n):
             place = places[g * n + j]
-            u, c = pressed(system, n, g, place.s, place.x + place.off)
-            place.gap = (u / memo.stiffness - place.d + 0.5 * place.bend * place.off * place.off) / memo.deepest
+            if place.y <= 0.0 and not held:
+                continue
+            place.gap, c = gap_and_curvature(system, n, g, place)
             place.miss = c / (memo.stiffness * place.bend) - 1.0
             if place.y <= 0.0:
                 continue
@@ -205,11 +218,8 @@ def residuals(system, n, held):
             out[own : own + block - n] = 0.0
             continue
         if grid.tail != 0:
-            at_joint = x[joint(g, grid, n)]
-            for f in range(FACTORS):
-                out[own + f] = x[own + f] - at_joint
-                largest = max(largest, abs(out[own + f]))
-            out[own + FACTORS] = out[own + FACTORS + 1] = 0.0
+            # its factors are those at the joint, its edges stand still
+            out[own : own + block - n] = 0.0
             continue
         even = evenness(memo, grid)
         for f in range(FACTORS):

@@ -6,18 +6,21 @@ What changes the equations (strips that leave and enter, edges that come to thei
 
 from math import sqrt
 
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.compiling import kernel
 from wrsim.core.contact.strips.changes import ENTRY, enter, leave, trim
 from wrsim.core.contact.strips.derivatives import jacobian
-from wrsim.core.contact.strips.equations import block_of, lay_strips, residuals, set_amplitudes
+from wrsim.core.contact.strips.equations import block_of, joint, lay_strips, residuals, set_amplitudes
 from wrsim.core.contact.strips.records import (
     FACTORS,
+    LAST,
     NEXT,
     PIVOT,
     ROWS,
     SAVED,
     SCALE,
+    SOLVED,
     STEP,
+    WISH,
     F,
     X,
 )
@@ -67,17 +70,18 @@ def newton(system, n, tolerance, most):
             return True
         if memo.inverted == 0 or misfit > SLOW * last:
             jacobian(system, n, False)
-            invert(system.matrix, size, vectors[PIVOT])
+            invert(system.matrix, memo.unknowns, vectors[PIVOT])
             memo.factorisations += 1
             memo.inverted = 1
             memo.rate = 1.0
             whole = False
             last = 1e9
-        _multiply_into(system, size, NEXT)
+        _multiply_inverse(system)
         again = whole
         if again:
-            _learn(system, size)
-        vectors[STEP, :size] = vectors[NEXT, :size]
+            _learn(system)
+        vectors[LAST, : memo.unknowns] = vectors[NEXT, : memo.unknowns]
+        _scatter(system, size)
         foretold = misfit * max(memo.rate, misfit / last if again else 0.0)
         share = _longest_step(system, n)
         changed, whole = _advance(system, n, False, share, misfit < CALM)
@@ -125,11 +129,11 @@ def descend(system, n, held, tolerance, most):
         if misfit < tolerance:
             return True
         jacobian(system, n, held)
-        factorise(system.matrix, size, vectors[PIVOT])
+        factorise(system.matrix, memo.unknowns, vectors[PIVOT])
         memo.factorisations += 1
-        _solve_into(system, size, STEP)
+        length = _solve(system)
+        _scatter(system, size)
         vectors[SAVED, :size] = vectors[X, :size]
-        length = _norm(vectors, STEP, size)
         share = 1.0 if held else _longest_step(system, n)
         for halving in range(HALVINGS + 1):
             changed, _whole = _advance(system, n, held, share, misfit < CALM)
@@ -137,8 +141,7 @@ def descend(system, n, held, tolerance, most):
             if changed:
                 looked = False
                 break
-            _solve_into(system, size, NEXT)
-            if _norm(vectors, NEXT, size) <= (1.0 - 0.25 * share) * length:
+            if _solve(system) <= (1.0 - 0.25 * share) * length:
                 break
             if halving == HALVINGS:
                 stuck += 1
@@ -151,31 +154,37 @@ def descend(system, n, held, tolerance, most):
     return False
 
 
-@inlined
-def _multiply_into(system, size, row):
-    """A step by the inverse as it is, from the misfits."""
-    step = system.vectors[row]
-    multiply(system.matrix, size, system.vectors[F], step)
+@kernel
+def _multiply_inverse(system):
+    """The step of the unknowns that are solved for by the inverse as it is, from the misfits."""
+    vectors, size = system.vectors, system.memo[0].unknowns
+    wish = vectors[WISH]
     for i in range(size):
-        step[i] = -step[i]
+        wish[i] = -vectors[F, int(vectors[SOLVED, i])]
+    multiply(system.matrix, size, wish, vectors[NEXT])
 
 
-@inlined
-def _solve_into(system, size, row):
-    """A step by the factors as they are, from the misfits."""
-    step = system.vectors[row]
+@kernel
+def _solve(system):
+    """The same by the factors as they are; returns its length by the weights of the unknowns."""
+    vectors, size = system.vectors, system.memo[0].unknowns
+    step = vectors[NEXT]
     for i in range(size):
-        step[i] = -system.vectors[F, i]
-    solve_factorised(system.matrix, size, system.vectors[PIVOT], step)
-
-
-@inlined
-def _norm(vectors, row, size):
-    """Length of a step by the weights of the unknowns."""
+        step[i] = -vectors[F, int(vectors[SOLVED, i])]
+    solve_factorised(system.matrix, size, vectors[PIVOT], step)
     total = 0.0
     for i in range(size):
-        total += vectors[SCALE, i] * vectors[row, i] ** 2
+        total += vectors[SCALE, int(vectors[SOLVED, i])] * step[i] ** 2
     return sqrt(total)
+
+
+@kernel
+def _scatter(system, size):
+    """The step of all unknowns."""
+    vectors = system.vectors
+    vectors[STEP, :size] = 0.0
+    for i in range(system.memo[0].unknowns):
+        vectors[STEP, int(vectors[SOLVED, i])] = vectors[NEXT, i]
 
 
 @kernel
@@ -192,15 +201,15 @@ def _set_scale(system, n):
 
 
 @kernel
-def _learn(system, size):
+def _learn(system):
     """Broyden's update of the inverse, and of the next step by it, from what the last step was short of: the change of
     the misfits comes to be mapped to the step that made it (Kelley, Solving Nonlinear Equations with Newton's Method,
     2003, section 4.1)."""
-    inverse, vectors = system.matrix, system.vectors
-    step, missing, scale, row = vectors[STEP], vectors[NEXT], vectors[SCALE], vectors[SAVED]
+    inverse, vectors, size = system.matrix, system.vectors, system.memo[0].unknowns
+    step, missing, weighed, row = vectors[LAST], vectors[NEXT], vectors[WISH], vectors[SAVED]
     square = product = 0.0
     for i in range(size):
-        weighted = step[i] * scale[i]
+        weighted = weighed[i] = step[i] * vectors[SCALE, int(vectors[SOLVED, i])]
         square += weighted * step[i]
         product += weighted * missing[i]
     rest = square - product
@@ -208,7 +217,7 @@ def _learn(system, size):
         return
     row[:size] = 0.0
     for i in range(size):
-        weighted = step[i] * scale[i]
+        weighted = weighed[i]
         for j in range(size):
             row[j] += weighted * inverse[i, j]
     for i in range(size):
@@ -276,8 +285,6 @@ def _advance(system, n, held, share, calm):
         if held:
             continue
         if grid.tail != 0:
-            for f in range(base + n, base + n + FACTORS):
-                x[f] += share * step[f]
             continue
         for f in range(base + n, base + n + FACTORS):
             k = x[f] + share * step[f]
@@ -299,4 +306,8 @@ def _advance(system, n, held, share, calm):
             changed = True
         elif trim(system, n, g):
             changed = True
+    for g in range(memo.grids):
+        grid, own = system.grids[g], g * block + n
+        if grid.on and grid.tail != 0:
+            x[own : own + FACTORS] = x[joint(g, grid, n)]
     return changed, whole and not changed

@@ -33,7 +33,7 @@ over both edges; how much of what it does to the curvature counts, and the slope
 GRID = record(
     "start end least most deepest spacing x reach arc place along stretch pivot evenness calm bond link chain "
     "line_s line_x line_slope line_reach",
-    "on start_held end_held first last tail reaches",
+    "on start_held end_held first last tail reaches pressing beyond",
 )
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length along x;
 arclengths on wheel and rail of a pair of opposite points; mean of its shifts, how the middles of its strips lie off the
@@ -42,22 +42,27 @@ least penetration over its concave hull between it and the next grid (`ground`),
 the first of that one, how far the overlaps of both are one; of a tail (`tails`) a place, its shift and the slope of the
 line that the locus has under its hump, and how far off that line it begins. Whether it is in contact, whether its edges
 are held at their bounds, its first and last lobe; of a tail the number of its hump's grid less its own, else 0; how
-often its edges have moved out over a gap in this solution."""
+often its edges have moved out over a gap in this solution; its first strip in contact and the one beyond its last
+(equal: none)."""
 
 MEMO = record(
     "rate stiffness modulus deepest together apart",
-    "known strips grids parted tails known_tails shifted inverted iterations factorisations result substitutes",
+    "known strips grids parted tails known_tails shifted inverted unknowns iterations factorisations result "
+    "substitutes",
 )
 """Of the whole system: about the worst of what the last steps left of the misfit, pi E*, E*, deepest penetration;
 distances of grids up to which they press each other down fully and from which on not at all [m]; number of grids in the
 last call (0: nothing is known), strips of a grid in it, grids now; whether any of them is a part of a lobe or of lobes
 that hang together; which are tails, now and in the last call, as a number; whether shifts along x count; whether
-``matrix`` is an inverse of use; residuals taken and Jacobians made in this call, and how it ended (`solution`); calls
-so far without a whole solution."""
+``matrix`` is an inverse of use, and of how many unknowns; residuals taken and Jacobians made in this call, and how it
+ended (`solution`); calls so far without a whole solution."""
 
-X, F, STEP, SAVED, NEXT, PIVOT, SCALE, FADING, FROM, TO, INVERSE, PUSH, CURVE, MIDDLE, TERMS = range(15)
-"""Rows of ``vectors``: unknowns, misfits, step, unknowns before a step, a step besides, rows exchanged in the factors,
-weights of the unknowns; how much of the influence of a grid reaches another one, row after row; of all strips both
+(X, F, STEP, SAVED, NEXT, LAST, WISH, PIVOT, SCALE, SOLVED, FADING, FROM, TO, INVERSE, PUSH, CURVE, MIDDLE, TERMS) = (
+    range(18)
+)
+"""Rows of ``vectors``: unknowns, misfits, step, unknowns before a step; of the unknowns that are solved for the next
+step, the last one and the misfits; rows exchanged in the factors; weights of the unknowns; numbers of those that are
+solved for; how much of the influence of a grid reaches another one, row after row; of all strips both
 ends, 1/a, amplitude times a^2, amplitude (0 out of contact), middle along x; from TERMS on what all strips do to the
 derivatives at one place (`influence.find_terms`, `influence.put_beside`)."""
 VECTORS = TERMS + 10
