@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+
 import numpy as np
 import pytest
 from support.vehicles import ROOT, SHORT, into_the_curve, manchester
@@ -127,14 +129,21 @@ def test_steady_motion_in_a_curve_is_where_a_long_run_into_it_ends() -> None:
     assert (apart < 0.01 * np.abs(places).max(axis=0)).all()
 
 
-def test_a_run_may_start_in_a_transition_as_one_does_that_has_come_there() -> None:
-    """The search for a balance finds none there; a run from the straight track behind passes the same place."""
+def test_a_run_may_start_in_a_transition_as_one_does_that_has_come_there(caplog: pytest.LogCaptureFixture) -> None:
+    """The search for a balance finds none there; a run from the straight track behind passes the same place.
+
+    What goes on before the first step of the run is told.
+    """
     coarse = {key: value for key, value in SHORT.items() if key.startswith("contact.")}
     curve = load(ROOT / "scenarios/manchester_r150.toml").with_values(coarse | {"run.output_interval_ms": 2.0})
     there = curve.with_values({"run.start_distance_m": 28.0, "run.distance_m": 0.5})
     straight = straight_before(build(there))
     assert straight is not None and 10.0 < straight < 28.0
-    begun = run(there).dataset
+    with caplog.at_level(logging.INFO, "wrsim.start"):
+        begun = run(there).dataset
+    way = f"of {28.0 - straight:.0f} m"
+    ways = [line for line in caplog.messages if "runs in" in line and line.endswith(way)]
+    assert len(ways) > 1 and ways[-1].endswith(f"{28.0 - straight:.0f} {way}") and not caplog.messages[-1]
     passed = run(curve.with_values({"run.start_distance_m": straight, "run.distance_m": 28.6 - straight})).dataset
     places, behind = begun["distance"].values, passed["distance"].values
     for name in ("Q", "Y"):

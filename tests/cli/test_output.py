@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from support.commands import forked
+from support.commands import forked, on_a_terminal
 from support.scenario_texts import CURVE, edited
 from support.synthetic_result import curve_run
 
@@ -40,6 +40,16 @@ def test_control_characters_of_others_do_not_reach_the_terminal(folder: Path) ->
         text = done.stdout + done.stderr
         assert "\N{REPLACEMENT CHARACTER}" in text
         assert not set(text) & {"\x1b", "\x07", "\x9b"}
+
+
+def test_a_terminal_is_told_what_goes_on_before_a_run(tmp_path: Path) -> None:
+    """Compiling stands in the bar of the run, too; its words come by the same way."""
+    scenario = tmp_path / "curve.toml"
+    scenario.write_text(edited(CURVE, "[run]\n", "[run]\nstart_distance_m = 20\ntime_s = 0.02\n"))
+    done = on_a_terminal("run", scenario, "-o", tmp_path / "out", "--no-pictures")
+    assert done.returncode == 0, done.stdout
+    assert "steady motion at the start: from 0 mm aside" in done.stdout
+    assert "internal error" not in done.stdout
 
 
 def test_text_with_lines_and_tabs_stays_as_it_is() -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+import pty
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import IO
 
 from wrsim.cli import main
 
@@ -18,7 +19,9 @@ def forked(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     with TemporaryFile() as out, TemporaryFile() as err:
         child = os.fork()
         if child == 0:
-            _be_the_command(words, out, err)
+            for number, stream in ((1, out), (2, err)):
+                os.dup2(stream.fileno(), number)
+            _be_the_command(words)
         code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         told = []
         for stream in (out, err):
@@ -27,11 +30,24 @@ def forked(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.CompletedProcess(words, code, *told)
 
 
-def _be_the_command(words: list[str], out: IO[bytes], err: IO[bytes]) -> None:
+def on_a_terminal(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """The same on a terminal, which gets both streams."""
+    words = [str(a) for a in arguments]
+    child, terminal = pty.fork()
+    if child == 0:
+        _be_the_command(words)
+    told = b""
+    with suppress(OSError):  # so it ends on Linux
+        while part := os.read(terminal, 65536):
+            told += part
+    os.close(terminal)
+    code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    return subprocess.CompletedProcess(words, code, told.decode(), "")
+
+
+def _be_the_command(words: list[str]) -> None:
     code = 70
     try:
-        for number, stream in ((1, out), (2, err)):
-            os.dup2(stream.fileno(), number)
         sys.stdout, sys.stderr = (open(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))  # noqa: SIM115
         sys.argv = ["wrsim", *words]
         main()

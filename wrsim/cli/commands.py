@@ -49,7 +49,7 @@ from wrsim.cli.showing import (
     progress_bar,
     say,
     say_files,
-    tell_compiling,
+    tell_progress,
     tell_slow,
     warn,
 )
@@ -94,7 +94,7 @@ def main() -> None:
     gc.set_threshold(50_000, 20, 100)
     # no array here is one of dask's; xarray imports dask.array to see that, which takes a tenth of a second
     sys.modules.setdefault("dask.array", None)  # type: ignore[arg-type]
-    tell_compiling()
+    tell_progress()
     try:
         with usage_as_json("--json" in sys.argv[1:]) as standalone:
             sys.exit(app(prog_name="wrsim", standalone_mode=standalone))

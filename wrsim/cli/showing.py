@@ -193,28 +193,29 @@ def plain(text: str) -> str:
     return text.translate(_PLAIN)
 
 
-class _Compiling(logging.Handler):
-    """A line on a terminal that says how far compiling is; the bar of a run has room for it."""
+class _Telling(logging.Handler):
+    """A line on a terminal that says what is at work before a run; its bar has room for it. An empty one clears it."""
 
     bar: Callable[[str], None] | None = None
 
     def emit(self, record: logging.LogRecord) -> None:
-        done, due = record.args  # type: ignore[misc]
-        words = record.getMessage() if done != due else ""
-        if self.bar is not None:
-            self.bar(words or "running")
+        words = record.getMessage()
+        if _Telling.bar is not None:
+            _Telling.bar(words or "running")
         else:
             sys.stderr.write(f"\r{words}\x1b[K")
             sys.stderr.flush()
 
 
-def tell_compiling() -> None:
-    """From now on a terminal shows how far kernels are compiled (the logger ``wrsim.kernels``)."""
+def tell_progress() -> None:
+    """From now on a terminal shows how far kernels are compiled (the logger ``wrsim.kernels``) and how the search for
+    the motion at the start of a run goes (``wrsim.start``)."""
     if sys.stderr.isatty():
-        logger = logging.getLogger("wrsim.kernels")
-        logger.addHandler(_Compiling())
-        logger.setLevel(logging.INFO)
-        logger.propagate = False
+        for name in ("wrsim.kernels", "wrsim.start"):
+            logger = logging.getLogger(name)
+            logger.addHandler(_Telling())
+            logger.setLevel(logging.INFO)
+            logger.propagate = False
 
 
 @contextmanager
@@ -229,7 +230,7 @@ def progress_bar(wanted: bool) -> Iterator[Progress | None]:
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[left]}"))
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("running", total=1.0, left="")
-        _Compiling.bar = lambda words: bar.update(task, description=words)
+        _Telling.bar = lambda words: bar.update(task, description=words)
 
         def advance(fraction: float, seconds_left: float) -> None:
             bar.update(task, completed=fraction, left=_duration(seconds_left))
@@ -237,7 +238,7 @@ def progress_bar(wanted: bool) -> Iterator[Progress | None]:
         try:
             yield advance
         finally:
-            _Compiling.bar = None
+            _Telling.bar = None
 
 
 def _duration(seconds: float) -> str:

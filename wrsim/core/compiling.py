@@ -34,7 +34,7 @@ KEPT = CACHE is not None
 KernelCache.shipped = shipped(CACHE)
 
 LOGGER = logging.getLogger("wrsim.kernels")
-"""Says at level INFO how many kernels are compiled, of how many that are known to be needed."""
+"""Says at level INFO how many kernels are compiled, of how many that are known to be needed; nothing at the end."""
 
 
 class Count:
@@ -57,6 +57,8 @@ class Count:
         self.done.add(function)
         if function in self.due:
             LOGGER.info("compiling kernels, once: %d of %d", len(self.done & self.due), len(self.due))
+            if self.due <= self.done:
+                LOGGER.info("")
 
 
 COUNT = Count()

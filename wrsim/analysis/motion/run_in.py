@@ -5,6 +5,7 @@ itself."""
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
     from wrsim.vehicle.vehicle import Vehicle
 
     State = tuple[Array, Array]
+
+LOGGER = logging.getLogger("wrsim.start")
 
 EASE = 3.0
 """Time in the transition, at least [s], ..."""
@@ -113,7 +116,11 @@ def _run(
     q, q_t = start_of(there, law)
     system = System(law.bodies, law, law.dampers)
     step, weight = implicit_step(there.plan.speed, SAMPLES), there.vehicle.weight
-    motion = integrate(system, q, q_t, duration=there.plan.duration, step=step, weight=weight, sample_interval=SAMPLES)
+    way = there.plan.end - there.plan.start
+    motion = integrate(
+        system, q, q_t, duration=there.plan.duration, step=step, weight=weight, sample_interval=SAMPLES,
+        progress=lambda part, _: LOGGER.info("steady motion at the start: runs in, %.0f of %.0f m", part * way, way),
+    )  # fmt: skip
     if motion.status != "completed":
         raise NoSteadyMotion(RunInStopped(motion.reason))
     law.look_near(there.plan.end)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
     from wrsim.simulation.system import Array
 
     State = tuple[Array, Array]
+
+LOGGER = logging.getLogger("wrsim.start")
+"""Says at level INFO how the search for the motion at the start goes; an empty line at the end."""
 
 PLAY = 12e-3
 """Farthest lateral shift of the wheelsets at which a search begins, more by half the gauge widening [m]."""
@@ -74,7 +78,14 @@ def start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
     searches from other shifts; on straight track the best of them is taken. With the exact contact solver the search
     goes on from what a fast model finds. Motors and brakes do nothing yet. Raises NoSteadyMotion.
     """
-    setup = replace(setup, vehicle=setup.vehicle.coasting)
+    try:
+        return _start_state(replace(setup, vehicle=setup.vehicle.coasting), law)
+    finally:
+        LOGGER.info("")
+
+
+def _start_state(setup: Setup[RunPlan], law: VehicleOnTrack) -> State:
+    """See ``start_state``; nothing drives or brakes the vehicle."""
     near = replace(setup, contact=setup.contact.fast())
     fast = force_law(near, law.speed, held_by(setup))
     found = _found(near, fast)
@@ -95,6 +106,7 @@ def _found(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
 
     def searched(ways: list[Array]) -> Equilibrium | None:
         for shift in ways:
+            LOGGER.info("steady motion at the start: from %.0f mm aside", 1e3 * float(np.abs(shift).max()))
             try:
                 found = on_the_rails(law, _from_shift(setup, law, shift))
                 if found.residual <= TOLERANCE:
@@ -140,6 +152,7 @@ def _from_shift(setup: Setup[RunPlan], law: VehicleOnTrack, shift: Array) -> Equ
 
 def _relaxed(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     """The steady motion of a vehicle with independent wheels, which creeps to its flanges. Raises NoSteadyMotion."""
+    LOGGER.info("steady motion at the start: wheels creep to their flanges")
     law.look_near(law.start)
     try:
         near = relaxed_state(law, lower_on_rails(law, *design_state(law)))
