@@ -171,7 +171,7 @@ def pressed(system, n, g, s, x):
     return u, c
 
 
-@kernel
+@inlined
 def gap_and_curvature(system, n, g, place):
     """u - d of a strip of grid g, over the deepest penetration, and the curvature of u times pi E*."""
     memo = system.memo[0]
