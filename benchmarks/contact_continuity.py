@@ -28,6 +28,7 @@ from wrsim.scenario.cases import Pose
 
 STEEPEST = 12  # steps looked into
 HALVINGS = 12
+KNOTS = 31  # of the load over the approach
 LOADS = np.arange(5e3, 150e3 + 1.0, 5e3)  # [N]
 
 
@@ -62,10 +63,15 @@ def downwards(both: Stand, lateral: float, yaw: float):  # type: ignore[no-untyp
     lowest = both.screen.solve(Pose("", lateral, yaw, LOADS[-1])).height
     if touching is None or not np.isfinite(lowest):
         return None
+    knots = np.linspace(0.0, touching - lowest, KNOTS)
+    loads = []
+    for x in knots:
+        both.screen.evaluate(lateral, touching - x, yaw, 0.0)
+        loads.append(max(force(both.screen), LOADS[0]))
+    load = PchipInterpolator(knots, loads)
 
     def path(x: float) -> tuple[float, float, float, float]:
-        both.screen.evaluate(lateral, touching - x, yaw, 0.0)
-        return lateral, touching - x, yaw, max(force(both.screen), LOADS[0])
+        return lateral, touching - x, yaw, float(load(x))
 
     return path, 1e-6, touching - lowest
 
