@@ -51,6 +51,8 @@ def trim(system, n, g):
     if grid.tail != 0:
         return False  # stays as it is
     first, last, count = in_contact(x[base : base + n])
+    first = 0 if grid.start_held and _goes_on(system, n, g, 0) else first
+    last = n - 1 if grid.end_held and _goes_on(system, n, g, 1) else last
     highest = 0.0
     for j in range(n):
         highest = max(highest, x[base + j] * places[j].bend)
@@ -112,12 +114,18 @@ def enter(system, n, held):
         if held or grid.tail != 0 or not grid.on:
             continue
         changed = _reach_out(system, n, g) or changed
-        if grid.start_held and not _goes_on(system, n, g, 0) and edge_wish(places, g * n, n, 0) < 0.0:
-            grid.start_held = 0
-            changed = True
-        if grid.end_held and not _goes_on(system, n, g, 1) and edge_wish(places, g * n, n, 1) < 0.0:
-            grid.end_held = 0
-            changed = True
+        for side in range(2):
+            goes_on = _goes_on(system, n, g, side)
+            if grid.start_held if side == 0 else grid.end_held:
+                if not goes_on and edge_wish(places, g * n, n, side) < 0.0:
+                    if side == 0:
+                        grid.start_held = 0
+                    else:
+                        grid.end_held = 0
+                    changed = True
+            elif goes_on and not has_tail(system.grids[: memo.grids], g, side):
+                move_edges(system, n, g, grid.least if side == 0 else grid.start, grid.end if side == 0 else grid.most)
+                changed = True
     for g in range(memo.grids):
         if system.grids[g].tail == 0 and not system.grids[g].on:
             changed = _grid_enters(system, n, g) or changed
@@ -126,11 +134,14 @@ def enter(system, n, held):
 
 @kernel
 def _goes_on(system, n, g, side):
-    """Whether the contact goes on in a tail beyond this edge."""
-    if not has_tail(system.grids[: system.memo[0].grids], g, side):
+    """Whether the contact goes on in a tail beyond the end of a grid's ground, its own or another's."""
+    k = g - 1 if side == 0 else g + 1
+    if not 0 <= k < system.memo[0].grids or system.grids[k].tail == 0:
         return False
-    beside = g * block_of(n) - block_of(n) + n - 1 if side == 0 else (g + 1) * block_of(n)
-    return system.vectors[X, beside] > 0.0
+    beside = k * block_of(n) + (n - 1 if side == 0 else 0)
+    grid, tail = system.grids[g], system.grids[k]
+    between = grid.least - tail.most if side == 0 else tail.least - grid.most
+    return abs(between) < 1e-9 and system.vectors[X, beside] > 0.0
 
 
 @inlined
