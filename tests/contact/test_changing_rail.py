@@ -19,7 +19,8 @@ from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model as model_of
 from wrsim.core.track.felt_rail import unfold
 from wrsim.errors import InputError
-from wrsim.geometry.profile.sections import circle
+from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.sections import Arc, Line, circle, profile_from_sections
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.rolled_rail import rolled_rail
 from wrsim.geometry.track.section_table import read_sections
@@ -34,6 +35,13 @@ NORMAL = ("strips", "kik-piotrowski")
 def on(surface, normal: str = "strips", wheel=WHEEL, **choices) -> ContactModel:
     model = contact_model(wheel, surface.sections[0].profile, normal=normal, **PLAIN | choices)
     return replace(model, rolled=rolled_rail(surface, RADIUS))
+
+
+def blunt(start: float, corner: float) -> Profile:
+    """A level top, 10 mm wide from ``start`` on, its corners rounded down to 80 degrees [m]."""
+    end, steep = start + 0.01, np.radians(80.0)
+    arcs = Arc(start, -corner, corner, steep, 0.0), Arc(end, -corner, corner, 0.0, -steep)
+    return profile_from_sections("blunt", "rail", (arcs[0], Line(start, 0.0, end, 0.0), arcs[1]))
 
 
 def on_60e1(normal: str, lateral: float, axle: tuple[float, float, float]) -> tuple[ContactModel, np.ndarray]:
@@ -319,20 +327,26 @@ def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact(over_t
 
 
 def test_an_artificial_nose_is_touched_where_contact_says() -> None:
-    """S1002 on a nose that rises 1:10, touched 5.127 mm outside: 45.757 mm ahead of the axle and 4.5765 mm deep beside
-    the unmoved wheel's lowest point at the tape circle (shared reference). Its section is not known; a crown of 10 mm
-    stands for it."""
-    wheel = wheel_profile("S1002")
-    outward, ahead = 5.127e-3, 45.757e-3
-    at = float(wheel.arclength_of(outward))
-    slope = float(wheel.slope_angle(np.array([at])).item())
-    nose = circle("nose", "rail", 0.01, 5e-3)
-    crown = nose.shifted(outward + 0.01 * sin(slope), 0.0)
-    model = on(lifted(crown, EVEN, RISE * EVEN), wheel=wheel)
+    """S1002 on a nose that rises 1:10, touched 5.127 mm outside where its corner of 5 mm meets the level top, 45.757 mm
+    ahead of the axle (shared reference; section: test bank of CONTACT, testbank/profiles/cross_nose)."""
+    places = np.linspace(-0.1, 0.1, 21)
+    model = on(lifted(blunt(5e-3, 5e-3), places, RISE * places), wheel=wheel_profile("S1002"))
+    patch = model.evaluate((0.0, 0.0, RADIUS + 2.1275e-3)).patches[0]
+    assert patch["x"] == pytest.approx(45.757e-3, abs=5e-5)
+    assert patch["o"] == pytest.approx(5.127e-3, abs=3e-4)
 
-    def lowered(z: float) -> Contact:
-        return model.evaluate((0.0, 0.0, RADIUS - z), velocity=(1.0, 0, 0), omega=(0, 1.0 / RADIUS, 0))
 
-    patch = lowered(brentq(lambda z: lowered(z).force[2] - 10110.0, -2.3e-3, -2e-3, xtol=1e-9)).patches[0]
-    assert 1e3 * patch["x"] == pytest.approx(1e3 * ahead, abs=0.05)
-    assert 1e3 * patch["o"] == pytest.approx(1e3 * outward, abs=0.1)
+@pytest.mark.parametrize(("normal", "share"), [("strips", 0.015), ("half-space", 0.01)])
+def test_an_artificial_wing_that_recedes_is_touched_and_pressed_as_in_contact(normal: str, share: float) -> None:
+    """S1002 100 mm along a wing that recedes 1:10, .6589 mm deep: 10 160 N, 29.231 mm outside, 2 589 MPa (shared
+    reference; section, a level top with corners of 10 mm: test bank of CONTACT, testbank/profiles/wing_rail)."""
+    top = blunt(0.02, 0.01)
+    wing = RailSurface("wing", tuple(RailSection(s, top.shifted(0.1 * s, 0.0)) for s in np.linspace(0.0, 0.2, 21)))
+    choices = {"tangential": "fastrip" if normal == "strips" else "half-space"}
+    model = on(wing, normal, wheel_profile("S1002"), friction=0.3, **choices)
+    rolling = {"velocity": (2.0, 0.0, 0.0), "omega": (0.0, 4.3481181, 0.0)}
+    contact = model.evaluate((0.0, 0.0, RADIUS - 0.6589e-3), place=0.1, **rolling)
+    assert contact.force[2] == pytest.approx(10160.0, rel=share)
+    (patch,) = contact.patches
+    assert patch["o"] == pytest.approx(29.231e-3, abs=2e-5)
+    assert patch["p0"] == pytest.approx(2589e6, rel=0.05)
