@@ -1,10 +1,13 @@
 """A coach runs over the nose of a crossing: peak wheel force against speed, and how it changes with the step.
 
-    python benchmarks/crossing.py --speeds 10 20 40 60 80 100 [--steps-us 100 50] [--json] [--picture crossing.png]
+    python benchmarks/crossing.py --speeds 10 20 40 60 80 100 [--steps-us 100 50] [--begin -0.95] [--json]
+        [--picture crossing.png]
 
 The crossing 56E1-R245-1:9.25 is read from the reference folder beside the project and stands in the right rail of
 straight track. Forces are those of the leading right wheel, unfiltered, at every step: the blow is over after some
-milliseconds, and samples .5 ms apart miss its peak by some per cent.
+milliseconds, and samples .5 ms apart miss its peak by some per cent. From .73 to .62 m before its origin the plain
+rail becomes one with an inclined top, which strikes the wheel on its own; a lead-in of 1.7 m stands in its place, and
+``--begin -0.95`` leaves it as it is.
 """
 
 from __future__ import annotations
@@ -29,8 +32,9 @@ from wrsim.scenario.loading import load  # noqa: E402
 
 PLACE = 25.0  # of the crossing's origin along the track [m]
 LEADING = 10.78  # of the coach's leading wheelset ahead of its origin [m]
-STRETCH = (-0.7, 1.0)  # of it that is laid [m]
-AFTER = 2.0  # way on which the peak is looked for [m]
+BEGIN, END = -0.53, 1.0  # of it that is laid [m]
+PLAIN, LEAD = -0.757, -2.2  # place of its last plain section, and where that stands before a lead-in [m]
+BEFORE, AFTER = 2.4, 1.1  # way of the leading wheelset to its origin and behind it [m]
 SIDE = 3.6  # [mm] the crossing's origin lies 750 mm from the middle of the track, that of 60E1 farther out
 
 
@@ -41,8 +45,8 @@ def peak(table: Path, speed: float, step_us: int) -> dict[str, Any]:
         "track.segments": [{"kind": "straight", "length_m": 60.0}],
         "track.inclination": "none",
         "track.rail_sections": [{"at_m": PLACE, "table": str(table), "side": "right", "outward_mm": -SIDE}],
-        "run.start_distance_m": PLACE - 2.0 - LEADING,
-        "run.distance_m": 2.0 + AFTER,
+        "run.start_distance_m": PLACE - BEFORE - LEADING,
+        "run.distance_m": BEFORE + AFTER,
         "run.output_interval_ms": 1e-3 * step_us,
         "run.step_us": step_us,
         "output.patches_at_m": [],
@@ -59,8 +63,19 @@ def peak(table: Path, speed: float, step_us: int) -> dict[str, Any]:
         "peak_kN": 1e-3 * float(q[near].max()),
         "at_m": float(place[near][q[near].argmax()] - PLACE),
         "least_kN": 1e-3 * float(q[near].min()),
-        "static_kN": 1e-3 * float(np.median(q[place < PLACE - 0.9])),
+        "static_kN": 1e-3 * float(np.median(q[place < PLACE + LEAD])),
     }
+
+
+def lay(table: Path, begin: float) -> None:
+    """Write the table of sections from ``begin`` on; behind the plain rail with its last plain section ahead."""
+    write_crossing(table, begin, END)
+    if begin > PLAIN:
+        lead = table.with_name("lead.csv")
+        write_crossing(lead, PLAIN - 1e-3, PLAIN + 1e-3)
+        (_, *plain), (head, *own) = lead.read_text().splitlines(), table.read_text().splitlines()
+        moved = [f"{LEAD},{line.split(',', 1)[1]}" for line in plain]
+        table.write_text("\n".join([head, *moved, *own]))
 
 
 def draw(rows: list[dict[str, Any]], picture: Path) -> None:
@@ -86,13 +101,14 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--speeds", nargs="+", type=float, default=[10.0, 20.0, 40.0, 60.0, 80.0, 100.0])
     options.add_argument("--steps-us", nargs="+", type=int, default=[100, 50])
+    options.add_argument("--begin", type=float, default=BEGIN, help="first section, m from the origin")
     options.add_argument("--json", action="store_true")
     options.add_argument("--picture", type=Path, help="peak over speed, for every step")
     asked = options.parse_args()
     rows = []
     folder = TemporaryDirectory()
     table = Path(folder.name) / "crossing.csv"
-    write_crossing(table, *STRETCH)
+    lay(table, asked.begin)
     for speed in asked.speeds:
         for step_us in asked.steps_us:
             row = peak(table, speed, step_us)
