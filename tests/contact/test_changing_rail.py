@@ -95,6 +95,27 @@ def test_a_rail_whose_section_moves_sideways_is_a_yawed_cylinder(normal: str, sh
     assert own["p0"] == pytest.approx(plain["p0"], rel=share)
 
 
+@pytest.mark.parametrize("yaw", [0.01, -0.01])
+def test_a_yawed_wheel_on_a_rising_rail_is_one_on_an_inclined_plane(yaw: float) -> None:
+    # its outline runs ahead of the axle by another way at every row, and each is as high as the rail is there
+    rise = 0.03
+    rail, angle = rail_profile("60E1", 40), atan(rise)
+    to_ramp = np.array([[cos(angle), 0.0, sin(angle)], [0.0, 1.0, 0.0], [-sin(angle), 0.0, cos(angle)]])
+    plain = contact_model(wheel_profile("S1002"), rail, normal="strips", strips=20, **PLAIN)
+    own = on(lifted(rail, EVEN, rise * EVEN), wheel=wheel_profile("S1002"), strips=20)
+    axle = np.array([-sin(yaw), cos(yaw), 0.0])
+
+    def force(z: float) -> np.ndarray:
+        found = plain.evaluate(to_ramp @ (0.0, 3e-3, z), to_ramp @ axle)
+        return np.asarray(to_ramp.T @ found.force)
+
+    z = RADIUS + 0.04
+    while force(z)[2] < 5e4:
+        z -= 2e-5
+    # what is left grows with the square of the rise: the section is felt with the radius of the tape circle
+    np.testing.assert_allclose(own.evaluate((0.0, 3e-3, z), axle).force, force(z), atol=0.025 * 5e4)
+
+
 def test_a_step_is_felt_before_and_behind_it() -> None:
     # a wheel that climbs a step h touches its edge from sqrt(2 R h) ahead of it on
     height = 5e-4
