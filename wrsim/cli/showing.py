@@ -230,7 +230,7 @@ def progress_bar(wanted: bool) -> Iterator[Progress | None]:
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[left]}"))
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("running", total=1.0, left="")
-        _Telling.bar = lambda words: bar.update(task, description=words)
+        _Telling.bar = lambda words: bar.update(task, description=words, refresh=True)
 
         def advance(fraction: float, seconds_left: float) -> None:
             bar.update(task, completed=fraction, left=_duration(seconds_left))
