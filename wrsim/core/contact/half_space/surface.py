@@ -15,7 +15,7 @@ rail is at the main point; a gap along the normal of a section that rises by ``s
 itself, which is the distance of the inclined surfaces.
 """
 
-from math import sqrt
+from math import inf, sqrt
 from typing import NamedTuple
 
 from wrsim.core.arena import record
@@ -193,35 +193,52 @@ def _within(section, i, centre, no, nb, share):
     return u * no + w * nb, along > LEAST_FACING * chord
 
 
+@inlined
+def _meet_along(wheel, row, incline, x0, dx, place):
+    """Distance along a row's normal from the reference to the wheel at columns x0 + i dx, to ``place``; infinite where
+    the normal does not get there."""
+    normal = Vec(0.0, row.no, row.nb)
+    columns = place.size
+    # from the outline's column to either side, each point foretold by the two before it
+    middle = min(max(int((row.x - x0) / dx + 0.5), 0), columns - 1)
+    for side in range(2):
+        step = 1 - 2 * side
+        i = middle - side
+        found = True
+        t = 0.5 * row.gap
+        if side == 1:
+            t = place[middle] if place[middle] < inf else 0.0
+        last_t = t
+        arc = last_arc = row.arc_wheel
+        while 0 <= i < columns:
+            if found:
+                point = sub(centre_at(row, incline, x0 + i * dx), wheel.origin)
+                t, arc, found = _meet_wheel(wheel, point, normal, arc, t)
+            place[i] = t if found else inf
+            t, last_t = 2.0 * t - last_t, t
+            arc, last_arc = 2.0 * arc - last_arc, arc
+            i += step
+
+
 @kernel
 def fill_gap_along(wheel, sections, parts, incline, axis, x0, dx, pen, place):
     """As ``fill_gap`` on a rail that changes along the track.
 
     sections: (columns, n, 4), see ``_meet_section``; the reference is inclined, see ``Incline``.
     """
-    columns = pen.shape[1]
     for j in range(axis.size):
         row = axis[j]
-        normal = Vec(0.0, row.no, row.nb)
         upright = 1.0 / sqrt(1.0 + row.slope * row.slope)
-        middle = min(max(int((row.x - x0) / dx + 0.5), 0), columns - 1)
-        for side in range(2):
-            step = 1 - 2 * side
-            i = middle - side
-            found = True
-            t = last_t = 0.5 * row.gap if side == 0 else place[j, middle]
-            arc = last_arc = row.arc_wheel
-            while 0 <= i < columns:
-                centre = centre_at(row, incline, x0 + i * dx)
-                rail_t, on_rail = 0.0, False
-                if found:
-                    t, arc, found = _meet_wheel(wheel, sub(centre, wheel.origin), normal, arc, t)
-                    rail_t, on_rail = _meet_section(sections[i], parts, centre, row.no, row.nb, t)
-                pen[j, i] = (rail_t - t) * upright if found and on_rail else NO_SURFACE
-                place[j, i] = t if found else 0.0
-                t, last_t = 2.0 * t - last_t, t
-                arc, last_arc = 2.0 * arc - last_arc, arc
-                i += step
+        _meet_along(wheel, row, incline, x0, dx, place[j])
+        for i in range(pen.shape[1]):
+            pen[j, i] = NO_SURFACE
+            if place[j, i] == inf:
+                place[j, i] = 0.0
+                continue
+            centre = centre_at(row, incline, x0 + i * dx)
+            rail_t, on_rail = _meet_section(sections[i], parts, centre, row.no, row.nb, place[j, i])
+            if on_rail:
+                pen[j, i] = (rail_t - place[j, i]) * upright
 
 
 @kernel
@@ -231,25 +248,13 @@ def fill_gap(wheel, rail, axis, x0, dx, pen, place):
     axis: from lay_axis; columns at x0 + i dx; pen: (rows, columns) [m], negative where a gap is open; place: the same
     shape, distance along the normal from the reference to the wheel's surface [m].
     """
-    columns = pen.shape[1]
+    level = Incline(0.0, 0.0, 0.0)
     for j in range(axis.size):
         row = axis[j]
-        normal = Vec(0.0, row.no, row.nb)
         rail_t, on_rail = _meet_rail(rail, row)
-        # from the outline's column to either side, each point foretold by the two before it
-        middle = min(max(int((row.x - x0) / dx + 0.5), 0), columns - 1)
-        for side in range(2):
-            step = 1 - 2 * side
-            i = middle - side
-            found = on_rail
-            t = last_t = 0.5 * row.gap if side == 0 else place[j, middle]
-            arc = last_arc = row.arc_wheel
-            while 0 <= i < columns:
-                point = Vec(x0 + i * dx - wheel.origin.x, row.o - wheel.origin.y, row.b - wheel.origin.z)
-                if found:
-                    t, arc, found = _meet_wheel(wheel, point, normal, arc, t)
-                pen[j, i] = rail_t - t if found else NO_SURFACE
-                place[j, i] = t if found else 0.0
-                t, last_t = 2.0 * t - last_t, t
-                arc, last_arc = 2.0 * arc - last_arc, arc
-                i += step
+        if on_rail:
+            _meet_along(wheel, row, level, x0, dx, place[j])
+        for i in range(pen.shape[1]):
+            met = on_rail and place[j, i] < inf
+            pen[j, i] = rail_t - place[j, i] if met else NO_SURFACE
+            place[j, i] = place[j, i] if met else 0.0
