@@ -22,7 +22,8 @@ from wrsim.simulation.integrate import integrate
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import place_on_track
 from wrsim.simulation.system import System
-from wrsim.vehicle.vehicle import Load, single_wheelset
+from wrsim.vehicle.loads import Load
+from wrsim.vehicle.single_wheelset import single_wheelset
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
 STEPS, STEP, REPEATS = 10_000, 5e-4, 7

@@ -18,7 +18,7 @@ import numpy as np
 from strip_robustness import PAIRS, Stand
 
 from wrsim.contact.half_space.solver import HalfSpace
-from wrsim.contact.model import KernelArrays
+from wrsim.contact.kernel_arrays import KernelArrays
 from wrsim.scenario.cases import Pose
 
 STEP = 20e-6

@@ -17,7 +17,7 @@ from wrsim.analysis.motion.monitor import MANY, Monitor
 from wrsim.analysis.motion.words import event_words
 from wrsim.analysis.resolve import resolve
 from wrsim.cli.compare import remarks_of
-from wrsim.contact.model import KernelArrays
+from wrsim.contact.kernel_arrays import KernelArrays
 from wrsim.contact.status import NOT_CONVERGED, WORDS
 from wrsim.core.contact import records
 from wrsim.core.contact.records import STATUS_PROFILE_END, STATUS_TOO_DEEP, STATUS_UNSETTLED

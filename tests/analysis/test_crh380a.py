@@ -16,8 +16,8 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.scenario.sections.stability import StabilityPlan
 from wrsim.simulation.statics import standing
+from wrsim.vehicle.loads import Load
 from wrsim.vehicle.preload import preloads
-from wrsim.vehicle.vehicle import Load
 
 KMH = 1.0 / 3.6
 BETWEEN = 480

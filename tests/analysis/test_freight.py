@@ -19,8 +19,9 @@ from wrsim.scenario.loading import load
 from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.statics import standing
+from wrsim.vehicle.loads import Load
 from wrsim.vehicle.preload import preloads
-from wrsim.vehicle.vehicle import Load, Vehicle
+from wrsim.vehicle.vehicle import Vehicle
 
 G = 9.80665
 TARE, COAL, WHEELSET, FRAME = 22e3, 68e3, 1300.0, 2100.0

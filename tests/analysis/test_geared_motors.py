@@ -27,7 +27,8 @@ from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.state import steady_state
 from wrsim.simulation.system import System
-from wrsim.vehicle.vehicle import Effort, Load, Vehicle
+from wrsim.vehicle.loads import Effort, Load
+from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 FILE = ROOT / "models/vehicles/manchester_motor.toml"

@@ -17,7 +17,8 @@ from support.contacts import HALF_SPACING, MODELS, PLAIN, contact_model, flat_ra
 
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.model import EPSILON, combined_modulus
+from wrsim.contact.model import EPSILON
+from wrsim.contact.tables import combined_modulus
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone

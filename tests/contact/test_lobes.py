@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.contacts import PLAIN, RADIUS, bench, contact_model, contact_of, pair_model, settle
 
-from wrsim.contact.model import EPSILON, combined_modulus
+from wrsim.contact.model import EPSILON
+from wrsim.contact.tables import combined_modulus
 from wrsim.core.contact.normal.kik_piotrowski import own_influence, solve_amplitudes
 from wrsim.core.contact.records import FOUND, LOBE
 from wrsim.core.contact.search.lobes import couple, select_deepest

@@ -25,9 +25,9 @@ from test_continuity import jumps, normal_forces
 from test_hertz import hertz
 
 from wrsim.contact.half_space.solver import HalfSpace
-from wrsim.contact.model import combined_modulus
 from wrsim.contact.strip_influence import influence_table
 from wrsim.contact.strip_influence import potential as potential_of
+from wrsim.contact.tables import combined_modulus
 from wrsim.core.compiling import kernel
 from wrsim.core.contact.arrays import bodies
 from wrsim.core.contact.records import STATUS_UNSETTLED

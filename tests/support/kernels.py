@@ -46,7 +46,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.state import SteadyMotion
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut
-from wrsim.vehicle.vehicle import Effort, Load, SlipControl
+from wrsim.vehicle.loads import Effort, Load, SlipControl
 from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import Torsion
 

@@ -20,7 +20,8 @@ from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import System
-from wrsim.vehicle.vehicle import Drive, Vehicle
+from wrsim.vehicle.loads import Drive
+from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 

@@ -21,7 +21,7 @@ from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.system import System
 from wrsim.vehicle.elements import TRACK, Element, Normal, PlaneFriction, Slider, Strut, Triple
-from wrsim.vehicle.vehicle import Load
+from wrsim.vehicle.loads import Load
 
 AT: Triple = (0.0, 0.0, HEIGHT)
 FIXED = spring(stiffness=(0.0, 0.0, 4e6), turning_stiffness=(4e6, 4e6, 4e6))

@@ -26,7 +26,8 @@ from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
-from wrsim.vehicle.vehicle import Effort, Load, Vehicle
+from wrsim.vehicle.loads import Effort, Load
+from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import Torsion
 
 Array = NDArray[np.float64]

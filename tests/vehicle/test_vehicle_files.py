@@ -10,7 +10,8 @@ from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.vehicle.elements import GUIDE, Spring
 from wrsim.vehicle.files import with_wheel
-from wrsim.vehicle.vehicle import CarriedMass, Vehicle
+from wrsim.vehicle.loads import CarriedMass
+from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 

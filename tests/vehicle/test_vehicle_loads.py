@@ -16,7 +16,8 @@ from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.statics import standing
-from wrsim.vehicle.vehicle import Load, Payload, Vehicle
+from wrsim.vehicle.loads import Load, Payload
+from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +25,20 @@ class Arena:
     def part(self, first: int, count: int) -> Arena:
         """``count`` of the arrays as an arena of their own, in the same buffer."""
         return Arena(self.buffer, self.index[first : first + count], self.views[first : first + count])
+
+    def stretches_but(self, left_out: Container[int]) -> list[Array]:
+        """Views on the stretches of the buffer that hold all arrays but those with these numbers."""
+        found: list[list[int]] = []
+        for i, view in enumerate(self.views):
+            if i in left_out:
+                continue
+            begin = int(self.index[i, 0])
+            end = begin + room(view)
+            if found and found[-1][1] == begin:
+                found[-1][1] = end
+            else:
+                found.append([begin, end])
+        return [self.buffer[begin:end] for begin, end in found]
 
 
 def room(array: NDArray[Any]) -> int:

@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.model import ContactModel, Records
+from wrsim.contact.kernel_arrays import Records
+from wrsim.contact.model import ContactModel
 from wrsim.core.contact import records as k
 from wrsim.core.contact.search.locus import outline
 

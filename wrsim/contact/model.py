@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,23 +15,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from wrsim.contact.arena import Arena, pack
 from wrsim.contact.creep_coefficients import creep_coefficients
+from wrsim.contact.kernel_arrays import KernelArrays, Records
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Tangential
 from wrsim.contact.strip_influence import influence_table
+from wrsim.contact.tables import bound_over_cells, changing_rail, combined_modulus, plain_rail, profile_table
 from wrsim.core.contact import records as k
 from wrsim.core.contact.arrays import Arrays
 from wrsim.core.contact.stages import make_ready
 from wrsim.core.contact.strips.equations import block_of
-from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS, X
-from wrsim.core.contact.wheel_rail import search, wheel_rail
-from wrsim.geometry.profile.distance_field import DistanceField, distance_field
+from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.track.rolled_rail import RolledRail, station_fields
+from wrsim.geometry.track.rolled_rail import RolledRail
 
 Array = NDArray[np.float64]
-Records = NDArray[np.void]
-"""Records of core.contact.records: fields by their names."""
 
-TABLE_STEP = 0.1e-3  # of the profile tables [m]
 SEARCH_REACH = 0.75e-3  # distance of the search's samples near the rail [m]
 EPSILON = 0.55  # [S 23]
 MOST_STRIPS = 2000
@@ -165,91 +162,6 @@ class ContactModel:
         return self.arrays.call() if self.normal.solve is None else self.normal.solve(self)
 
 
-class KernelArrays:
-    """The arrays of an arena of one wheel on one rail by their names (core.contact.arrays.Arrays), and the kernel
-    that computes in them."""
-
-    def __init__(self, arena: Arena, follows: bool) -> None:
-        """follows: whether the normal model can start from the contact of the last call."""
-        self.buffer, self.index, self._follows = arena.buffer, arena.index, follows
-        self.rows = Arrays(*arena.views)
-        self.wheel: Array = self.rows.wheel
-        self.rail: Array = self.rows.rail
-        self.settings: Any = self.rows.settings[0]
-        self.pose: Array = self.rows.pose
-        self.found: Records = self.rows.found
-        self.patches: Records = self.rows.patches
-        self.strips: Records = self.rows.strips
-        self.total: Any = self.rows.total[0]
-        # views of one number each: a run reads them after every step
-        self._status, self._substitutes = self.rows.total["status"], self.rows.memo["substitutes"]
-
-    @property
-    def force(self) -> Array:
-        """On the wheel (t, o, b) [N]."""
-        return np.array([self.total.Ft, self.total.Fo, self.total.Fb])
-
-    @property
-    def moment(self) -> Array:
-        """On the wheel about its profile origin (t, o, b) [N m]."""
-        return np.array([self.total.Mt, self.total.Mo, self.total.Mb])
-
-    def call(self) -> int:
-        """Run the kernel on the pose that is set; returns its status."""
-        return int(wheel_rail(self.buffer, self.index))
-
-    def search(self) -> tuple[int, int]:
-        """Look for contacts at the pose that is set, see ``found``; returns their number and the status."""
-        count, status = search(self.buffer, self.index)
-        return int(count), int(status)
-
-    @property
-    def status(self) -> int:
-        """Status of the contact found last, see `wrsim.contact.status`."""
-        return self._status.item()
-
-    @property
-    def substitutes(self) -> int:
-        """Calls so far in which the strip model was not solved and a substitute stood for it."""
-        return self._substitutes.item()
-
-    def follow(self, on: bool) -> None:
-        """From now on the strip model starts from the contact asked for last (in runs), or afresh each time.
-
-        Its answer is the same to its tolerance.
-        """
-        self.settings.start = k.FROM_LAST if on else k.AFRESH
-        self.rows.memo["known"] = 0
-
-    def memory(self) -> Array:
-        """What one call leaves for the next, one row: the last contact, if the model follows it."""
-        return np.concatenate([np.zeros(0), *(np.ravel(part) for part in self._kept())])
-
-    def recall(self, memory: Array) -> int:
-        """Put back what ``memory`` gave at the front of a longer row; returns how much of it that was.
-
-        What follows a recall is the same to the bit wherever it is done: an inverse that is kept besides is given up.
-        """
-        place = 0
-        for part in self._kept():
-            part[...] = memory[place : place + part.size].reshape(part.shape)
-            place += part.size
-        self.rows.memo["inverted"] = 0
-        return place
-
-    def _kept(self) -> tuple[NDArray[Any], ...]:
-        """Views on the last contact."""
-        if not (self._follows and self.settings.start):
-            return ()
-        grids, places = self.rows.grids, self.rows.places
-        memo = self.rows.memo
-        return (
-            memo["known"], memo["known_tails"], memo["strips"], memo["substitutes"], self.rows.vectors[X],
-            *(grids[name] for name in ("on", "start_held", "end_held")),
-            *(places[name] for name in ("lo", "hi", "s", "at")),
-        )  # fmt: skip
-
-
 @dataclass(frozen=True)
 class Contact:
     """What one evaluation gave, copied out of the kernel.
@@ -292,72 +204,11 @@ class Contact:
         return float(self.patches["N"].sum())
 
 
-@dataclass(frozen=True)
-class RailTables:
-    """What the kernel takes of a rail, see `core.contact.arrays.Arrays`: rows of one section and their distance; its
-    field (of several stations one behind the other) with so many rows each, how far it may be off; largest concave
-    curvature [1/m]."""
-
-    table: Array
-    rates: Array
-    stations: Array
-    step: float
-    rows: int
-    field: DistanceField
-    field_rows: int
-    slack: float
-    hollow: float
-
-
-@lru_cache(maxsize=16)
-def _plain_rail(rail: Profile) -> RailTables:
-    """The tables of a rail of one profile."""
-    table, step = _cached_table(rail)
-    field_ = distance_field(rail)
-    hollow = max(float(table[:, 4].max()), 0.0)
-    rows, field_rows = len(table), len(field_.values)
-    return RailTables(table, np.zeros((0, 0)), np.zeros((2, 1)), step, rows, field_, field_rows, 0.0, hollow)
-
-
-@lru_cache(maxsize=8)
-def _rolled_tables(rail: RolledRail) -> RailTables:
-    """The tables of a rail that changes along the track."""
-    flat = (-1, rail.tables.shape[2])
-    own = station_fields(rail)
-    stations = np.stack((rail.stations, own.numbers))
-    return RailTables(
-        rail.tables.reshape(flat), rail.rates.reshape(flat), stations, rail.step, rail.tables.shape[1], own.field,
-        own.rows, own.slack, rail.hollow,
-    )  # fmt: skip
-
-
-@lru_cache(maxsize=32)
-def _cached_table(profile: Profile) -> tuple[Array, float]:
-    table, step = profile.table(TABLE_STEP)
-    return np.ascontiguousarray(table), step
-
-
-def combined_modulus(settings: ContactSettings) -> float:
-    """E* = 1 / ((1 - nu_w^2)/E_w + (1 - nu_r^2)/E_r) [Pa]."""
-    compliance = sum((1.0 - m.poisson_ratio**2) / m.youngs_modulus for m in (settings.wheel, settings.rail))
-    return 1.0 / compliance
-
-
-def bound_over_cells(cells: int, parabolic: bool) -> Array:
-    """Mean of sqrt(1 - X^2) (or 1 - X^2) over each of the cells of -1 < X < 1, from the leading edge on."""
-    x = np.linspace(1.0, -1.0, cells + 1)
-    if parabolic:
-        primitive = x - x**3 / 3.0
-    else:
-        primitive = 0.5 * (x * np.sqrt(np.maximum(1.0 - x**2, 0.0)) + np.arcsin(x))
-    return np.ascontiguousarray((primitive[:-1] - primitive[1:]) / (x[:-1] - x[1:]))
-
-
 def _inputs(model: ContactModel) -> Arrays:
     settings, friction, normal = model.settings, model.friction, model.normal
     along = np.zeros((0, 0)) if isinstance(friction, Friction) else friction.table
-    wheel_table, wheel_step = _cached_table(model.wheel)
-    rail = _plain_rail(model.rail) if model.rolled is None else _rolled_tables(model.rolled)
+    wheel_table, wheel_step = profile_table(model.wheel)
+    rail = plain_rail(model.rail) if model.rolled is None else changing_rail(model.rolled)
     field_ = rail.field
     # FaStrip knows no other bound than the pressure's
     parabolic = settings.traction_bound == "parabolic" and settings.creep_forces == "fastsim"

@@ -29,7 +29,8 @@ from wrsim.scenario.sections.speed import SpeedTable
 from wrsim.scenario.sections.table import Given
 from wrsim.scenario.track_build import gauge_extremes, track_of
 from wrsim.scenario.vehicle_build import SIDES, vehicle_of
-from wrsim.vehicle.vehicle import Drive, Vehicle
+from wrsim.vehicle.loads import Drive
+from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import Wheelset
 
 P = TypeVar("P")

@@ -13,8 +13,9 @@ from wrsim.vehicle.ballast import with_ballast
 from wrsim.vehicle.elements.keys import VEHICLE_AXES
 from wrsim.vehicle.files import with_wheel
 from wrsim.vehicle.load_tables import NO_BALLAST
+from wrsim.vehicle.loads import CarriedMass, Effort, Payload
 from wrsim.vehicle.preload import preloads
-from wrsim.vehicle.vehicle import CarriedMass, Effort, Payload, Vehicle
+from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 SIDES = ("left", "right")

@@ -16,7 +16,8 @@ from wrsim.simulation.system import Array
 if TYPE_CHECKING:
     from wrsim.contact.conical import ConicalWheels
     from wrsim.geometry.track.track import Track
-    from wrsim.vehicle.vehicle import Drive, Vehicle
+    from wrsim.vehicle.loads import Drive
+    from wrsim.vehicle.vehicle import Vehicle
 
 
 class ConicalVehicleOnTrack(VehicleOnTrack):

@@ -9,25 +9,21 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.arena import Arena, pack, room
+from wrsim.contact.arena import Arena, pack
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
-from wrsim.core.body import axle_boxes as box_kernel
-from wrsim.core.body import friction, line_motion, suspension, vehicle_forces
-from wrsim.core.body import loads as load_kernel
+from wrsim.core.body import friction, vehicle_forces
 from wrsim.core.body import wheel_forces as wheel_kernel
-from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
-from wrsim.core.linalg import BODY
 from wrsim.core.stages import make_ready
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.force_law import Array, Block
 from wrsim.simulation.layout import RAIL_COORDINATES, Layout
-from wrsim.simulation.suspension_table import SuspensionTable, suspension_table
+from wrsim.simulation.suspension_table import suspension_table
 from wrsim.simulation.threads import use_threads
-from wrsim.vehicle.bogies import holders_of
+from wrsim.simulation.vehicle_arrays import arrays_of_wheels, only_read, pieces_of_motion, vehicle_arrays
+from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile
-from wrsim.vehicle.vehicle import Drive, LoadAxes, Over
 
 if TYPE_CHECKING:
     from wrsim.geometry.track.track import Track
@@ -37,25 +33,10 @@ if TYPE_CHECKING:
 Contacts = tuple[ContactModel, ContactModel]
 """Contact models of the left and the right wheel."""
 
-DRIVES: tuple[Drive, ...] = ("free", "train", "wheels")
-"""In the order of their numbers in ``core.body.loads``."""
-
-LOAD_AXES: tuple[LoadAxes, ...] = ("track", "body")
-OVER: tuple[Over, ...] = ("time", "distance")
-"""In the order of their numbers there, too."""
-
 UNBOUNDED = 1e15
 """Added to the bound of a slider's force [N], one that no force reaches."""
 
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
-
-
-def _wheel_arrays(wheelset: Wheelset, track: Track, contacts: Contacts) -> Iterator[Any]:
-    """The arrays of both wheels of a wheelset in the order of ``core.body.wheel_forces``."""
-    for rail, model, side in zip((track.left, track.right), contacts, (1.0, -1.0), strict=True):
-        wheel = np.zeros(1, wheel_kernel.WHEEL)
-        wheel["side"], wheel["half_spacing"], wheel["step"] = side, 0.5 * wheelset.profile_spacing, rail.step
-        yield from (wheel, rail.curve.nodes, *model.inputs)
 
 
 class VehicleOnTrack:
@@ -108,31 +89,21 @@ class VehicleOnTrack:
         self._turns = wheel_kernel.IN_TURN if threads == 1 else wheel_kernel.SIDE_BY_SIDE
         make_ready(wheel_kernel.ONE_WHEEL, wheel_kernel.one_wheel)
         make_ready(self._turns, wheel_kernel.STAGES[self._turns])
-        own = self._arrays(table, drive, vehicle.gravity if gravity is None else gravity)
-        whole = list(own)
+        arrays = vehicle_arrays(
+            layout, track, self.bodies, table, drive=drive, gravity=vehicle.gravity if gravity is None else gravity,
+            turns=self._turns, motion=pieces_of_motion(self.profile, start),
+        )  # fmt: skip
         for mounted, models in zip(vehicle.wheelsets, contacts, strict=bool(contacts)):
-            whole += _wheel_arrays(mounted.wheelset, track, models)
-        self.arena = pack(whole)
+            arrays += arrays_of_wheels(mounted.wheelset, track, models)
+        self.arena = pack(arrays)
         views = self.arena.views
         self._units = views[vehicle_forces.UNITS]
         self.elements = views[vehicle_forces.ELEMENTS]
         self.records = views[vehicle_forces.READINGS].view(np.float64).reshape(-1, 6)
         self._loads = views[vehicle_forces.LOADS]
         self.axles = views[vehicle_forces.AXLES]
-        # tables are only read, and those of a rail that changes along the track are large
-        fixed = {wheel_kernel.IN_CONTACT + k for k in TABLES_OF_A_WHEEL} | {wheel_kernel.RAIL}
         first, count = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
-        stretches: list[list[int]] = []
-        for i, view in enumerate(views):
-            if i == vehicle_forces.CENTRE or (i >= first and (i - first) % count in fixed):
-                continue
-            begin = int(self.arena.index[i, 0])
-            end = begin + room(view)
-            if stretches and stretches[-1][1] == begin:
-                stretches[-1][1] = end
-            else:
-                stretches.append([begin, end])
-        self._changing = [self.arena.buffer[begin:end] for begin, end in stretches]
+        self._changing = self.arena.stretches_but(only_read(len(views)))
         of_wheels = [self.arena.part(place, count) for place in range(first, len(views), count)]
         self._records_of_wheels = [part.views[wheel_kernel.OWN][0] for part in of_wheels]
         self.wheels: tuple[tuple[WheelOnRail, ...], ...] = tuple(
@@ -251,7 +222,7 @@ class VehicleOnTrack:
         """Change the constant speed [m/s] that the drive holds and at which the frame of the track runs on from its
         start."""
         self.speed, self.profile = speed, SpeedProfile.constant(speed)
-        self.arena.views[vehicle_forces.MOTION][:] = self._motion()
+        self.arena.views[vehicle_forces.MOTION][:] = pieces_of_motion(self.profile, self.start)
         self._asked_at = np.nan
 
     def own(self, wheelset: int) -> list[Any]:
@@ -351,98 +322,3 @@ class VehicleOnTrack:
             WheelOnRail(contact.within(part.part(first, count)), side, 0.5 * wheelset.profile_spacing, origin)
             for contact, part, side, origin in zip(contacts, parts, (1, -1), self.track.rail_origins, strict=True)
         )
-
-    def _arrays(self, table: SuspensionTable, drive: Drive, gravity: float) -> list[Any]:
-        """The vehicle's own arrays in the order of ``core.body.vehicle_forces``."""
-        vehicle, count = self.vehicle, len(self.bodies) + vehicle_forces.FRAMES + len(self.vehicle.boxes)
-        whole = np.zeros(1, vehicle_forces.VEHICLE)
-        own = whole[0]
-        own.gravity, own.drive = gravity, DRIVES.index(drive)
-        own.step = self.track.centre.step
-        own.guide_ahead = vehicle.guide_ahead
-        own.rails, own.turns = -1, self._turns
-        if self.elastic is not None:
-            own.rails = self.size - self.rails
-            e = self.elastic
-            own.rail_n, own.rail_b = zip(e.mass, e.stiffness, e.damping, strict=True)
-        wheelsets = len(vehicle.wheelsets)
-        parts = np.zeros(len(self.bodies), vehicle_forces.PART)
-        for i, (row, body) in enumerate(zip(parts, self.bodies, strict=True)):
-            row.mass, row.wheelset, row.twist = body.mass, i if i < wheelsets else -1, self.twists.get(i, -1)
-            if i < wheelsets and (torsion := vehicle.wheelsets[i].wheelset.torsion) is not None:
-                row.twist_inertia, row.twist_stiffness, row.twist_damping = (
-                    0.25 * body.inertia[1], torsion.stiffness, torsion.damping,
-                )  # fmt: skip
-        loads, load_tables = self._load_arrays()
-        carried = [(c.mass, c.height, vehicle.index(c.body)) for c in vehicle.carried]
-        axles = np.zeros(wheelsets, load_kernel.AXLE)
-        for i, (m, holder) in enumerate(zip(vehicle.wheelsets, holders_of(vehicle), strict=True)):
-            axles[i].radius, axles[i].body = m.wheelset.mean_radius, i
-            axles[i].holder = -1 if holder is None else vehicle.index(holder)
-            axles[i].gear = -1
-        for d in vehicle.drives:
-            w = vehicle.index(d.wheelset)
-            row = axles[w]
-            row.holder, row.motor, row.gear = vehicle.index(d.case), vehicle.index(d.motor), self.gears[w]
-            row.ratio, row.rotor, row.turning = d.ratio, d.rotor_inertia, d.inertia
-            row.stiffness, row.damping = d.stiffness, d.damping
-        units = np.zeros(len(vehicle.units), load_kernel.UNIT)
-        for k, (row, unit) in enumerate(zip(units, vehicle.units, strict=True)):
-            row.mass, row.inertia, row.driven = unit.pulled_mass, unit.pulled_inertia, unit.driven
-            row.body, row.ahead = unit.reference, vehicle.parts[unit.reference].centre[0]
-            row.axles = len(unit.wheelsets)
-            for i in unit.wheelsets:
-                axles[i].unit = k
-        if vehicle.slip_control is not None:
-            own.slip_speed, own.slip_creepage = vehicle.slip_control.speed, vehicle.slip_control.creepage
-        efforts, effort_tables = self._effort_arrays()
-        first = self.size - self.positions
-        boxes = [(box.inertia[1], box.y, w, first + j) for j, (w, box) in enumerate(vehicle.boxes.values())]
-        return [
-            whole,
-            parts,
-            np.zeros(count, BODY),
-            np.zeros(count, suspension.WRENCH),
-            table.elements,
-            table.tables,
-            np.zeros(len(table.elements), suspension.READING),
-            loads,
-            load_tables,
-            np.array(carried, load_kernel.CARRIED),
-            axles,
-            self.track.centre.curve.nodes,
-            np.array(boxes, box_kernel.AXLE_BOX),
-            self._motion(),
-            efforts,
-            effort_tables,
-            units,
-        ]
-
-    def _motion(self) -> NDArray[np.record]:
-        """The pieces of the frame's motion, from the start on."""
-        pieces = [(t, self.start + way, speed, rate) for t, way, speed, rate in self.profile.pieces]
-        return np.array(pieces, line_motion.PIECE)
-
-    def _load_arrays(self) -> tuple[NDArray[np.record], Array]:
-        """Records of the loads and of the forces of the payloads, behind them, and the tables that they follow."""
-        vehicle = self.vehicle
-        acting = (*vehicle.loads, *(payload.as_load() for payload in vehicle.payloads))
-        found = np.zeros(len(acting), load_kernel.LOAD)
-        tables: list[tuple[float, float, float, float]] = []
-        for row, load in zip(found, acting, strict=True):
-            row.body, row.axes, row.over = vehicle.index(load.body), LOAD_AXES.index(load.axes), OVER.index(load.over)
-            row.at = tuple(np.array(load.at) - np.array(vehicle.parts[row.body].centre))
-            row.start, row.rows = len(tables), len(load.table)
-            tables += load.table
-        return found, np.array(tables or [(0.0,) * 4])
-
-    def _effort_arrays(self) -> tuple[NDArray[np.record], Array]:
-        """Records of the efforts, and the tables that they follow."""
-        found = np.zeros(len(self.vehicle.efforts), load_kernel.EFFORT)
-        tables: list[tuple[float, float]] = []
-        for row, effort in zip(found, self.vehicle.efforts, strict=True):
-            row.axle, row.over = self.vehicle.index(effort.wheelset), OVER.index(effort.over)
-            row.side = {"left": 1.0, "right": -1.0, "both": 0.0}[effort.wheel]
-            row.start, row.rows = len(tables), len(effort.table)
-            tables += effort.table
-        return found, np.array(tables or [(0.0, 0.0)])

@@ -22,7 +22,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import newton
 from wrsim.simulation.state import TOLERANCE, SteadyMotion
 from wrsim.simulation.system import COORDINATES, Array
-from wrsim.vehicle.vehicle import Load
+from wrsim.vehicle.loads import Load
 
 if TYPE_CHECKING:
     from wrsim.core.linalg import Vec

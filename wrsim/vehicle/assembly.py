@@ -17,7 +17,8 @@ from wrsim.vehicle.ballast import Ballast
 from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, PlaneFriction, Strut, Triple
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Axes, Joint
 from wrsim.vehicle.load_tables import NO_BALLAST
-from wrsim.vehicle.vehicle import AxleBox, Body, GearedMotor, Load, MountedWheelset, Payload, Point
+from wrsim.vehicle.loads import GearedMotor, Load, Payload
+from wrsim.vehicle.vehicle import AxleBox, Body, MountedWheelset, Point
 from wrsim.vehicle.wheelset import Wheelset
 
 DEEPEST = 8

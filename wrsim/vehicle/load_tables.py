@@ -17,7 +17,7 @@ from wrsim.inputs.values import Three, number, positive, refuse, text
 from wrsim.vehicle.ballast import Ballast
 from wrsim.vehicle.elements import ZERO
 from wrsim.vehicle.elements.keys import Axes, Name, Place
-from wrsim.vehicle.vehicle import Load, LoadAxes, Over, Payload
+from wrsim.vehicle.loads import Load, LoadAxes, Over, Payload
 
 LARGEST = 1e4
 """Largest component of a force [kN]."""

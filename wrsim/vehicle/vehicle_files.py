@@ -27,8 +27,9 @@ from wrsim.vehicle.elements.keys import scaled
 from wrsim.vehicle.files import SprungTable, SuspensionTable, WheelsetTable
 from wrsim.vehicle.normal_loads import normal_loads
 from wrsim.vehicle.preload import preloads
+from wrsim.vehicle.single_wheelset import single_wheelset
 from wrsim.vehicle.train_files import TrainFile, train_of
-from wrsim.vehicle.vehicle import Vehicle, single_wheelset
+from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_sections import PartTable
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
 

@@ -10,7 +10,7 @@ from wrsim.simulation.law import VehicleOnTrack
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
     from wrsim.scenario.sections.run import RunPlan
-    from wrsim.vehicle.vehicle import Drive
+    from wrsim.vehicle.loads import Drive
 
 
 def force_law(setup: Setup[RunPlan], speed: float | None = None, drive: Drive | None = None) -> VehicleOnTrack:

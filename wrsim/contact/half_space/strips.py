@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from wrsim.contact.channels import ElementField
 from wrsim.contact.half_space.patch import HalfSpaceContact, Patch, Region
 from wrsim.contact.half_space.solver import HalfSpace
-from wrsim.contact.model import ContactModel, Records
+from wrsim.contact.kernel_arrays import Records
+from wrsim.contact.model import ContactModel
 from wrsim.core.contact import records as k
 from wrsim.core.contact.records import read_pose
 from wrsim.core.contact.resultants import add_lobe, set_creepages

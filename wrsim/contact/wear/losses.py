@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.model import ContactModel, Records
+from wrsim.contact.kernel_arrays import Records
+from wrsim.contact.model import ContactModel
 from wrsim.contact.wear.fatigue import damage
 from wrsim.contact.wear.laws import DENSITY, LawName, WearSettings, brr, slip_along, usfd, wear_coefficient
 from wrsim.core.contact.records import LOBE, POSE, STRIP

@@ -10,7 +10,7 @@ from pydantic import AfterValidator, Field
 from wrsim.inputs.rows import ROWS, one_way, rising
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, number, refuse, text
-from wrsim.vehicle.vehicle import Effort, Over, SlipControl
+from wrsim.vehicle.loads import Effort, Over, SlipControl
 
 LARGEST = 200.0
 """Largest moment on an axle [kN m]; strong locomotives have some 70."""

@@ -13,8 +13,9 @@ from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault, Section
 from wrsim.register import Analysis
 from wrsim.scenario.sections.speed import LOWEST, SpeedTable
+from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile
-from wrsim.vehicle.vehicle import Drive, Vehicle
+from wrsim.vehicle.vehicle import Vehicle
 
 T = TypeVar("T", bound="Table")
 

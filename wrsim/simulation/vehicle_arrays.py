@@ -1,0 +1,186 @@
+"""The arrays of a vehicle on its track, in the order of ``core.body.vehicle_forces``: what its kernel computes with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wrsim.core.body import axle_boxes as box_kernel
+from wrsim.core.body import line_motion, suspension, vehicle_forces
+from wrsim.core.body import loads as load_kernel
+from wrsim.core.body import wheel_forces as wheel_kernel
+from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
+from wrsim.core.linalg import BODY
+from wrsim.vehicle.bogies import holders_of
+
+if TYPE_CHECKING:
+    from wrsim.contact.model import ContactModel
+    from wrsim.geometry.track.track import Track
+    from wrsim.simulation.bodies import Solid
+    from wrsim.simulation.layout import Layout
+    from wrsim.simulation.suspension_table import SuspensionTable
+    from wrsim.vehicle.loads import Drive, LoadAxes, Over
+    from wrsim.vehicle.speed import SpeedProfile
+    from wrsim.vehicle.vehicle import Vehicle
+    from wrsim.vehicle.wheelset import Wheelset
+
+Array = NDArray[np.float64]
+
+DRIVES: tuple[Drive, ...] = ("free", "train", "wheels")
+"""In the order of their numbers in ``core.body.loads``."""
+
+LOAD_AXES: tuple[LoadAxes, ...] = ("track", "body")
+OVER: tuple[Over, ...] = ("time", "distance")
+"""In the order of their numbers there, too."""
+
+
+def vehicle_arrays(
+    layout: Layout,
+    track: Track,
+    bodies: Sequence[Solid],
+    table: SuspensionTable,
+    *,
+    drive: Drive,
+    gravity: float,
+    turns: int,
+    motion: NDArray[np.record],
+) -> list[Any]:
+    """All arrays but those of the wheels, which follow them.
+
+    gravity [m/s2]; turns: how the wheels take their turns (a stage of ``core.body.wheel_forces``); motion: see
+    ``pieces_of_motion``.
+    """
+    vehicle = layout.vehicle
+    frames = len(bodies) + vehicle_forces.FRAMES + len(vehicle.boxes)
+    first = layout.size - layout.positions
+    loads, load_tables = _loads(vehicle)
+    efforts, effort_tables = _efforts(vehicle)
+    axles, units = _axles_and_units(layout)
+    carried = [(c.mass, c.height, vehicle.index(c.body)) for c in vehicle.carried]
+    boxes = [(box.inertia[1], box.y, w, first + j) for j, (w, box) in enumerate(vehicle.boxes.values())]
+    return [
+        _whole(layout, track, drive, gravity, turns),
+        _parts(layout, bodies),
+        np.zeros(frames, BODY),
+        np.zeros(frames, suspension.WRENCH),
+        table.elements,
+        table.tables,
+        np.zeros(len(table.elements), suspension.READING),
+        loads,
+        load_tables,
+        np.array(carried, load_kernel.CARRIED),
+        axles,
+        track.centre.curve.nodes,
+        np.array(boxes, box_kernel.AXLE_BOX),
+        motion,
+        efforts,
+        effort_tables,
+        units,
+    ]
+
+
+def arrays_of_wheels(wheelset: Wheelset, track: Track, contacts: tuple[ContactModel, ContactModel]) -> list[Any]:
+    """The arrays of both wheels of a wheelset in the order of ``core.body.wheel_forces``."""
+    found: list[Any] = []
+    for rail, model, side in zip((track.left, track.right), contacts, (1.0, -1.0), strict=True):
+        wheel = np.zeros(1, wheel_kernel.WHEEL)
+        wheel["side"], wheel["half_spacing"], wheel["step"] = side, 0.5 * wheelset.profile_spacing, rail.step
+        found += [wheel, rail.curve.nodes, *model.inputs]
+    return found
+
+
+def only_read(count: int) -> set[int]:
+    """Which of ``count`` arrays no call changes: tables, of which those of rails that change along the track are
+    large."""
+    of_a_wheel = {wheel_kernel.IN_CONTACT + k for k in TABLES_OF_A_WHEEL} | {wheel_kernel.RAIL}
+    first, each = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
+    return {vehicle_forces.CENTRE} | {i for i in range(first, count) if (i - first) % each in of_a_wheel}
+
+
+def pieces_of_motion(profile: SpeedProfile, start: float) -> NDArray[np.record]:
+    """The pieces of the frame's motion, from its start [m] on."""
+    pieces = [(t, start + way, speed, rate) for t, way, speed, rate in profile.pieces]
+    return np.array(pieces, line_motion.PIECE)
+
+
+def _whole(layout: Layout, track: Track, drive: Drive, gravity: float, turns: int) -> NDArray[np.record]:
+    """The record of the whole vehicle."""
+    found = np.zeros(1, vehicle_forces.VEHICLE)
+    own, vehicle = found[0], layout.vehicle
+    own.gravity, own.drive = gravity, DRIVES.index(drive)
+    own.step = track.centre.step
+    own.guide_ahead = vehicle.guide_ahead
+    own.rails, own.turns = -1, turns
+    if layout.rails:
+        e = track.elasticity
+        assert e is not None
+        own.rails = layout.size - layout.rails
+        own.rail_n, own.rail_b = zip(e.mass, e.stiffness, e.damping, strict=True)
+    if vehicle.slip_control is not None:
+        own.slip_speed, own.slip_creepage = vehicle.slip_control.speed, vehicle.slip_control.creepage
+    return found
+
+
+def _parts(layout: Layout, bodies: Sequence[Solid]) -> NDArray[np.record]:
+    """Records of the bodies, wheelsets first."""
+    found = np.zeros(len(bodies), vehicle_forces.PART)
+    wheelsets = layout.vehicle.wheelsets
+    for i, (row, body) in enumerate(zip(found, bodies, strict=True)):
+        row.mass, row.wheelset, row.twist = body.mass, i if i < len(wheelsets) else -1, layout.twists.get(i, -1)
+        if i < len(wheelsets) and (torsion := wheelsets[i].wheelset.torsion) is not None:
+            row.twist_inertia, row.twist_stiffness, row.twist_damping = (
+                0.25 * body.inertia[1], torsion.stiffness, torsion.damping,
+            )  # fmt: skip
+    return found
+
+
+def _axles_and_units(layout: Layout) -> tuple[NDArray[np.record], NDArray[np.record]]:
+    """Records of the wheelsets' axles with their drives, and of the vehicles of a train."""
+    vehicle = layout.vehicle
+    axles = np.zeros(len(vehicle.wheelsets), load_kernel.AXLE)
+    for i, (m, holder) in enumerate(zip(vehicle.wheelsets, holders_of(vehicle), strict=True)):
+        axles[i].radius, axles[i].body = m.wheelset.mean_radius, i
+        axles[i].holder = -1 if holder is None else vehicle.index(holder)
+        axles[i].gear = -1
+    for d in vehicle.drives:
+        w = vehicle.index(d.wheelset)
+        row = axles[w]
+        row.holder, row.motor, row.gear = vehicle.index(d.case), vehicle.index(d.motor), layout.gears[w]
+        row.ratio, row.rotor, row.turning = d.ratio, d.rotor_inertia, d.inertia
+        row.stiffness, row.damping = d.stiffness, d.damping
+    units = np.zeros(len(vehicle.units), load_kernel.UNIT)
+    for k, (row, unit) in enumerate(zip(units, vehicle.units, strict=True)):
+        row.mass, row.inertia, row.driven = unit.pulled_mass, unit.pulled_inertia, unit.driven
+        row.body, row.ahead = unit.reference, vehicle.parts[unit.reference].centre[0]
+        row.axles = len(unit.wheelsets)
+        for i in unit.wheelsets:
+            axles[i].unit = k
+    return axles, units
+
+
+def _loads(vehicle: Vehicle) -> tuple[NDArray[np.record], Array]:
+    """Records of the loads and of the forces of the payloads, behind them, and the tables that they follow."""
+    acting = (*vehicle.loads, *(payload.as_load() for payload in vehicle.payloads))
+    found = np.zeros(len(acting), load_kernel.LOAD)
+    tables: list[tuple[float, float, float, float]] = []
+    for row, load in zip(found, acting, strict=True):
+        row.body, row.axes, row.over = vehicle.index(load.body), LOAD_AXES.index(load.axes), OVER.index(load.over)
+        row.at = tuple(np.array(load.at) - np.array(vehicle.parts[row.body].centre))
+        row.start, row.rows = len(tables), len(load.table)
+        tables += load.table
+    return found, np.array(tables or [(0.0,) * 4])
+
+
+def _efforts(vehicle: Vehicle) -> tuple[NDArray[np.record], Array]:
+    """Records of the efforts, and the tables that they follow."""
+    found = np.zeros(len(vehicle.efforts), load_kernel.EFFORT)
+    tables: list[tuple[float, float]] = []
+    for row, effort in zip(found, vehicle.efforts, strict=True):
+        row.axle, row.over = vehicle.index(effort.wheelset), OVER.index(effort.over)
+        row.side = {"left": 1.0, "right": -1.0, "both": 0.0}[effort.wheel]
+        row.start, row.rows = len(tables), len(effort.table)
+        tables += effort.table
+    return found, np.array(tables or [(0.0, 0.0)])
