@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import time
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ import wrsim.analysis
 from wrsim import __version__
 from wrsim.cli import app
 from wrsim.cli.showing import print_table
+from wrsim.core.compiling import Kernel
 from wrsim.results import Result
 
 runner = CliRunner()
@@ -94,6 +96,10 @@ def test_no_number_of_a_table_is_cut_however_narrow_the_terminal(columns: int, c
     assert sorted(words) == sorted(["wheel", "derailment", "quotient", "difference", "%"])
 
 
+def _one_more(x: int) -> int:
+    return x + 1
+
+
 def test_the_time_that_a_run_took_is_told_beside_the_time_on_the_track(
     run: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -106,6 +112,19 @@ def test_the_time_that_a_run_took_is_told_beside_the_time_on_the_track(
     assert told.splitlines()[-1] == f"a page about it for the browser: wrsim report {tmp_path / 'out'}"
     summary = json.loads(call(*command, "--json").stdout)["summary"]
     assert summary["times_real_time"] == pytest.approx(summary["wall_time_s"] / lasted, abs=1e-3)
+    assert summary["compiling_s"] == 0.0 and "compiling" not in told
+
+    def compiles(*_: object, **__: object) -> Result:
+        made = Kernel(_one_more, targetoptions={"nopython": True})
+        assert made(1) == 2
+        time.sleep(0.2)
+        return run
+
+    monkeypatch.setattr(wrsim.analysis, "run", compiles, raising=False)
+    began = time.perf_counter()
+    summary = json.loads(call(*command, "--json").stdout)["summary"]
+    assert summary["compiling_s"] > 0.0
+    assert 0.2 <= summary["wall_time_s"] <= time.perf_counter() - began - summary["compiling_s"] + 1e-3
 
 
 def test_a_conicity_analysis_prints_its_table(tmp_path: Path) -> None:

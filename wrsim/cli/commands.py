@@ -188,17 +188,19 @@ def run(
                 complain(f"there is no run in {directory} to go on with; it starts from the beginning")
                 resume = False
             from wrsim.analysis import run as analyse
+            from wrsim.core.compiling import COUNT
 
             begin(directory, scenario)
-            started = time.perf_counter()
+            started, before = time.perf_counter(), COUNT.seconds
             try:
                 if result is None:
                     with progress_bar(not (quiet or as_json)) as progress:
                         result = analyse(
                             scenario, progress=progress, record=record, resume=resume, setup=setup, threads=threads
                         )
-                lasted, wall = _lasted(result), time.perf_counter() - started
-                took = {} if resume else {"wall_time_s": round(wall, 3)}
+                compiling = COUNT.seconds - before
+                lasted, wall = _lasted(result), time.perf_counter() - started - compiling
+                took = {} if resume else {"wall_time_s": round(wall, 3), "compiling_s": round(compiling, 3)}
                 if lasted and took:
                     took["times_real_time"] = round(wall / lasted, 4)
                 files = write(result, directory, pictures)
@@ -223,7 +225,7 @@ def run(
             if not quiet:
                 print_result(result)
                 if "times_real_time" in took:
-                    print_wall_time(wall, lasted)
+                    print_wall_time(wall, lasted, compiling)
                 say_files(len(files), directory, len(removed))
             if code:
                 complain(f"{file}: stopped: {result.stop_reason}")

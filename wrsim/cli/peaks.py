@@ -144,11 +144,12 @@ def _print_integration(
     say(words + (cut if cut_steps else ""))
 
 
-def print_wall_time(wall: float, run: float) -> None:
-    """How long a run took beside how long it lasts on the track [s]."""
+def print_wall_time(wall: float, run: float, compiling: float) -> None:
+    """How long a run took, without compiling, beside how long it lasts on the track [s]."""
     ratio = run / wall
     words = f"{ratio:.3g} times faster" if ratio >= 1.0 else f"{1.0 / ratio:.3g} times slower"
-    say(f"{run:.4g} s on the track in {wall:.3g} s of wall time: {words} than real time")
+    besides = f"; compiling kernels, once, took {compiling:.3g} s besides" if compiling >= 0.1 else ""
+    say(f"{run:.4g} s on the track in {wall:.3g} s of wall time: {words} than real time{besides}")
 
 
 def _peak(peak: dict[str, Any] | None) -> tuple[str, str]:

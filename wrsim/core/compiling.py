@@ -18,6 +18,7 @@ call kernels. What is called by number (core.stages) is a whole of its own.
 
 import inspect
 import logging
+import time
 from typing import Any
 
 import numba
@@ -38,11 +39,12 @@ LOGGER = logging.getLogger("wrsim.kernels")
 
 
 class Count:
-    """Kernels of this process that had to be compiled, by their functions."""
+    """Kernels of this process that had to be compiled, by their functions, and how long that took."""
 
     def __init__(self):
         self.due: set[Any] = set()
         self.done: set[Any] = set()
+        self.seconds = 0.0
 
     def begin(self, function):
         """A kernel that Python calls is compiled, with all that it calls."""
@@ -112,13 +114,16 @@ class Compiler(_FunctionCompiler):
         flags.noalias = self.apart
         library = self.library(description.target_context.codegen(), self.py_func.__qualname__)
         library.enable_object_caching()
-        if self.library is Whole:
+        whole, began = self.library is Whole, time.perf_counter()
+        if whole:
             COUNT.begin(self.py_func)
         made = compiler.compile_extra(
             description.typing_context, description.target_context, self.py_func, args, return_type, flags,
             self.locals, library, self.pipeline_class,
         )  # fmt: skip
         COUNT.end(self.py_func)
+        if whole:  # its parts are compiled within
+            COUNT.seconds += time.perf_counter() - began
         return made
 
 
