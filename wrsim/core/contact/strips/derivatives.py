@@ -7,6 +7,7 @@ from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     LEAST_DEPTH,
     THIRD,
+    at_bound,
     block_of,
     evenness,
     factor_of,
@@ -27,6 +28,8 @@ from wrsim.core.contact.strips.records import (
     SOLVED,
     TERMS,
     TO,
+    F,
+    X,
 )
 
 
@@ -255,10 +258,10 @@ def _factor_and_edge_rows(system, n, g):
     for side in range(2):
         r = own + FACTORS + side
         outer, inner = (g * n, g * n + 1) if side == 0 else (g * n + n - 1, g * n + n - 2)
-        y1 = max(places[inner].y, 1e-30)
-        m[r, g * block + outer - g * n] = 1.0 / y1
-        m[r, g * block + inner - g * n] = -places[outer].y / (y1 * y1)
         one, two = places[outer], places[inner]
+        y1 = max(two.y * two.over, 1e-30)
+        m[r, g * block + outer - g * n] = 1.0 / y1
+        m[r, g * block + inner - g * n] = -one.y * one.over / (y1 * y1)
         w0, w1 = one.hi - one.lo, two.hi - two.lo
         rate = -EDGE_RATIO / (2.0 * w0 + w1) ** 2
         by_start = (one.hi_start - one.lo_start) * w1 - (two.hi_start - two.lo_start) * w0
@@ -282,6 +285,9 @@ def _gather(system, n, held):
             continue
         for j in range(n, block):
             kept = grid.start_held if j == block - 2 else grid.end_held if j == block - 1 else 0
+            if j < n + FACTORS:
+                # at its bound, and its equation asks for more (``residuals``)
+                kept = at_bound(system.vectors[X, base + j]) and system.vectors[F, base + j] == 0.0
             if not kept:
                 solved[size] = base + j
                 size += 1

@@ -33,6 +33,7 @@ LEAST_DEPTH = 1e-8  # for the longest half length [m]
 THIRD = -1.0, 3.0, -3.0, 1.0  # difference
 LESS = 0.1  # weight of an edge's misfit
 EVENNESS = 0.005  # weight with which neighbouring factors are kept alike
+LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0  # a factor at its bound stays there as long as its equation asks for more
 WEAKENING = 0.8  # exponent, as in contact.half_space.zones
 
 
@@ -230,6 +231,9 @@ def residuals(system, n, held):
         if g > 0 and grids[g - 1].link > 0.0 and grids[g - 1].on:
             out[own] += grids[g - 1].link * (x[own] - x[own - block + FACTORS - 1])
         for f in range(FACTORS):
+            k = x[own + f]
+            if (k <= LEAST_FACTOR and out[own + f] > 0.0) or (k >= MOST_FACTOR and out[own + f] < 0.0):
+                out[own + f] = 0.0
             largest = max(largest, abs(out[own + f]))
         for side in range(2):
             e = own + FACTORS + side
@@ -263,6 +267,12 @@ def joint(g, grid, n):
 
 
 @inlined
+def at_bound(factor):
+    """Whether a factor is as small or as large as it may be."""
+    return factor <= LEAST_FACTOR or factor >= MOST_FACTOR
+
+
+@inlined
 def evenness(memo, grid):
     """Weight with which neighbouring factors are kept alike."""
     return EVENNESS * grid.evenness if memo.shifted else EVENNESS
@@ -278,4 +288,5 @@ def edge_wish(places, first, n, side):
     outer = places[first if side == 0 else first + n - 1]
     inner = places[first + 1 if side == 0 else first + n - 2]
     w0, w1 = outer.hi - outer.lo, inner.hi - inner.lo
-    return outer.y / max(inner.y, 1e-30) - EDGE_RATIO * w0 / (2.0 * w0 + w1)
+    # what they ask for: where a strip is as long as it can be, its amplitude still says how hard it presses
+    return outer.y * outer.over / max(inner.y * inner.over, 1e-30) - EDGE_RATIO * w0 / (2.0 * w0 + w1)

@@ -9,7 +9,15 @@ from math import sqrt
 from wrsim.core.compiling import kernel
 from wrsim.core.contact.strips.changes import ENTRY, enter, leave, trim
 from wrsim.core.contact.strips.derivatives import jacobian
-from wrsim.core.contact.strips.equations import block_of, joint, lay_strips, residuals, set_amplitudes
+from wrsim.core.contact.strips.equations import (
+    LEAST_FACTOR,
+    MOST_FACTOR,
+    block_of,
+    joint,
+    lay_strips,
+    residuals,
+    set_amplitudes,
+)
 from wrsim.core.contact.strips.records import (
     FACTORS,
     LAST,
@@ -30,7 +38,6 @@ SLOW = 0.3  # misfit over the last one that asks for a new inverse
 LEAST_RATE = 0.03  # of what a step leaves of the misfit, when the next one is foretold
 KEPT_RATE = 0.95  # of the slowest of the last steps, when the next one is faster
 LEAST_REST = 0.2  # of a step that has to be left of it along itself for the inverse to learn from it
-LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0
 OVERSHOOT, KEPT = -0.5, 0.1  # of a^2 after a step, over itself: below the first the strip leaves; what it keeps else
 LARGEST_GROWTH = 0.5  # of a^2 in a step, over the largest of its grid
 LARGEST_CHANGE = 0.5  # of a factor in a step, over itself
@@ -288,8 +295,9 @@ def _advance(system, n, held, share, calm):
             continue
         for f in range(base + n, base + n + FACTORS):
             k = x[f] + share * step[f]
-            x[f] = min(max(k, LEAST_FACTOR), MOST_FACTOR)
-            whole = whole and x[f] == k
+            bounded = min(max(k, LEAST_FACTOR), MOST_FACTOR)
+            changed = changed or k != bounded != x[f]
+            x[f] = bounded
         e = base + n + FACTORS
         x[e] += share * step[e]
         x[e + 1] += share * step[e + 1]

@@ -14,6 +14,8 @@ from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, lay_tai
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     EVENNESS,
+    LEAST_FACTOR,
+    MOST_FACTOR,
     block_of,
     evenness,
     factor_of,
@@ -22,13 +24,7 @@ from wrsim.core.contact.strips.equations import (
     residuals,
     set_amplitudes,
 )
-from wrsim.core.contact.strips.newton import (
-    LEAST_FACTOR,
-    MOST_FACTOR,
-    NEAR,
-    descend,
-    newton,
-)
+from wrsim.core.contact.strips.newton import NEAR, descend, newton
 from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, NEXT, ROWS, SAVED, STEP, TERMS, X
 from wrsim.core.contact.strips.shifts import hertz_ellipse, hump_of, slanted
 
