@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
+from itertools import pairwise
 from math import atan, cos, hypot, sin, sqrt
 from pathlib import Path
 
@@ -56,6 +57,14 @@ def on_60e1(normal: str, lateral: float, axle: tuple[float, float, float]) -> tu
     while lacking(z) < 0.0:
         z -= 1e-4
     return model, np.array([0.0, lateral, brentq(lacking, z, z + 1e-4, xtol=1e-10)])
+
+
+def touching(model: ContactModel, lateral: float, axle, place: float = 0.0) -> np.ndarray:
+    """The wheel's origin where it comes down on its rail."""
+    origin = np.array([0.0, lateral, RADIUS + 5e-3])
+    while (closest := model.evaluate(origin, axle, place=place).closest) > 1e-9:
+        origin[2] -= closest
+    return origin
 
 
 @pytest.fixture(scope="module")
@@ -247,6 +256,43 @@ def test_a_rail_that_is_too_steep_is_refused_with_its_place() -> None:
 
 
 # --- a real crossing ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def wearing() -> ContactModel:
+    """S1002 on a rail that goes from new to worn, and back, and on."""
+    new, worn = (rail_profile(name, 40) for name in ("60E1", "60E1_worn"))
+    places = zip((10.0, 40.0, 70.0, 90.0), (new, worn, new, worn), strict=True)
+    surface = RailSurface("wears", tuple(RailSection(*at) for at in places))
+    return on(surface, wheel=wheel_profile("S1002"))
+
+
+def test_no_piece_of_a_rail_between_new_and_worn_is_pressed_twice(wearing: ContactModel) -> None:
+    """Where the gauge corner of the rail lies nearly parallel to the wheel the samples of a search tell the
+    slope of the distance with a wrong sign: lobes that are none were found there, over the ground of others."""
+    for place, lateral, yaw, depth in (  # [m, mm, mrad, um]
+        (73.369, 3.372, 5.0084, 96.746), (73.566, 3.3911, 4.9966, 98.671), (73.3564, 3.3769, 5.0196, 98.906),
+        (73.3887, 3.3715, 4.9877, 92.056), (73.3374, 3.3702, 4.9825, 98.819),
+    ):  # fmt: skip
+        axle = np.array([-sin(1e-3 * yaw), cos(1e-3 * yaw), 7e-4])
+        origin = touching(wearing, 1e-3 * lateral, axle, place) - [0.0, 0.0, 1e-6 * depth]
+        contact = wearing.evaluate(origin, axle, place=place)
+        patches = [patch for patch in contact.patches if patch["N"] > 0.0]
+        pressed = sorted(tuple(patch["arc_rail"] + [patch["start"], patch["end"]]) for patch in patches)
+        assert patches and all(one[1] < other[0] + 1e-9 for one, other in pairwise(pressed))
+
+
+def test_curvatures_of_a_rail_of_sections_are_those_of_the_plain_one(wearing: ContactModel) -> None:
+    """Many points counted as beyond the rail's end by round-off, where it goes on straight."""
+    plain = contact_model(wheel_profile("S1002"), rail_profile("60E1", 40), normal="strips", **PLAIN)
+    for lateral in np.linspace(-3e-3, 3e-3, 13):
+        origin = touching(plain, lateral, (0.0, 1.0, 0.0)) - [0.0, 0.0, 5e-5]
+        several = [len(model.evaluate(origin, place=10.0).patches) for model in (wearing, plain)]
+        assert several[0] == several[1] > 0
+        own, its = (model.arrays.found["curvature"][: several[0]] for model in (wearing, plain))
+        assert own == pytest.approx(
+            its, abs=1.0
+        )  # of the rail 3 to 77; its rows are farther apart than the plain one's
 
 
 @pytest.mark.parametrize("anchor", [0, 60])

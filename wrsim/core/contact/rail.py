@@ -135,7 +135,7 @@ def _at(rail, arc):
 def _point(rail, one, other, arc, x, i):
     """The point at x rows, behind row i."""
     at = between(_node(rail, one, i), _node(rail, other, i + 1), x - i, rail.step)
-    beyond = arc - x * rail.step
+    beyond = arc - min(max(arc, 0.0), rail_length(rail))
     if beyond != 0.0:
         return Point(at.u + beyond * at.tu, at.w + beyond * at.tw, at.tu, at.tw, 0.0)
     return at

@@ -26,6 +26,11 @@ MARGIN = 5.5e-3  # the field reaches at least this far beyond the rail [m]
 LARGEST_TURN, FARTHEST_FOOT = 0.02, 2e-3  # of the rail between a foot and where it is guessed: angle, arclength [m]
 FALL = 0.02  # of the slope in a good step of Newton's
 MINIMUM, MAXIMUM = 1.0, -1.0  # of the distance
+DOUBTFUL = 0.02  # slope that samples may have told with the wrong sign
+DEEP = 1e-3  # overlap beyond which the nearest point of the rail may leap to another place [m]
+CLOSE = 1e-11  # last step to a stationary point [m]
+SAME = 1e-6  # distance of two stationary points that are one [m]
+EXACT, ROUGH, NONE = range(3)  # a stationary point to round-off; not so; no such point between both ends
 
 
 class Foot(NamedTuple):
@@ -39,7 +44,8 @@ class Foot(NamedTuple):
 
 
 class Stationary(NamedTuple):
-    """Stationary point of the distance: arclengths on wheel and rail, distance, relative curvature; status 0 or 1."""
+    """Stationary point of the distance: arclengths on wheel and rail, distance, relative curvature; status EXACT, ROUGH
+    or NONE."""
 
     arc_wheel: float
     arc_rail: float
@@ -123,13 +129,16 @@ def refine(wheel, rail, lo, hi, arc, foot, kind):
     """A stationary point of the distance between two wheel arclengths: safeguarded Newton on its slope.
 
     Where curvatures jump, at joins of arcs, they tell the rate of the slope wrongly: where a step has not brought it
-    down by far the next one is the secant's.
+    down by far the next one is the secant's. Samples tell the slope of a nearly straight distance by chords, perhaps
+    with a wrong sign: then there is no such point, and the search ends at one of the ends. It ends there, too, where
+    the distance has a bend far inside the rail, which counts.
 
     arc, foot: first guess on wheel and rail; kind: MINIMUM (slope negative at ``lo``) or MAXIMUM.
     """
     distance = 0.0
     curvature = 0.0
-    status = 1
+    status = ROUGH
+    ends = lo, hi
     projections = 3  # the first guess of the foot may be far off; later ones are foretold
     last = 1.0  # length of the last step
     before, slope_before = arc, inf
@@ -152,10 +161,11 @@ def refine(wheel, rail, lo, hi, arc, foot, kind):
             rate = secant if kind * secant > 0.0 else rate
         before, slope_before = arc, slope
         step = -slope / rate if kind * rate > 0.0 else 2.0 * (hi - lo)
-        if abs(step) < 1e-11 or hi - lo < 1e-12:
+        if abs(step) < CLOSE or hi - lo < CLOSE:
             on_rail = project(rail, at.o, at.b, foot, projections)
             foot, distance = on_rail.arc, on_rail.distance
-            status = 0
+            at_end = hi - lo < CLOSE and (lo == ends[0] or hi == ends[1])
+            status = NONE if at_end and abs(slope) < DOUBTFUL and distance > -DEEP else EXACT
             break
         new = arc + step
         # else steps may swing to and fro
@@ -179,6 +189,20 @@ def _rail_slope(rail, foot, no, nb):
     return nb * tw + no * tu  # wheel tangent (-nb, no) times rail normal (-tw, tu)
 
 
+@inlined
+def _set_saddle(wheel, rail, before, met, top):
+    """The place between two contacts where the distance is largest, if it is in the rail; top: about where on the
+    wheel."""
+    span = met.arc_wheel - before.arc_wheel
+    if not before.arc_wheel < top < met.arc_wheel:
+        top = before.arc_wheel + 0.5 * span
+    foot = before.arc_rail + (met.arc_rail - before.arc_rail) * (top - before.arc_wheel) / span
+    saddle = refine(wheel, rail, before.arc_wheel, met.arc_wheel, top, foot, MAXIMUM)
+    if saddle.distance < 0.0:
+        before.saddle = -saddle.distance
+        before.saddle_arc = saddle.arc_rail
+
+
 @kernel
 def find_contacts(wheel, rail, field, stride, hollow, found):
     """All local maxima of the interpenetration, in order along the wheel profile.
@@ -197,7 +221,8 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
     linked = False  # whether the outline stayed in the rail since the last contact found
     last_node = -stride
     last_slope = 0.0
-    last_distance = last_o = last_b = 0.0
+    last_distance = last_foot = last_o = last_b = 0.0
+    top = 0.0  # about where the distance was largest since then
     rail_end = rail_length(rail)
     per_node = 1.0 / (STRETCH * step)
     hollow *= 1.0 + (e_t / YAW_HOLLOWS) ** 2
@@ -206,8 +231,8 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
     while i < n:
         at = locus_node(wheel, node(wheel.profile, i), LARGEST_SINE)
         if abs(at.sine) >= LARGEST_SINE:
-            near = False
-            linked = False
+            near = linked = False
+            last_foot = 0.0
             last_node = i
             i += stride
             continue
@@ -216,6 +241,9 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
         if field.slack > 0.0:
             # the field is that of a station nearby
             if distance < FAR + field.slack:
+                if near and last_foot > 0.0:
+                    # nearer to the foot than the field, where curvatures change within a millimetre
+                    foot = last_foot + sqrt((at.o - last_o) ** 2 + (at.b - last_b) ** 2)
                 distance, foot, slope = _near(rail, at.o, at.b, foot, at.no, at.nb)
             else:
                 distance -= field.slack
@@ -229,8 +257,8 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
         calm = i >= wary and abs(at.sine) < STEEP
         if distance > FAR or foot <= 0.0 or foot >= rail_end:
             # far away, or beside an end of the rail, where the distance bends as it likes: no more than the way
-            near = False
-            linked = False
+            near = linked = False
+            last_foot = 0.0
             last_node = i
             skip = int((distance - FIELD_ERROR) * per_node)
             i += skip if calm and skip > stride else stride
@@ -243,34 +271,31 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
             # climbs around a yawed wheel, its outline is many times as long as the profile
             between = sqrt((at.o - last_o) ** 2 + (at.b - last_b) ** 2)
             turns = last_distance - 0.5 * between * last_slope * last_slope / (slope - last_slope) < NEAR
-        kind = MINIMUM if last_slope < 0.0 else MAXIMUM
-        if turns and (kind == MINIMUM or linked):
-            met = refine(
-                wheel, rail, (last_node - stride) * step, (i + stride) * step,
-                (i - stride * slope / (slope - last_slope)) * step, foot, kind,
-            )  # fmt: skip
-            if kind == MINIMUM:
-                closest = min(closest, met.distance)
-                if met.distance < 0.0 and 0.0 < met.arc_rail < rail_end and count < found.shape[0]:
-                    status |= met.status
-                    if count > 0 and not linked:
-                        found[count - 1].saddle = -1.0
-                    row = found[count]
-                    row.arc_wheel = met.arc_wheel
-                    row.arc_rail = met.arc_rail
-                    row.depth = -met.distance
-                    row.curvature = met.curvature
-                    row.saddle = -1.0
-                    count += 1
-                    linked = True
-            elif met.distance < 0.0:
-                found[count - 1].saddle = -met.distance
-                found[count - 1].saddle_arc = met.arc_rail
+        if turns:
+            guess = (i - stride * slope / (slope - last_slope)) * step
+            if last_slope >= 0.0:
+                top = guess
             else:
-                linked = False
+                met = refine(wheel, rail, (last_node - stride) * step, (i + stride) * step, guess, foot, MINIMUM)
+                # else the slopes of samples were wrong, here or at the last turn
+                if met.status != NONE and (count == 0 or met.arc_wheel > found[count - 1].arc_wheel + SAME):
+                    closest = min(closest, met.distance)
+                    if met.distance < 0.0 and 0.0 < met.arc_rail < rail_end and count < found.shape[0]:
+                        status |= met.status
+                        if linked:
+                            _set_saddle(wheel, rail, found[count - 1], met, top)
+                        row = found[count]
+                        row.arc_wheel = met.arc_wheel
+                        row.arc_rail = met.arc_rail
+                        row.depth = -met.distance
+                        row.curvature = met.curvature
+                        row.saddle = -1.0
+                        count += 1
+                        linked = True
         last_node = i
         last_slope = slope
         last_distance = distance
+        last_foot = foot
         last_o = at.o
         last_b = at.b
         near = True
@@ -284,6 +309,4 @@ def find_contacts(wheel, rail, field, stride, hollow, found):
                 i += skip
                 continue
         i += stride
-    if count > 0:
-        found[count - 1].saddle = -1.0
     return count, closest, status
