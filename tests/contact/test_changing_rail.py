@@ -1,11 +1,9 @@
-"""A wheel on a rail that changes along the track: laws of inclined planes and steps, a potential, CONTACT's numbers."""
+"""A wheel on a rail that changes along the track: laws of inclined planes and steps, a potential."""
 
 from __future__ import annotations
 
-import csv
-from dataclasses import replace
 from itertools import pairwise
-from math import atan, cos, hypot, sin, sqrt
+from math import atan, cos, sin, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -13,15 +11,14 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from support.contacts import PLAIN, RADIUS, contact_model, numbers, rail_profile, wheel_profile
-from support.crossings import CROSSING, crossing, lifted, turning
+from support.crossings import lifted, on, turning
 from support.kernels import branches_that_cross
 
-from wrsim.contact.model import Contact, ContactModel
+from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model as model_of
 from wrsim.core.track.felt_rail import unfold
 from wrsim.errors import InputError
-from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.sections import Arc, Line, circle, profile_from_sections
+from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.rolled_rail import rolled_rail
 from wrsim.geometry.track.section_table import read_sections
@@ -31,18 +28,6 @@ WHEEL = circle("round", "wheel", -0.5, 0.02)
 RISE = 0.1
 EVEN = np.linspace(-1.0, 1.0, 21)
 NORMAL = ("strips", "kik-piotrowski")
-
-
-def on(surface, normal: str = "strips", wheel=WHEEL, **choices) -> ContactModel:
-    model = contact_model(wheel, surface.sections[0].profile, normal=normal, **PLAIN | choices)
-    return replace(model, rolled=rolled_rail(surface, RADIUS))
-
-
-def blunt(start: float, corner: float) -> Profile:
-    """A level top, 10 mm wide from ``start`` on, its corners rounded down to 80 degrees [m]."""
-    end, steep = start + 0.01, np.radians(80.0)
-    arcs = Arc(start, -corner, corner, steep, 0.0), Arc(end, -corner, corner, 0.0, -steep)
-    return profile_from_sections("blunt", "rail", (arcs[0], Line(start, 0.0, end, 0.0), arcs[1]))
 
 
 def on_60e1(normal: str, lateral: float, axle: tuple[float, float, float]) -> tuple[ContactModel, np.ndarray]:
@@ -78,7 +63,7 @@ def test_a_rising_rail_is_touched_ahead_and_pushes_back(ramp, normal: str) -> No
     # the plane through the contact is inclined: the wheel's centre is R / cos above it
     angle, depth = atan(RISE), 5e-5
     level = contact_model(WHEEL, CROWN, normal=normal, **PLAIN).evaluate((0.0, 0.0, RADIUS - depth))
-    own = on(ramp, normal).evaluate((0.0, 0.0, (RADIUS - depth) / cos(angle)))
+    own = on(ramp, normal, WHEEL).evaluate((0.0, 0.0, (RADIUS - depth) / cos(angle)))
     patch = own.patches[0]
     assert patch["x"] == pytest.approx(RADIUS * sin(angle), abs=2e-5)
     share = 1e-2 if normal == "kik-piotrowski" else 2e-3  # its approach is measured in the section
@@ -97,7 +82,7 @@ def test_a_rail_whose_section_moves_sideways_is_a_yawed_cylinder(normal: str, sh
     across = circle("across", "rail", 0.02, 8e-3)
     places = np.linspace(-0.3, 0.3, 13)
     oblique = RailSurface("oblique", tuple(RailSection(s, across.shifted(np.tan(angle) * s, 0.0)) for s in places))
-    own = on(oblique, normal).evaluate((0.0, 0.0, RADIUS - 5e-5)).patches[0]
+    own = on(oblique, normal, WHEEL).evaluate((0.0, 0.0, RADIUS - 5e-5)).patches[0]
     cylinder = contact_model(WHEEL, circle("c", "rail", 0.02 * cos(angle) ** 2, 8e-3), normal=normal, **PLAIN)
     plain = cylinder.evaluate((0.0, 0.0, RADIUS - 5e-5), (-sin(angle), cos(angle), 0.0)).patches[0]
     assert own["N"] == pytest.approx(plain["N"], rel=share)
@@ -111,7 +96,7 @@ def test_a_yawed_wheel_on_a_rising_rail_is_one_on_an_inclined_plane(yaw: float) 
     rail, angle = rail_profile("60E1", 40), atan(rise)
     to_ramp = np.array([[cos(angle), 0.0, sin(angle)], [0.0, 1.0, 0.0], [-sin(angle), 0.0, cos(angle)]])
     plain = contact_model(wheel_profile("S1002"), rail, normal="strips", strips=20, **PLAIN)
-    own = on(lifted(rail, EVEN, rise * EVEN), wheel=wheel_profile("S1002"), strips=20)
+    own = on(lifted(rail, EVEN, rise * EVEN), "strips", wheel_profile("S1002"), strips=20)
     axle = np.array([-sin(yaw), cos(yaw), 0.0])
 
     def force(z: float) -> np.ndarray:
@@ -194,7 +179,7 @@ def test_sections_recorded_to_different_depths_are_the_same_rail(tmp_path: Path)
 def test_far_from_where_it_changes_a_rail_is_the_plain_one(lateral: float, yaw: float) -> None:
     wheel, rail = wheel_profile("S1002"), rail_profile("60E1", 40)
     surface = lifted(rail, EVEN, np.where(EVEN > 0.9, 1e-3, 0.0))
-    own = on(surface, wheel=wheel, strips=20)
+    own = on(surface, "strips", wheel, strips=20)
     axle = (-sin(yaw), cos(yaw), 0.0)
     plain, origin = on_60e1("strips", lateral, axle)
     one, other = plain.evaluate(origin, axle), own.evaluate(origin, axle, place=-0.5)
@@ -208,7 +193,7 @@ def test_far_from_where_it_changes_a_rail_is_the_plain_one(lateral: float, yaw: 
 def test_the_normal_force_has_a_potential(normal: str) -> None:
     # what pushes back along the track is the gradient of the same energy that carries the wheel
     wave = lifted(CROWN, EVEN, 5e-4 * np.cos(6.0 * EVEN))
-    model = on(wave, normal)
+    model = on(wave, normal, WHEEL)
 
     def force(z: float, s: float) -> np.ndarray:
         return model.evaluate((0.0, 0.0, z), place=s).force
@@ -245,7 +230,7 @@ def test_a_rail_that_turns_is_one_of_turned_sections() -> None:
     model, origin = on_60e1("strips", 0.0, (0.0, 1.0, 0.0))
     turned = turning(rail_profile("60E1", 40), EVEN, twist)
     one = model.evaluate(origin, turning=(twist, 0.0, 0.0))
-    other = on(turned, wheel=wheel_profile("S1002"), strips=20).evaluate(origin, place=0.0)
+    other = on(turned, "strips", wheel_profile("S1002"), strips=20).evaluate(origin, place=0.0)
     assert other.force == pytest.approx(one.force, rel=2e-3)
     assert other.patches["x"] == pytest.approx(one.patches["x"], rel=0.05)
 
@@ -255,16 +240,13 @@ def test_a_rail_that_is_too_steep_is_refused_with_its_place() -> None:
         rolled_rail(lifted(CROWN, EVEN, 0.6 * EVEN), RADIUS)
 
 
-# --- a real crossing ----------------------------------------------------------------------------------------
-
-
 @pytest.fixture(scope="module")
 def wearing() -> ContactModel:
     """S1002 on a rail that goes from new to worn, and back, and on."""
     new, worn = (rail_profile(name, 40) for name in ("60E1", "60E1_worn"))
     places = zip((10.0, 40.0, 70.0, 90.0), (new, worn, new, worn), strict=True)
     surface = RailSurface("wears", tuple(RailSection(*at) for at in places))
-    return on(surface, wheel=wheel_profile("S1002"))
+    return on(surface, "strips", wheel_profile("S1002"))
 
 
 def test_no_piece_of_a_rail_between_new_and_worn_is_pressed_twice(wearing: ContactModel) -> None:
@@ -300,120 +282,3 @@ def test_what_runs_on_below_the_other_branch_is_left_out(anchor: int) -> None:
     keep = np.zeros(61, dtype=bool)
     unfold(branches_that_cross(61), anchor, -1.0, keep)
     assert (keep == (np.abs(np.linspace(-1.2, 1.2, 61)) > sqrt(0.75))).all()
-
-
-def test_the_felt_section_is_the_upper_envelope_where_branches_cross() -> None:
-    """The wing's outer corner moves outward: what is felt of it ahead and behind crosses with a notch between them."""
-    if not CROSSING.exists():
-        pytest.skip("the reference folder is not beside the project")
-    surface = crossing(-0.3, -0.1)
-    felt = rolled_rail(surface, RADIUS)
-    u = np.linspace(0.015, 0.034, 400)
-    for s in (-0.2434, -0.1604, -0.1438):
-        highest = np.full(u.size, -1.0)
-        for x in np.linspace(-0.04, 0.04, 801):
-            for piece in surface.pieces:
-                rows = piece.spline(s + x)
-                top = rows[rows[:, 1] > -5e-3]
-                drop = RADIUS - sqrt(RADIUS**2 - x**2)
-                highest = np.maximum(highest, np.interp(u, top[:, 0], top[:, 1], -1.0, -1.0) - drop)
-        rows = felt.section(s)
-        rows = rows[rows[:, 1] > -5e-3]
-        assert np.interp(u, rows[:, 0], rows[:, 1]) == pytest.approx(highest, abs=1e-5)
-
-
-@pytest.fixture(scope="module")
-def over_the_crossing() -> ContactModel:
-    if not CROSSING.exists():
-        pytest.skip("the reference folder is not beside the project")
-    surface = crossing(0.1, 0.33)
-    model = contact_model(
-        wheel_profile("S1002"), surface.sections[0].profile, normal="strips", tangential="fastrip", friction=0.3
-    )
-    return replace(model, rolled=rolled_rail(surface, RADIUS))
-
-
-def at_rest(model: ContactModel, lateral: float, load: float, place: float) -> tuple[Contact, float]:
-    """The contact of a wheel that rolls with that load, and how far it has sunk."""
-
-    def lowered(z: float) -> Contact:
-        return model.evaluate((0.0, lateral, RADIUS - z), velocity=(1.0, 0, 0), omega=(0, 1.0 / RADIUS, 0), place=place)
-
-    sunk = brentq(lambda z: lowered(z).force[2] - load, -2e-3, 2e-3, xtol=1e-9)
-    return lowered(sunk), sunk
-
-
-def test_the_load_passes_from_wing_to_nose_as_in_contact(over_the_crossing: ContactModel) -> None:
-    """CONTACT's numbers: shared reference, crossing_56e1/transfer_s239.csv."""
-    with (CROSSING / "transfer_s239.csv").open() as file:
-        rows = [row for row in csv.DictReader(file) if row["y_ws_mm"] in ("0.81", "0.89", "0.97", "1.05", "1.15")]
-    for lateral in dict.fromkeys(row["y_ws_mm"] for row in rows):
-        own = [row for row in rows if row["y_ws_mm"] == lateral]
-        contact, sunk = at_rest(over_the_crossing, 1e-3 * float(lateral), 1e4, 0.239)
-        assert 1e3 * sunk == pytest.approx(float(own[0]["z_ws_mm"]), abs=0.0005)
-        for row in own:
-            y = 1e-3 * float(row["y_tr_mm"]) - 0.75
-            patch = min(contact.patches, key=lambda p: abs(p["o"] - y))
-            place = 1e-3 * np.array([float(row["x_tr_mm"]), 0.0, -float(row["z_tr_mm"])])
-            assert hypot(patch["o"] - y, patch["x"] - place[0], patch["b"] - place[2]) < 3e-4
-            assert patch["N"] == pytest.approx(float(row["Fn_N"]), abs=100.0)
-            # of the nose, where it carries enough. The wing's patch lies slanted where its curvature changes
-            if patch["o"] > 0.0 or patch["N"] > 3e3:
-                off = 0.03 if patch["o"] < 0.0 else 0.07 if patch["N"] > 3e3 else 0.09
-                assert patch["p0"] == pytest.approx(1e6 * float(row["pmax_MPa"]), rel=off)
-
-
-@pytest.mark.parametrize("lateral", [0.81e-3, 1.15e-3])
-def test_strips_on_wing_and_nose_are_near_the_exact_solver(over_the_crossing, lateral: float) -> None:
-    """At the same height, without creep forces; the exact solver has the surface itself, not what is felt of it."""
-    frictionless, exact = (
-        replace(
-            contact_model(over_the_crossing.wheel, over_the_crossing.rail, normal=normal, **PLAIN),
-            rolled=over_the_crossing.rolled,
-        )
-        for normal in ("strips", "half-space")
-    )
-    contact, sunk = at_rest(frictionless, lateral, 1e4, 0.239)
-    own = exact.evaluate((0.0, lateral, RADIUS - sunk), place=0.239)
-    assert len(own.patches) == len(contact.patches) == 1
-    one, other = contact.patches[0], own.patches[0]
-    assert abs(one["o"] - other["o"]) < 1e-4 and abs(one["x"] - other["x"]) < 1e-4
-    assert one["N"] == pytest.approx(other["N"], rel=0.015)
-    assert one["p0"] == pytest.approx(other["p0"], rel=0.03)
-
-
-def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact(over_the_crossing: ContactModel) -> None:
-    """CONTACT's numbers: shared reference, crossing_56e1/README.md. 1 um sideways moves 150 N from one to the other."""
-    patches = at_rest(over_the_crossing, 3.52e-3, 1e4, 0.16)[0].patches
-    assert len(patches) == 2
-    for o, y, force, p0 in ((-1.0, 718.20, 4790.0, 1584e6), (1.0, 782.08, 6171.0, 635e6)):
-        patch = next(p for p in patches if p["o"] * o > 0.0)
-        assert 750.0 + 1e3 * patch["o"] == pytest.approx(y, abs=0.2)
-        assert patch["N"] == pytest.approx(force, abs=200.0)
-        assert patch["p0"] == pytest.approx(p0, rel=0.05)
-
-
-def test_an_artificial_nose_is_touched_where_contact_says() -> None:
-    """S1002 on a nose that rises 1:10, touched 5.127 mm outside where its corner of 5 mm meets the level top, 45.757 mm
-    ahead of the axle (shared reference; section: test bank of CONTACT, testbank/profiles/cross_nose)."""
-    places = np.linspace(-0.1, 0.1, 21)
-    model = on(lifted(blunt(5e-3, 5e-3), places, RISE * places), wheel=wheel_profile("S1002"))
-    patch = model.evaluate((0.0, 0.0, RADIUS + 2.1275e-3)).patches[0]
-    assert patch["x"] == pytest.approx(45.757e-3, abs=5e-5)
-    assert patch["o"] == pytest.approx(5.127e-3, abs=3e-4)
-
-
-@pytest.mark.parametrize(("normal", "share"), [("strips", 0.015), ("half-space", 0.01)])
-def test_an_artificial_wing_that_recedes_is_touched_and_pressed_as_in_contact(normal: str, share: float) -> None:
-    """S1002 100 mm along a wing that recedes 1:10, .6589 mm deep: 10 160 N, 29.231 mm outside, 2 589 MPa (shared
-    reference; section, a level top with corners of 10 mm: test bank of CONTACT, testbank/profiles/wing_rail)."""
-    top = blunt(0.02, 0.01)
-    wing = RailSurface("wing", tuple(RailSection(s, top.shifted(0.1 * s, 0.0)) for s in np.linspace(0.0, 0.2, 21)))
-    choices = {"tangential": "fastrip" if normal == "strips" else "half-space"}
-    model = on(wing, normal, wheel_profile("S1002"), friction=0.3, **choices)
-    rolling = {"velocity": (2.0, 0.0, 0.0), "omega": (0.0, 4.3481181, 0.0)}
-    contact = model.evaluate((0.0, 0.0, RADIUS - 0.6589e-3), place=0.1, **rolling)
-    assert contact.force[2] == pytest.approx(10160.0, rel=share)
-    (patch,) = contact.patches
-    assert patch["o"] == pytest.approx(29.231e-3, abs=2e-5)
-    assert patch["p0"] == pytest.approx(2589e6, rel=0.05)

@@ -4,22 +4,28 @@ from __future__ import annotations
 
 import csv
 import gzip
+from dataclasses import replace
 from functools import cache
 from itertools import groupby, pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from support.contacts import PLAIN, RADIUS, contact_model
+from wrsim.contact.model import ContactModel
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
+from wrsim.geometry.track.rolled_rail import rolled_rail
 from wrsim.geometry.track.section_table import read_sections
 
 CROSSING = Path(__file__).parents[3] / "shared" / "reference" / "crossing_56e1"
 NOSE_DEPTH = -30.0  # [mm]
 OUTER_EDGE = (31.0, 25.0, 3.8)  # of the head: where it is, at least so far from the corner; how far it falls off [mm]
+SHARES = (0.03, 0.475, 0.6, 0.97)  # of a section's length: near its ends, in the gap, on the wing's face
 
 
 def lifted(rail: Profile, places: NDArray[np.float64], heights: NDArray[np.float64]) -> RailSurface:
@@ -28,6 +34,12 @@ def lifted(rail: Profile, places: NDArray[np.float64], heights: NDArray[np.float
         "lifted",
         tuple(RailSection(float(s), rail.shifted(0.0, float(z))) for s, z in zip(places, heights, strict=True)),
     )
+
+
+def on(surface: RailSurface, normal: str, wheel: Profile, **choices: Any) -> ContactModel:
+    """A wheel on a rail of sections, without creep forces if not told otherwise."""
+    model = contact_model(wheel, surface.sections[0].profile, normal=normal, **PLAIN | choices)
+    return replace(model, rolled=rolled_rail(surface, RADIUS))
 
 
 def turning(rail: Profile, places: NDArray[np.float64], twist: float) -> RailSurface:
@@ -43,6 +55,17 @@ def crossing(start: float, end: float) -> RailSurface:
         table = Path(folder) / "crossing.csv"
         write_crossing(table, start, end)
         return RailSurface("56E1 crossing", tuple(read_sections(table)))
+
+
+@cache
+def in_equal_shares(start: float, end: float) -> RailSurface:
+    """The same joined as in CONTACT's case at s = 239 mm, whose file of sections marks no features: by equal shares of
+    the whole length, here by features that stand at the same share everywhere, one of them in the gap."""
+    parted = (
+        RailSection(own.distance, own.profile, tuple(share * own.profile.length for share in SHARES))
+        for own in crossing(start, end).sections
+    )
+    return RailSurface("56E1 crossing in equal shares", tuple(parted))
 
 
 def write_crossing(path: Path, start: float, end: float) -> None:

@@ -1,0 +1,200 @@
+"""A wheel on a crossing, real and artificial, beside CONTACT's numbers (shared reference, crossing_56e1)."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from itertools import pairwise
+from math import cos, hypot, sin, sqrt
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from support.contacts import PLAIN, RADIUS, contact_model, wheel_profile
+from support.crossings import CROSSING, crossing, in_equal_shares, lifted, on
+
+from wrsim.contact.model import Contact, ContactModel
+from wrsim.geometry.profile.points import Points, interpolated
+from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.sections import Arc, Line, profile_from_sections
+from wrsim.geometry.track.rail_surface import RailSection, RailSurface
+from wrsim.geometry.track.rolled_rail import rolled_rail
+
+RISE = 0.1
+
+
+def blunt(start: float, corner: float) -> Profile:
+    """A level top, 10 mm wide from ``start`` on, its corners rounded down to 80 degrees [m]."""
+    end, steep = start + 0.01, np.radians(80.0)
+    arcs = Arc(start, -corner, corner, steep, 0.0), Arc(end, -corner, corner, 0.0, -steep)
+    return profile_from_sections("blunt", "rail", (arcs[0], Line(start, 0.0, end, 0.0), arcs[1]))
+
+
+def test_the_felt_section_is_the_upper_envelope_where_branches_cross() -> None:
+    """The wing's outer corner moves outward: what is felt of it ahead and behind crosses with a notch between them."""
+    if not CROSSING.exists():
+        pytest.skip("the reference folder is not beside the project")
+    surface = crossing(-0.3, -0.1)
+    felt = rolled_rail(surface, RADIUS)
+    u = np.linspace(0.015, 0.034, 400)
+    for s in (-0.2434, -0.1604, -0.1438):
+        highest = np.full(u.size, -1.0)
+        for x in np.linspace(-0.04, 0.04, 801):
+            for piece in surface.pieces:
+                rows = piece.spline(s + x)
+                top = rows[rows[:, 1] > -5e-3]
+                drop = RADIUS - sqrt(RADIUS**2 - x**2)
+                highest = np.maximum(highest, np.interp(u, top[:, 0], top[:, 1], -1.0, -1.0) - drop)
+        rows = felt.section(s)
+        rows = rows[rows[:, 1] > -5e-3]
+        assert np.interp(u, rows[:, 0], rows[:, 1]) == pytest.approx(highest, abs=1e-5)
+
+
+@pytest.fixture(scope="module")
+def over_the_crossing() -> ContactModel:
+    if not CROSSING.exists():
+        pytest.skip("the reference folder is not beside the project")
+    surface = crossing(0.1, 0.33)
+    model = contact_model(
+        wheel_profile("S1002"), surface.sections[0].profile, normal="strips", tangential="fastrip", friction=0.3
+    )
+    return replace(model, rolled=rolled_rail(surface, RADIUS))
+
+
+def at_rest(model: ContactModel, lateral: float, load: float, place: float) -> tuple[Contact, float]:
+    """The contact of a wheel that rolls with that load, and how far it has sunk."""
+
+    def lowered(z: float) -> Contact:
+        return model.evaluate((0.0, lateral, RADIUS - z), velocity=(1.0, 0, 0), omega=(0, 1.0 / RADIUS, 0), place=place)
+
+    sunk = brentq(lambda z: lowered(z).force[2] - load, -2e-3, 2e-3, xtol=1e-9)
+    return lowered(sunk), sunk
+
+
+def test_the_load_passes_from_wing_to_nose_as_in_contact(over_the_crossing: ContactModel) -> None:
+    """CONTACT's numbers: shared reference, crossing_56e1/transfer_s239.csv."""
+    with (CROSSING / "transfer_s239.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["y_ws_mm"] in ("0.81", "0.89", "0.97", "1.05", "1.15")]
+    for lateral in dict.fromkeys(row["y_ws_mm"] for row in rows):
+        own = [row for row in rows if row["y_ws_mm"] == lateral]
+        contact, sunk = at_rest(over_the_crossing, 1e-3 * float(lateral), 1e4, 0.239)
+        assert 1e3 * sunk == pytest.approx(float(own[0]["z_ws_mm"]), abs=0.0005)
+        for row in own:
+            y = 1e-3 * float(row["y_tr_mm"]) - 0.75
+            patch = min(contact.patches, key=lambda p: abs(p["o"] - y))
+            place = 1e-3 * np.array([float(row["x_tr_mm"]), 0.0, -float(row["z_tr_mm"])])
+            assert hypot(patch["o"] - y, patch["x"] - place[0], patch["b"] - place[2]) < 3e-4
+            assert patch["N"] == pytest.approx(float(row["Fn_N"]), abs=100.0)
+            # of the nose, where it carries enough. The wing's patch lies slanted where its curvature changes
+            if patch["o"] > 0.0 or patch["N"] > 3e3:
+                off = 0.03 if patch["o"] < 0.0 else 0.07 if patch["N"] > 3e3 else 0.09
+                assert patch["p0"] == pytest.approx(1e6 * float(row["pmax_MPa"]), rel=off)
+
+
+@pytest.mark.parametrize(("normal", "share"), [("strips", 0.05), ("half-space", 0.015)])
+def test_the_wing_is_pressed_as_in_contact_where_sections_are_joined_as_there(normal: str, share: float) -> None:
+    """CONTACT's numbers: shared reference, crossing_56e1/transfer_s239.csv. What stands between sections 20 mm apart
+    differs by some um from one way of joining them to the other, and p0 by per cent."""
+    if not CROSSING.exists():
+        pytest.skip("the reference folder is not beside the project")
+    surface = in_equal_shares(0.17, 0.4)
+    choices = {"friction": 0.3, "tangential": "fastrip" if normal == "strips" else "half-space"}
+    model = on(surface, normal, wheel_profile("S1002"), **choices)
+    for lateral, z, wing, nose in (
+        (0.81, -0.2255, (1.007e4, 2125.0), None),
+        (0.97, -0.2473, (5297.0, 1746.0), (4808.0, 1924.0)),
+        (1.15, -0.294, None, (10130.0, 2433.0)),
+    ):
+        contact, sunk = at_rest(model, 1e-3 * lateral, 1e4, 0.239)
+        assert 1e3 * sunk == pytest.approx(z, abs=0.0005)
+        for side, expected in ((1.0, wing), (-1.0, nose)):
+            patches = [p for p in contact.patches if p["o"] * side > 0.0]
+            assert len(patches) == (expected is not None)
+            if expected is not None:
+                # 2 % of the load
+                assert patches[0]["N"] == pytest.approx(expected[0], abs=200.0)
+                assert patches[0]["p0"] == pytest.approx(1e6 * expected[1], rel=share)
+
+
+@pytest.mark.parametrize("lateral", [0.81e-3, 1.15e-3])
+def test_strips_on_wing_and_nose_are_near_the_exact_solver(over_the_crossing, lateral: float) -> None:
+    """At the same height, without creep forces; the exact solver has the surface itself, not what is felt of it."""
+    frictionless, exact = (
+        replace(
+            contact_model(over_the_crossing.wheel, over_the_crossing.rail, normal=normal, **PLAIN),
+            rolled=over_the_crossing.rolled,
+        )
+        for normal in ("strips", "half-space")
+    )
+    contact, sunk = at_rest(frictionless, lateral, 1e4, 0.239)
+    own = exact.evaluate((0.0, lateral, RADIUS - sunk), place=0.239)
+    assert len(own.patches) == len(contact.patches) == 1
+    one, other = contact.patches[0], own.patches[0]
+    assert abs(one["o"] - other["o"]) < 1e-4 and abs(one["x"] - other["x"]) < 1e-4
+    assert one["N"] == pytest.approx(other["N"], rel=0.015)
+    assert one["p0"] == pytest.approx(other["p0"], rel=0.03)
+
+
+def test_wing_and_nose_share_the_load_160_mm_behind_the_tip_as_in_contact(over_the_crossing: ContactModel) -> None:
+    """CONTACT's numbers: shared reference, crossing_56e1/README.md. 1 um sideways moves 150 N from one to the other."""
+    patches = at_rest(over_the_crossing, 3.52e-3, 1e4, 0.16)[0].patches
+    assert len(patches) == 2
+    for o, y, force, p0 in ((-1.0, 718.20, 4790.0, 1584e6), (1.0, 782.08, 6171.0, 635e6)):
+        patch = next(p for p in patches if p["o"] * o > 0.0)
+        assert 750.0 + 1e3 * patch["o"] == pytest.approx(y, abs=0.2)
+        assert patch["N"] == pytest.approx(force, abs=200.0)
+        assert patch["p0"] == pytest.approx(p0, rel=0.05)
+
+
+def through(exact: Profile, ends: list[float], apart: float) -> Profile:
+    """A profile through points of another, about ``apart`` from each other between the ends of its parts [m]."""
+    parts = [np.linspace(a, b, 1 + int((b - a) / apart - 1e-6), endpoint=False) for a, b in pairwise(ends)]
+    u, w = exact.at(np.append(np.concatenate(parts), ends[-1]))
+    return interpolated(Points("nose", u, w, np.arange(u.size)), "nose", "rail")
+
+
+def nose_of_contact() -> Profile:
+    """The section of its artificial nose as CONTACT has it: its file has points .2 mm apart, and its surface is cubic
+    between points .5 mm apart from feature to feature: the jump of curvature from 200 to 0 1/m is rounded."""
+    top, steep, flank = blunt(5e-3, 5e-3), np.radians(80.0), 0.03
+    along = flank * np.array([cos(steep), sin(steep)])
+    (u0, w0), (u1, w1) = (np.array(top.at(a)).ravel() for a in (0.0, top.length))
+    before, behind = Line(u0 - along[0], w0 - along[1], u0, w0), Line(u1, w1, u1 + along[0], w1 - along[1])
+    corners = Arc(5e-3, -5e-3, 5e-3, steep, 0.0), Arc(15e-3, -5e-3, 5e-3, 0.0, -steep)
+    parts = (before, corners[0], Line(5e-3, 0.0, 15e-3, 0.0), corners[1], behind)
+    exact = profile_from_sections("nose", "rail", parts)
+    edges = np.cumsum([0.0, flank, 5e-3 * steep, 0.01, 5e-3 * steep, flank])
+    filed = through(exact, edges.tolist(), 0.2e-3)
+    return through(filed, [0.0, 33.0541e-3, 50.9076e-3, filed.length], 0.5e-3)
+
+
+@pytest.mark.parametrize(("normal", "force", "p0"), [("strips", 0.05, 0.02), ("half-space", 0.01, 0.01)])
+def test_an_artificial_nose_is_touched_and_pressed_as_in_contact(normal: str, force: float, p0: float) -> None:
+    """S1002 on a nose that rises 1:10, where its corner of 5 mm meets the level top: 10 090 N, 2 478 MPa, approach
+    .03368 mm, 45.757 mm ahead of the axle (shared reference; section: test bank of CONTACT,
+    testbank/profiles/cross_nose)."""
+    places = np.linspace(-0.1, 0.1, 21)
+    model = on(lifted(nose_of_contact(), places, RISE * places), normal, wheel_profile("S1002"))
+    (patch,) = model.evaluate((0.0, 0.0, RADIUS + 2.1275e-3)).patches
+    assert patch["x"] == pytest.approx(45.757e-3, abs=5e-5)
+    # CONTACT tells the middle of the overlap, 5.127 mm, here it is the deepest point
+    assert patch["o"] == pytest.approx(5.127e-3, abs=3e-4)
+    assert patch["N"] == pytest.approx(10090.0, rel=force)
+    assert patch["p0"] == pytest.approx(2478e6, rel=p0)
+    assert patch["approach"] == pytest.approx(0.03368e-3, rel=0.025)
+
+
+@pytest.mark.parametrize(("normal", "share"), [("strips", 0.015), ("half-space", 0.01)])
+def test_an_artificial_wing_that_recedes_is_touched_and_pressed_as_in_contact(normal: str, share: float) -> None:
+    """S1002 100 mm along a wing that recedes 1:10, .6589 mm deep: 10 160 N, 29.231 mm outside, 2 589 MPa (shared
+    reference; section, a level top with corners of 10 mm: test bank of CONTACT, testbank/profiles/wing_rail)."""
+    top = blunt(0.02, 0.01)
+    wing = RailSurface("wing", tuple(RailSection(s, top.shifted(0.1 * s, 0.0)) for s in np.linspace(0.0, 0.2, 21)))
+    choices = {"tangential": "fastrip" if normal == "strips" else "half-space"}
+    model = on(wing, normal, wheel_profile("S1002"), friction=0.3, **choices)
+    rolling = {"velocity": (2.0, 0.0, 0.0), "omega": (0.0, 4.3481181, 0.0)}
+    contact = model.evaluate((0.0, 0.0, RADIUS - 0.6589e-3), place=0.1, **rolling)
+    assert contact.force[2] == pytest.approx(10160.0, rel=share)
+    (patch,) = contact.patches
+    assert patch["o"] == pytest.approx(29.231e-3, abs=2e-5)
+    assert patch["p0"] == pytest.approx(2589e6, rel=0.05)
