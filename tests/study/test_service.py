@@ -7,6 +7,7 @@ import json
 import shutil
 import tomllib
 from collections.abc import Sequence
+from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from support.runs import SCENARIOS
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.depths import smoothed_table
 from wrsim.results import write_atomically
+from wrsim.results.files import as_json
 from wrsim.results.ledger import digest_of
 from wrsim.results.sealed import write_sealed
 from wrsim.study.plan import PLAN, Plan
@@ -252,12 +254,39 @@ def test_a_case_without_a_result_stops_the_service(tmp_path: Path) -> None:
     assert not (folder_of(tmp_path / "out", 0) / STEP).exists()
 
 
+def test_steps_as_deep_as_told_are_taken(tmp_path: Path) -> None:
+    """What the error on sharp waves says is allowed is allowed."""
+    assert service_in(tmp_path, more="largest_depth_mm = 0.0126\nsmoothing_mm = 0.5\n").spec.smoothing_mm == 0.5
+    assert service_in(tmp_path, more="largest_depth_mm = 1\nsmoothing_mm = 4.5\n").spec.smoothing_mm == 4.5
+
+
+def test_a_service_ends_where_its_wheel_would_overlap_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Normals of a flange's tip meet 12 mm under it. No contact takes so much off there: losses are given here, those
+    of a first step that was done before and of the next one."""
+    service = service_in(tmp_path, more="largest_depth_mm = 1\n")
+    middles = 0.5 * (service.places[1:] + service.places[:-1])
+    tip = np.exp(-(((service.unworn.at(middles)[0] + 57e-3) / 2.5e-3) ** 2))
+    done = Step(0, 0.0, 20e3, 3e-7, 0.0, 0.0, tuple((6.6e-3 * tip).tolist()), service.digest)
+    write_atomically(folder_of(tmp_path, 0) / STEP, as_json(asdict(done)))
+    monkeypatch.setattr("wrsim.study.service.steps._lost", lambda service, plan: (1e-6 * tip, 0.0, 0.0))
+    monkeypatch.setattr("wrsim.study.service.steps.missing", lambda plan: [])
+    with pytest.raises(InputError) as caught:
+        list(steps_of(service, tmp_path, work))
+    assert "service.toml: step 1, from 20 to 2" in str(caught.value)
+    assert "the removed material makes the profile overlap itself at u = -5" in str(caught.value)
+    assert not (folder_of(tmp_path, 1) / STEP).exists()
+
+
 FAULTS = [
     ({"text": SERVICE.replace("mileage_km = 40", "mileage_km = 0")}, "mileage_km = 0"),
     ({"text": SERVICE.replace("S1002", "S1003")}, 'did you mean "wheels/S1002.toml"?'),
     ({"text": SERVICE.replace("base.toml", "none.toml")}, 'base = "none.toml"'),
     ({"more": 'law = "usdf"\n'}, 'did you mean "usfd"?'),
     ({"more": "largest_dept_mm = 0.1\n"}, "did you mean 'largest_depth_mm'?"),
+    (
+        {"more": "largest_depth_mm = 1\nsmoothing_mm = 0.5\n"},
+        "must be at most 0.0126 with them, or smoothing_mm at least",
+    ),
     ({"cases": CASES.replace("share", "part")}, 'needs a column "share"'),
     ({"cases": CASES.replace("even,0.5", "even,0.4")}, "all of them add up to 0.9; must be 1"),
     ({"cases": CASES.replace("left,0.5", "left,-0.5")}, "must be a number above 0, up to 1"),

@@ -17,7 +17,7 @@ from wrsim.geometry.profile.depths import bin_edges, depths_of
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.wear import DepthTable, worn
-from wrsim.inputs.checking import check, fault_line, opened
+from wrsim.inputs.checking import Locate, check, fault_line, opened
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.toml_files import noting_reads
 from wrsim.scenario.build import Setup, build
@@ -38,6 +38,8 @@ WHOLE = 1e-6
 """How far shares may be from adding up to one."""
 PLACE_STEP = 0.25e-3
 """Width of the bins on the unworn profile [m]."""
+SHARPEST = 1000.0
+"""Curvature that one step may leave at most [1/m]: a radius of 1 mm, as narrow as a patch."""
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,7 @@ def read_service(file: Path, models: Sequence[str | Path] = ()) -> tuple[Service
     with noting_reads() as seen:
         data, locate = opened(file, "service file")
         spec = check(ServiceFile, data, locate)
+        _check_bend(spec, locate)
         finder = Finder(tuple(dict.fromkeys((file.parent, *user_folders(tuple(models)), shipped_models()))))
 
         def found(key: str, name: str) -> Path:
@@ -157,6 +160,22 @@ def read_service(file: Path, models: Sequence[str | Path] = ()) -> tuple[Service
         digest=digest.hexdigest()[:32],
     )
     return service, tuple(seen)
+
+
+def _check_bend(spec: ServiceFile, locate: Locate) -> None:
+    """Refuse steps that dig waves too sharp for any contact: of smoothing_mm, between 0 and largest_depth_mm deep.
+
+    Such a wave bends by depth / 2 (2 pi / length)^2. Raises InputError.
+    """
+    most = 1e3 * SHARPEST * 2.0 * (1e-3 * spec.smoothing_mm / (2.0 * np.pi)) ** 2
+    if spec.largest_depth_mm > most:
+        enough = np.ceil(2e4 * np.pi * np.sqrt(0.5e-3 * spec.largest_depth_mm / SHARPEST)) / 10.0
+        message = (
+            f"one step could leave waves of smoothing_mm = {spec.smoothing_mm:g} that bend by more than "
+            f"{SHARPEST:g} 1/m; must be at most {np.floor(1e4 * most) / 1e4:g} with them, "
+            f"or smoothing_mm at least {enough:g}"
+        )
+        raise InputError(fault_line(("largest_depth_mm",), message, locate, spec.largest_depth_mm))
 
 
 def _weighted(points: Points) -> tuple[Points, tuple[float, ...]]:
