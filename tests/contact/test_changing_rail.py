@@ -14,7 +14,7 @@ from support.contacts import PLAIN, RADIUS, contact_model, numbers, rail_profile
 from support.crossings import lifted, on, turning
 from support.kernels import branches_that_cross
 
-from wrsim.contact.model import ContactModel
+from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model as model_of
 from wrsim.core.track.felt_rail import unfold
 from wrsim.errors import InputError
@@ -89,25 +89,31 @@ def test_a_rail_whose_section_moves_sideways_is_a_yawed_cylinder(normal: str, sh
     assert own["p0"] == pytest.approx(plain["p0"], rel=share)
 
 
-@pytest.mark.parametrize("yaw", [0.01, -0.01])
-def test_a_yawed_wheel_on_a_rising_rail_is_one_on_an_inclined_plane(yaw: float) -> None:
-    # its outline runs ahead of the axle by another way at every row, and each is as high as the rail is there
-    rise = 0.03
+@pytest.mark.parametrize(
+    ("rise", "yaw", "lateral", "share"),
+    [(0.03, 0.01, 3e-3, 0.025), (0.03, -0.01, 3e-3, 0.025), (0.01, 0.02, 8e-3, 0.045), (0.01, -0.02, 8e-3, 0.045)],
+)
+def test_a_yawed_wheel_on_a_rising_rail_is_one_on_an_inclined_plane(
+    rise: float, yaw: float, lateral: float, share: float
+) -> None:
+    # its outline runs ahead of the axle by another way at every row, and each is as high, and as steep across, as the
+    # rail is there; at the flange, 65 degrees steep, p0 is half as large again if its tangents do not follow
     rail, angle = rail_profile("60E1", 40), atan(rise)
     to_ramp = np.array([[cos(angle), 0.0, sin(angle)], [0.0, 1.0, 0.0], [-sin(angle), 0.0, cos(angle)]])
     plain = contact_model(wheel_profile("S1002"), rail, normal="strips", strips=20, **PLAIN)
     own = on(lifted(rail, EVEN, rise * EVEN), "strips", wheel_profile("S1002"), strips=20)
     axle = np.array([-sin(yaw), cos(yaw), 0.0])
 
-    def force(z: float) -> np.ndarray:
-        found = plain.evaluate(to_ramp @ (0.0, 3e-3, z), to_ramp @ axle)
-        return np.asarray(to_ramp.T @ found.force)
+    def found(z: float) -> Contact:
+        return plain.evaluate(to_ramp @ (0.0, lateral, z), to_ramp @ axle)
 
     z = RADIUS + 0.04
-    while force(z)[2] < 5e4:
+    while found(z).force[2] < 5e4:
         z -= 2e-5
+    force, other = to_ramp.T @ found(z).force, own.evaluate((0.0, lateral, z), axle)
     # what is left grows with the square of the rise: the section is felt with the radius of the tape circle
-    np.testing.assert_allclose(own.evaluate((0.0, 3e-3, z), axle).force, force(z), atol=0.025 * 5e4)
+    np.testing.assert_allclose(other.force, force, atol=share * np.linalg.norm(force))
+    assert other.patches["p0"].max() == pytest.approx(found(z).patches["p0"].max(), rel=share)
 
 
 def test_a_step_is_felt_before_and_behind_it() -> None:

@@ -89,14 +89,26 @@ def _value(rail, share, row, column):
 
 @inlined
 def _node(rail, share, row):
-    """A row as a point."""
-    return Point(
-        _value(rail, share, row, 0),
-        _value(rail, share, row, 1),
-        _value(rail, share, row, 2),
-        _value(rail, share, row, 3),
-        _value(rail, share, row, 4),
-    )
+    """A row as a point.
+
+    The next row is felt elsewhere by a yawed wheel, where the rail may be higher: the tangent goes along.
+    """
+    tu, tw, k = _value(rail, share, row, 2), _value(rail, share, row, 3), _value(rail, share, row, 4)
+    u, w = _value(rail, share, row, 0), _value(rail, share, row, 1)
+    if rail.yaw != 0.0:
+        bent = rail.radius * k / max(tu * tu, 1e-6) if abs(tw) < STEEPEST * tu else 0.0
+        farther = rail.yaw * (tu - bent)
+        tu += farther * (share.a * rail.rates[share.low + row, 0] + share.b * rail.rates[share.high + row, 0])
+        tw += farther * (share.a * rail.rates[share.low + row, 1] + share.b * rail.rates[share.high + row, 1])
+    return Point(u, w, tu, tw, k)
+
+
+@inlined
+def _bent(p, q, r, step):
+    """Curvature between two rows, linear, so that their tangents turn into each other [1/m]."""
+    turn = p.tu * q.tw - p.tw * q.tu
+    lengths = sqrt((p.tu * p.tu + p.tw * p.tw) * (q.tu * q.tu + q.tw * q.tw))
+    return turn / (lengths * step) + (r - 0.5) * (q.k - p.k)
 
 
 @inlined
@@ -134,7 +146,11 @@ def _at(rail, arc):
 @inlined
 def _point(rail, one, other, arc, x, i):
     """The point at x rows, behind row i."""
-    at = between(_node(rail, one, i), _node(rail, other, i + 1), x - i, rail.step)
+    p, q = _node(rail, one, i), _node(rail, other, i + 1)
+    at = between(p, q, x - i, rail.step)
+    if rail.yaw != 0.0:
+        inverse = 1.0 / sqrt(at.tu * at.tu + at.tw * at.tw)
+        at = Point(at.u, at.w, at.tu * inverse, at.tw * inverse, _bent(p, q, x - i, rail.step))
     beyond = arc - min(max(arc, 0.0), rail_length(rail))
     if beyond != 0.0:
         return Point(at.u + beyond * at.tu, at.w + beyond * at.tw, at.tu, at.tw, 0.0)
@@ -153,7 +169,7 @@ def rail_chord(rail, arc):
         p.w + r * (q.w - p.w),
         p.tu + r * (q.tu - p.tu),
         p.tw + r * (q.tw - p.tw),
-        p.k + r * (q.k - p.k),
+        _bent(p, q, r, rail.step) if rail.yaw != 0.0 else p.k + r * (q.k - p.k),
     )
 
 
