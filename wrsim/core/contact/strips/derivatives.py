@@ -6,8 +6,8 @@ from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     LEAST_DEPTH,
+    LEAST_FACTOR,
     THIRD,
-    at_bound,
     block_of,
     evenness,
     factor_of,
@@ -286,8 +286,8 @@ def _gather(system, n, held):
         for j in range(n, block):
             kept = grid.start_held if j == block - 2 else grid.end_held if j == block - 1 else 0
             if j < n + FACTORS:
-                # at its bound, and its equation asks for more (``residuals``)
-                kept = at_bound(system.vectors[X, base + j]) and system.vectors[F, base + j] == 0.0
+                # at its least value, and its equation asks for less (``residuals``)
+                kept = system.vectors[X, base + j] <= LEAST_FACTOR and system.vectors[F, base + j] == 0.0
             if not kept:
                 solved[size] = base + j
                 size += 1

@@ -33,7 +33,9 @@ LEAST_DEPTH = 1e-8  # for the longest half length [m]
 THIRD = -1.0, 3.0, -3.0, 1.0  # difference
 LESS = 0.1  # weight of an edge's misfit
 EVENNESS = 0.005  # weight with which neighbouring factors are kept alike
-LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0  # a factor at its bound stays there as long as its equation asks for more
+# At its least value a factor stays as long as its equation asks for less. Not so at its largest: there are roots with
+# half lengths far too short, which a run could slip into.
+LEAST_FACTOR, MOST_FACTOR = 0.3, 20.0
 WEAKENING = 0.8  # exponent, as in contact.half_space.zones
 
 
@@ -231,8 +233,7 @@ def residuals(system, n, held):
         if g > 0 and grids[g - 1].link > 0.0 and grids[g - 1].on:
             out[own] += grids[g - 1].link * (x[own] - x[own - block + FACTORS - 1])
         for f in range(FACTORS):
-            k = x[own + f]
-            if (k <= LEAST_FACTOR and out[own + f] > 0.0) or (k >= MOST_FACTOR and out[own + f] < 0.0):
+            if x[own + f] <= LEAST_FACTOR and out[own + f] > 0.0:
                 out[own + f] = 0.0
             largest = max(largest, abs(out[own + f]))
         for side in range(2):
@@ -264,12 +265,6 @@ def _calm(grid, places, squares, deepest, out):
 def joint(g, grid, n):
     """Unknown of the factor where a tail meets its hump."""
     return (g + grid.tail) * block_of(n) + n + (FACTORS - 1 if grid.tail < 0 else 0)
-
-
-@inlined
-def at_bound(factor):
-    """Whether a factor is as small or as large as it may be."""
-    return factor <= LEAST_FACTOR or factor >= MOST_FACTOR
 
 
 @inlined

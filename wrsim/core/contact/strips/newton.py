@@ -295,9 +295,9 @@ def _advance(system, n, held, share, calm):
             continue
         for f in range(base + n, base + n + FACTORS):
             k = x[f] + share * step[f]
-            bounded = min(max(k, LEAST_FACTOR), MOST_FACTOR)
-            changed = changed or k != bounded != x[f]
-            x[f] = bounded
+            changed = changed or k < LEAST_FACTOR < x[f]
+            x[f] = min(max(k, LEAST_FACTOR), MOST_FACTOR)
+            whole = whole and x[f] == k
         e = base + n + FACTORS
         x[e] += share * step[e]
         x[e + 1] += share * step[e + 1]
