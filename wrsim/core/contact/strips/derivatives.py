@@ -249,8 +249,8 @@ def _factor_and_edge_rows(system, n, g):
         if f < FACTORS - 1:
             m[r, r] += even
             m[r, r + 1] -= even
-    if grid.link > 0.0 and grids[g + 1].on:
-        one, other = own + FACTORS - 1, own + block
+    if grid.link > 0.0 and grids[grid.linked].on:
+        one, other = own + FACTORS - 1, grid.linked * block + n
         m[one, one] += grid.link
         m[one, other] -= grid.link
         m[other, other] += grid.link

@@ -228,10 +228,12 @@ def residuals(system, n, held):
         for f in range(FACTORS):
             before, after = x[own + max(f - 1, 0)], x[own + min(f + 1, FACTORS - 1)]
             out[own + f] += even * (2.0 * x[own + f] - before - after)
-        if grid.link > 0.0 and grids[g + 1].on:
-            out[own + FACTORS - 1] += grid.link * (x[own + FACTORS - 1] - x[own + block])
-        if g > 0 and grids[g - 1].link > 0.0 and grids[g - 1].on:
-            out[own] += grids[g - 1].link * (x[own] - x[own - block + FACTORS - 1])
+        if grid.link > 0.0 and grids[grid.linked].on:
+            last, first = own + FACTORS - 1, grid.linked * block + n
+            out[last] += grid.link * (x[last] - x[first])
+        for h in range(g):
+            if grids[h].linked == g and grids[h].link > 0.0 and grids[h].on:
+                out[own] += grids[h].link * (x[own] - x[h * block + n + FACTORS - 1])
         for f in range(FACTORS):
             if x[own + f] <= LEAST_FACTOR and out[own + f] > 0.0:
                 out[own + f] = 0.0

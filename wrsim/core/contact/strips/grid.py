@@ -261,3 +261,24 @@ def make_room(grids, k, end):
     for later in range(end, k, -1):
         own, before = grids[later], grids[later - 1]
         own.least, own.most, own.bond, own.tail = before.least, before.most, before.bond, before.tail
+
+
+class Neighbour(NamedTuple):
+    """The next hump of the same ground: its grid, -1 where there is none; least penetration over the concave hull
+    between both; how much of that counts, none across a tail that is wide."""
+
+    grid: int
+    bond: float
+    near: float
+
+
+@inlined
+def next_hump(grids, g, count):
+    """The hump beside a hump, tails between them or none."""
+    bond, near = grids[g].bond, 1.0
+    h = g + 1
+    while h < count and grids[h].tail != 0:
+        bond = max(bond, grids[h].bond)
+        near = min(near, 1.0 - grids[h].wide)
+        h += 1
+    return Neighbour(h if h < count and bond > 0.0 else -1, bond, near)

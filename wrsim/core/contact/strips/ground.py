@@ -14,7 +14,7 @@ from wrsim.core.contact.rail import changes
 from wrsim.core.contact.records import STATUS_PROFILE_END
 from wrsim.core.contact.search.lobes import room_beside
 from wrsim.core.contact.strips.equations import set_fading
-from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, make_room, next_corner
+from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, make_room, next_corner, next_hump
 from wrsim.core.contact.strips.records import ROWS
 from wrsim.core.contact.strips.shifts import rise, set_shifts
 from wrsim.core.contact.strips.tails import cut_tails
@@ -84,9 +84,14 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
         grid = system.grids[g]
         grid.link = 0.0
         memo.tails = 3 * memo.tails + grid.tail + 1
-        if g < memo.grids - 1 and grid.tail == 0 and system.grids[g + 1].tail == 0:
-            one, other = grid.deepest, system.grids[g + 1].deepest
-            grid.link = LINK * rise(grid.bond, LINKED) * rise(min(one, other) / max(one, other), ALIKE)
+        grid.linked = -1
+        if grid.tail != 0:
+            continue
+        beside = next_hump(system.grids, g, memo.grids)
+        if beside.grid > 0 and beside.near > 0.0:
+            one, other = grid.deepest, system.grids[beside.grid].deepest
+            grid.linked = beside.grid
+            grid.link = beside.near * LINK * rise(beside.bond, LINKED) * rise(min(one, other) / max(one, other), ALIKE)
     set_fading(system)
     set_shifts(system)
     return status

@@ -10,6 +10,7 @@ from math import pi, sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
+from wrsim.core.contact.strips.grid import next_hump
 from wrsim.core.contact.strips.records import FADING, ROWS
 
 LEVEL = 0.45  # of the depth: about where contact ends
@@ -226,12 +227,16 @@ def set_shifts(system):
     if matter == 0:
         return
     for g in range(memo.grids - 1):
-        share = rise(grids[g].bond, JOINED)
-        if share > 0.0 and grids[g].tail == 0 and grids[g + 1].tail == 0:
-            most = max(grids[g].deepest, grids[g + 1].deepest)
-            both = joined(hump_of(grids[g], system.rows[g], most), hump_of(grids[g + 1], system.rows[g + 1], most))
-            stretch, even, calm = _slant(both, max(grids[g].reach, grids[g + 1].reach))
-            for k in range(g, g + 2):
+        if grids[g].tail != 0:
+            continue
+        beside = next_hump(grids, g, memo.grids)
+        share = beside.near * rise(beside.bond, JOINED) if beside.grid > 0 else 0.0
+        if share > 0.0:
+            h = beside.grid
+            most = max(grids[g].deepest, grids[h].deepest)
+            both = joined(hump_of(grids[g], system.rows[g], most), hump_of(grids[h], system.rows[h], most))
+            stretch, even, calm = _slant(both, max(grids[g].reach, grids[h].reach))
+            for k in range(g, h + 1, h - g):
                 grid = grids[k]
                 grid.evenness += share * (even - grid.evenness)
                 grid.calm += share * (calm - grid.calm)

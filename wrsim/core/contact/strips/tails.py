@@ -28,7 +28,9 @@ SAG = 0.85, 0.97  # least d beyond over its concave hull: all of a tail, and non
 SHOULDER = 0.6, 0.75  # d at a corner of the hull over that of the hump: none of a shoulder, which is no tail, and all
 LONG = 0.48, 0.6  # the same for the squares of the half lengths of both overlaps, 2 R_x d: strips as long are no tail
 LOW = 0.3, 0.45  # of the depth of a hump: ground that lies lower is not touched, so none of it is a tail, and all
-FEWEST = 3  # rows of a tail
+FEWEST = 3  # rows of a tail at the end of the ground, where nothing touches
+LEAST, WIDE = 0.25, 4.0  # rows of a tail between humps that counts at all, and as a whole
+TOP = 0.6, 0.9  # of the depth of a hump: where all and nothing of the locus' way back to the line counts
 
 
 class Line(NamedTuple):
@@ -53,10 +55,11 @@ def cut_tails(system, wheel, rail, first, parts, most):
         for r in range(start, end + 1):
             main = r if rows[r].d > rows[main].d else main
         line = _line_of(rows, start, end, main)
+        bounds = (grids[k].least - least) / h, (grids[k].most - least) / h
         for side in range(2):
             if parts == most:
                 break
-            at, reach = _find_tail(wheel, rail, rows, main, start if side == 0 else end, line)
+            at, reach = _find_tail(wheel, rail, rows, main, bounds[side], 2 * side - 1, line)
             if at < 0.0:
                 continue
             make_room(grids, k, first + parts)
@@ -67,6 +70,7 @@ def cut_tails(system, wheel, rail, first, parts, most):
             grids[hump].tail, grids[tail].tail = 0, hump - tail
             grids[tail].line_s, grids[tail].line_x = line.s, line.x
             grids[tail].line_slope, grids[tail].line_reach = line.slope, reach
+            grids[tail].wide = rise((grids[tail].most - grids[tail].least) / h, (0.0, WIDE))
             k += 1
         k += 1
     return parts
@@ -96,30 +100,62 @@ def _line_of(rows, start, end, main):
     return Line(s_mean, x_mean, sx / max(ss, 1e-30), sqrt(2.0 * max(rows[main].d, 0.0) * rows[main].r_t))
 
 
+class Leaving(NamedTuple):
+    """Where the locus leaves the line of a hump: the row before, -1 where it does not; how far it has come off up to
+    there, and its distance then; whether it goes away from the line in this row (1.0) or comes back, counted (-1.0 to
+    1.0); penetration there, about [m]."""
+
+    row: int
+    way: float
+    off: float
+    turn: float
+    d: float
+
+
 @kernel
-def _find_tail(wheel, rail, rows, main, end, line):
+def _find_tail(wheel, rail, rows, main, bound, step, line):
     """Where the tail of a hump begins on the way to the end of its ground, in rows, and how far off the line that is
-    [m]; rows are -1.0 where there is none. The less the ground is a tail, the farther off the line it begins."""
+    [m]; rows are -1.0 where there is none. The less the ground is a tail, the farther off the line it begins.
+
+    bound: the end of the ground, in rows; step: on the way to it.
+    """
     reach = BENT * line.half_length
-    r = _leaves(rows, main, end, line, reach)
-    if r >= 0:
-        reach /= max((1.0 - rise(_sag(rows, main, end), SAG)) * rise(rows[r].d / rows[main].d, LOW), 1e-6)
-        r = _leaves(rows, main, end, line, reach)
-    if r < 0:
+    end = int(bound + 0.001) if step > 0 else int(bound + 0.999)
+    outer = end <= 0 or end >= ROWS - 1
+    last = end - FEWEST * step if outer else end + step
+    found = _leaves(rows, main, last, step, line, reach)
+    if found.row >= 0:
+        reach /= max((1.0 - rise(_sag(rows, main, end), SAG)) * rise(found.d / rows[main].d, LOW), 1e-6)
+        found = _leaves(rows, main, last, step, line, reach)
+    if found.row < 0:
         return -1.0, reach
-    step = 1 if end > main else -1
-    return r + step * _crossing(wheel, rail, rows[r], rows[r + step], line, reach), reach
+    r = found.row
+    at = r + step * _crossing(wheel, rail, rows[r], rows[r + step], line, reach, found)
+    if not outer and (bound - at) * step < LEAST:
+        return -1.0, reach
+    return at, reach
 
 
 @kernel
-def _leaves(rows, main, end, line, reach):
-    """The last row on the way from a hump to the end of its ground that is not so far off the line; -1 where there is
-    none with a tail beyond."""
-    step = 1 if end > main else -1
-    for r in range(main, end - FEWEST * step, step):
-        if _off(line, rows[r + step].s, rows[r + step].x) > reach:
-            return r
-    return -1
+def _leaves(rows, main, end, step, line, reach):
+    """Where on the way from a hump to row ``end`` the locus comes so far off the line.
+
+    Where it comes back again the way back counts as well, so that this place goes on without a jump as the reach grows;
+    on top of the hump it does not.
+    """
+    way = off = _off(line, rows[main].s, rows[main].x)
+    for r in range(main, end, step):
+        one, other = rows[r], rows[r + step]
+        beyond = _off(line, other.s, other.x)
+        turn = 1.0
+        if beyond < off:
+            turn = 1.0 - 2.0 * (1.0 - rise(other.d / rows[main].d, TOP))
+        more = turn * (beyond - off)
+        if way + more > reach:
+            share = (reach - way) / more
+            return Leaving(r, way, off, turn, one.d + share * (other.d - one.d))
+        way, off = way + more, beyond
+    return Leaving(-1, way, off, 1.0, 0.0)
 
 
 @kernel
@@ -145,18 +181,20 @@ def _sag(rows, main, end):
 
 
 @kernel
-def _crossing(wheel, rail, one, other, line, reach):
+def _crossing(wheel, rail, one, other, line, reach, found):
     """Share of the way from one row to the next at which the locus is so far off the line."""
-    bracket = Bracket(0.0, reach - _off(line, one.s, one.x), 1.0, reach - _off(line, other.s, other.x), 0)
+    left = reach - found.way + found.turn * found.off
+    bracket = Bracket(0.0, reach - found.way, 1.0, left - found.turn * _off(line, other.s, other.x), 0)
     share = 1.0
     for _ in range(8):
         share = crossing(bracket)
         s, arc = one.s + share * (other.s - one.s), one.arc + share * (other.arc - one.arc)
         at = opposite(wheel, rail, arc, s)
-        left = reach - _off(line, s, opposite(wheel, rail, arc - at.ahead * at.shrink, s).x)
-        if abs(left) < 1e-6 * reach:
+        off = _off(line, s, opposite(wheel, rail, arc - at.ahead * at.shrink, s).x)
+        missing = left - found.turn * off
+        if abs(missing) < 1e-6 * reach:
             break
-        bracket = narrowed(bracket, share, left)
+        bracket = narrowed(bracket, share, missing)
     return share
 
 
@@ -173,4 +211,6 @@ def bending(grid, place):
     a^2."""
     off = abs(place.x - grid.line_x - grid.line_slope * (place.s - grid.line_s)) / grid.line_reach
     short = (SHORT * grid.line_reach) ** 2 / max(place.y, 1e-30)
-    return (1.0 - rise(off, (1.0, FADED))) / (1.0 + short), short / (1.0 + short)
+    counts = (1.0 - rise(off, (1.0, FADED))) / (1.0 + short)
+    bent = 1.0 - grid.wide * (1.0 - counts)
+    return bent, grid.wide * counts / max(bent, 1e-30) * short / (1.0 + short)
