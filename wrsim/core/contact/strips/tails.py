@@ -29,7 +29,7 @@ SHOULDER = 0.6, 0.75  # d at a corner of the hull over that of the hump: none of
 LONG = 0.48, 0.6  # the same for the squares of the half lengths of both overlaps, 2 R_x d: strips as long are no tail
 LOW = 0.3, 0.45  # of the depth of a hump: ground that lies lower is not touched, so none of it is a tail, and all
 FEWEST = 3  # rows of a tail at the end of the ground, where nothing touches
-LEAST, WIDE = 0.25, 4.0  # rows of a tail between humps that counts at all, and as a whole
+LEAST, WIDE = 0.25, 8.0  # rows of a tail between humps that counts at all, and as a whole
 TOP = 0.6, 0.9  # of the depth of a hump: where all and nothing of the locus' way back to the line counts
 
 
