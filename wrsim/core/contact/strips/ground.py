@@ -116,11 +116,13 @@ def _part(system, wheel, rail, first, most, room):
     least, h, deepest = whole.least, whole.spacing, whole.deepest
     parts = 1
     k = first
+    grids[k].waist = 1.0
     while k < first + parts and parts < most:
         start = int((grids[k].least - least) / h + 0.999)
         end = min(int((grids[k].most - least) / h + 0.001), ROWS - 1)
         at, bond = _find_waist(rows, start, end, deepest)
         if bond >= MERGED:
+            grids[k].waist = bond
             k += 1
             continue
         make_room(grids, k, first + parts)

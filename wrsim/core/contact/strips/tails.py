@@ -125,7 +125,7 @@ def _find_tail(wheel, rail, rows, main, bound, step, line):
     last = end - FEWEST * step if outer else end + step
     found = _leaves(rows, main, last, step, line, reach)
     if found.row >= 0:
-        reach /= max((1.0 - rise(_sag(rows, main, end), SAG)) * rise(found.d / rows[main].d, LOW), 1e-6)
+        reach /= max((1.0 - rise(_sag(rows, main, bound, step), SAG)) * rise(found.d / rows[main].d, LOW), 1e-6)
         found = _leaves(rows, main, last, step, line, reach)
     if found.row < 0:
         return -1.0, reach
@@ -159,21 +159,25 @@ def _leaves(rows, main, end, step, line, reach):
 
 
 @kernel
-def _sag(rows, main, end):
+def _sag(rows, main, bound, step):
     """Least penetration over its concave hull beyond a hump, where the hull has no corner that is a shoulder.
 
-    The hull is that of all the ground, whichever grids it is parted into; ``end``: where the grid of the hump ends.
+    The hull is that of all the ground, whichever grids it is parted into; ``bound``: where the grid of the hump ends,
+    in rows.
     """
-    step = 1 if end > main else -1
-    far = ROWS - 1 if end > main else 0
+    far = ROWS - 1 if step > 0 else 0
+    end = int(bound + 0.001) if step > 0 else int(bound + 0.999)
+    next_row = min(max(end + step, 0), ROWS - 1)
+    bound_d = rows[end].d + abs(bound - end) * (rows[next_row].d - rows[end].d)
     least = 1.0
     p = main
     while (end - p) * step > 0:
         q, steep = next_corner(rows, p, far, step)
         beyond = (q - end) * step > 0
-        corner = end if beyond and rows[end].d < rows[q].d else q
-        depth = rows[corner].d / rows[main].d
-        counts = 1.0 - max(rise(depth, SHOULDER), rise(depth * rows[corner].r_t / rows[main].r_t, LONG))
+        # up to where the grid ends: between two rows, so that nothing jumps when that place comes past one
+        d, r_t = (bound_d, rows[end].r_t) if beyond and bound_d < rows[q].d else (rows[q].d, rows[q].r_t)
+        depth = d / rows[main].d
+        counts = 1.0 - max(rise(depth, SHOULDER), rise(depth * r_t / rows[main].r_t, LONG))
         for r in range(p + step, end + step if beyond else q, step):
             least = min(least, 1.0 - counts * (1.0 - rows[r].d / (rows[p].d + steep * abs(r - p))))
         p = q
