@@ -261,7 +261,7 @@ def make_room(grids, k, end):
     for later in range(end, k, -1):
         own, before = grids[later], grids[later - 1]
         own.least, own.most, own.bond, own.tail = before.least, before.most, before.bond, before.tail
-        own.waist = before.waist
+        own.soft, own.waist = before.soft, before.waist
 
 
 class Neighbour(NamedTuple):

@@ -23,6 +23,9 @@ GATHERED = 0.5  # saddle over the depth of the shallower lobe from which on thei
 MERGED = 0.9  # least d over the concave hull where equal humps share a grid
 LESS = 0.1  # by which it is less where the lower of two humps is far lower: it takes more to touch apart
 HUMP = 0.05  # of the deepest penetration: lower ground does not touch
+SOFT = 0.9, 1.0  # the same where humps share a grid: its factors are held as loosely as those of two, and as usual
+NOTABLE = 0.05, 0.3  # depth of the lower one over the deepest at which that does not count, and counts
+BESIDE = 0.0, 4.0  # rows of the lower one that are no tail, the same
 LINK = 0.05  # weight that holds the factors of neighbouring grids together
 LINKED = 0.5, 0.9  # d over the hull at which none and all of it counts
 ALIKE = 0.5, 0.8  # the same for the shallower depth over the other: a grid that leaves holds nothing
@@ -116,13 +119,15 @@ def _part(system, wheel, rail, first, most, room):
     least, h, deepest = whole.least, whole.spacing, whole.deepest
     parts = 1
     k = first
-    grids[k].waist = 1.0
+    grids[k].soft = 0.0
     while k < first + parts and parts < most:
         start = int((grids[k].least - least) / h + 0.999)
         end = min(int((grids[k].most - least) / h + 0.001), ROWS - 1)
-        at, bond = _find_waist(rows, start, end, deepest)
+        at, bond, lower = _find_waist(rows, start, end, deepest)
+        grids[k].soft = 0.0
         if bond >= MERGED:
-            grids[k].waist = bond
+            grids[k].soft = (1.0 - rise(bond, SOFT)) * rise(lower, NOTABLE)
+            grids[k].waist = least + h * at
             k += 1
             continue
         make_room(grids, k, first + parts)
@@ -131,6 +136,10 @@ def _part(system, wheel, rail, first, most, room):
         parts += 1
     if most > 1 and not changes(rail):
         parts = cut_tails(system, wheel, rail, first, parts, room)
+    for k in range(first, first + parts if parts > 1 else first):
+        # none of that where the waist lies in a tail
+        grid = grids[k]
+        grid.soft *= rise(min(grid.waist - grid.least, grid.most - grid.waist) / h, BESIDE)
     if parts > 1:
         for k in range(first, first + parts):
             middle = min(max(int((0.5 * (grids[k].least + grids[k].most) - least) / h + 0.5), 0), ROWS - 1)
@@ -141,10 +150,10 @@ def _part(system, wheel, rail, first, most, room):
 @kernel
 def _find_waist(rows, first, last, deepest):
     """Between two rows: where the penetration over its concave hull is least between two humps, in rows, and how much
-    it is; 1.0 where there are no two humps."""
-    least, at = 1.0, 0.0
+    it is, 1.0 where there are no two humps; the depth of the lower one over the deepest."""
+    least, at, lower = 1.0, 0.0, 0.0
     if not _may_have_two(rows, first, last, HUMP * deepest):
-        return at, least
+        return at, least, lower
     p = first
     while p < last:
         q, steep = next_corner(rows, p, last, 1)
@@ -157,9 +166,9 @@ def _find_waist(rows, first, last, deepest):
                     after = rows[r + 1].d / (rows[p].d + steep * (r + 1 - p)) + more
                     bend = before + after - 2.0 * ratio
                     at = r + min(max(0.5 * (before - after) / bend, -0.5), 0.5) if bend > 0.0 else float(r)
-                    least = ratio
+                    least, lower = ratio, min(rows[p].d, rows[q].d) / deepest
         p = q
-    return at, least
+    return at, least, lower
 
 
 @inlined

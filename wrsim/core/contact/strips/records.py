@@ -32,7 +32,7 @@ over both edges; how much of what it does to the curvature counts, and the slope
 
 GRID = record(
     "start end least most deepest spacing x reach arc place along stretch pivot evenness calm bond link chain "
-    "line_s line_x line_slope line_reach wide waist",
+    "line_s line_x line_slope line_reach wide soft waist",
     "on start_held end_held first last tail reaches pressing beyond linked",
 )
 """A grid: edges of its contact, their bounds, largest penetration, spacing of its rows; shift and half length along x;
