@@ -26,12 +26,16 @@ def jumps(pair, yaw, load, span, most=15, **choices):
         stand.evaluate(y, float(path(y)), yaw, 0.0)
         return stand.force / load
 
-    ys = np.arange(knots[0], knots[-1], STEP)
-    change = np.abs(np.diff([force(y) for y in ys], axis=0)).max(axis=1)
+    return steepest(force, np.arange(knots[0], knots[-1], STEP), most)
+
+
+def steepest(force, xs, most):
+    """(place, change) of a function of one number at its steepest places, halved until a jump is left."""
+    change = np.abs(np.diff([force(x) for x in xs], axis=0)).max(axis=1)
     usual = np.array([np.median(change[max(0, i - 4) : i + 5]) for i in range(len(change))])
     rows = []
     for i in np.argsort(usual - change)[:most]:
-        left, right = ys[i], ys[i + 1]
+        left, right = xs[i], xs[i + 1]
         at_left, at_right = force(left), force(right)
         for _ in range(HALVINGS):
             middle = 0.5 * (left + right)

@@ -35,6 +35,7 @@ PLAIN = {"tangential": "none", "damping": 0.0}  # the normal problem alone
 PAIRS = {
     "S1002/60E1 1:40": ("S1002", "60E1", 40),
     "S1002/60E1 1:20": ("S1002", "60E1", 20),
+    "S1002/54E1 1:20": ("S1002", "54E1", 20),
     "worn/60E1 1:40": ("worn", "60E1", 40),
     "worn/worn 1:40": ("worn", "worn", 40),
 }
