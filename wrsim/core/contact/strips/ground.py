@@ -67,7 +67,7 @@ def set_grids(system, found, wheel, rail, pose, count, parted):
         lay_rows(wheel, rail, grid, system.rows[first])
         room = system.grids.size - first - (count - 1 - last)
         grid.tail = 0
-        memo.grids += _part(system, wheel, rail, first, min(last - i + 2, room) if parted else 1, room)
+        memo.grids += _part(system, rail, first, min(last - i + 2, room) if parted else 1, room)
         memo.parted = max(memo.parted, int(memo.grids > first + 1))
         for g in range(first, memo.grids):
             grid, rows = system.grids[g], system.rows[g]
@@ -110,7 +110,7 @@ def _set_main_place(grid, rows):
 
 
 @kernel
-def _part(system, wheel, rail, first, most, room):
+def _part(system, rail, first, most, room):
     """Part the ground of a grid where it lies low between two humps, into ``most`` parts or fewer, and where tails
     begin; bounds, a pair of opposite points and bonds to ``grids`` from it on. Returns the number of parts, ``room`` or
     fewer."""
@@ -135,7 +135,7 @@ def _part(system, wheel, rail, first, most, room):
         grids[k].bond = bond
         parts += 1
     if most > 1 and not changes(rail):
-        parts = cut_tails(system, wheel, rail, first, parts, room)
+        parts = cut_tails(system, first, parts, room)
     for k in range(first, first + parts if parts > 1 else first):
         # none of that where the waist lies in a tail
         grid = grids[k]

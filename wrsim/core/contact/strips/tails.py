@@ -15,10 +15,9 @@ from math import sqrt
 from typing import NamedTuple
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.strips.grid import make_room, next_corner, opposite
+from wrsim.core.contact.strips.grid import make_room, next_corner
 from wrsim.core.contact.strips.records import ROWS
 from wrsim.core.contact.strips.shifts import rise
-from wrsim.core.root import Bracket, crossing, narrowed
 
 BENT = 0.05  # of the half length of the overlap: how far the locus leaves the line of its hump where a tail begins
 FADED = 3.0  # times that: where the curvature that a tail makes no longer counts
@@ -28,8 +27,7 @@ SAG = 0.85, 0.97  # least d beyond over its concave hull: all of a tail, and non
 SHOULDER = 0.6, 0.75  # d at a corner of the hull over that of the hump: none of a shoulder, which is no tail, and all
 LONG = 0.48, 0.6  # the same for the squares of the half lengths of both overlaps, 2 R_x d: strips as long are no tail
 LOW = 0.3, 0.45  # of the depth of a hump: ground that lies lower is not touched, so none of it is a tail, and all
-FEWEST = 3  # rows of a tail at the end of the ground, where nothing touches
-LEAST, WIDE = 0.25, 8.0  # rows of a tail between humps that counts at all, and as a whole
+LEAST, WIDE = 0.25, 8.0  # rows of a tail that counts at all, and as a whole
 TOP = 0.6, 0.9  # of the depth of a hump: where all and nothing of the locus' way back to the line counts
 
 
@@ -43,7 +41,7 @@ class Line(NamedTuple):
 
 
 @kernel
-def cut_tails(system, wheel, rail, first, parts, most):
+def cut_tails(system, first, parts, most):
     """Cut the tails off the ground of the grids from ``first`` on. Returns the number of grids, ``most`` or fewer."""
     grids, rows = system.grids, system.rows[first]
     least, h = grids[first].least, grids[first].spacing
@@ -59,7 +57,7 @@ def cut_tails(system, wheel, rail, first, parts, most):
         for side in range(2):
             if parts == most:
                 break
-            at, reach = _find_tail(wheel, rail, rows, main, bounds[side], 2 * side - 1, line)
+            at, reach = _find_tail(rows, main, bounds[side], 2 * side - 1, line)
             if at < 0.0:
                 continue
             make_room(grids, k, first + parts)
@@ -101,61 +99,50 @@ def _line_of(rows, start, end, main):
 
 
 class Leaving(NamedTuple):
-    """Where the locus leaves the line of a hump: the row before, -1 where it does not; how far it has come off up to
-    there, and its distance then; whether it goes away from the line in this row (1.0) or comes back, counted (-1.0 to
-    1.0); penetration there, about [m]."""
+    """Where the locus leaves the line of a hump, in rows, -1.0 where it does not, and the penetration there [m]."""
 
-    row: int
-    way: float
-    off: float
-    turn: float
+    at: float
     d: float
 
 
 @kernel
-def _find_tail(wheel, rail, rows, main, bound, step, line):
+def _find_tail(rows, main, bound, step, line):
     """Where the tail of a hump begins on the way to the end of its ground, in rows, and how far off the line that is
     [m]; rows are -1.0 where there is none. The less the ground is a tail, the farther off the line it begins.
 
     bound: the end of the ground, in rows; step: on the way to it.
     """
     reach = BENT * line.half_length
-    end = int(bound + 0.001) if step > 0 else int(bound + 0.999)
-    outer = end <= 0 or end >= ROWS - 1
-    last = end - FEWEST * step if outer else end + step
-    found = _leaves(rows, main, last, step, line, reach)
-    if found.row >= 0:
+    found = _leaves(rows, main, bound, step, line, reach)
+    if found.at >= 0.0:
         reach /= max((1.0 - rise(_sag(rows, main, bound, step), SAG)) * rise(found.d / rows[main].d, LOW), 1e-6)
-        found = _leaves(rows, main, last, step, line, reach)
-    if found.row < 0:
+        found = _leaves(rows, main, bound, step, line, reach)
+    if found.at < 0.0 or (bound - found.at) * step < LEAST:
         return -1.0, reach
-    r = found.row
-    at = r + step * _crossing(wheel, rail, rows[r], rows[r + step], line, reach, found)
-    if not outer and (bound - at) * step < LEAST:
-        return -1.0, reach
-    return at, reach
+    return found.at, reach
 
 
 @kernel
-def _leaves(rows, main, end, step, line, reach):
-    """Where on the way from a hump to row ``end`` the locus comes so far off the line.
+def _leaves(rows, main, bound, step, line, reach):
+    """Where on the way from a hump to the end of its ground the locus comes so far off the line.
 
     Where it comes back again the way back counts as well, so that this place goes on without a jump as the reach grows;
     on top of the hump it does not.
     """
     way = off = _off(line, rows[main].s, rows[main].x)
-    for r in range(main, end, step):
+    r = main
+    while (bound - r) * step > 0.0 and 0 <= r + step < ROWS:
         one, other = rows[r], rows[r + step]
         beyond = _off(line, other.s, other.x)
-        turn = 1.0
-        if beyond < off:
-            turn = 1.0 - 2.0 * (1.0 - rise(other.d / rows[main].d, TOP))
-        more = turn * (beyond - off)
+        more = beyond - off
+        if more < 0.0:
+            more *= 2.0 * rise(other.d / rows[main].d, TOP) - 1.0
         if way + more > reach:
             share = (reach - way) / more
-            return Leaving(r, way, off, turn, one.d + share * (other.d - one.d))
+            return Leaving(r + step * share, one.d + share * (other.d - one.d))
         way, off = way + more, beyond
-    return Leaving(-1, way, off, 1.0, 0.0)
+        r += step
+    return Leaving(-1.0, 0.0)
 
 
 @kernel
@@ -182,24 +169,6 @@ def _sag(rows, main, bound, step):
             least = min(least, 1.0 - counts * (1.0 - rows[r].d / (rows[p].d + steep * abs(r - p))))
         p = q
     return least
-
-
-@kernel
-def _crossing(wheel, rail, one, other, line, reach, found):
-    """Share of the way from one row to the next at which the locus is so far off the line."""
-    left = reach - found.way + found.turn * found.off
-    bracket = Bracket(0.0, reach - found.way, 1.0, left - found.turn * _off(line, other.s, other.x), 0)
-    share = 1.0
-    for _ in range(8):
-        share = crossing(bracket)
-        s, arc = one.s + share * (other.s - one.s), one.arc + share * (other.arc - one.arc)
-        at = opposite(wheel, rail, arc, s)
-        off = _off(line, s, opposite(wheel, rail, arc - at.ahead * at.shrink, s).x)
-        missing = left - found.turn * off
-        if abs(missing) < 1e-6 * reach:
-            break
-        bracket = narrowed(bracket, share, missing)
-    return share
 
 
 @inlined
