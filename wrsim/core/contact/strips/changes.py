@@ -117,7 +117,8 @@ def enter(system, n, held):
         for side in range(2):
             goes_on = _goes_on(system, n, g, side)
             if grid.start_held if side == 0 else grid.end_held:
-                if not goes_on and edge_wish(places, g * n, n, side) < 0.0:
+                free = not goes_on or has_tail(system.grids[: memo.grids], g, side)
+                if free and edge_wish(places, g * n, n, side) < 0.0:
                     if side == 0:
                         grid.start_held = 0
                     else:
