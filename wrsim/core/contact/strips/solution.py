@@ -9,7 +9,7 @@ the same rows is what is left if there is none."""
 
 from math import inf
 
-from wrsim.core.compiling import kernel
+from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, lay_tail, leave, move_edges
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
@@ -37,6 +37,7 @@ FEWER = (0, 2, 3, 5)  # strips than asked for: edges on a shoulder may have no p
 LEVELS = (0.42, 0.15)  # of a grid's depth: where first guesses begin
 ROUGH_LEVEL = LEVELS[1]
 ROUNDS = 8  # of half lengths, edges and factors in turn
+ENTRIES = 3  # times that this begins anew because grids have come into contact
 CALM_EDGES, CALM_FACTORS = 0.5, 0.15  # moves in a round, in widths of strips and over themselves, that end the turns
 PUSH, FAR = 0.6, 6.0  # ratio of a^2 of the outer strips from which on an edge is moved far out, in mean widths
 OVERLAP, MOST_OVER = 1e-3, 2.0  # penetration [m]; a^2 asked for over the largest that it has room for
@@ -148,6 +149,31 @@ def _afresh(system, n, level, whole, held):
     for g in range(memo.grids):
         if system.grids[g].tail == 0 and system.grids[g].deepest >= SURELY * memo.deepest:
             _guess(system, n, g, level)
+    for _ in range(ENTRIES):
+        before = _grids_on(system)
+        _take_turns(system, n, held)
+        fairly = descend(system, n, True, FAIRLY, HELD_STEPS)
+        if _grids_on(system) <= before:
+            break
+        # edges and factors of those that have come are first guesses, too
+    if not whole:
+        return fairly
+    return descend(system, n, False, NEAR, COLD_STEPS) and newton(system, n, TOLERANCE, WARM_STEPS)
+
+
+@inlined
+def _grids_on(system):
+    """How many grids are in contact."""
+    count = 0
+    for g in range(system.memo[0].grids):
+        count += system.grids[g].on
+    return count
+
+
+@kernel
+def _take_turns(system, n, held):
+    """Half lengths, edges and factors in turns, until they are calm; held: tolerance of the half lengths."""
+    memo = system.memo[0]
     for turn in range(ROUNDS):
         descend(system, n, True, held, HELD_STEPS)
         moved = 0.0
@@ -165,10 +191,6 @@ def _afresh(system, n, level, whole, held):
                 system.vectors[X, own : own + FACTORS] = system.vectors[X, joint(g, grid, n)]
         if turn > 0 and moved < CALM_EDGES and changed < CALM_FACTORS:
             break
-    held = descend(system, n, True, FAIRLY, HELD_STEPS)
-    if not whole:
-        return held
-    return descend(system, n, False, NEAR, COLD_STEPS) and newton(system, n, TOLERANCE, WARM_STEPS)
 
 
 @kernel
