@@ -111,7 +111,7 @@ def largest_jump(bench: PoseSolver, path: Path, start: float, end: float, step: 
 
 def sweeps(both: Stand, chosen: argparse.Namespace) -> Iterator[tuple[str, Any]]:
     """All sweeps of a pair: in words, path with its ends."""
-    shifts, yaws = np.arange(-10e-3, 10e-3 + 1e-9, 2.5e-4), np.arange(-12e-3, 12e-3 + 1e-9, 5e-4)
+    shifts, yaws = np.arange(-10e-3, 10e-3 + 1e-9, 2.5e-4), np.arange(-20e-3, 20e-3 + 1e-9, 5e-4)
     for load in chosen.load:
         for yaw in chosen.yaw if "shift" in chosen.over else ():
             yield (
