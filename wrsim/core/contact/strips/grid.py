@@ -20,7 +20,7 @@ from wrsim.core.root import Bracket, crossing, narrowed
 
 LEVEL = 0.1  # of a lobe's depth: rows reach so far
 FLOOR = 0.3  # share of even density
-LEAST_SHARE = 0.3  # of the penetration at its joint up to which the strips of a tail are the denser the deeper it lies
+LEAST_SHARE = 0.2  # of the penetration at its joint up to which the strips of a tail are the denser the deeper it lies
 NEAR = 0.01  # of the rows' distance: how far ahead a point may be for the shift along the rail to be read there
 LEAST_FACING = 2.5e-3  # square of the sine between axle and normal, held above
 
@@ -173,7 +173,7 @@ def grade_rows(grid, rows, axle):
             near += rows[min(max(r + q, 0), ROWS - 1)].xi
         row.density = 0.2 * near + floor
         if grid.tail != 0:
-            row.density *= max(row.d / rows[0 if grid.tail < 0 else ROWS - 1].d, LEAST_SHARE) ** 2
+            row.density *= max(row.d / rows[0 if grid.tail < 0 else ROWS - 1].d, LEAST_SHARE)
         lean = row.no * axle.y + row.nb * axle.z
         reach = skew * skew * 2.0 * row.r_t * max(row.d, 0.0) / max(1.0 - lean * lean, LEAST_FACING)
         if reach <= 1.0:

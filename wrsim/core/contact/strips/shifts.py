@@ -20,8 +20,8 @@ FAINT = 3e-3  # spread of the shifts, over the half length, below which they do 
 STIFFER = 25.0  # growth of that weight with the spread of the shifts over the half length
 CALM, SLANTED = 5.0, 0.2  # weight that holds a^2 of neighbours on a parabola, by the square of its slant beyond that
 CALM_BENT = 0.1  # the same where the locus is bent, by the square of all of the slant
-LOOSER = 0.9  # part of the evenness that two humps do not ask for which are just one,
-STIFF = 1.0, 3.0  # and how much more of it than without slant they have where that counts not at all, and fully
+LOOSER = 0.9  # part of their evenness that the factors of two humps lose which have just come to share a grid
+STIFF = 1.0, 3.0  # evenness over that without slant at which they lose nothing, and all of that
 JOINED = 0.5, 0.9  # d over its hull at which neighbouring grids have nothing and all in common
 
 
