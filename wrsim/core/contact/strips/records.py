@@ -41,7 +41,8 @@ locus (`shifts.off_locus`), how much more evenly its factors run and how firmly 
 least penetration over its concave hull between it and the next grid (`ground`), how firmly its last factor is held to
 the first of that one, how far the overlaps of both are one; of a tail (`tails`) a place, its shift and the slope of the
 line that the locus has under its hump, how far off that line it begins, and how much it counts as one, by its width;
-how much two humps on it ask for looser factors, and where it lies lowest between them (`ground`). Whether it is in contact, whether its edges
+how much two humps on it ask for looser factors, and where it lies lowest between them (`ground`).
+Whether it is in contact, whether its edges
 are held at their bounds, its first and last lobe; of a tail the number of its hump's grid less its own, else 0; how
 often its edges have moved out over a gap in this solution; its first strip in contact and the one beyond its last
 (equal: none); the grid whose first factor its last one is held to, -1: none."""
