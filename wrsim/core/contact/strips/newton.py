@@ -48,6 +48,7 @@ STUCK = 4  # steps that stay long all the same, after which a solution is given 
 CALM = 0.05  # misfit below which strips may leave
 SPENT = 1e-4  # a^2/R_x over the deepest penetration below which they may at any misfit: it may be theirs
 NEAR = 1e-3  # misfit at which strips and edges are looked after
+LOOK = 3e-5  # the same from the last contact: what seems to touch while it is larger often does not
 SURE = 2.0  # safety of the foretold misfit
 
 
@@ -64,7 +65,7 @@ def newton(system, n, tolerance, most):
     looked = whole = False  # whole: the last step was one by the kept inverse, of full length
     misfit = residuals(system, n, False)
     for _ in range(most):
-        if misfit < NEAR and not looked:
+        if misfit < LOOK and not looked:
             looked = True
             turns += 1
             if turns <= TURNS and enter(system, n, False):
