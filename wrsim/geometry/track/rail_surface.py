@@ -225,12 +225,15 @@ class Piece:
 
 
 def _anchor(counts: NDArray[np.int64], heights: Array) -> int:
-    """The row that stands still along s: the inner feature nearest to the middle, or the middle itself, if wheels come
-    there; else the highest row. heights: least one of every row below the highest point of its section [m]."""
-    middle = int(counts.sum()) // 2
-    inner = np.cumsum(counts)[:-1]
-    wanted = sorted(inner.tolist(), key=lambda row: abs(row - middle)) or [middle]
-    return next((row for row in wanted if heights[row] > -DEEP), int(np.argmax(heights)))
+    """The row that stands still along s: of the inner features, or the middle itself, the highest if wheels come there,
+    else the highest row; heights: least one of every row below the highest point of its section [m].
+
+    What a wheel feels of an edge that falls off steeply may jump from one place to the next, and with it the way to all
+    that lies behind it.
+    """
+    inner = np.cumsum(counts)[:-1].tolist() or [int(counts.sum()) // 2]
+    best = max(inner, key=lambda row: float(heights[row]))
+    return best if heights[best] > -DEEP else int(np.argmax(heights))
 
 
 def _rows(section: RailSection, first: int, counts: NDArray[np.int64], longest: Array) -> Array:
