@@ -61,9 +61,15 @@ def test_wear_numbers_of_patches_add_up_to_that_of_the_wheel(left: xr.Dataset) -
 
 def test_the_mirrored_curve_wears_the_other_side(left: xr.Dataset) -> None:
     right = run_in_time(mirrored(curve())).dataset
-    for name in ("wear_wheel_depth", "wear_rail_depth", "wear_wheel_mass", "rail_damage"):
-        own, other = left[name].values, right[name].isel(wheel=[1, 0]).values
-        np.testing.assert_allclose(own, other, rtol=1e-3, atol=1e-4 * np.nanmax(np.abs(own)))
+    for name in ("wear_wheel_energy", "wear_wheel_depth", "wear_rail_depth", "wear_wheel_mass", "rail_damage"):
+        own, other = left[name], right[name].isel(wheel=[1, 0])
+        least = 1e-4 * float(np.abs(own).max())
+        for law in own["wear_law"].values if "wear_law" in own.dims else [None]:
+            one, two = (d.values if law is None else d.sel(wear_law=law).values for d in (own, other))
+            # round-off may take a sample over an edge of Archard's map, where the coefficient jumps: a few places
+            jumps = law == "archard"
+            assert (~np.isclose(one, two, rtol=1e-3, atol=least, equal_nan=True)).sum() <= 4 * jumps, (name, law)
+            np.testing.assert_allclose(one, two, rtol=0.05 if jumps else 1e-3, atol=least, err_msg=name)
 
 
 def test_coarser_samples_give_the_same_mass(left: xr.Dataset) -> None:
