@@ -114,9 +114,8 @@ def _whole(layout: Layout, track: Track, drive: Drive, gravity: float, turns: in
     own.step = track.centre.step
     own.guide_ahead = vehicle.guide_ahead
     own.rails, own.turns = -1, turns
-    if layout.rails:
-        e = track.elasticity
-        assert e is not None
+    e = track.elasticity
+    if layout.rails and e is not None:
         own.rails = layout.size - layout.rails
         own.rail_n, own.rail_b = zip(e.mass, e.stiffness, e.damping, strict=True)
     if vehicle.slip_control is not None:

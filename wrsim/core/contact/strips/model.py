@@ -30,9 +30,10 @@ from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.ground import set_grids
+from wrsim.core.contact.strips.last_contact import carry_over
 from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
 from wrsim.core.contact.strips.shifts import off_locus
-from wrsim.core.contact.strips.solution import RETRIED, ROUGH, UNSOLVED, carry_over, solve, substitute
+from wrsim.core.contact.strips.solution import RETRIED, ROUGH, UNSOLVED, solve, substitute
 
 OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
 LEAST_PART = 1e-6  # of a strip's width that is worth a row of its own

@@ -10,7 +10,7 @@ the same rows is what is left if there is none."""
 from math import inf
 
 from wrsim.core.compiling import inlined, kernel
-from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, lay_tail, leave, move_edges
+from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, leave, move_edges
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     EVENNESS,
@@ -25,7 +25,7 @@ from wrsim.core.contact.strips.equations import (
     set_amplitudes,
 )
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
-from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, NEXT, ROWS, SAVED, STEP, TERMS, X
+from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, NEXT, ROWS, SAVED, STEP, X
 from wrsim.core.contact.strips.shifts import hertz_ellipse, hump_of, slanted
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
@@ -307,78 +307,3 @@ def substitute(system, n):
         base = g * block_of(n) + n
         x[base : base + FACTORS] = min(max(penetration / max(displacement, 1e-30), LEAST_FACTOR), MOST_FACTOR)
     set_amplitudes(system, n)
-
-
-@kernel
-def carry_over(system, before, n):
-    """Unknowns of the grids by their places on the rail, from the last call's of other grids with ``before`` strips.
-    Returns whether any is in contact.
-
-    Places, unknowns and state of the grids still are those of the last call, their bounds new.
-    """
-    memo, x, grids = system.memo[0], system.vectors[X], system.grids
-    block = block_of(n)
-    old_s, old_y, old_k, old_w = (system.vectors[SAVED], system.vectors[STEP], system.vectors[NEXT],
-                                  system.vectors[TERMS])  # fmt: skip
-    count = 0
-    for g in range(memo.known):
-        own = g * block_of(before)
-        for j in range(before):
-            place = system.places[g * before + j]
-            y = x[own + j]
-            if grids[g].on and y > 0.0:
-                f, r = factor_of(place)
-                old_s[count], old_y[count], old_w[count] = place.s, y, place.hi - place.lo
-                old_k[count] = (1.0 - r) * x[own + before + f] + r * x[own + before + f + 1]
-                count += 1
-    found = False
-    for g in range(memo.grids):
-        grid, base = grids[g], g * block
-        x[base : base + block] = 0.0
-        grid.on = grid.start_held = grid.end_held = 0
-        first = last = -1
-        for i in range(count):
-            if grid.least < old_s[i] < grid.most:
-                first = i if first < 0 else first
-                last = i
-        if grid.tail != 0 or first < 0 or last - first + 1 < FEWEST:
-            continue
-        found = True
-        start = max(old_s[first] - 0.5 * old_w[first], grid.least)
-        end = min(old_s[last] + 0.5 * old_w[last], grid.most)
-        grid.on, grid.start_held, grid.end_held = 1, int(start <= grid.least), int(end >= grid.most)
-        x[base + n + FACTORS], x[base + n + FACTORS + 1] = start, end
-        for f in range(FACTORS):
-            s = start + (f + 0.5) / FACTORS * (end - start)
-            i = _before(old_s, count, s)
-            x[base + n + f] = _between(old_s, old_k, count, i, s)
-    for g in range(memo.grids):
-        grid = grids[g]
-        if grid.tail != 0 and grids[g + grid.tail].on:
-            lay_tail(system, n, g, x[joint(g, grid, n)])
-    lay_strips(system, n)
-    for g in range(memo.grids):
-        for j in range(n if grids[g].on else 0):
-            s = system.places[g * n + j].s
-            i = _before(old_s, count, s)
-            apart = old_s[min(i + 1, count - 1)] - old_s[i] > 0.75 * (old_w[i] + old_w[min(i + 1, count - 1)])
-            x[g * block + j] = 0.0 if apart else _between(old_s, old_y, count, i, s)
-    return found
-
-
-@kernel
-def _before(places, count, s):
-    """Number of the last place but one that is not beyond s."""
-    i = 0
-    while i < count - 2 and places[i + 1] < s:
-        i += 1
-    return i
-
-
-@kernel
-def _between(places, values, count, i, s):
-    """Value at s between places i and i + 1."""
-    if count < 2:
-        return values[0]
-    r = min(max((s - places[i]) / max(places[i + 1] - places[i], 1e-12), 0.0), 1.0)
-    return (1.0 - r) * values[i] + r * values[i + 1]
