@@ -399,6 +399,11 @@ def test_another_scenario_or_a_changed_model_does_not_go_on(whole, tmp_path, mon
     refused = command("run", file, *arguments)
     assert refused.exit_code == 2
     assert f"{rail} has changed since the run began; run it without --resume" in refused.stderr
+    refused = command("show", out)  # the folders that a file names may be anybody's words
+    assert refused.exit_code == 2
+    assert f"not found in {out}, " in refused.stderr
+    assert f'WRSIM_MODELS names more folders; the run had "{tmp_path}, ' in refused.stderr
+    monkeypatch.setenv("WRSIM_MODELS", str(tmp_path))
     refused = command("show", out)
     assert refused.exit_code == 2
     assert f"{rail} has changed since the run began; what is in the file can no longer be read" in refused.stderr

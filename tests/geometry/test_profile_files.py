@@ -348,7 +348,7 @@ def test_files_that_are_not_there_or_not_text_are_refused(tmp_path):
         read_profile(tmp_path / "whele.csv", "wheel")
     with pytest.raises(InputError, match="not a text file"):
         read_profile(tmp_path / "wheel.csv", "wheel")
-    with pytest.raises(InputError, match="cannot read this profile file: Is a directory"):
+    with pytest.raises(InputError, match="is a directory, a profile file is needed"):
         read_profile(tmp_path, "wheel", format="columns")
     with pytest.raises(InputError, match=r"no profile format has the suffix '.stl'; allowed: .csv, .txt"):
         read_profile(tmp_path / "wheel.stl", "wheel")

@@ -57,7 +57,7 @@ def resolve(
         before = read(result)
         moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
         folder = beside(result)
-        scenario = load_text(before.dataset.attrs["scenario_text"], folder, models or ())
+        scenario = load_text(before.dataset.attrs["scenario_text"], folder, models or (), closed=True)
         with progress_bar(not (quiet or as_json)) as progress:
             after = solve(before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress)  # type: ignore[call-arg, arg-type]
         directory = output or folder / "".join(c if c.isalnum() or c in "-+._" else "_" for c in contact)

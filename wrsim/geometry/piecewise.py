@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from math import factorial
+from math import factorial, perm
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -108,10 +108,15 @@ class Piecewise:
         c = np.array([self.pieces(parts[:-1], n) / factorial(n) for n in orders])
         # (1 - a)^3 (3 + a) from s - w to s and from s to s + w, in falling powers of the distance from there over w
         halves = np.array([[-1.0, -1.0], [4.0, 0.0], [0.0, 6.0], [0.0, -8.0], [0.0, 3.0]])
-        for s, j, w in zip(joint, jump, width, strict=True):
-            bump = PPoly(j * w / 16.0 * halves / w ** np.array(orders)[:, None], [s - w, s, s + w])
-            near = (parts[:-1] >= s - w) & (parts[:-1] < s + w)
-            c[:, near] += [bump(parts[:-1][near], n) / factorial(n) for n in orders]
+        first, last = (np.searchsorted(parts[:-1], joint + sign * width) for sign in (-1.0, 1.0))
+        which = np.repeat(np.arange(joint.size), last - first)  # joint whose bump goes over the part ``at``
+        at = np.arange(which.size) + np.repeat(last - np.cumsum(last - first), last - first)
+        s, w, half = joint[which], width[which], (parts[at] >= joint[which]).astype(int)
+        powers = np.cumprod([np.ones(at.size), *[parts[at] - np.where(half, s, s - w)] * 4], axis=0)
+        bump = (jump * width / 16.0)[which] * halves[:, half] / w ** np.array(orders)[:, None]
+        for row, n in zip(c, orders, strict=True):
+            slopes = sum(bump[4 - k] * powers[k - n] * perm(k, n) for k in range(n, 5))
+            np.add.at(row, at, slopes / factorial(n))
         return Piecewise(PPoly(c, parts)) if real.any() else self
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from wrsim.errors import InputError
+from wrsim.inputs.toml_files import out_of_reach, within
 from wrsim.inputs.values import nearest
 
 VARIABLE = "WRSIM_MODELS"
@@ -19,6 +21,12 @@ class Finder:
     """A row of folders in which names like ``rails/60E1.toml`` are looked up."""
 
     folders: tuple[Path, ...]
+    closed: bool = False
+    """True for names that somebody else has written: no file outside of the folders is opened."""
+
+    def guard(self) -> AbstractContextManager[None]:
+        """While this lasts, what is named in a file is not opened outside of the folders either, if they are closed."""
+        return within(self.folders) if self.closed else nullcontext()
 
     def find(self, name: str) -> Path:
         """Return the first file of that name; an absolute name stands for itself.
@@ -26,20 +34,23 @@ class Finder:
         Raises InputError listing the places searched and the nearest name that exists there.
         """
         asked = Path(name)
-        if asked.is_absolute():
-            if os.path.isfile(asked):
-                return asked
-            raise InputError("no such file" if not os.path.isdir(asked) else "is a directory, a file is needed")
-        for folder in self.folders:
-            if os.path.isfile(folder / asked):
-                return folder / asked
-        near = self._nearest(asked)
-        places = ", ".join(str(folder.absolute()) for folder in self.folders)
-        raise InputError(f"not found in {places}" + (f'; did you mean "{near}"?' if near else ""))
+        with self.guard():
+            places = [folder / asked for folder in self.folders]  # an absolute name: always itself
+            refused = {place: out_of_reach(place) for place in places}
+            for place in places:
+                if not refused[place] and os.path.isfile(place):
+                    return place
+            if any(refused.values()):
+                raise InputError(next(filter(None, refused.values())))
+            if asked.is_absolute():
+                raise InputError("no such file" if not os.path.isdir(asked) else "is a directory, a file is needed")
+            near = self._nearest(asked)
+        searched = ", ".join(str(folder.absolute()) for folder in self.folders)
+        raise InputError(f"not found in {searched}" + (f'; did you mean "{near}"?' if near else ""))
 
     def beside(self, file: Path) -> Finder:
         """Return a finder that looks next to ``file`` first: names inside a model file are near that file."""
-        return Finder((file.parent, *(folder for folder in self.folders if folder != file.parent)))
+        return replace(self, folders=(file.parent, *(folder for folder in self.folders if folder != file.parent)))
 
     def _nearest(self, asked: Path) -> str | None:
         known: list[str] = []

@@ -91,6 +91,7 @@ class Section(BaseModel):
         except ValidationError as error:
             found = error.errors(include_url=False)
             inside = {e["loc"][0] for e in found if len(e["loc"]) > 1}
+            told = {f["loc"] for f in faults}
             for e in found:
                 key = str(e["loc"][0])
                 if key not in data or key in guessed:
@@ -98,8 +99,9 @@ class Section(BaseModel):
                 if e["type"] == "too_short" and e["loc"] == (key,) and key in inside:
                     continue  # pydantic counts good entries only, and the bad ones are told
                 fault = _in_our_words(fields(cls)[key], e, data[key])
-                if e["type"] in (FAULT, ABSENT) or fault["loc"] not in [f["loc"] for f in faults]:
+                if e["type"] in (FAULT, ABSENT) or fault["loc"] not in told:
                     faults.append(fault)
+                    told.add(fault["loc"])
         named = {f["loc"] for f in faults}
         combinations = list(cls.rules(data))
         if kept is not None and not faults and not combinations:

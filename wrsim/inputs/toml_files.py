@@ -6,8 +6,9 @@ import hashlib
 import json
 import os
 import re
+import stat
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
@@ -23,15 +24,16 @@ DEEPEST = 30
 """Levels of tables and lists in each other; no file of ours has more than six."""
 
 
+LARGEST = 64_000_000
+"""Size of the largest file that is read [bytes]; a track of 1000 km has a table of 30 MB."""
+_NO_FILES = {stat.S_ISFIFO: "a pipe", stat.S_ISSOCK: "a socket", stat.S_ISCHR: "a device", stat.S_ISBLK: "a device"}
+
+
 def read_text(path: Path, what: str = "file") -> str:
     """Return the text of a UTF-8 file (a byte order mark is allowed).
 
-    Raises InputError for a missing file (naming neighbours with a similar name), a directory, a file that
-    cannot be opened, and bytes that are not UTF-8 (naming the line).
+    Raises InputError as `read_bytes` does, and for bytes that are not UTF-8 (naming the line).
     """
-    if os.path.isdir(path):
-        inside = _listing(sorted(p.name for p in path.glob("*.toml")))
-        raise InputError(f"{path}: is a directory, a {what} is needed{inside}")
     data = read_bytes(path, what)
     try:
         return data.decode("utf-8-sig")
@@ -42,9 +44,15 @@ def read_text(path: Path, what: str = "file") -> str:
 
 
 def read_bytes(path: Path, what: str) -> bytes:
-    """Return the content of a file; raise InputError, with what it is, for a missing one or one that cannot be read."""
+    """Return the content of a file; it never waits, and never takes more memory than the largest file allowed.
+
+    Raises InputError, with what the file is, for a missing one (naming neighbours with a similar name), a directory, a
+    pipe, a device, one that is too large or cannot be opened, and one out of reach (`within`).
+    """
+    if why := out_of_reach(path):
+        raise InputError(f"{path}: {why}")
     try:
-        content = path.read_bytes()
+        content = _content(path, what)
     except FileNotFoundError:
         raise InputError(f"{path}: no such {what}{similar_files(path)}") from None
     except (OSError, ValueError) as error:
@@ -53,6 +61,48 @@ def read_bytes(path: Path, what: str) -> bytes:
     if (read := _READ.get()) is not None:
         read[path] = hashlib.sha256(content).hexdigest()
     return content
+
+
+def _content(path: Path, what: str) -> bytes:
+    """The content of a plain file, looked at after it is open: nobody can exchange it in between."""
+    if os.path.isdir(path):
+        inside = _listing(sorted(p.name for p in path.glob("*.toml")))
+        raise InputError(f"{path}: is a directory, a {what} is needed{inside}")
+    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    with open(handle, "rb") as stream:
+        found = os.fstat(handle)
+        if not stat.S_ISREG(found.st_mode):
+            kind = next((name for is_one, name in _NO_FILES.items() if is_one(found.st_mode)), "no plain file")
+            raise InputError(f"{path}: is {kind}, a {what} is needed")
+        content = b"" if found.st_size > LARGEST else stream.read(LARGEST + 1)
+    if (size := max(found.st_size, len(content))) > LARGEST:
+        raise InputError(f"{path}: has {size / 1e6:.1f} MB; a {what} of at most {LARGEST / 1e6:.0f} MB is read")
+    return content
+
+
+_WITHIN: ContextVar[tuple[Path, ...] | None] = ContextVar("_WITHIN", default=None)
+
+
+@contextmanager
+def within(folders: Sequence[Path]) -> Iterator[None]:
+    """While this lasts, no file outside of these folders is opened: the names come from somebody else."""
+    before = _WITHIN.set(tuple(folders))
+    try:
+        yield
+    finally:
+        _WITHIN.reset(before)
+
+
+def out_of_reach(path: Path) -> str:
+    """Why a file must not be opened (`within`): its name, or the file that its links lead to, lies outside."""
+    folders = _WITHIN.get()
+    if folders is None:
+        return ""
+    for full in (os.path.abspath, os.path.realpath):  # nothing outside is looked at, not even for links
+        if not any(Path(full(path)).is_relative_to(full(folder)) for folder in folders):
+            places = ", ".join(os.path.abspath(folder) for folder in folders)
+            return f"lies outside of {places}; the scenario of a result reads no other files"
+    return ""
 
 
 _READ: ContextVar[dict[Path, str] | None] = ContextVar("_READ", default=None)

@@ -44,7 +44,8 @@ def setup_of(result: Result, folder: Path, models: Sequence[Path] = ()) -> tuple
     from wrsim.scenario.loading import load_text
 
     try:
-        return build(load_text(str(result.dataset.attrs.get("scenario_text", "")), folder, models)), ""
+        text = str(result.dataset.attrs.get("scenario_text", ""))
+        return build(load_text(text, folder, models, closed=True)), ""
     except InputError as problem:
         first = str(problem).split("\n")[0]
         return None, f"The scenario of the result cannot be set up here, so there is no vehicle to show: {first}"

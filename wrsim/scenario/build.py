@@ -85,7 +85,7 @@ def build(scenario: Scenario) -> Setup[Any]:
     Raises InputError when a model file is missing or faulty, when the track has no unique shape, when a run
     leaves the track, and when the wheelset does not stand on the rails.
     """
-    with noting_reads() as read:
+    with noting_reads() as read, scenario.finder.guard():
         setup = _put_together(scenario)
         for file in scenario.files:
             read_bytes(file, "scenario file")

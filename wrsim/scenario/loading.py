@@ -180,7 +180,9 @@ def load(path: str | Path, models: Sequence[str | Path] = ()) -> Scenario:
     return _scenario(merged, Path(path), models)
 
 
-def load_text(text: str, folder: str | Path = ".", models: Sequence[str | Path] = ()) -> Scenario:
+def load_text(
+    text: str, folder: str | Path = ".", models: Sequence[str | Path] = (), *, closed: bool = False
+) -> Scenario:
     """Check a scenario given as TOML text, such as the one that a result carries.
 
     Parameters
@@ -191,6 +193,9 @@ def load_text(text: str, folder: str | Path = ".", models: Sequence[str | Path] 
         Where names of model files are looked up first.
     models : sequence of str or Path
         As for `load`.
+    closed : bool
+        True for a text that somebody else may have written: files outside of ``folder`` and of the folders with models
+        are not opened, neither now nor by what the scenario is used for.
 
     Returns
     -------
@@ -202,17 +207,20 @@ def load_text(text: str, folder: str | Path = ".", models: Sequence[str | Path] 
         With all faults of the text, one line each.
     """
     merged = from_text(text, "scenario")
-    return _scenario(merged, None, models, Path(folder))
+    return _scenario(merged, None, models, Path(folder), closed)
 
 
-def _scenario(merged: Merged, path: Path | None, models: Sequence[str | Path], folder: Path = Path()) -> Scenario:
+def _scenario(
+    merged: Merged, path: Path | None, models: Sequence[str | Path], folder: Path = Path(), closed: bool = False
+) -> Scenario:
     beside = [file.parent for file in merged.files] or [folder]
     folders = (*beside, *user_folders(tuple(models)), shipped_models())
-    finder = Finder(tuple(dict.fromkeys(folders)))
+    finder = Finder(tuple(dict.fromkeys(folders)), closed)
     count = len(merged.files)
-    merged = with_track_file(merged, finder)
+    with finder.guard():
+        merged = with_track_file(merged, finder)
     if len(merged.files) > count:  # what a track file names may lie beside it
-        finder = Finder(tuple(dict.fromkeys((*folders, merged.files[-1].parent))))
+        finder = replace(finder, folders=tuple(dict.fromkeys((*folders, merged.files[-1].parent))))
     return Scenario(check(ScenarioFile, merged.data, merged.locate), merged.text, path, finder, merged)
 
 

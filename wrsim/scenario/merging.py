@@ -15,6 +15,8 @@ from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.toml_files import parse_toml, read_text, write_toml
 
 BASE = "base"
+MOST_BASES = 20
+"""Longest row of files that start from each other."""
 
 
 @dataclass
@@ -82,6 +84,9 @@ def read_merged(path: Path, children: tuple[Path, ...] = ()) -> Merged:
     family = (*children, path)
     if any(_same(relative, below_path) for relative in family):
         message = f"scenarios start from each other: {' -> '.join(map(str, (*family, below_path)))}"
+        raise InputError(fault_line((BASE,), message, top.locate, base))
+    if len(family) > MOST_BASES:
+        message = f"is one file too many: at most {MOST_BASES} scenarios may follow each other by base"
         raise InputError(fault_line((BASE,), message, top.locate, base))
     try:
         below = read_merged(below_path, family)

@@ -18,6 +18,7 @@ from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, counts, sec
 from wrsim.analysis.assessment.stops import stop_values
 from wrsim.analysis.assessment.track_quality import track_quality
 from wrsim.errors import InputError
+from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment, Limit, Section, TrackQuality, Value
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
@@ -194,7 +195,8 @@ def _known(runs: Sequence[_Run], settings: AssessmentSettings) -> dict[str, floa
 def _settings_of(dataset: xr.Dataset) -> AssessmentSettings:
     """[assessment] of the scenario that the result carries; the defaults where that says nothing."""
     try:
-        section = load_text(str(dataset.attrs.get("scenario_text", ""))).table(AssessmentSection)
+        text = str(dataset.attrs.get("scenario_text", ""))
+        section = load_text(text, shipped_models(), closed=True).table(AssessmentSection)
     except InputError:  # a result without a scenario, or of an older wrsim
         return AssessmentSettings()
     return section.settings()

@@ -18,6 +18,8 @@ import numpy as np
 
 import wrsim
 from wrsim.errors import InputError
+from wrsim.inputs.lookup import VARIABLE
+from wrsim.inputs.toml_files import read_bytes, shown
 from wrsim.results import versions
 from wrsim.results.run_file import opened_run_file
 from wrsim.scenario.loading import load_text
@@ -121,13 +123,17 @@ def _same_models(path: Path, then: dict[str, Any], now: dict[str, Any], again: s
 def recorded_setup(path: Path) -> Setup:
     """The set-up of the run that a file holds, from the scenario in it.
 
-    Raises ``InputError`` when its models are not there any more or have changed.
+    Its models are looked up beside the file and among the models: the folders that it names may be anybody's words.
+    Raises ``InputError`` when they are not there any more or have changed.
     """
     from wrsim.scenario.build import build
 
     header = _header(path)
-    folders = [Path(folder) for folder in header["folders"]]
-    setup = build(load_text(header["scenario_text"], folders[0], folders[1:]))
+    try:
+        setup = build(load_text(header["scenario_text"], path.parent, closed=True))
+    except InputError as error:
+        folders = shown(", ".join(map(str, header["folders"])), 300)
+        raise InputError(f"{path}: {error}; {VARIABLE} names more folders; the run had {folders}") from None
     files = {str(file): _file_digest(file) for file in setup.files}
     now = {"numbers": numbers_digest(setup), "files": files, "code": code_digest()}
     _same_models(path, header, now, "what is in the file can no longer be read: run the scenario again")
@@ -135,7 +141,7 @@ def recorded_setup(path: Path) -> Setup:
 
 
 def _file_digest(file: Path) -> str:
-    return hashlib.sha256(file.read_bytes()).hexdigest()[:16]
+    return hashlib.sha256(read_bytes(file, "model file")).hexdigest()[:16]
 
 
 @lru_cache(maxsize=1)

@@ -47,6 +47,10 @@ SHORTEST = 5e-3
 """Arclength that a profile needs [m]: tables of it stand at 0.1 mm, contacts are some millimetres wide."""
 
 
+MOST_BASES = 20
+"""Longest row of worn profiles that start from each other."""
+
+
 class WornFile(ProfileFile):
     """Another profile with bells of material taken off, or depths from a table."""
 
@@ -77,6 +81,8 @@ class WornFile(ProfileFile):
         chain = (*_building.get(), path.resolve())
         if base.resolve() in chain:
             raise InputError(f'base = "{self.base}": the profile would start from itself')
+        if len(chain) > MOST_BASES:
+            raise InputError(f'base = "{self.base}": at most {MOST_BASES} profiles may follow each other by base')
         token = _building.set(chain)
         try:
             new = load_profile(base, self.body)

@@ -10,8 +10,9 @@ none).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate
 from numbers import Real
 from typing import Literal
 
@@ -161,9 +162,10 @@ def laws(segments: Sequence[Segment], gauge: float, rounding: float) -> Laws:
     check(segments, gauge)
     edges = np.concatenate(([0.0], np.cumsum([float(s.length) for s in segments])))
     rows: tuple[list, list, list] = ([], [], [])
+    hands = _hands(segments)
     for i, segment in enumerate(segments):
         ramp = bloss if isinstance(segment, Transition) and segment.form == "bloss" else linear
-        for column, a, b in zip(rows, *_ends(segments, i), strict=True):
+        for column, a, b in zip(rows, *_ends(segments, hands, i), strict=True):
             column.append(ramp(a, b))
     curvature, cant, widening = (Piecewise.of_rows(edges, column) for column in rows)
     for law, key in ((cant, "cant"), (widening, "gauge_widening")):
@@ -185,25 +187,33 @@ State = tuple[float, float, float]
 LEVEL: State = (0.0, 0.0, 0.0)
 
 
-def _ends(segments: Sequence[Segment], i: int) -> tuple[State, State]:
-    """(curvature, signed cant, widening) at the two ends of a segment."""
+def _ends(segments: Sequence[Segment], hands: Sequence[tuple[float, float]], i: int) -> tuple[State, State]:
+    """(curvature, signed cant, widening) at the two ends of a segment. hands: see `_hands`."""
     segment = segments[i]
     if isinstance(segment, Arc):
         state = (1.0 / segment.radius, segment.cant * _hand(segment), segment.gauge_widening)
         return state, state
     if isinstance(segment, Straight):
-        before = [_hand(s) for s in reversed(segments[:i]) if isinstance(s, Arc)]
-        behind = [_hand(s) for s in segments[i + 1 :] if isinstance(s, Arc)]
-        start = (before or behind or [1.0])[0]
-        end = (behind or before or [1.0])[0]
+        start, end = hands[i]
         return (
             (0.0, start * segment.cant_start, segment.gauge_widening_start),
             (0.0, end * segment.cant_end, segment.gauge_widening_end),
         )
     return (
-        _ends(segments, i - 1)[1] if i else LEVEL,
-        _ends(segments, i + 1)[0] if i + 1 < len(segments) else LEVEL,
+        _ends(segments, hands, i - 1)[1] if i else LEVEL,
+        _ends(segments, hands, i + 1)[0] if i + 1 < len(segments) else LEVEL,
     )
+
+
+def _hands(segments: Sequence[Segment]) -> list[tuple[float, float]]:
+    """The hand of the nearest arc before and behind each segment; that of the other side where there is none."""
+
+    def passed(row: Iterable[Segment]) -> list[float]:
+        arcs = (_hand(segment) if isinstance(segment, Arc) else 0.0 for segment in row)
+        return list(accumulate(arcs, lambda last, own: own or last, initial=0.0))
+
+    before, behind = passed(segments), passed(reversed(segments))[-2::-1]
+    return [(b or f or 1.0, f or b or 1.0) for b, f in zip(before, behind, strict=False)]
 
 
 def _hand(arc: Arc) -> float:

@@ -1,0 +1,139 @@
+"""What a name in a file may reach: plain files of a sensible size, and for the scenario of a result only its own."""
+
+import os
+import re
+import socket
+from pathlib import Path
+
+import pytest
+import xarray as xr
+from support.runs import SCENARIOS
+from support.scenario_texts import edited
+
+from wrsim.errors import InputError
+from wrsim.geometry.profile.models import load_profile
+from wrsim.inputs.toml_files import LARGEST, read_bytes, read_text, shown, within
+from wrsim.report.view import setup_of
+from wrsim.results import Result
+from wrsim.scenario.build import build
+from wrsim.scenario.loading import load, load_text
+from wrsim.scenario.merging import MOST_BASES
+
+CURVE = (SCENARIOS / "curve_r300.toml").read_text()
+POSES = (SCENARIOS / "static_s1002.toml").read_text()
+SECRET = "root:x:0:0 a line of somebody else's"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with names")
+def test_a_pipe_and_a_socket_are_refused_and_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe.toml")
+    with pytest.raises(InputError, match=r"pipe\.toml: is a pipe, a scenario file is needed"):
+        load(tmp_path / "pipe.toml")
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind(str(tmp_path / "socket"))
+        with pytest.raises(InputError, match="socket: cannot read this file: "):
+            read_bytes(tmp_path / "socket", "file")
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="needs a device")
+def test_a_device_is_refused_and_does_not_fill_the_memory():
+    with pytest.raises(InputError, match="/dev/zero: is a device, a scenario file is needed"):
+        load("/dev/zero")
+
+
+def test_a_file_that_is_too_large_is_refused_with_its_size(tmp_path):
+    with open(tmp_path / "large.toml", "wb") as stream:
+        stream.truncate(LARGEST + 100_000)
+    with pytest.raises(InputError, match=r"has 64\.1 MB; a scenario file of at most 64 MB is read"):
+        load(tmp_path / "large.toml")
+
+
+def test_scenarios_start_from_each_other_so_often_and_no_further(tmp_path):
+    (tmp_path / "0.toml").write_text(CURVE)
+    for i in range(1, MOST_BASES + 2):
+        (tmp_path / f"{i}.toml").write_text(f'base = "{i - 1}.toml"\n')
+    assert len(load(tmp_path / f"{MOST_BASES}.toml").files) == MOST_BASES + 1
+    with pytest.raises(InputError, match=r'1\.toml:1: base = "0\.toml": is one file too many: at most 20 scenarios'):
+        load(tmp_path / f"{MOST_BASES + 1}.toml")
+
+
+def test_profiles_are_worn_so_often_and_no_further(tmp_path):
+    for i in range(500):
+        base = "S1002.toml" if i == 0 else f"{i - 1}.toml"
+        text = (SCENARIOS.parent / "models/wheels/S1002_worn.toml").read_text()
+        (tmp_path / f"{i}.toml").write_text(re.sub(r'(?m)^base = ".*?"', f'base = "{base}"', text))
+    with pytest.raises(InputError, match="at most 20 profiles may follow each other by base"):
+        load_profile(tmp_path / "499.toml")
+
+
+def named(name: str) -> dict[str, str]:
+    """Scenarios that name a file, by the key that does so."""
+    segments = re.search(r"(?s)\[\[track\.segments\]\].*?(?=\[contact\])", CURVE)[0]
+    uneven = f'[[track.irregularities]]\nkind = "table"\nfile = "{name}"\n\n'
+    sections = f'[[track.rail_sections]]\nside = "left"\nat_m = 50\ntable = "{name}"\n\n'
+    return {
+        "vehicle.model": edited(CURVE, 'model = "vehicles/wheelset_s1002_steering.toml"', f'model = "{name}"'),
+        "vehicle.wheel": edited(CURVE, "speed_kmh = 54", f'speed_kmh = 54\nwheel = "{name}"'),
+        "track.rail": edited(CURVE, 'rail = "rails/60E1.toml"', f'rail = "{name}"'),
+        "track.file": edited(CURVE, segments, "").replace("gauge_mm = 1435", f'file = "{name}"'),
+        "track.table": edited(CURVE, segments, "").replace("gauge_mm = 1435", f'gauge_mm = 1435\ntable = "{name}"'),
+        "track.irregularities[0].file": edited(CURVE, "[contact] ", f"{uneven}[contact] "),
+        "track.rail_sections[0].table": edited(CURVE, "[contact] ", f"{sections}[contact] "),
+        "contact.friction_table": edited(CURVE, "friction = 0.35", f'friction_table = "{name}"'),
+        "static.cases": re.sub(
+            r"(?s)\[static\].*?(?=\n\[|\Z)", f'[static]\ntarget = "wheelset"\ncases = "{name}"\n', POSES
+        ),
+    }
+
+
+def said_of(text: str, folder: Path) -> str:
+    """What the viewer says of a result with this scenario."""
+    setup, why = setup_of(Result(xr.Dataset(attrs={"scenario_text": text})), folder)
+    assert setup is None
+    return why
+
+
+@pytest.mark.parametrize("key", named(""))
+def test_the_scenario_of_a_result_opens_nothing_outside_of_its_folder(key, tmp_path):
+    secret, own = tmp_path / "secret.toml", tmp_path / "result"
+    secret.write_text(SECRET)
+    own.mkdir()
+    (own / "linked.toml").symlink_to(secret)
+    for name in (str(secret), "../secret.toml", "linked.toml", str(tmp_path / "missing.toml")):
+        text = named(name)[key]
+        why = said_of(text, own)
+        assert f"{key} = {shown(name)}: lies outside of {own}, " in why
+        assert "root:" not in why
+    with pytest.raises(InputError, match=r"root:|secret\.toml"):  # a scenario of the user's own reads what it names
+        build(load_text(named("../secret.toml")[key], own))
+
+
+def test_the_models_beside_a_result_lead_nowhere_else_either(tmp_path):
+    secret, own = tmp_path / "secret.csv", tmp_path / "result"
+    secret.write_text(SECRET)
+    own.mkdir()
+    worn = (SCENARIOS.parent / "models/wheels/S1002_worn.toml").read_text()
+    points = 'body = "wheel"\nname = "x"\nsource = "x"\ndate = 2026-01-01\nkind = "points"\nfile = "../secret.csv"\n'
+    for text in (re.sub(r'(?m)^base = ".*?"', 'base = "../secret.csv"', worn), points):
+        (own / "wheel.toml").write_text(text)
+        why = said_of(named("wheel.toml")["vehicle.wheel"], own)
+        assert re.search(r"secret\.csv\"?: lies outside of", why)
+        assert "root:" not in why
+
+
+def test_the_folders_around_a_result_are_not_listed(tmp_path):
+    (tmp_path / "result").mkdir()
+    (tmp_path / "private.toml").write_text("")
+    with within([tmp_path / "result"]), pytest.raises(InputError) as refused:
+        read_text(tmp_path / "privat.toml")
+    assert "private" not in str(refused.value)
+
+
+def test_a_result_with_its_models_beside_it_is_shown_whole(tmp_path):
+    own = tmp_path / "result"
+    own.mkdir()
+    (own / "rail.toml").write_text((SCENARIOS.parent / "models/rails/60E1.toml").read_text())
+    text = named("rail.toml")["track.rail"]
+    setup, why = setup_of(Result(xr.Dataset(attrs={"scenario_text": text})), own)
+    assert setup is not None
+    assert why == ""
