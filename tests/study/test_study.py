@@ -22,6 +22,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from distributed import Client
+from distributed.security import Security
 from distributed.utils import get_mp_context
 from support.runs import SCENARIOS
 from support.studies import AXES, study_file
@@ -33,7 +34,7 @@ from wrsim.report.study import study_page
 from wrsim.results import Result, write_atomically
 from wrsim.results.ledger import Keeper, digest_of, keeping
 from wrsim.study import task
-from wrsim.study.cluster import ONE_THREAD, local_workers, slurm_cluster, workers_at
+from wrsim.study.cluster import CA, CERT, KEY, ONE_THREAD, local_workers, slurm_cluster, slurm_security, workers_at
 from wrsim.study.collect import collected, markers_of, rows_of_cases
 from wrsim.study.engine import execute, kinds, missing
 from wrsim.study.plan import PLAN, Plan, planned
@@ -372,16 +373,24 @@ def test_a_dry_run_lists_cases_and_foretells_the_time(serial: Plan) -> None:
     assert not elsewhere.exists()
 
 
-def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_jobs_of_slurm_have_one_thread_and_leave_ctrl_c_as_it_was(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     if find_spec("dask_jobqueue") is None:
         pytest.skip("no dask-jobqueue here")
     for name in ("dask_jobqueue", "dask_jobqueue.runner"):  # imported anew
         monkeypatch.delitem(sys.modules, name, raising=False)
     before = signal.getsignal(signal.SIGINT)
-    with slurm_cluster() as cluster:
+    with slurm_security(None, tmp_path) as security, slurm_cluster(security) as cluster:
         script = cluster.job_script()
+        assert cluster.scheduler_address.startswith("tls://") and not cluster.scheduler.services
+        (private,) = tmp_path.iterdir()
+        assert private.stat().st_mode & 0o077 == 0
+        assert all(f"{private}/{name}.pem" in script for name in ("ca", "cert", "key"))
+    assert not list(tmp_path.iterdir())
     assert signal.getsignal(signal.SIGINT) is before
     assert "#SBATCH --cpus-per-task=1" in script and "--nthreads 1" in script
+    assert "--no-dashboard --worker-class wrsim.study.nodes.QuietWorker --protocol tls://" in script
     assert all(f"export {name}=1" in script for name in ONE_THREAD)
 
 
@@ -389,19 +398,34 @@ def test_nobody_at_the_address_of_the_scheduler_is_one_sentence(monkeypatch: pyt
     monkeypatch.setattr("wrsim.study.cluster.WAIT", 1)
     with (
         pytest.raises(InputError, match=r"--scheduler tcp://127\.0\.0\.1:9: no dask scheduler answers there"),
-        workers_at("tcp://127.0.0.1:9"),
+        workers_at("tcp://127.0.0.1:9", None),
     ):
         pass
 
 
 @pytest.fixture
-def standing_scheduler(serial: Plan, tmp_path: Path) -> Iterator[str]:
+def certificates(tmp_path: Path) -> Path:
+    """A folder of certificates."""
+    security = Security.temporary()
+    for name, text in (
+        (CA, security.tls_ca_file),
+        (CERT, security.tls_client_cert),
+        (KEY, security.tls_client_key),
+    ):
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+@pytest.fixture
+def standing_scheduler(serial: Plan, certificates: Path, tmp_path: Path) -> Iterator[str]:
     """Address of a dask scheduler that somebody has started, with one worker, as the page on studies says."""
     file, quiet = tmp_path / "scheduler.json", {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     program = [sys.executable, "-m", "dask"]
-    own = ["--scheduler-file", str(file)]
+    named = {"scheduler-file": file, "tls-ca-file": certificates / CA}
+    named |= {"tls-cert": certificates / CERT, "tls-key": certificates / KEY}
+    own = [f"--{option}={path}" for option, path in named.items()]
     commands = (
-        [*program, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", *own],
+        [*program, "scheduler", "--host", "tls://127.0.0.1:0", "--no-dashboard", *own],
         [
             *program,
             "worker",
@@ -427,12 +451,14 @@ def standing_scheduler(serial: Plan, tmp_path: Path) -> Iterator[str]:
 
 
 def test_workers_of_a_scheduler_that_stands_already_come_to_the_same_numbers(
-    serial: Plan, standing_scheduler: str, tmp_path: Path
+    serial: Plan, standing_scheduler: str, certificates: Path, tmp_path: Path
 ) -> None:
     few = AXES.replace("[0.1, 0.3]", "[0.1]").replace("to = 50", "to = 45")
     out = tmp_path / "out"
     command = ["study", str(study_file(tmp_path, few)), "-o", str(out), "--scheduler", standing_scheduler]
-    told = runner.invoke(app, [*command, "--no-pictures", "--json"])
+    refused = runner.invoke(app, command)
+    assert refused.exit_code == 2 and "needs certificates: give --tls DIR" in refused.output
+    told = runner.invoke(app, [*command, "--tls", str(certificates), "--no-pictures", "--json"])
     assert told.exit_code == 0, told.output
     assert json.loads(told.stdout)["status"] == {"completed": 2}
     kept = {path.parent.name: Result.load(path).dataset for path in Path(serial.folder).rglob("result.nc")}

@@ -37,6 +37,12 @@ Workers = Annotated[
     ),
 ]
 Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Use the workers of this dask scheduler.")]
+Tls = Annotated[
+    Path | None,
+    typer.Option(
+        "--tls", metavar="DIR", help="Certificates for --scheduler or --slurm: a folder with ca.pem, cert.pem, key.pem."
+    ),
+]
 Slurm = Annotated[bool, typer.Option("--slurm", help="Run the workers as SLURM jobs (extra wrsim\\[cluster]).")]
 SectionsOf = Annotated[
     Path | None,

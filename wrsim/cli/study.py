@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wrsim.cli.ending import STOPPED, reporting_errors
-from wrsim.cli.options import Force, Json, Models, Output, Pictures, Quiet, Scheduler, Slurm, Workers
+from wrsim.cli.options import Force, Json, Models, Output, Pictures, Quiet, Scheduler, Slurm, Tls, Workers
 from wrsim.cli.showing import complain, print_json, print_table, print_title, progress_bar, say, say_files
 from wrsim.errors import InputError
 
@@ -31,6 +31,7 @@ def study(
     workers: Workers = None,
     scheduler: Scheduler = None,
     slurm: Slurm = False,
+    tls: Tls = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="List the cases and the time they will take; run nothing.")
     ] = False,
@@ -43,7 +44,7 @@ def study(
 ) -> None:
     """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
     with reporting_errors(as_json):
-        check_crew(workers, scheduler, slurm)
+        check_crew(workers, scheduler, slurm, tls)
         from wrsim.results.ledger import Keeper, Ledger, keeping
         from wrsim.study.collect import markers_of, report_of, write_study
         from wrsim.study.engine import missing
@@ -63,7 +64,7 @@ def study(
                 say(f"{len(plan.cases)} cases" + (f", {kept} of them known already" if kept else ""))
             try:
                 if todo:
-                    with crew(workers, scheduler, slurm, quiet or as_json, len(todo)) as work:
+                    with crew(workers, scheduler, slurm, tls, quiet or as_json, len(todo)) as work:
                         work(plan, todo)
             except KeyboardInterrupt:
                 write_study(plan, markers_of(plan), pictures=False)
@@ -89,15 +90,25 @@ def study(
             raise typer.Exit(STOPPED)
 
 
-def check_crew(workers: int | None, scheduler: str | None, slurm: bool) -> None:
-    """Raises ``InputError`` for options that name workers twice."""
+def check_crew(workers: int | None, scheduler: str | None, slurm: bool, tls: Path | None) -> None:
+    """Raises ``InputError`` for options that do not go together; warns of a scheduler that listens to everybody."""
+    from wrsim.study.cluster import address_of
+
     if scheduler is not None and (slurm or workers is not None):
         raise InputError("--scheduler: its workers are there already: leave out --workers and --slurm")
+    open_to_all = scheduler is not None and address_of(scheduler).startswith("tcp://")
+    if tls is not None and (open_to_all or not (scheduler or slurm)):
+        raise InputError(f"--tls {tls}: is for --slurm and --scheduler tls://...")
+    if open_to_all:
+        complain(
+            f"warning: --scheduler {scheduler} is neither encrypted nor authenticated: whoever reaches it can execute "
+            "programs as you; start it with certificates and take tls:// (docs/security.md)"
+        )
 
 
 @contextmanager
 def crew(
-    count: int | None, scheduler: str | None, slurm: bool, quiet: bool, most: int
+    count: int | None, scheduler: str | None, slurm: bool, tls: Path | None, quiet: bool, most: int
 ) -> Iterator[Callable[[Plan, Sequence[int]], None]]:
     """A function that lets workers do cases of a plan; they come when it is called first, and stay until the end.
 
@@ -116,9 +127,9 @@ def crew(
 
     def opened(plan: Plan, first: Sequence[int]) -> Client:
         if scheduler is not None:
-            return stack.enter_context(cluster.workers_at(scheduler))
+            return stack.enter_context(cluster.workers_at(cluster.address_of(scheduler), tls))
         if slurm:
-            return stack.enter_context(cluster.slurm_workers(hands))
+            return stack.enter_context(cluster.slurm_workers(hands, tls, Path(plan.folder)))
         for i in first:  # compile once
             compile_for(plan.scenario(plan.cases[i]))
         return stack.enter_context(cluster.local_workers(min(hands, most)))

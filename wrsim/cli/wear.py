@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Force, Json, Models, Output, Pictures, Quiet, Scheduler, Slurm, Workers
+from wrsim.cli.options import Force, Json, Models, Output, Pictures, Quiet, Scheduler, Slurm, Tls, Workers
 from wrsim.cli.showing import print_json, print_table, print_title, say
 from wrsim.cli.study import check_crew, crew
 
@@ -22,6 +22,7 @@ def wear(
     workers: Workers = None,
     scheduler: Scheduler = None,
     slurm: Slurm = False,
+    tls: Tls = None,
     models: Models = None,
     pictures: Pictures = True,
     force: Force = False,
@@ -36,7 +37,7 @@ def wear(
         from wrsim.study.service.service import read_service
         from wrsim.study.service.steps import steps_of
 
-        check_crew(workers, scheduler, slurm)
+        check_crew(workers, scheduler, slurm, tls)
         directory = output if output is not None else Path("results") / file.stem
         service, reads = read_service(file, models or ())
         silent = quiet or as_json
@@ -47,7 +48,7 @@ def wear(
         with (
             Ledger(directory).locked(),
             keeping(keeper),
-            crew(workers, scheduler, slurm, silent, most) as work,
+            crew(workers, scheduler, slurm, tls, silent, most) as work,
         ):
             keeper.check_folder(directory, OUTPUTS)
             try:

@@ -1,4 +1,8 @@
-"""Where the cases run: workers of dask.distributed on this machine, at an address, or under SLURM."""
+"""Where the cases run: workers of dask.distributed on this machine, at an address, or under SLURM.
+
+Whoever can talk to a scheduler or a worker can let it execute anything, and they to whoever connects: all of them talk
+TLS, and each shows a certificate (docs/security.md).
+"""
 
 from __future__ import annotations
 
@@ -7,12 +11,15 @@ import os
 import signal
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from wrsim.errors import InputError, WrsimError
 
 if TYPE_CHECKING:
     from distributed import Client
+    from distributed.security import Security
 
 ONE_THREAD = {name: "1" for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
 """Environment of a worker: it computes one case at a time, on one processor."""
@@ -23,50 +30,116 @@ MEMORY = "2GB"
 """Asked of SLURM for a worker where the user's dask-jobqueue configuration says nothing."""
 
 
+CA, CERT, KEY = "ca.pem", "cert.pem", "key.pem"
+"""A folder of certificates: of the authority, one's own, its key."""
+
+
+def security_of(folder: Path | None, *roles: str) -> Security | None:
+    """The certificates in a folder, for some of the roles client, scheduler, worker.
+
+    Without a folder those of the user's configuration of dask (``distributed.comm.tls``), None where it has none.
+    Raises ``InputError`` for files that cannot be used.
+    """
+    from distributed.security import Security
+
+    given: dict[str, Any] = {}
+    if folder is not None:
+        given["tls_ca_file"] = str(folder.resolve() / CA)
+        for role in roles:
+            given[f"tls_{role}_cert"], given[f"tls_{role}_key"] = (str(folder.resolve() / n) for n in (CERT, KEY))
+    security = Security(require_encryption=True, **given)
+    for role in roles:
+        files = security.get_tls_config_for_role(role)
+        if not files["ca_file"] or not files["cert"]:
+            return None
+        try:
+            security.get_connection_args(role)
+        except (OSError, ValueError) as error:  # SSLError is an OSError
+            where = folder or ", ".join(files[part] for part in ("ca_file", "cert", "key") if files[part])
+            why = getattr(error, "strerror", None) or error
+            raise InputError(f"{where}: {CA}, {CERT} and {KEY} must be PEM files that go together ({why})") from None
+    return security
+
+
 @contextmanager
 def local_workers(count: int) -> Iterator[Client]:
-    """So many worker processes on this machine; one that dies is started again."""
-    from distributed import Client, LocalCluster
+    """So many worker processes on this machine; one that dies is started again.
 
+    They listen on the loopback interface, and answer who has the certificate that is made here and lies in no file.
+    """
+    from distributed import Client, Nanny, SpecCluster
+    from distributed.security import Security
+    from distributed.system import MEMORY_LIMIT
+
+    from wrsim.study.nodes import QuietScheduler, QuietWorker
+
+    security = Security.temporary()
+    here: dict[str, Any] = {"host": LOOPBACK, "protocol": "tls://", "security": security, "dashboard": False}
+    own = {"worker_class": QuietWorker, "nthreads": 1, "memory_limit": MEMORY_LIMIT // count}
+    told = {"env": ONE_THREAD | QUIET, "silence_logs": logging.CRITICAL}
+    worker = {"cls": Nanny, "options": here | own | told}
     with (
         _settings(),
-        LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            processes=True,
-            dashboard_address=":0",  # any free port: several studies may run
+        SpecCluster(
+            scheduler={"cls": QuietScheduler, "options": here},
+            worker=worker,
+            workers=dict.fromkeys(range(count), worker),
+            security=security,
             silence_logs=logging.CRITICAL,
-            env=ONE_THREAD | QUIET,
         ) as cluster,
         closing(Client(cluster, set_as_default=False)) as client,
     ):
         yield client
 
 
+LOOPBACK = "127.0.0.1"
+
+
+def address_of(scheduler: str) -> str:
+    """An address with its protocol, TLS unless it has one. Raises ``InputError`` if that is neither TLS nor TCP."""
+    protocol, _, rest = scheduler.rpartition("://")
+    if protocol not in ("", "tls", "tcp"):
+        raise InputError(f"--scheduler {scheduler}: must begin with tls:// or tcp://")
+    return f"{protocol or 'tls'}://{rest}"
+
+
 @contextmanager
-def workers_at(address: str) -> Iterator[Client]:
-    """The workers of a scheduler that runs already. Raises ``InputError`` when nobody answers there."""
+def workers_at(address: str, certificates: Path | None) -> Iterator[Client]:
+    """The workers of a scheduler that runs already; address: see `address_of`.
+
+    Raises ``InputError`` when nobody answers there, or certificates are lacking.
+    """
     from distributed import Client
 
     with _settings():
+        encrypted = address.startswith("tls://")
+        security = security_of(certificates, "client") if encrypted else None
+        if encrypted and security is None:
+            raise InputError(
+                f"--scheduler {address}: needs certificates: give --tls DIR, a folder with {CA}, {CERT} and {KEY}, "
+                "or set them in the configuration of dask (distributed.comm.tls)"
+            )
         try:
-            client = Client(address, timeout=WAIT, set_as_default=False)
-        except (OSError, TimeoutError, ValueError) as error:
+            client = Client(address, timeout=WAIT, set_as_default=False, security=security)
+        except (OSError, RuntimeError, TimeoutError, ValueError) as error:
             why = str(error).split("\n")[0] or type(error).__name__
             raise InputError(
                 f"--scheduler {address}: no dask scheduler answers there ({why}); must be an address such as "
-                "tcp://10.0.0.1:8786, as 'dask scheduler' prints it"
+                "tls://10.0.0.1:8786, as 'dask scheduler' prints it"
             ) from None
         with closing(client):
             yield client
 
 
 @contextmanager
-def slurm_workers(count: int) -> Iterator[Client]:
-    """So many jobs of one worker each. Raises ``InputError`` where dask-jobqueue or SLURM are missing."""
+def slurm_workers(count: int, certificates: Path | None, folder: Path) -> Iterator[Client]:
+    """So many jobs of one worker each; folder: one that all nodes see.
+
+    Raises ``InputError`` where dask-jobqueue or SLURM are missing.
+    """
     from distributed import Client
 
-    with _settings(), slurm_cluster() as cluster:
+    with _settings(), slurm_security(certificates, folder) as security, slurm_cluster(security) as cluster:
         try:
             cluster.scale(count)
         except (OSError, RuntimeError) as error:
@@ -75,7 +148,27 @@ def slurm_workers(count: int) -> Iterator[Client]:
             yield client
 
 
-def slurm_cluster() -> Any:
+@contextmanager
+def slurm_security(certificates: Path | None, folder: Path) -> Iterator[Security]:
+    """What scheduler, jobs and client show each other.
+
+    Where nothing names certificates, they are made: in files that the jobs find in a folder, that only this user may
+    read, and that go when the cluster goes.
+    """
+    from distributed.security import Security
+
+    roles = ("client", "scheduler", "worker")
+    if named := security_of(certificates, *roles):
+        yield named
+        return
+    made = Security.temporary()
+    with TemporaryDirectory(prefix=".tls-", dir=folder) as private:
+        for name, text in ((CA, made.tls_ca_file), (CERT, made.tls_client_cert), (KEY, made.tls_client_key)):
+            (Path(private) / name).write_text(text)
+        yield security_of(Path(private), *roles) or made
+
+
+def slurm_cluster(security: Security) -> Any:
     """A cluster of SLURM jobs, none submitted yet.
 
     Queue, account, memory and time come from the user's dask-jobqueue configuration (``~/.config/dask/jobqueue.yaml``).
@@ -89,15 +182,27 @@ def slurm_cluster() -> Any:
     finally:  # importing it makes Ctrl-C end the process with 0 and without a word
         if signal.getsignal(signal.SIGINT) is not before:
             signal.signal(signal.SIGINT, before)
+    from wrsim.study.nodes import QuietScheduler, QuietWorker
 
-    prologue = dask.config.get("jobqueue.slurm.job-script-prologue", None) or []
+    def configured(key: str, otherwise: Any) -> Any:
+        return dask.config.get(f"jobqueue.slurm.{key}", None) or otherwise
+
+    quiet = ["--no-dashboard", "--worker-class", f"{QuietWorker.__module__}.{QuietWorker.__name__}"]
     return SLURMCluster(
         cores=1,
         processes=1,
-        memory=dask.config.get("jobqueue.slurm.memory", None) or MEMORY,
-        job_script_prologue=[*prologue, *(f"export {name}={value}" for name, value in (ONE_THREAD | QUIET).items())],
+        memory=configured("memory", MEMORY),
+        security=security,
+        worker_extra_args=[*configured("worker-extra-args", []), *quiet],
+        job_script_prologue=[
+            *configured("job-script-prologue", []),
+            *(f"export {name}={value}" for name, value in (ONE_THREAD | QUIET).items()),
+            "export DASK_TEMPORARY_DIRECTORY=$(mktemp -d)",  # see _settings
+            "trap 'rm -rf \"$DASK_TEMPORARY_DIRECTORY\"' EXIT",
+        ],
         silence_logs=logging.CRITICAL,
-        scheduler_options={"dashboard_address": ":0"},
+        scheduler_cls=QuietScheduler,
+        scheduler_options=configured("scheduler-options", {}) | {"dashboard": False},
     )
 
 
@@ -107,7 +212,10 @@ WAIT = 20
 
 @contextmanager
 def _settings() -> Iterator[None]:
-    """Settings of dask for a study: silent, and no limit to how often a healthy worker may be lost."""
+    """Settings of dask for a study: silent, no limit to how often a healthy worker may be lost, a folder of its own.
+
+    dask puts its folder of temporary files first where modules are looked up; the usual one belongs to who made it.
+    """
     try:
         import dask
     except ImportError:
@@ -116,8 +224,15 @@ def _settings() -> Iterator[None]:
     level = logger.level
     logger.setLevel(logging.CRITICAL)
     try:
-        with dask.config.set(
-            {"distributed.scheduler.allowed-failures": ATTEMPTS - 1, "logging.distributed": "critical"}
+        with (
+            TemporaryDirectory(prefix="wrsim-") as folder,
+            dask.config.set(
+                {
+                    "distributed.scheduler.allowed-failures": ATTEMPTS - 1,
+                    "logging.distributed": "critical",
+                    "temporary-directory": folder,
+                }
+            ),
         ):
             yield
     finally:
