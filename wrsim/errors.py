@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from difflib import get_close_matches
+from functools import lru_cache
 
 
 class WrsimError(Exception):
@@ -30,8 +31,13 @@ class SimulationError(WrsimError):
 
 def nearest(word: str, allowed: Sequence[str]) -> str | None:
     """Return the allowed word most like ``word``, regardless of capitals, or None."""
+    return _nearest(word.lower(), tuple(allowed))
+
+
+@lru_cache(maxsize=1024)
+def _nearest(word: str, allowed: tuple[str, ...]) -> str | None:
     small = {a.lower(): a for a in allowed}
-    near = get_close_matches(word.lower(), list(small), n=1, cutoff=0.6)
+    near = get_close_matches(word, list(small), n=1, cutoff=0.6)
     return small[near[0]] if near else None
 
 

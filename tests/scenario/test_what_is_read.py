@@ -12,12 +12,16 @@ from support.scenario_texts import edited
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.track import segments
+from wrsim.inputs.lines import key_lines
+from wrsim.inputs.section import MOST_FAULTS
 from wrsim.inputs.toml_files import LARGEST, read_bytes, read_text, shown, within
 from wrsim.report.view import setup_of
 from wrsim.results import Result
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.merging import MOST_BASES
+from wrsim.vehicle.vehicle_files import load_vehicle
 
 CURVE = (SCENARIOS / "curve_r300.toml").read_text()
 POSES = (SCENARIOS / "static_s1002.toml").read_text()
@@ -137,3 +141,54 @@ def test_a_result_with_its_models_beside_it_is_shown_whole(tmp_path):
     setup, why = setup_of(Result(xr.Dataset(attrs={"scenario_text": text})), own)
     assert setup is not None
     assert why == ""
+
+
+def test_the_hands_of_many_curves_are_found_in_one_go(monkeypatch):
+    looked_at = []
+    monkeypatch.setattr(segments, "_hand", lambda arc: looked_at.append(arc) or 1.0)
+    row = [segments.Straight(5.0), segments.Arc(5.0, 3000.0)] * 300
+    segments.laws(row, 1.435, 1.0)
+    assert len(looked_at) <= 3 * len(row)
+
+
+def test_a_value_of_many_lines_leaves_the_keys_behind_it_their_lines():
+    text = "a = [" + '\n"]", # [\n' * 500 + ']\n"b = 1".c = """\n[d]\n"""""\n[[e]]\nf = {x = [1,\n 2]}\n[[e]]\nf = 1\n'
+    lines = key_lines(text)
+    assert lines == {
+        ("a",): 1,
+        ("b = 1",): 1002,
+        ("b = 1", "c"): 1002,
+        ("e",): 1005,
+        ("e", 0): 1005,
+        ("e", 0, "f"): 1006,
+        ("e", 1): 1008,
+        ("e", 1, "f"): 1009,
+    }
+
+
+def test_of_many_faults_the_first_are_told_and_the_rest_is_counted():
+    with pytest.raises(InputError) as told:
+        load_text(CURVE + "".join(f"\n[unknown_{i}]" for i in range(500)))
+    lines = str(told.value).split("\n")
+    assert len(lines) == MOST_FAULTS + 1
+    assert lines[-1] == f"scenario: and {500 - MOST_FAULTS} more faults"
+
+
+@pytest.mark.parametrize("key", [".".join("a" * 200_000), "[" + " . ".join(["'b'"] * 100_000) + "]"])
+def test_a_key_of_very_many_parts_is_refused_without_a_wait(key):
+    with pytest.raises(InputError, match="nested too deeply; at most 30 levels"):
+        load_text(f"{CURVE}\n{key}" + ("" if key.startswith("[") else " = 1"))
+
+
+def test_a_number_of_very_many_digits_is_refused_with_its_line():
+    with pytest.raises(InputError, match=r"^scenario:2: a whole number of 5000 digits; at most 4300 are read$"):
+        load_text(f"title = 'x'\nnumber = {'1' * 5000}")
+
+
+def test_parts_that_hold_each_other_many_times_over_are_refused(tmp_path):
+    places = "".join(f'[[parts.p{{i}}.places]]\nname = "n{k}"\npart = "p{{j}}"\nat_mm = [0, 0, 0]\n' for k in range(9))
+    parts = "".join(places.format(i=i, j=i + 1) for i in range(7)) + "[parts.p7]\n"
+    head = 'name = "x"\nsource = "x"\ndate = 2026-01-01\n[[places]]\nname = "a"\npart = "p0"\nat_mm = [0, 0, 0]\n'
+    (tmp_path / "car.toml").write_text(head + parts)
+    with pytest.raises(InputError, match="is one too many: a vehicle has at most 1000 parts"):
+        load_vehicle(tmp_path / "car.toml")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -10,7 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from wrsim.errors import InputError
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
-from wrsim.inputs.section import ABSENT, FAULT, STRICT, Section
+from wrsim.inputs.section import ABSENT, FAULT, MOST_FAULTS, STRICT, Section
 from wrsim.inputs.toml_files import parse_toml, read_text, shown
 from wrsim.inputs.values import refusal
 
@@ -37,7 +37,13 @@ def check(section: type[S], data: dict[str, Any], locate: Locate) -> S:
     try:
         return section.model_validate(data)
     except ValidationError as error:
-        raise InputError("\n".join(_lines(error, locate))) from None
+        raise InputError(listed(_lines(error, locate), locate(()))) from None
+
+
+def listed(faults: Sequence[str], where: str) -> str:
+    """The first of many faults, a line each, and how many more there are; where: the file."""
+    more = [f"{where}: and {len(faults) - MOST_FAULTS} more faults"] if len(faults) > MOST_FAULTS else []
+    return "\n".join([*faults[:MOST_FAULTS], *more])
 
 
 def check_value(kind: Any, value: Any, name: str) -> Any:

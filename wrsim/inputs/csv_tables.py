@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError, nearest
+from wrsim.inputs.checking import listed
+from wrsim.inputs.section import MOST_FAULTS
 from wrsim.inputs.toml_files import read_text, shown
 from wrsim.inputs.values import limits_of, unpacked, words
 
 MOST_ROWS = 2_000_000
-MOST_FAULTS = 20
-"""Faults of one table that are listed before the rest is only counted."""
-
 Row = tuple[int, list[str]]
 """Number of a line, and its cells."""
 
@@ -67,18 +67,18 @@ def _cells(path: Path, number: int, line: str, separator: str) -> Row:
 
 def _refuse(path: Path, faults: list[str]) -> None:
     if faults:
-        more = [f"{path}: and {len(faults) - MOST_FAULTS} more faults"] if len(faults) > MOST_FAULTS else []
-        raise InputError("\n".join(faults[:MOST_FAULTS] + more))
+        raise InputError(listed(faults, str(path)))
 
 
 def _header_faults(header: list[str], where: str, columns: Mapping[str, Any], needed: Sequence[str]) -> list[str]:
     faults, guessed = [], set()
     for name in header:
         if name not in columns:
-            guessed.add(near := nearest(name, list(columns)))
+            near = nearest(name, list(columns)) if len(faults) < MOST_FAULTS else None  # more are not told
+            guessed.add(near)
             hint = f"did you mean '{near}'?" if near else f"the columns are {', '.join(columns)}"
             faults.append(f"{where}: column {shown(name)}: unknown; {hint}")
-    twice = sorted({name for name in header if header.count(name) > 1})
+    twice = sorted(name for name, times in Counter(header).items() if times > 1)
     faults += [f"{where}: column {shown(name)}: stands there twice" for name in twice]
     missing = [n for n in needed if n not in header and n not in guessed]
     return faults + [f"{where}: column '{n}' is missing; the columns are {', '.join(columns)}" for n in missing]

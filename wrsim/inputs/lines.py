@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import re
 import tomllib
+from functools import lru_cache
 from typing import Any
 
 KeyPath = tuple[str | int, ...]
 
-LONGEST_VALUE = 200
-"""Lines of one value (an array over many lines) after which the search for line numbers is given up."""
-
 _HEADER = re.compile(r"\s*\[")
-_KEY = re.compile(r"""\s*(?P<key>(?:[A-Za-z0-9_.\-\s]|"[^"\n]*"|'[^'\n]*')+?)\s*=(?P<value>.*)""", re.DOTALL)
+_KEY = re.compile(r"""(?:[A-Za-z0-9_.\-\s]|"[^"\n]*"|'[^'\n]*')+=""")
+_TOKEN = re.compile(
+    r"""\"{3}(?:\\.|[^\\])*?\"{3,5} | '{3}.*?'{3,5} | "(?:\\.|[^"\\])*" | '[^']*' | \#[^\n]* | [\[\]{}\n]""",
+    re.DOTALL | re.VERBOSE,
+)
+"""What decides where a value ends: texts and comments, in which brackets mean nothing, brackets, ends of lines."""
 
 
 def key_lines(text: str) -> dict[KeyPath, int]:
@@ -22,7 +25,7 @@ def key_lines(text: str) -> dict[KeyPath, int]:
     text that the scan cannot follow gives an empty result, so that no message ever names a wrong line.
     """
     try:
-        return _scan(text.splitlines(keepends=True))
+        return _scan(text)
     except (tomllib.TOMLDecodeError, ValueError, RecursionError):
         return {}
 
@@ -35,57 +38,55 @@ def line_of(lines: dict[KeyPath, int], path: KeyPath) -> int | None:
     return None
 
 
-def _scan(source: list[str]) -> dict[KeyPath, int]:
+def _scan(text: str) -> dict[KeyPath, int]:
     found: dict[KeyPath, int] = {}
     entries: dict[KeyPath, int] = {}  # number of entries so far of every array of tables
     table: KeyPath = ()
-    i = 0
-    while i < len(source):
-        start, line = i, source[i]
-        i += 1
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
+    at, row = 0, 1
+    while at < len(text):
+        end = text.find("\n", at) + 1 or len(text)
+        line = text[at:end].strip()
         if _HEADER.match(line):
-            parsed = tomllib.loads(line)
-            keys, is_array = _only_keys(parsed)
+            keys, is_array = _keys_of(line)
             table = ()
             for position, key in enumerate(keys):
                 table += (key,)
                 if is_array and position == len(keys) - 1:
                     entries[table] = entries.get(table, 0) + 1
-                    found.setdefault(table, start + 1)
+                    found.setdefault(table, row)
                 if table in entries:
                     table += (entries[table] - 1,)
-            found.setdefault(table, start + 1)
-            continue
-        match = _KEY.match(line)
-        if match is None:
-            raise ValueError("not a key")
-        value = match["value"]
-        while not _is_value(value):
-            if i >= len(source) or i - start > LONGEST_VALUE:
-                raise ValueError("value without end")
-            value += source[i]
-            i += 1
-        path = table
-        for key in _only_keys(tomllib.loads(match["key"] + " = 0"))[0]:
-            path += (key,)
-            found.setdefault(path, start + 1)
+            found.setdefault(table, row)
+        elif line and not line.startswith("#"):
+            match = _KEY.match(text, at, end)
+            if match is None:
+                raise ValueError("not a key")
+            path = table
+            for key in _keys_of(match[0] + "0")[0]:
+                path += (key,)
+                found.setdefault(path, row)
+            end = _end_of_value(text, match.end())
+        row += text.count("\n", at, end)
+        at = end
     return found
 
 
-def _is_value(text: str) -> bool:
-    try:
-        tomllib.loads("x =" + text)
-    except tomllib.TOMLDecodeError:
-        return False
-    return True
+def _end_of_value(text: str, at: int) -> int:
+    """Where the line ends on which a value ends that begins at a place of a valid text."""
+    depth = 0
+    for token in _TOKEN.finditer(text, at):
+        depth += (token[0] in "[{") - (token[0] in "]}")
+        if token[0] == "\n" and depth == 0:
+            return token.end()
+    return len(text)
 
 
-def _only_keys(tree: Any) -> tuple[list[str], bool]:
-    """Keys of a tree with one branch, from the root; True if the branch ends in an array of tables."""
+@lru_cache(maxsize=1024)
+def _keys_of(line: str) -> tuple[tuple[str, ...], bool]:
+    """The keys that a line names, from the root; True for the header of an entry in an array of tables."""
     keys: list[str] = []
+    tree: Any = tomllib.loads(line)
     while isinstance(tree, dict) and tree:
         ((key, tree),) = tree.items()
         keys.append(key)
-    return keys, isinstance(tree, list)
+    return tuple(keys), isinstance(tree, list)

@@ -25,6 +25,9 @@ STRICT = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=Fals
 FAULT, ABSENT = "fault", "absent"
 """Our kinds of faults; all others are pydantic's and not yet in our words."""
 
+MOST_FAULTS = 50
+"""Faults of one file that are told; more are counted."""
+
 UNITS = {
     "m": "m", "mm": "mm", "km": "km", "in": "inches", "ft": "feet", "kmh": "km/h", "mps": "m/s",
     "s": "s", "ms": "ms", "us": "microseconds", "N": "N", "kN": "kN", "kg": "kg", "t": "t", "kg_m2": "kg m2",
@@ -125,7 +128,8 @@ class Section(BaseModel):
             if key in cls.model_fields:
                 data[key] = value
                 continue
-            message, meant = cls._unknown(str(key), raw)
+            few = len(faults) < MOST_FAULTS  # more are not told
+            message, meant = cls._unknown(str(key), raw) if few else ("unknown key", None)
             faults.append(_detail(FAULT, message, (str(key),), value))
             if meant is not None and meant not in raw:
                 guessed.add(meant)

@@ -22,6 +22,10 @@ _BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 DEEPEST = 30
 """Levels of tables and lists in each other; no file of ours has more than six."""
+_LONG_KEY = re.compile(rf"""(?<![\w.-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{DEEPEST + 1}}}""")
+"""Tables in each other by one key; tomllib takes time with the square of their number."""
+_LONG_NUMBER = re.compile(r"(?<![\w.])\d(?:_?\d){4300,}")
+"""More digits than Python reads."""
 
 
 LARGEST = 64_000_000
@@ -137,6 +141,8 @@ def parse_toml(text: str, name: str) -> dict[str, Any]:
     Raises InputError with file, line, column, the line itself and, for frequent slips, a hint.
     """
     too_deep = f"{name}: tables or arrays are nested too deeply; at most {DEEPEST} levels are read"
+    if _LONG_KEY.search(text):
+        raise InputError(too_deep)
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -144,6 +150,9 @@ def parse_toml(text: str, name: str) -> dict[str, Any]:
     except RecursionError:
         raise InputError(too_deep) from None
     except ValueError as error:
+        if digits := _LONG_NUMBER.search(text):
+            row, count = text.count("\n", 0, digits.start()) + 1, len(digits[0].replace("_", ""))
+            raise InputError(f"{name}:{row}: a whole number of {count} digits; at most 4300 are read") from None
         raise InputError(f"{name}: not valid TOML: {error}") from None
     if is_too_deep(data):
         raise InputError(too_deep)

@@ -23,6 +23,8 @@ from wrsim.vehicle.wheelset import Wheelset
 
 DEEPEST = 8
 """Levels of parts inside of parts."""
+MOST = 1000
+"""Parts in their places, and bodies and wheelsets, of one vehicle: its matrices grow with their square."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,8 @@ class Assembly:
     """By the name of an element with friction: names that its normal spring may have, where it is named, and how."""
     written: dict[str, tuple[str, str]] = field(default_factory=dict)
     """By the name of an element: what its place puts before it, and its name as the file has it."""
+    placed: int = 0
+    """Parts that were put in their places, for bodies and once more for elements."""
 
     def add(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:
         """Put the vehicle together from its outermost part, which stands at ``path`` of the file; place: of it."""
@@ -163,6 +167,9 @@ class Assembly:
             raise self._fault((*path, "part"), f"is no part; there is {known}", table.part)
         if place.depth >= DEEPEST:
             raise self._fault((*path, "part"), f"parts lie in parts more than {DEEPEST} deep", table.part)
+        self.placed += 1
+        if self.placed > 2 * MOST:
+            raise self._fault((*path, "part"), f"is one too many: a vehicle has at most {MOST} parts", table.part)
         x, y, z = ((-s if axis in table.mirror else s) for s, axis in zip(place.axes.signs, "xyz", strict=True))
         axes = Axes(place.axes.point(table.at_mm), (x, y, z))
         inner = Place(f"{place.prefix}{table.name}.", axes, place.depth + 1)
@@ -173,6 +180,8 @@ class Assembly:
         if name == TRACK or "." in name:
             message = f"'{name}' cannot be the name of a body: '{TRACK}' is taken and points are for parts"
             raise self._fault(path, message)
+        if len(self.bodies) + len(self.wheelsets) + len(self.boxes) >= MOST:
+            raise self._fault(path, f"is one too many: a vehicle has at most {MOST} bodies and wheelsets")
         return place.prefix + name
 
     def _body(

@@ -7,6 +7,7 @@ docs/vehicles.md and docs/trains.md for the formats.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -176,7 +177,7 @@ def check_connected(vehicle: Vehicle) -> None:
         raise InputError("the vehicle has no wheelset: a table [wheelsets.NAME] is needed")
     for what, named in (("elements", vehicle.elements), ("loads", vehicle.loads)):
         names = [each.name for each in named]
-        twice = sorted({name for name in names if names.count(name) > 1})
+        twice = sorted(name for name, times in Counter(names).items() if times > 1)
         if twice:
             raise InputError(f"{what} need names of their own; these stand for more than one: {', '.join(twice)}")
     held = {TRACK, GUIDE, *(mounted.name for mounted in vehicle.wheelsets), *vehicle.boxes}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -147,8 +148,8 @@ def _table(path: Path) -> tuple[list[str], list[list[str]], list[int], str]:
     decimal = "," if separator != "," and any("," in line for _, line in lines[1:50]) else "."
     cells = [[c.strip() for c in row] for row in csv.reader((line for _, line in lines), delimiter=separator)]
     header = cells[0]
-    for name in header:
-        if header.count(name) > 1:
+    for name, times in Counter(header).items():
+        if times > 1:
             raise InputError(f"{path}:{lines[0][0]}: column '{name}' stands there twice")
     for (i, _), row in zip(lines, cells, strict=True):
         if len(row) != len(header):

@@ -160,11 +160,13 @@ class Bump:
 
     def jet(self, s: Array) -> Jet:
         """See `Shape`."""
-        k = 2.0 * np.pi / self.length
+        k, half = 2.0 * np.pi / self.length, 0.5 * self.amplitude
         x = s - self.start
-        inside = (x >= 0.0) & (x <= self.length)
-        half = np.where(inside, 0.5 * self.amplitude, 0.0)
-        return half * (1.0 - np.cos(k * x)), half * k * np.sin(k * x), half * k * k * np.cos(k * x)
+        inside = (x >= 0.0) & (x <= self.length)  # a small part of a track, which may have a thousand bumps
+        x = x[inside]
+        jet = np.zeros((3, *s.shape))
+        jet[:, inside] = half * (1.0 - np.cos(k * x)), half * k * np.sin(k * x), half * k * k * np.cos(k * x)
+        return jet[0], jet[1], jet[2]
 
     def breaks(self) -> Array:
         """See `Shape`."""

@@ -67,7 +67,7 @@ class SpectrumSection(Section):
     """Where they begin."""
     to_m: Place | None = None
     """Where they end; the end of the track unless given."""
-    fade_m: Annotated[float, positive(1000, "m over which they begin and end")] = 20.0
+    fade_m: Annotated[float, number(0.01, 1000, "m over which they begin and end")] = 20.0
     """Length over which they begin and end smoothly."""
 
     def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
@@ -101,7 +101,7 @@ class TableSection(Section):
     """Factor on all amplitudes."""
     from_m: Place = 0.0
     """Where on the track the table begins."""
-    fade_m: Annotated[float, positive(1000, "m over which they begin and end")] = 20.0
+    fade_m: Annotated[float, number(0.01, 1000, "m over which they begin and end")] = 20.0
     """Length over which they begin and end smoothly."""
 
     def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
