@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 from wrsim.analysis import run
 from wrsim.cli import app
 from wrsim.results import CHANNELS, Result
+from wrsim.results.exports import export
 from wrsim.scenario.loading import load
 
 runner = CliRunner()
@@ -148,3 +149,10 @@ def test_what_cannot_be_exported_is_one_sentence(tmp_path: Path) -> None:
     assert answer.exit_code == 2 and "'matt' is none of mat, csv, parquet, mdf (did you mean 'mat'?)" in answer.output
     answer = runner.invoke(app, ["export", str(tmp_path), "--to", "mdf"])
     assert answer.exit_code == 2 and "MDF keeps signals over time" in answer.output
+
+
+def test_words_in_an_exported_table_are_no_formulas(tmp_path: Path) -> None:
+    dataset = static_poses()
+    dataset["pose"] = [f"=1+{i}" for i in range(dataset.sizes["pose"])]
+    export(Result(dataset), "csv", tmp_path / "result.csv")
+    assert list(pd.read_csv(tmp_path / "result.csv")["pose"])[:2] == ["'=1+0", "'=1+1"]

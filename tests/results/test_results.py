@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import errno
+import io
 import json
 import os
 import re
@@ -19,6 +20,7 @@ from support.synthetic_result import curve_run, static_poses
 
 from wrsim.errors import InputError, WrsimError
 from wrsim.results import CHANNELS, Result, assemble, channel, sealed, summarise, tables, write_atomically, write_run
+from wrsim.results.files import as_csv
 from wrsim.results.sealed import read_sealed, write_sealed
 
 ROOT = Path(__file__).parents[2]
@@ -491,3 +493,12 @@ def test_the_numbers_of_a_study_are_sealed_too(share, tmp_path):
     path.write_bytes(bytes(content))
     with pytest.raises(InputError, match=r"study\.nc: .*run the study again|study\.nc: not a wrsim study"):
         read_sealed(path, "study")
+
+
+def test_no_cell_of_a_table_is_a_formula_to_a_spreadsheet():
+    harmless = ["-1.5", "+2e-3", "-inf", "nan", "", "curve", "a=b", "1-2"]
+    formulas = ["=1+1", "+cmd", "-2+3", "@SUM(A1)", "\t=1", "  @A1", '=HYPERLINK("x","y")']
+    (header, row, broken) = csv.reader(io.StringIO(as_csv([harmless, formulas, ["a\r=1+1"]]).decode(), newline=""))
+    assert header == harmless
+    assert row == [f"'{cell}" for cell in formulas]
+    assert broken == ["a =1+1"]

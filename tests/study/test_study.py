@@ -36,7 +36,7 @@ from wrsim.results.ledger import Keeper, digest_of, keeping
 from wrsim.study import task
 from wrsim.study.cluster import CA, CERT, KEY, ONE_THREAD, local_workers, slurm_cluster, slurm_security, workers_at
 from wrsim.study.collect import collected, markers_of, rows_of_cases
-from wrsim.study.engine import execute, kinds, missing
+from wrsim.study.engine import _note_killed, execute, kinds, missing
 from wrsim.study.plan import PLAN, Plan, planned
 from wrsim.study.task import Marker, compile_for, run_case
 
@@ -316,6 +316,41 @@ def test_a_case_that_kills_its_workers_is_an_entry_and_spares_the_others(workers
     execute(workers, plan, missing(plan))
     assert [m.status for m in markers(plan)] == ["failed", "completed"]
     assert "4 workers died at it" in markers(plan)[0].message
+    assert "die.py ends the process" in markers(plan)[0].message
+
+
+def test_a_hook_that_is_mended_takes_its_numbers_from_kept_results(serial: Plan, tmp_path: Path) -> None:
+    shutil.copytree(serial.folder, tmp_path / "out")
+    few = AXES.replace("[0.1, 0.3]", "[0.1]").replace("to = 50", "to = 40")
+    (tmp_path / "h.py").write_text("import os\nos._exit(7)\ndef numbers(result): pass\n")
+    file = study_file(tmp_path, few, '[outputs]\nhook = "h.py:numbers"\n')
+    spoiled = plan_of(file, tmp_path / "out")
+    _note_killed(spoiled, 0)
+    assert [m.status for m in markers(spoiled)] == ["failed"] and not missing(spoiled)
+    (tmp_path / "h.py").write_text("import time\ntime.sleep(1e6)\ndef numbers(result): pass\n")
+    hanging = plan_of(file, tmp_path / "out")
+    (hanging.folder_of(hanging.cases[0]) / task.HUNG).write_text("where it hung")
+    in_this_process(hanging)
+    assert [m.status for m in markers(hanging)] == ["out of time"] and not missing(hanging)
+    (tmp_path / "h.py").write_text("def numbers(result):\n    return {'samples': result.dataset.sizes['time']}\n")
+    mended = plan_of(file, tmp_path / "out")
+    in_this_process(mended)
+    ((marker,), (before, *_)) = markers(mended), markers(serial)
+    assert marker.status == "completed" and marker.numbers["samples"] > 0
+    assert not marker.resumed and marker.simulation == 0.0 and before.simulation > 0.0  # nothing ran
+
+
+def test_a_fault_of_a_hook_in_a_later_case_is_told(serial: Plan, tmp_path: Path, unpainted: None) -> None:
+    shutil.copytree(serial.folder, tmp_path / "out")
+    (tmp_path / "h.py").write_text(
+        "def numbers(result):\n    return {'one': 1 / ('friction 0.3' not in result.title)}\n"
+    )
+    plan = plan_of(study_file(tmp_path, AXES, '[outputs]\nhook = "h.py:numbers"\n'), tmp_path / "out")
+    in_this_process(plan)
+    answer = runner.invoke(app, ["study", str(tmp_path / "study.toml"), "-o", str(tmp_path / "out")])
+    assert "3 cases lack outputs, study.csv says which: outputs.hook: " in answer.output
+    table = (tmp_path / "out" / "study.csv").read_text()
+    assert table.count("ZeroDivisionError") == 3
 
 
 def test_an_output_that_cannot_be_had_stops_the_study_at_its_first_case(workers: Client, tmp_path: Path) -> None:

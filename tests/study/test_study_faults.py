@@ -6,11 +6,15 @@ from pathlib import Path
 
 import pytest
 from support.studies import AXES, study_file
+from support.synthetic_result import curve_run
 from typer.testing import CliRunner
 
 from wrsim.cli import app
 from wrsim.errors import InputError
+from wrsim.results import Result
+from wrsim.study.outputs import outputs_of
 from wrsim.study.plan import planned
+from wrsim.study.spec import OutputsSection
 
 runner = CliRunner()
 GRID = '[[vary]]\nkind = "grid"\nkey = "{}"\nvalues = {}\n'
@@ -59,6 +63,7 @@ OVER = '[[vary]]\nkind = "sobol"\nsamples = {}\n[[vary.over]]\nkey = "contact.fr
         (AXES + "[outputs]\nassessment = ['Y_over_P']\n", r'outputs\.assessment.*did you mean "Y_over_Q"'),
         (AXES + "[outputs]\nhook = 'no.py:f'\n", r"study\.toml:\d+: outputs\.hook = \"no\.py:f\": not found in"),
         (AXES + "[outputs]\nhook = 'h.py:nmubers'\n", r"h\.py has no function 'nmubers' \(did you mean 'numbers'\?\)"),
+        (AXES + "[outputs]\nhook = 'bad.py:f'\n", r"outputs\.hook = .*bad\.py: is no Python: .*invalid syntax"),
         (AXES + "[outputs]\nhook = 'h.py'\n", r"outputs\.hook = \"h\.py\": must be a file and a function"),
         (
             AXES + '[[outputs.channels]]\nchannel = "Yy"\nreduce = "max"\n',
@@ -80,6 +85,7 @@ def test_every_fault_of_a_study_file_is_one_clear_error(axes: str, message: str,
     (tmp_path / "bad.csv").write_text("contact.friction,vehicle.speed_kmh\n0.1,40\n0.2\n")
     (tmp_path / "head.csv").write_text("# keys\nvehicle.speed_kmh\n")
     (tmp_path / "key.csv").write_text("contact.frction\n0.2\n")
+    (tmp_path / "bad.py").write_text("def f(:\n")
     (tmp_path / "h.py").write_text("def numbers(result):\n    return {}\n")
     with pytest.raises(InputError, match=message) as problem:
         planned(study_file(tmp_path, axes), tmp_path / "out")
@@ -106,3 +112,26 @@ def test_files_of_the_user_are_not_written_over(tmp_path: Path) -> None:
     answer = runner.invoke(app, ["study", str(file), "-o", str(tmp_path / "out")])
     assert answer.exit_code == 2 and "wrsim did not write it" in answer.output
     assert (tmp_path / "out" / "study.csv").read_text() == "mine"
+
+
+HOOKS = ("def numbers(result): pass", "from math import fsum as numbers", "numbers = print", "from math import *")
+
+
+@pytest.mark.parametrize("binding", [*HOOKS, "try:\n    import none\nexcept ImportError:\n    numbers = None"])
+def test_planning_executes_nothing_of_a_hook(binding: str, tmp_path: Path) -> None:
+    mine = tmp_path / "executed"
+    (tmp_path / "h.py").write_text(f"open({str(mine)!r}, 'w')\n{binding}\nraise SystemExit\n")
+    file = study_file(tmp_path, AXES + "[outputs]\nhook = 'h.py:numbers'\n")
+    answer = runner.invoke(app, ["study", str(file), "-o", str(tmp_path / "out"), "--dry-run"])
+    assert answer.exit_code == 0 and "6 cases, 6 to run" in answer.output
+    assert not mine.exists()
+
+
+@pytest.mark.parametrize("ending", ["raise SystemExit(3)", "raise KeyboardInterrupt", "import sys; sys.exit('enough')"])
+@pytest.mark.parametrize("place", ["", "def numbers(result): "])
+def test_a_hook_that_wants_to_end_the_process_is_a_fault_of_the_case(place: str, ending: str, tmp_path: Path) -> None:
+    (tmp_path / "h.py").write_text(place + ending)
+    found = outputs_of(Result(curve_run()), OutputsSection(hook="h.py:numbers"), tmp_path / "h.py")
+    (fault,) = found.faults
+    assert fault.startswith(f"outputs.hook: {tmp_path / 'h.py'}: numbers: ")
+    assert "SystemExit" in fault or "KeyboardInterrupt" in fault

@@ -84,6 +84,9 @@ def study(
                 print_study(report)
                 _say_other_code(markers)
                 say_files(len(files), directory)
+            lacking = [m for m in markers if m is not None and m.faults]
+            if lacking:
+                complain(f"{len(lacking)} cases lack outputs, study.csv says which: {lacking[0].faults[0]}")
             if failed:
                 complain(f"{failed} of {len(plan.cases)} cases have no result; --retry runs them again")
         if failed:

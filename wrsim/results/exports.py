@@ -15,7 +15,7 @@ import numpy as np
 
 from wrsim.errors import InputError, WrsimError, suggest
 from wrsim.results.columns import columns, frame
-from wrsim.results.files import write_atomically
+from wrsim.results.files import as_text, write_atomically
 from wrsim.results.result import Result
 
 FORMATS = ("mat", "csv", "parquet", "mdf")
@@ -43,7 +43,11 @@ def export(result: Result, format: str, path: Path) -> Path:
 
 
 def _csv(result: Result) -> bytes:
-    return frame(result.dataset).to_csv(index=False, float_format="%.10g", lineterminator="\n").encode()
+    table = frame(result.dataset)
+    for name, channel, values in columns(result.dataset):
+        if channel.kind == "text":
+            table[name] = [as_text(str(value)) for value in values]
+    return table.to_csv(index=False, float_format="%.10g", lineterminator="\n").encode()
 
 
 def _parquet(result: Result) -> bytes:

@@ -145,8 +145,12 @@ def _note_killed(plan: Plan, index: int) -> None:
     """The entry of a case that no worker survives."""
     case = plan.cases[index]
     folder = plan.folder_of(case)
-    if read_marker(folder) is None:
-        message = f"{2 * ATTEMPTS} workers died at it one after the other: too little memory, or a crash below Python"
+    marker = read_marker(folder)
+    if marker is None or marker.outputs != plan.outputs_digest:
+        hook = f", or {plan.hook} ends the process" if plan.hook else ""
+        message = (
+            f"{2 * ATTEMPTS} workers died at it one after the other: too little memory, a crash below Python{hook}"
+        )
         write_marker(
             folder, Marker(case.name, case.label, FAILED, message, outputs=plan.outputs_digest, ended=time.time())
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import importlib.util
 from collections.abc import Callable, Iterator, Mapping
@@ -184,28 +185,46 @@ def _take_hook(found: Outputs, result: Result, file: Path, function: str) -> Non
             found.take(name, value, _unit_in(name))
     except InputError as error:
         found.faults.append(str(error))
-    except Exception as error:
+    except BaseException as error:  # SystemExit too; Ctrl-C does not come to the thread in which a worker runs a case
         found.faults.append(f"outputs.hook: {file}: {function}: {type(error).__name__}: {error}")
 
 
 def hook_function(file: Path, function: str) -> Callable[[Result], Any]:
-    """The function of that name in a file of the user's, which is executed. Raises InputError when it is not there."""
+    """The function of that name in a file of the user's, which is executed: in workers only."""
     spec = importlib.util.spec_from_file_location(f"wrsim_hook_{file.stem}", file)
     if spec is None or spec.loader is None:
         raise InputError(f"outputs.hook: {file}: is no Python file")
     module: ModuleType = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    found = getattr(module, function, None)
-    if not callable(found):
-        names = list(_functions(module))
-        raise InputError(
-            f"outputs.hook: {file} has no function '{function}'{suggest(function, names)}; it has {', '.join(names)}"
-        )
-    return found  # type: ignore[no-any-return]
+    return getattr(module, function)  # type: ignore[no-any-return]
 
 
-def _functions(module: ModuleType) -> Iterator[str]:
-    return (name for name, value in vars(module).items() if callable(value) and not name.startswith("_"))
+def check_hook(file: Path, function: str) -> None:
+    """Raises ``InputError`` for a file that is no Python or binds no such name; nothing in it is executed."""
+    try:
+        tree = ast.parse(read_bytes(file, "Python file"))
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise InputError(f"{file}: is no Python: {error}") from None
+    names = list(dict.fromkeys(_bound(tree)))
+    if function not in names and "*" not in names:
+        offered = [name for name in names if not name.startswith("_")]
+        there = f"it has {', '.join(offered)}" if offered else "it has none"
+        raise InputError(f"{file} has no function '{function}'{suggest(function, offered)}; {there}")
+
+
+def _bound(tree: ast.Module) -> Iterator[str]:
+    """Names that the module may bind: functions, classes, imports, assignments; * where it imports all of another."""
+    within: list[ast.AST] = [tree]
+    while within:
+        for node in ast.iter_child_nodes(within.pop()):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+                yield node.name
+            elif isinstance(node, ast.alias):
+                yield (node.asname or node.name).partition(".")[0]
+            elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                yield node.id
+            else:
+                within.append(node)
 
 
 def outputs_digest(asked: OutputsSection, hook: Path | None) -> str:

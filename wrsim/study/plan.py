@@ -26,7 +26,7 @@ from wrsim.results.ledger import digest_of
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load, load_text
 from wrsim.study.axes import Points, points_of
-from wrsim.study.outputs import hook_function, outputs_digest
+from wrsim.study.outputs import check_hook, outputs_digest
 from wrsim.study.spec import MOST_CASES, OutputsSection, StudyFile
 
 CASES = "cases"
@@ -139,7 +139,7 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
             name, _, function = spec.outputs.hook.rpartition(":")
             try:
                 hook = str(finder.find(name).resolve())
-                _check_hook(Path(hook), function)
+                check_hook(Path(hook), function)
             except InputError as error:
                 raise InputError(fault_line(("outputs", "hook"), str(error), locate, spec.outputs.hook)) from None
         digest = outputs_digest(spec.outputs, Path(hook) if hook else None)
@@ -162,16 +162,6 @@ def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tupl
     )
     plan, models_read = with_cases(plan, base)
     return plan, tuple(dict.fromkeys((*seen, *models_read)))
-
-
-def _check_hook(path: Path, function: str) -> None:
-    """Raises InputError when a file cannot be executed or has no such function."""
-    try:
-        hook_function(path, function)
-    except InputError:
-        raise
-    except Exception as error:
-        raise InputError(f"{path}: cannot be executed: {type(error).__name__}: {error}") from None
 
 
 def _check_keys(axes: Sequence[Points]) -> None:

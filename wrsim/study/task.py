@@ -84,6 +84,12 @@ class Marker:
         """True if nothing is left to run; a larger limit gives a case that ran out of time another chance."""
         return self.status != LATE or self.time_limit >= plan.time_limit
 
+    def take(self, found: Outputs) -> None:
+        """Note the outputs, numbers as JSON knows them; the message says what could not be found."""
+        self.numbers = {name: value if abs(value) < float("inf") else None for name, value in found.numbers.items()}
+        self.units, self.faults = found.units, found.faults
+        self.message = self.message or "; ".join(found.faults)
+
 
 def read_marker(folder: Path) -> Marker | None:
     """The marker of a case; None where there is none."""
@@ -109,11 +115,12 @@ def run_case(study: str, digest: str, index: int) -> str:
     # in a worker, xarray would ask the scheduler for a lock on every file
     with dask.config.set(scheduler="synchronous"), _alone_in(folder, 2.0 * (plan.time_limit * 1.1 + GRACE)):
         marker = read_marker(folder)
-        if marker is not None and marker.has_come_to(plan):
-            if marker.outputs != plan.outputs_digest:
-                _reduce_again(plan, case, folder, marker)
-            return str(folder)
-        _attempt(plan, case, folder)
+        if _has_hung(plan, case, folder):
+            pass
+        elif marker is None or not marker.has_come_to(plan):
+            _attempt(plan, case, folder)
+        elif marker.outputs != plan.outputs_digest:
+            _reduce_again(plan, case, folder, marker)
     return str(folder)
 
 
@@ -133,22 +140,33 @@ def _alone_in(folder: Path, patience: float) -> Iterator[None]:
         yield
 
 
-def _attempt(plan: Plan, case: Case, folder: Path) -> None:
-    """Run the case and write its marker, whatever becomes of it."""
+def _marker(plan: Plan, case: Case) -> Marker:
+    """The marker of a case that begins."""
     marker = Marker(case.name, case.label, FAILED, "", outputs=plan.outputs_digest, time_limit=plan.time_limit)
     marker.began, marker.host, marker.process, marker.code = time.time(), platform.node(), os.getpid(), code_digest()
+    return marker
+
+
+def _has_hung(plan: Plan, case: Case, folder: Path) -> bool:
+    """True if the watchdog ended the process that had this case: its marker says so then."""
     hung = folder / HUNG
-    if hung.exists() and hung.stat().st_size > 0:
-        marker.status = LATE
-        marker.message = f"did not answer after {plan.time_limit:g} s; its process was ended, {HUNG} shows where it was"
-        os.replace(hung, folder / f"last_{HUNG}")
-        write_marker(folder, marker)
-        return
-    with _watched(hung, plan.time_limit * 1.1 + GRACE):
+    if not hung.exists() or hung.stat().st_size == 0:
+        return False
+    marker = _marker(plan, case)
+    marker.status = LATE
+    marker.message = f"did not answer after {plan.time_limit:g} s; its process was ended, {HUNG} shows where it was"
+    os.replace(hung, folder / f"last_{HUNG}")
+    write_marker(folder, marker)
+    return True
+
+
+def _attempt(plan: Plan, case: Case, folder: Path) -> None:
+    """Run the case and write its marker, whatever becomes of it."""
+    marker = _marker(plan, case)
+    with _watched(folder / HUNG, plan.time_limit * 1.1 + GRACE):
         begin = time.perf_counter()
         try:
-            found = _simulate(plan, case, folder, marker)
-            marker.numbers, marker.units, marker.faults = _plain(found), found.units, found.faults
+            marker.take(_simulate(plan, case, folder, marker))
         except OutOfTime as late:
             marker.status = LATE
             marker.message = (
@@ -223,23 +241,18 @@ def _run(scenario: Scenario, part: Path, limit: float, marker: Marker) -> Result
 
 def _reduce_again(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
     """Other outputs than before are asked for: from the result where it is kept, else from a new run."""
-    if marker.status in (LATE, FAILED):
-        marker.outputs = plan.outputs_digest
-    elif (folder / RESULT).exists():
+    if (folder / RESULT).exists():
         with _watched(folder / HUNG, plan.time_limit * 1.1 + GRACE):
             result = Result.load(folder / RESULT)
-            found = outputs_of(result, plan.asked(), Path(plan.hook) if plan.hook else None)
-        marker.numbers, marker.units, marker.faults = _plain(found), found.units, found.faults
+            marker.status, marker.message = status_of(result), result.stop_reason  # a hook may have spoiled them
+            marker.take(outputs_of(result, plan.asked(), Path(plan.hook) if plan.hook else None))
+        marker.outputs = plan.outputs_digest
+    elif marker.status in (LATE, FAILED):
         marker.outputs = plan.outputs_digest
     else:
         _attempt(plan, case, folder)
         return
     write_marker(folder, marker)
-
-
-def _plain(found: Outputs) -> dict[str, float | None]:
-    """Numbers as JSON knows them."""
-    return {name: value if abs(value) < float("inf") else None for name, value in found.numbers.items()}
 
 
 def warm(study: str, digest: str, indices: list[int]) -> str:
