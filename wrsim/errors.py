@@ -45,3 +45,12 @@ def suggest(word: str, allowed: Sequence[str]) -> str:
     """Return `` (did you mean 'x'?)`` for the nearest allowed word, or an empty string."""
     near = nearest(word, allowed)
     return f" (did you mean '{near}'?)" if near else ""
+
+
+_CONTROLS = {*range(0x20), *range(0x7F, 0xA0), *range(0x202A, 0x202F), *range(0x2066, 0x206A)} - {0x09, 0x0A}
+_PLAIN = dict.fromkeys(_CONTROLS, "\N{REPLACEMENT CHARACTER}")
+
+
+def plain(text: str) -> str:
+    """A text without characters that command a terminal: titles, names and paths come from anybody."""
+    return text.translate(_PLAIN)

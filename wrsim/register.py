@@ -23,8 +23,9 @@ class Analysis:
     track, of the record in which it is kept. recorded: a function of the set-up and the path of such a record.
 
     summary, csv_files, pictures: functions of the dataset of a result, which give its few numbers, its tables as text
-    and the makers of its pictures. printed: a function that prints the numbers of a result; further: one of a result, a
-    folder and whether there are to be pictures, which writes what a command leaves besides.
+    and the makers of its pictures. numbers: a function of the dataset and its summary, which gives the tables that
+    people read; further: one of a result, a folder and whether there are to be pictures, which writes what a command
+    leaves besides.
 
     own_track: it lays its own track, and something has to hold the speed; loaded: loads act in it; points: it needs
     points at which accelerations are kept; origins: rails may be placed by the origins of their profiles; conical:
@@ -38,7 +39,7 @@ class Analysis:
     summary: str = "wrsim.results.summary:of_contacts"
     csv_files: str = "wrsim.results.tables:of_contacts"
     pictures: str = "wrsim.plots.pictures:of_contacts"
-    printed: str = "wrsim.cli.peaks:print_peaks"
+    numbers: str = "wrsim.results.summary_tables:run_tables"
     further: str = ""
     own_track: bool = False
     loaded: bool = True
@@ -63,13 +64,13 @@ class Analysis:
         return bool(self.recorded)
 
 
-def _shown_by(room: str, printed: str = "wrsim.cli.showing:print_numbers") -> dict[str, Any]:
+def _shown_by(room: str) -> dict[str, Any]:
     """Functions of an analysis whose results are no contacts of wheels in poses or along the track."""
     return {
         "summary": f"wrsim.results.{room}:summary",
         "csv_files": f"wrsim.results.{room}:tables",
         "pictures": f"wrsim.plots.{room}:figures",
-        "printed": printed,
+        "numbers": f"wrsim.results.{room}:numbers",
     }
 
 
@@ -113,14 +114,14 @@ ANALYSES = {
             name="conicity",
             tables={"conicity": "wrsim.scenario.sections.conicity:ConicitySection"},
             run="wrsim.analysis.conicity.conicity:run_conicity",
-            **_shown_by("conicity", "wrsim.cli.conicity:print_conicity"),
+            **_shown_by("conicity"),
             loaded=False,
         ),
         Analysis(
             name="stability",
             tables={"stability": "wrsim.scenario.sections.stability:StabilitySection"},
             run="wrsim.analysis.stability.run:run_stability",
-            **_shown_by("stability", "wrsim.cli.stability:print_stability"),
+            **_shown_by("stability"),
             own_track=True,
             conical=True,
         ),
@@ -128,7 +129,7 @@ ANALYSES = {
             name="steady",
             tables={"steady": "wrsim.scenario.sections.steady:SteadySection"},
             run="wrsim.analysis.steady.steady:run_steady",
-            **_shown_by("steady", "wrsim.cli.stability:print_steady"),
+            **_shown_by("steady"),
             own_track=True,
         ),
     )

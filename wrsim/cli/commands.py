@@ -33,7 +33,6 @@ from wrsim.cli.options import (
     check_ending,
     with_set,
 )
-from wrsim.cli.peaks import print_wall_time
 from wrsim.cli.recording import recording
 from wrsim.cli.report import report
 from wrsim.cli.resolve import resolve
@@ -41,11 +40,11 @@ from wrsim.cli.riding import ride
 from wrsim.cli.showing import (
     complain,
     facts,
-    print_facts,
+    facts_table,
     print_files,
     print_json,
     print_result,
-    print_smoothing,
+    print_tables,
     progress_bar,
     say,
     say_files,
@@ -135,8 +134,7 @@ def check(file: ScenarioFile, values: Set = None, models: Models = None, as_json
         if as_json:
             print_json({"status": "valid", "scenario": str(file), "warnings": warnings(setup), **found})
         else:
-            say(f"{file}: valid")
-            print_facts(found)
+            print_tables([facts_table(f"{file}: valid", found)])
             warn(file, setup)
 
 
@@ -162,6 +160,7 @@ def run(
     While it lasts, a run is kept in DIR/result.nc.part, so that one that was cut off goes on with --resume.
     """
     with reporting_errors(as_json):
+        from wrsim.results.summary_tables import wall_time
         from wrsim.scenario.build import build
         from wrsim.scenario.loading import load
         from wrsim.simulation.threads import use_threads
@@ -225,7 +224,7 @@ def run(
             if not quiet:
                 print_result(result)
                 if "times_real_time" in took:
-                    print_wall_time(wall, lasted, compiling)
+                    say(wall_time(wall, lasted, compiling))
                 say_files(len(files), directory, len(removed))
             if code:
                 complain(f"{file}: stopped: {result.stop_reason}")
@@ -339,7 +338,9 @@ def profile(
             print_json({"files": [str(f) for f in files], **smoothing})
         else:
             if reports:
-                print_smoothing(reports)
+                from wrsim.results.smoothing import smoothing_table
+
+                print_tables([smoothing_table(reports)])
             print_files(files, as_json)
 
 

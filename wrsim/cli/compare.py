@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,19 +9,11 @@ import typer
 
 from wrsim.cli.ending import exit_code, reporting_errors
 from wrsim.cli.options import Force, Json, Models, Pictures, Quiet
-from wrsim.cli.showing import print_json, print_some, print_table, progress_bar, say, tell_slow
+from wrsim.cli.showing import print_json, print_tables, progress_bar, say, tell_slow
 from wrsim.cli.storing import writing
 
 if TYPE_CHECKING:
     from wrsim.analysis.compare import Comparison
-    from wrsim.results import Result
-
-SHOWN = ("p0", "area", "approach", "N", "contact_angle", "X", "Y", "T_gamma")
-"""Quantities in the table on the screen."""
-UNITS = {"relative": (100.0, "percent"), "of the normal force": (100.0, "percent"), "plain": (180.0 / pi, "deg")}
-"""Factor and unit of differences, by their kind."""
-FEW = 4
-"""Poses and wheels of a small comparison, whose values are printed one by one."""
 
 
 def compare(
@@ -50,6 +41,7 @@ def compare(
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
     with reporting_errors(as_json), writing(force, file):
         from wrsim.analysis.compare import compare as analyse
+        from wrsim.analysis.compare_tables import report_of, tables_of
         from wrsim.scenario.build import build
         from wrsim.scenario.contact_choice import split_names, with_contact_model
         from wrsim.scenario.loading import load
@@ -68,70 +60,20 @@ def compare(
         if as_json:
             print_json({**report, "files": [str(f) for f in files]})
         elif not quiet:
-            _print(found, report, directory, len(files))
+            print_tables(tables_of(found, report))
+            say(f"{len(files)} files in {directory}")
         code = max(exit_code(m.result) for m in found.models)
         if code:
             raise typer.Exit(code)
 
 
-def report_of(found: Comparison, scenario: str) -> dict[str, Any]:
-    """Everything in numbers: differences in per cent or degrees, times in microseconds and seconds."""
-    from wrsim.analysis.compare import DIFFERENCES, PLAIN, summary
-
-    models = {}
-    for model in found.models:
-        differences = {}
-        for quantity, numbers in summary(found, model.name).items():
-            factor, unit = UNITS[DIFFERENCES[quantity]]
-            differences[f"{quantity}_{unit}"] = {name: factor * value for name, value in numbers.items()}
-        dataset = model.result.dataset
-        unsolved = int((dataset["pose_message"].values != "").sum()) if "pose_message" in dataset else 0
-        models[model.name] = {
-            "status": model.result.status,
-            "unsolved_poses": unsolved,
-            "remarks": remarks_of(model.result),
-            "evaluation_us": None if model.evaluation_time != model.evaluation_time else 1e6 * model.evaluation_time,
-            "run_s": model.run_time,
-            "differences": differences,
-        }
-    kinds = {quantity: kind for quantity, kind in DIFFERENCES.items() if kind != PLAIN}
-    return {"scenario": scenario, "reference": found.reference, "relative_to": kinds, "models": models}
-
-
-def remarks_of(result: Result) -> list[str]:
-    """Events of a run, and what the contacts of poses have to say."""
-    summary = result.summary()
-    events = [f"{event['distance_m']:.1f} m: {event['event']}" for event in summary.get("events", [])]
-    return events + [f"{place}: {words}" for place, words in summary.get("remarks", {}).items()]
-
-
-def table_of(found: Comparison) -> list[list[str]]:
-    """One row per sample, wheel and model; the first is the header. Differences in per cent or degrees."""
-    import numpy as np
-
-    from wrsim.analysis.compare import DIFFERENCES
-    from wrsim.results import CHANNELS
-    from wrsim.results.rows import cells_of, number_cells, rows_of
-
-    values = found.values
-    sample = "time" if "time" in values.dims else "pose"
-    i, j, m = (index.ravel() for index in np.indices([values.sizes[d] for d in (sample, "wheel", "model")]))
-    context = [n for n in (sample, "distance", "lateral_shift", "yaw", "load") if n in values.coords]
-    columns = [(CHANNELS[n].column, cells_of(n, values[n].values[i])) for n in context]
-    columns += [("wheel", list(values["wheel"].values[j])), ("model", list(values["model"].values[m]))]
-    columns += [(CHANNELS[q].column, cells_of(q, values[q].values[m, i, j])) for q in DIFFERENCES]
-    for q, kind in DIFFERENCES.items():
-        difference = values[f"{q}_difference"].values[m, i, j]
-        columns.append((f"{q}_difference_{UNITS[kind][1]}", number_cells(UNITS[kind][0] * difference)))
-    return rows_of(columns)
-
-
 def _write(found: Comparison, report: dict[str, Any], directory: Path, pictures: bool, title: str) -> list[Path]:
+    from wrsim.analysis.compare_tables import rows_of_samples
     from wrsim.results.files import as_csv, as_json, write_atomically
 
     files = [
         write_atomically(directory / "comparison.json", as_json(report)),
-        write_atomically(directory / "comparison.csv", as_csv(table_of(found))),
+        write_atomically(directory / "comparison.csv", as_csv(rows_of_samples(found))),
     ]
     for model in found.models:
         folder = "".join(c if c.isalnum() or c in "-+._" else "_" for c in model.name)
@@ -152,38 +94,3 @@ def _write(found: Comparison, report: dict[str, Any], directory: Path, pictures:
             if all(has_patches(d) for d in each.values()):
                 files.append(save(patches_figure(each, words), directory / f"compare_patches{own}.png"))
     return files
-
-
-def _print(found: Comparison, report: dict[str, Any], directory: Path, files: int) -> None:
-    """The values when they are few, differences and times; a column for every model. And where everything is."""
-    from wrsim.analysis.compare import DIFFERENCES, OF_LOAD, PLAIN
-    from wrsim.results import CHANNELS
-
-    values, models = found.values, report["models"]
-    sample = "time" if "time" in values.dims else "pose"
-    rows: list[list[str]] = []
-    if values.sizes[sample] * values.sizes["wheel"] <= FEW:
-        for i, place in enumerate(values[sample].values):
-            for j, wheel in enumerate(values["wheel"].values):
-                rows.append([f"{place} {wheel}" if sample == "pose" else str(wheel)])
-                for q in SHOWN:
-                    numbers = values[q].values[:, i, j] * CHANNELS[q].shown.factor
-                    rows.append([CHANNELS[q].column, *("-" if n != n else f"{n:.5g}" for n in numbers)])
-    rows.append(["difference, median / 95 %"])
-    for q in SHOWN:
-        unit = {PLAIN: "deg", OF_LOAD: "% of N"}.get(DIFFERENCES[q], "%")
-        key = f"{q}_{UNITS[DIFFERENCES[q]][1]}"
-        known = [model["differences"].get(key) for model in models.values()]
-        cells = ["-" if t is None else f"{t['median']:.2g} / {t['p95']:.2g}" for t in known]
-        cells = ["reference" if n == found.reference else c for n, c in zip(models, cells, strict=True)]
-        rows.append([f"{q} ({unit})", *cells])
-    times = [model["evaluation_us"] for model in models.values()]
-    rows.append(["time"])
-    rows.append(["one contact (us)", *("-" if t is None else f"{t:.3g}" for t in times)])
-    rows.append(["all (s)", *(f"{model['run_s']:.3g}" for model in models.values())])
-    print_table(["", *models], rows, left=("",))
-    for name, model in models.items():
-        if model["unsolved_poses"]:
-            say(f"{name}: {model['unsolved_poses']} poses without a solution")
-        print_some([f"{name}: {words}" for words in model["remarks"]], "remarks")
-    say(f"{files} files in {directory}")

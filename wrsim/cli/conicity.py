@@ -11,7 +11,7 @@ import typer
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, Models, Pictures
-from wrsim.cli.showing import print_json, print_table, say
+from wrsim.cli.showing import print_json, print_result, print_tables, say
 from wrsim.cli.storing import writing
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def conicity(
         if as_json:
             print_json({**_numbers(result), "files": [str(f) for f in files]})
         else:
-            print_conicity(result)
+            print_result(result)
             for file in files:
                 say(str(file))
 
@@ -172,27 +172,24 @@ def _gauges(low: float, high: float, step: float) -> list[float]:
 def _tell_map(found: ConicityMap, title: str, output: Path | None, pictures: bool, as_json: bool) -> None:
     """``conicity_map.csv`` and ``conicity_map.png``, and the same on the screen."""
     from wrsim.results.files import csv_parts, write_atomically
+    from wrsim.results.render import as_records, as_rows
 
-    rows = found.rows()
+    table = found.table(title)
     files = []
     if output is not None:
-        files.append(write_atomically(output / "conicity_map.csv", csv_parts(rows)))
+        files.append(write_atomically(output / "conicity_map.csv", csv_parts(as_rows(table))))
         if pictures:
             from wrsim.plots import save
             from wrsim.plots.conicity_map import conicity_map_figure
 
             files.append(save(conicity_map_figure(found, title), output / "conicity_map.png"))
     if as_json:
-        table = [dict(zip(rows[0], row, strict=True)) for row in rows[1:]]
-        numbers = rows[0][2:]
-        cells = [{k: (float(v) if v else None) if k in numbers else v for k, v in row.items()} for row in table]
+        cells = as_records(table)
         print_json({"title": title, "map": cells, "gaps": list(found.reasons), "files": [str(f) for f in files]})
         return
-    heads = ("wheel", "rail", "gauge mm", "tan gamma_e, 3 mm", "nonlinearity 1/mm")
-    shown = [[*row[:3], *(f"{float(v):.3f}" if v else "-" for v in row[3:])] for row in rows[1:]]
-    print_table(heads, shown, title=title, left=heads[:2])
-    for line in [*found.reasons, *map(str, files)]:
-        say(line)
+    print_tables([table])
+    for file in files:
+        say(str(file))
 
 
 def _both(left: str, right: str) -> str:
@@ -223,46 +220,3 @@ def _numbers(result: Result) -> dict[str, Any]:
         "amplitude_mm": [round(1e3 * a, 9) for a in dataset["amplitude"].values.tolist()],
         "tan_gamma_e": [None if v != v else v for v in dataset["equivalent_conicity"].values.tolist()],
     }
-
-
-def print_conicity(result: Result) -> None:
-    """Every half millimetre: conicity and wavelength over amplitude, and what lies at that shift."""
-    import numpy as np
-
-    from wrsim.results.conicity import conicity_summary
-
-    dataset = result.wheelset()
-    summary = conicity_summary(dataset)
-    shift, amplitudes = 1e3 * dataset["lateral_shift"].values, 1e3 * dataset["amplitude"].values
-    rows = []
-    for i in np.flatnonzero(np.abs(2.0 * amplitudes - np.round(2.0 * amplitudes)) < 1e-6):
-        at = int(np.abs(shift - amplitudes[i]).argmin())
-        cells = [f"{amplitudes[i]:.1f}", f"{dataset['equivalent_conicity'].values[i]:.3f}"]
-        cells += [f"{dataset['conicity_wavelength'].values[i]:.2f}"]
-        cells += [f"{1e3 * dataset['rolling_radius_difference'].values[at]:.3f}"]
-        cells += [f"{angle:.2f}" for angle in np.degrees(dataset["contact_angle"].values[at, :, 0])]
-        rows.append([cell.replace("nan", "-") for cell in cells])
-    heads = ("y mm", "tan gamma_e", "wavelength m", "delta r mm", "angle left deg", "angle right deg")
-    print_table(heads, rows, title=result.title)
-    place = summary["equilibrium_shift_mm"]
-    say(f"amplitudes are counted from the equilibrium at y = {place:z.3f} mm; delta r and angles at y itself")
-    if summary["nonlinearity_per_mm"] is not None:
-        say(f"nonlinearity parameter {summary['nonlinearity_per_mm']:z.4f} per mm")
-    _print_steering(summary)
-
-
-def _print_steering(summary: dict[str, Any]) -> None:
-    """The radial steering index of the curves that were asked for."""
-    if "radial_steering" not in summary:
-        return
-    keys = ("curve_radius_m", "needed_mm", "available_mm", "q_E", "shift_mm")
-    rows = [
-        ["-" if curve[key] is None else f"{curve[key]:.4g}" for key in keys] for curve in summary["radial_steering"]
-    ]
-    angle = summary["flange_from_deg"]
-    print_table(
-        ("R m", "needed delta r mm", "available mm", "q_E", "at y mm"), rows, title="radial steering index [mem]"
-    )
-    smallest = summary["smallest_radial_curve_m"]
-    words = "nothing steers" if smallest is None else f"up to 1 from R {smallest:.0f} m"
-    say(f"q_E {words}; available: before the outer wheel's contact angle is {angle:g} deg")

@@ -10,7 +10,7 @@ import typer
 
 from wrsim.cli.ending import DIFFERENT, reporting_errors
 from wrsim.cli.options import AnyResult, Force, Json
-from wrsim.cli.showing import print_json, print_table, say
+from wrsim.cli.showing import print_json, print_tables, say
 from wrsim.cli.storing import read, writing
 from wrsim.errors import InputError
 
@@ -39,7 +39,8 @@ def diff(
 ) -> None:
     """Compare two results: peaks, medians in full curves, other numbers; exit code 4 when they differ."""
     with reporting_errors(as_json), writing(force, first, second):
-        from wrsim.results.differences import differences
+        from wrsim.results.differences import differences, table_of
+        from wrsim.results.render import as_records
 
         if not 0.0 <= tolerance < math.inf:
             raise InputError(f"--tolerance {tolerance:g}: must be a number not below 0, such as 0.01 for 1 %")
@@ -55,7 +56,7 @@ def diff(
                     "alike": alike,
                     "tolerance": tolerance,
                     "ends": words,
-                    "differences": [_as_dict(d) for d in found],
+                    "differences": as_records(table_of(found)),
                     "files": [str(f) for f in files],
                 }
             )
@@ -77,48 +78,23 @@ def _ends(one: Result, other: Result) -> list[str]:
     ]
 
 
-def _as_dict(d: Difference) -> dict[str, float | str | None]:
-    finite = math.isfinite(d.absolute)
-    return {
-        "place": d.place,
-        "quantity": d.quantity,
-        "a": d.first,
-        "b": d.second,
-        "difference": d.absolute if finite else None,
-        "relative": d.relative if finite else None,
-    }
-
-
-def _cells(d: Difference) -> list[str]:
-    numbers = ["-" if v is None else f"{v:.5g}" for v in (d.first, d.second)]
-    if not math.isfinite(d.absolute):
-        return [d.place, d.quantity, *numbers, "missing", ""]
-    return [d.place, d.quantity, *numbers, f"{d.absolute:.3g}", f"{100.0 * d.relative:.2g}"]
-
-
-HEADS = ("place", "quantity", "A", "B", "B - A", "% of largest")
-
-
 def _print(
     found: list[Difference], beyond: list[Difference], words: list[str], tolerance: float, names: tuple[Path, Path]
 ) -> None:
     """What is beyond the tolerance, or the largest differences where nothing is."""
-    for letter, name in zip("AB", names, strict=True):
-        say(f"{letter}: {name}")
+    from wrsim.results.differences import table_of
+    from wrsim.results.table import Table
+
     shown = (beyond or [d for d in found if d.relative > 0.0])[:LISTED]
-    if shown:
-        print_table(HEADS, [_cells(d) for d in shown], left=("place", "quantity"))
-    more = len(beyond) - LISTED
-    if more > 0:
-        say(f"... and {more} more; --json lists all")
-    for line in words:
-        say(line)
+    more = [f"... and {len(beyond) - LISTED} more; --json lists all"] if len(beyond) > LISTED else []
     if beyond:
-        say(f"{len(beyond)} of {len(found)} numbers differ by more than {100.0 * tolerance:g} %")
+        verdict = f"{len(beyond)} of {len(found)} numbers differ by more than {100.0 * tolerance:g} %"
     elif words:
-        say("the numbers are alike, the ends are not")
+        verdict = "the numbers are alike, the ends are not"
     else:
-        say(f"alike: {len(found)} numbers, none differs by more than {100.0 * tolerance:g} %")
+        verdict = f"alike: {len(found)} numbers, none differs by more than {100.0 * tolerance:g} %"
+    head = Table("", notes=tuple(f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)))
+    print_tables([head, *([table_of(shown)] if shown else []), Table("", notes=(*more, *words, verdict))])
 
 
 def _write(found: list[Difference], one: Result, other: Result, names: tuple[str, str], folder: Path) -> list[Path]:
@@ -126,14 +102,12 @@ def _write(found: list[Difference], one: Result, other: Result, names: tuple[str
     from wrsim.plots.diff import has_curves, overlay_figure
     from wrsim.plots.style import save
     from wrsim.results import write_atomically
+    from wrsim.results.differences import table_of
     from wrsim.results.files import as_csv
+    from wrsim.results.render import as_rows
     from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
-    rows = [["place", "quantity", "a", "b", "difference", "relative"]]
-    rows += [
-        ["" if v is None else f"{v:.10g}" if isinstance(v, float) else v for v in _as_dict(d).values()] for d in found
-    ]
-    files = [write_atomically(folder / "diff.csv", as_csv(rows))]
+    files = [write_atomically(folder / "diff.csv", as_csv(as_rows(table_of(found))))]
     datasets = (one.dataset, other.dataset)
     if all(has_curves(d) for d in datasets):
         worst = worst_wheelset(one.dataset)

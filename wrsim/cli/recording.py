@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, Models, Pictures
-from wrsim.cli.showing import print_json, print_table, say
+from wrsim.cli.showing import print_json, print_tables, say
 from wrsim.cli.storing import writing
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
     from wrsim.geometry.recording.restoring import Restored
-
-LONGEST_BAND = 500.0
-VEHICLE = "vehicles/manchester_1.toml"
 
 
 def recording(
@@ -66,6 +63,7 @@ def recording(
         from wrsim.geometry.recording.restoring import restore
         from wrsim.inputs.checking import check_value
         from wrsim.inputs.values import number
+        from wrsim.results.recording import LONGEST_BAND, recording_numbers, recording_tables
 
         if band is not None and band not in ("D1", "D2", "D3"):
             raise InputError(f"--band {band}: must be D1, D2 or D3")
@@ -90,9 +88,9 @@ def recording(
         directory = output or Path(file.stem)
         files = _write(restored, directory, vehicle, speed_kmh, models, pictures)
         if as_json:
-            print_json({**_numbers(restored), "files": [str(f) for f in files]})
+            print_json({**recording_numbers(restored), "files": [str(f) for f in files]})
             return
-        _print(restored)
+        print_tables(recording_tables(restored))
         say(f"{len(files)} files in {directory}; run it with: wrsim run {directory / 'scenario.toml'}")
 
 
@@ -124,64 +122,3 @@ def _write(
 
         files.append(save(recording_figure(restored), directory / "recording.png"))
     return files
-
-
-def _numbers(restored: Restored) -> dict[str, Any]:
-    """What --json tells."""
-    read = restored.recording
-    return {
-        "from_m": read.start,
-        "length_m": read.length,
-        "step_m": read.step,
-        "guessed": read.guessed,
-        "columns": [{"column": c.column, "is": c.words()} for c in read.columns.channels],
-        "unused": list(read.unused),
-        "undone": [
-            {
-                "column": c.column,
-                "wavelengths_m": [[low, None if high > LONGEST_BAND else high] for low, high in i.kept().tolist()],
-                "largest_factor": i.largest(),
-                "noise_factor": i.noise(read.step),
-            }
-            for c, i in restored.inverses
-        ],
-        "segments": [
-            {k: v for k, v in vars(s).items() if v} | {"kind": type(s).__name__.lower()} for s in restored.segments
-        ],
-        "notes": list(restored.notes),
-    }
-
-
-def _print(restored: Restored) -> None:
-    from wrsim.geometry.track.segments import Arc, Transition
-
-    read = restored.recording
-    by_column = {c.column: i for c, i in restored.inverses}
-    rows = []
-    for c in read.columns.channels:
-        inverse = by_column.get(c.column)
-        kept = "" if inverse is None else ", ".join(_range(*each) for each in inverse.kept().tolist()) or "none"
-        factors = ["", ""] if inverse is None else [f"{inverse.largest():.2g}", f"{inverse.noise(read.step):.2g}"]
-        rows.append([c.column, c.words(), kept, *factors])
-    title = "columns, told from their names" if read.guessed else "columns"
-    heads = ("column", "is", "waves that come back (m)", "largest factor", "of noise")
-    print_table(heads, rows, title=title, left=heads[:2], width=150)
-    if read.unused:
-        say(f"not used: {', '.join(read.unused)}")
-    at, design = 0.0, []
-    for s in restored.segments:
-        cells = [f"{read.start + at:.1f}", type(s).__name__.lower(), f"{s.length:.1f}", "", "", ""]
-        if isinstance(s, Transition):
-            cells[3] = s.form
-        elif isinstance(s, Arc):
-            cells[3:5] = f"R {s.radius:.1f}", f"{1e3 * s.cant:.1f}"
-            cells[5] = f"{1e3 * s.gauge_widening:.1f}" if s.gauge_widening else ""
-        design.append(cells)
-        at += s.length
-    print_table(("from m", "design", "length m", "", "cant mm", "wider mm"), design, left=("design",))
-    for note in restored.notes:
-        say(f"note: {note}")
-
-
-def _range(low: float, high: float) -> str:
-    return f"from {low:.3g}" if high > LONGEST_BAND else f"{low:.3g} to {high:.3g}"

@@ -76,9 +76,8 @@ def _report_alone(path: Path, kind: str, count: int, with_view: bool, target: Pa
         page = study_page(read_study(path), str(path))
     else:
         from wrsim.report.service import service_page
-        from wrsim.study.service.record import read_record, rows_of
+        from wrsim.study.service.record import read_record, table_of
 
         dataset = read_record(path)
-        header, *rows = rows_of(dataset)
-        page = service_page(dataset, str(path), [str(c) for c in header], [[str(c) for c in row] for row in rows])
+        page = service_page(dataset, str(path), table_of(dataset))
     print_files([write_atomically(target, page.encode())], as_json)

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, Models, Pictures, Quiet, beside
-from wrsim.cli.showing import print_json, print_some, print_table, progress_bar, say
+from wrsim.cli.showing import print_json, print_tables, progress_bar, say
 from wrsim.errors import InputError
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-
-COLUMNS = ("N", "p0", "area", "approach", "Fx", "Fy")
 
 
 def resolve(
@@ -51,7 +46,9 @@ def resolve(
         from wrsim.analysis.resolve import resolve as solve
         from wrsim.cli.storing import RECORD, claimed, read, write
         from wrsim.results import write_atomically
-        from wrsim.results.moments import moments_at
+        from wrsim.results.moments import moments_at, side_by_side
+        from wrsim.results.summary_tables import listed, remarks
+        from wrsim.results.table import Table
         from wrsim.scenario.loading import load_text
 
         before = read(result)
@@ -68,25 +65,6 @@ def resolve(
         if as_json:
             print_json({"directory": str(directory), "files": [str(f) for f in files], "summary": after.summary()})
         elif not quiet:
-            _print(before.wheelset(wheelset), after.wheelset())
-            print_some([f"{place}: {words}" for place, words in after.summary().get("remarks", {}).items()], "remarks")
+            said = listed(remarks(after.summary()), "remarks")
+            print_tables([side_by_side(before.wheelset(wheelset), after.wheelset()), Table("", notes=said)])
             say(f"{len(files)} files in {directory}")
-
-
-def _print(old: Dataset, new: Dataset) -> None:
-    """Largest patch of every moment and wheel, before and after."""
-    import numpy as np
-
-    from wrsim.results import CHANNELS
-
-    sample = "time" if "time" in new.dims else "pose"
-    rows = []
-    for i, place in enumerate(new[sample].values):
-        j = int(np.flatnonzero(old[sample].values == place)[0])
-        words = f"{float(new['distance'].values[i]):.1f} m" if sample == "time" else str(place)
-        for w, wheel in enumerate(new["wheel"].values):
-            for when, dataset, at in (("was", old, j), ("now", new, i)):
-                cells = [f"{dataset[c].values[at, w, 0] * CHANNELS[c].shown.factor:.4g}" for c in COLUMNS]
-                first = when == "was"
-                rows.append([words if first and w == 0 else "", str(wheel) if first else "", when, *cells])
-    print_table(["at", "wheel", "", *(CHANNELS[c].column for c in COLUMNS)], rows, left=("at", "wheel", ""))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Pictures, SectionsOf, beside
-from wrsim.cli.showing import complain, print_json, print_table, say
+from wrsim.cli.showing import complain, print_json, print_tables, say
 from wrsim.cli.storing import read, writing
 from wrsim.errors import InputError
 
@@ -37,7 +37,7 @@ def ride(
         if as_json:
             print_json(found.as_dict() | {"files": [str(f) for f in files]})
             return
-        print_ride(found)
+        print_tables([found.table()])
         say(f"{len(files)} files in {directory}")
 
 
@@ -66,18 +66,3 @@ def write_ride(found: Ride, directory: Path, pictures: bool) -> list[Path]:
 
         files += ride_pictures(found, directory)
     return files
-
-
-def print_ride(found: Ride) -> None:
-    """One row a point and axis."""
-    heads = ("point", "axis", "rms m/s²", "peak m/s²", "weighted rms", "95 % of 5 s", "N_MV")
-    rows = []
-    for point, of in found.as_dict()["points"].items():
-        for i, axis in enumerate(("x", "y", "z")):
-            row = [of[key][axis] for key in ("rms_m_s2", "peak_m_s2", "weighted_rms_m_s2", "comfort_95_m_s2")]
-            row.append(None if i else of["N_MV"])
-            rows.append(["" if i else point, axis, *("" if v is None else f"{v:.3g}" for v in row)])
-    stretch = f"{found.start:z.0f} to {found.end:.0f} m, {found.duration:.0f} s"
-    print_table(heads, rows, title=f"{found.title}: {stretch}", left=("point", "axis"))
-    blocks = int(found.data.attrs["blocks"])
-    say(f"weighted: Wd along x and y, Wb along z; {blocks} blocks of 5 s (EN 12299 asks for 60)")

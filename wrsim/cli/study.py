@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from wrsim.cli.ending import STOPPED, reporting_errors
 from wrsim.cli.options import Force, Json, Models, Output, Pictures, Quiet, Scheduler, Slurm, Tls, Workers
-from wrsim.cli.showing import complain, print_json, print_table, print_title, progress_bar, say, say_files
+from wrsim.cli.showing import complain, print_json, print_tables, progress_bar, say, say_files
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def study(
     with reporting_errors(as_json):
         check_crew(workers, scheduler, slurm, tls)
         from wrsim.results.ledger import Keeper, Ledger, keeping
-        from wrsim.study.collect import markers_of, report_of, write_study
+        from wrsim.study.collect import markers_of, report_of, tables_of, write_study
         from wrsim.study.engine import missing
         from wrsim.study.plan import planned
 
@@ -81,7 +81,7 @@ def study(
             )
         else:
             if not quiet:
-                print_study(report)
+                print_tables(tables_of(report))
                 _say_other_code(markers)
                 say_files(len(files), directory)
             lacking = [m for m in markers if m is not None and m.faults]
@@ -159,6 +159,7 @@ def crew(
 
 def _foretell(plan: Plan, count: int | None, as_json: bool) -> None:
     """The cases, which are known already, and how long the rest will take."""
+    from wrsim.results.table import Column, Table, duration
     from wrsim.study.cluster import processors
     from wrsim.study.collect import MISSING, markers_of
     from wrsim.study.engine import missing
@@ -177,34 +178,12 @@ def _foretell(plan: Plan, count: int | None, as_json: bool) -> None:
         expected = {"of_one_case_s": each, "on_workers": count, "of_all_s": total}
         print_json({"cases": cases, "missing": len(todo), "time": expected})
         return
-    rows = [[c.name, c.label, s] for c, s in zip(plan.cases[:LISTED], states, strict=False)]
-    print_table(("case", "values", "state"), rows, title=plan.title, left=("case", "values", "state"))
-    if len(plan.cases) > LISTED:
-        say(f"... and {len(plan.cases) - LISTED} more; --json lists all")
-    say(f"{len(plan.cases)} cases, {len(todo)} to run")
+    rows = [(c.name, c.label, s) for c, s in zip(plan.cases[:LISTED], states, strict=False)]
+    more = [f"... and {len(plan.cases) - LISTED} more; --json lists all"] if len(plan.cases) > LISTED else []
+    notes = [*more, f"{len(plan.cases)} cases, {len(todo)} to run"]
     if todo:
-        say(f"one case takes {in_time(each)} ({how}); on {count} workers the study takes {in_time(total)}")
-
-
-def in_time(seconds: float) -> str:
-    """A time in words."""
-    if seconds < 90.0:
-        return f"{seconds:.3g} s"
-    return f"{seconds / 60.0:.3g} min" if seconds < 5400.0 else f"{seconds / 3600.0:.3g} h"
-
-
-def print_study(report: dict[str, Any]) -> None:
-    """How the cases ended, and the range of every output."""
-    print_title(report["title"])
-    say(", ".join(f"{count} {status}" for status, count in report["status"].items()))
-    rows = [
-        [name, *(f"{own[n]:.5g}" for n in ("min", "median", "max")), own["unit"] if own["unit"] != "1" else ""]
-        for name, own in report["outputs"].items()
-    ]
-    if rows:
-        print_table(("output", "smallest", "median", "largest", "unit"), rows, left=("output", "unit"))
-    for entry in report["unfinished"][:LISTED]:
-        say(f"{entry['label']}: {entry['status']}: {entry['message']}")
+        notes.append(f"one case takes {duration(each)} ({how}); on {count} workers the study takes {duration(total)}")
+    print_tables([Table(plan.title, (Column("case"), Column("values"), Column("state")), rows, tuple(notes))])
 
 
 def _say_other_code(markers: Sequence[Marker | None]) -> None:

@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, Models, check_ending
-from wrsim.cli.showing import print_json, print_table, print_title, say
-from wrsim.cli.standing import (
-    check_asked,
-    leaning_facts,
-    loops_picture,
-    print_standing,
-    rotation_facts,
-    rotation_loops,
-    twist_facts,
-    twist_loop,
-    twisted_facts,
-    wheel_loads,
-)
+from wrsim.cli.showing import print_json, print_tables, say
 from wrsim.cli.storing import writing
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from wrsim.analysis.stationary.rotation_test import RotationTest
+    from wrsim.analysis.stationary.twist_test import TwistTest
     from wrsim.plots.vehicle import VehicleSketch
     from wrsim.vehicle.vehicle import Vehicle
 
@@ -72,6 +63,7 @@ def vehicle(
     still: sway, wheel unloading and the resistance of its bogies against rotation.
     """
     with reporting_errors(as_json), writing(force):
+        from wrsim.analysis.stationary import at_rest
         from wrsim.inputs.lookup import model_file, usual_finder
         from wrsim.vehicle.vehicle_files import load_vehicle
 
@@ -81,13 +73,13 @@ def vehicle(
         check_asked(twist_test, twists, rotation_test, loops)
         if loaded.members and (cant_deficiency or twist or twist_test or rotation_test):
             raise InputError(f"{file}: is a train; tests at rest are for one vehicle: give the file of one of them")
-        found = facts_of(loaded, cant_deficiency, twist)
-        twisted = twist_loop(loaded, twists) if twist_test else None
-        turned = rotation_loops(loaded, rotation_radius_m) if rotation_test else ()
+        found = at_rest.facts_at_rest(loaded, cant_deficiency, twist)
+        twisted = at_rest.twist_loop(loaded, twists) if twist_test else None
+        turned = at_rest.rotation_loops(loaded, rotation_radius_m) if rotation_test else ()
         if twisted is not None:
-            found["twist_test"] = twist_facts(loaded, twisted)
+            found["twist_test"] = at_rest.twist_facts(loaded, twisted)
         if turned:
-            found["rotation_test"] = rotation_facts(turned)
+            found["rotation_test"] = at_rest.rotation_facts(turned)
         if output is not None:
             from wrsim.plots.vehicle import vehicle_picture
 
@@ -97,101 +89,49 @@ def vehicle(
         if as_json:
             print_json(found)
         else:
-            _print(found)
+            print_tables(at_rest.tables_at_rest(found))
+            for key in ("picture", "loops"):
+                if key in found:
+                    say(found[key])
 
 
-def facts_of(vehicle: Vehicle, cant_deficiency: float | None = None, twist: float | None = None) -> dict[str, Any]:
-    """What the command prints; cant_deficiency [mm], twist [per mille]: of the tests at rest, none unless given."""
-    from wrsim.simulation.modes import natural_modes
-    from wrsim.simulation.statics import standing
+def check_asked(twist_test: bool, twists: tuple[float, float] | None, rotation_test: bool, loops: Path | None) -> None:
+    """Raise InputError for options without the test that they belong to, and for twists beyond all tracks."""
+    from wrsim.errors import InputError
 
-    trimmed = replace(vehicle, loads=())
-    rest = standing(trimmed)
-    facts = {
-        "name": vehicle.name,
-        "source": vehicle.source,
-        "mass_kg": vehicle.mass,
-        "centre_mm": [1e3 * float(c) for c in vehicle.centre],
-        "bodies": [b.name for b in vehicle.bodies],
-        "elements": len(vehicle.elements),
-        **wheel_loads(vehicle, rest.wheel_loads),
-        "modes": [
-            {"frequency_Hz": mode.frequency, "damping": mode.damping, "motion": mode.name}
-            for mode in natural_modes(trimmed)
-        ],
-    }
-    if vehicle.loads:
-        facts["under_loads"] = _under_loads(vehicle)
-    if cant_deficiency is not None:
-        facts["leaning"] = leaning_facts(trimmed, rest, cant_deficiency)
-    if twist is not None:
-        facts["twisted"] = twisted_facts(trimmed, rest, twist)
-    return facts
+    if twists is not None and not twist_test:
+        raise InputError("--twists belongs to --twist-test")
+    if loops is not None and not (twist_test or rotation_test):
+        raise InputError("--loops draws those of --twist-test and --rotation-test: ask for one of them")
+    for twist in twists or ():
+        if not 0.0 <= twist <= 20.0:
+            raise InputError(f"--twists {twist:g}: must be from 0 to 20 per mille")
 
 
-def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
-    """How it stands under its loads; why not, where it does not."""
-    from wrsim.errors import SimulationError
-    from wrsim.simulation.statics import standing
+def loops_picture(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest], path: Path) -> Path:
+    """Draw the loops of the tests."""
+    from math import degrees
 
-    try:
-        rest = standing(vehicle)
-    except SimulationError as error:
-        return {"problem": str(error)}
-    stops = [
-        {"name": e.name, "travel_mm": 1e3 * reading[e.travel_place], "force_kN": 1e-3 * reading[e.travel_place - 3]}
-        for e, reading in zip(vehicle.elements, rest.readings.tolist(), strict=True)
-        if e.limits and abs(reading[e.travel_place - 3]) > 0.0
-    ]
-    bodies = {
-        body.name: {"lateral_mm": 1e3 * y, "vertical_mm": 1e3 * z, "roll_mrad": 1e3 * roll}
-        for body, (y, z, roll) in zip(vehicle.bodies, rest.moved.tolist(), strict=True)
-    }
-    forces = {load.name: [1e-3 * f for f in load.largest] for load in vehicle.loads}
-    return {"loads_kN": forces, **wheel_loads(vehicle, rest.wheel_loads), "bodies": bodies, "bump_stops": stops}
+    from wrsim.plots import save
+    from wrsim.plots.stationary import Loop, loops_figure
 
-
-def _print(found: dict[str, Any]) -> None:
-    print_title(found["name"])
-    say(found["source"])
-    x, y, z = (round(c, 3) + 0.0 for c in found["centre_mm"])
-    say(f"mass {found['mass_kg']:.6g} kg, centre at x {x:g}, y {y:g}, z {z:g} mm")
-    _print_wheel_loads(found, "static wheel loads")
-    if "under_loads" in found:
-        _print_under_loads(found["under_loads"])
-    print_standing(found)
-    modes = [[f"{m['frequency_Hz']:.3f}", f"{m['damping']:z.3f}", m["motion"]] for m in found["modes"]]
-    if modes:
-        title = "modes on its springs, wheelsets held"
-        print_table(("Hz", "damping", "motion"), modes, title=title, left=("motion",))
-    for key in ("picture", "loops"):
-        if key in found:
-            say(found[key])
-
-
-def _print_wheel_loads(found: dict[str, Any], title: str) -> None:
-    rows = [[name, f"{q['left']:.3f}", f"{q['right']:.3f}"] for name, q in found["wheel_loads_kN"].items()]
-    rows.append(["together", f"{found['weight_kN']:.3f}", ""])
-    print_table(("wheelset", "left kN", "right kN"), rows, title=title, left=("wheelset",))
-
-
-def _print_under_loads(found: dict[str, Any]) -> None:
-    if "problem" in found:
-        say(found["problem"])
-        return
-    rows = [[name, *(f"{f:z.3f}" for f in force)] for name, force in found["loads_kN"].items()]
-    print_table(("load", "x kN", "y kN", "z kN"), rows, title="loads, at their largest", left=("load",))
-    _print_wheel_loads(found, "under the loads")
-    rows = [
-        [name, *(f"{moved[key]:z.2f}" for key in ("lateral_mm", "vertical_mm", "roll_mrad"))]
-        for name, moved in found["bodies"].items()
-    ]
-    if rows:
-        title = "bodies under the loads"
-        print_table(("body", "lateral mm", "vertical mm", "roll mrad"), rows, title=title, left=("body",))
-    stops = [[s["name"], f"{s['travel_mm']:.2f}", f"{s['force_kN']:.3f}"] for s in found["bump_stops"]]
-    if stops:
-        print_table(("bump stop", "travel mm", "force kN"), stops, title="bump stops in touch", left=("bump stop",))
+    found = []
+    if twisted is not None:
+        wheels = [
+            (f"{m.name} {side}", 1e-3 * twisted.wheel_loads[:, i, k])
+            for i, m in enumerate(vehicle.wheelsets[: (len(vehicle.wheelsets) + 1) // 2])
+            for k, side in enumerate(("left", "right"))
+        ]
+        found.append(Loop("part of the full twists", "wheel load Q [kN]", [(n, twisted.part, q) for n, q in wheels]))
+    if turned:
+        first = turned[0].bogie
+        lines = [
+            (f"{degrees(test.rate):g} deg/s", [degrees(a) for a in test.angle], 1e-3 * test.moment)
+            for test in turned
+            if test.bogie == first
+        ]
+        found.append(Loop(f"angle of {first.frame} [deg]", "moment [kNm]", lines))
+    return save(loops_figure(vehicle.name, found), path)
 
 
 def sketch_of(vehicle: Vehicle) -> VehicleSketch:

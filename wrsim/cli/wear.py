@@ -9,7 +9,7 @@ import typer
 
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import Force, Json, Models, Output, Pictures, Quiet, Scheduler, Slurm, Tls, Workers
-from wrsim.cli.showing import print_json, print_table, print_title, say
+from wrsim.cli.showing import print_json, print_tables, say
 from wrsim.cli.study import check_crew, crew
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def wear(
     with reporting_errors(as_json):
         from wrsim.results.ledger import Keeper, Ledger, keeping
         from wrsim.study.service.history import OUTPUTS, write_history
-        from wrsim.study.service.record import report_of, rows_of
+        from wrsim.study.service.record import report_of, table_of
         from wrsim.study.service.service import read_service
         from wrsim.study.service.steps import steps_of
 
@@ -55,7 +55,7 @@ def wear(
                 for step in steps_of(service, directory, work):
                     steps.append(step)
                     if not silent:
-                        _say_step(step, service.mileage)
+                        say(step.words(service.mileage))
             except KeyboardInterrupt:
                 raise KeyboardInterrupt(
                     f"interrupted; what is done is safe in {directory}: start the same command again to go on"
@@ -64,23 +64,5 @@ def wear(
         if as_json:
             print_json(report_of(dataset) | {"directory": str(directory), "files": [str(f) for f in files]})
         elif not quiet:
-            header, *rows = rows_of(dataset)
-            print_title(service.title)
-            print_table(
-                [str(cell) for cell in header], [[_short(str(cell)) for cell in row] for row in rows], width=110
-            )
+            print_tables([table_of(dataset)])
             say(f"{len(files)} files in {directory}")
-
-
-def _say_step(step: Step, mileage: float) -> None:
-    """One line on a step that is done."""
-    part = 100.0 * step.end / mileage
-    say(
-        f"step {step.number}: {1e-3 * step.start:.6g} to {1e-3 * step.end:.6g} km ({part:.0f} %), "
-        f"{1e3 * step.deepest * step.way:.3g} mm at the deepest, "
-        f"{1e6 * step.tread:.3g} g/km on the tread, {1e6 * step.flange:.3g} on the flange"
-    )
-
-
-def _short(cell: str) -> str:
-    return f"{float(cell):.5g}" if cell else ""

@@ -19,9 +19,10 @@ from matplotlib.figure import Figure
 from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
 from wrsim.plots.moments import PatchAt, moment_title
 from wrsim.plots.style import FULL_WIDTH, place, pressure_map, write
+from wrsim.results.channels import PATCHES
 from wrsim.results.moments import moment_dim, with_patches
 
-PATCH_NAMES = ("main patch", *(f"{n} patch" for n in ("second", "third", "fourth", "fifth", "sixth")))
+PATCH_NAMES = tuple(f"{name} patch" for name in PATCHES)
 LEFT, RIGHT, GAP = 16.0, 3.0, 7.0
 """Margins and the space between panels, mm."""
 WIDEST_PANEL = 46.0

@@ -14,6 +14,7 @@ from wrsim.plots.colours import FAINT, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, 
 from wrsim.report.envelope import envelope, pieces_of, points_of
 from wrsim.report.svg import Array, element, limits, path, picture, ticks
 from wrsim.results import CHANNELS
+from wrsim.results.channels import PATCHES
 from wrsim.results.wheelsets import numbered, wheelsets, worst_wheelset
 
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, FOOT = 1000.0, 190.0, 62.0, 12.0, 8.0, 24.0
@@ -41,8 +42,8 @@ SIGNS = {
     "yaw": "positive: turned to the left",
     "curvature": "positive to the left",
     "cant": "positive: leans to the inside",
-    "contact_angle": "largest patch, main point",
-    "p0": "largest patch",
+    "contact_angle": "main point of every patch",
+    "p0": "of every patch",
     "guide_force_y": "of the frame on the wheelset, positive to the left",
     "coupling_force": "pull is positive",
     "coupling_offset": "of two vehicles: that ahead against that behind, positive to the left",
@@ -184,9 +185,19 @@ def _lines(
     """The curves of one channel of one result."""
     if key not in dataset:
         return []
-    data = dataset[key]
-    if "patch" in data.dims:
-        data = data.isel(patch=0)
+    if "patch" in dataset[key].dims:
+        used = [k for k in range(dataset.sizes["patch"]) if np.isfinite(dataset[key].values[..., k]).any()]
+        patches = [(dataset[key].isel(patch=k), f"{PATCHES[k]} patch" if len(used) > 1 else "", k) for k in used]
+    else:
+        patches = [(dataset[key], "", 0)]
+    return [line for patch in patches for line in _lines_of(dataset, key, *patch, moves, run, names, called)]
+
+
+def _lines_of(
+    dataset: xr.Dataset, key: str, data: xr.DataArray, patch: str, rank: int,
+    moves: bool, run: int, names: Sequence[str], called: dict[str, str],
+) -> list[Line]:  # fmt: skip
+    """Those of one patch, or of a channel without patches. patch: its name; rank: its number."""
     several = len(names) > 1
     values = data.values.astype(float) * CHANNELS[key].shown.factor
     of = next((d for d in ("wheelset", *NAMED) if d in data.dims), "")
@@ -204,12 +215,12 @@ def _lines(
             colour = INK
         for j, wheel in enumerate(wheels):
             shown = called.get(part, part) if len(parts) > 1 or of in NAMED else ""
-            words = [w for w in (names[run] if several else "", shown, wheel) if w]
+            words = [w for w in (names[run] if several else "", shown, wheel, patch) if w]
             label = ", ".join(words) or CHANNELS[key].long_name
             group = part if of == "wheelset" and key not in ("curvature", "cant") else ""
             if wheel and not several and len(parts) == 1:
                 colour = WHEEL_COLOUR[wheel]
-            dash = DASHES[i % len(DASHES)] if several and of in NAMED else DASHES[j]
+            dash = DASHES[i % len(DASHES)] if several and of in NAMED else DASHES[(j + 2 * rank) % len(DASHES)]
             lines.append(Line(label, group, run, colour, dash, places, values[:, i, j]))
     return lines
 

@@ -5,25 +5,23 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
-
-import numpy as np
 
 from wrsim.errors import InputError
 from wrsim.plots.moments import snapshot_letter
-from wrsim.results import CHANNELS, Result
+from wrsim.results import Result
 from wrsim.results.assessment import Assessment, ZoneValue
-from wrsim.results.ride import AXES, Ride
-from wrsim.results.summary import OF_WHEELSET, PEAKS
+from wrsim.results.ride import Ride
+from wrsim.results.summary_tables import curve_tables, wheelset_tables
+from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.results.wheelsets import numbered
 
 GOOD, BAD, OPEN = "good", "bad", "open"
 """States of a verdict: within all limits; beyond one, or stopped; nothing to say."""
 
-IN_CURVES = ("lateral_shift", "yaw", "sum_Y", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma")
-"""Channels whose medians in full curves stand on the cards."""
-
+MOST_CURVES = 10
+"""Full curves of a result that are listed; summary.json has all of them."""
 
 APART = 1.05
 """Limits that differ by less are one line in a chart."""
@@ -35,15 +33,6 @@ class Verdict:
 
     state: str
     words: str
-
-
-@dataclass(frozen=True)
-class Table:
-    """A table: heads, rows; the first cell of a row heads it. title: words above it; ends: first rows of groups."""
-
-    title: str
-    heads: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
 
 
 def assessed(result: Result) -> tuple[Assessment | None, str]:
@@ -88,15 +77,15 @@ def _tightest(row: ZoneValue) -> str:
     """The worst margin in words."""
     value, limit = row.worst, row.worst.limit
     shown, margin = value.quantity.shown, row.margin
-    unit = "" if shown.symbol == "1" else f" {shown.symbol}"
-    at_most = f"{limit.value * shown.factor:.4g}{unit}" if limit else ""
+    unit = "" if shown.symbol == "1" else shown.symbol
+    at_most = quantity(limit.value * shown.factor, unit) if limit else ""
     number, kind = value.value, ""
     if margin is not None and value.margin is not None and margin < value.margin and row.estimate is not None:
         number, kind = row.estimate, ", estimated maximum"
     place = f"{value.section.label}, section {value.section.number}" + (f": {value.place}" if value.place else "")
     return (
-        f"worst margin {100.0 * (margin or 0.0):.0f} %: {value.quantity.symbol} = {number * shown.factor:.4g}{unit}"
-        f"{kind} of {at_most} ({value.quantity.words}; {place})"
+        f"worst margin {quantity(100.0 * (margin or 0.0), '%', '.0f')}: {value.quantity.symbol} = "
+        f"{quantity(number * shown.factor, unit)}{kind} of {at_most} ({value.quantity.words}; {place})"
     )
 
 
@@ -161,10 +150,10 @@ def _extent(result: Result) -> str:
     dataset = result.dataset
     if "time" in dataset.dims and dataset.sizes["time"]:
         time = float(dataset["time"].values[-1])
-        words = f"{dataset.sizes['time']} samples over {time:.4g} s"
+        words = f"{dataset.sizes['time']} samples over {quantity(time, 's')}"
         if "distance" in dataset.coords:
             way = dataset["distance"].values
-            words += f", {float(way[0]):z.1f} to {float(way[-1]):.1f} m"
+            words += f", {formatted(float(way[0]), '.1f')} to {quantity(float(way[-1]), 'm', '.1f')}"
         return words
     return f"{dataset.sizes['pose']} poses" if "pose" in dataset.dims else ""
 
@@ -173,7 +162,7 @@ def _integration(result: Result) -> str:
     attributes = result.dataset.attrs
     if "integrator" not in attributes:
         return ""
-    return f"{attributes['integrator']}, steps of {1e3 * float(attributes['step_s']):.4g} ms"
+    return f"{attributes['integrator']}, steps of {quantity(1e3 * float(attributes['step_s']), 'ms')}"
 
 
 def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, Any]], dict[str, str]]:
@@ -227,100 +216,44 @@ def limits_of(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str, f
             if not apart or v > APART * apart[-1]:
                 apart.append(v)
         both = [*apart, *(-v for v in apart)] if key == "sum_Y" else apart
-        drawn[key] = [(f"limit {v:.4g}", v) for v in both]
+        drawn[key] = [(f"limit {formatted(v)}", v) for v in both]
     return drawn
 
 
 def cards(results: Sequence[Result], names: Sequence[str]) -> list[tuple[str, list[Table]]]:
-    """For every wheelset a card: its name, a table of peaks, a table of full curves."""
+    """For every wheelset a card: its name, tables of its peaks."""
     summaries = [r.summary() for r in results]
     sets = list(dict.fromkeys(name for s in summaries for name in s.get("wheelsets", {})))
     words = numbered(sets) if len({tuple(s.get("wheelsets", {})) for s in summaries}) == 1 else {n: n for n in sets}
-    return [(words[name], _card([s.get("wheelsets", {}).get(name) for s in summaries], names)) for name in sets]
+    of = {name: [s.get("wheelsets", {}).get(name) for s in summaries] for name in sets}
+    return [(words[name], wheelset_tables(of[name], names)) for name in sets]
 
 
-def _card(of: Sequence[dict[str, Any] | None], names: Sequence[str]) -> list[Table]:
-    """Peaks, and full curves one by one."""
-    several = len(of) > 1
-    heads = [""]
-    for own, name in zip(of, names, strict=True):
-        wheels = list(own["wheels"]) if own else ["left", "right"]
-        heads += [f"{name}: {wheel}" if several else wheel for wheel in wheels]
-    rows = []
-    for key, (words, unit) in PEAKS.items():
-        cells = []
-        for own in of:
-            wheels = list(own["wheels"]) if own else ["left", "right"]
-            cells += [_peak(own["wheels"][w].get(key) if own else None) for w in wheels]
-        if any(cells):
-            rows.append((f"{words} [{unit}]" if unit else words, *cells))
-    tables = [Table("Peaks", tuple(heads), tuple(rows))]
-    rows = []
-    for key, (words, unit) in OF_WHEELSET.items():
-        cells = [_peak(own.get(key) if own else None) for own in of]
-        if any(cells):
-            rows.append((f"{words}, largest either way [{unit}]", *cells))
-    if rows:
-        tables.append(Table("Wheelset", ("", *(names if several else ("",))), tuple(rows)))
-    for own, name in zip(of, names, strict=True):
-        for curve in own.get("full_curves", []) if own else []:
-            tables.append(_curve(curve, name if several else ""))
-    return tables
-
-
-def _peak(found: dict[str, Any] | None) -> str:
-    if not found or found.get("value") is None:
-        return ""
-    place = f"{found['distance_m']:.1f} m" if "distance_m" in found else str(found.get("pose", ""))
-    return f"{found['value']:.4g} at {place}" if place else f"{found['value']:.4g}"
-
-
-def _curve(curve: dict[str, Any], name: str) -> Table:
-    """Medians in one full curve."""
-    hand = "left" if curve["radius_m"] > 0.0 else "right"
-    cant = f", cant {curve['cant_mm']:.0f} mm" if "cant_mm" in curve else ""
-    title = f"Medians, R {abs(curve['radius_m']):.0f} m {hand}{cant}, {curve['from_m']:.0f} to {curve['to_m']:.0f} m"
-    rows: list[tuple[str, ...]] = []
-    for key in IN_CURVES:
-        channel = CHANNELS[key]
-        unit = "" if channel.shown.symbol == "1" else f" [{channel.shown.symbol}]"
-        both = [curve.get(w, {}).get(channel.column) for w in ("left", "right")]
-        if channel.column in curve:
-            rows.append((channel.long_name + unit, _number(curve[channel.column]), ""))
-        elif any(v is not None for v in both):
-            rows.append((channel.long_name + unit, *map(_number, both)))
-    return Table(f"{name}: {title}" if name else title, ("", "left", "right"), tuple(rows))
-
-
-def _number(value: float | None) -> str:
-    return "" if value is None or not np.isfinite(value) else f"{value:z.4g}"
-
-
-def ride_table(found: Sequence[Ride | None], names: Sequence[str]) -> Table | None:
-    """Rows by point and axis: rms, peak, weighted rms, comfort."""
-    rows = []
-    for ride, name in zip(found, names, strict=True):
-        for point, of in ride.as_dict()["points"].items() if ride else ():
-            for axis in AXES:
-                values = [of[key][axis] for key in ("rms_m_s2", "peak_m_s2", "weighted_rms_m_s2", "comfort_95_m_s2")]
-                label = f"{name}: {point}" if len(names) > 1 else point
-                mean = _number(of["N_MV"]) if axis == AXES[0] else ""
-                rows.append((f"{label}, {axis}", *(_number(v) for v in values), mean))
-    heads = ("point, axis", "rms [m/s²]", "peak [m/s²]", "weighted rms [m/s²]", "95 % of 5 s [m/s²]", "N_MV")
-    return Table("", heads, tuple(rows)) if rows else None
+def curves(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
+    """Medians in full curves, of every result."""
+    found = []
+    for result, name in zip(results, names, strict=True):
+        own = result.summary().get("wheelsets", {})
+        tables = curve_tables(list(numbered(tuple(own)).values()), list(own.values()), MOST_CURVES)
+        found += [replace(t, title=f"{name}: {t.title}" if name else t.title) for t in tables]
+    return found
 
 
 def events(results: Sequence[Result], names: Sequence[str]) -> Table | None:
     """What happened on the way, and where a run stopped."""
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for result, name in zip(results, names, strict=True):
         dataset = result.dataset
         who = (name,) if len(names) > 1 else ()
         if "event" in dataset.dims:
             columns = (dataset[f"event_{key}"].values for key in ("distance", "time", "label"))
-            rows += [(f"{s:.1f} m", f"{t:.3f} s", str(w), *who) for s, t, w in zip(*columns, strict=True)]
+            rows += [(*_place(s, t), str(w), *who) for s, t, w in zip(*columns, strict=True)]
         if result.status == "stopped" and "stop_distance_m" in dataset.attrs:
             s, t = (float(dataset.attrs[f"stop_{key}"]) for key in ("distance_m", "time_s"))
-            rows.append((f"{s:.1f} m", f"{t:.3f} s", f"stopped: {result.stop_reason}", *who))
+            rows.append((*_place(s, t), f"stopped: {result.stop_reason}", *who))
     heads = ("place", "time", "what happened", *(("result",) if len(names) > 1 else ()))
-    return Table("", heads, tuple(rows)) if rows else None
+    return Table("", tuple(map(Column, heads)), rows) if rows else None
+
+
+def _place(distance: float, time: float) -> tuple[str, str]:
+    return quantity(float(distance), "m", ".1f"), quantity(float(time), "s", ".3f")

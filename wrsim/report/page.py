@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import shlex
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -26,6 +27,8 @@ from wrsim.report.contacts import kept_contacts, pressure_key
 from wrsim.report.strip import track_strip
 from wrsim.report.wear import wear_tables
 from wrsim.results import Result
+from wrsim.results.render import as_html
+from wrsim.results.table import Table
 from wrsim.results.wear import has_wear
 
 MOST_RESULTS = 8
@@ -73,11 +76,12 @@ def report_page(
         "data": charts.script_data() if charts else None,
         "first_part": charts.worst if charts and several else "",
         "cards": facts.cards(results, names),
+        "curves": facts.curves(results, names),
         "numbers": _numbers(results, names),
         "contacts": [(name, *kept_contacts(r.dataset)) for name, r in zip(names, results, strict=True)],
         "keys": [pressure_key(r.dataset) if "strip_p" in r.dataset else "" for r in results],
         "wear": [_wear(r, name) for r, name in zip(results, names, strict=True) if has_wear(r.dataset)],
-        "ride": facts.ride_table([ride for ride, _ in rides], names),
+        "ride": [ride.table(name) for (ride, _), name in zip(rides, names, strict=True) if ride],
         "ride_notes": [why for _, why in rides if why],
         "bands": bands_drawing([ride for ride, _ in rides], names),
         "events": facts.events(results, names),
@@ -96,6 +100,7 @@ def _environment() -> jinja2.Environment:
     own = jinja2.Environment(
         loader=loader, autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    own.filters["table"] = as_html
     own.policies["json.dumps_kwargs"] = {"sort_keys": False, "separators": (",", ":"), "allow_nan": False}
     return own
 
@@ -143,16 +148,14 @@ def _drawn(charts: Charts | None, several: bool) -> list[dict[str, Any]]:
     ]
 
 
-def _numbers(results: Sequence[Result], names: Sequence[str]) -> facts.Table | None:
-    """The plain numbers of summaries without wheelsets (stability, steady, conicity)."""
-    summaries = [r.summary() for r in results]
-    if any("wheelsets" in s for s in summaries):
-        return None
-    keys = dict.fromkeys(k for s in summaries for k, v in s.items() if isinstance(v, int | float | str))
-    rows = [
-        (key, *(_plain(s.get(key)) for s in summaries)) for key in keys if key not in ("title", "analysis", "status")
-    ]
-    return facts.Table("", ("", *names), tuple(rows)) if rows else None
+def _numbers(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
+    """The tables of results without wheelsets (stability, steady, conicity)."""
+    if any("wheelsets" in r.summary() for r in results):
+        return []
+    found = []
+    for result, name in zip(results, names, strict=True):
+        found += [replace(t, title=f"{name}: {t.title}" if name else t.title) for t in result.numbers()]
+    return found
 
 
 def _wear(result: Result, name: str) -> dict[str, Any]:
@@ -163,10 +166,6 @@ def _wear(result: Result, name: str) -> dict[str, Any]:
         "tables": wear_tables(result.dataset),
         "pictures": [as_picture(words, make(result.dataset)) for words, make in figures.items()],
     }
-
-
-def _plain(value: object) -> str:
-    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def _pictures(result: Result, several: bool) -> list[tuple[str, str]]:

@@ -3,39 +3,38 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
 
 import xarray as xr
 from markupsafe import Markup
 
 from wrsim import __version__
 from wrsim.plots.service import FIGURES
-from wrsim.report.facts import Table
 from wrsim.report.page import as_picture, template, text_of
+from wrsim.results.table import Table, quantity
 
 TEXTS = {"service_text": "Service file", "cases_text": "Table of cases", "scenario_text": "Scenario"}
 """Files that a service holds, and words for them."""
 
 
-def service_page(dataset: xr.Dataset, source: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def service_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
     """The report of a service as HTML.
 
-    dataset: ``wear.nc``; source: where it was read from; header, rows: of its numbers against the mileage.
+    dataset: ``wear.nc``; source: where it was read from; numbers: of it against the mileage.
     """
     about = dataset.attrs
     steps = dataset.sizes["point"] - 1
-    mileage = 1e-3 * float(dataset["mileage"].values[-1])
-    deepest = 1e3 * float(dataset["deepest"].values[-1])
+    mileage = quantity(1e-3 * float(dataset["mileage"].values[-1]), "km", ".6g")
+    deepest = quantity(1e3 * float(dataset["deepest"].values[-1]), "mm", ".3g")
     identity = [(key, str(about[key])) for key in ("title", "law", "wheel") if key in about]
-    identity += [("file", source), ("steps of wear", str(steps)), ("mileage", f"{mileage:.6g} km")]
+    identity += [("file", source), ("steps of wear", str(steps)), ("mileage", mileage)]
     versions = sorted(key for key in about if key.endswith("_version"))
     page = {
         "title": about["title"],
         "version": __version__,
         "css": Markup(text_of("templates/report.css")),
-        "verdict": f"{mileage:.6g} km in {steps} steps; {deepest:.3g} mm worn off at the deepest place.",
+        "verdict": f"{mileage} in {steps} steps; {deepest} worn off at the deepest place.",
         "identity": identity + [(key.removesuffix("_version"), str(about[key])) for key in versions],
-        "numbers": Table("", tuple(header), tuple(tuple(row) for row in rows)),
+        "numbers": numbers,
         "pictures": [as_picture(name, make(dataset)) for name, make in FIGURES.items()],
         "command": f"wrsim wear service.toml -o {shlex.quote(source.rstrip('/').rsplit('/', 1)[-1] or 'service')}",
         "texts": {words: str(about[key]) for key, words in TEXTS.items() if about.get(key)},

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from wrsim import __version__
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, of_cases, outputs_of, study_figures
-from wrsim.report.facts import BAD, OPEN, Table, Verdict
+from wrsim.report.facts import BAD, OPEN, Verdict
 from wrsim.report.page import as_picture, template, text_of
+from wrsim.results.table import Column, Table, formatted
 
 MOST_ROWS, FEW_ROWS = 500, 40
 """Cases in a table of the page; up to so many, the table is open."""
@@ -91,14 +92,18 @@ def _outputs(dataset: xr.Dataset, outputs: Sequence[str]) -> Table | None:
         ends = (_text(values[low]), labels[low], _text(values[high]), labels[high])
         rows.append((_words(dataset, name), *ends[:2], _text(np.nanmedian(values)), *ends[2:]))
     heads = ("output", "smallest", "in the case", "median", "largest", "in the case")
-    return Table("", heads, tuple(rows)) if rows else None
+    return Table("", tuple(map(Column, heads)), rows) if rows else None
 
 
 def _without(dataset: xr.Dataset, rows: NDArray[np.intp]) -> Table | None:
     """Cases that were not completed, with why."""
     labels, status, words = _labels(dataset), of_cases(dataset, "status"), of_cases(dataset, "message")
     heads = ("case", "status", "message")
-    return Table("", heads, tuple((labels[i], str(status[i]), str(words[i])) for i in rows)) if len(rows) else None
+    return (
+        Table("", tuple(map(Column, heads)), [(labels[i], str(status[i]), str(words[i])) for i in rows])
+        if len(rows)
+        else None
+    )
 
 
 def _cases(dataset: xr.Dataset, outputs: Sequence[str]) -> Table:
@@ -106,7 +111,7 @@ def _cases(dataset: xr.Dataset, outputs: Sequence[str]) -> Table:
     columns = [of_cases(dataset, name)[:MOST_ROWS] for name in ("name", *varied(dataset), "status", *outputs)]
     heads = ("case", *(dataset[n].attrs["key"] for n in varied(dataset)), "status")
     rows = tuple((str(row[0])[:12], *map(_text, row[1:])) for row in zip(*columns, strict=True))
-    return Table("", (*heads, *(_words(dataset, name) for name in outputs)), rows)
+    return Table("", tuple(map(Column, (*heads, *(_words(dataset, name) for name in outputs)))), rows)
 
 
 def _folders(source: str) -> str:
@@ -127,5 +132,5 @@ def _words(dataset: xr.Dataset, name: str) -> str:
 
 def _text(value: object) -> str:
     if isinstance(value, float | np.floating):
-        return f"{value:z.6g}" if np.isfinite(value) else ""
+        return formatted(float(value), ".6g")
     return str(value)

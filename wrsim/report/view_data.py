@@ -17,6 +17,7 @@ from wrsim.plots.style import pressure_map
 from wrsim.report.svg import Array, needed
 from wrsim.report.wear import LEAST_DEPTH, depth_at, worn_outlines
 from wrsim.results import CHANNELS, Result
+from wrsim.results.channels import PATCHES
 from wrsim.results.moments import has_patches, moment_dim, sample_of
 from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
@@ -138,17 +139,18 @@ def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
         "track": _track(dataset, place),
         "events": _events(dataset),
     }
-    for name in (*OF_WHEELSETS, *OF_WHEELS, *OF_PATCHES, *OF_BODIES):
-        if name not in dataset:
-            continue
-        data = dataset[name].isel(patch=0) if "patch" in dataset[name].dims else dataset[name]
-        channel = CHANNELS[name]
+    channels = {name: (dataset[name], CHANNELS[name], "") for name in (*OF_WHEELSETS, *OF_WHEELS) if name in dataset}
+    for k in range(dataset.sizes.get("patch", 0)):
+        for name in OF_PATCHES if np.isfinite(dataset["N"].values[..., k]).any() else ():
+            channels[f"{name}_{k}"] = dataset[name].isel(patch=k), CHANNELS[name], f", {PATCHES[k]} patch"
+    channels |= {name: (dataset[name], CHANNELS[name], "") for name in OF_BODIES if name in dataset}
+    for name, (data, channel, which) in channels.items():
         own = packed(data.values[keep] * channel.shown.factor, "f4")
         run["channels"][name] = own | {
             "unit": "" if channel.shown.symbol == "1" else channel.shown.symbol,
             "factor": channel.shown.factor,
             "dims": [d for d in data.dims if d != "time"],
-            "words": channel.long_name,
+            "words": channel.long_name + which,
         }
     if "body" in dataset.dims:
         run["bodies"] = [str(b) for b in dataset["body"].values]

@@ -8,25 +8,28 @@ import numpy as np
 import xarray as xr
 
 from wrsim.plots.wear import LAW_WORDS
-from wrsim.report.facts import Table
 from wrsim.report.svg import Array
 from wrsim.results import CHANNELS
+from wrsim.results.table import Column, Table, quantity
 from wrsim.results.wear import summary
 from wrsim.results.wheelsets import numbered, wheelsets
 
 OF_WHEELS = {
-    "tread_g_per_km": "tread [g/km]",
-    "flange_g_per_km": "flange [g/km]",
-    "wear_wheel_depth_max_um_per_km": "deepest [µm/km]",
-    "wear_wheel_u_mm": "at u [mm]",
+    "tread_g_per_km": Column("tread", "g/km"),
+    "flange_g_per_km": Column("flange", "g/km"),
+    "wear_wheel_depth_max_um_per_km": Column("deepest", "µm/km"),
+    "wear_wheel_u_mm": Column("at u", "mm"),
 }
-OF_RAILS = {"wear_rail_depth_max_nm": "deepest, one passage [nm]", "wear_rail_u_mm": "at u [mm]"}
+OF_RAILS = {
+    "wear_rail_depth_max_nm": Column("deepest, one passage", "nm"),
+    "wear_rail_u_mm": Column("at u", "mm"),
+}
 OF_FATIGUE = {
-    "rail_damage_max": "largest damage, one passage [1]",
-    "wear_rail_u_mm": "at u [mm]",
-    "fatigue_index_max": "largest fatigue index [1]",
+    "rail_damage_max": Column("largest damage, one passage"),
+    "wear_rail_u_mm": Column("at u", "mm"),
+    "fatigue_index_max": Column("largest fatigue index"),
 }
-"""Columns of the tables: keys of a summary, and words."""
+"""Columns of the tables by keys of a summary."""
 
 
 def wear_tables(dataset: xr.Dataset) -> list[Table]:
@@ -34,20 +37,15 @@ def wear_tables(dataset: xr.Dataset) -> list[Table]:
     found, called = summary(dataset), numbered(wheelsets(dataset))
     tables = []
     for law, of in found["laws"].items():
-        wheels = [
-            (f"{called[name]}, {wheel}", *_cells(own, OF_WHEELS))
-            for name, pair in of["wheelsets"].items()
-            for wheel, own in pair.items()
-        ]
-        tables.append(Table(f"Wheels, {LAW_WORDS[law]}", ("wheel", *OF_WHEELS.values()), tuple(wheels)))
-        rails = [(name, *_cells(own, OF_RAILS)) for name, own in of["rails"].items()]
-        tables.append(Table(f"Rails, {LAW_WORDS[law]}", ("rail", *OF_RAILS.values()), tuple(rails)))
-    fatigue = [(name, *_cells(own, OF_FATIGUE)) for name, own in found["fatigue"].items()]
-    return [*tables, Table("Fatigue of the rails", ("rail", *OF_FATIGUE.values()), tuple(fatigue))]
+        wheels = {f"{called[name]}, {w}": own for name, pair in of["wheelsets"].items() for w, own in pair.items()}
+        tables.append(_table(f"Wheels, {LAW_WORDS[law]}", "wheel", OF_WHEELS, wheels))
+        tables.append(_table(f"Rails, {LAW_WORDS[law]}", "rail", OF_RAILS, of["rails"]))
+    return [*tables, _table("Fatigue of the rails", "rail", OF_FATIGUE, found["fatigue"])]
 
 
-def _cells(own: dict[str, Any], columns: dict[str, str]) -> list[str]:
-    return ["" if own[key] is None else f"{own[key]:z.4g}" for key in columns]
+def _table(title: str, what: str, columns: dict[str, Column], of: dict[str, Any]) -> Table:
+    rows = [(name, *(own[key] for key in columns)) for name, own in of.items()]
+    return Table(title, (Column(what), *columns.values()), rows)
 
 
 LEAST_DEPTH = 0.01
@@ -74,5 +72,5 @@ def worn_outlines(mine: xr.Dataset, on_wheel: Array, on_rail: Array) -> dict[str
         found[body] = np.rint(100.0 * depth_at(mine, body, points)).astype(int).tolist()
         channel = CHANNELS[f"wear_{body}_depth"]
         most = float(mine.isel(wear_law=0)[channel.name].max())
-        words.append(f"{body} to {most * channel.shown.factor:.3g} {channel.shown.symbol}")
+        words.append(f"{body} to {quantity(most * channel.shown.factor, channel.shown.symbol, '.3g')}")
     return found | {"words": f"wear, {LAW_WORDS[law]}: {', '.join(words)} a passage"}

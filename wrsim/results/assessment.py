@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from wrsim.results.channels import Shown
 from wrsim.results.regression import Influence, Regression, regression
+from wrsim.results.table import formatted, quantity
 
 TRANSITION = "transition"
 """Class of what lies between curves."""
@@ -181,10 +182,10 @@ class ZoneValue:
         worst, limit = self.worst, self.worst.limit
         factor = worst.quantity.shown.factor
         return {
-            "worst": f"{worst.value * factor:z.4g}",
-            "estimate": "" if self.estimate is None else f"{self.estimate * factor:z.4g}",
-            "limit": "" if limit is None else f"{limit.value * factor:.4g}",
-            "margin": "" if worst.margin is None else f"{100.0 * worst.margin:.0f} %",
+            "worst": formatted(worst.value * factor),
+            "estimate": "" if self.estimate is None else formatted(self.estimate * factor),
+            "limit": "" if limit is None else formatted(limit.value * factor),
+            "margin": "" if worst.margin is None else quantity(100.0 * worst.margin, "%", ".0f"),
             "verdict": "" if self.passed is None else "ok" if self.passed else "EXCEEDED",
             "worst in": f"section {worst.section.number}" + (f": {worst.place}" if worst.place else ""),
         }

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from wrsim.results.assessment import Assessment, Quantity, Section, TrackQuality, Value, ZoneValue
 from wrsim.results.files import as_csv, as_json
-from wrsim.results.regression import SHOWN, Regression
+from wrsim.results.regression import SHOWN, Influence, Regression
+from wrsim.results.table import Cell, Column, Table, formatted, quantity
 
 
 def assessment_rows(found: Assessment) -> dict[str, Any]:
@@ -132,3 +134,78 @@ def _cell(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def assessment_numbers(found: Assessment) -> list[Table]:
+    """For people: sections, the worst value of every quantity and class of track, regressions, track, notes."""
+    tables = [_sections_table(found)]
+    letters: dict[str, str] = {}
+    rows: list[list[Cell]] = []
+    last = ""
+    for row in found.zones():
+        limit, own, cells = row.worst.limit, row.worst.quantity, row.cells()
+        source = "" if limit is None else f"{limit.source} [{limit.mark}]"
+        letter = letters.setdefault(source, chr(ord("a") + len(letters) % 26)) if source else ""
+        head = [own.symbol, "" if own.shown.symbol == "1" else own.shown.symbol] if own.key != last else ["", ""]
+        numbers = [cells[key] for key in ("worst", "estimate", "limit", "margin", "verdict")]
+        rows.append([*head, f"{row.worst.section.zone} ({row.number})", *numbers, letter, cells["worst in"]])
+        last = own.key
+    words = ("quantity", "unit", "class (sections)", "worst", "estimate", "limit", "margin", "", "by", "worst in")
+    tables.append(Table("", tuple(map(Column, words)), rows))
+    tables += [*_regressions_table(found), *_track_table(found)]
+    verdict = "every quantity is within its limit" if found.passed else "A LIMIT IS EXCEEDED"
+    notes = [*(f"{letter}  {source}" for source, letter in letters.items()), *(f"note: {n}" for n in found.notes)]
+    last_words = f"{verdict}; [mem]: from memory of the standard, [pub]: from a published source"
+    return [*tables, Table("", notes=(*notes, last_words))]
+
+
+def _sections_table(found: Assessment) -> Table:
+    several = bool(found.sections[0].run)
+    rows: list[list[Cell]] = []
+    for s in found.sections:
+        said = ", ".join(word for word, so in (("short", s.short), ("does not count", not s.counts)) if so)
+        head: list[Cell] = [*([s.run] if several else []), str(s.number), s.label + (f" ({said})" if said else "")]
+        rows.append([*head, s.start, s.end, 3.6 * s.speed, 1e3 * s.cant_deficiency])
+    heads = [*([Column("run")] if several else []), Column("section"), Column("class")]
+    heads += [Column("from", "m", ".1f"), Column("to", "m", ".1f"), Column("speed", "km/h", ".0f")]
+    return Table(found.title, (*heads, Column("cant deficiency", "mm", ".0f")), rows)
+
+
+def _regressions_table(found: Assessment) -> list[Table]:
+    """How quantities with a limit depend on what the sections differ in, and which of them have no regression."""
+    rows: list[Sequence[Cell]] = []
+    short = set()
+    for row in found.zones():
+        r, own = row.regression, row.worst.quantity
+        if r is None:
+            short |= {row.worst.section.zone} if found.estimate_over else set()
+        elif row.worst.limit is not None:
+            factor = own.shown.factor
+            slopes = {name: _slope(r, name, factor) for name in r.over}
+            numbers = (value * factor for value in (r.fit, r.deviation, r.estimate))
+            zone = f"{row.worst.section.zone} ({row.number})"
+            rows.append((own.symbol, zone, *(slopes.get(name, "") for name in found.estimate_over), *numbers))
+    none = f"no regression, too few sections or influences that go together: {', '.join(sorted(short))}"
+    notes = (none,) if short else ()
+    over = (Column(f"per {SHOWN[name][0]} of {name}") for name in found.estimate_over)
+    heads = (Column("quantity"), Column("class (sections)"), *over, Column("fit"), Column("s"), Column("estimate"))
+    title = "estimated values by regression [mem]"
+    return [Table(title, heads, rows, notes)] if rows else [Table("", notes=notes)] if notes else []
+
+
+def _slope(r: Regression, name: Influence, factor: float) -> str:
+    """What a quantity changes by with an influence, and where that stands in the section of the estimate."""
+    unit, own = SHOWN[name]
+    i = r.over.index(name)
+    return f"{formatted(r.slope[i] * factor / own, '.3g')} at {quantity(r.at[i] * own, unit)}"
+
+
+def _track_table(found: Assessment) -> list[Table]:
+    """How uneven the sections are."""
+    rows = [
+        (str(t.section.number), t.direction, 1e3 * t.deviation, 1e3 * t.largest, t.by_deviation, t.by_largest, t.tl90)
+        for t in found.track
+    ]
+    heads = (Column("section"), Column("direction"), Column("deviation", "mm", ".2f"), Column("largest", "mm", ".2f"))
+    steps = map(Column, ("UIC 518 by deviation", "by largest", "TL90 of EN 14363"))
+    return [Table("Track, worse rail, waves of 3 to 25 m [mem]", (*heads, *steps), rows)] if rows else []

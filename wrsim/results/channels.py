@@ -127,6 +127,9 @@ WHEELSET, BOGIE_FRAME, CAR_BODY = "wheelset", "bogie frame", "car body"
 CHANNELS: dict[str, Channel] = {row["name"]: _channel(row) for row in table("wrsim.results", "data/channels.csv")}
 """Every channel by its name, in the order in which tables print them."""
 
+PATCHES = ("main", "second", "third", "fourth", "fifth", "sixth")
+"""Names of the patches of a wheel, the largest normal force first."""
+
 WHEELS = ("left", "right")
 """Values of the ``wheel`` coordinate; a static analysis of one wheel carries one of them."""
 

@@ -11,6 +11,7 @@ import xarray as xr
 from wrsim.results.rows import Row, wide
 from wrsim.results.steering import steering_summary
 from wrsim.results.summary import of_contacts as summary_of_contacts
+from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.results.tables import of_contacts as tables_of_contacts
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
@@ -51,3 +52,39 @@ def conicity_summary(dataset: xr.Dataset) -> dict[str, Any]:
         "equilibrium_shift_mm": 1e3 * float(dataset.attrs["equilibrium_shift_m"]),
         **steering_summary(dataset),
     }
+
+
+def numbers(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
+    """Every half millimetre: conicity and wavelength over amplitude, and what lies at that shift; radial steering."""
+    dataset = of_wheelset(dataset)
+    found = conicity_summary(dataset)
+    shift, amplitudes = 1e3 * dataset["lateral_shift"].values, 1e3 * dataset["amplitude"].values
+    rows = []
+    for i in np.flatnonzero(np.abs(2.0 * amplitudes - np.round(2.0 * amplitudes)) < 1e-6):
+        at = int(np.abs(shift - amplitudes[i]).argmin())
+        own = (dataset["equivalent_conicity"].values[i], dataset["conicity_wavelength"].values[i])
+        angles = np.degrees(dataset["contact_angle"].values[at, :, 0])
+        rows.append((amplitudes[i], *own, 1e3 * dataset["rolling_radius_difference"].values[at], *angles))
+    heads = (
+        Column("y", "mm", ".1f"), Column("tan γe", "", ".3f"), Column("wavelength", "m", ".2f"),
+        Column("Δr", "mm", ".3f"), Column("angle left", "°", ".2f"), Column("angle right", "°", ".2f"),
+    )  # fmt: skip
+    place = quantity(found["equilibrium_shift_mm"], "mm", ".3f")
+    notes = [f"amplitudes are counted from the equilibrium at y = {place}; Δr and angles at y itself"]
+    if found["nonlinearity_per_mm"] is not None:
+        notes.append(f"nonlinearity parameter {quantity(found['nonlinearity_per_mm'], 'per mm', '.4f')}")
+    tables = [Table(str(dataset.attrs["title"]), heads, [tuple(map(float, row)) for row in rows], tuple(notes))]
+    return tables + ([_steering(found)] if "radial_steering" in found else [])
+
+
+def _steering(found: dict[str, Any]) -> Table:
+    """The radial steering index of the curves that were asked for."""
+    heads = {
+        "curve_radius_m": Column("R", "m"), "needed_mm": Column("needed Δr", "mm"),
+        "available_mm": Column("available", "mm"), "q_E": Column("q_E"), "shift_mm": Column("at y", "mm"),
+    }  # fmt: skip
+    rows = [tuple(curve[key] for key in heads) for curve in found["radial_steering"]]
+    smallest, angle = found["smallest_radial_curve_m"], formatted(found["flange_from_deg"], "g")
+    words = "nothing steers" if smallest is None else f"up to 1 from R {quantity(smallest, 'm', '.0f')}"
+    note = f"q_E {words}; available: before the outer wheel's contact angle is {angle}°"
+    return Table("radial steering index [mem]", tuple(heads.values()), rows, (note,))

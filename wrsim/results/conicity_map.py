@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.results.table import Column, Table
+
 Array = NDArray[np.float64]
 
 
@@ -22,12 +24,18 @@ class ConicityMap:
     nonlinearity: Array
     reasons: tuple[str, ...]
 
-    def rows(self) -> list[list[str]]:
-        """A table, its header first: one row per pair and gauge."""
-        head = ["wheel", "rail", "gauge_mm", "equivalent_conicity_3_mm", "nonlinearity_per_mm"]
-        found = [head]
-        for i, pair in enumerate(self.pairs):
-            for j, gauge in enumerate(self.gauges):
-                values = (self.conicity[i, j], self.nonlinearity[i, j])
-                found.append([*pair, f"{1e3 * gauge:.6g}", *("" if v != v else f"{v:.6g}" for v in values)])
-        return found
+    def table(self, title: str) -> Table:
+        """One row per pair and gauge; what has no conicity says why beneath."""
+        rows = [
+            (*pair, 1e3 * gauge, float(self.conicity[i, j]), float(self.nonlinearity[i, j]))
+            for i, pair in enumerate(self.pairs)
+            for j, gauge in enumerate(self.gauges)
+        ]
+        heads = (
+            Column("wheel", key="wheel"),
+            Column("rail", key="rail"),
+            Column("gauge", "mm", ".6g", "gauge_mm"),
+            Column("tan γe, 3 mm", "", ".3f", "equivalent_conicity_3_mm"),
+            Column("nonlinearity", "1/mm", ".3f", "nonlinearity_per_mm"),
+        )
+        return Table(title, heads, rows, self.reasons)

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from wrsim.errors import InputError, suggest
+from wrsim.results.channels import PATCHES
 from wrsim.results.result import Result
+from wrsim.results.table import Column, Table
 
 LEFT_OUT = ("title", "analysis", "status", "stop", "versions", "integration", "extent", "events")
 """Parts of a summary that are no quantities."""
@@ -75,6 +77,26 @@ def differences(first: Result, second: Result, only: Sequence[str] = ()) -> list
     return sorted(found, key=lambda d: -d.relative)
 
 
+def table_of(found: Sequence[Difference]) -> Table:
+    """A row a number; differences without one of the numbers are missing."""
+    heads = (
+        Column("place", key="place"), Column("quantity", key="quantity"),
+        Column("A", "", ".5g", "a"), Column("B", "", ".5g", "b"),
+        Column("B - A", "", ".3g", "difference"), Column("part of largest", "", ".2g", "relative"),
+    )  # fmt: skip
+    rows = [
+        (
+            d.place,
+            d.quantity,
+            d.first,
+            d.second,
+            *((d.absolute, d.relative) if math.isfinite(d.absolute) else (None, None)),
+        )
+        for d in found
+    ]
+    return Table("", heads, rows)
+
+
 def _is_asked(name: str, asked: str) -> bool:
     return name == asked or name.startswith(f"{asked}_")
 
@@ -100,4 +122,4 @@ def _name(entry: Mapping[str, Any], key: str, index: int) -> str:
     """What an entry of a list is called."""
     if "radius_m" in entry:
         return f"curve {index + 1} (R {entry['radius_m']:.0f} m)"
-    return f"{key}[{index}]"
+    return f"{PATCHES[index]} patch" if key == "patches" else f"{key}[{index}]"

@@ -9,6 +9,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
+from wrsim.results.channels import CHANNELS, PATCHES
+from wrsim.results.table import Cell, Column, Table, quantity
 
 NEAR = 1.0
 """Distance to the place asked for at which kept patches still count as being there [m]."""
@@ -74,3 +76,34 @@ def moments_at(dataset: xr.Dataset, at: Sequence[str | float], key: str) -> list
 def _some(names: list[str], most: int = 12) -> str:
     """What there is, cut short."""
     return "there are " + ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
+RESOLVED = ("N", "p0", "area", "approach", "Fx", "Fy", "contact_angle")
+"""Channels that are compared where contacts were solved again."""
+
+
+def side_by_side(old: xr.Dataset, new: xr.Dataset) -> Table:
+    """Every patch of one wheelset at the moments of ``new``, as it was in ``old`` and as it is now."""
+    sample = "time" if "time" in new.dims else "pose"
+    names = [name for name in RESOLVED if name in old and name in new]
+    rows: list[list[Cell]] = []
+    for i, place in enumerate(new[sample].values):
+        j = int(np.flatnonzero(old[sample].values == place)[0])
+        words = quantity(float(new["distance"].values[i]), "m", ".1f") if sample == "time" else str(place)
+        for w, wheel in enumerate(new["wheel"].values):
+            for k in range(new.sizes["patch"]):
+                if _shown(old, "N", j, w, k) is _shown(new, "N", i, w, k) is None:
+                    continue
+                for when, dataset, at in (("was", old, j), ("now", new, i)):
+                    head: list[Cell] = [words if w == k == 0 else "", str(wheel) if k == 0 else "", PATCHES[k]]
+                    values = [_shown(dataset, name, at, w, k) for name in names]
+                    rows.append([*(head if when == "was" else ["", "", ""]), when, *values])
+    heads = (Column("at"), Column("wheel"), Column("patch"), Column(""))
+    return Table("", (*heads, *(Column.of(CHANNELS[name], CHANNELS[name].name) for name in names)), rows)
+
+
+def _shown(dataset: xr.Dataset, name: str, at: int, wheel: int, patch: int) -> float | None:
+    """A channel of a patch in the unit for readers."""
+    values = dataset[name].values
+    value = values[at, wheel, patch] if patch < values.shape[2] else np.nan
+    return float(value) * CHANNELS[name].shown.factor if np.isfinite(value) else None

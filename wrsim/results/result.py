@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from pandas import DataFrame
 
+    from wrsim.results.table import Table
+
 
 @dataclass(frozen=True, eq=False)
 class Result:
@@ -43,12 +45,18 @@ class Result:
     dataset: xr.Dataset
 
     def __repr__(self) -> str:
-        from wrsim.results.portrait import as_text
+        from wrsim.results.repr import as_text
 
         return as_text(self.dataset)
 
+    def numbers(self) -> list[Table]:
+        """The tables that people read first: peaks, medians in full curves, critical speeds."""
+        from wrsim.results.summary_tables import numbers_of
+
+        return numbers_of(self.dataset, self.summary())
+
     def _repr_html_(self) -> str:
-        from wrsim.results.portrait import as_html
+        from wrsim.results.repr import as_html
 
         return as_html(self.dataset)
 

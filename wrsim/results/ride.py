@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.table import Column, Table, formatted, quantity
 
 AXES = ("x", "y", "z")
 
@@ -58,6 +59,22 @@ class Ride:
             for name in ("rms", "peak", "weighted_rms", "comfort_95")
         }
         return found | {"N_MV": _plain(own["N_MV"].item())}
+
+    def table(self, name: str = "") -> Table:
+        """Rows by point and axis. name: of the run, where there are several."""
+        keys = ("rms_m_s2", "peak_m_s2", "weighted_rms_m_s2", "comfort_95_m_s2")
+        rows = [
+            (f"{name}: {point}" if name else point, axis, *(of[key][axis] for key in keys), "" if i else of["N_MV"])
+            for point, of in self.as_dict()["points"].items()
+            for i, axis in enumerate(AXES)
+        ]
+        words = ("rms", "peak", "weighted rms", "95 % of 5 s")
+        heads = (Column("point"), Column("axis"), *(Column(word, "m/s²") for word in words), Column("N_MV"))
+        stretch = f"{formatted(self.start, '.0f')} to {quantity(self.end, 'm', '.0f')}"
+        title = f"{self.title}: {stretch}, {quantity(self.duration, 's', '.0f')}"
+        blocks = int(self.data.attrs["blocks"])
+        note = f"weighted: Wd along x and y, Wb along z; {blocks} blocks of 5 s (EN 12299 asks for 60)"
+        return Table(title, heads, rows, (note,))
 
     def json(self) -> bytes:
         """Content of ``ride.json``."""

@@ -9,7 +9,9 @@ import numpy as np
 import xarray as xr
 
 from wrsim.results.rows import Row, long, wide
+from wrsim.results.table import Column, Table, quantity
 
+MODE = ("frequency", "damping", "growth", "name")
 MODES = ("pose_speed", "mode_branch", "mode_frequency", "mode_damping", "mode_growth", "mode_name")
 
 
@@ -38,3 +40,34 @@ def tables(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
     yield "modes", long(dataset, [*MODES, *said], np.isfinite(dataset["mode_growth"].values), ("pose", "mode"))
     if "cycle" in dataset.dims:
         yield "cycles", wide(dataset, "cycle", ("wheelset",))
+
+
+def numbers(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
+    """Critical speeds, the least damped mode at every speed, limit cycles."""
+    lines = []
+    for kind, note in (("linear", "critical_note"), ("nonlinear", "nonlinear_note")):
+        if (speed := summary[f"{kind}_critical_speed_kmh"]) is not None:
+            words = f"{kind} critical speed {quantity(speed, 'km/h', '.2f')} ({quantity(speed / 3.6, 'm/s', '.2f')})"
+            mode = f", {quantity(summary['critical_frequency_Hz'], 'Hz', '.3f')}: {summary.get('critical_mode', '')}"
+            lines.append(words + (mode if kind == "linear" else ""))
+        lines += [summary[note]] if note in summary else []
+    found = [Table(str(dataset.attrs["title"]), notes=tuple(lines))]
+    rows = []
+    for one in np.flatnonzero(np.isfinite(dataset["mode_growth"].values).any(axis=1)):
+        at = dataset.isel(pose=int(one), mode=int(np.nanargmax(dataset["mode_growth"].values[one])))
+        rows.append((3.6 * at["pose_speed"].item(), *(at[f"mode_{name}"].item() for name in MODE)))
+    heads = (Column("speed", "km/h"), Column("frequency", "Hz", ".3f"), Column("damping", "", ".3f"))
+    found.append(Table("least damped mode", (*heads, Column("growth", "1/s", ".3f"), Column("mode")), rows))
+    if "cycle" not in dataset.dims:
+        return found
+    held = [dataset.isel(cycle=i) for i in range(dataset.sizes["cycle"])]
+    rows = [
+        (
+            3.6 * at["cycle_speed"].item(), at["cycle_branch"].item(), at["cycle_ending"].item(),
+            1e3 * float(at["cycle_amplitude"].values.max()), at["cycle_frequency"].item(), at["cycle_time"].item(),
+        )
+        for at in held
+    ]  # fmt: skip
+    heads = (Column("speed", "km/h", ".5g"), Column("branch"), Column("came to"))
+    more = (Column("amplitude", "mm", ".3f"), Column("frequency", "Hz", ".3f"), Column("held", "s", ".1f"))
+    return [*found, Table("held speeds", (*heads, *more), rows)]

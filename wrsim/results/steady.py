@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from wrsim.results.channels import CHANNELS
 from wrsim.results.rows import Row, long
 from wrsim.results.summary import extent
+from wrsim.results.table import Column, Table
 
 COLUMNS = (
     "pose", "wheelset", "wheel", "pose_radius", "pose_cant", "pose_speed", "cant_deficiency", "unbalanced",
@@ -17,6 +19,13 @@ COLUMNS = (
     "N", "contact_angle", "p0", "xi", "eta", "phi", "pose_message",
 )  # fmt: skip
 """Columns of the table of steady motions; those of patches are of the one with the largest normal force."""
+
+SHOWN = {
+    "pose_radius": ("R", ".5g"), "pose_cant": ("cant", ".4g"), "pose_speed": ("speed", ".4g"),
+    "lateral_shift": ("shift", ".2f"), "yaw": ("attack", ".2f"), "Y": ("Y", ".2f"), "Q": ("Q", ".2f"),
+    "Y_over_Q": ("Y/Q", ".3f"), "T_gamma": ("Tγ", ".0f"),
+}  # fmt: skip
+"""Channels in the table for people, with headings and formats."""
 
 
 def summary(dataset: xr.Dataset) -> dict[str, Any]:
@@ -44,3 +53,16 @@ def tables(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
         if row[message]:
             row[1:3], row[8:message] = ["", ""], [""] * (message - 8)
     yield "steady", table
+
+
+def numbers(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
+    """One line a curve: the wheel with the largest Y/Q; curves without a steady motion with the reason."""
+    rows = []
+    for i in np.flatnonzero(dataset["pose_message"].values == ""):
+        quotient = dataset["Y_over_Q"].isel(pose=int(i))
+        at = dataset.isel(pose=int(i)).isel(quotient.argmax(dim=quotient.dims))  # type: ignore[arg-type]
+        values = (at[name].item() * CHANNELS[name].shown.factor for name in SHOWN)
+        rows.append((f"{at['wheelset'].item()} {at['wheel'].item()}", *values))
+    heads = (Column.of(CHANNELS[name], words, form) for name, (words, form) in SHOWN.items())
+    notes = (f"{name}: {message}" for name, message in summary["without_steady_motion"].items())
+    return [Table(str(dataset.attrs["title"]), (Column("largest Y/Q on"), *heads), rows, tuple(notes))]

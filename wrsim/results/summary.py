@@ -5,6 +5,7 @@ Units stand in the keys. Nothing here is filtered: these are raw peaks, not the 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,33 +17,60 @@ from wrsim.results import wear
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
-CURVE_CHANNELS = (
-    "lateral_shift", "yaw", "guide_force_y", "sum_Y", "Y", "Q", "Y_over_Q", "contact_angle", "p0", "T_gamma",
-)  # fmt: skip
-"""Channels whose median in each full curve is reported."""
+CURVE_CHANNELS = {
+    "lateral_shift": "shift", "yaw": "attack", "guide_force_y": "guide force", "sum_Y": "ΣY",
+    "Y": "Y", "Q": "Q", "Y_over_Q": "Y/Q", "T_gamma": "Tγ",
+}  # fmt: skip
+"""Channels of wheelsets and wheels whose median in each full curve is reported, and their headings."""
+
+PATCH_CHANNELS = {"N": "N", "p0": "p₀", "contact_angle": "angle", "area": "area"}
+"""The same of every patch."""
+
+
+@dataclass(frozen=True)
+class Peak:
+    """One peak: the channel, which of its values ("largest", "least", "magnitude"), words; short: heading in the table
+    of several wheelsets, which leaves out those without."""
+
+    channel: str
+    which: str
+    words: str
+    short: str = ""
+
+    @property
+    def unit(self) -> str:
+        """For readers."""
+        return CHANNELS[self.channel].shown.symbol
+
+    def of(self, dataset: xr.Dataset, wheel: str | None = None) -> dict[str, Any] | None:
+        """Value and place, see `peak`."""
+        return peak(dataset, self.channel, wheel, which=self.which)
+
 
 PEAKS = {
-    "Y_max_kN": ("Y, largest", "kN"),
-    "Y_min_kN": ("Y, least", "kN"),
-    "Y_abs_max_kN": ("Y, largest either way", "kN"),
-    "Q_max_kN": ("Q, largest", "kN"),
-    "Q_min_kN": ("Q, least", "kN"),
-    "Y_over_Q_max": ("Y/Q, largest", ""),
-    "T_gamma_max_N": ("wear number Tγ, largest", "N"),
-    "N_max_kN": ("normal force of a patch, largest", "kN"),
-    "p0_max_MPa": ("pressure p₀, largest", "MPa"),
-    "contact_angle_max_deg": ("contact angle, largest", "°"),
-    "contact_angle_variation_max_deg": ("turn of the normal in a patch, largest", "°"),
+    "Y_max_kN": Peak("Y", "largest", "Y, largest", "Y max"),
+    "Y_min_kN": Peak("Y", "least", "Y, least", "Y min"),
+    "Y_abs_max_kN": Peak("Y", "magnitude", "Y, largest either way"),
+    "Q_max_kN": Peak("Q", "largest", "Q, largest", "Q max"),
+    "Q_min_kN": Peak("Q", "least", "Q, least", "Q min"),
+    "Y_over_Q_max": Peak("Y_over_Q", "largest", "Y/Q, largest", "Y/Q max"),
+    "T_gamma_max_N": Peak("T_gamma", "largest", "wear number Tγ, largest", "Tγ max"),
+    "N_max_kN": Peak("N", "largest", "normal force of a patch, largest"),
+    "p0_max_MPa": Peak("p0", "largest", "pressure p₀, largest", "p₀ max"),
+    "contact_angle_max_deg": Peak("contact_angle_max", "largest", "contact angle, largest"),
+    "contact_angle_variation_max_deg": Peak(
+        "contact_angle_variation", "largest", "turn of the normal in a patch, largest"
+    ),
 }
-"""Words and units of the peaks of a wheel."""
+"""Peaks of a wheel, over all of its patches."""
 
 OF_WHEELSET = {
-    "lateral_shift_max_mm": ("lateral shift", "mm"),
-    "angle_of_attack_max_mrad": ("angle of attack", "mrad"),
-    "sum_Y_max_kN": ("track shifting force ΣY", "kN"),
-    "guide_force_y_max_kN": ("lateral force of the guide frame", "kN"),
+    "lateral_shift_max_mm": Peak("lateral_shift", "magnitude", "lateral shift"),
+    "angle_of_attack_max_mrad": Peak("yaw", "magnitude", "angle of attack"),
+    "sum_Y_max_kN": Peak("sum_Y", "magnitude", "track shifting force ΣY", "ΣY"),
+    "guide_force_y_max_kN": Peak("guide_force_y", "magnitude", "lateral force of the guide frame"),
 }
-"""Words and units of the peaks of a wheelset: those largest either way, with their sign."""
+"""Peaks of a wheelset: those largest either way, with their sign."""
 
 _STEADY = 1e-4  # change of curvature over its largest value, per metre, below which a curve counts as full
 _SHORTEST = 5  # samples of a full curve that make a median worth reporting
@@ -150,34 +178,27 @@ def energy(dataset: xr.Dataset) -> dict[str, float]:
 
 def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
     """Peaks of one wheelset and its wheels, values in full curves."""
-    found: dict[str, Any] = {
-        "lateral_shift_max_mm": peak(one, "lateral_shift", largest_magnitude=True),
-        "angle_of_attack_max_mrad": peak(one, "yaw", largest_magnitude=True),
-        "wheels": {str(wheel): _wheel(one, str(wheel)) for wheel in one["wheel"].values},
-    }
-    if "sum_Y" in one:
-        found["sum_Y_max_kN"] = peak(one, "sum_Y", largest_magnitude=True)
-    if "guide_force_y" in one:
-        found["guide_force_y_max_kN"] = peak(one, "guide_force_y", largest_magnitude=True)
+    always = ("lateral_shift", "yaw")
+    found: dict[str, Any] = {k: p.of(one) for k, p in OF_WHEELSET.items() if p.channel in one or p.channel in always}
+    found["wheels"] = wheel_peaks(one)
     if "time" in one.dims:
         found["full_curves"] = full_curves(one)
     return found
 
 
+def wheel_peaks(one: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Peaks of the wheels of one wheelset, by wheel and name."""
+    return {str(wheel): {key: p.of(one, str(wheel)) for key, p in PEAKS.items()} for wheel in one["wheel"].values}
+
+
 def _of_point(one: xr.Dataset) -> dict[str, Any]:
     """Largest accelerations at one point."""
-    return {f"{name}_max_m_s2": peak(one, name, largest_magnitude=True) for name in ("point_ay", "point_az")}
+    return {f"{name}_max_m_s2": peak(one, name, which="magnitude") for name in ("point_ay", "point_az")}
 
 
-def peak(
-    dataset: xr.Dataset,
-    name: str,
-    wheel: str | None = None,
-    *,
-    smallest: bool = False,
-    largest_magnitude: bool = False,
-) -> dict[str, Any] | None:
-    """Largest value of a channel (smallest, largest in magnitude) in units for readers, and where it is.
+def peak(dataset: xr.Dataset, name: str, wheel: str | None = None, *, which: str = "largest") -> dict[str, Any] | None:
+    """Largest value of a channel ("least", largest in "magnitude") in units for readers, and where it is: the sample,
+    of channels of patches the patch as well.
 
     ``None`` when the channel is absent or has no finite value.
     """
@@ -190,16 +211,17 @@ def peak(
     finite = np.isfinite(values)
     if not finite.any():
         return None
-    rank = np.abs(values) if largest_magnitude else (-values if smallest else values)
+    rank = {"magnitude": np.abs, "least": np.negative, "largest": np.positive}[which](values)
     index = np.unravel_index(np.argmax(np.where(finite, rank, -np.inf)), values.shape)
     found = {"value": shown(CHANNELS[name], float(values[index]))}
-    return found | _place(dataset, int(index[0]))
+    patch = {"patch": int(index[1])} if data.dims[1:] == ("patch",) else {}
+    return found | _place(dataset, int(index[0])) | patch
 
 
 def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Quasi-static values: medians over the second half of every stretch of constant, non-zero curvature.
 
-    Of a wheel's patches p0 is the largest pressure, the contact angle that of the patch with the largest force.
+    ``patches`` of a wheel are those that are in contact for most of that half, the largest normal force first.
     """
     if "curvature" not in dataset or dataset.sizes["time"] < _SHORTEST:
         return []
@@ -217,11 +239,12 @@ def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
             if name in part and "wheel" not in part[name].dims:
                 curve[CHANNELS[name].column] = _median(part[name], CHANNELS[name])
         for wheel in dataset["wheel"].values:
+            own = part.sel(wheel=wheel)
             curve[str(wheel)] = {
-                CHANNELS[name].column: _median(_of_wheel(part[name].sel(wheel=wheel)), CHANNELS[name])
+                CHANNELS[name].column: _median(own[name], CHANNELS[name])
                 for name in CURVE_CHANNELS
                 if name in part and "wheel" in part[name].dims
-            }
+            } | {"patches": _patches(own)}
         curves.append(curve)
     return curves
 
@@ -243,11 +266,19 @@ def _constant_stretches(distance: NDArray[Any], curvature: NDArray[Any]) -> list
     return [(int(first), int(last)) for first, last in pairs if last - first + 1 >= _SHORTEST]
 
 
-def _of_wheel(data: xr.DataArray) -> xr.DataArray:
-    """One value of a wheel's patches: the largest pressure of all, else that of the patch with the largest force."""
-    if "patch" not in data.dims:
-        return data
-    return data.max("patch") if data.name == "p0" else data.isel(patch=0)
+def _patches(part: xr.Dataset) -> list[dict[str, float | None]]:
+    """Medians of every patch of a wheel that is in contact at most of the samples."""
+    if "N" not in part:
+        return []
+    often = np.isfinite(part["N"].values).mean(axis=0) > 0.5
+    return [
+        {
+            CHANNELS[name].column: _median(part[name].isel(patch=int(k)), CHANNELS[name])
+            for name in PATCH_CHANNELS
+            if name in part
+        }
+        for k in np.flatnonzero(often)
+    ]
 
 
 def _median(data: xr.DataArray, channel: Channel) -> float | None:
@@ -260,23 +291,6 @@ def _place(dataset: xr.Dataset, index: int) -> dict[str, Any]:
         return {"pose": str(dataset["pose"].values[index])}
     place = {"distance_m": float(dataset.variables["distance"][index])} if "distance" in dataset.coords else {}
     return place | {"time_s": float(dataset.variables["time"][index])}
-
-
-def _wheel(dataset: xr.Dataset, wheel: str) -> dict[str, Any]:
-    """Peaks of one wheel."""
-    return {
-        "Y_max_kN": peak(dataset, "Y", wheel),
-        "Y_min_kN": peak(dataset, "Y", wheel, smallest=True),
-        "Y_abs_max_kN": peak(dataset, "Y", wheel, largest_magnitude=True),
-        "Q_max_kN": peak(dataset, "Q", wheel),
-        "Q_min_kN": peak(dataset, "Q", wheel, smallest=True),
-        "Y_over_Q_max": peak(dataset, "Y_over_Q", wheel),
-        "T_gamma_max_N": peak(dataset, "T_gamma", wheel),
-        "N_max_kN": peak(dataset, "N", wheel),
-        "p0_max_MPa": peak(dataset, "p0", wheel),
-        "contact_angle_max_deg": peak(dataset, "contact_angle_max", wheel),
-        "contact_angle_variation_max_deg": peak(dataset, "contact_angle_variation", wheel),
-    }
 
 
 def _stop(dataset: xr.Dataset) -> dict[str, Any] | None:

@@ -16,12 +16,16 @@ from wrsim.results.dataset import versions
 from wrsim.results.files import as_csv, as_json
 from wrsim.results.rows import Row
 from wrsim.results.sealed import read_sealed, write_sealed
+from wrsim.results.table import Column, Table, with_unit
 from wrsim.study.axes import Points
 from wrsim.study.plan import Plan, in_words
 from wrsim.study.task import Marker, read_marker
 
 FORMAT = "wrsim study"
 NUMBERS = "study.nc"
+MOST_LISTED = 40
+"""Cases without a result of their own end that are listed."""
+
 MISSING = "missing"
 """Status of a case that has not come to an end."""
 
@@ -181,3 +185,18 @@ def report_of(plan: Plan, markers: Sequence[Marker | None]) -> dict[str, Any]:
         "unfinished": unfinished,
         "outputs": ranges,
     }
+
+
+def tables_of(report: dict[str, Any]) -> list[Table]:
+    """How the cases ended, and the range of every output."""
+    counts = ", ".join(f"{count} {status}" for status, count in report["status"].items())
+    rows = [
+        (with_unit(name, own["unit"]), own["min"], own["median"], own["max"]) for name, own in report["outputs"].items()
+    ]
+    heads = (Column("output"), *(Column(words, "", ".5g") for words in ("smallest", "median", "largest")))
+    open_cases = tuple(f"{e['label']}: {e['status']}: {e['message']}" for e in report["unfinished"][:MOST_LISTED])
+    head = Table(report["title"], notes=(counts,))
+    return [
+        head,
+        *([Table("", heads, rows, open_cases)] if rows else [Table("", notes=open_cases)] if open_cases else []),
+    ]

@@ -17,9 +17,10 @@ from wrsim.geometry.profile.profile import Profile
 from wrsim.results import write_atomically
 from wrsim.results.dataset import versions
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.render import as_rows
 from wrsim.results.sealed import write_sealed
 from wrsim.scenario.sections.conicity import ConicityPlan
-from wrsim.study.service.record import COLUMNS, FORMAT, NUMBERS, report_of, rows_of
+from wrsim.study.service.record import COLUMNS, FORMAT, NUMBERS, report_of, table_of
 from wrsim.study.service.service import Service
 from wrsim.study.service.steps import DEPTHS, WHEEL, Step, write_wheel
 
@@ -107,7 +108,7 @@ def write_history(
     dataset = history(service, steps)
     files = [
         write_sealed(directory / NUMBERS, dataset),
-        write_atomically(directory / TABLE, as_csv(rows_of(dataset))),
+        write_atomically(directory / TABLE, as_csv(as_rows(table_of(dataset)))),
         write_atomically(directory / REPORT, as_json(report_of(dataset))),
     ]
     if steps:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from wrsim.errors import InputError
-from wrsim.results.rows import Row
+from wrsim.results.render import as_records
 from wrsim.results.sealed import read_sealed
+from wrsim.results.table import Column, Table
 
 NUMBERS = "wear.nc"
 """File of a service's numbers."""
@@ -46,21 +46,21 @@ def read_record(path: Path) -> xr.Dataset:
     return dataset
 
 
-def rows_of(dataset: xr.Dataset) -> list[Row]:
-    """The table, in units for readers; the first row is the header."""
-    rows: list[Row] = [[column for column, _, _, _ in COLUMNS.values()]]
-    for i in range(dataset.sizes["point"]):
-        values = [factor * float(dataset[name].values[i]) for name, (_, factor, _, _) in COLUMNS.items()]
-        rows.append(["" if np.isnan(v) else f"{v:.8g}" for v in values])
-    return rows
+def table_of(dataset: xr.Dataset) -> Table:
+    """Numbers against the mileage, in units for readers."""
+    columns = []
+    for column, _, _, _ in COLUMNS.values():
+        words, _, unit = column.partition("_")
+        columns.append(Column(words, unit.replace("_per_", "/").removeprefix("u_"), ".5g", column))
+    rows = [
+        [factor * float(dataset[name].values[i]) for name, (_, factor, _, _) in COLUMNS.items()]
+        for i in range(dataset.sizes["point"])
+    ]
+    return Table(str(dataset.attrs["title"]), tuple(columns), rows)
 
 
 def report_of(dataset: xr.Dataset) -> dict[str, Any]:
     """What stands in ``wear.json``: title, law, the numbers at the start and at the end."""
-    names = [column for column, _, _, _ in COLUMNS.values()]
-    first, *_, last = rows_of(dataset)[1:] * 2
-    ends = {
-        end: {name: float(cell) if cell else None for name, cell in zip(names, row, strict=True)}
-        for end, row in (("new", first), ("worn", last))
-    }
+    records = as_records(table_of(dataset))
+    ends = {"new": records[0], "worn": records[-1]}
     return {"title": dataset.attrs["title"], "law": dataset.attrs["law"], "steps": dataset.sizes["point"] - 1} | ends

@@ -35,6 +35,7 @@ from wrsim.geometry.profile.file_tables import write_depths
 from wrsim.inputs.toml_files import write_toml
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import as_json
+from wrsim.results.table import formatted, quantity
 from wrsim.study.engine import missing
 from wrsim.study.plan import Plan
 from wrsim.study.service.service import Service
@@ -69,6 +70,16 @@ class Step:
     def end(self) -> float:
         """Mileage at which it ends [m]."""
         return self.start + self.way
+
+    def words(self, mileage: float) -> str:
+        """One line on a step that is done, of so much mileage [m]."""
+        depth = quantity(1e3 * self.deepest * self.way, "mm", ".3g")
+        tread, flange = quantity(1e6 * self.tread, "g/km", ".3g"), formatted(1e6 * self.flange, ".3g")
+        return (
+            f"step {self.number}: {formatted(1e-3 * self.start, '.6g')} to {quantity(1e-3 * self.end, 'km', '.6g')} "
+            f"({quantity(100.0 * self.end / mileage, '%', '.0f')}), "
+            f"{depth} at the deepest, {tread} on the tread, {flange} on the flange"
+        )
 
 
 def folder_of(directory: Path, number: int) -> Path:

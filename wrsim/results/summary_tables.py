@@ -1,0 +1,186 @@
+"""The tables of a run or of poses: peaks of wheels and wheelsets, medians in full curves, energy, what happened."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import xarray as xr
+
+from wrsim.register import ANALYSES, resolved
+from wrsim.results.channels import CHANNELS, PATCHES, WHEELS
+from wrsim.results.summary import CURVE_CHANNELS, ENERGY, OF_WHEELSET, PATCH_CHANNELS, PEAKS
+from wrsim.results.table import Cell, Column, Placed, Table, formatted, quantity, with_unit
+from wrsim.results.wheelsets import numbered
+
+MOST_LINES = 10
+"""Events and remarks that are listed."""
+
+MOST_CURVES = 3
+"""Full curves that are listed; summary.json has all of them."""
+
+Summary = Mapping[str, Any]
+
+
+def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
+    """Peaks of each wheel and wheelset, medians in full curves, balance of energy, events, what integration took."""
+    title = str(dataset.attrs["title"])
+    own = list(summary["wheelsets"].values())
+    labels = list(numbered(tuple(summary["wheelsets"])).values())
+    if len(own) == 1:
+        tables = wheelset_tables(own, [""], title=title)
+    else:
+        tables = [vehicle_table(title, labels, [each["wheels"] for each in own]), *_wheelsets_table(labels, own)]
+    tables += curve_tables(labels, own)
+    if "energy" in summary:
+        tables.append(energy_table(summary["energy"]))
+    notes = (*listed(happened(summary), "events"), *_integration(summary))
+    return [*tables, Table("", notes=notes)] if notes else tables
+
+
+def numbers_of(dataset: xr.Dataset, summary: Summary) -> list[Table]:
+    """What people read first of a result of any analysis, and what its contacts have to say."""
+    tables: list[Table] = resolved(ANALYSES[str(dataset.attrs["analysis"])].numbers)(dataset, summary)
+    said = listed(remarks(summary), "remarks")
+    return [*tables, Table("", notes=said)] if said else tables
+
+
+def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: str = "Peaks") -> list[Table]:
+    """Peaks of one wheelset with their places, in several results beside each other: of its wheels, of itself.
+
+    own: of every result; names: those of the results.
+    """
+    several = len(own) > 1
+    wheels = [(each, name, wheel) for each, name in zip(own, names, strict=True) for wheel in _wheels(each)]
+    rows: list[Sequence[Cell]] = []
+    for key, peak in PEAKS.items():
+        cells = (_placed(each["wheels"][wheel].get(key) if each else None) for each, _, wheel in wheels)
+        rows.append((with_unit(peak.words, peak.unit), *cells))
+    heads = [Column(), *(Column(f"{name}: {wheel}" if several else wheel) for _, name, wheel in wheels)]
+    tables = [Table(title, tuple(heads), _known(rows))]
+    rows = [
+        (with_unit(f"{peak.words}, largest either way", peak.unit), *(_placed((each or {}).get(key)) for each in own))
+        for key, peak in OF_WHEELSET.items()
+    ]
+    if rows := _known(rows):
+        tables.append(Table("", (Column("wheelset"), *map(Column, names)), rows))
+    return tables
+
+
+def vehicle_table(title: str, labels: Sequence[str], own: Sequence[Summary]) -> Table:
+    """Peaks of several wheelsets, a row a wheel. own: by wheel and name."""
+    short = {key: peak for key, peak in PEAKS.items() if peak.short}
+    rows = [
+        (label if j == 0 else "", wheel, *(_placed(peaks.get(key)).value for key in short))
+        for label, wheels in zip(labels, own, strict=True)
+        for j, (wheel, peaks) in enumerate(wheels.items())
+    ]
+    heads = [Column("wheelset"), Column("wheel"), *(Column(peak.short, peak.unit) for peak in short.values())]
+    return Table(title, tuple(heads), rows)
+
+
+def _wheelsets_table(labels: Sequence[str], own: Sequence[Summary]) -> list[Table]:
+    """Peaks of several wheelsets, a row each; none where there are no numbers."""
+    known = {key: peak for key, peak in OF_WHEELSET.items() if any(_placed(each.get(key)).value for each in own)}
+    rows = [(label, *(_placed(each.get(key)) for key in known)) for label, each in zip(labels, own, strict=True)]
+    heads = (Column("wheelset"), *(Column(peak.short or peak.words, peak.unit) for peak in known.values()))
+    return [Table("largest either way", heads, rows)] if known else []
+
+
+def curve_tables(labels: Sequence[str], own: Sequence[Summary], most: int = MOST_CURVES) -> list[Table]:
+    """Medians in the first full curves: a row a wheel, and one for each further patch of it."""
+    curves = [each.get("full_curves", []) for each in own]
+    count = min(map(len, curves), default=0)
+    several = len(labels) > 1
+    tables = []
+    for k in range(min(count, most)):
+        rows: list[list[Cell]] = []
+        known = {name for of in curves for part in _parts_of(of[k]) for name in part}
+        channels = {name: words for name, words in CURVE_CHANNELS.items() if CHANNELS[name].column in known}
+        for label, each, of in zip(labels, own, curves, strict=True):
+            for j, wheel in enumerate(each["wheels"]):
+                values = (of[k] if j == 0 else {}) | of[k].get(wheel, {})
+                head: list[Cell] = [*([label if j == 0 else ""] if several else []), wheel]
+                head += [values.get(CHANNELS[name].column, "") for name in channels]
+                for i, patch in enumerate(values.get("patches") or [{}]):
+                    cells = (patch.get(CHANNELS[name].column, "") for name in PATCH_CHANNELS)
+                    rows.append([*(head if i == 0 else [""] * len(head)), PATCHES[i] if patch else "", *cells])
+        heads = [*([Column("wheelset")] if several else []), Column("wheel")]
+        heads += [Column.of(CHANNELS[name], words) for name, words in channels.items()]
+        heads += [Column("patch"), *(Column.of(CHANNELS[name], words) for name, words in PATCH_CHANNELS.items())]
+        more = (f"and {count - most} more full curves: see summary.json",) if k == most - 1 and count > most else ()
+        tables.append(Table(_curve_title(curves[0][k]), tuple(heads), rows, more))
+    return tables
+
+
+def _parts_of(curve: Summary) -> Iterator[Summary]:
+    """Values of the wheelset, then those of its wheels."""
+    yield curve
+    yield from (part for part in curve.values() if isinstance(part, Mapping))
+
+
+def _curve_title(curve: Summary) -> str:
+    hand = "left" if curve["radius_m"] > 0.0 else "right"
+    cant = f", cant {quantity(curve['cant_mm'], 'mm', '.0f')}" if "cant_mm" in curve else ""
+    place = f"{formatted(curve['from_m'], '.0f')} to {quantity(curve['to_m'], 'm', '.0f')}"
+    radius = quantity(abs(curve["radius_m"]), "m", ".0f")
+    return f"full curve, R {radius} to the {hand}{cant}, {place}: medians of its second half"
+
+
+def energy_table(energy: Summary) -> Table:
+    """What became of the work of drive and pull; what nothing was put in or taken out of is left out."""
+    rows = [(words, energy[key]) for key, words in ENERGY.items() if energy[key] or key == "left_over_kJ"]
+    return Table("balance of energy over the run", (Column(), Column("work", "kJ")), rows)
+
+
+def happened(summary: Summary) -> list[str]:
+    """Events of a run with their places."""
+    return [f"{quantity(e['distance_m'], 'm', '.1f')}: {e['event']}" for e in summary.get("events", [])]
+
+
+def remarks(summary: Summary) -> list[str]:
+    """What the contacts of samples and limit cycles have to say."""
+    return [f"{place}: {words}" for place, words in summary.get("remarks", {}).items()]
+
+
+def listed(lines: Sequence[str], what: str) -> tuple[str, ...]:
+    """The first lines, and how many more there are."""
+    more = (f"and {len(lines) - MOST_LINES} more {what}: see summary.json",) if len(lines) > MOST_LINES else ()
+    return (*lines[:MOST_LINES], *more)
+
+
+def _integration(summary: Summary) -> tuple[str, ...]:
+    """What the integration of a run took."""
+    if (took := summary.get("integration")) is None:
+        return ()
+    step = quantity(took["step_ms"], "ms")
+    words = f"{took['integrator']}: {took['steps']} steps of {step}, {took['evaluations']} evaluations of the forces"
+    words += f", {took['jacobians']} Jacobians" if took["jacobians"] else ""
+    cut = f"; {took['cut_steps']} steps that Newton's method did not solve cut into parts"
+    return (words + (f"{cut}, {took['explicit_steps']} of them for rk44" if took["cut_steps"] else ""),)
+
+
+def wall_time(wall: float, run: float, compiling: float) -> str:
+    """How long a run took, without compiling, beside how long it lasts on the track [s]."""
+    ratio, words = (run / wall, "faster") if run >= wall else (wall / run, "slower")
+    more = f"; compiling kernels, once, took {quantity(compiling, 's', '.3g')} besides" if compiling >= 0.1 else ""
+    took = f"{quantity(run, 's')} on the track in {quantity(wall, 's', '.3g')} of wall time"
+    return f"{took}: {quantity(ratio, 'times', '.3g')} {words} than real time{more}"
+
+
+def _wheels(own: Summary | None) -> Sequence[str]:
+    return tuple(own["wheels"]) if own else WHEELS
+
+
+def _placed(found: Summary | None) -> Placed:
+    """A peak of a summary."""
+    if found is None or found["value"] is None:
+        return Placed(None, "")
+    if "distance_m" in found:
+        return Placed(found["value"], quantity(found["distance_m"], "m", ".1f"))
+    return Placed(found["value"], found["pose"] if "pose" in found else quantity(found["time_s"], "s", ".3f"))
+
+
+def _known(rows: Sequence[Sequence[Cell]]) -> list[Sequence[Cell]]:
+    """Rows of peaks in which there is any number but zero."""
+    return [row for row in rows if any(isinstance(cell, Placed) and cell.value for cell in row)]
