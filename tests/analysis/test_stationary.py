@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 
 from wrsim.analysis.stationary import rotation_test as rotation
 from wrsim.analysis.stationary import twist_test as twist
+from wrsim.analysis.stationary.at_rest import tables_at_rest
 from wrsim.cli import app
-from wrsim.cli.standing import print_standing
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.vehicle.bogies import bogies_of
@@ -175,9 +175,8 @@ def test_the_command_tells_both_tests_and_draws_their_loops(tmp_path, capsys):
     assert found["twist_test"]["largest_unloading"] == pytest.approx(0.0, abs=1e-6)
     assert [t["bogie"] for t in found["rotation_test"]] == ["front.frame"] * 2 + ["rear.frame"] * 2
     assert all(picture.stat().st_size > 10_000 for picture in loops)
-    print_standing({"rotation_test": found["rotation_test"]})
-    largest = max(t["X"] for t in found["rotation_test"])
-    assert f"X factor up to {largest:.3f}" in capsys.readouterr().out
+    (table,) = (t for t in tables_at_rest(found) if t.title.startswith("rotation test"))
+    assert [row[-1] for row in table.rows] == [t["X"] for t in found["rotation_test"]]
 
 
 @pytest.mark.parametrize(

@@ -19,9 +19,10 @@ from typer.testing import CliRunner
 import wrsim.analysis
 from wrsim import __version__
 from wrsim.cli import app
-from wrsim.cli.showing import print_table
 from wrsim.core.compiling import Kernel
 from wrsim.results import Result
+from wrsim.results.render import on_terminal
+from wrsim.results.table import Column, Table
 
 runner = CliRunner()
 COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
@@ -89,7 +90,7 @@ def test_the_balance_of_energy_is_told(run: Result, tmp_path: Path) -> None:
 def test_no_number_of_a_table_is_cut_however_narrow_the_terminal(columns: int, capsys: Any, monkeypatch: Any) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
     rows = [["a long name of a wheel", "0.0769812", "-0.0079512 at 135.9 m"], ["right", "12", "7"]]
-    print_table(("wheel", "derailment quotient", "difference %"), rows, left=("wheel",))
+    on_terminal([Table("", tuple(map(Column, ("wheel", "derailment quotient", "difference %"))), rows)])
     told = capsys.readouterr().out
     assert all(cell in told for row in rows for cell in row) and "…" not in told
     words = told.partition("a long")[0].split()
@@ -131,7 +132,7 @@ def test_a_conicity_analysis_prints_its_table(tmp_path: Path) -> None:
     scenario = Path(__file__).parents[2] / "scenarios/conicity_s1002.toml"
     told = call("run", scenario, "-o", tmp_path, "--no-pictures").stdout
     assert re.search(r"3\.0 +0\.17\d", told), told
-    assert "tan gamma_e" in told
+    assert "tan γe" in told
 
 
 @pytest.mark.parametrize("name", sorted(COMMANDS))

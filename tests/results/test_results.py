@@ -439,12 +439,17 @@ def test_quasi_static_values_are_medians_in_the_full_curve():
     assert curve["right"]["Q_kN"] == pytest.approx(expected, rel=1e-3)
 
 
-def test_the_pressure_of_a_full_curve_is_that_of_the_patch_that_is_pressed_most():
+def test_medians_of_a_full_curve_belong_to_one_patch_each():
+    """Where the second patch has the larger pressure, its angle and its force stand beside that pressure."""
     run = curve_run().copy(deep=True)
-    main = run["p0"].isel(patch=0).values.copy()
-    run["p0"][{"patch": 1}] = 3.0 * main
-    before, after = (Result(one).summary()["wheelsets"]["wheelset"]["full_curves"][0] for one in (curve_run(), run))
-    assert after["right"]["p0_MPa"] == pytest.approx(3.0 * before["right"]["p0_MPa"])
+    second = {"N": 26.5e3, "p0": 2233e6, "contact_angle": np.radians(17.3)}
+    for name, value in second.items():
+        run[name][{"patch": 1}] = value
+    curve = Result(run).summary()["wheelsets"]["wheelset"]["full_curves"][0]
+    main, other = curve["right"]["patches"]
+    assert [other[key] for key in ("N_kN", "p0_MPa", "contact_angle_deg")] == pytest.approx([26.5, 2233.0, 17.3])
+    (plain,) = Result(curve_run()).summary()["wheelsets"]["wheelset"]["full_curves"]
+    assert main == plain["right"]["patches"][0]
 
 
 def test_every_hand_of_an_s_curve_is_found_and_straight_track_has_none():

@@ -41,16 +41,17 @@ def on_terminal(tables: Iterable[Table], stream: IO[str] | None = None) -> None:
         if sum(whole) + 2 * len(heads) > console.width:
             whole = least
             console.width = max(console.width, sum(least) + 2 * len(heads))
-        look: Any = {"title_justify": "left", "title_style": "bold", "box": None, "pad_edge": False}
-        grid = Grid(title=plain(table.title) or None, show_header=any(heads), **look)
+        if table.title:
+            console.print(plain(table.title), style="bold", soft_wrap=True)
+        grid = Grid(show_header=any(heads), box=None, pad_edge=False)
         for j, (head, letters) in enumerate(zip(heads, whole, strict=True)):
             grid.add_column(fill(head, max(letters, 1)), justify="left" if table.is_text(j) else "right", no_wrap=True)
         for row in rows:
             grid.add_row(*row, style="bold" if len(row) == 1 else None)
         if heads:
-            console.print(grid)
-        elif table.title:
-            console.print(plain(table.title), style="bold", soft_wrap=True)
+            with console.capture() as kept:
+                console.print(grid)
+            print("\n".join(line.rstrip() for line in kept.get().splitlines()), file=stream)
         for note in table.notes:
             print(plain(note), file=stream)
 
