@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 import wrsim.analysis
 from wrsim import __version__
 from wrsim.cli import app
-from wrsim.cli.showing import _duration
+from wrsim.cli.showing import time_left
 from wrsim.errors import SimulationError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result
@@ -332,11 +332,11 @@ def test_the_command_ends_quietly_when_the_reader_of_its_output_goes(scenario: P
 
 
 @pytest.mark.parametrize(
-    ("seconds", "words"), [(0.2, "0 s left"), (89.0, "89 s left"), (600.0, "10 min left"), (7200.0, "2.0 h left")]
+    ("seconds", "words"), [(0.2, "0 s left"), (89.0, "89 s left"), (600.0, "10 min left"), (7200.0, "2 h left")]
 )
 def test_the_time_left_is_told_in_few_words(seconds: float, words: str) -> None:
-    assert _duration(seconds) == words
-    assert _duration(float("nan")) == _duration(float("inf")) == ""
+    assert time_left(seconds) == words
+    assert time_left(float("nan")) == time_left(float("inf")) == ""
 
 
 def test_five_lines_of_python_do_the_same(scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -165,7 +165,7 @@ def progress_bar(wanted: bool) -> Iterator[Progress | None]:
         _Telling.bar = lambda words: bar.update(task, description=words, refresh=True)
 
         def advance(fraction: float, seconds_left: float) -> None:
-            bar.update(task, completed=fraction, left=_left(seconds_left))
+            bar.update(task, completed=fraction, left=time_left(seconds_left))
 
         try:
             yield advance
@@ -173,7 +173,7 @@ def progress_bar(wanted: bool) -> Iterator[Progress | None]:
             _Telling.bar = None
 
 
-def _left(seconds: float) -> str:
+def time_left(seconds: float) -> str:
     """Time left in words that do not flicker."""
     from wrsim.results.table import duration
 

@@ -142,11 +142,12 @@ def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
     channels = {name: (dataset[name], CHANNELS[name], "") for name in (*OF_WHEELSETS, *OF_WHEELS) if name in dataset}
     for k in range(dataset.sizes.get("patch", 0)):
         for name in OF_PATCHES if np.isfinite(dataset["N"].values[..., k]).any() else ():
-            channels[f"{name}_{k}" if k else name] = dataset[name].isel(patch=k), CHANNELS[name], f", {PATCHES[k]} patch"
+            own = (dataset[name].isel(patch=k), CHANNELS[name], f", {PATCHES[k]} patch")
+            channels[f"{name}_{k}" if k else name] = own
     channels |= {name: (dataset[name], CHANNELS[name], "") for name in OF_BODIES if name in dataset}
     for name, (data, channel, which) in channels.items():
-        own = packed(data.values[keep] * channel.shown.factor, "f4")
-        run["channels"][name] = own | {
+        numbers = packed(data.values[keep] * channel.shown.factor, "f4")
+        run["channels"][name] = numbers | {
             "unit": "" if channel.shown.symbol == "1" else channel.shown.symbol,
             "factor": channel.shown.factor,
             "dims": [d for d in data.dims if d != "time"],
