@@ -189,7 +189,8 @@ def test_a_table_with_many_faults_tells_the_first_and_counts_the_rest(tmp_path: 
 )
 def test_a_wheelset_off_the_rails_is_refused_with_the_reason(tmp_path: Path, gauge_mm: int, reason: str) -> None:
     (line,) = faults(edited(CURVE, "gauge_mm = 1435", f"gauge_mm = {gauge_mm}"), tmp_path)
-    assert line.startswith("case.toml:7: track.gauge_mm")
+    assert line.startswith('case.toml:8: track.rail = "')
+    assert line.endswith(f"; see track.gauge_mm in {tmp_path}/case.toml:7 and vehicle.model in {tmp_path}/case.toml:4")
     assert "the wheelset is placed off the rails" in line
     assert reason in line
 

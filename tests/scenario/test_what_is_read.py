@@ -3,13 +3,18 @@
 import os
 import re
 import socket
+import subprocess
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 import xarray as xr
 from support.runs import SCENARIOS
 from support.scenario_texts import edited
+from typer.testing import CliRunner
 
+from wrsim.cli.commands import app
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.track import segments
@@ -19,12 +24,19 @@ from wrsim.inputs.toml_files import LARGEST, read_bytes, read_text, shown, withi
 from wrsim.report.view import setup_of
 from wrsim.results import Result
 from wrsim.scenario.build import build
+from wrsim.scenario.cases import read_cases
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.merging import MOST_BASES
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 CURVE = (SCENARIOS / "curve_r300.toml").read_text()
 POSES = (SCENARIOS / "static_s1002.toml").read_text()
+
+
+def command(*arguments: object) -> Any:
+    return CliRunner().invoke(app, [str(a) for a in arguments])
+
+
 SECRET = "root:x:0:0 a line of somebody else's"
 
 
@@ -192,3 +204,52 @@ def test_parts_that_hold_each_other_many_times_over_are_refused(tmp_path):
     (tmp_path / "car.toml").write_text(head + parts)
     with pytest.raises(InputError, match="is one too many: a vehicle has at most 1000 parts"):
         load_vehicle(tmp_path / "car.toml")
+
+
+def test_a_rail_as_wide_as_a_field_is_refused_by_its_own_name(tmp_path):
+    text = 'name = "flat"\nsource = "x"\ndate = 2026-01-01\nbody = "rail"\nkind = "circle"\n'
+    (tmp_path / "flat.toml").write_text(f"{text}radius_mm = 10000\nhalf_width_mm = 999\n")
+    with pytest.raises(InputError) as told:
+        build(load_text(named("flat.toml")["track.rail"].replace('"1:40"', '"none"'), tmp_path))
+    assert 'track.rail = "flat.toml": its gauge point or its top lies 0.5' in str(told.value)
+    assert str(told.value).endswith(f"m from the origin of {tmp_path / 'flat.toml'}; at most 0.5 m")
+
+
+@pytest.mark.parametrize("end", ["\r", "\r\n"])
+def test_lines_of_a_table_may_end_as_on_any_machine(tmp_path, end):
+    (tmp_path / "poses.csv").write_bytes(f"id,lateral_mm,load_kN{end}a,0,70{end}b,x,70{end}".encode())
+    with pytest.raises(InputError, match=r"poses\.csv:3: lateral_mm = \"x\": must be a number"):
+        read_cases(tmp_path / "poses.csv")
+
+
+def test_quotes_in_the_middle_of_a_cell_are_refused_in_words_of_ours(tmp_path):
+    (tmp_path / "poses.csv").write_text('id,lateral_mm,load_kN\n"a"b,0,70\n')
+    with pytest.raises(
+        InputError, match=r"poses\.csv:2: no line of a CSV table: a cell has at most \d+ characters, and"
+    ):
+        read_cases(tmp_path / "poses.csv")
+
+
+def test_a_folder_in_the_place_of_the_result_is_told_before_the_run(tmp_path):
+    (tmp_path / "out/result.nc").mkdir(parents=True)
+    for force in ((), ("--force",)):
+        refused = command("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path / "out", *force)
+        assert refused.exit_code == 2
+        assert "result.nc: is a directory; a file of that name is written: move it away" in refused.stderr
+        assert not (tmp_path / "out/scenario.toml").exists()
+
+
+def test_a_long_value_on_the_command_line_is_not_echoed_whole():
+    refused = command("check", SCENARIOS / "curve_r300.toml", "--set", f"vehicle.speed_kmh={'a' * 6000}")
+    assert refused.exit_code == 2
+    assert len(refused.stderr) < 400
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
+@pytest.mark.parametrize("options", [(), ("--json",)])
+def test_a_full_disk_behind_stdout_is_told_by_that_name(options):
+    with open("/dev/full", "w") as full:
+        asked = [sys.executable, "-m", "wrsim", "keys", "run", *options]
+        ended = subprocess.run(asked, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert ended.returncode == 1
+    assert ended.stderr.startswith("standard output: the disk is full")

@@ -81,8 +81,9 @@ def reporting_errors(as_json: bool) -> Iterator[None]:
     except OSError as error:
         full = error.errno in FULL_DISK
         reason = "the disk is full; free some space or choose another directory" if full else error.strerror
-        where = f"{error.filename}: " if error.filename else ""
-        _fail(f"{where}{reason or error}", "WrsimError", WrsimError.exit_code, as_json)
+        mute = not error.filename and _takes_no_text()
+        where = "standard output: " if mute else f"{error.filename}: " if error.filename else ""
+        _fail(f"{where}{reason or error}", "WrsimError", WrsimError.exit_code, as_json and not mute)
     except MemoryError:
         message = "out of memory: fewer poses, a larger output interval or fewer patches_at_m need less"
         _fail(message, "MemoryError", WrsimError.exit_code, as_json)
@@ -95,6 +96,16 @@ def reporting_errors(as_json: bool) -> Iterator[None]:
             f"{DEBUG}=1 shows where it happened."
         )
         _fail(message, "InternalError", INTERNAL, as_json)
+
+
+def _takes_no_text() -> bool:
+    """True where stdout is what cannot be written; it is given up then."""
+    try:
+        print(flush=True)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return True
+    return False
 
 
 def _fail(message: str, kind: str, code: int, as_json: bool) -> None:

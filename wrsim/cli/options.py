@@ -56,13 +56,13 @@ BesideResult = Annotated[Path | None, typer.Option("--output", "-o", metavar="DI
 
 def with_set(scenario: Scenario, asked: Sequence[str]) -> Scenario:
     """The scenario with the keys of ``--set`` changed: values as in TOML, bare words are texts. Raises InputError."""
-    from wrsim.inputs.toml_files import parse_value
+    from wrsim.inputs.toml_files import parse_value, shortened
 
     for words in asked:
         key, equals, value = words.partition("=")
         if not equals or not key.strip() or not value.strip():
-            raise InputError(f"--set {words}: must be key=value, such as vehicle.speed_kmh=60")
-        scenario = scenario.with_values({key.strip(): parse_value(value.strip())}, f"--set {words}")
+            raise InputError(f"--set {shortened(words)}: must be key=value, such as vehicle.speed_kmh=60")
+        scenario = scenario.with_values({key.strip(): parse_value(value.strip())}, f"--set {shortened(words)}")
     return scenario
 
 

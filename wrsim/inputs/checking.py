@@ -11,7 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 from wrsim.errors import InputError
 from wrsim.inputs.lines import KeyPath, key_lines, line_of
 from wrsim.inputs.section import ABSENT, FAULT, MOST_FAULTS, STRICT, Section
-from wrsim.inputs.toml_files import parse_toml, read_text, shown
+from wrsim.inputs.toml_files import parse_toml, read_text, shortened, shown
 from wrsim.inputs.values import refusal
 
 S = TypeVar("S", bound=Section)
@@ -53,7 +53,7 @@ def check_value(kind: Any, value: Any, name: str) -> Any:
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         why = fault["msg"] if fault["type"] == FAULT else refusal(kind, [], value)
-        raise InputError(f"{name} {value}: {why}") from None
+        raise InputError(f"{name} {shortened(str(value))}: {why}") from None
 
 
 def fault_line(path: KeyPath, message: str, locate: Locate, value: Any = None) -> str:

@@ -32,15 +32,11 @@ def read_columns(
     the header has no comma. Empty lines and lines that begin with # are left out.
     Raises InputError with every fault: file, line, column, value, what is allowed.
     """
-    lines = [
-        (number, line)
-        for number, line in enumerate(read_text(path, "table").split("\n"), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
+    lines = table_lines(path)
     if not lines:
         raise InputError(f"{path}: the table is empty; its first line must name columns: {', '.join(columns)}")
     separator = ";" if ";" in lines[0][1] and "," not in lines[0][1] else ","
-    first, header = _cells(path, *lines.pop(0), separator)
+    first, header = cells_of(path, *lines.pop(0), separator)
     _refuse(path, _header_faults(header, f"{path}:{first}", columns, needed))
     if not lines:
         raise InputError(f"{path}: the table has no {rows} below its header")
@@ -54,15 +50,24 @@ def read_columns(
         if len(table) != len(header) or not all(map(_allowed, (columns[n] for n in header), values.T)):
             raise ValueError
     except ValueError:
-        table = _row_by_row(path, [_cells(path, *line, separator) for line in lines], header, columns)
+        table = _row_by_row(path, [cells_of(path, *line, separator) for line in lines], header, columns)
     return {name: np.array(column) for name, column in zip(header, table, strict=True)}, numbers
 
 
-def _cells(path: Path, number: int, line: str, separator: str) -> Row:
+def table_lines(path: Path, what: str = "table") -> list[tuple[int, str]]:
+    """The lines of a table with their numbers, but for empty ones and comments; they end in LF, CR or both."""
+    lines = read_text(path, what).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
+
+
+def cells_of(path: Path, number: int, line: str, separator: str) -> Row:
+    """The cells of a line. Raises InputError."""
     try:
         return number, [c.strip() for c in next(csv.reader([line.strip()], delimiter=separator, strict=True))]
-    except csv.Error as error:
-        raise InputError(f"{path}:{number}: no line of a CSV table: {error}") from None
+    except csv.Error:
+        longest = f"at most {csv.field_size_limit()} characters"
+        message = f'no line of a CSV table: a cell has {longest}, and quotes (") only around all of it'
+        raise InputError(f"{path}:{number}: {message}") from None
 
 
 def _refuse(path: Path, faults: list[str]) -> None:
@@ -71,7 +76,8 @@ def _refuse(path: Path, faults: list[str]) -> None:
 
 
 def _header_faults(header: list[str], where: str, columns: Mapping[str, Any], needed: Sequence[str]) -> list[str]:
-    faults, guessed = [], set()
+    faults: list[str] = []
+    guessed: set[str | None] = set()
     for name in header:
         if name not in columns:
             near = nearest(name, list(columns)) if len(faults) < MOST_FAULTS else None  # more are not told

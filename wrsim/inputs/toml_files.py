@@ -197,6 +197,8 @@ def _syntax_message(reason: str, text: str, name: str) -> str:
         row = len(source) or 1
         column = len(source[-1]) + 1 if source else 1
     reason = _PLACE.sub("", reason).replace(" (at end of document)", " at the end of the file")
+    if r"'\r'" in reason:
+        reason += "; lines end in LF or CR LF"
     message = f"{name}:{row}:{column}: not valid TOML: {reason[:1].lower()}{reason[1:]}"
     if 0 < row <= len(source) and len(source[row - 1]) <= 120:
         line = source[row - 1].expandtabs(1)
@@ -222,7 +224,11 @@ def _hint(line: str) -> str:
 
 def shown(value: Any, longest: int = 60) -> str:
     """Return a value as it would stand in a TOML file, cut to ``longest`` characters."""
-    text = _value(value)
+    return shortened(_value(value), longest)
+
+
+def shortened(text: str, longest: int = 100) -> str:
+    """A text, cut to ``longest`` characters."""
     return text if len(text) <= longest else text[: longest - 4] + " ..."
 
 

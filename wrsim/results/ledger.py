@@ -125,10 +125,12 @@ class Keeper:
 
     def check(self, path: Path) -> None:
         """Raises ``InputError`` when a file of the user's stands there."""
+        if path.is_dir():
+            raise InputError(
+                f"{path}: is a directory; a file of that name is written: move it away, or choose another -o"
+            )
         if self.force or not os.path.lexists(path):
             return
-        if path.is_dir():
-            return  # the system says what is wrong
         if path.exists() and any(read.exists() and path.samefile(read) for read in self.reads):
             raise InputError(
                 f"{path}: would be written over, but the input is read from it; "

@@ -19,7 +19,9 @@ from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.section_table import read_sections
-from wrsim.geometry.track.track import Track
+from wrsim.geometry.track.track import MAX_OFFSET, Track
+from wrsim.inputs.checking import dotted
+from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.toml_files import noting_reads, read_bytes
 from wrsim.register import ANALYSES, resolved
 from wrsim.scenario.friction_build import contact_of
@@ -184,10 +186,13 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
             rail = _laid(load_profile(files[-1], "rail"), section.inclination, section.gauge_depth_mm / 1e3)
         if section.gauge_between == "gauge points":
             try:
-                rail.gauge_point()
+                u, w = rail.gauge_point()[0], rail.top[1]
             except InputError as error:
                 hint = '; bare pairs of curves are placed by gauge_between = "origins" (static poses)'
                 raise scenario.fault(("track", key), str(error) + hint) from None
+            if (far := max(abs(u), abs(w))) > MAX_OFFSET:
+                message = f"its gauge point or its top lies {far:.4g} m from the origin of {files[-1]}; at most "
+                raise scenario.fault(("track", key), f"{message}{MAX_OFFSET:g} m")
         found.append(rail)
     return found[0], found[1]
 
@@ -240,8 +245,17 @@ def _check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profil
                 f"{1e3 * wheelset.profile_spacing:g} mm apart (vehicle.model), the {side} {reason}"
             )
             if gauge == nominal:
-                raise scenario.fault(("track", "gauge_mm"), message)
+                *others, rail_key = _pair(scenario, side)
+                named = " and ".join(f"{dotted(key)} in {scenario.locate(key)}" for key in others)
+                raise scenario.fault(rail_key, f"{message}; see {named}")
             raise scenario.fault(("track", _culprit(scenario, track, gauge)), message)
+
+
+def _pair(scenario: Scenario, side: str) -> tuple[KeyPath, KeyPath, KeyPath]:
+    """The keys that bring a wheel and its rail together: gauge, wheel profile, rail profile."""
+    key, wheel = scenario.spec.vehicle.of_side("wheel", side)
+    rail = scenario.spec.track.of_side("rail", side)[0]
+    return ("track", "gauge_mm"), ("vehicle", "model" if wheel is None else key), ("track", rail)
 
 
 def _culprit(scenario: Scenario, track: Track, gauge: float) -> str:

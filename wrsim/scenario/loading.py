@@ -16,7 +16,7 @@ from wrsim.inputs.checking import check, dotted, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import DEEPEST, write_toml
+from wrsim.inputs.toml_files import DEEPEST, shown, write_toml
 from wrsim.register import ANALYSES
 from wrsim.scenario.merging import Merged, from_text, read_merged, value_at
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
@@ -248,7 +248,7 @@ def _keys(dotted_key: str) -> KeyPath:
         name, *places = part.replace("]", "").split("[")
         path.append(name)
         if not all(place.isdecimal() for place in places) or not name:
-            raise InputError(f'key "{dotted_key}": must be written like track.segments[2].radius_m')
+            raise InputError(f"key {shown(dotted_key)}: must be written like track.segments[2].radius_m")
         path += [int(place) for place in places]
     return tuple(path)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError
+from wrsim.inputs.csv_tables import cells_of, table_lines
 from wrsim.inputs.lookup import Finder
-from wrsim.inputs.toml_files import parse_value, read_text
+from wrsim.inputs.toml_files import parse_value
 from wrsim.study.spec import Axis, CsvAxis, GridAxis, LatinHypercubeAxis, SampledKey, SobolAxis, axis_name
 
 ID = "id"
@@ -82,16 +81,12 @@ def _sampled(axis: SobolAxis | LatinHypercubeAxis) -> NDArray[np.float64]:
 
 def _rows(path: Path, name: str) -> Points:
     """The rows of a table; cells are values as in TOML, and bare words are texts."""
-    lines = [
-        (number, line)
-        for number, line in enumerate(read_text(path, "table").split("\n"), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
+    lines = table_lines(path)
     if len(lines) < 2:
         where = f"{path}:{lines[0][0]}: is all that is there" if lines else f"{path}: is empty"
         raise InputError(f"{where}; must have a header of dotted keys and a row for every case")
     separator = ";" if ";" in lines[0][1] and "," not in lines[0][1] else ","
-    cells = [(number, _cells(path, number, line, separator)) for number, line in lines]
+    cells = [cells_of(path, *line, separator) for line in lines]
     first, header = cells.pop(0)
     for column in header:
         if not column:
@@ -102,6 +97,7 @@ def _rows(path: Path, name: str) -> Points:
     if not keys:
         raise InputError(f"{path}:{first}: no column varies a key; must be dotted keys such as vehicle.speed_kmh")
     values, places, labels = [], [], []
+    known: set[str] = set()
     for number, row in cells:
         if len(row) != len(header):
             raise InputError(f"{path}:{number}: has {len(row)} cells; must have {len(header)} like the header")
@@ -110,16 +106,10 @@ def _rows(path: Path, name: str) -> Points:
         if empty:
             raise InputError(f"{path}:{number}: {empty[0]}: the cell is empty; must be a value for that key")
         if ID in own:
-            if own[ID] in labels:
+            if own[ID] in known:
                 raise InputError(f"{path}:{number}: id = {own[ID]}: is the name of another row")
             labels.append(own[ID])
+            known.add(own[ID])
         values.append(tuple(parse_value(own[key]) for key in keys))
         places.append(f"{path}:{number}")
     return Points(name, tuple((key,) for key in keys), tuple(values), tuple(places), tuple(labels), listed=True)
-
-
-def _cells(path: Path, number: int, line: str, separator: str) -> Sequence[str]:
-    try:
-        return [cell.strip() for cell in next(csv.reader([line.strip()], delimiter=separator, strict=True))]
-    except csv.Error as error:
-        raise InputError(f"{path}:{number}: no line of a CSV table: {error}") from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.recording.columns import ChannelSection, ColumnsFile, guessed, read_columns_file
 from wrsim.inputs.checking import check
-from wrsim.inputs.toml_files import read_text
+from wrsim.inputs.csv_tables import cells_of, table_lines
 
 Array = NDArray[np.float64]
 
@@ -137,16 +136,12 @@ def _place(where: str, found: list[dict[str, object]], key: tuple[str | int, ...
 
 def _table(path: Path) -> tuple[list[str], list[list[str]], list[int], str]:
     """Header, cells of the rows, numbers of the lines (the header's first), and the decimal sign."""
-    lines = [
-        (i, line)
-        for i, line in enumerate(read_text(path, "recording").splitlines(), 1)
-        if line.strip() and not line.lstrip().startswith("#")
-    ]
+    lines = table_lines(path, "recording")
     if len(lines) < 2:
         raise InputError(f"{path}: has no rows; its first line must name the columns, rows of numbers follow")
     separator = max(";\t,", key=lambda sign: (lines[0][1].count(sign), sign == ";"))
     decimal = "," if separator != "," and any("," in line for _, line in lines[1:50]) else "."
-    cells = [[c.strip() for c in row] for row in csv.reader((line for _, line in lines), delimiter=separator)]
+    cells = [cells_of(path, *line, separator)[1] for line in lines]
     header = cells[0]
     for name, times in Counter(header).items():
         if times > 1:

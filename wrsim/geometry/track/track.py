@@ -46,6 +46,8 @@ About the elastic length (4 E I / k)^(1/4) of a rail: 0.75 to 0.85 m for 60E1 (E
 of 50 to 80 MN/m2."""
 ROWS = 0.25
 """Distance of the rows of a path unless irregularities need less [m]."""
+MAX_OFFSET = 0.5
+"""Farthest gauge point and top of a rail profile from its origin [m]."""
 MAX_ROWS = 4_000_000
 """Largest table of a path."""
 
@@ -157,7 +159,7 @@ class Track:
             within("track", "step_m", step, 1e-3, 10.0)
         for key, offset in (("left_offset", left_offset), ("right_offset", right_offset)):
             for value in offset:
-                within("track", f"{key} (o, b)", value, -0.5, 0.5)
+                within("track", f"{key} (o, b)", value, -MAX_OFFSET, MAX_OFFSET)
         for value in (*start, heading):
             if not math.isfinite(value):
                 raise InputError(f"start or heading of the track = {value}; allowed: finite numbers")
