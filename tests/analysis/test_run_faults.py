@@ -298,7 +298,7 @@ def test_ctrl_c_ends_a_run_with_130_and_everything_on_disk(tmp_path):
     assert child.stdout is not None
     assert child.stdout.readline() == "running\n"
     child.send_signal(signal.SIGINT)
-    _, told = child.communicate(timeout=120)
+    _, told = child.communicate(timeout=1200)
     assert child.returncode == 130, told
     assert f"{file}: stopped: interrupted by the user at t = " in told
     result = Result.load(out)

@@ -6,12 +6,12 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from matplotlib.figure import Figure
+from support.waiting import wait_until
 
 from wrsim.plots import drawing
 from wrsim.plots.style import new_figure, rendered
@@ -53,10 +53,7 @@ def test_the_second_process_begins_before_its_pictures_are_asked_for(tmp_path: P
         return make
 
     with drawing({name: noting(name) for name in "ab"}) as finish:
-        for _ in range(1000):
-            if (tmp_path / "b").exists():
-                break
-            time.sleep(0.01)
+        wait_until((tmp_path / "b").exists)
         finish()
     drew = {(tmp_path / name).read_text() for name in "ab"}
     assert len(drew) == 1 and str(HERE) not in drew
@@ -90,24 +87,19 @@ os.sched_getaffinity = lambda process: {{0, 1}}
 from wrsim.plots import drawing
 def slow():
     Path({str(tmp_path / "second")!r}).write_text(str(os.getpid()))
-    time.sleep(60)
+    time.sleep(1e4)
 with drawing({{"one": slow, "other": slow}}) as finish:
-    time.sleep(60)
+    time.sleep(1e4)
 """
     first = subprocess.Popen([sys.executable, "-c", code])
     try:
-        end = time.monotonic() + 30.0
-        while not (tmp_path / "second").exists() or not (tmp_path / "second").read_text():
-            assert first.poll() is None and time.monotonic() < end
-            time.sleep(0.02)
-        second = int((tmp_path / "second").read_text())
+        told = tmp_path / "second"
+        wait_until(lambda: told.exists() and told.read_text(), first)
+        second = int(told.read_text())
         assert second != first.pid
         first.kill()
         first.wait()
-        end = time.monotonic() + 10.0
-        while _runs(second) and time.monotonic() < end:
-            time.sleep(0.02)
-        assert not _runs(second)
+        wait_until(lambda: not _runs(second), seconds=60.0)
     finally:
         first.kill()
 

@@ -238,14 +238,19 @@ def test_it_plays(chromium: Browser, page: Path) -> None:
     chromium.open(page)
     chromium.run("return wrsim.ready.then(() => wrsim.seek(10))")
     chromium.run("document.getElementById('rate').value = '10'; document.getElementById('play').click()")
-    # a browser that shares its processors draws late: asked until it has come so far, for ten seconds at most
-    after = (
-        "const place = () => wrsim.viewer.run.distance.data[Math.floor(wrsim.viewer.at)], end = Date.now() + 10000;"
-        "return new Promise(r => { const look = () => place() > 15 || Date.now() > end ? r(place()) : "
-        "setTimeout(look, 50); look(); })"
-    )
-    assert chromium.run(after) > 15.0
+    chromium.wait("wrsim.viewer.run.distance.data[Math.floor(wrsim.viewer.at)] > 15")
     assert chromium.complaints() == []
+
+
+def test_a_script_that_gets_into_the_viewer_does_not_run(chromium: Browser, page: Path, tmp_path: Path) -> None:
+    file = tmp_path / "view.html"
+    foreign = "<script>window.evil = 1</script><style>h1 { display: none }</style>"
+    file.write_text(page.read_text().replace("</main>", f"{foreign}</main>", 1))
+    chromium.open(file)
+    chromium.run("return wrsim.ready")
+    assert chromium.run("return window.evil === undefined && document.querySelector('h1').offsetHeight > 0")
+    told = chromium.complaints()
+    assert len(told) == 2 and all("Content Security Policy" in words for words in told), told
 
 
 def test_a_report_takes_the_viewer_inside(chromium: Browser, page: Path, coach: Result, tmp_path: Path) -> None:

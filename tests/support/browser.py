@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from support.waiting import wait_until
+
 FLAGS = (
     "--headless", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
     "--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
@@ -24,10 +26,17 @@ class Browser:
         self.driver = driver
 
     def open(self, page: Path, width: int = 1280, height: int = 900) -> None:
-        """Open a page at that size; messages of pages before are forgotten."""
+        """Open a page at that size and wait until it has its width; messages of pages before are forgotten."""
         self.driver.set_window_size(width, height)
         self.driver.get_log("browser")
         self.driver.get(page.resolve().as_uri())
+        self.wait(f"innerWidth === {width}")
+        # what listens to the change of width has been called before the second frame
+        self.run("return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")
+
+    def wait(self, condition: str) -> None:
+        """Wait until an expression in JavaScript is true."""
+        wait_until(lambda: self.run(f"return {condition}"))
 
     def run(self, script: str) -> Any:
         """What a piece of JavaScript returns; one that returns a promise is waited for."""
@@ -63,6 +72,7 @@ def browser() -> Iterator[Browser]:
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     opened = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
     try:
+        opened.set_script_timeout(1200)  # for promises; the driver's own half minute is too short for busy machines
         opened.set_network_conditions(offline=True, latency=0, throughput=1)
         yield Browser(opened)
     finally:
