@@ -156,7 +156,8 @@ def test_nothing_comes_from_elsewhere(page: str) -> None:
     assert not re.findall(r"url\((?!['\"]?(?:data:|#))|@import", page)
     addresses = set(re.findall(r"https?://[^\s\"'<>)]+", page))
     assert not {a for a in addresses if "www.w3.org" not in a}
-    assert "default-src 'none'" in page
+    policy = re.findall(r'Content-Security-Policy" content="([^"]*)"', page)[0]
+    assert "default-src 'none'" in policy and "script-src 'sha256-" in policy
 
 
 def test_every_drawing_has_words_and_every_link_a_place(page: str) -> None:
@@ -271,6 +272,30 @@ def test_texts_of_users_run_nothing(chromium: Browser, curve: Result, tmp_path: 
     chromium.open(file, width=500)
     assert chromium.run("return window.evil === undefined && wrsim.data.charts.length > 0")
     assert chromium.run("return document.documentElement.scrollWidth <= innerWidth")
+    assert chromium.complaints() == []
+
+
+@pytest.mark.parametrize("place", ["<header>", "</main>"])
+def test_a_script_that_gets_into_a_page_does_not_run(chromium: Browser, page: str, tmp_path: Path, place: str) -> None:
+    foreign = (
+        "<script>window.evil = 1</script><script src='data:text/javascript,window.evil=1'></script>"
+        "<img src='data:,x' onerror='window.evil = 1'><iframe srcdoc='<script>parent.evil = 1</script>'></iframe>"
+        "<a id='foreign' href='javascript:window.evil = 1'>here</a>"
+    )
+    file = tmp_path / "report.html"
+    file.write_text(page.replace(place, place + foreign if place == "<header>" else foreign + place, 1))
+    chromium.open(file)
+    chromium.run("document.getElementById('foreign').click(); return new Promise((done) => setTimeout(done, 0, 1))")
+    assert chromium.run("return window.evil === undefined && wrsim.data.charts.length > 0")
+    told = chromium.complaints()
+    assert len(told) >= 5 and all("Content Security Policy" in words for words in told), told
+
+
+def test_pictures_in_a_page_keep_their_colours(chromium: Browser, tmp_path: Path) -> None:
+    file = tmp_path / "report.html"
+    file.write_text(page_of(Result(static_poses())))
+    chromium.open(file)
+    assert chromium.colours("#pictures img") > 10
     assert chromium.complaints() == []
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import shlex
 from collections.abc import Sequence
 from dataclasses import replace
@@ -87,9 +88,6 @@ def report_page(
         "events": facts.events(results, names),
         "pictures": [] if charts else [picture for r in results for picture in _pictures(r, several)],
         "viewers": list(zip(names, viewers, strict=False)),
-        "css": Markup(text_of("templates/report.css")),
-        "script": Markup(text_of("bundle/report.js")) if charts else "",
-        "script_css": Markup(text_of("bundle/report.css")) if charts else "",
     }
     return template("report.html").render(page)
 
@@ -102,6 +100,7 @@ def _environment() -> jinja2.Environment:
     )
     own.filters["table"] = as_html
     own.policies["json.dumps_kwargs"] = {"sort_keys": False, "separators": (",", ":"), "allow_nan": False}
+    own.globals |= {"text_of": text_of, "hashes": hashes}
     return own
 
 
@@ -110,9 +109,15 @@ def template(name: str) -> jinja2.Template:
     return _environment().get_template(name)
 
 
-def text_of(name: str) -> str:
-    """A text file of this package."""
-    return files("wrsim.report").joinpath(name).read_text(encoding="utf-8")
+def text_of(name: str) -> Markup:
+    """A script or a style sheet of this package, to stand in a page as it is."""
+    return Markup(files("wrsim.report").joinpath(name).read_text(encoding="utf-8"))
+
+
+def hashes(*names: str) -> Markup:
+    """Those files for a content security policy: a page may use an element of exactly this text and no other."""
+    digests = (hashlib.sha256(text_of(name).encode()).digest() for name in names)
+    return Markup(" ").join(Markup(f"'sha256-{base64.b64encode(d).decode()}'") for d in digests)
 
 
 def _names(sources: Sequence[str]) -> list[str]:

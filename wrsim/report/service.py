@@ -5,11 +5,10 @@ from __future__ import annotations
 import shlex
 
 import xarray as xr
-from markupsafe import Markup
 
 from wrsim import __version__
 from wrsim.plots.service import FIGURES
-from wrsim.report.page import as_picture, template, text_of
+from wrsim.report.page import as_picture, template
 from wrsim.results.table import Table, quantity
 
 TEXTS = {"service_text": "Service file", "cases_text": "Table of cases", "scenario_text": "Scenario"}
@@ -31,7 +30,6 @@ def service_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
     page = {
         "title": about["title"],
         "version": __version__,
-        "css": Markup(text_of("templates/report.css")),
         "verdict": f"{mileage} in {steps} steps; {deepest} worn off at the deepest place.",
         "identity": identity + [(key.removesuffix("_version"), str(about[key])) for key in versions],
         "numbers": numbers,

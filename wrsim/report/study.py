@@ -7,13 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from markupsafe import Markup
 from numpy.typing import NDArray
 
 from wrsim import __version__
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, of_cases, outputs_of, study_figures
 from wrsim.report.facts import BAD, OPEN, Verdict
-from wrsim.report.page import as_picture, template, text_of
+from wrsim.report.page import as_picture, template
 from wrsim.results.table import Column, Table, formatted
 
 MOST_ROWS, FEW_ROWS = 500, 40
@@ -28,7 +27,6 @@ def study_page(dataset: xr.Dataset, source: str) -> str:
     page = {
         "title": dataset.attrs["title"],
         "version": __version__,
-        "css": Markup(text_of("templates/report.css")),
         "verdict": _verdict(status),
         "identity": _identity(dataset, source),
         "outputs": _outputs(dataset, outputs),

@@ -5,11 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from markupsafe import Markup
-
 from wrsim import __version__
 from wrsim.errors import InputError
-from wrsim.report.page import template, text_of
+from wrsim.report.page import template
 from wrsim.report.view_data import view_data
 from wrsim.results import Result
 
@@ -32,8 +30,6 @@ def view_page(result: Result, folder: Path, models: Sequence[Path] = ()) -> str:
         "version": __version__,
         "numbers": "run" in data,
         "data": data,
-        "css": Markup(text_of("templates/view.css")),
-        "script": Markup(text_of("bundle/view.js")),
     }
     return template("view.html").render(page)
 
