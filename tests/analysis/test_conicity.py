@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from functools import cache
 from pathlib import Path
 
@@ -20,7 +21,8 @@ from wrsim.contact.rigid import rigid_contact
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import read_profile
 from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.sections import circle, cone
+from wrsim.geometry.profile.profile import Profile
+from wrsim.geometry.profile.sections import Arc, Line, circle, cone, profile_from_sections
 from wrsim.results import Result
 from wrsim.results.tables import tables
 from wrsim.scenario.loading import load
@@ -84,6 +86,35 @@ def test_a_cone_gives_its_own_conicity(slope):
     wavelength = 2.0 * np.pi * np.sqrt(RADIUS * HALF_TOPS / slope)
     assert found["conicity_wavelength"].values == pytest.approx(wavelength, rel=1e-9)
     assert found.attrs["equilibrium_shift_m"] == pytest.approx(0.0, abs=1e-12)
+
+
+def flat_headed() -> Profile:
+    """A rail with a straight head of 46 mm between two corners of 13 mm."""
+    head, corner, foot = 0.023, 0.013, -0.036
+    pieces = [
+        Line(-head - corner, foot, -head - corner, -corner),
+        Arc(-head, -corner, corner, 0.5 * np.pi, 0.0),
+        Line(-head, 0.0, head, 0.0),
+        Arc(head, -corner, corner, 0.0, -0.5 * np.pi),
+        Line(head + corner, -corner, head + corner, foot),
+    ]
+    return profile_from_sections("flat", "rail", pieces)
+
+
+@pytest.mark.parametrize("slope", [0.025, 0.05, 0.2])
+def test_a_cone_gives_its_own_conicity_on_a_rail_with_a_straight_head(slope):
+    wheel = cone("cone", "wheel", slope, -0.06, 0.06)
+    found = swing((wheel, flat_headed()), 1.435, (RADIUS, RADIUS), "none", 1e-3 * np.array([0.5, 3.0, 7.0]))
+    assert found["equivalent_conicity"].values == pytest.approx(slope, rel=1e-9)
+    linear = 2.0 * slope * found["lateral_shift"].values
+    assert found["rolling_radius_difference"].values == pytest.approx(linear, abs=1e-12)
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.05])
+def test_a_wheel_that_touches_its_rail_along_a_line_is_refused(slope):
+    wheel = cone("cone", "wheel", slope, -0.06, 0.06)
+    with pytest.raises(InputError, match="'cone' touches profile 'flat' along a line of 46"):
+        swing((wheel, flat_headed().inclined(slope)), 1.435, (RADIUS, RADIUS), "none", [3e-3])
 
 
 @pytest.mark.parametrize("roll", ["rail-top", "centre"])
@@ -163,6 +194,14 @@ def test_the_scenario_and_the_command_tell_the_same(tmp_path):
     assert table.read_text().splitlines()[0] == "amplitude_mm,equivalent_conicity,conicity_wavelength_m"
     loaded = Result.load(result.save(tmp_path / "result.nc"))
     assert loaded.dataset.identical(result.dataset)
+
+
+def test_the_commands_table_of_a_cone_is_linear_in_the_shift():
+    told = CliRunner().invoke(app, ["conicity", "wheels/cone_1in20.toml", "rails/60E1.toml"])
+    rows = [line.split() for line in told.output.splitlines() if re.match(r" +\d\.[05] ", line)]
+    assert len(rows) == 13
+    assert [row[1] for row in rows] == ["0.050"] * 13
+    assert [row[3] for row in rows] == [f"{0.1 * float(row[0]):.3f}" for row in rows]
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,8 @@ NODE_DISTANCE = 1e-4
 """Distance of the places on a wheel at which the gap is sampled [m]; between them a parabola tells its minimum."""
 STEEPEST = np.radians(85.0)
 """Slope up to which the sides of a profile take part."""
+LEVEL, LONGEST = 1e-12, 1e-3
+"""Gaps that differ by less are the same [m]; where such a piece of a wheel is longer [m], it touches along a line."""
 ROLL_STEPS = 12
 ROLL_TOLERANCE = 1e-13
 """Of the gap between both sides [m]."""
@@ -71,7 +73,7 @@ class _Side:
     def __init__(self, wheel: Profile, radius: float, rail: Profile, spacing: float, gauge: float, mean: float) -> None:
         table, self.node_distance = wheel.table(NODE_DISTANCE)
         self.wheel, self.radius, self.half_spacing = wheel, radius, 0.5 * spacing
-        self.drop = mean - radius
+        self.drop, self.rail_name = mean - radius, rail.name
         self.out, self.up = self.half_spacing + table[:, 0], table[:, 1] + self.drop
         self.origin = 0.5 * gauge - rail.gauge_point()[0]
         u, w, angle = _graph(rail)
@@ -85,15 +87,20 @@ class _Side:
         c, s = np.cos(roll), np.sin(roll)
         return shift + out * c - up * s, out * s + up * c
 
+    def gap(self, shift: Array, roll: Array) -> tuple[Array, Array]:
+        """Outward coordinate of the wheel's nodes, and the gap below them (n, nodes)."""
+        o, z = self.placed(self.out, self.up, shift[:, None], roll[:, None])
+        return o, z - np.interp(o, self.fine, self.height, left=-np.inf, right=-np.inf)
+
     def closest(self, shift: Array, roll: Array) -> tuple[Array, Array, NDArray[np.intp]]:
         """Smallest gap (n,), its rate with the outward roll, and the wheel's node next to it."""
-        o, z = self.placed(self.out, self.up, shift[:, None], roll[:, None])
-        gap = z - np.interp(o, self.fine, self.height, left=-np.inf, right=-np.inf)
+        o, gap = self.gap(shift, roll)
         before, at, after = gap[:, :-2], gap[:, 1:-1], gap[:, 2:]
         with np.errstate(invalid="ignore"):
-            bend = before - 2.0 * at + after
-            dip = np.where(bend > 0.0, (after - before) ** 2 / (8.0 * bend), 0.0)
-            lowest = np.where((at <= before) & (at <= after), at - dip, np.inf)
+            bend = 8.0 * (before - 2.0 * at + after)
+            low = (at <= before) & (at <= after)
+            dip = np.divide((after - before) ** 2, bend, out=np.zeros_like(bend), where=low & (bend > 0.0))
+            lowest = np.where(low, at - dip, np.inf)
         node = np.argmin(np.where(np.isnan(lowest), np.inf, lowest), axis=1) + 1
         row = np.arange(shift.size)
         best = lowest[row, node - 1]
@@ -101,6 +108,16 @@ class _Side:
         out, up = self.out[node], self.up[node]
         rate = out * np.cos(roll) - up * np.sin(roll) + slope * (out * np.sin(roll) + up * np.cos(roll))
         return np.where(np.isfinite(best), best, np.nan), rate, node
+
+    def check_point(self, shift: Array, roll: Array) -> None:
+        """Raises InputError where a straight piece of the wheel lies on one of the rail."""
+        gap = self.gap(shift, roll)[1]
+        length = self.node_distance * (gap < gap.min(axis=1, keepdims=True) + LEVEL).sum(axis=1)
+        if (length > LONGEST).any():
+            raise InputError(
+                f"profile '{self.wheel.name}' touches profile '{self.rail_name}' along a line of "
+                f"{1e3 * length.max():.3g} mm: there is no contact point, and no rolling radius"
+            )
 
     def touch(self, shift: Array, roll: Array, node: NDArray[np.intp]) -> tuple[Array, Array, Array, Array]:
         """Wheel arclength, outward coordinate, gap and slope at the minimum beside the nodes, by bisection of the
@@ -146,7 +163,8 @@ def rigid_contact(
 
     wheels, rails: profiles of the left and the right side, rails already inclined; radii: at the tape circles [m];
     profile_spacing: distance of the wheel profiles' origins [m]; gauge: 14 mm below the rail tops [m].
-    Raises InputError when a rail has no gauge point and when no shift lets both wheels touch.
+    Raises InputError when a rail has no gauge point, when no shift lets both wheels touch and when one touches along a
+    line.
     """
     shift = np.asarray(shift, dtype=float)
     mean = 0.5 * (radii[0] + radii[1])
@@ -170,6 +188,7 @@ def rigid_contact(
     columns: list[tuple[Array, ...]] = []
     for side, sign in zip(sides, (1.0, -1.0), strict=True):
         node = side.closest(sign * shift, sign * roll)[2]
+        side.check_point(sign * shift, sign * roll)
         arc, o, gap, angle = side.touch(sign * shift, sign * roll, node)
         u, w = side.wheel.at(np.clip(arc, 0.0, side.wheel.length))
         lost = off | (o <= side.rail.x[0] + 1e-6) | (o >= side.rail.x[-1] - 1e-6)

@@ -59,12 +59,16 @@ def numbers(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
     dataset = of_wheelset(dataset)
     found = conicity_summary(dataset)
     shift, amplitudes = 1e3 * dataset["lateral_shift"].values, 1e3 * dataset["amplitude"].values
+    order = np.argsort(shift)
+    channels = (
+        1e3 * dataset["rolling_radius_difference"].values,
+        *np.degrees(dataset["contact_angle"].values[..., 0]).T,
+    )
+    there = [np.interp(amplitudes, shift[order], values[order]) for values in channels]
     rows = []
     for i in np.flatnonzero(np.abs(2.0 * amplitudes - np.round(2.0 * amplitudes)) < 1e-6):
-        at = int(np.abs(shift - amplitudes[i]).argmin())
         own = (dataset["equivalent_conicity"].values[i], dataset["conicity_wavelength"].values[i])
-        angles = np.degrees(dataset["contact_angle"].values[at, :, 0])
-        rows.append((amplitudes[i], *own, 1e3 * dataset["rolling_radius_difference"].values[at], *angles))
+        rows.append((amplitudes[i], *own, *(values[i] for values in there)))
     heads = (
         Column("y", "mm", ".1f"), Column("tan γe", "", ".3f"), Column("wavelength", "m", ".2f"),
         Column("Δr", "mm", ".3f"), Column("angle left", "°", ".2f"), Column("angle right", "°", ".2f"),
