@@ -304,7 +304,7 @@ def test_a_hook_that_hangs_costs_its_worker_and_not_the_study(
     plan = plan_of(study_file(tmp_path, one, more, seconds=0.1), tmp_path / "out")
     execute(workers, plan, missing(plan))
     (marker,) = markers(plan)
-    assert marker.status == "out of time" and "did not answer" in marker.message
+    assert marker.status == "out of time" and "last_hung.txt shows where" in marker.message
     assert "hang.py" in (plan.folder_of(plan.cases[0]) / "last_hung.txt").read_text()
 
 

@@ -154,7 +154,7 @@ def _has_hung(plan: Plan, case: Case, folder: Path) -> bool:
         return False
     marker = _marker(plan, case)
     marker.status = LATE
-    marker.message = f"did not answer after {plan.time_limit:g} s; its process was ended, {HUNG} shows where it was"
+    marker.message = f"did not answer after {plan.time_limit:g} s; its process was ended, last_{HUNG} shows where"
     os.replace(hung, folder / f"last_{HUNG}")
     write_marker(folder, marker)
     return True
