@@ -3,7 +3,8 @@
 Run: python benchmarks/hostile.py [N] [--json]
 
 Takes N (default 1000) mutants of the shipped files, some bytes, lines, numbers or words changed in each, and reads
-each as far as ``wrsim check``, ``study --dry-run``, ``wear`` and ``recording`` do before they begin. Counts what must
+each as far as ``wrsim check``, ``study --dry-run``, ``wear`` and ``recording`` do before they begin. Some lists become
+20 000 entries long, some numbers 5000 digits, some files end their lines in CR or give way to a pipe. Counts what must
 not be: an answer other than "valid" or an InputError, a message that does not name a file, an answer that takes more
 than 20 s of processor time. ``--seed`` begins elsewhere; Ctrl-C ends the count and tells what there is.
 """
@@ -12,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import random
 import re
 import shutil
@@ -37,11 +39,15 @@ NAMED = re.compile(r"\S*\.(?:toml|csv|whl)(?:, |:)")
 """How a message begins: with the file."""
 PLACED = re.compile(
     r"\.(?:toml|csv|whl)(?::\d+)+: |, line \d+|\(\w+[\w.\[\]]* in |: [\w.\[\]]+(?: = | is missing|: )"
-    r"|not UTF-8|empty|has no rows"
+    r"|not UTF-8|empty|has no rows|: is a pipe|: has [\d.]+ MB"
 )
 """Where in the file: a line, a key, the key that names the file; or that all of it is no text."""
 NUMBER = re.compile(rb"-?\d+\.?\d*(?:[eE][-+]?\d+)?")
-NUMBERS = (b"0", b"-1", b"1e-9", b"1e9", b"nan", b"inf", b"-0.0", b"1e400", b"9" * 20, b"0x10", b"3,5", b"")
+NUMBERS = (
+    b"0", b"-1", b"1e-9", b"1e9", b"nan", b"inf", b"-0.0", b"1e400", b"9" * 20, b"0x10", b"3,5", b"",
+    b"5e-324", b"1e-160", b"9" * 5000,
+)  # fmt: skip
+MANY = 20_000  # entries of a long list
 WORDS = (b"true", b'"x"', b"[]", b"[1, 2]", b"{}", b"{from = 0, to = 1e9, step = 1e-9}", b"\xff\xfe", b'"\\u0000"')
 KINDS = (
     "scenarios/*.toml",
@@ -60,6 +66,10 @@ KINDS = (
 BARE = ("ball", "hollow", "corner", "crown", "groove")  # curves that are placed by their origins
 
 
+PIPE = b"a pipe"
+"""In the place of a content: a pipe that nobody writes into."""
+
+
 class TooSlow(BaseException):
     """An answer took too long."""
 
@@ -69,7 +79,7 @@ def mutated(content: bytes, rng: random.Random) -> bytes:
     for _ in range(rng.randint(1, 4)):
         lines = content.split(b"\n")
         line = rng.randrange(len(lines))
-        action = rng.randrange(8)
+        action = rng.choices(range(11), (4, 4, 4, 4, 4, 4, 4, 4, 1, 1, 1))[0]
         if action == 0 and content:  # a byte
             at = rng.randrange(len(content))
             content = content[:at] + bytes([rng.randrange(256)]) + content[at + 1 :]
@@ -87,6 +97,18 @@ def mutated(content: bytes, rng: random.Random) -> bytes:
                 content = content[: place.start()] + new + content[place.end() :]
         elif action == 6:  # cut off
             content = content[: rng.randrange(len(content) + 1)]
+        elif action == 8:  # all lines end as on old machines
+            content = content.replace(b"\n", b"\r")
+        elif action == 9:  # a list, or all rows of a table from a line on, many times over
+            begin = content.find(b"[[")
+            part = content[begin:] if begin >= 0 else b"\n".join(lines[line:])
+            content = content[: len(content) - len(part)] + part * (MANY // max(part.count(b"\n"), 1) + 1)
+        elif action == 10:  # one list becomes long
+            found = list(re.finditer(rb"\[([^][\n]+)\]\n", content))
+            if found:
+                place = rng.choice(found)
+                new = b", ".join([place[1]] * MANY)
+                content = content[: place.start(1)] + new + content[place.end(1) :]
         else:  # two lines change places
             other = rng.randrange(len(lines))
             lines[line], lines[other] = lines[other], lines[line]
@@ -136,7 +158,11 @@ def check(folder: Path, file: Path, content: bytes) -> str:
     """Check a mutant in a copy of the shipped files; says what became of it."""
     copy = folder / file.relative_to(ROOT)
     original = copy.read_bytes()
-    copy.write_bytes(content)
+    if content == PIPE:
+        copy.unlink()
+        os.mkfifo(copy)
+    else:
+        copy.write_bytes(content)
 
     def stop(number: int, stack: object) -> None:
         raise TooSlow
@@ -156,6 +182,7 @@ def check(folder: Path, file: Path, content: bytes) -> str:
         return f"{type(fault).__name__} in {Path(where.filename).name}:{where.lineno}: {str(fault)[:120]}"
     finally:
         signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        copy.unlink()
         copy.write_bytes(original)
 
 
@@ -183,7 +210,7 @@ def counted(number: int, rng: random.Random) -> tuple[Counter[str], float]:
             shutil.copytree(ROOT / part, folder / part)
         for i in until_ctrl_c(number):
             file = rng.choice(files[i % len(files)])
-            content = mutated(file.read_bytes(), rng)
+            content = PIPE if rng.random() < 0.02 else mutated(file.read_bytes(), rng)
             began = time.process_time()
             answer = check(folder, file, content)
             slowest = max(slowest, time.process_time() - began)

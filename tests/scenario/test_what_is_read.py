@@ -253,3 +253,11 @@ def test_a_full_disk_behind_stdout_is_told_by_that_name(options):
         ended = subprocess.run(asked, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert ended.returncode == 1
     assert ended.stderr.startswith("standard output: the disk is full")
+
+
+def test_a_profile_of_thousands_of_pieces_is_refused(tmp_path):
+    text = (SCENARIOS.parent / "models/rails/grooved.toml").read_text()
+    begin = text.index("[[pieces]]")
+    (tmp_path / "rail.toml").write_text(text[:begin] + text[begin:] * 100)
+    with pytest.raises(InputError, match=r"rail\.toml: sections: there are 900; allowed: 500"):
+        load_profile(tmp_path / "rail.toml")

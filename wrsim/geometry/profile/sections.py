@@ -30,6 +30,9 @@ FADE = 2e-3
 LARGEST_GAP = 1e-6
 """Largest distance between the ends of two sections that is taken for rounding, m."""
 
+MOST_SECTIONS = 500
+"""Sections of one profile; a standard's has some ten."""
+
 LARGEST_CORNER = 1e-4
 """Largest angle between two sections that is taken for rounding, rad. Contact needs a tangent everywhere."""
 
@@ -135,6 +138,8 @@ def profile_from_sections(name: str, kind: Kind, sections: Sequence[Section], so
     The same sections give the same object: both wheels of an axle, and what is built again, share its tables.
     Raises InputError where sections do not meet (over 1 um apart) or meet in a corner (over 0.1 mrad).
     """
+    if len(sections) > MOST_SECTIONS:
+        raise InputError(f"sections: there are {len(sections)}; allowed: {MOST_SECTIONS} (more are points in a file)")
     return _joined(name, kind, tuple(sections), source)
 
 
