@@ -1,9 +1,13 @@
-"""Corrupted result and run files. Run: python benchmarks/corrupted.py [N] [--json] [--seed S]
+"""Corrupted and crafted result and run files. Run: python benchmarks/corrupted.py [N] [--commands M] [--json]
 
 Takes a short run's ``result.nc`` and ``result.nc.part``, changes some bits, bytes or blocks of a copy, cuts it off or
 puts something in, and reads it as ``wrsim show`` does. What must not be: another answer than numbers or an InputError,
 text on stderr from a library, and numbers that are not those of the whole file. Of a run file, which is read as far
 as it is whole, every sample has to be one of the whole run's.
+
+With ``--commands``, M more files, of runs, poses, studies and services, go through every command that reads them. One
+in four is damaged, one in four is damaged and has a right checksum, two have odd content and a right checksum
+(``crafted.py``). A command may give its numbers, or refuse in one line and with exit code 2, within 60 s and 2 GB.
 """
 
 from __future__ import annotations
@@ -12,20 +16,30 @@ import argparse
 import json
 import os
 import random
+import resource
+import shutil
+import signal
+import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+import crafted
+import numpy as np
+import xarray as xr
 from hostile import until_ctrl_c
 
 from wrsim.analysis import run
+from wrsim.cli import main as wrsim
 from wrsim.cli.storing import read
 from wrsim.errors import InputError
 from wrsim.results import Result
+from wrsim.results.sealed import write_sealed
 from wrsim.scenario.loading import load
 from wrsim.simulation.integrate import recorded_motion
+from wrsim.study.service.record import COLUMNS
 
 ROOT = Path(__file__).parents[1]
 VALUES = {
@@ -37,6 +51,21 @@ VALUES = {
     "contact.strips": 12,
     "contact.cells": 4,
 }
+
+COMMANDS = {
+    "show": ("show", "FILE"),
+    "plot": ("plot", "FILE", "-o", "OUT"),
+    "report": ("report", "FILE", "-o", "OUT/report.html"),
+    "view": ("view", "FILE", "-o", "OUT/view.html"),
+    "diff": ("diff", "FILE", "WHOLE"),
+    "export": ("export", "FILE", "--to", "mat,csv", "-o", "OUT"),
+    "resolve": ("resolve", "FILE", "--contact", "kik-piotrowski+fastsim", "-o", "OUT", "--no-pictures"),
+    "assess": ("assess", "FILE", "-o", "OUT", "--no-pictures"),
+    "ride": ("ride", "FILE", "-o", "OUT", "--no-pictures"),
+}
+GOOD = ("refused", "numbers", "refused without the file's name")
+LONGEST, ROOM = 60, 2 << 30
+"""Of one command: time [s], and memory beyond that of its parent [bytes]."""
 
 
 def corrupted(content: bytes, rng: random.Random) -> bytes:
@@ -123,15 +152,153 @@ def counted(number: int, rng: random.Random, folder: Path) -> Counter[str]:
     return answers
 
 
+def answer_of(words: Sequence[str], file: Path, folder: Path) -> str:
+    """How the command ends in a process that is forked from this one: a word, and what is wrong with it if anything."""
+    with open(folder / "out", "w+b") as out, open(folder / "err", "w+b") as err:
+        child = os.fork()
+        if child == 0:
+            _be_the_command(words, out.fileno(), err.fileno())
+        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        err.seek(0)
+        told = err.read().decode(errors="replace")
+    lines = told.count("\n")
+    if code == -signal.SIGALRM:
+        return "HANGS"
+    if code in (0, 3, 4) and "Traceback" not in told:
+        return "numbers"
+    if code == 2 and lines == 1 and len(told) < 1000:
+        return "refused" if str(file) in told or file.name in told else "refused without the file's name"
+    return f"EXIT {code}, {lines} LINES: {told[:300]!r}"
+
+
+def _be_the_command(words: Sequence[str], out: int, err: int) -> None:
+    code = 70
+    try:
+        for number, stream in ((1, out), (2, err)):
+            os.dup2(stream, number)
+        sys.stdout, sys.stderr = (open(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))  # noqa: SIM115
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+        resource.setrlimit(resource.RLIMIT_AS, (used + ROOM, used + ROOM))
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.alarm(LONGEST)
+        sys.argv = ["wrsim", *words]
+        wrsim()
+        code = 0
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else int(end.code is not None)
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+
+
+def sources(folder: Path) -> list[Path]:
+    """Files of all kinds that hold results, whole."""
+    record = folder / "run.nc.part"
+    runs = load(ROOT / "scenarios/curve_r300.toml").with_values(VALUES)
+    found = [run(runs, record=record).save(folder / "run.nc"), record]
+    coach = VALUES | {
+        "run.output_interval_ms": 8.0,
+        "run.distance_m": 40.0,
+        "track.segments": [{"kind": "straight", "length_m": 60.0}],
+    }
+    ride = load(ROOT / "scenarios/manchester_ride_160.toml").with_values(
+        coach | {"ride.from_m": 0.0, "track.irregularities": []}
+    )
+    found.append(run(ride).save(folder / "coach.nc"))
+    poses = load(ROOT / "scenarios/static_s1002.toml")
+    found.append(run(poses.with_values({"static.lateral_mm": [0, 5], "contact.strips": 12})).save(folder / "poses.nc"))
+    return [*found, _study(folder / "study.nc"), _service(folder / "wear.nc")]
+
+
+def _study(path: Path) -> Path:
+    """A study of three cases."""
+    words = {"status": ["completed", "derailed", "missing"], "message": ["", "off", ""], "name": ["a", "b", "c"]}
+    texts = {name: ("speed", np.array(own, dtype=object)) for name, own in words.items()}
+    numbers = {n: ("speed", np.array([1.0, 2.0, np.nan]), {"units": "kN"}) for n in ("Y_max", "Q_max")}
+    coords = {"speed": ("speed", np.array([10.0, 20.0, 30.0]), {"key": "vehicle.speed_kmh"})}
+    about = {"format": "wrsim study", "title": "a study", "analysis": "curving", "study_text": "", "scenario_text": ""}
+    return write_sealed(path, xr.Dataset(numbers | texts, coords, about))
+
+
+def _service(path: Path) -> Path:
+    """Wheels at two mileages."""
+    own = {
+        name: ("point", np.array([0.0, 1.0]), {"units": unit, "long_name": words})
+        for name, (_, _, unit, words) in COLUMNS.items()
+    }
+    of_profile = {n: (("point", "place"), np.ones((2, 5)), {"units": "m"}) for n in ("u", "w", "depth")}
+    about = {
+        "format": "wrsim wear",
+        "title": "wheels",
+        "law": "archard",
+        "wheel": "S1002",
+        "conicity_amplitude_m": 0.003,
+    }
+    about |= {"service_text": "", "cases_text": "", "scenario_text": ""}
+    return write_sealed(
+        path, xr.Dataset(own | of_profile | {"unworn_u": ("place", np.arange(5.0), {"units": "m"})}, attrs=about)
+    )
+
+
+def by_command(number: int, rng: random.Random, folder: Path) -> dict[str, Counter[str]]:
+    """What every command said to so many files; files that it should not have said that to are kept."""
+    answers: dict[str, Counter[str]] = {name: Counter() for name in COMMANDS}
+    whole = {path: path.read_bytes() for path in sources(folder)}
+    reference = folder / "reference.nc"
+    shutil.copy(folder / "run.nc", reference)
+    for i in until_ctrl_c(number):
+        path, content = rng.choice([*whole.items()])
+        is_part = path.suffix == ".part"
+        if i % 4 < 2:
+            made = corrupted(content, rng)
+            if i % 4:
+                made = _checked_again(made) if is_part else crafted.sealed_again(made)
+        else:
+            made = (crafted.part if is_part else crafted.numbers)(content, rng)
+        own = folder / str(i)
+        own.mkdir()
+        file = own / path.name
+        file.write_bytes(made)
+        bad = False
+        for name, words in COMMANDS.items():
+            if path.stem in ("study", "wear") and name != "report":
+                continue
+            places = {"FILE": str(file), "WHOLE": str(reference)}
+            filled = [places.get(w, w.replace("OUT", str(own / "out"))) for w in words]
+            answer = answer_of(filled, file, folder)
+            answers[name][answer.split(":")[0]] += 1
+            if answer not in GOOD:
+                bad = True
+                print(f"{i} {path.name} {name}: {answer}", flush=True)
+        if not bad:
+            shutil.rmtree(own)
+    return answers
+
+
+def _checked_again(content: bytes) -> bytes:
+    """A damaged run file, each record of which has a right checksum as far as it can be told apart."""
+    try:
+        return crafted.run_file(crafted.records(content))
+    except Exception:
+        return content
+
+
 def main() -> None:
     """Count the answers."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("number", nargs="?", type=int, default=500)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--commands", type=int, default=0, metavar="M")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         answers = counted(options.number, random.Random(options.seed), Path(name))
+    if options.commands:
+        with tempfile.TemporaryDirectory() as name:
+            said = by_command(options.commands, random.Random(options.seed), Path(name))
+        for command, found in said.items():
+            print(f"{command}: " + ", ".join(f"{answer} {n}" for answer, n in found.most_common()))
     good = {"refused": answers["refused"], "read_the_same": answers["read, the same numbers"]}
     number = sum(answers.values())
     counts = {"files": number, **good, "wrong": number - sum(good.values())}

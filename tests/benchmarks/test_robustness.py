@@ -5,19 +5,27 @@ Kills are sampled by tests/analysis/test_resume.py (a run) and tests/cli/test_us
 
 from __future__ import annotations
 
+import json
 import random
+import struct
+import sys
 from pathlib import Path
 
 import pytest
 from benchmarks.test_scoreboard import ROOT, script
 from support.runs import STEERING, setup_of, straight
 
+from wrsim.analysis import run
 from wrsim.analysis.motion import result as results
 from wrsim.analysis.motion.run import run_in_time
+from wrsim.cli.storing import read
+from wrsim.errors import InputError
+from wrsim.scenario.loading import load
 
 hostile = script(ROOT / "benchmarks/hostile.py")
 accepted = script(ROOT / "benchmarks/accepted.py")
 corrupted = script(ROOT / "benchmarks/corrupted.py")
+crafted = sys.modules["crafted"]
 long_run = script(ROOT / "benchmarks/long_run.py")
 
 
@@ -42,6 +50,102 @@ def test_accepted_mutants_keep_the_laws_of_contact() -> None:
 def test_corrupted_files_are_refused_or_hold_the_same_numbers(tmp_path: Path) -> None:
     answers = corrupted.counted(30, random.Random(2), tmp_path)
     assert set(answers) == {"refused", "read, the same numbers"}, answers
+
+
+@pytest.fixture(scope="module")
+def run_files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, bytes]:
+    """The result of a short run, and what its run file holds."""
+    folder = tmp_path_factory.mktemp("run")
+    record = folder / "run.nc.part"
+    scenario = load(ROOT / "scenarios/curve_r300.toml").with_values(corrupted.VALUES)
+    return run(scenario, record=record).save(folder / "run.nc"), record.read_bytes()
+
+
+def refusal(path: Path) -> str:
+    """The line with which a file is refused."""
+    with pytest.raises(InputError) as problem:
+        read(path)
+    message = str(problem.value)
+    assert "\n" not in message and str(path) in message
+    return message
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"size": 2**40}, "size in its header is 1099511627776; must be a whole number from 1 to"),
+        ({"size": 7}, "says that it holds"),
+        ({"step_s": "x"}, "step_s in its header is 'x'; must be a number from"),
+        ({"step_s": float("nan")}, "step_s in its header is nan"),
+        ({"integrator": "magic"}, "integrator in its header is 'magic'; must be generalised-alpha or rk44"),
+        ({"scenario_text": None}, "scenario_text in its header is None; must be a text"),
+        ({"folders": []}, "folders in its header is []; must be a list of folders"),
+        ({"folders": ["a\0b"]}, "must be a list of folders"),
+        ({"files": {"x": 3}}, "files in its header is {'x': 3}; must be texts by name"),
+        ({"inputs": "x"}, "inputs in its header is 'x'"),
+    ],
+)
+def test_an_odd_header_of_a_run_file_is_refused_by_name(
+    change: dict[str, object], words: str, run_files: tuple[Path, bytes], tmp_path: Path
+) -> None:
+    (kind, header), *rest = crafted.records(run_files[1])
+    path = tmp_path / "result.nc.part"
+    path.write_bytes(crafted.run_file([(kind, json.dumps(json.loads(header) | change).encode()), *rest]))
+    assert words in refusal(path)
+
+
+@pytest.mark.parametrize("header", [b"", b"[]", b"\xff", b"[" * 100000, b"{}"])
+def test_a_header_that_is_no_table_is_refused(header: bytes, run_files: tuple[Path, bytes], tmp_path: Path) -> None:
+    path = tmp_path / "result.nc.part"
+    path.write_bytes(crafted.run_file([(b"HEAD", header), *crafted.records(run_files[1])[1:]]))
+    assert "its header" in refusal(path)
+
+
+@pytest.mark.parametrize(
+    ("counts", "words"),
+    [((0, 2**40, 0), "says that it holds 1099511627776 samples"), ((0, -1, 0), "-1 samples"), ((2**62, 1, 0), "says")],
+)
+def test_samples_that_a_record_declares_and_does_not_hold_are_refused(
+    counts: tuple[int, int, int], words: str, run_files: tuple[Path, bytes], tmp_path: Path
+) -> None:
+    header, (kind, content), *rest = crafted.records(run_files[1])
+    path = tmp_path / "result.nc.part"
+    path.write_bytes(crafted.run_file([header, (kind, struct.pack("<qqq", *counts) + content[24:]), *rest]))
+    assert words in refusal(path)
+
+
+def test_a_record_with_numbers_that_no_run_leaves_is_refused(run_files: tuple[Path, bytes], tmp_path: Path) -> None:
+    """Each number of the first record in turn becomes odd; what remains of it is refused or harmless."""
+    header, (kind, content), *rest = crafted.records(run_files[1])
+    path = tmp_path / "result.nc.part"
+    data = content[:24] + struct.pack("<d", float("nan")) + content[32:]
+    path.write_bytes(crafted.run_file([header, (kind, data), *rest]))
+    assert "samples that are not finite" in refusal(path)
+    kind, content = rest[-2]  # the last checkpoint: the counts of the integration begin its memory
+    assert kind == b"STOP"
+    (_, _, memory) = struct.unpack_from("<qqq", content)
+    data = content[: -8 * memory] + struct.pack("<d", 1e300) + content[len(content) - 8 * memory + 8 :]
+    path.write_bytes(crafted.run_file([header, *crafted.records(run_files[1])[1:-2], (kind, data), rest[-1]]))
+    assert "what it remembers does not fit its scenario" in refusal(path)
+
+
+def test_zeros_without_end_in_a_small_file_are_refused_with_their_number(tmp_path: Path) -> None:
+    path = crafted.declared(tmp_path / "result.nc", 10**7)
+    assert path.stat().st_size < 1_000_000
+    assert "declares 1600 MB of numbers in a file of" in refusal(path)
+
+
+def test_crafted_files_get_one_line_or_numbers_from_every_command(
+    tmp_path: Path, run_files: tuple[Path, bytes]
+) -> None:
+    rng, content = random.Random(4), run_files[0].read_bytes()
+    for i, words in enumerate(corrupted.COMMANDS.values()):
+        path = tmp_path / f"{i}.nc"
+        path.write_bytes(crafted.numbers(content, rng))
+        places = {"FILE": str(path), "WHOLE": str(run_files[0])}
+        filled = [places.get(word, word.replace("OUT", str(tmp_path / "out_of_it"))) for word in words]
+        answer = corrupted.answer_of(filled, path, tmp_path)
+        assert answer in corrupted.GOOD, (words, answer)
 
 
 def test_samples_do_not_stay_in_memory(tmp_path: Path) -> None:

@@ -187,13 +187,15 @@ def test_a_directory_stands_for_the_result_in_it(written):
     assert Result.load(written["one wheel"]).title == dataset_of("one wheel").attrs["title"]
 
 
-def test_a_run_that_stopped_before_its_first_sample_is_kept(tmp_path):
+def test_a_run_without_a_sample_makes_tables_and_is_refused_where_it_is_read(tmp_path):
+    """No analysis ends so: they raise."""
     stop = {"status": "stopped", "stop_reason": "no equilibrium", "stop_time_s": 0.0, "stop_distance_m": 0.0}
     channels = {"distance": [], "lateral_shift": [], "N": np.zeros((0, 2, 3))}
     dataset = assemble({"time": []}, channels, ATTRIBUTES | stop)
     result = Result(dataset)
     assert {p.name for p in write_run(result, tmp_path)} >= {"result.nc", "summary.json", "history.csv"}
-    xr.testing.assert_identical(Result.load(tmp_path / "result.nc").dataset, dataset)
+    with pytest.raises(InputError, match=r"result\.nc: .* its time is empty"):
+        Result.load(tmp_path)
     assert result.summary()["wheelsets"]["wheelset"]["lateral_shift_max_mm"] is None
 
 
@@ -242,6 +244,17 @@ def test_a_single_wrong_bit_is_found(share, written, tmp_path):
         (lambda d: d.assign_attrs(status="fine"), "its status is 'fine', none of completed, stopped"),
         (lambda d: d.assign_attrs(analysis="magic"), "its analysis is 'magic', none of static"),
         (lambda d: d.assign_attrs(title=3), "has no title"),
+        (lambda d: d.isel(time=slice(0, 0)), "its time is empty"),
+        (lambda d: d.isel(time=slice(None, None, -1)), "its time does not increase"),
+        (lambda d: d.isel(wheel=slice(None, None, -1)), "its wheel is 'right, left', must be left, right"),
+        (lambda d: d.assign_coords(distance=d["distance"] * np.nan), "its distance is not finite everywhere"),
+        (lambda d: d.assign(Q=d["Q"].astype(str)), ", must be float64"),
+        (lambda d: d.assign(Q=d["Q"].astype("f4")), "its Q holds float32, must be float64"),
+        (lambda d: d.assign(odd=d["Q"]), "has 'odd', which is no channel"),
+        (lambda d: d.drop_vars("snapshot_time"), "has snapshot_distance and no snapshot_time"),
+        (lambda d: d.drop_vars("Q"), "has Y and no Q"),
+        (lambda d: d.assign_attrs(step_s="x"), "its step_s is 'x', must be a number"),
+        (lambda d: d.assign_attrs(law=np.arange(3.0)), "its law is array([0., 1., 2.]), must be a number or a text"),
         (lambda d: d.assign_attrs(format_version="two"), "not in which format"),
     ],
 )

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from wrsim.analysis.motion.record import RunRecord, recorded_setup
 from wrsim.analysis.motion.run import StepTooLong, refuse_step
+from wrsim.errors import InputError
 from wrsim.register import ANALYSES, resolved
 from wrsim.scenario.build import build
 
@@ -100,6 +101,8 @@ def recorded(record: str | Path) -> Result:
     Raises InputError when there is no such file, it is none of a run, or its models are gone or have changed.
     """
     setup = recorded_setup(Path(record))
+    if not ANALYSES[setup.analysis].moves:
+        raise InputError(f"{record}: analysis = {setup.analysis!r} in its scenario is no run along the track")
     return resolved(ANALYSES[setup.analysis].recorded)(setup, Path(record))  # type: ignore[no-any-return]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,6 +11,7 @@ from wrsim.errors import InputError
 from wrsim.plots.moments import snapshot_letter
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment, ZoneValue
+from wrsim.results.files import from_json
 from wrsim.results.ride import Ride
 from wrsim.results.summary_tables import curve_tables, wheelset_tables
 from wrsim.results.table import Column, Table, formatted, quantity
@@ -109,11 +109,8 @@ def identity(results: Sequence[Result], sources: Sequence[str]) -> list[tuple[st
 
 def inputs(result: Result) -> list[tuple[str, str]]:
     """Files that the result was computed from, each with its SHA-256; none for a result of an older wrsim."""
-    try:
-        found = json.loads(str(result.dataset.attrs.get("inputs", "{}")))
-    except ValueError:
-        return []
-    return [(str(name), str(digest)) for name, digest in found.items()] if isinstance(found, dict) else []
+    found = from_json(str(result.dataset.attrs.get("inputs", "{}"))) or {}
+    return [(str(name), str(digest)) for name, digest in found.items()]
 
 
 def _scenario(result: Result) -> dict[str, Any]:

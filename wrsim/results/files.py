@@ -156,6 +156,15 @@ _FORMULA = frozenset("=+-@")
 """Beginnings of a formula."""
 
 
+def from_json(content: bytes | str) -> dict[str, Any] | None:
+    """The JSON object in a text; None for anything else, however torn or deep it is."""
+    try:
+        found = json.loads(content)
+    except (ValueError, RecursionError):
+        return None
+    return found if isinstance(found, dict) else None
+
+
 def as_json(content: Any, indent: int = 2) -> bytes:
     """Plain numbers and texts as JSON."""
     return (json.dumps(content, indent=indent, ensure_ascii=False, allow_nan=False) + "\n").encode()

@@ -10,7 +10,6 @@ knows the old and the new file. While an analysis writes into a folder, it holds
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import os
@@ -23,7 +22,7 @@ from typing import IO, Any
 
 from wrsim.errors import InputError
 from wrsim.results import files
-from wrsim.results.files import lock, open_no_link, plain_disk_errors
+from wrsim.results.files import from_json, lock, open_no_link, plain_disk_errors
 
 LEDGER = ".wrsim"
 
@@ -35,6 +34,17 @@ _KEPT = 32
 def digest_of(content: bytes) -> str:
     """What the ledger keeps of a file, or of a scenario's text."""
     return hashlib.sha256(content).hexdigest()[:_KEPT]
+
+
+def _is_entry(entry: dict[str, Any]) -> bool:
+    """True for a line as `Ledger.note` writes them: its files lie in the folder of the ledger, or below it."""
+    own, further = entry.get("file", "x"), entry.get("files", [])
+    texts = [own, entry.get("sha256", ""), entry.get("begin", ""), *(further if isinstance(further, list) else [None])]
+    return (
+        all(isinstance(text, str) and "\0" not in text for text in texts)
+        and own == Path(own).name
+        and not any(Path(name).is_absolute() or ".." in Path(name).parts for name in further)
+    )
 
 
 @dataclass(frozen=True)
@@ -50,13 +60,8 @@ class Ledger:
                 lines = stream.read().split(b"\n")
         except OSError:
             return []
-        found = []
-        for line in lines:
-            with contextlib.suppress(ValueError):  # torn when its process was killed
-                entry = json.loads(line)
-                if isinstance(entry, dict):
-                    found.append(entry)
-        return found
+        found = (from_json(line) for line in lines)  # one is torn when its process was killed
+        return [entry for entry in found if entry is not None and _is_entry(entry)]
 
     def note(self, **entry: Any) -> None:
         """Append a line. Raises ``WrsimError`` when the folder cannot be written."""

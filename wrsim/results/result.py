@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from wrsim.errors import InputError
-from wrsim.register import ANALYSES, resolved
-from wrsim.results.channels import CHANNELS
-from wrsim.results.dataset import FORMAT, FORMAT_VERSION, NAMED, REQUIRED_ATTRIBUTES, STATUSES
+from wrsim.register import resolved
+from wrsim.results.dataset import FORMAT, FORMAT_VERSION
+from wrsim.results.schema import fault_of_result
 from wrsim.results.sealed import read_sealed, write_sealed
 
 if TYPE_CHECKING:
@@ -258,35 +258,15 @@ class Result:
                 f"in format {version}; this one reads up to {FORMAT_VERSION}"
             )
         dataset = _with_rails_of_moments(dataset)
-        if lacking := _lacking(dataset):
-            raise InputError(f"{path}: says that it is a wrsim result, but {lacking}; run the scenario again")
+        if fault := fault_of_result(dataset):
+            raise InputError(f"{path}: says that it is a wrsim result, but {fault}; run the scenario again")
         return cls(dataset)
-
-
-def _lacking(dataset: xr.Dataset) -> str:
-    """What a dataset lacks of what every reader relies on, in words; empty if nothing."""
-    for name in REQUIRED_ATTRIBUTES:
-        if not isinstance(dataset.attrs.get(name), str):
-            return f"has no {name}"
-    for name, allowed in (("analysis", tuple(ANALYSES)), ("status", STATUSES)):
-        if dataset.attrs[name] not in allowed:
-            return f"its {name} is {dataset.attrs[name]!r:.40}, none of {', '.join(allowed)}"
-    sample = "time" if "time" in dataset.dims else "pose"
-    labels = [name for name in ("time", "wheel", *NAMED) if name in dataset.dims]
-    needed = [*labels, "wheelset", *(("wheel", "distance") if sample == "time" else ())]
-    for missing in (name for name in needed if name not in dataset.variables):
-        return f"has no {missing}"
-    for known, variable in dataset.variables.items():
-        channel = CHANNELS.get(str(known))
-        if channel is not None and variable.dims != channel.dims_in(sample):
-            return f"its {known} is laid out along ({', '.join(map(str, variable.dims))})"
-    return ""
 
 
 def _without_encoding(dataset: xr.Dataset) -> xr.Dataset:
     """The dataset without the traces of its file, so that it saves like a fresh one."""
     clean: xr.Dataset = dataset.drop_encoding()
-    clean.attrs = {name: value.item() if hasattr(value, "item") else value for name, value in clean.attrs.items()}
+    clean.attrs = {n: value.item() if getattr(value, "size", 0) == 1 else value for n, value in clean.attrs.items()}
     return clean
 
 

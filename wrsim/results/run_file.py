@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from wrsim.errors import InputError
-from wrsim.results.files import fcntl, lock, open_no_link, plain_disk_errors
+from wrsim.results.files import fcntl, from_json, lock, open_no_link, plain_disk_errors
 
 SIGNATURE = b"wrsim run\r\n\x1a\x02\x00\x00\x00"
 """Last four bytes: version of the layout."""
@@ -37,6 +37,46 @@ _CHUNK = 1 << 30
 
 HEADER = b"HEAD"
 _FRAME = struct.Struct("<4sQI")
+
+_TEXTS = ("title", "analysis", "scenario_text", "numbers", "code", "integrator")
+_TEXTS_BY_NAME = ("files", "inputs")
+_LIMITS = {"size": (1, 10**6), "step_s": (1e-9, 1e3), "start_s": (-1e9, 1e9)}
+
+
+class Header(dict[str, Any]):
+    """What a run file says of its run. Asking for what it lacks raises ``InputError``."""
+
+    def __init__(self, path: Path, content: bytes) -> None:
+        """Raises ``InputError`` for what is none, or holds values of another kind than runs write."""
+        self.path = path
+        found = from_json(content)
+        if found is None:
+            raise InputError(f"{path}: its header is no JSON object; run the scenario again")
+        super().__init__(found)
+        for name, value in self.items():
+            if wanted := _unlike(name, value):
+                told = repr(value)[:40]
+                raise InputError(f"{path}: {name} in its header is {told}; must be {wanted}; run the scenario again")
+
+    def __missing__(self, name: str) -> Any:
+        raise InputError(f"{self.path}: its header has no {name}; run the scenario again")
+
+
+def _unlike(name: str, value: Any) -> str:
+    """What a value of the header would have to be; empty if it is."""
+    if name in _TEXTS or name.endswith("_version"):
+        return "" if isinstance(value, str) else "a text"
+    if name in _TEXTS_BY_NAME:
+        fits = isinstance(value, dict) and all(isinstance(own, str) for own in value.values())
+        return "" if fits else "texts by name"
+    if name == "folders":
+        texts = isinstance(value, list) and all(isinstance(own, str) and "\0" not in own for own in value)
+        return "" if texts and value else "a list of folders"
+    if name in _LIMITS:
+        (low, high), kind = _LIMITS[name], int if name == "size" else int | float
+        fits = isinstance(value, kind) and not isinstance(value, bool) and low <= value <= high
+        return "" if fits else f"a{' whole' if kind is int else ''} number from {low:g} to {high:g}"
+    return ""
 
 
 @dataclass(frozen=True)
@@ -170,7 +210,7 @@ def _header_and_records(path: Path, file: int) -> tuple[dict[str, Any], Iterator
     first = next(records, None)
     if first is None or first.kind != HEADER:
         raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
-    return json.loads(first.content), records
+    return Header(path, first.content), records
 
 
 def _read(file: int, size: int, place: int) -> bytes:

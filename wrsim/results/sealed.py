@@ -32,6 +32,9 @@ _CHECKED = b"wrsim CRC-32"
 """Stands before the checksum of all that comes before."""
 _PIECE = 1 << 20
 """Bytes of a file that are read at once."""
+PACKED = 250
+"""How many times as large as its file a dataset may be. Runs are packed to a half; those in which nothing but time and
+distance changes by 150 with four wheelsets; holes and blocks of zeros without end, or by 1030."""
 
 
 def write_sealed(path: str | Path, dataset: xr.Dataset) -> Path:
@@ -70,7 +73,7 @@ def read_sealed(path: Path, what: str) -> xr.Dataset:
             f"{path}: not a wrsim {what}, or its checksum is missing: it is cut off, or another program has written "
             f"it; {again}"
         )
-    opened = _dataset_in(path) if whole else None
+    opened = _dataset_in(path, what) if whole else None
     if opened is None:
         raise InputError(f"{path}: the file is damaged or incomplete; {again}")
     return opened
@@ -143,18 +146,25 @@ def _looked_through(stream: IO[bytes]) -> tuple[bytes, bool, bool]:
     return begin, end[:-4] == _CHECKED, end[-4:] == checksum.to_bytes(4, "little")
 
 
-def _dataset_in(path: Path) -> xr.Dataset | None:
-    """The dataset in a NetCDF file; None if it cannot be read."""
+def _dataset_in(path: Path, what: str) -> xr.Dataset | None:
+    """The dataset in a NetCDF file; None if it cannot be read. Raises InputError where it is packed too well."""
     hook = sys.unraisablehook
     sys.unraisablehook = lambda unraisable: None  # the library complains when it lets go of a damaged file
     try:
         try:
             opened = xr.open_dataset(path, engine="netcdf4", decode_times=False, cache=False)
+            size = path.stat().st_size
+            if opened.nbytes > max(LARGE, PACKED * size):
+                opened.close()
+                raise InputError(
+                    f"{path}: declares {opened.nbytes / 1e6:.4g} MB of numbers in a file of {size / 1e6:.4g} MB; "
+                    f"a wrsim {what} has at most {PACKED} times its size"
+                )
             if opened.nbytes > LARGE:
                 return opened
             with opened:
                 return opened.load()
-        except MemoryError:
+        except (MemoryError, InputError):
             raise
         except Exception:  # the HDF5 stack answers damage with whatever comes to hand
             pass

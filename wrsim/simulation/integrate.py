@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import FrameType
-from typing import Literal, Protocol, runtime_checkable
+from typing import Literal, Protocol, get_args, runtime_checkable
 
 import numpy as np
 
@@ -224,10 +224,13 @@ def recorded_motion(path: str | Path, monitor: object = None) -> Motion:
     """
     recording = Recording.read(path)
     rows, ending, known = recording.rows, recording.ending, recording.last
-    step, start = float(recording.header["step_s"]), float(recording.header["start_s"])
+    step, start, integrator = (recording.header[name] for name in ("step_s", "start_s", "integrator"))
+    if integrator not in get_args(Integrator):
+        allowed = " or ".join(get_args(Integrator))
+        raise InputError(f"{path}: integrator in its header is {integrator!r:.40}; must be {allowed}")
     work = Work()
     if known is not None:
-        recall((work, None, monitor), known.memory)
+        recall((work, None, monitor), known.memory, str(path))
     if ending is None:
         if known is not None and (len(rows) == 0 or rows[-1, 0] < start + known.step * step):
             rows = np.vstack([rows, np.concatenate([[start + known.step * step], known.q, known.q_t])])
@@ -235,7 +238,7 @@ def recorded_motion(path: str | Path, monitor: object = None) -> Motion:
             raise InputError(f"{path}: the run was cut off before its first sample; run the scenario again")
         what = "is still running; this is" if is_running(path) else "was cut off, its process ended before it did;"
         ending = Ending("cut-off", f"the run {what} known up to t = {rows[-1, 0]:.6g} s")
-    return _motion(rows, step, ending, recording.header["integrator"], work)
+    return _motion(rows, step, ending, integrator, work)
 
 
 def integrate(
@@ -288,7 +291,7 @@ def integrate(
     if recorder.ending is not None:
         if recorder.last is not None:
             with following(system.forces):
-                recall(things, recorder.last.memory)
+                recall(things, recorder.last.memory, recorder.name)
         return _motion(recorder.rows(), step, recorder.ending, integrator, system.work)
     begin = recorder.checkpoint
     with _interruptible() as interrupt, following(system.forces):
@@ -300,7 +303,7 @@ def integrate(
             system, start, step, steps, every, monitor, monitor_every, progress, interrupt, recorder, begin
         )
         try:
-            recall(things, begin.memory)
+            recall(things, begin.memory, recorder.name)
             while after.last_step < steps:
                 end = min(steps, (after.last_step // segment + 1) * segment)
                 _run_segment(after, end, integrator, TOLERANCE * weight)

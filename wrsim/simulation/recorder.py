@@ -19,7 +19,7 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import Any, Literal, Protocol, get_args, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,14 +59,21 @@ def memory_of(things: Sequence[object]) -> Array:
     return np.concatenate([part for row in rows for part in ([float(len(row))], row)])
 
 
-def recall(things: Sequence[object], memory: Array) -> None:
-    """The opposite of ``memory_of`` for the same things."""
+def recall(things: Sequence[object], memory: Array, name: str = "") -> None:
+    """The opposite of ``memory_of`` for the same things; name: of the file that it comes from, if any.
+
+    Raises ``InputError`` for what these things cannot have remembered.
+    """
     place = 0
-    for thing in things:
-        n = int(memory[place])
-        if isinstance(thing, Remembers):
-            thing.recall(memory[place + 1 : place + 1 + n])
-        place += 1 + n
+    try:
+        for thing in things:
+            n = int(memory[place])
+            if isinstance(thing, Remembers):
+                thing.recall(memory[place + 1 : place + 1 + n])
+            place += 1 + n
+    except (ValueError, IndexError, OverflowError):  # other lengths, and counts that are none
+        why = "what it remembers does not fit its scenario; run the scenario again"
+        raise InputError(f"{name or 'the checkpoint of the run'}: {why}") from None
 
 
 @dataclass(frozen=True)
@@ -98,6 +105,9 @@ class Recorder:
 
     ending: Ending | None = None
     """Of a run that is over already."""
+
+    name = ""
+    """Of the file that holds it, if any."""
 
     def __init__(self, size: int) -> None:
         """size: number of coordinates."""
@@ -142,7 +152,7 @@ class FileRecorder(Recorder):
 
     def __init__(self, file: RunFile, size: int) -> None:
         super().__init__(size)
-        self._file = file
+        self._file, self.name = file, str(file.path)
         self._flushed = time.perf_counter()
 
     @classmethod
@@ -232,7 +242,7 @@ class Recording:
     @classmethod
     def of(cls, path: Path, header: dict[str, Any], records: Iterable[Record]) -> Recording:
         """From the header and the records of a file."""
-        size = int(header["size"])
+        size = header["size"]
         width = 1 + 2 * size
         checkpoint: Checkpoint | None = None
         last: Checkpoint | None = None
@@ -241,19 +251,31 @@ class Recording:
 
         def blocks() -> Iterator[Array]:
             nonlocal checkpoint, checkpoint_end, last, ending, end
+            time = -np.inf
             for record in records:
                 end = record.end
                 if record.kind == _END:
-                    cause, _, reason = record.content.decode().partition("\0")
+                    cause, _, reason = record.content.decode(errors="replace").partition("\0")
+                    if cause not in get_args(Cause):
+                        raise InputError(
+                            f"{path}: ends with {cause!r:.40}; must be one of {', '.join(get_args(Cause)[1:])}"
+                        )
                     ending = Ending(cause, reason)  # type: ignore[arg-type]
                     continue
-                step, count, memory = _COUNTS.unpack_from(record.content)
+                step, count, memory = _counts(path, record, size)
                 values = np.frombuffer(record.content, dtype="<f8", offset=_COUNTS.size)
-                yield values[: count * width].reshape(count, width).copy()  # without its checkpoint
+                samples = values[: count * width].reshape(count, width).copy()  # without its checkpoint
+                times = np.append(time, samples[:, 0])
+                state = values[count * width : len(values) - memory]
+                if not (np.isfinite(samples).all() and np.isfinite(state).all() and (np.diff(times) > 0.0).all()):
+                    raise InputError(
+                        f"{path}: holds samples that are not finite or do not follow each other in time; "
+                        "run the scenario again"
+                    )
+                time = times[-1]
+                yield samples
                 if step >= 0:
                     q, q_t, kept = np.split(values[count * width :], [size, 2 * size])
-                    if len(kept) != memory:
-                        raise InputError(f"{path}: the file is damaged; run the scenario again")
                     last = Checkpoint(step, q.copy(), q_t.copy(), kept.copy())
                     if record.kind == _FLUSH:
                         checkpoint, checkpoint_end = last, end
@@ -261,3 +283,18 @@ class Recording:
         with plain_disk_errors(path):
             rows = below_each_other(blocks(), width, path.parent)
         return cls(header, size, rows, checkpoint, checkpoint_end, last, ending, end)
+
+
+def _counts(path: Path, record: Record, size: int) -> tuple[int, int, int]:
+    """Step, rows and length of the memory of a record, which go with the length that it has."""
+    if record.kind in (_FLUSH, _STOP) and len(record.content) >= _COUNTS.size:
+        step, count, memory = _COUNTS.unpack_from(record.content)
+        state = 2 * size + memory if step >= 0 else 0
+        numbers = count * (1 + 2 * size) + state
+        if count >= 0 and memory >= 0 and len(record.content) == _COUNTS.size + 8 * numbers and step < 2**53:
+            return step, count, memory
+        raise InputError(
+            f"{path}: a record of {len(record.content)} bytes says that it holds {count} samples and {memory} numbers "
+            "beside them; run the scenario again"
+        )
+    raise InputError(f"{path}: holds a record that no run writes ({record.kind!r:.20}); run the scenario again")

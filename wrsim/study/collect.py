@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from wrsim.errors import InputError
 from wrsim.results import write_atomically
+from wrsim.results.channels import Kind
 from wrsim.results.dataset import versions
 from wrsim.results.files import as_csv, as_json
 from wrsim.results.rows import Row
+from wrsim.results.schema import faults_of_attributes, faults_of_variable
 from wrsim.results.sealed import read_sealed, write_sealed
 from wrsim.results.table import Column, Table, with_unit
 from wrsim.study.axes import Points
@@ -152,10 +154,26 @@ def read_study(path: Path) -> xr.Dataset:
     dataset = read_sealed(file, "study")
     if dataset.attrs.get("format") != FORMAT:
         raise InputError(f"{file}: a wrsim file, but no study")
-    lacking = [name for name in ("status", "message", "name") if name not in dataset.data_vars]
-    if lacking or "title" not in dataset.attrs:
-        raise InputError(f"{file}: says that it is a study, but has no {(lacking or ['title'])[0]}; run it again")
+    for fault in _faults(dataset):
+        raise InputError(f"{file}: says that it is a study, but {fault}; run it again")
     return dataset
+
+
+def _faults(dataset: xr.Dataset) -> Iterator[str]:
+    """What is wrong with the dataset of a study; see `collected`."""
+    yield from faults_of_attributes(dataset.attrs, ("title",))
+    cases = dataset["status"].dims if "status" in dataset else ()
+    for text in ("status", "message", "name"):
+        yield from faults_of_variable(dataset, text, cases, "text")
+    for axis, size in dataset.sizes.items():
+        if not size or axis not in cases or axis not in dataset.coords:
+            yield f"its axis {axis!s:.40} has no cases or no labels"
+    for name, own in dataset.variables.items():
+        dims = own.dims[:1] if name in dataset.coords else cases
+        kind: Kind = "number" if own.dtype.kind == "f" else "count" if own.dtype.kind in "iu" else "text"
+        yield from faults_of_variable(dataset, str(name), dims, kind)
+        if not isinstance(own.attrs.get("key", ""), str):
+            yield f"its {name!s:.40} has a key that is no text"
 
 
 def is_study(path: Path) -> bool:

@@ -11,13 +11,12 @@ watchdog that ends the process. Who is handed the case next finds the watchdog's
 from __future__ import annotations
 
 import faulthandler
-import json
 import os
 import platform
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 
 import dask
@@ -28,7 +27,7 @@ from wrsim.analysis.motion.record import code_digest
 from wrsim.errors import InputError, SimulationError, WrsimError
 from wrsim.register import ANALYSES
 from wrsim.results import Result, write_atomically
-from wrsim.results.files import as_json
+from wrsim.results.files import as_json, from_json
 from wrsim.results.ledger import Ledger
 from wrsim.scenario.loading import Scenario
 from wrsim.study.outputs import Outputs, outputs_of
@@ -94,9 +93,21 @@ class Marker:
 def read_marker(folder: Path) -> Marker | None:
     """The marker of a case; None where there is none."""
     try:
-        return Marker(**json.loads((folder / MARKER).read_bytes()))
-    except (OSError, ValueError, TypeError):
+        marker = Marker(**(from_json((folder / MARKER).read_bytes()) or {}))
+    except (OSError, TypeError):
         return None
+    return marker if _is_whole(marker) else None
+
+
+def _is_whole(marker: Marker) -> bool:
+    """True if everything in a marker is of the kind that is written."""
+    kinds = {"str": str, "float": int | float, "int": int, "bool": bool, "list[str]": list}
+    return (
+        all(isinstance(getattr(marker, f.name), kinds.get(str(f.type), dict)) for f in fields(marker))
+        and marker.status in STATUSES
+        and all(isinstance(text, str) for text in [*marker.units.values(), *marker.faults])
+        and all(number is None or isinstance(number, int | float) for number in marker.numbers.values())
+    )
 
 
 def write_marker(folder: Path, marker: Marker) -> None:

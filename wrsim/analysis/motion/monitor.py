@@ -220,3 +220,6 @@ class Monitor:
         self.last_contact = memory[:size].reshape(self.last_contact.shape).copy()
         self.substitutes = memory[size : size + wheels].copy()
         self.notes = memory[size + wheels :].reshape(-1, 6).copy()
+        places = np.where(np.isin(self.notes[:, 0], (STOP, LOOSE)), len(self.law.vehicle.elements), wheels)
+        if not (np.isfinite(self.notes).all() and ((self.notes[:, 1] >= 0) & (self.notes[:, 1] < places)).all()):
+            raise ValueError("events of a wheel or an element that is not there")

@@ -103,7 +103,10 @@ def recorded_run(setup: Setup[RunPlan], path: Path) -> Result:
     """
     law = force_law(setup)
     monitor = Monitor(law, setup.plan.speeds[1])
-    return result_of(setup, law, recorded_motion(path, monitor), monitor.events(), path.parent)
+    motion = recorded_motion(path, monitor)
+    if motion.q.shape[1] != law.size:
+        raise InputError(f"{path}: holds {motion.q.shape[1]} coordinates, its scenario has {law.size}; run it again")
+    return result_of(setup, law, motion, monitor.events(), path.parent)
 
 
 def refuse_step(setup: Setup[RunPlan]) -> None:

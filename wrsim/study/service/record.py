@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from wrsim.errors import InputError
 from wrsim.results.render import as_records
+from wrsim.results.schema import faults_of_attributes, faults_of_variable
 from wrsim.results.sealed import read_sealed
 from wrsim.results.table import Column, Table
 
@@ -40,10 +43,22 @@ def read_record(path: Path) -> xr.Dataset:
     dataset = read_sealed(file, "service")
     if dataset.attrs.get("format") != FORMAT:
         raise InputError(f"{file}: a wrsim file, but no service")
-    lacking = [name for name in (*COLUMNS, "u", "w", "depth", "unworn_u") if name not in dataset.data_vars]
-    if lacking:
-        raise InputError(f"{file}: says that it is a service, but has no {lacking[0]}; run it again")
+    for fault in _faults(dataset):
+        raise InputError(f"{file}: says that it is a service, but {fault}; run it again")
     return dataset
+
+
+def _faults(dataset: xr.Dataset) -> Iterator[str]:
+    """What is wrong with the dataset of a service; see `history`."""
+    yield from faults_of_attributes(dataset.attrs, ("title", "law"))
+    layout = dict.fromkeys(COLUMNS, ("point",)) | dict.fromkeys(("u", "w", "depth"), ("point", "place"))
+    for name, dims in (layout | {"unworn_u": ("place",)}).items():
+        yield from faults_of_variable(dataset, name, dims, "number")
+    if 0 in dataset.sizes.values():
+        yield "holds no numbers"
+    for name in ("mileage", "u", "w", "depth", "unworn_u"):
+        if not np.isfinite(dataset[name].values).all():
+            yield f"its {name} is not finite everywhere"
 
 
 def table_of(dataset: xr.Dataset) -> Table:

@@ -19,7 +19,6 @@ were turned round now and then.
 from __future__ import annotations
 
 import contextlib
-import json
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -34,7 +33,7 @@ from wrsim.geometry.profile.depths import on_unworn, smoothed_table
 from wrsim.geometry.profile.file_tables import write_depths
 from wrsim.inputs.toml_files import write_toml
 from wrsim.results import Result, write_atomically
-from wrsim.results.files import as_json
+from wrsim.results.files import as_json, from_json
 from wrsim.results.table import formatted, quantity
 from wrsim.study.engine import missing
 from wrsim.study.plan import Plan
@@ -90,9 +89,12 @@ def folder_of(directory: Path, number: int) -> Path:
 def read_step(service: Service, folder: Path) -> Step | None:
     """The step that was done in a folder; None where there is none. Raises InputError for one of another service."""
     try:
-        data = json.loads((folder / STEP).read_bytes())
+        data = from_json((folder / STEP).read_bytes()) or {}
         step = Step(**data | {"areas": tuple(data["areas"])})
+        numbers = np.array([step.number, step.start, step.way, step.deepest, step.tread, step.flange, *step.areas])
     except (OSError, ValueError, TypeError, KeyError):
+        return None
+    if numbers.dtype.kind not in "fi" or len(step.areas) != service.places.size - 1:
         return None
     if step.service != service.digest:
         raise InputError(
