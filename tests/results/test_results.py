@@ -18,9 +18,12 @@ import pytest
 import xarray as xr
 from support.synthetic_result import curve_run, static_poses
 
+from wrsim.cli.storing import read
 from wrsim.errors import InputError, WrsimError
 from wrsim.results import CHANNELS, Result, assemble, channel, sealed, summarise, tables, write_atomically, write_run
 from wrsim.results.files import as_csv
+from wrsim.results.ledger import Ledger
+from wrsim.results.run_file import RunFile
 from wrsim.results.sealed import read_sealed, write_sealed
 
 ROOT = Path(__file__).parents[2]
@@ -520,3 +523,18 @@ def test_no_cell_of_a_table_is_a_formula_to_a_spreadsheet():
     assert header == harmless
     assert row == [f"'{cell}" for cell in formulas]
     assert broken == ["a =1+1"]
+
+
+@pytest.mark.parametrize("name", ["result.nc", "result.nc.part"])
+def test_a_pipe_in_place_of_a_result_is_refused(name, tmp_path):
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(InputError, match=rf"{name}: is a pipe"):
+        read(tmp_path)
+    with pytest.raises(InputError, match="is a pipe"):
+        RunFile.opened(tmp_path / name)
+
+
+@pytest.mark.parametrize("entry", [b'{"file": "../x"}', b'{"file": 3}', b'{"files": ["/x"]}', b"[" * 100000, b"{"])
+def test_a_ledger_names_files_of_its_own_folder_alone(entry, tmp_path):
+    (tmp_path / ".wrsim").write_bytes(entry + b'\n{"file": "a.csv"}\n')
+    assert Ledger(tmp_path).entries() == [{"file": "a.csv"}]

@@ -30,7 +30,13 @@ _LONG_NUMBER = re.compile(r"(?<![\w.])\d(?:_?\d){4300,}")
 
 LARGEST = 64_000_000
 """Size of the largest file that is read [bytes]; a track of 1000 km has a table of 30 MB."""
-_NO_FILES = {stat.S_ISFIFO: "a pipe", stat.S_ISSOCK: "a socket", stat.S_ISCHR: "a device", stat.S_ISBLK: "a device"}
+_NO_FILES = {
+    stat.S_ISFIFO: "a pipe",
+    stat.S_ISSOCK: "a socket",
+    stat.S_ISCHR: "a device",
+    stat.S_ISBLK: "a device",
+    stat.S_ISDIR: "a directory",
+}
 
 
 def read_text(path: Path, what: str = "file") -> str:
@@ -72,16 +78,23 @@ def _content(path: Path, what: str) -> bytes:
     if os.path.isdir(path):
         inside = _listing(sorted(p.name for p in path.glob("*.toml")))
         raise InputError(f"{path}: is a directory, a {what} is needed{inside}")
-    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
-    with open(handle, "rb") as stream:
-        found = os.fstat(handle)
-        if not stat.S_ISREG(found.st_mode):
-            kind = next((name for is_one, name in _NO_FILES.items() if is_one(found.st_mode)), "no plain file")
-            raise InputError(f"{path}: is {kind}, a {what} is needed")
+    with open(open_plain(path, what), "rb") as stream:
+        found = os.fstat(stream.fileno())
         content = b"" if found.st_size > LARGEST else stream.read(LARGEST + 1)
     if (size := max(found.st_size, len(content))) > LARGEST:
         raise InputError(f"{path}: has {size / 1e6:.1f} MB; a {what} of at most {LARGEST / 1e6:.0f} MB is read")
     return content
+
+
+def open_plain(path: Path, what: str, flags: int = os.O_RDONLY) -> int:
+    """A descriptor of a plain file; it never waits. Raises InputError for a pipe, a device, a directory; OSError."""
+    handle = os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0), 0o666)
+    mode = os.fstat(handle).st_mode
+    if stat.S_ISREG(mode):
+        return handle
+    os.close(handle)
+    kind = next((name for is_one, name in _NO_FILES.items() if is_one(mode)), "no plain file")
+    raise InputError(f"{path}: is {kind}, a {what} is needed")
 
 
 _WITHIN: ContextVar[tuple[Path, ...] | None] = ContextVar("_WITHIN", default=None)

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import IO, Any, Protocol
 
 from wrsim.errors import InputError, WrsimError
+from wrsim.inputs.toml_files import open_plain
 
 try:
     import fcntl
@@ -108,7 +109,7 @@ def sweep(folder: Path) -> None:
 def open_no_link(path: Path, flags: int) -> IO[bytes]:
     """Open a file of wrsim's own, unbuffered; a symbolic link in its place is refused (``InputError``)."""
     try:
-        handle = os.open(path, flags | getattr(os, "O_NOFOLLOW", 0), 0o666)
+        handle = open_plain(path, "plain file", flags | getattr(os, "O_NOFOLLOW", 0))
     except OSError as problem:
         if problem.errno == errno.ELOOP:
             raise InputError(f"{path}: is a symbolic link; wrsim does not write through it: move it away") from None

@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from wrsim.errors import InputError
+from wrsim.inputs.toml_files import open_plain
 from wrsim.results.files import fcntl, from_json, lock, open_no_link, plain_disk_errors
 
 SIGNATURE = b"wrsim run\r\n\x1a\x02\x00\x00\x00"
@@ -188,7 +189,7 @@ def opened_run_file(path: str | Path) -> Iterator[tuple[dict[str, Any], Iterator
     """
     path = Path(path)
     try:
-        stream = open(path, "rb")  # noqa: SIM115 - a fault while the records are used is not one of opening
+        stream = open(open_plain(path, "file of a run"), "rb")  # noqa: SIM115 - a fault while the records are used is not one of opening
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file of a run") from None
     except OSError as problem:

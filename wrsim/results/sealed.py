@@ -21,6 +21,7 @@ import xarray as xr
 from xarray.conventions import encode_dataset_coordinates
 
 from wrsim.errors import InputError
+from wrsim.inputs.toml_files import open_plain
 from wrsim.results.files import plain_disk_errors, write_atomically
 from wrsim.results.room import LARGE
 
@@ -59,7 +60,7 @@ def read_sealed(path: Path, what: str) -> xr.Dataset:
     """
     again = f"run the {what if what in ('study', 'service') else 'scenario'} again"
     try:
-        with open(path, "rb") as stream:
+        with open(open_plain(path, f"{what} file"), "rb") as stream:
             begin, sealed, whole = _looked_through(stream)
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such {what} file") from None
