@@ -272,7 +272,7 @@ def test_a_rail_where_a_wheel_is_needed_is_refused():
         load_profile(MODELS / "rails/60E1.toml", "wheel")
 
 
-@pytest.mark.parametrize("half_width", ["1e-9", "2.4"])
+@pytest.mark.parametrize("half_width", ["0.001", "2.4"])
 def test_a_profile_that_is_too_short_for_any_contact_is_refused(toml, half_width):
     path = toml(f'kind = "circle"\nradius_mm = 10\nhalf_width_mm = {half_width}\n')
     with pytest.raises(InputError, match="mm long; at least 5 mm are needed"):

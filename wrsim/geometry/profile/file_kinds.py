@@ -134,9 +134,9 @@ class RailHeadFile(ProfileFile):
 
     kind: Literal["rail-head"]
     """A symmetric rail head."""
-    radii_mm: List[Annotated[float, positive(1e4)]]
+    radii_mm: List[Annotated[float, number(1e-3, 1e4)]]
     """Radii of the arcs from the crown outward."""
-    half_widths_mm: List[Annotated[float, positive(1e3)]]
+    half_widths_mm: List[Annotated[float, number(1e-3, 1e3)]]
     """Where each arc but the last ends, from the middle of the rail."""
     side_slope: Annotated[float, number(0.0, 1.0, "1:20 is 0.05")]
     """Slope of the sides from the vertical."""

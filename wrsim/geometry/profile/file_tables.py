@@ -15,11 +15,11 @@ from wrsim.geometry.profile.sections import Section as Piece
 from wrsim.geometry.profile.wear import DepthTable, Direction, Removal
 from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import List, Two, number, positive
+from wrsim.inputs.values import List, Two, number
 
 MM = 1e-3
 
-Length = Annotated[float, positive(1e4)]
+Length = Annotated[float, number(1e-3, 1e4)]
 Coordinate = Annotated[float, number(-1000.0, 1000.0)]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar
@@ -50,7 +51,9 @@ class DamperTable(ElementTable, kind="damper"):
             )
 
     def consistency(self) -> Iterator[Fault]:
-        """A table of a damper behind a spring is read backwards."""
+        """A line has a length; a table of a damper behind a spring is read backwards."""
+        if self.body_mm is not None and self.to_mm is not None and math.dist(self.body_mm, self.to_mm) < 1e-3:
+            yield Fault("to_mm", "is the same point as body_mm: a damper along a line needs a length")
         table = self.velocity_m_per_s_force_kN or ()
         flat = any(b[1] <= a[1] for a, b in pairwise(table))
         if self.series_stiffness_kN_per_m is not None and flat:

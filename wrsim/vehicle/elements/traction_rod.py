@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Annotated, ClassVar
 
@@ -29,7 +30,7 @@ class TractionRodTable(ElementTable, kind="traction-rod"):
 
     def consistency(self) -> Iterator[Fault]:
         """A rod has a length."""
-        if self.body_mm == self.to_mm:
+        if math.dist(self.body_mm, self.to_mm) < 1e-3:
             yield Fault("to_mm", "is the same point as body_mm: a rod needs a length")
 
     def element(self, joint: Joint, axes: Axes) -> Strut:
