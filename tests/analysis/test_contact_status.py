@@ -11,12 +11,12 @@ from support.runs import SCENARIOS, STEERING
 
 from wrsim.analysis import run
 from wrsim.analysis.compare import compare
+from wrsim.analysis.compare_tables import report_of
 from wrsim.analysis.motion import monitor as monitors
 from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.monitor import MANY, Monitor
 from wrsim.analysis.motion.words import event_words
 from wrsim.analysis.resolve import resolve
-from wrsim.cli.compare import remarks_of
 from wrsim.contact.kernel_arrays import KernelArrays
 from wrsim.contact.status import NOT_CONVERGED, WORDS
 from wrsim.core.contact import records
@@ -75,14 +75,13 @@ ANALYSES: dict[str, Callable[[], str]] = {
     ),
     "resolve": lambda: remarks(resolve(solved(), poses(), "kik-piotrowski")),
     "compare": lambda: " ".join(
-        remarks_of(
+        report_of(
             compare(
                 wheelset("curve_r300.toml", run__distance_m=0.5, output__patches_at_m=[]),
                 ["kik-piotrowski", "kik-piotrowski+polach"],
-            )
-            .models[0]
-            .result
-        )
+            ),
+            "curve",
+        )["models"]["kik-piotrowski"]["remarks"]
     ),
 }
 
