@@ -1,6 +1,6 @@
 """Makes irw.png: the light rail vehicle with independent wheels into its curve. Run: python docs/figures/make_irw.py
 
-With the wheel and the rail of its source, which are not shipped: see benchmarks/gz18.py.
+With the wheel and the rail of its source, which are not shipped: see campaigns/gz18.py.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from wrsim import run
 from wrsim.plots import new_figure, save, style
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parents[1] / "benchmarks"))
+sys.path.insert(0, str(HERE.parents[1] / "campaigns"))
 import gz18  # noqa: E402
 
 

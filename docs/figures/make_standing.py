@@ -1,6 +1,6 @@
 """Figures and tables of docs/standing.md from docs/data/standing. Run: python docs/figures/make_standing.py
 
-The data are written by: python benchmarks/scoreboard.py REFERENCE --standing docs/data/standing
+The data are written by: python campaigns/scoreboard.py REFERENCE --standing docs/data/standing
 """
 
 from __future__ import annotations

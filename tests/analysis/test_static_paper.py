@@ -3,39 +3,25 @@ see docs/static_paper.md. What is tested: that the fit stays what the page says,
 
 from __future__ import annotations
 
-import importlib.util
 import re
-import sys
-from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
 import xarray as xr
+from support.scripts import ROOT, script
 
 from wrsim import load, run
 from wrsim.geometry.profile.models import load_profile
 from wrsim.scenario.build import build
 from wrsim.scenario.placement import flange_face, stand
 
-ROOT = Path(__file__).parents[2]
 SHIFTS = (0.0, 8.0, 9.0, 10.0)
 WHEEL = ROOT / "models" / "wheels" / "lrv_standin.toml"
 RAIL_CORNER, UPPER_FILLET = 13e-3, 38.2e-3
 
 
-def script(name: str) -> ModuleType:
-    """A script of benchmarks/ as a module."""
-    spec = importlib.util.spec_from_file_location(name, ROOT / "benchmarks" / f"{name}.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-table2 = script("table2")
-fit = script("fit_lrv_standin")
+table2 = script("campaigns/table2.py")
+fit = script("campaigns/fit_lrv_standin.py")
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +91,7 @@ def test_wheel_and_page_say_that_this_is_a_fit() -> None:
 
 
 def test_the_page_holds_the_tables_of_today(dataset: xr.Dataset) -> None:
-    """Else: python benchmarks/table2.py --write. The last digit may differ on another machine."""
+    """Else: python campaigns/table2.py --write. The last digit may differ on another machine."""
     text = table2.PAGE.read_text(encoding="utf-8")
     for name, table in {"comparison": table2.comparison(dataset), "each alone": table2.each_alone(dataset)}.items():
         begin, end = table2.marks(name)

@@ -85,7 +85,7 @@ def test_a_strip_presses_down_beside_its_middle(x, s, wrong):
     f = reference(s)
     assert u / width / f == pytest.approx(line(x) / f, abs=wrong)
     bend = (line(x + step) - 2.0 * line(x) + line(x - step)) / step**2
-    # the fit's errors grow with every derivative (benchmarks/fit_shifted_influence.py)
+    # the fit's errors grow with every derivative (campaigns/fit_shifted_influence.py)
     assert -c / width / f * (1.0 + s * s) == pytest.approx(bend / f * (1.0 + s * s), abs=0.002 + 15.0 * wrong)
 
 

@@ -14,7 +14,8 @@ from wrsim.results import CHANNELS
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-FOLDERS = ("wrsim", "tests", "benchmarks", "docs", "models", "scenarios", "core", "contact", "analysis", "results")
+ROOMS = ("core", "contact", "analysis", "results")
+FOLDERS = ("wrsim", "tests", "benchmarks", "campaigns", "docs", "models", "scenarios", *ROOMS)
 
 
 def named(pattern: str, page: Path) -> list[str]:

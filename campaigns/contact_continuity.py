@@ -1,6 +1,6 @@
 """Jumps of the contact forces over lateral shift, yaw, approach and load.
 
-    python benchmarks/contact_continuity.py [--over shift yaw approach load] [--normal strips] [--strips 20] [--step 1]
+    python campaigns/contact_continuity.py [--over shift yaw approach load] [--normal strips] [--strips 20] [--step 1]
         [--pair 0 1 2 3 4] [--yaw 0 12] [--load 24 100] [--lateral 2 6]
 
 A wheel is carried along a smooth path of heights: those at which Kik-Piotrowski bears the load, which is given or goes

@@ -1,7 +1,7 @@
 """Fit the stand-in for the unpublished wheel of the paper's section 4 to its table 2.
 
-    python benchmarks/fit_lrv_standin.py            # some minutes; writes models/wheels/lrv_standin.toml
-    python benchmarks/fit_lrv_standin.py --check    # only tells how well the shipped file meets the table
+    python campaigns/fit_lrv_standin.py            # some minutes; writes models/wheels/lrv_standin.toml
+    python campaigns/fit_lrv_standin.py --check    # only tells how well the shipped file meets the table
 
 The wheel is a chain of tangent lines and arcs (docs/profiles.md). Five numbers of it are fitted, within bounds that a
 wheel of a light rail vehicle could have; two angles that the table does not tell, and flange tip and back, which touch
@@ -217,12 +217,12 @@ HEAD = f"""\
 # not. The place of the flange is part of the fit, on metre gauge: see there. Two angles marked [chosen] the table
 # does not tell. Numbers marked [set] touch nothing in these cases; they close a flange of the size of a tram's.
 #
-# Written by benchmarks/fit_lrv_standin.py, rounded as a drawing would be. Do not edit; change and rerun the script.
+# Written by campaigns/fit_lrv_standin.py, rounded as a drawing would be. Do not edit; change and rerun the script.
 name = "light rail stand-in"
 body = "wheel"
 kind = "chain"                 # lines and arcs tangent to each other, in the direction of rising u (outward)
 date = {DATE}
-source = "fitted to table 2 of F. Marques et al. by benchmarks/fit_lrv_standin.py; not the paper's wheel"
+source = "fitted to table 2 of F. Marques et al. by campaigns/fit_lrv_standin.py; not the paper's wheel"
 """
 PIECES = (
     "flange, from the back to the tip [set]",

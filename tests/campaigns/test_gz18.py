@@ -1,4 +1,4 @@
-"""GZ18, a metro car, in steady curves against two other codes; needs the tables of its source (benchmarks/gz18.py).
+"""GZ18, a metro car, in steady curves against two other codes; needs the tables of its source (campaigns/gz18.py).
 
 The figures are those of ORVD 4706df9 for the leading wheelset in the full curve, turned into our axes; they equal the
 curves published for SIMPACK to the width of a line. Forces of a contact are taken apart at the contact angle.
@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from benchmarks.test_scoreboard import ROOT, script
 from support.hertz import COMPLIANCE, Ellipse
+from support.scripts import script
 
 from wrsim.analysis import run
 from wrsim.analysis.motion.forces import force_law
@@ -18,8 +18,8 @@ from wrsim.analysis.steady.steady import steady_in_curve
 from wrsim.scenario.build import build
 from wrsim.simulation.statics import standing
 
-gz18 = script(ROOT / "benchmarks/gz18.py")
-theirs = script(ROOT / "benchmarks/gz18_contact_law.py")
+gz18 = script("campaigns/gz18.py")
+theirs = script("campaigns/gz18_contact_law.py")
 
 needs_tables = pytest.mark.skipif(not gz18.has_tables(), reason="the tables of the source are not at hand")
 

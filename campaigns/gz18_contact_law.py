@@ -1,6 +1,6 @@
 """Does the contact law of the other codes explain where our GZ18 stands apart?
 
-Run: python benchmarks/gz18_contact_law.py. Their law, as the source of the car states it: where undeformed profiles,
+Run: python campaigns/gz18_contact_law.py. Their law, as the source of the car states it: where undeformed profiles,
 moved by the pose, overlap, the overlap of depth p, half width w and area centroid y is taken for a Hertzian contact at
 y of the approach p / 0.55, with the lateral radius w^2 / (2 p) and the rolling radius of the wheel, in the plane of the
 rail's slope at y. So read, the static load and the rolling radius come out that the source prints for its offset of the
@@ -253,7 +253,7 @@ def liveliest(law: VehicleOnTrack, q: Array, q_t: Array) -> str:
 def main() -> int:
     """Both curves with their contact, and what is about to swing with either."""
     if not has_tables():
-        print("the tables of the source are not at hand: see benchmarks/gz18.py")
+        print("the tables of the source are not at hand: see campaigns/gz18.py")
         return 1
     with tempfile.TemporaryDirectory() as folder:
         for line in sys.argv[1:] or ("r300", "r600"):

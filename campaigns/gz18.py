@@ -1,6 +1,6 @@
 """The GZ18 metro car on the wheel, rail and irregularities of its source, which are not part of this repository.
 
-Run: python benchmarks/gz18.py [--json] [MODEL ...]. How fast it runs through the curve of 300 m with AAR5
+Run: python campaigns/gz18.py [--json] [MODEL ...]. How fast it runs through the curve of 300 m with AAR5
 irregularities at 60 km/h: simulated over processor time of the integration, least of the repetitions, one core; beside
 that of ORVD and that of Kik-Piotrowski with RK44 at 0.5 ms in the same process.
 

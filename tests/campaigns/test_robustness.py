@@ -12,8 +12,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from benchmarks.test_scoreboard import ROOT, script
 from support.runs import STEERING, setup_of, straight
+from support.scripts import ROOT, script
 
 from wrsim.analysis import run
 from wrsim.analysis.motion import result as results
@@ -22,11 +22,11 @@ from wrsim.cli.storing import read
 from wrsim.errors import InputError
 from wrsim.scenario.loading import load
 
-hostile = script(ROOT / "benchmarks/hostile.py")
-accepted = script(ROOT / "benchmarks/accepted.py")
-corrupted = script(ROOT / "benchmarks/corrupted.py")
+hostile = script("benchmarks/hostile.py")
+accepted = script("benchmarks/accepted.py")
+corrupted = script("benchmarks/corrupted.py")
 crafted = sys.modules["crafted"]
-long_run = script(ROOT / "benchmarks/long_run.py")
+long_run = script("campaigns/long_run.py")
 
 
 def test_mutated_files_are_accepted_or_refused_with_file_and_place() -> None:

@@ -1,7 +1,7 @@
 """Random poses for the strip model: is every one solved, is any force out of proportion, how long does it take?
 
-    python benchmarks/strip_robustness.py [--poses 100000] [--strips 20] [--seed 1] [--keep FILE] [--json FILE]
-    python benchmarks/strip_robustness.py --walks 600 [--strips 20] [--seed 1] [--json FILE]
+    python campaigns/strip_robustness.py [--poses 100000] [--strips 20] [--seed 1] [--keep FILE] [--json FILE]
+    python campaigns/strip_robustness.py --walks 600 [--strips 20] [--seed 1] [--json FILE]
 
 Six pairs of profiles, lateral shift +-12 mm, yaw +-60 mrad, approach from 1 to 300 um by its logarithm; poses that bear
 1 to 500 kN count. Every pose is solved afresh; "retried": solved, but not from the first guess; "straight": solved, but

@@ -1,6 +1,6 @@
 """A coach runs over the nose of a crossing: peak wheel force against speed, and how it changes with the step.
 
-    python benchmarks/crossing.py --speeds 10 20 40 60 80 100 [--steps-us 100 50] [--elastic] [--begin -0.95] [--json]
+    python campaigns/crossing.py --speeds 10 20 40 60 80 100 [--steps-us 100 50] [--elastic] [--begin -0.95] [--json]
         [--picture crossing.png] [--flight crossing_flight.png]
 
 The crossing 56E1-R245-1:9.25 is read from the reference folder beside the project and stands in the right rail of

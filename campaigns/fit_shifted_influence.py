@@ -1,6 +1,6 @@
 """Fit the influence beside the middle of a strip that `wrsim/core/contact/strips/influence.py` has as ``BESIDE``.
 
-    python benchmarks/fit_shifted_influence.py
+    python campaigns/fit_shifted_influence.py
 
 The integral int sqrt((1 - t^2)/((x - t)^2 + s^2)) dt over -1..1 and its first two derivatives by x are met in the mean
 square for x < REACH s, where strips that follow each other across a slanted contact lie; beyond they count little.

@@ -1,32 +1,16 @@
 """The scoreboard's own arithmetic, and the page that is made from it."""
 
-import importlib.util
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from support.contacts import bench, contact_of, pair_model, settle
-
-ROOT = Path(__file__).parents[2]
-
-
-def script(path: Path):
-    """A script of the repository as a module; scripts of benchmarks find each other."""
-    sys.path.insert(0, str(path.parent))
-    try:
-        spec = importlib.util.spec_from_file_location(path.stem, path)
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[path.stem] = module
-        spec.loader.exec_module(module)
-        return module
-    finally:
-        sys.path.remove(str(path.parent))
+from support.scripts import script
 
 
 @pytest.fixture(scope="module")
 def scoreboard():
-    return script(ROOT / "benchmarks/scoreboard.py")
+    return script("campaigns/scoreboard.py")
 
 
 def row(case, method, pmax, **changes):
@@ -84,7 +68,7 @@ def test_models_that_are_not_known_are_refused(scoreboard, name):
 
 
 def test_the_page_says_what_its_data_say():
-    standing = script(ROOT / "docs/figures/make_standing.py")
+    standing = script("docs/figures/make_standing.py")
     page = standing.PAGE.read_text(encoding="utf-8")
     for name, make in standing.PARTS.items():
         start, end = f"<!-- {name}: made by make_standing.py -->\n", f"\n<!-- end of {name} -->"

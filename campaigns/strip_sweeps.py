@@ -1,6 +1,6 @@
 """The strip model beside the half-space solver on sweeps over the lateral shift: p0, N, and strips that stand out.
 
-    python benchmarks/strip_sweeps.py [--strips 20] [--load 54] [--every 5] [--from -4 --to 4] [--yaw 0] [--json FILE]
+    python campaigns/strip_sweeps.py [--strips 20] [--load 54] [--every 5] [--from -4 --to 4] [--yaw 0] [--json FILE]
 
 Steps of 20 um at the load; the strip model finds the height, the half-space solver is asked at every N-th of these
 poses, at the same height (never with --every 0). "ends": what the end of a stretch of contact, or of a lobe within it,

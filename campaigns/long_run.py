@@ -1,4 +1,4 @@
-"""Memory and disk of a long run of the coach. Run: python benchmarks/long_run.py [KM] [--json]
+"""Memory and disk of a long run of the coach. Run: python campaigns/long_run.py [KM] [--json]
 
 The Manchester coach at 200 km/h over curves of 3000 m and straights between them, Kik-Piotrowski with few strips: what
 is stored does not depend on that. Memory of the process (resident, MB) at a tenth, at half and at the end of the way;

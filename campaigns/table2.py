@@ -1,7 +1,7 @@
 """Table 2 of the paper beside ours: the four static cases, with a stand-in wheel that was fitted to that table.
 
-    python benchmarks/table2.py            # runs scenarios/static_paper.toml and prints both
-    python benchmarks/table2.py --write    # and renews tables and pictures of docs/static_paper.md
+    python campaigns/table2.py            # runs scenarios/static_paper.toml and prints both
+    python campaigns/table2.py --write    # and renews tables and pictures of docs/static_paper.md
 
 See docs/static_paper.md for what agreement means here and what it does not.
 """
@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 ROOT = Path(__file__).parents[1]
 SCENARIO = ROOT / "scenarios" / "static_paper.toml"
-PUBLISHED = ROOT / "benchmarks" / "paper_table2.csv"
+PUBLISHED = ROOT / "campaigns" / "paper_table2.csv"
 PAGE = ROOT / "docs" / "static_paper.md"
 PICTURES = ROOT / "docs" / "figures"
 
@@ -150,7 +150,7 @@ def _row(name: str, cells: Sequence[str]) -> str:
 
 def marks(name: str) -> tuple[str, str]:
     """What stands around a generated table of the page."""
-    return f"<!-- {name}: made by benchmarks/table2.py --write -->", f"<!-- end of {name} -->"
+    return f"<!-- {name}: made by campaigns/table2.py --write -->", f"<!-- end of {name} -->"
 
 
 def write(dataset: xr.Dataset) -> None:

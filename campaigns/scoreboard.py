@@ -1,6 +1,6 @@
 """Every contact model on every reference case: how near to CONTACT, beside CONTACT's own fast models.
 
-    python benchmarks/scoreboard.py REFERENCE [--models kik-piotrowski,kik-piotrowski/constant,half-space]
+    python campaigns/scoreboard.py REFERENCE [--models kik-piotrowski,kik-piotrowski/constant,half-space]
         [--tangential fastsim,fastsim/three,fastsim/three/parabolic,fastrip]
         [--tables static,benchmark,regions,angles,arcs,grooves,tangential]
         [--every N] [-o DIR] [--standing docs/data/standing]
