@@ -26,6 +26,7 @@ from distributed.security import Security
 from distributed.utils import get_mp_context
 from support.runs import SCENARIOS
 from support.studies import AXES, study_file
+from support.waiting import wait_until
 from typer.testing import CliRunner
 
 from wrsim.cli import app
@@ -115,15 +116,15 @@ def test_two_workers_one_of_which_is_killed_come_to_the_numbers_of_one_worker(
     before = workers.run(os.getpid)
     with ThreadPoolExecutor(1) as thread:
         running = thread.submit(execute, workers, plan, missing(plan))
-        while len(missing(plan)) > 4:  # in the midst of it
-            time.sleep(0.05)
+        wait_until(lambda: len(missing(plan)) <= 4 or running.done())  # in the midst of it
         os.kill(random.Random(7).choice(sorted(before.values())), signal.SIGKILL)
-        running.result(timeout=300.0)
+        running.result(timeout=1200.0)
     assert missing(plan) == []
     (ours, our_rows), (theirs, their_rows) = results(plan), results(serial)
     assert our_rows == their_rows
     xr.testing.assert_identical(ours, theirs)
     assert set(ours["status"].values.ravel()) == {"completed"}
+    workers.wait_for_workers(2)
     assert set(workers.run(os.getpid).values()) != set(before.values())  # one of them is a new one
 
 
@@ -191,10 +192,7 @@ def test_a_study_that_is_killed_goes_on_where_it_was(serial: Plan, workers: Clie
     command = [sys.executable, "-P", "-m", "wrsim", "study", str(file), "-o", str(out), "--workers", "1", "-q"]
     process = subprocess.Popen(command, start_new_session=True)
     parts = [plan.folder_of(case) / task.PART for case in plan.cases]
-    until = time.monotonic() + 240.0
-    while not any(p.exists() and p.stat().st_size > 40_000 for p in parts):  # some checkpoints
-        assert process.poll() is None and time.monotonic() < until
-        time.sleep(0.05)
+    wait_until(lambda: any(p.exists() and p.stat().st_size > 40_000 for p in parts), process)  # some checkpoints
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     left = missing(plan)
@@ -289,18 +287,19 @@ def test_a_case_that_takes_too_long_is_ended_and_goes_on_with_more_time(
     (late,) = markers(short)
     assert late.status == "out of time" and "time_limit_s" in late.message
     assert missing(short) == []
-    longer = plan_of(study_file(tmp_path, one, "[cases]\ntime_limit_s = 500\n", seconds=2.0), tmp_path / "out")
+    longer = plan_of(study_file(tmp_path, one, "[cases]\ntime_limit_s = 5000\n", seconds=2.0), tmp_path / "out")
     in_this_process(longer)
     (done,) = markers(longer)
     assert done.status == "completed" and done.resumed
 
 
 def test_a_hook_that_hangs_costs_its_worker_and_not_the_study(
-    workers: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    serial: Plan, workers: Client, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "hang.py").write_text("import time\n\ndef numbers(result):\n    time.sleep(1e6)\n")
     one = AXES.replace("[0.1, 0.3]", "[0.3]").replace("to = 50", "to = 40")
-    more = '[outputs]\nhook = "hang.py:numbers"\n[cases]\ntime_limit_s = 5\n'
+    limit = max(5.0, 10.0 * max(m.simulation for m in markers(serial)))  # the run itself is done by then
+    more = f'[outputs]\nhook = "hang.py:numbers"\n[cases]\ntime_limit_s = {limit}\n'
     plan = plan_of(study_file(tmp_path, one, more, seconds=0.1), tmp_path / "out")
     execute(workers, plan, missing(plan))
     (marker,) = markers(plan)
@@ -475,14 +474,12 @@ def standing_scheduler(serial: Plan, certificates: Path, tmp_path: Path) -> Iter
     )
     processes = [subprocess.Popen(command, env=os.environ | ONE_THREAD, **quiet) for command in commands]  # type: ignore[call-overload]
     try:
-        until = time.monotonic() + 60.0
-        while not file.exists() and time.monotonic() < until:
-            time.sleep(0.1)
+        wait_until(lambda: file.exists() and file.read_text().endswith("\n}"), processes[0])  # written to its end
         yield json.loads(file.read_text())["address"]
     finally:
         for process in reversed(processes):  # a worker without its scheduler does not end at once
             process.terminate()
-            process.wait(30)
+            process.wait(1200)
 
 
 def test_workers_of_a_scheduler_that_stands_already_come_to_the_same_numbers(
