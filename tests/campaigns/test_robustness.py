@@ -22,9 +22,9 @@ from wrsim.cli.storing import read
 from wrsim.errors import InputError
 from wrsim.scenario.loading import load
 
-hostile = script("benchmarks/hostile.py")
-accepted = script("benchmarks/accepted.py")
-corrupted = script("benchmarks/corrupted.py")
+hostile = script("campaigns/hostile.py")
+accepted = script("campaigns/accepted.py")
+corrupted = script("campaigns/corrupted.py")
 crafted = sys.modules["crafted"]
 long_run = script("campaigns/long_run.py")
 

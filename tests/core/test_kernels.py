@@ -20,27 +20,27 @@ from wrsim.core.contact.stages import STAGES, make_ready
 ROOT = Path(__file__).parents[1]
 
 
-@pytest.fixture(scope="module")
-def plain(tmp_path_factory):
-    """Results, kernels that worked, and first calls from Python, all without the compiler."""
+@pytest.fixture(scope="module", params=["few", pytest.param("full", marks=pytest.mark.campaign)])
+def plain(request, tmp_path_factory):
+    """Results, kernels that worked, and first calls from Python, all without the compiler; how many cases."""
     file = tmp_path_factory.mktemp("kernels") / "plain"
     paths = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     subprocess.run(
-        [sys.executable, kernels.__file__, file],
+        [sys.executable, kernels.__file__, file, request.param],
         env=os.environ | {"NUMBA_DISABLE_JIT": "1", "PYTHONPATH": paths},
         check=True,
     )
-    return pickle.loads(file.read_bytes())
+    return *pickle.loads(file.read_bytes()), request.param
 
 
 def test_every_kernel_works_in_some_case(plain):
-    _, worked, _ = plain
+    _, worked, *_ = plain
     assert sorted(set(kernels.kernels()) - worked) == []
 
 
 def test_kernels_give_the_same_numbers_without_the_compiler(plain):
-    found, _, _ = plain
-    for name, ours in kernels.cases().items():
+    found, *_, many = plain
+    for name, ours in kernels.cases(many == "full").items():
         # compilers may fuse products and sums: round-off of coordinates over an approach of 1e-4 m
         scale = np.maximum(np.abs(ours), 1e-9)
         np.testing.assert_allclose(np.array(found[name]) / scale, np.array(ours) / scale, atol=1e-8, err_msg=name)
@@ -64,7 +64,7 @@ def arrays(thing):
 
 def test_no_kernel_that_python_calls_allocates(plain):
     # nor any that works within one of these: what is left is one note for each array at the door
-    _, _, calls = plain
+    _, _, calls, _ = plain
     every = kernels.kernels()
     make_ready(*STAGES)
     for key in calls.keys() & every.keys():

@@ -1,4 +1,4 @@
-"""Runs killed at random places and gone on with. Run: python benchmarks/kills.py [KILLS] [--json] [--seed S]
+"""Runs killed at random places and gone on with. Run: python campaigns/kills.py [KILLS] [--json] [--seed S]
 
 Takes a short run with its tables and pictures, uninterrupted, as the truth. Then the command is started again and again
 with ``--resume`` in other folders and killed (SIGKILL) after a random time, in its start-up, its steps, its tables or
@@ -137,6 +137,7 @@ def main() -> None:
     print(", ".join(f"{word.replace('_', ' ')} {number}" for word, number in counts.items()))
     if options.json:
         print(json.dumps({"kills": counts}))
+    raise SystemExit(int(counts["broken_files"] + counts["different_files"] + counts["other_ends"] > 0))
 
 
 def counted(folder: Path, kills: int, rng: random.Random) -> dict[str, int | float]:

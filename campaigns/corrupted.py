@@ -1,4 +1,4 @@
-"""Corrupted and crafted result and run files. Run: python benchmarks/corrupted.py [N] [--commands M] [--json]
+"""Corrupted and crafted result and run files. Run: python campaigns/corrupted.py [N] [--commands M] [--json]
 
 Takes a short run's ``result.nc`` and ``result.nc.part``, changes some bits, bytes or blocks of a copy, cuts it off or
 puts something in, and reads it as ``wrsim show`` does. What must not be: another answer than numbers or an InputError,
@@ -305,6 +305,7 @@ def main() -> None:
     print(", ".join(f"{word.replace('_', ' ')} {number}" for word, number in counts.items()))
     if options.json:
         print(json.dumps({"corrupted": counts}))
+    raise SystemExit(int(counts["wrong"] > 0))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Mutated input files of every kind: scenarios, vehicles, trains, tracks, profiles, tables, studies, services, records.
 
-Run: python benchmarks/hostile.py [N] [--json]
+Run: python campaigns/hostile.py [N] [--json]
 
 Takes N (default 1000) mutants of the shipped files, some bytes, lines, numbers or words changed in each, and reads
 each as far as ``wrsim check``, ``study --dry-run``, ``wear`` and ``recording`` do before they begin. Some lists become
@@ -237,6 +237,7 @@ def main() -> None:
     if options.json:
         counts = {"mutants": number, "valid": answers["valid"], "refused": answers["refused"], "wrong": wrong}
         print(json.dumps({"hostile": counts | {"slowest_s": slowest}}))
+    raise SystemExit(int(wrong > 0))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Runs of mutants that the checks accept. Run: python benchmarks/accepted.py [N] [--json] [--seed S]
+"""Runs of mutants that the checks accept. Run: python campaigns/accepted.py [N] [--json] [--seed S]
 
 Numbers of shipped scenarios and of their vehicles are changed, by factors from 0.1 to 10 for the most part. What the
 checks accept runs for three metres from a random place. At every sample all numbers of the contacts must be finite,
@@ -191,6 +191,7 @@ def main() -> None:
     print(", ".join(f"{word} {number}" for word, number in ends.items()) + f"; refused on the way: {refused}")
     if options.json:
         print(json.dumps({"accepted": {"runs": sum(ends.values()) - ends["broken"], **ends, "refused": refused}}))
+    raise SystemExit(int(ends["broken"] > 0))
 
 
 if __name__ == "__main__":
