@@ -34,7 +34,6 @@ from wrsim.geometry.profile.file_kinds import ChainFile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.inputs.checking import check
 from wrsim.scenario.build import Setup, build
-from wrsim.vehicle.files import with_wheel
 
 Array = NDArray[np.float64]
 
@@ -147,7 +146,7 @@ def wheel(keys: dict[str, Any]) -> Profile:
 
 def numbers(setup: Setup, keys: dict[str, Any]) -> Array:
     """Width over strip width, p0 [MPa] and angle variation [deg] of the four cases (4, 3)."""
-    vehicle = setup.vehicle.with_wheelsets(lambda wheelset: with_wheel(wheelset, "left", wheel(keys), None))
+    vehicle = setup.vehicle.with_wheelsets(lambda wheelset: wheelset.with_wheel("left", wheel(keys), None))
     dataset = run_static(replace(setup, vehicle=vehicle)).wheelset()
     table = ours(dataset)
     assert setup.contact.strip_width is not None

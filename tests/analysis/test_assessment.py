@@ -24,7 +24,7 @@ from wrsim.results import Result
 from wrsim.results.assessment import Assessment
 from wrsim.results.assessment_tables import assessment_json
 from wrsim.scenario.sections.assessment import AssessmentSettings
-from wrsim.vehicle.levels import bogie_mass, level_of
+from wrsim.vehicle.bogies import bogie_mass, level_of
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 RATE = 500.0

@@ -10,8 +10,8 @@ from support.scenario_texts import CURVE
 from support.vehicles import Train, manchester, on_track
 
 from wrsim.errors import InputError
-from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.segments import Arc
+from wrsim.geometry.track.track import RailElasticity
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load_text
 from wrsim.simulation.design import design_state

@@ -20,8 +20,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.vehicle.bogies import bogies_of
 from wrsim.vehicle.elements import Slider, Strut
-from wrsim.vehicle.train import Member
-from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle import Member, Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 SLOW, FAST = rotation.RATES

@@ -19,9 +19,8 @@ from wrsim.contact.models import contact_model as model_of
 from wrsim.core.track.felt_rail import unfold
 from wrsim.errors import InputError
 from wrsim.geometry.profile.sections import circle
-from wrsim.geometry.track.rail_surface import RailSection, RailSurface
+from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
 from wrsim.geometry.track.rolled_rail import rolled_rail
-from wrsim.geometry.track.section_table import read_sections
 
 CROWN = circle("crown", "rail", 0.3, 0.02)
 WHEEL = circle("round", "wheel", -0.5, 0.02)

@@ -18,7 +18,7 @@ from wrsim.geometry.track.track import Track
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import place_on_track, poses_on_track
 from wrsim.simulation.system import RigidBody, System
-from wrsim.vehicle.single_wheelset import single_wheelset
+from wrsim.vehicle.vehicle import single_wheelset
 
 TO_GLOBAL = [1, 2, 0]  # Exudyn's axes are (z, x, y)
 

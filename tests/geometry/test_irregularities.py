@@ -11,9 +11,8 @@ import pytest
 
 from wrsim.analysis import run
 from wrsim.errors import InputError
-from wrsim.geometry.track.gradient import Grade, pitch_law
 from wrsim.geometry.track.irregularities import Bump, Disturbance, Polygon, Sampled
-from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
+from wrsim.geometry.track.segments import Arc, Grade, Segment, Straight, Transition, pitch_law
 from wrsim.geometry.track.spectra import SPECTRA, Realisation
 from wrsim.geometry.track.table import TrackTable
 from wrsim.geometry.track.track import Track

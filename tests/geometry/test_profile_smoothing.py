@@ -10,10 +10,9 @@ from scipy.interpolate import CubicSpline
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
-from wrsim.geometry.profile.points import Points
+from wrsim.geometry.profile.points import CUTOFF, Points, smoothed, smoothing_spline
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle
-from wrsim.geometry.profile.smoothing import CUTOFF, smoothed, smoothing_spline
 
 S1002 = load_profile(Path(__file__).parents[2] / "models/wheels/S1002.toml")
 

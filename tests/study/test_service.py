@@ -17,7 +17,7 @@ from support.commands import forked
 from support.runs import SCENARIOS
 
 from wrsim.errors import InputError, SimulationError
-from wrsim.geometry.profile.depths import smoothed_table
+from wrsim.geometry.profile.wear import smoothed_table
 from wrsim.results import write_atomically
 from wrsim.results.files import as_json
 from wrsim.results.ledger import digest_of

@@ -18,9 +18,8 @@ from scipy.interpolate import CubicSpline
 from support.contacts import PLAIN, RADIUS, contact_model
 from wrsim.contact.model import ContactModel
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.track.rail_surface import RailSection, RailSurface
+from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
 from wrsim.geometry.track.rolled_rail import rolled_rail
-from wrsim.geometry.track.section_table import read_sections
 
 CROSSING = Path(__file__).parents[3] / "shared" / "reference" / "crossing_56e1"
 NOSE_DEPTH = -30.0  # [mm]

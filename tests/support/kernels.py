@@ -35,9 +35,9 @@ from wrsim.core.contact.strips.records import FACTORS, System, X
 from wrsim.core.contact.strips.solution import substitute
 from wrsim.core.track.felt_rail import unfold
 from wrsim.geometry.profile.sections import circle
-from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.segments import Arc
+from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack

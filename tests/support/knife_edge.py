@@ -47,8 +47,7 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.state import Equilibrium
 from wrsim.simulation.system import COORDINATES, System
 from wrsim.vehicle.loads import Load
-from wrsim.vehicle.single_wheelset import single_wheelset
-from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
 HERTZ, DAMPING, CREEP, NORMAL0, FRICTION, R0, HALF, GAMMA, EXACT = range(9)

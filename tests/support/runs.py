@@ -29,8 +29,7 @@ from wrsim.simulation.state import Equilibrium
 from wrsim.simulation.step import SAFETY, round_step, stable_step
 from wrsim.simulation.system import RigidBody, System
 from wrsim.vehicle.elements import Triple
-from wrsim.vehicle.single_wheelset import single_wheelset
-from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
 
 Array = NDArray[np.float64]

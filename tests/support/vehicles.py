@@ -11,9 +11,8 @@ from pathlib import Path
 from support.runs import FAST
 from wrsim.analysis import run
 from wrsim.contact.models import contact_model
-from wrsim.geometry.track.elasticity import RailElasticity
 from wrsim.geometry.track.segments import Segment, Straight
-from wrsim.geometry.track.track import Track
+from wrsim.geometry.track.track import RailElasticity, Track
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.results import Result
 from wrsim.scenario.build import Setup, build

@@ -17,8 +17,8 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.statics import standing
+from wrsim.vehicle.bogies import level_of
 from wrsim.vehicle.elements import Element, Spring
-from wrsim.vehicle.levels import level_of
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import AxleBox, Body, Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle

@@ -21,8 +21,7 @@ from wrsim.simulation.system import System
 from wrsim.vehicle.couplings import Between, CentreCouplerTable, CouplingTable, ScrewCouplingTable
 from wrsim.vehicle.elements import TRACK, Spring
 from wrsim.vehicle.loads import Load
-from wrsim.vehicle.train import Coupling, Member
-from wrsim.vehicle.vehicle import Body, Vehicle
+from wrsim.vehicle.vehicle import Body, Coupling, Member, Vehicle
 
 MASS, HEIGHT, LENGTH = 40e3, 1.06, 10.0
 INERTIA = (5e4, 5e5, 5e5)

@@ -220,7 +220,7 @@ friction_force_kN = 2
 """
     file = tmp_path / "car.toml"
     file.write_text(GOOD.replace("[[elements]]", rubber + "[[elements]]", 1))
-    with pytest.raises(InputError, match="friction_travel_mm is missing: must be given next to friction_force_kN"):
+    with pytest.raises(InputError, match="friction_travel_mm is missing: goes with friction_force_kN"):
         load_vehicle(file, Finder((shipped_models(),)))
 
 

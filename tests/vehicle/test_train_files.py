@@ -16,7 +16,7 @@ from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.statics import standing
-from wrsim.vehicle.levels import level_of
+from wrsim.vehicle.bogies import level_of
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
@@ -125,10 +125,10 @@ FAULTS: dict[str, tuple[tuple[tuple[str, str], ...], str]] = {
         "slack_mm = 5: must be 0 next to pretension_kN",
     ),
     "hinges in one place": ((("hinge_mm = 395 ", "hinge_mm = 0 "),), "hinge_mm = 0: must be a number from 10 to 5000"),
-    "no stroke": ((("stroke_mm = 55 ", "#"),), "stroke_mm is missing: must be given next to stiffness_kN_per_m"),
+    "no stroke": ((("stroke_mm = 55 ", "#"),), "stroke_mm is missing: goes with stiffness_kN_per_m"),
     "stiffness twice": (
         (("preload_kN = 15 ", "#"), ("stroke_mm = 55 ", TABLE.replace("5, 1", "0, 1") + "#")),
-        "stiffness_kN_per_m.*: cannot stand next to stroke_mm_force_kN",
+        "stroke_mm_force_kN.*: cannot stand next to stiffness_kN_per_m",
     ),
     "a stroke that begins late": (
         (("stiffness_kN_per_m = 6000", TABLE), ("preload_kN = 15", "#"), ("stroke_mm = 55 ", "#")),

@@ -131,11 +131,11 @@ def guide(*changes: tuple[str, str]) -> tuple[tuple[str, str], ...]:
 BAD = {
     "friction along and across": (
         guide(('plane = "yz"', 'plane = "yz"\ndirection = "z"')),
-        'elements[0].direction = "z": cannot stand next to plane: give one of them',
+        'elements[0].plane = "yz": cannot stand next to direction: give one of them',
     ),
     "friction without normal force": (
         guide(('normal_spring = "primary"\n', "")),
-        "elements[0].normal_force_kN is missing: (or normal_spring) has to be given",
+        "elements[0].normal_force_kN is missing: must be a number above 0",
     ),
     "no such normal spring": (
         guide(('"primary"', '"primry"')),
@@ -263,7 +263,7 @@ BAD = {
                 PUSH.replace("loads", "payloads").replace('axes = "track"\n', "") + "mass_kg = 3\n[bodies.body]",
             ),
         ),
-        "payloads[0].mass_kg = 3: or force_kN must be given, one of them",
+        "payloads[0].force_kN = [0, 9, 0]: cannot stand next to mass_kg: give one of them",
     ),
     "payload with axes": (
         (("[bodies.body]", PUSH.replace("loads", "payloads") + "[bodies.body]"),),

@@ -9,7 +9,6 @@ import pytest
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.vehicle.elements import GUIDE, Spring
-from wrsim.vehicle.files import with_wheel
 from wrsim.vehicle.loads import CarriedMass
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
@@ -74,7 +73,7 @@ def springs(vehicle: Vehicle) -> list[Spring]:
 def test_the_guide_frame_holds_its_wheelset_at_the_height_of_other_wheels(tmp_path: Path) -> None:
     (tmp_path / "vehicle.toml").write_text(VEHICLE)
     vehicle = load_vehicle(tmp_path / "vehicle.toml", FIND)
-    turned = vehicle.with_wheelsets(lambda w: with_wheel(with_wheel(w, "left", None, 0.44), "right", None, 0.44))
+    turned = vehicle.with_wheelsets(lambda w: w.with_wheel("left", None, 0.44).with_wheel("right", None, 0.44))
     assert turned.wheelsets[0].height == 0.44
     assert [spring.at[2] for spring in springs(turned)] == [0.44, 0.44]
 
@@ -88,7 +87,7 @@ def test_each_wheel_may_have_its_own_profile_and_radius(tmp_path: Path) -> None:
     assert (w.left.radius, w.right.radius) == (0.45, 0.449)
     assert w.left.profile.name == "S1002"
     assert w.right.profile.name != "S1002", "a profile beside the vehicle file is found there"
-    changed = with_wheel(w, "right", w.left.profile, None)
+    changed = w.with_wheel("right", w.left.profile, None)
     assert (changed.right.profile.name, changed.right.radius, w.right.radius) == ("S1002", 0.449, 0.449)
 
 
@@ -145,7 +144,7 @@ ONE_FAULT = [
     ),
     ("spin_inertia_kg_m2 = 100", "spin_inertia_kg_m2 = 1201", "must be at most twice yaw_inertia_kg_m2 = 600"),
     ("roll_inertia_kg_m2 = 600", "", "wheelset.roll_inertia_kg_m2 is missing: must be a number above 0"),
-    ("flange_back_mm = 1360", "", "wheelset.profile_spacing_mm is missing: must be a distance in mm"),
+    ("flange_back_mm = 1360", "", "wheelset.profile_spacing_mm is missing: must be a number from 400"),
     (
         "flange_back_mm = 1360",
         "flange_back_mm = 1360\nprofile_spacing_mm = 1500",
@@ -154,7 +153,7 @@ ONE_FAULT = [
     (
         "flange_back_mm = 1360",
         "profile_spacing_mm = 1500\nback_to_tape_circle_mm = 70",
-        "is for use with flange_back_mm",
+        "goes with flange_back_mm",
     ),
     ("radius_mm = 450", "radius_m = 0.45", "did you mean 'radius_mm' (in mm)?"),
     ("radius_mm = 450", "radius_mm = 0.45", "wheelset.radius_mm = 0.45: must be a number from 100 to 1500"),

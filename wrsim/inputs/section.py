@@ -12,7 +12,7 @@ pydantic checks the fields; on top of it a Section
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, ClassVar, NamedTuple, Self, TypeVar, get_args
+from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ModelWrapValidatorHandler, ValidationError, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
@@ -60,6 +60,14 @@ class Section(BaseModel):
     """Our key -> names of it that users bring from other programs, with spaces between."""
     elsewhere: ClassVar[dict[str, str]] = {}
     """Keys of other tables -> the header of that table."""
+    one_of: ClassVar[tuple[str, ...]] = ()
+    """Rows of keys (with spaces between) of which exactly one is given, the usual one first."""
+    at_most_one: ClassVar[tuple[str, ...]] = ()
+    """Rows of keys of which one may be given."""
+    together: ClassVar[tuple[str, ...]] = ()
+    """Rows of keys that are given all or not at all."""
+    goes_with: ClassVar[dict[str, str]] = {}
+    """Key -> the key or keys, of which one is enough, without which it means nothing."""
     also_called: ClassVar[str] = ""
     """What entries of this kind are called elsewhere, with spaces between; of tables that are told apart by a key."""
 
@@ -67,6 +75,27 @@ class Section(BaseModel):
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """Yield faults in the combination of keys; called with the raw table, whatever its values."""
         yield from ()
+
+    @classmethod
+    def _ways(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """Faults against `one_of`, `at_most_one`, `together` and `goes_with`."""
+        for row in (*cls.one_of, *cls.at_most_one):
+            first, *others = row.split()
+            given = [key for key in row.split() if key in raw]
+            if len(given) > 1:
+                yield Fault(given[-1], f"cannot stand next to {given[0]}: give one of them")
+            elif not given and row in cls.one_of:
+                needed = f"must be {words(fields(cls)[first])} (or give {' or '.join(others)})"
+                yield Fault(first, needed, missing=True)
+        for row in cls.together:
+            given = [key for key in row.split() if key in raw]
+            for key in row.split() if given else ():
+                if key not in raw:
+                    needed = f"goes with {given[0]}: must be {words(fields(cls)[key])}"
+                    yield Fault(key, needed, missing=True)
+        for key, needs in cls.goes_with.items():
+            if key in raw and not any(need in raw for need in needs.split()):
+                yield Fault(key, f"goes with {' or '.join(needs.split())}")
 
     def consistency(self) -> Iterator[Fault]:
         """Yield faults in the combination of values; called when every value and every rule is met."""
@@ -106,7 +135,7 @@ class Section(BaseModel):
                     faults.append(fault)
                     told.add(fault["loc"])
         named = {f["loc"] for f in faults}
-        combinations = list(cls.rules(data))
+        combinations = [*cls._ways(data), *cls.rules(data)]
         if kept is not None and not faults and not combinations:
             combinations = list(kept.consistency())
         for rule in combinations:
@@ -161,6 +190,24 @@ class Section(BaseModel):
         if other is not None:
             return f"unknown key; '{other}' belongs in {cls.elsewhere[other]}", None
         return f"unknown key; {cls.header} takes " + ", ".join(allowed), None
+
+
+class Choice(Section):
+    """Base of tables of several kinds, told apart by the value of one key; a subclass names its own: ``kind="arc"``."""
+
+    tag: ClassVar[str] = "kind"
+
+    def __init_subclass__(cls, kind: str = "", **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        if kind:
+            cls.__annotations__[cls.tag] = Literal[kind]  # type: ignore[valid-type]
+            cls.header = f"{cls.header} with {cls.tag} = {kind}"
+
+
+def kinds_in(union: Any) -> dict[str, Any]:
+    """Kinds of tables of a union by their names."""
+    members = get_args(unpacked(union).base)
+    return {get_args(fields(member)[member.tag])[0]: member for member in members}
 
 
 T = TypeVar("T")

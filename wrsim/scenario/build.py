@@ -17,8 +17,7 @@ from wrsim.contact.settings import ContactSettings
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.track.rail_surface import RailSection, RailSurface
-from wrsim.geometry.track.section_table import read_sections
+from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections
 from wrsim.geometry.track.track import MAX_OFFSET, Track
 from wrsim.inputs.checking import dotted
 from wrsim.inputs.lines import KeyPath

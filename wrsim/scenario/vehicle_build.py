@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
+from operator import methodcaller
 from pathlib import Path
 
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.models import load_profile
 from wrsim.scenario.loading import Scenario
-from wrsim.vehicle.ballast import with_ballast
 from wrsim.vehicle.elements.keys import VEHICLE_AXES
-from wrsim.vehicle.files import with_wheel
 from wrsim.vehicle.load_tables import NO_BALLAST
 from wrsim.vehicle.loads import CarriedMass, Effort, Payload
-from wrsim.vehicle.preload import preloads
+from wrsim.vehicle.preload import preloads, with_ballast
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 
@@ -36,7 +34,7 @@ def vehicle_of(scenario: Scenario, files: list[Path]) -> Vehicle:
             with scenario.naming(("vehicle", key)):
                 profile = load_profile(files[-1], "wheel")
         radius = radius / 1000.0 if radius else None
-        vehicle = vehicle.with_wheelsets(partial(with_wheel, side=side, profile=profile, radius=radius))
+        vehicle = vehicle.with_wheelsets(methodcaller("with_wheel", side, profile, radius))
     if section.sprung_mass_kg is not None:
         if vehicle.bodies or len(vehicle.wheelsets) > 1:
             message = "is what a single wheelset carries; the masses of a vehicle with bodies stand in its file"

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from wrsim.core.body.suspension import ELEMENT
 from wrsim.vehicle.elements import Tables
-from wrsim.vehicle.normal_loads import normal_loads
-from wrsim.vehicle.preload import preloads
+from wrsim.vehicle.preload import normal_loads, preloads
 
 if TYPE_CHECKING:
     from wrsim.vehicle.vehicle import Vehicle

@@ -13,11 +13,11 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import Locate, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.vehicle import vehicle_sections as sections
-from wrsim.vehicle.ballast import Ballast
 from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, PlaneFriction, Strut, Triple
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Axes, Joint
 from wrsim.vehicle.load_tables import NO_BALLAST
 from wrsim.vehicle.loads import GearedMotor, Load, Payload
+from wrsim.vehicle.preload import Ballast
 from wrsim.vehicle.vehicle import AxleBox, Body, MountedWheelset, Point
 from wrsim.vehicle.wheelset import Wheelset
 

@@ -1,13 +1,14 @@
-"""Which body holds which wheelsets: the bogies of a vehicle."""
+"""Which body holds which wheelsets: the bogies of a vehicle; on which level of suspension a body stands."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from wrsim.errors import InputError
+from wrsim.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from wrsim.vehicle.vehicle import Vehicle
@@ -86,3 +87,33 @@ def wheelsets_beneath(vehicle: Vehicle) -> dict[str, tuple[int, ...]]:
         if not further:
             return {body: tuple(sorted(found.get(body, ()))) for body in joined}
         found |= further
+
+
+Level = Literal["wheelset", "bogie frame", "car body"]
+
+
+def level_of(vehicle: Vehicle, body: str) -> Level:
+    """A frame is joined to wheelsets and to another body as well; all other bodies are car bodies."""
+    axles = {mounted.name for mounted in vehicle.wheelsets}
+    if body in axles:
+        return "wheelset"
+    others = _joined(vehicle, body)
+    bodies = {b.name for b in vehicle.bodies}
+    return "bogie frame" if others & axles and others & bodies else "car body"
+
+
+def bogie_mass(vehicle: Vehicle, body: str) -> float:
+    """Mass of a bogie frame and the wheelsets joined to it [kg]; not-a-number for any other body."""
+    if level_of(vehicle, body) != "bogie frame":
+        return float("nan")
+    joined = _joined(vehicle, body)
+    frame = next(b.mass for b in vehicle.bodies if b.name == body)
+    return frame + sum(mounted.mass for mounted in vehicle.wheelsets if mounted.name in joined)
+
+
+def _joined(vehicle: Vehicle, body: str) -> set[str]:
+    """Names of what suspension elements join to a body; a wheelset in the place of its axle boxes."""
+    between = {name for coupling in vehicle.couplings for name in coupling.elements}
+    own = (element for element in vehicle.elements if element.name not in between)
+    pairs = ((vehicle.carrier(element.first), vehicle.carrier(element.second)) for element in own)
+    return {b if a == body else a for a, b in pairs if body in (a, b)} - {body}

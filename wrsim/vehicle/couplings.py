@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
-from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import List, number, positive
+from wrsim.inputs.section import Choice, Fault, Section
+from wrsim.inputs.values import List, fields, number, positive, words
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut, Triple
-from wrsim.vehicle.elements.keys import ForceOfTravel, Glyph, one_of
-from wrsim.vehicle.elements.tables import Table
+from wrsim.vehicle.elements.element import Table
+from wrsim.vehicle.elements.keys import ForceOfTravel, Glyph
 
 RISE = 1e-3
 """Stroke of one gear over which its preload builds up [m]."""
@@ -62,6 +62,8 @@ class GearTable(Section):
     """[couplings.draw] and [couplings.buff]: the gear of one vehicle; that of its neighbour is alike, in series."""
 
     header: ClassVar[str] = "[couplings.draw] or [couplings.buff]"
+    one_of: ClassVar[tuple[str, ...]] = ("stiffness_kN_per_m stroke_mm_force_kN",)
+    at_most_one: ClassVar[tuple[str, ...]] = ("preload_kN stroke_mm_force_kN", "stroke_mm stroke_mm_force_kN")
 
     stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] | None = None
     """Stiffness over its stroke; goes with stroke_mm. Or give a table."""
@@ -80,13 +82,9 @@ class GearTable(Section):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A stiffness and a stroke, or a table."""
-        yield from one_of(raw, "stiffness_kN_per_m", "stroke_mm_force_kN")
-        for key in ("preload_kN", "stroke_mm"):
-            if key in raw and "stroke_mm_force_kN" in raw:
-                yield Fault(key, "stands in the table stroke_mm_force_kN")
+        """A stiffness has a stroke."""
         if "stiffness_kN_per_m" in raw and "stroke_mm" not in raw and "stroke_mm_force_kN" not in raw:
-            yield Fault("stroke_mm", "must be given next to stiffness_kN_per_m", missing=True)
+            yield Fault("stroke_mm", f"goes with stiffness_kN_per_m: must be {words(fields(cls)['stroke_mm'])}", True)
 
     def consistency(self) -> Iterator[Fault]:
         """A stroke begins at 0, without pulling."""
@@ -179,7 +177,7 @@ class BuffersTable(GearTable):
                 yield PlaneFriction(f"{gap.name} plates {side}", PLATES, gap.ahead, gap.behind, at, 0, slider)
 
 
-class CouplingTable(Section):
+class CouplingTable(Choice):
     """What all couplings have."""
 
     header: ClassVar[str] = "[[couplings]]"
@@ -194,11 +192,6 @@ class CouplingTable(Section):
     """Play of the coupling: of a screw coupling before it pulls, of a centre coupler from one side to the other."""
     draw: GearTable
     """Gear that takes what pulls."""
-
-    def __init_subclass__(cls, kind: str, **rest: Any) -> None:
-        super().__init_subclass__(**rest)
-        cls.__annotations__["kind"] = Literal[kind]  # type: ignore[valid-type]
-        cls.header = f"[[couplings]] with kind = {kind}"
 
     @property
     def gap(self) -> float:

@@ -14,10 +14,10 @@ from pydantic import AfterValidator, Field
 from wrsim.inputs.rows import ROWS, one_way, rising
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import Three, number, positive, refuse, text
-from wrsim.vehicle.ballast import Ballast
 from wrsim.vehicle.elements import ZERO
 from wrsim.vehicle.elements.keys import Axes, Name, Place
 from wrsim.vehicle.loads import Load, LoadAxes, Over, Payload
+from wrsim.vehicle.preload import Ballast
 
 LARGEST = 1e4
 """Largest component of a force [kN]."""
@@ -93,6 +93,8 @@ class PayloadTable(Section):
 
     header: ClassVar[str] = "[[payloads]]"
     aliases: ClassVar[dict[str, str]] = {"on": "body", "force_kN": "f_kN"}
+    one_of: ClassVar[tuple[str, ...]] = ("mass_kg force_kN",)
+    goes_with: ClassVar[dict[str, str]] = {"inertia_kg_m2": "mass_kg"}
 
     name: Name
     """Name of the payload."""
@@ -106,15 +108,6 @@ class PayloadTable(Section):
     """Moments of inertia about its own centre; none unless given."""
     force_kN: Force | None = None
     """A force in place of a mass, along the axes of the track at rest."""
-
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A mass or a force."""
-        if ("mass_kg" in raw) == ("force_kN" in raw):
-            message = "or force_kN must be given, one of them"
-            yield Fault("mass_kg", message, missing="mass_kg" not in raw)
-        elif "inertia_kg_m2" in raw and "mass_kg" not in raw:
-            yield Fault("inertia_kg_m2", "goes with mass_kg")
 
     def payload(self, name: str, body: str, axes: Axes) -> Payload | Ballast:
         """The payload in SI units, of this name on this body; axes: of the part that it stands in."""

@@ -4,21 +4,26 @@ The springs of a vehicle at rest carry what an elastic structure on fixed wheels
 their weight and the payloads, K u = f, then each spring holds its share -k d(u). With these forces built in, the design
 position is the position of rest, whichever way the springs share the force. Loads are no part of it: under them the
 vehicle moves. Springs whose preload the file gives are
-left out of K and add their force to f.
+left out of K and add their force to f. Masses that the vehicle carries become parts of its bodies before; the preload
+decides what presses the surfaces of friction elements together.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.errors import InputError
+from wrsim.errors import InputError, suggest
+from wrsim.vehicle.elements import Triple
+from wrsim.vehicle.elements.bilinear_spring import BilinearSpring
 
 if TYPE_CHECKING:
     from wrsim.vehicle.elements import Element
-    from wrsim.vehicle.vehicle import Vehicle
+    from wrsim.vehicle.vehicle import Body, Vehicle
 
 Array = NDArray[np.float64]
 
@@ -112,3 +117,95 @@ def _at(arm: Array) -> Array:
     x, y, z = arm
     turn = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
     return np.hstack([np.eye(3), turn])
+
+
+LEAST = 1e-6
+"""Part of the vehicle's weight that an element must carry at rest to press anything together."""
+
+
+def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[int, Triple] | None]:
+    """Of every element whose friction depends on a load: the number of the element that gives the load, and what its
+    reading is multiplied with, component by component. A load counts as positive that acts as it does at rest, or as
+    the slider says.
+
+    Raises InputError for an element that does not exist, whose own friction depends on a load, or that carries nothing
+    at rest; and for a bilinear spring that does not.
+    """
+    for element, preload in zip(vehicle.elements, preloads, strict=True):
+        if isinstance(element, BilinearSpring) and abs(preload.force[0]) < LEAST * vehicle.mass * vehicle.gravity:
+            raise InputError(f"bilinear spring '{element.name}' carries nothing at rest: it must be under load there")
+    numbers = {element.name: i for i, element in enumerate(vehicle.elements)}
+    found: list[tuple[int, Triple] | None] = []
+    for element in vehicle.elements:
+        normal = None if element.slider is None else element.slider.normal
+        if element.slider is None or normal is None:
+            found.append(None)
+            continue
+        name = normal.of or element.name
+        if name not in numbers:
+            raise InputError(f"friction '{element.name}': there is no spring '{name}'{suggest(name, list(numbers))}")
+        i = numbers[name]
+        other = vehicle.elements[i]
+        if normal.of and other.slider is not None and other.slider.normal is not None and other.slider.normal.of:
+            raise InputError(f"friction '{element.name}': the friction of '{name}' depends on a load itself")
+        if normal.sense is not None:
+            x, y, z = element.slider.friction * normal.factor * normal.sense * np.eye(3)[normal.axis]
+            found.append((i, (float(x), float(y), float(z))))
+            continue
+        at_rest = other.reading_at_rest(preloads[i].force)
+        axis = normal.axis if len(other.directions) > 1 else int(np.argmax(np.abs(at_rest)))
+        if abs(at_rest[axis]) < LEAST * vehicle.mass * vehicle.gravity:
+            raise InputError(
+                f"friction '{element.name}' has no normal force: '{name}' carries nothing along "
+                f"{'xyz'[axis] if len(other.directions) > 1 else 'its direction'} at rest"
+            )
+        x, y, z = element.slider.friction * normal.factor * np.sign(at_rest[axis]) * np.eye(3)[axis]
+        found.append((i, (float(x), float(y), float(z))))
+    return found
+
+
+SKEWEST = 0.1
+"""Largest product of inertia of a body with what it carries, over the root of the product of the moments of inertia
+about both axes. The motion is computed without it; what that changes is of the order of its square."""
+
+
+@dataclass(frozen=True)
+class Ballast:
+    """A mass [kg] that moves with a body, its centre [m], its inertia about x, y, z through that [kg m2]."""
+
+    body: str
+    mass: float
+    centre: Triple
+    inertia: Triple
+
+
+def with_ballast(vehicle: Vehicle, masses: Sequence[Ballast]) -> Vehicle:
+    """The vehicle with these masses as part of its bodies. Raises InputError for a body that they make too skew."""
+    bodies = []
+    for body in vehicle.bodies:
+        own = [mass for mass in masses if mass.body == body.name]
+        bodies.append(_together(body, own) if own else body)
+    return replace(vehicle, bodies=tuple(bodies))
+
+
+def _together(body: Body, masses: Sequence[Ballast]) -> Body:
+    """The body and the masses as one, its axes as they were."""
+    parts = [Ballast(body.name, body.mass, body.centre, body.inertia), *masses]
+    weights = [part.mass for part in parts]
+    centre = np.average([part.centre for part in parts], axis=0, weights=weights)
+    inertia = np.zeros((3, 3))
+    for part in parts:
+        arm = np.array(part.centre) - centre
+        inertia += np.diag(part.inertia) + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    about = np.diag(inertia)
+    skew = np.abs(inertia - np.diag(about)) / np.sqrt(np.outer(about, about))
+    if skew.max() > SKEWEST:
+        i, j = np.unravel_index(int(np.argmax(skew)), skew.shape)
+        raise InputError(
+            f"the payload turns the principal axes of body '{body.name}' about {'xyz'[3 - int(i) - int(j)]} "
+            f"(product of inertia {-inertia[i, j]:.4g} kg m2): it must lie nearer to the body's centre, or be a body "
+            "of its own on stiff springs"
+        )
+    x, y, z = (float(c) for c in centre)
+    a, b, c = (float(own) for own in about)
+    return replace(body, mass=float(sum(weights)), inertia=(a, b, c), centre=(x, y, z))

@@ -20,8 +20,7 @@ from wrsim.vehicle.assembly import Place
 from wrsim.vehicle.couplings import Between, Couplings
 from wrsim.vehicle.elements import GUIDE, TRACK, Element
 from wrsim.vehicle.elements.keys import Axes, Name
-from wrsim.vehicle.train import Coupling, Member
-from wrsim.vehicle.vehicle import Vehicle
+from wrsim.vehicle.vehicle import Coupling, Member, Vehicle
 
 ReadMember = Callable[[Path, Finder, Place], Vehicle]
 """Reads the vehicle file at a path and puts the vehicle at a place. Raises InputError."""

@@ -1,27 +1,95 @@
-"""A vehicle: bodies, wheelsets, suspension, loads. Plain data, SI units, in the vehicle's axes.
+"""A vehicle or a train: bodies, wheelsets, suspension, loads. Plain data, SI units, in the vehicle's axes.
 
 The origin is at the height of the rails, anywhere along the vehicle; x forward, y left, z up. All places are those of
-the design position: the vehicle at rest on level track.
+the design position: the vehicle at rest on level track. A train is a `Vehicle` with the bodies, wheelsets and elements
+of all its vehicles, from front to rear, and the elements of the couplings; its origin is that of its first vehicle.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.vehicle.elements import GUIDE, TRACK, ZERO, Element, Spring, Triple
 from wrsim.vehicle.loads import CarriedMass, Drive, Effort, GearedMotor, Load, Payload, SlipControl
-from wrsim.vehicle.train import Coupling, Member, Unit, units_of
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheelset
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Member:
+    """A vehicle of a train: its name, how many wheelsets and bodies it has, where its origin lies along the train [m],
+    and whether its own drive holds its speed, or its couplings alone take it along.
+    """
+
+    name: str
+    wheelsets: int
+    bodies: int
+    x: float
+    driven: bool = True
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """What joins two neighbours: the bodies that it holds on to, ahead and behind, the middle of the plane in which
+    the vehicles meet in the design position [m], and the names of its elements.
+    """
+
+    name: str
+    ahead: str
+    behind: str
+    at: Triple
+    elements: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A vehicle among the parts of a train, or on its own: numbers of its wheelsets and bodies in the order of the
+    state, the part whose place stands for it, and what its drive moves: mass, with the inertia of what turns [kg].
+    """
+
+    wheelsets: range
+    bodies: range
+    reference: int
+    driven: bool
+    pulled_mass: float
+    pulled_inertia: float
+
+    @property
+    def parts(self) -> tuple[int, ...]:
+        """Numbers of all its parts."""
+        return (*self.wheelsets, *self.bodies)
+
+
+def units_of(members: Sequence[Member], masses: Sequence[float], turning: Sequence[float]) -> tuple[Unit, ...]:
+    """The vehicles of a train; driven ones share the masses of those that are not.
+
+    masses: of all parts, wheelsets first [kg]; turning: of every wheelset, its inertia about the axle over the square
+    of its radius [kg].
+    """
+    first, body = 0, len(turning)
+    found: list[Unit] = []
+    for member in members:
+        wheelsets, bodies = range(first, first + member.wheelsets), range(body, body + member.bodies)
+        own = [masses[i] for i in bodies]
+        mass = sum(masses[i] for i in (*wheelsets, *bodies))
+        reference = bodies[own.index(max(own))] if own else first
+        found.append(Unit(wheelsets, bodies, reference, member.driven, mass, mass + sum(turning[i] for i in wheelsets)))
+        first, body = wheelsets.stop, bodies.stop
+    driven = [unit for unit in found if unit.driven]
+    if len(driven) == len(found) or not driven:
+        return tuple(found)
+    share = sum(unit.pulled_mass for unit in found) / sum(unit.pulled_mass for unit in driven)
+    inertia = sum(unit.pulled_inertia for unit in found) / sum(unit.pulled_inertia for unit in driven)
+    return tuple(
+        replace(unit, pulled_mass=share * unit.pulled_mass, pulled_inertia=inertia * unit.pulled_inertia)
+        for unit in found
+    )
 
 
 @dataclass(frozen=True)
@@ -266,3 +334,40 @@ class Vehicle:
                     elements[i] = replace(e, at=(e.at[0], e.at[1], new.height))
             wheelsets.append(new)
         return replace(self, wheelsets=tuple(wheelsets), elements=tuple(elements))
+
+
+def single_wheelset(
+    wheelset: Wheelset,
+    *,
+    stiffness: Triple = ZERO,
+    damping: Triple = ZERO,
+    half_spacing: float = 1.0,
+    ahead: float = 0.0,
+    carried_mass: float = 0.0,
+    carried_height: float = 0.0,
+) -> Vehicle:
+    """A wheelset on its own, held to the guide frame by one set of springs and dampers on each side.
+
+    stiffness [N/m], damping [N s/m]: along x, y, z of each side, at +-half_spacing [m] from the middle of the axle. Yaw
+    and roll stiffness follow from it, 2 kx half_spacing^2 and 2 kz half_spacing^2.
+    ahead: of the centre of the bogie [m], 0 for one that steers itself. In a curve of curvature kappa the axle is held
+    at an angle of attack of -ahead kappa.
+    carried_mass [kg] at carried_height above the axle [m].
+    """
+    name, height = "wheelset", wheelset.mean_radius
+    springs: tuple[Element, ...] = ()
+    if any(stiffness) or any(damping):
+        sides = (("left", half_spacing), ("right", -half_spacing))
+        springs = tuple(
+            Spring(f"guide {side}", "spring", GUIDE, name, (0.0, y, height), stiffness, damping) for side, y in sides
+        )
+    return Vehicle(
+        wheelset.name,
+        (MountedWheelset(name, wheelset, 0.0, height),),
+        (),
+        springs,
+        source=wheelset.source,
+        carried=(CarriedMass(name, carried_mass, carried_height),) if carried_mass else (),
+        guide_ahead=ahead,
+        drive="free",
+    )

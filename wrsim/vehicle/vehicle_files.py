@@ -22,16 +22,12 @@ from wrsim.inputs.lookup import Finder, model_file, usual_finder
 from wrsim.inputs.section import Section
 from wrsim.inputs.values import Day, Source, number, text
 from wrsim.vehicle.assembly import Assembly, Place
-from wrsim.vehicle.ballast import Ballast, with_ballast
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.elements.keys import scaled
-from wrsim.vehicle.files import SprungTable, SuspensionTable, WheelsetTable
-from wrsim.vehicle.normal_loads import normal_loads
-from wrsim.vehicle.preload import preloads
-from wrsim.vehicle.single_wheelset import single_wheelset
+from wrsim.vehicle.preload import Ballast, normal_loads, preloads, with_ballast
 from wrsim.vehicle.train_files import TrainFile, train_of
-from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_sections import PartTable
+from wrsim.vehicle.vehicle import Vehicle, single_wheelset
+from wrsim.vehicle.vehicle_sections import PartTable, SprungTable, SuspensionTable, WheelsetTable
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
 
 OF_PARTS = ("bodies", "wheelsets", "elements", "drives", "parts", "places", "wheelset_types")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -61,3 +61,9 @@ class Wheelset:
     def mean_radius(self) -> float:
         """Mean of the two tape-circle radii [m]."""
         return 0.5 * (self.left.radius + self.right.radius)
+
+    def with_wheel(self, side: str, profile: Profile | None, radius: float | None) -> Wheelset:
+        """The same with another profile or radius [m] on one side; None keeps what is there."""
+        old = self.left if side == "left" else self.right
+        new = Wheel(profile or old.profile, radius or old.radius)
+        return replace(self, left=new) if side == "left" else replace(self, right=new)

@@ -22,7 +22,7 @@ from wrsim.simulation.integrate import Motion
 from wrsim.simulation.newton import bracket, newton
 from wrsim.simulation.state import GOAL, TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails, steady_state
 from wrsim.vehicle.loads import Load
-from wrsim.vehicle.single_wheelset import single_wheelset
+from wrsim.vehicle.vehicle import single_wheelset
 
 if TYPE_CHECKING:
     from wrsim.results import Result

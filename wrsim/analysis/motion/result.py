@@ -32,7 +32,7 @@ from wrsim.results import Result, assemble
 from wrsim.results.dataset import typed, with_derived
 from wrsim.results.room import Channels, let_go
 from wrsim.simulation.placement import TrackPoses, poses_as_far
-from wrsim.vehicle.levels import bogie_mass, level_of
+from wrsim.vehicle.bogies import bogie_mass, level_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -28,11 +28,11 @@ from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading,
 from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.geometry.profile.sections import Arc, Line, circle, cone, profile_from_sections, rail_head
 from wrsim.geometry.profile.sections import Section as Piece
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Choice, Fault
 from wrsim.inputs.values import Day, List, Source, Switch, number, positive, text
 
 
-class ProfileFile(Section):
+class ProfileFile(Choice):
     """What every profile file says; `AnyProfileFile` lists the kinds."""
 
     header: ClassVar[str] = "a profile file"
@@ -60,20 +60,15 @@ class ProfileFile(Section):
 Shape = Annotated[PolynomialSection | ArcSection | LineSection, Field(discriminator="shape")]
 
 
-class SectionsFile(ProfileFile):
+class SectionsFile(ProfileFile, kind="sections"):
     """Lines, polynomials and arcs by centre."""
 
-    header: ClassVar[str] = 'a profile file with kind = "sections"'
-
-    kind: Literal["sections"]
-    """Lines, polynomials and arcs by centre."""
     heights: Literal[*HEIGHTS] = "up"  # type: ignore[valid-type]
     """Which way the file's heights grow."""
     sections: List[Shape]
     """The pieces, end to end, from either side."""
 
     def build(self, path: Path) -> Profile:
-        """See `ProfileFile`. Sections may be listed from either end."""
         pieces = [s.piece(self.heights == "down") for s in self.sections]
         if not pieces:
             raise InputError("sections is empty; at least one [[sections]] table is needed")
@@ -84,13 +79,9 @@ class SectionsFile(ProfileFile):
 # --- kind = "chain" -----------------------------------------------------------------------------------
 
 
-class ChainFile(ProfileFile):
+class ChainFile(ProfileFile, kind="chain"):
     """Tangent lines and arcs; heights are shifted so that the curve passes through the origin."""
 
-    header: ClassVar[str] = 'a profile file with kind = "chain"'
-
-    kind: Literal["chain"]
-    """Tangent lines and arcs."""
     start_mm: Coordinate
     """Where the chain begins, outward from the origin."""
     start_angle_deg: Annotated[float, number(-180.0, 180.0)]
@@ -99,7 +90,6 @@ class ChainFile(ProfileFile):
     """Lines and arcs, each tangent to the one before, outward."""
 
     def build(self, path: Path) -> Profile:
-        """See `ProfileFile`."""
         if not self.pieces:
             raise InputError("pieces is empty; at least one [[pieces]] table is needed")
         place, angle = np.array([self.start_mm * MM, 0.0]), np.radians(self.start_angle_deg)
@@ -127,13 +117,9 @@ class ChainFile(ProfileFile):
 # --- the simple kinds ---------------------------------------------------------------------------------
 
 
-class RailHeadFile(ProfileFile):
+class RailHeadFile(ProfileFile, kind="rail-head"):
     """Tangent arcs from the crown outward and straight sides."""
 
-    header: ClassVar[str] = 'a profile file with kind = "rail-head"'
-
-    kind: Literal["rail-head"]
-    """A symmetric rail head."""
     radii_mm: List[Annotated[float, number(1e-3, 1e4)]]
     """Radii of the arcs from the crown outward."""
     half_widths_mm: List[Annotated[float, number(1e-3, 1e3)]]
@@ -156,19 +142,14 @@ class RailHeadFile(ProfileFile):
             yield Fault("body", 'must be "rail" for this kind')
 
     def build(self, path: Path) -> Profile:
-        """See `ProfileFile`."""
         radii = [r * MM for r in self.radii_mm]
         widths = [b * MM for b in self.half_widths_mm]
         return rail_head(self.name, radii, widths, self.side_slope, self.depth_mm * MM, self.source)
 
 
-class ConeFile(ProfileFile):
+class ConeFile(ProfileFile, kind="cone"):
     """A straight line through the tape circle."""
 
-    header: ClassVar[str] = 'a profile file with kind = "cone"'
-
-    kind: Literal["cone"]
-    """A straight line."""
     conicity: Annotated[float, number(-1.0, 1.0, "1:20 is 0.05")]
     """Slope of the line; positive: the radius grows towards the flange."""
     from_mm: Coordinate
@@ -182,17 +163,12 @@ class ConeFile(ProfileFile):
             yield Fault("to_mm", f"must be above from_mm = {self.from_mm:g}")
 
     def build(self, path: Path) -> Profile:
-        """See `ProfileFile`."""
         return cone(self.name, self.body, self.conicity, self.from_mm * MM, self.to_mm * MM, self.source)
 
 
-class CircleFile(ProfileFile):
+class CircleFile(ProfileFile, kind="circle"):
     """One arc, horizontal at the origin."""
 
-    header: ClassVar[str] = 'a profile file with kind = "circle"'
-
-    kind: Literal["circle"]
-    """One arc."""
     radius_mm: Annotated[float, number(-1e5, 1e5, "positive: convex upward, negative: hollow")]
     """Radius of the arc."""
     half_width_mm: Length
@@ -204,20 +180,15 @@ class CircleFile(ProfileFile):
             yield Fault("half_width_mm", f"must be a number below the radius, {abs(self.radius_mm):g}")
 
     def build(self, path: Path) -> Profile:
-        """See `ProfileFile`."""
         return circle(self.name, self.body, self.radius_mm * MM, self.half_width_mm * MM, self.source)
 
 
 # --- kind = "points" ----------------------------------------------------------------------------------
 
 
-class PointsFile(ProfileFile):
+class PointsFile(ProfileFile, kind="points"):
     """A file of points beside it."""
 
-    header: ClassVar[str] = 'a profile file with kind = "points"'
-
-    kind: Literal["points"]
-    """A file of points."""
     file: Annotated[str, text("the name of a file of points, relative to this file,")]
     """The points: two columns, SIMPACK or MiniProf."""
     format: Literal[*PROFILE_FILES] | None = None  # type: ignore[valid-type]
@@ -249,7 +220,6 @@ class PointsFile(ProfileFile):
             yield Fault("clip_mm", "must be two rising numbers: [from u, to u]")
 
     def build(self, path: Path) -> Profile:
-        """See `ProfileFile`."""
         return self.reading(path).profile()
 
     def reading(self, path: Path) -> Reading:

@@ -14,7 +14,7 @@ from wrsim.geometry.profile.sections import Line, Polynomial, arc_between
 from wrsim.geometry.profile.sections import Section as Piece
 from wrsim.geometry.profile.wear import DepthTable, Direction, Removal
 from wrsim.inputs.csv_tables import read_columns
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Choice, Fault, Section
 from wrsim.inputs.values import List, Two, number
 
 MM = 1e-3
@@ -26,45 +26,61 @@ Coordinate = Annotated[float, number(-1000.0, 1000.0)]
 Pair = Annotated[Two[Annotated[float, number(-1e5, 1e5)]], Field(description="two numbers: [u, height]")]
 
 
-class PolynomialSection(Section):
-    """height = c0 + c1 u + c2 u^2 + ..., in mm."""
+class SectionTable(Choice):
+    """A section of a profile; `piece` gives it in metres, up positive."""
 
-    header: ClassVar[str] = '[[sections]] with shape = "polynomial"'
+    tag: ClassVar[str] = "shape"
+    header: ClassVar[str] = "[[sections]]"
 
-    shape: Literal["polynomial"]
-    """A height by powers of u."""
+    shape: str
+    """Shape of the section."""
+
+    def piece(self, down: bool) -> Piece:
+        """The section in metres, up positive; down: its heights grow downward."""
+        raise NotImplementedError
+
+
+class SpanTable(SectionTable):
+    """A section between two places."""
+
     from_mm: Coordinate
     """Where the section begins, outward from the origin."""
     to_mm: Coordinate
     """Where it ends; it may lie on either side of the beginning."""
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Its ends from left to right [m]."""
+        low, high = sorted((self.from_mm, self.to_mm))
+        return low * MM, high * MM
+
+    def consistency(self) -> Iterator[Fault]:
+        """A section has an extent."""
+        if self.from_mm == self.to_mm:
+            yield Fault("to_mm", "must differ from from_mm")
+
+
+class PolynomialSection(SpanTable, kind="polynomial"):
+    """height = c0 + c1 u + c2 u^2 + ..., in mm."""
+
     coefficients_mm: List[Annotated[float, number()]]
     """c0, c1, c2, ... of height = c0 + c1 u + c2 u^2 + ..., all in mm."""
 
     def piece(self, down: bool) -> Piece:
-        """The section in metres, up positive."""
         sign = -1.0 if down else 1.0
         c = tuple(sign * c * 1000.0 ** (k - 1) for k, c in enumerate(self.coefficients_mm))
-        low, high = sorted((self.from_mm, self.to_mm))
-        return Polynomial(c, low * MM, high * MM)
+        return Polynomial(c, *self.span)
 
     def consistency(self) -> Iterator[Fault]:
         """A section has an extent and at least one coefficient."""
-        yield from _extent(self.from_mm, self.to_mm)
+        yield from super().consistency()
         if not self.coefficients_mm:
             yield Fault("coefficients_mm", "must hold at least one number")
 
 
-class ArcSection(Section):
+class ArcSection(SpanTable, kind="arc"):
     """Part of a circle, above or below its centre."""
 
-    header: ClassVar[str] = '[[sections]] with shape = "arc"'
-
-    shape: Literal["arc"]
-    """A part of a circle."""
-    from_mm: Coordinate
-    """Where the section begins, outward from the origin."""
-    to_mm: Coordinate
-    """Where it ends; it may lie on either side of the beginning."""
     centre_mm: Pair
     """Centre of the circle; its height grows as `heights` of the file says."""
     radius_mm: Length
@@ -73,35 +89,27 @@ class ArcSection(Section):
     """Which half of the circle as it stands in space, up being up whatever `heights` says."""
 
     def piece(self, down: bool) -> Piece:
-        """The section in metres, up positive."""
         u, w = self.centre_mm
-        low, high = sorted((self.from_mm, self.to_mm))
-        w = -w if down else w
-        return arc_between(u * MM, w * MM, self.radius_mm * MM, self.half == "upper", low * MM, high * MM)
+        return arc_between(u * MM, (-w if down else w) * MM, self.radius_mm * MM, self.half == "upper", *self.span)
 
     def consistency(self) -> Iterator[Fault]:
         """The arc reaches as far as the section."""
-        yield from _extent(self.from_mm, self.to_mm)
+        yield from super().consistency()
         for key, end in (("from_mm", self.from_mm), ("to_mm", self.to_mm)):
             u, reach = self.centre_mm[0], self.radius_mm
             if abs(end - u) > reach * (1.0 + 1e-9):
                 yield Fault(key, f"is beside the circle; must be a number from {u - reach:g} to {u + reach:g}")
 
 
-class LineSection(Section):
+class LineSection(SectionTable, kind="line"):
     """Straight between two points."""
 
-    header: ClassVar[str] = '[[sections]] with shape = "line"'
-
-    shape: Literal["line"]
-    """A straight piece."""
     start_mm: Pair
     """One end of the line."""
     end_mm: Pair
     """The other end."""
 
     def piece(self, down: bool) -> Piece:
-        """The section in metres, up positive."""
         sign = -MM if down else MM
         (u0, w0), (u1, w1) = sorted((self.start_mm, self.end_mm))
         return Line(u0 * MM, sign * w0, u1 * MM, sign * w1)
@@ -112,24 +120,26 @@ class LineSection(Section):
             yield Fault("end_mm", "must differ from start_mm")
 
 
-class ChainLine(Section):
+class PieceTable(Choice):
+    """A piece of a chain."""
+
+    tag: ClassVar[str] = "shape"
+    header: ClassVar[str] = "[[pieces]]"
+
+    shape: str
+    """Shape of the piece."""
+
+
+class ChainLine(PieceTable, kind="line"):
     """Straight on for a length."""
 
-    header: ClassVar[str] = '[[pieces]] with shape = "line"'
-
-    shape: Literal["line"]
-    """A straight piece."""
     length_mm: Length
     """How long it is."""
 
 
-class ChainArc(Section):
+class ChainArc(PieceTable, kind="arc"):
     """Turn with a radius until a tangent angle."""
 
-    header: ClassVar[str] = '[[pieces]] with shape = "arc"'
-
-    shape: Literal["arc"]
-    """A part of a circle."""
     radius_mm: Length
     """Radius of the circle."""
     to_angle_deg: Annotated[float, number(-180.0, 180.0)]
@@ -179,8 +189,3 @@ def write_depths(table: DepthTable) -> str:
         for place, depth in zip(table.places.tolist(), table.depths.tolist(), strict=True)
     )
     return "\n".join((f"{PLACE},{DEPTH}", *rows)) + "\n"
-
-
-def _extent(start: float, end: float) -> Iterator[Fault]:
-    if start == end:
-        yield Fault("to_mm", "must differ from from_mm")

@@ -16,9 +16,8 @@ import numpy as np
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile import formats
 from wrsim.geometry.profile.formats import METRES, Scan
-from wrsim.geometry.profile.points import Points, check_count, check_points, interpolated, turns
+from wrsim.geometry.profile.points import CUTOFF, Points, check_count, check_points, interpolated, smoothed, turns
 from wrsim.geometry.profile.profile import KINDS, Kind, Profile
-from wrsim.geometry.profile.smoothing import CUTOFF, smoothed
 
 HEIGHTS = ("up", "down")
 SIDES = ("positive", "negative")

@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Annotated, ClassVar, Literal, get_args
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -40,8 +40,8 @@ from wrsim.geometry.profile.profile import Kind, Profile
 from wrsim.geometry.profile.wear import AnyRemoval, worn
 from wrsim.inputs.checking import check, opened
 from wrsim.inputs.lookup import Finder, model_file, shipped_models, user_folders
-from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import List, fields, text
+from wrsim.inputs.section import Fault, Section, kinds_in
+from wrsim.inputs.values import List, text
 
 SHORTEST = 5e-3
 """Arclength that a profile needs [m]: tables of it stand at 0.1 mm, contacts are some millimetres wide."""
@@ -51,14 +51,11 @@ MOST_BASES = 20
 """Longest row of worn profiles that start from each other."""
 
 
-class WornFile(ProfileFile):
+class WornFile(ProfileFile, kind="worn"):
     """Another profile with bells of material taken off, or depths from a table."""
 
-    header: ClassVar[str] = 'a profile file with kind = "worn"'
     aliases: ClassVar[dict[str, str]] = ProfileFile.aliases | {"removals": "removal wear", "depths": "depth_table"}
 
-    kind: Literal["worn"]
-    """Another profile with material taken off."""
     base: Annotated[str, text('the file of the unworn profile, such as "S1002.toml",')]
     """The unworn profile, looked up beside this file and then among the models."""
     removals: List[BellOfWear] = ()
@@ -100,9 +97,7 @@ _building: ContextVar[tuple[Path, ...]] = ContextVar("profile files that are bei
 AnyProfileFile = Annotated[
     SectionsFile | ChainFile | RailHeadFile | ConeFile | CircleFile | WornFile | PointsFile, Field(discriminator="kind")
 ]
-FILE_KINDS: dict[str, type[ProfileFile]] = {
-    get_args(fields(kind)["kind"])[0]: kind for kind in get_args(get_args(AnyProfileFile)[0])
-}
+FILE_KINDS: dict[str, type[ProfileFile]] = kinds_in(AnyProfileFile)
 """What stands in files of each kind."""
 
 

@@ -1,6 +1,10 @@
-"""One rail as a curve swept beside the centre line, with its own arclength [S 7-9].
+"""The centre line of a track, and one rail as a curve swept beside it, with its own arclength [S 7-9].
 
-The centre line r(s) turns by psi' = kappa and climbs at the angle theta. With its horizontal left h, v = t x h and the
+The horizontal projection of the centre line r(s) turns by psi' = kappa, and it climbs at the angle theta:
+
+    psi = psi0 + int kappa ds,    r = r0 + int (cos theta cos psi, cos theta sin psi, sin theta) ds.
+
+The heading psi, a polynomial of fourth degree, is not wrapped. With the horizontal left h, v = t x h and the
 cross-section rolled by phi,
 
     n = cos(phi) h + sin(phi) v,    b = -sin(phi) h + cos(phi) v,
@@ -28,13 +32,78 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
 from wrsim.geometry.piecewise import Array, Jet, Piecewise, integrals, subdivided
-from wrsim.geometry.track.centre_line import CentreLine
 from wrsim.geometry.track.irregularities import SMOOTH, RailIrregularity
 from wrsim.geometry.track.path import COLUMNS, Path
 
+HEADING_POINTS, GAUSS_POINTS = 16, 6
+"""Of the quadratures of position, on pieces that turn by at most half a radian (its error is below rounding), and of
+arclength."""
+MAX_TURN = 0.5
+"""Largest change of heading within one piece of the quadrature [rad]."""
 MAX_PIECE = 0.5
-"""Longest piece [m] of the quadrature of arclength."""
-GAUSS_POINTS = 6
+"""Longest piece of the quadrature of arclength [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class CentreLine:
+    """Curve of given curvature [1/m] and angle of slope [rad] over its own length, from a start point [m] and heading
+    [rad]."""
+
+    curvature_law: Piecewise
+    pitch_law: Piecewise
+    start: tuple[float, float, float]
+    start_heading: float
+
+    @cached_property
+    def _anchors(self) -> Array:
+        """Distances between which the quadrature is exact [m], (k,)."""
+        edges = np.union1d(self.curvature_law.breaks, self.pitch_law.breaks)
+        inside = (np.abs(self.curvature_law(edges[:-1] + x * np.diff(edges))) for x in (0.0, 0.5, 1.0))
+        return subdivided(edges, np.ceil(np.diff(edges) * np.maximum.reduce([*inside]) / MAX_TURN))
+
+    @cached_property
+    def _anchor_points(self) -> Array:
+        """Exact positions there, (k, 3)."""
+        steps = self._advance(self._anchors[:-1], self._anchors[1:])
+        return np.asarray(self.start) + np.concatenate((np.zeros((1, 3)), np.cumsum(steps, axis=0)))
+
+    @property
+    def length(self) -> float:
+        """Length [m]."""
+        return self.curvature_law.end
+
+    def curvature(self, s: ArrayLike, derivative: int = 0) -> Array:
+        """Turn of the heading per metre [1/m], positive to the left, or its derivatives; zero outside of the track."""
+        s = np.asarray(s, dtype=np.float64)
+        inside = (s >= 0.0) & (s <= self.length)
+        return np.where(inside, self.curvature_law(s, derivative), 0.0)
+
+    def pitch(self, s: ArrayLike) -> tuple[Array, Array, Array]:
+        """Angle of slope [rad], positive uphill, and its first two derivatives; held outside of the track."""
+        return self.pitch_law.jet(s)
+
+    def heading(self, s: ArrayLike) -> Array:
+        """Heading [rad] against the global x-axis, positive to the left, not wrapped."""
+        return self.start_heading + self.curvature_law.integral(s)
+
+    def position(self, s: ArrayLike) -> Array:
+        """Position (..., 3) [m]; straight continuation outside of the track."""
+        s = np.asarray(s, dtype=np.float64)
+        inside = np.clip(s, 0.0, self.length).ravel()
+        i = np.searchsorted(self._anchors, inside, side="right") - 1
+        points = self._anchor_points[i] + self._advance(self._anchors[i], inside)
+        points += (s.ravel() - inside)[:, None] * self.tangent(inside)
+        return points.reshape((*s.shape, 3))
+
+    def tangent(self, s: ArrayLike) -> Array:
+        """Unit tangent (..., 3)."""
+        heading, pitch = self.heading(s), self.pitch_law(s)
+        level = np.cos(pitch)
+        return np.stack((level * np.cos(heading), level * np.sin(heading), np.sin(pitch)), axis=-1)
+
+    def _advance(self, a: Array, b: Array) -> Array:
+        """Integral of the tangent from a to b (m,), each within one piece: (m, 3)."""
+        return integrals(self.tangent, a, b, HEADING_POINTS)
 
 
 @dataclass(frozen=True, eq=False)

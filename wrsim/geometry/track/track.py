@@ -27,13 +27,36 @@ from numpy.typing import ArrayLike
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array
-from wrsim.geometry.track.centre_line import CentreLine
-from wrsim.geometry.track.elasticity import RailElasticity
-from wrsim.geometry.track.gradient import Grade, pitch_law
 from wrsim.geometry.track.irregularities import SMOOTH, Disturbance, RailIrregularity
 from wrsim.geometry.track.path import Path
-from wrsim.geometry.track.rail import SweptCurve
-from wrsim.geometry.track.segments import Arc, CurvatureJump, Laws, Segment, Transition, kind_of, laws, within
+from wrsim.geometry.track.rail import CentreLine, SweptCurve
+from wrsim.geometry.track.segments import (
+    Arc,
+    CurvatureJump,
+    Grade,
+    Laws,
+    Segment,
+    Transition,
+    kind_of,
+    laws,
+    pitch_law,
+    within,
+)
+
+
+@dataclass(frozen=True)
+class RailElasticity:
+    """A mass on a spring and a damper under each wheel, that moves along with it; lateral, then vertical.
+
+    stiffness [N/m], damping [N s/m], mass [kg] of the rail, and of what moves with it, as one wheel feels it. The
+    pieces of two wheels, and of two rails, know nothing of each other; what a wheel has pushed down is forgotten when
+    it has passed.
+    """
+
+    stiffness: tuple[float, float]
+    damping: tuple[float, float]
+    mass: tuple[float, float]
+
 
 STANDARD_GAUGE = 1.435
 """Standard gauge [m]."""

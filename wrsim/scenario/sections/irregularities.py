@@ -10,8 +10,8 @@ from annotated_types import Predicate
 from pydantic import Field
 
 from wrsim.errors import InputError
-from wrsim.geometry.track.gradient import Grade
 from wrsim.geometry.track.irregularities import CHANNELS, Bump, Channel, Disturbance, Polygon, Rail, Shape
+from wrsim.geometry.track.segments import Grade
 from wrsim.geometry.track.spectra import SPECTRA, Realisation
 from wrsim.geometry.track.table import TrackTable
 from wrsim.geometry.track.track import ROUNDING

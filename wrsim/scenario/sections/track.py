@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field
 
 from wrsim.geometry.profile.profile import GAUGE_DEPTH
 from wrsim.geometry.track import segments
-from wrsim.geometry.track.elasticity import RailElasticity
+from wrsim.geometry.track.track import RailElasticity
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import List, limits_of, number, plain, positive, refuse, text, unpacked, words
 from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order

@@ -9,8 +9,8 @@ from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import List, OrTable, number, text
 from wrsim.scenario.sections.effort import EffortTable, SlipControlTable
 from wrsim.scenario.sections.speed import Speed, SpeedTable
-from wrsim.vehicle.files import Radius, WheelName
 from wrsim.vehicle.load_tables import LoadTable, PayloadTable
+from wrsim.vehicle.vehicle_sections import Radius, WheelName
 
 
 class VehicleSection(Section):

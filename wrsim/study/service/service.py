@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from wrsim.contact.wear.laws import LawName
 from wrsim.errors import InputError
-from wrsim.geometry.profile.depths import bin_edges, depths_of
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
-from wrsim.geometry.profile.wear import DepthTable, worn
+from wrsim.geometry.profile.wear import DepthTable, bin_edges, depths_of, worn
 from wrsim.inputs.checking import Locate, check, fault_line, opened
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.toml_files import noting_reads

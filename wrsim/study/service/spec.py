@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 from wrsim.contact.wear.laws import LawName
 from wrsim.inputs.section import Section
 from wrsim.inputs.values import number, positive, text
-from wrsim.vehicle.files import WheelName
+from wrsim.vehicle.vehicle_sections import WheelName
 
 
 class ServiceFile(Section):

@@ -29,8 +29,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError, SimulationError
-from wrsim.geometry.profile.depths import on_unworn, smoothed_table
 from wrsim.geometry.profile.file_tables import write_depths
+from wrsim.geometry.profile.wear import on_unworn, smoothed_table
 from wrsim.inputs.toml_files import write_toml
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import as_json, from_json

@@ -9,21 +9,17 @@ from typing import Annotated
 
 from pydantic import Field
 
-from wrsim.vehicle.elements.anti_roll_bar import AntiRollBarTable
+from wrsim.inputs.section import kinds_in
 from wrsim.vehicle.elements.bilinear_spring import BilinearSpringTable
-from wrsim.vehicle.elements.bump_stop import BumpStopTable
 from wrsim.vehicle.elements.damper import DamperTable
-from wrsim.vehicle.elements.element import GUIDE, TRACK, ZERO, Element, Triple
+from wrsim.vehicle.elements.element import GUIDE, TRACK, ZERO, Element, Normal, Slider, Table, Tables, Triple
 from wrsim.vehicle.elements.friction import FrictionTable, PlaneFriction
-from wrsim.vehicle.elements.keys import KINDS, ElementTable, Glyph
+from wrsim.vehicle.elements.keys import ElementTable, Glyph
 from wrsim.vehicle.elements.leaf_spring import LeafSpringTable
 from wrsim.vehicle.elements.rubber_spring import AirSpringTable, RubberSpringTable
-from wrsim.vehicle.elements.shear_spring import ShearSpringTable
-from wrsim.vehicle.elements.slider import Normal, Slider
-from wrsim.vehicle.elements.spring import Spring, SpringTable
+from wrsim.vehicle.elements.spring import AntiRollBarTable, ShearSpringTable, Spring, SpringTable
 from wrsim.vehicle.elements.strut import Strut
-from wrsim.vehicle.elements.tables import Table, Tables
-from wrsim.vehicle.elements.tabulated_spring import TabulatedSpringTable
+from wrsim.vehicle.elements.tabulated_spring import BumpStopTable, TabulatedSpringTable
 from wrsim.vehicle.elements.traction_rod import TractionRodTable
 
 AnyElementTable = Annotated[
@@ -42,6 +38,7 @@ AnyElementTable = Annotated[
     Field(discriminator="kind"),
 ]
 """The kinds that a vehicle file may name, in the order of messages."""
+KINDS: dict[str, type[ElementTable]] = kinds_in(AnyElementTable)
 
 __all__ = [
     "GUIDE", "KINDS", "TRACK", "ZERO", "AnyElementTable", "Element", "ElementTable", "Glyph", "Normal", "PlaneFriction",

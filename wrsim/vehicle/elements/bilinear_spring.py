@@ -8,11 +8,10 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from wrsim.inputs.values import number, positive
-from wrsim.vehicle.elements.element import Array, Element
-from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, Glyph, Joint, Place
+from wrsim.vehicle.elements.element import Array, Element, Tables
+from wrsim.vehicle.elements.keys import Along, Axes, AxialTable, Glyph, Joint
 from wrsim.vehicle.elements.spring import BLUE
 from wrsim.vehicle.elements.strut import Strut
-from wrsim.vehicle.elements.tables import Tables
 
 FAR = 1.0
 """How far its table goes beyond its bends [m]; it goes on evenly there."""
@@ -51,13 +50,11 @@ class BilinearSpring(Strut):
         return tuple(sorted(rows))
 
 
-class BilinearSpringTable(ElementTable, kind="bilinear-spring"):
+class BilinearSpringTable(AxialTable, kind="bilinear-spring"):
     """A nest of springs that only pushes, the inner one touched from a certain load on: of freight wagons."""
 
     glyph: ClassVar[Glyph | None] = Glyph("p", BLUE, hollow=True)
 
-    at_mm: Place
-    """Point at which it acts."""
     direction: Along = "z"
     """Axis of the body along which it acts."""
     stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
@@ -70,8 +67,7 @@ class BilinearSpringTable(ElementTable, kind="bilinear-spring"):
     """Damping along the same axis."""
 
     def element(self, joint: Joint, axes: Axes) -> Element:
-        at = axes.point(self.at_mm)
         return BilinearSpring(
-            *joint, (at, at), AXIS[self.direction], 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m,
+            *self.placed(joint, axes), 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m,
             inner=1e3 * self.second_stiffness_kN_per_m, inner_from=1e3 * self.second_from_kN,
         )  # fmt: skip

@@ -16,6 +16,7 @@ from wrsim.vehicle.elements.strut import Strut, both_ways
 class DamperTable(ElementTable, kind="damper"):
     """Viscous, along an axis (at_mm, direction) or along its line (body_mm, to_mm)."""
 
+    one_of: ClassVar[tuple[str, ...]] = ("damping_kNs_per_m velocity_m_per_s_force_kN",)
     glyph: ClassVar[Glyph | None] = Glyph("s", "#D55E00")
 
     at_mm: Place | None = None
@@ -35,7 +36,7 @@ class DamperTable(ElementTable, kind="damper"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """Where it is in one of two ways, its law in one of two ways."""
+        """Where it is in one of two ways."""
         line = [key for key in ("body_mm", "to_mm") if key in raw]
         axis = [key for key in ("at_mm", "direction") if key in raw]
         if line and axis:
@@ -43,11 +44,6 @@ class DamperTable(ElementTable, kind="damper"):
         elif len(line) == 1 or len(axis) == 1 or not (line or axis):
             yield Fault(
                 "at_mm", "goes with direction (along an axis); or give body_mm and to_mm (a line)", missing=True
-            )
-        laws = [key for key in ("damping_kNs_per_m", "velocity_m_per_s_force_kN") if key in raw]
-        if len(laws) != 1:
-            yield Fault(
-                "damping_kNs_per_m", "or velocity_m_per_s_force_kN must be given, one of them", missing=not laws
             )
 
     def consistency(self) -> Iterator[Fault]:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from wrsim.inputs.section import Fault
 from wrsim.inputs.values import number, positive, text
-from wrsim.vehicle.elements.element import Array, Element, Triple
-from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, Glyph, Joint, Place, one_of
-from wrsim.vehicle.elements.slider import Normal, Slider
+from wrsim.vehicle.elements.element import Array, Element, Normal, Slider, Tables, Triple
+from wrsim.vehicle.elements.keys import AXIS, Along, Axes, ElementTable, Glyph, Joint, Place
 from wrsim.vehicle.elements.strut import Strut
-from wrsim.vehicle.elements.tables import Tables
 
 ACROSS: dict[str, Literal[0, 1, 2]] = {"yz": 0, "xz": 1, "xy": 2}
 
@@ -54,6 +50,8 @@ class FrictionTable(ElementTable, kind="friction"):
     """Coulomb friction along an axis (direction) or in a plane (plane), behind a stiffness where it sticks."""
 
     aliases: ClassVar[dict[str, str]] = {**ElementTable.aliases, "friction": "mu", "normal_force_kN": "force_kN"}
+    one_of: ClassVar[tuple[str, ...]] = ("direction plane", "normal_force_kN normal_spring")
+    goes_with: ClassVar[dict[str, str]] = {"normal_spring_axis": "normal_spring", "normal_factor": "normal_spring"}
     glyph: ClassVar[Glyph | None] = Glyph("D", "#CC79A7", hollow=True)
 
     at_mm: Place
@@ -76,16 +74,6 @@ class FrictionTable(ElementTable, kind="friction"):
     """Stiffness where it sticks."""
     stick_damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
     """Damping where it sticks."""
-
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """Along a line or in a plane; one normal force."""
-        for one, other in (("direction", "plane"), ("normal_force_kN", "normal_spring")):
-            yield from one_of(raw, one, other)
-        if "normal_spring" not in raw:
-            for key in ("normal_spring_axis", "normal_factor"):
-                if key in raw:
-                    yield Fault(key, "goes with normal_spring")
 
     def element(self, joint: Joint, axes: Axes) -> Element:
         at = axes.point(self.at_mm)

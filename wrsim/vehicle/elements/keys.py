@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, NamedTuple, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Choice
 from wrsim.inputs.values import Switch, Three, Two, number, refuse, text
-from wrsim.vehicle.elements.element import ZERO, Triple
-from wrsim.vehicle.elements.tables import Table
+from wrsim.vehicle.elements.element import ZERO, Table, Triple
 
 if TYPE_CHECKING:
     from wrsim.vehicle.elements.element import Element
@@ -46,14 +45,6 @@ Names = Annotated[
 ]
 Along = Literal["x", "y", "z"]
 AXIS: dict[Along, Literal[0, 1, 2]] = {"x": 0, "y": 1, "z": 2}
-
-
-def one_of(raw: dict[str, Any], one: str, other: str) -> Iterator[Fault]:
-    """Two keys of which one has to be given."""
-    if one in raw and other in raw:
-        yield Fault(one, f"cannot stand next to {other}: give one of them")
-    elif one not in raw and other not in raw:
-        yield Fault(one, f"(or {other}) has to be given", missing=True)
 
 
 @dataclass(frozen=True)
@@ -100,15 +91,8 @@ class Glyph(NamedTuple):
     hollow: bool = False
 
 
-KINDS: dict[str, type[ElementTable]] = {}
-"""The register of kinds."""
-
-
-class ElementTable(Section):
-    """What all elements have: a name, the body whose axes they follow, the one (or each of those) they lead to.
-
-    A subclass names its kind, which puts it on the list.
-    """
+class ElementTable(Choice):
+    """What all elements have: a name, the body whose axes they follow, the one (or each of those) they lead to."""
 
     header: ClassVar[str] = "[[elements]]"
     aliases: ClassVar[dict[str, str]] = {"kind": "type", "body": "from", "both_sides": "mirror", "body_mm": "from_mm"}
@@ -128,12 +112,6 @@ class ElementTable(Section):
     both_sides: Switch = False
     """Whether the element has a twin at -y."""
 
-    def __init_subclass__(cls, kind: str, **rest: Any) -> None:
-        super().__init_subclass__(**rest)
-        cls.__annotations__["kind"] = Literal[kind]  # type: ignore[valid-type]
-        cls.header = f"[[elements]] with kind = {kind}"
-        KINDS[kind] = cls
-
     def points(self) -> Iterator[Triple]:
         """The points that are given [mm]."""
         for key in ("at_mm", "body_mm", "to_mm"):
@@ -144,3 +122,17 @@ class ElementTable(Section):
     def element(self, joint: Joint, axes: Axes) -> Element:
         """The element in SI units, its points in these axes."""
         raise NotImplementedError
+
+
+class AxialTable(ElementTable):
+    """An element that acts at a point along an axis of the body."""
+
+    at_mm: Place
+    """Point at which it acts."""
+    direction: Along
+    """Axis of the body along which it acts."""
+
+    def placed(self, joint: Joint, axes: Axes) -> tuple[str, str, str, str, tuple[Triple, Triple], Literal[0, 1, 2]]:
+        """What a `Strut` begins with: the joint, its ends, its axis."""
+        at = axes.point(self.at_mm)
+        return (*joint, (at, at), AXIS[self.direction])

@@ -7,9 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from wrsim.vehicle.elements.element import Array, Element, Triple
-from wrsim.vehicle.elements.slider import Slider
-from wrsim.vehicle.elements.tables import Table, Tables
+from wrsim.vehicle.elements.element import Array, Element, Slider, Table, Tables, Triple
 
 
 @dataclass(frozen=True)
