@@ -7,9 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
+from support.boxes import AT, FIXED, MASS, box, displaced, motion, on_springs, slides, spring
 from support.vehicles import COARSE, ROOT, manchester
-from vehicle.test_friction_elements import AT, FIXED, motion, slides
-from vehicle.test_vehicle_suspension import MASS, box, displaced, on_springs, spring
 
 from wrsim.analysis import run
 from wrsim.results import Result

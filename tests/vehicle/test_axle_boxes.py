@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.boxes import displaced, on_springs, rows
+from support.vehicle_texts import fault
 from support.vehicles import ROOT, manchester
-from vehicle.test_vehicle_bad_files import fault
-from vehicle.test_vehicle_suspension import displaced, on_springs, rows
 
 from wrsim.core.body import vehicle_forces
 from wrsim.inputs.lookup import Finder, shipped_models

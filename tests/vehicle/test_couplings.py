@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.boxes import displaced, on_springs, rows
 from support.vehicles import coaches, manchester
-from vehicle.test_vehicle_suspension import displaced, on_springs, rows
 
 from wrsim.analysis.motion.outcomes import Event
 from wrsim.analysis.motion.words import event_words

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from vehicle.test_vehicle_suspension import HEIGHT, MASS, box, displaced, on_springs, spring
+from support.boxes import AT, FIXED, MASS, box, displaced, in_plane, motion, on_springs, slides, spring
 
 from wrsim.core.body.friction import STUCK
 from wrsim.errors import InputError
@@ -20,31 +20,10 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.system import System
-from wrsim.vehicle.elements import TRACK, Element, Normal, PlaneFriction, Slider, Strut, Triple
+from wrsim.vehicle.elements import TRACK, Element, Normal, Slider, Strut, Triple
 from wrsim.vehicle.loads import Load
 
-AT: Triple = (0.0, 0.0, HEIGHT)
-FIXED = spring(stiffness=(0.0, 0.0, 4e6), turning_stiffness=(4e6, 4e6, 4e6))
-"""Holds the box vertically and against turning."""
-
 INTEGRATORS: tuple[Integrator, ...] = ("rk44", "generalised-alpha")
-
-
-def slides(force: float, stiffness: float, axis: int = 0, **more: Any) -> Strut:
-    """Friction of a constant bound along an axis."""
-    slider = Slider("coulomb", stiffness, force, **more)
-    return Strut("friction", "friction", TRACK, "box", (AT, AT), axis, slider=slider)  # type: ignore[arg-type]
-
-
-def in_plane(force: float, stiffness: float) -> PlaneFriction:
-    """The same in the horizontal plane."""
-    return PlaneFriction("friction", "friction", TRACK, "box", AT, 2, Slider("coulomb", stiffness, force))
-
-
-def motion(law: VehicleOnTrack, q: Any, q_t: Any, duration: float, step: float, integrator: Integrator) -> Any:
-    """The box from a state on; what it weighs is the measure of Newton's method."""
-    system = System(law.bodies, law, law.dampers)
-    return integrate(system, q, q_t, duration=duration, step=step, integrator=integrator, weight=MASS * 0.01)
 
 
 def pushed(elements: tuple[Element, ...], force: Triple) -> VehicleOnTrack:

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from vehicle.test_friction_elements import AT, FIXED, motion
-from vehicle.test_vehicle_bad_files import GOOD
-from vehicle.test_vehicle_suspension import HEIGHT, MASS, box, on_springs, spring
+from support.boxes import AT, FIXED, HEIGHT, MASS, box, motion, on_springs, spring
+from support.vehicle_texts import GOOD
 
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models

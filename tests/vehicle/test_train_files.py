@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.vehicle_texts import GOOD
 from support.vehicles import ROOT, manchester
 from typer.testing import CliRunner
-from vehicle.test_vehicle_bad_files import GOOD
 
 from wrsim.cli import app
 from wrsim.errors import InputError

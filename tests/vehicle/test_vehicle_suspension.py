@@ -2,73 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.boxes import HEIGHT, INERTIA, MASS, box, displaced, on_springs, rows, spring
 from support.vehicles import ROOT, manchester
 
 from wrsim.core.body import vehicle_forces
-from wrsim.geometry.track.segments import Straight
-from wrsim.geometry.track.track import Track
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.bodies import SolidBody, mass_matrix, velocity_forces
 from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import integrate
-from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.system import System
-from wrsim.vehicle.elements import TRACK, Element, Spring, Strut
-from wrsim.vehicle.vehicle import Body, Vehicle
+from wrsim.vehicle.elements import TRACK, Strut
 from wrsim.vehicle.vehicle_files import load_vehicle
-
-MASS, INERTIA, HEIGHT = 4000.0, (1000.0, 3000.0, 3500.0), 1.5
-
-
-def box(*elements: Element) -> Vehicle:
-    """A body over a wheelset, held by the elements; the wheelset is held anyway."""
-    return replace(
-        manchester(),
-        wheelsets=manchester().wheelsets[:1],
-        bodies=(Body("box", MASS, INERTIA, (0.0, 0.0, HEIGHT)),),
-        elements=elements,
-        points=(),
-    )
-
-
-def on_springs(vehicle: Vehicle, gravity: float = 0.0) -> VehicleOnTrack:
-    """The law of a vehicle on its springs alone."""
-    track = Track.build([Straight(200.0)], 1.5)
-    return VehicleOnTrack(vehicle, track, (), speed=0.0, start=100.0, drive="free", gravity=gravity)
-
-
-def spring(at: Sequence[float] = (0.0, 0.0, HEIGHT), name: str = "spring", **values: object) -> Spring:
-    x, y, z = at
-    return replace(Spring(name, "spring", TRACK, "box", (x, y, z)), **values)  # type: ignore[arg-type]
-
-
-def rows(vectors: np.ndarray) -> np.ndarray:
-    """Records of vectors as (n, 3)."""
-    return np.array(vectors.tolist())
-
-
-def displaced(law: VehicleOnTrack, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
-    """A state at a large heading with all bodies shifted and turned against each other, and moving."""
-    rng = np.random.default_rng(seed)
-    q, q_t = design_state(law)
-    n = len(law.bodies)
-    turn, c, s = 2.0, np.cos(2.0), np.sin(2.0)
-    for i in range(n):
-        own = q[6 * i : 6 * i + 6]
-        own[1], own[2] = c * (own[1] - 100.0) - s * own[2], s * (own[1] - 100.0) + c * own[2]
-        own[3] += turn
-        own[:3] += 0.03 * rng.standard_normal(3)
-        own[3:] += 0.08 * rng.standard_normal(3)
-    q_t[: 6 * n] = rng.standard_normal(6 * n)
-    q_t[6 * n :] = 0.01 * rng.standard_normal(law.dampers)
-    return q, q_t
 
 
 @pytest.mark.parametrize("name", ["manchester_1", "cooperrider_bogie"])

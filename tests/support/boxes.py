@@ -1,0 +1,90 @@
+"""A box on elements of its own over a wheelset that is held, and any vehicle on its springs alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from support.vehicles import manchester
+from wrsim.geometry.track.segments import Straight
+from wrsim.geometry.track.track import Track
+from wrsim.simulation.design import design_state
+from wrsim.simulation.integrate import integrate
+from wrsim.simulation.integrators import Integrator
+from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.system import System
+from wrsim.vehicle.elements import TRACK, Element, PlaneFriction, Slider, Spring, Strut, Triple
+from wrsim.vehicle.vehicle import Body, Vehicle
+
+MASS, INERTIA, HEIGHT = 4000.0, (1000.0, 3000.0, 3500.0), 1.5
+
+
+def box(*elements: Element) -> Vehicle:
+    """A body over a wheelset, held by the elements; the wheelset is held anyway."""
+    return replace(
+        manchester(),
+        wheelsets=manchester().wheelsets[:1],
+        bodies=(Body("box", MASS, INERTIA, (0.0, 0.0, HEIGHT)),),
+        elements=elements,
+        points=(),
+    )
+
+
+def on_springs(vehicle: Vehicle, gravity: float = 0.0) -> VehicleOnTrack:
+    """The law of a vehicle on its springs alone."""
+    track = Track.build([Straight(200.0)], 1.5)
+    return VehicleOnTrack(vehicle, track, (), speed=0.0, start=100.0, drive="free", gravity=gravity)
+
+
+def spring(at: Sequence[float] = (0.0, 0.0, HEIGHT), name: str = "spring", **values: object) -> Spring:
+    x, y, z = at
+    return replace(Spring(name, "spring", TRACK, "box", (x, y, z)), **values)  # type: ignore[arg-type]
+
+
+def rows(vectors: np.ndarray) -> np.ndarray:
+    """Records of vectors as (n, 3)."""
+    return np.array(vectors.tolist())
+
+
+def displaced(law: VehicleOnTrack, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """A state at a large heading with all bodies shifted and turned against each other, and moving."""
+    rng = np.random.default_rng(seed)
+    q, q_t = design_state(law)
+    n = len(law.bodies)
+    turn, c, s = 2.0, np.cos(2.0), np.sin(2.0)
+    for i in range(n):
+        own = q[6 * i : 6 * i + 6]
+        own[1], own[2] = c * (own[1] - 100.0) - s * own[2], s * (own[1] - 100.0) + c * own[2]
+        own[3] += turn
+        own[:3] += 0.03 * rng.standard_normal(3)
+        own[3:] += 0.08 * rng.standard_normal(3)
+    q_t[: 6 * n] = rng.standard_normal(6 * n)
+    q_t[6 * n :] = 0.01 * rng.standard_normal(law.dampers)
+    return q, q_t
+
+
+AT: Triple = (0.0, 0.0, HEIGHT)
+
+
+FIXED = spring(stiffness=(0.0, 0.0, 4e6), turning_stiffness=(4e6, 4e6, 4e6))
+"""Holds the box vertically and against turning."""
+
+
+def slides(force: float, stiffness: float, axis: int = 0, **more: Any) -> Strut:
+    """Friction of a constant bound along an axis."""
+    slider = Slider("coulomb", stiffness, force, **more)
+    return Strut("friction", "friction", TRACK, "box", (AT, AT), axis, slider=slider)  # type: ignore[arg-type]
+
+
+def in_plane(force: float, stiffness: float) -> PlaneFriction:
+    """The same in the horizontal plane."""
+    return PlaneFriction("friction", "friction", TRACK, "box", AT, 2, Slider("coulomb", stiffness, force))
+
+
+def motion(law: VehicleOnTrack, q: Any, q_t: Any, duration: float, step: float, integrator: Integrator) -> Any:
+    """The box from a state on; what it weighs is the measure of Newton's method."""
+    system = System(law.bodies, law, law.dampers)
+    return integrate(system, q, q_t, duration=duration, step=step, integrator=integrator, weight=MASS * 0.01)
