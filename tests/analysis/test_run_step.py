@@ -40,7 +40,11 @@ def peaks(dataset: xr.Dataset) -> list[float]:
 
 @pytest.mark.parametrize(
     ("vehicle", "integrator"),
-    [(LEADING, "rk44"), (LEADING, "generalised-alpha"), (STEERING, "generalised-alpha")],
+    [
+        pytest.param(LEADING, "rk44", marks=pytest.mark.campaign),
+        (LEADING, "generalised-alpha"),
+        (STEERING, "generalised-alpha"),
+    ],
 )
 def test_half_the_step_changes_the_peak_y_over_q_in_a_sharp_curve_by_less_than_a_hundredth(vehicle, integrator):
     # the sharp curve in short: into 150 m within 12 m, flange root contact

@@ -136,6 +136,7 @@ def two_coaches_at(place: float, start: float, tmp_path: Path, keys: dict[str, A
     return run(scenario(tmp_path, ("count = 3", "count = 2"), **own)).dataset.isel(time=-1)
 
 
+@pytest.mark.campaign  # in the suite: where a transition is beneath it
 def test_a_train_starts_in_a_curve_as_one_that_has_come_there(tmp_path: Path) -> None:
     """Two coaches with tight couplings in a left curve of 300 m, after 10 m of a run that begins there and of one from
     straight track: the couplings' forces, Y and Q within 2 % of the largest."""

@@ -122,6 +122,7 @@ def test_models_of_the_user_are_found(scenario: Path, tmp_path: Path) -> None:
 # --- run -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("unpainted")
 def test_a_run_leaves_dataset_tables_summary_pictures_and_its_scenario(
     scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
