@@ -59,7 +59,7 @@ ONE_FAULT = [
         "track.segments[2].radius_mm = 300: unknown key; did you mean 'radius_m' (in m)?",
     ),
     ("radius_m = 300", "", "track.segments[2].radius_m is missing: must be a number of size"),
-    ("length_m = 120", "", "track.segments[2]: needs length_m or angle_deg"),
+    ("length_m = 120", "", "track.segments[2].length_m is missing: must be a number from 0.01"),
     (
         "length_m = 120",
         "length_m = 120\nangle_deg = 20",

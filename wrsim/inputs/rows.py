@@ -1,20 +1,16 @@
-"""Values that follow the time or the distance: rows of a table in a TOML file, and the ways in which they are given."""
+"""Values that follow the time or the distance: rows of a table in a TOML file."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from typing import Any, TypeVar
+from typing import Annotated, TypeVar
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
-from wrsim.inputs.section import Fault
 from wrsim.inputs.values import refuse
 
+Row = TypeVar("Row")
 Rows = TypeVar("Rows", bound=tuple[tuple[float, ...], ...])
-
-ROWS = Field(strict=False, min_length=1, description="a list of rows in rising order, each {each}")
-"""Of a table's key; its rows say what each holds."""
 
 
 def rising(rows: Rows) -> Rows:
@@ -27,14 +23,9 @@ def rising(rows: Rows) -> Rows:
     return rows
 
 
-def one_way(raw: Mapping[str, Any], key: str, what: str, words: str) -> Iterator[Fault]:
-    """A value in one of three ways: ``key`` constant, or as a table over the time or the distance.
-
-    what: it is, as "a force"; words: of the constant value.
-    """
-    tables = f"time_s_{key}", f"distance_m_{key}"
-    ways = [way for way in (key, *tables) if way in raw]
-    if not ways:
-        yield Fault(key, f"must be {words} (or give {' or '.join(tables)}, a table)", missing=True)
-    elif len(ways) > 1:
-        yield Fault(ways[1], f"cannot stand next to {ways[0]}: {what} follows the time, the distance or neither")
+RisingRows = Annotated[
+    tuple[Row, ...],
+    Field(strict=False, min_length=1, description="a list of rows in rising order, each {each}"),
+    AfterValidator(rising),
+]
+"""A table of rows whose first numbers rise from 0 on."""

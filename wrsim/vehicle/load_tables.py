@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field
 
-from wrsim.inputs.rows import ROWS, one_way, rising
+from wrsim.inputs.rows import RisingRows
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import Three, number, positive, refuse, text
 from wrsim.vehicle.elements import ZERO
@@ -33,15 +33,14 @@ def _allowed(rows: Rows) -> Rows:
     return rows
 
 
-_Four = tuple[float, float, float, float]
+_Four = Annotated[tuple[float, float, float, float], Field(strict=False)]
 OverTime = Annotated[
-    tuple[Annotated[_Four, Field(strict=False, description="four numbers [time s, x kN, y kN, z kN]")], ...],
-    ROWS, AfterValidator(rising), AfterValidator(_allowed),
-]  # fmt: skip
+    RisingRows[Annotated[_Four, Field(description="four numbers [time s, x kN, y kN, z kN]")]], AfterValidator(_allowed)
+]
 OverDistance = Annotated[
-    tuple[Annotated[_Four, Field(strict=False, description="four numbers [distance m, x kN, y kN, z kN]")], ...],
-    ROWS, AfterValidator(rising), AfterValidator(_allowed),
-]  # fmt: skip
+    RisingRows[Annotated[_Four, Field(description="four numbers [distance m, x kN, y kN, z kN]")]],
+    AfterValidator(_allowed),
+]
 Force = Three[Annotated[float, number(-LARGEST, LARGEST, "kN")]]
 
 NO_BALLAST = "is a wheelset, which spins: no mass is put on it; a force_kN may be"
@@ -56,6 +55,7 @@ class LoadTable(Section):
     """[[loads]]: a force at a point of a body, constant or over the time or the distance, at rest and in runs."""
 
     header: ClassVar[str] = "[[loads]]"
+    one_of: ClassVar[tuple[str, ...]] = ("force_kN time_s_force_kN distance_m_force_kN",)
     aliases: ClassVar[dict[str, str]] = {"on": "body", "axes": "frame", "force_kN": "f_kN"}
 
     name: Name
@@ -75,10 +75,9 @@ class LoadTable(Section):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """Axes, and the force in one of three ways."""
+        """The axes have to be said."""
         if "axes" not in raw:
             yield Fault("axes", NEEDS_AXES, missing=True)
-        yield from one_way(raw, "force_kN", "a force", "three numbers x, y, z in kN")
 
     def load(self, name: str, body: str, axes: Axes) -> Load:
         """The load in SI units, of this name on this body; axes: of the part that it stands in."""

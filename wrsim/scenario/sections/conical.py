@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 from wrsim.contact.conical import ConicalWheels
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Section
 from wrsim.inputs.values import number, positive
 
 CreepCoefficient = Annotated[float, positive(1e6, "kN per creepage of one wheel, such as 10000")]
@@ -16,6 +15,7 @@ class ConicalSection(Section):
     """Conical wheels with a prescribed creep law; profiles and the other keys of [contact] then count for nothing."""
 
     header: ClassVar[str] = "[contact.conical]"
+    together: ClassVar[tuple[str, ...]] = ("flange_clearance_mm flange_stiffness_kN_per_m",)
     aliases: ClassVar[dict[str, str]] = {
         "conicity": "lambda",
         "friction": "mu",
@@ -38,14 +38,6 @@ class ConicalSection(Section):
     """Lateral shift at which the flange touches."""
     flange_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] | None = None
     """Lateral stiffness of the flange against the rail."""
-
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A flange has a clearance and a stiffness."""
-        pair = ("flange_clearance_mm", "flange_stiffness_kN_per_m")
-        for key, other in (pair, pair[::-1]):
-            if key in raw and other not in raw:
-                yield Fault(other, f"goes with {key}", missing=True)
 
     def wheels(self) -> ConicalWheels:
         """The same in SI units."""

@@ -21,7 +21,7 @@ from wrsim.contact.settings import (
     TractionBound,
 )
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.values import List, number, plain, positive, text, words
+from wrsim.inputs.values import List, number, plain, positive, text
 from wrsim.scenario.sections.conical import ConicalSection
 from wrsim.scenario.sections.friction import FrictionPlaceSection, FrictionSection, FrictionValue
 
@@ -77,6 +77,8 @@ class HalfSpaceSection(Section):
     """Elements and kernel of the exact solver, wherever it is used."""
 
     header: ClassVar[str] = "[contact.half_space]"
+    together: ClassVar[tuple[str, ...]] = ("element_x_mm element_s_mm",)
+    at_most_one: ClassVar[tuple[str, ...]] = ("element_x_mm resolution",)
     aliases: ClassVar[dict[str, str]] = {
         "element_x_mm": "dx_mm",
         "element_s_mm": "ds_mm",
@@ -95,16 +97,6 @@ class HalfSpaceSection(Section):
     pairing: Pairing = EXACT.pairing
     """Which points of the profiles lie opposite each other; "level" is how CONTACT pairs them."""
 
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """Elements by their size or by their number."""
-        sizes = [key for key in ("element_x_mm", "element_s_mm") if key in raw]
-        if len(sizes) == 1:
-            other = "element_s_mm" if "element_x_mm" in raw else "element_x_mm"
-            yield Fault(other, f"goes with {sizes[0]}: must be {words(Element)}", missing=True)
-        if sizes and "resolution" in raw:
-            yield Fault("resolution", f"cannot stand next to {' and '.join(sizes)}: give sizes or a number")
-
     def settings(self) -> HalfSpaceSettings:
         """Return the same in SI units."""
         sized = self.element_x_mm is not None and self.element_s_mm is not None
@@ -120,6 +112,8 @@ class ContactSection(Section):
     """Contact model, friction and material; everything has a default."""
 
     header: ClassVar[str] = "[contact]"
+    at_most_one: ClassVar[tuple[str, ...]] = ("friction_sections friction_table",)
+    goes_with: ClassVar[dict[str, str]] = {"friction_at_m": "friction_sections friction_table"}
     aliases: ClassVar[dict[str, str]] = {
         "friction": "mu friction_coefficient",
         "friction_left": "mu_left",
@@ -189,10 +183,6 @@ class ContactSection(Section):
                 "tangential", '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
             )
         yield from both_or_sides(raw, "friction", complete=True)
-        if "friction_table" in raw and "friction_sections" in raw:
-            yield Fault("friction_table", "cannot stand next to friction_sections: places come from one of them")
-        if "friction_at_m" in raw and "friction_table" not in raw and "friction_sections" not in raw:
-            yield Fault("friction_at_m", "goes with friction_sections or friction_table: without, friction is the same")
         name = raw.get("normal", DEFAULTS.normal)
         model = NORMAL_MODELS[name] if name in get_args(Normal) else None
         if model is None or not model.solves_for_strips:

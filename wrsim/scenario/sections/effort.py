@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import AfterValidator, Field
 
-from wrsim.inputs.rows import ROWS, one_way, rising
+from wrsim.inputs.rows import RisingRows
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import List, number, refuse, text
+from wrsim.inputs.values import List, Two, number, refuse, text
 from wrsim.vehicle.loads import Effort, Over, SlipControl
 
 LARGEST = 200.0
@@ -26,21 +26,20 @@ def _allowed(rows: Rows) -> Rows:
     return rows
 
 
-_Two = tuple[float, float]
 OverTime = Annotated[
-    tuple[Annotated[_Two, Field(strict=False, description="two numbers [time s, moment kNm]")], ...],
-    ROWS, AfterValidator(rising), AfterValidator(_allowed),
-]  # fmt: skip
+    RisingRows[Annotated[Two[float], Field(description="two numbers [time s, moment kNm]")]], AfterValidator(_allowed)
+]
 OverDistance = Annotated[
-    tuple[Annotated[_Two, Field(strict=False, description="two numbers [distance m, moment kNm]")], ...],
-    ROWS, AfterValidator(rising), AfterValidator(_allowed),
-]  # fmt: skip
+    RisingRows[Annotated[Two[float], Field(description="two numbers [distance m, moment kNm]")]],
+    AfterValidator(_allowed),
+]
 
 
 class EffortTable(Section):
     """A moment on each of some wheelsets over the time or the distance of the vehicle's origin, positive forward."""
 
     header: ClassVar[str] = "[[vehicle.efforts]]"
+    one_of: ClassVar[tuple[str, ...]] = ("moment_kNm time_s_moment_kNm distance_m_moment_kNm",)
     aliases: ClassVar[dict[str, str]] = {"on": "wheelsets wheelset axles axle", "moment_kNm": "torque_kNm"}
 
     on: List[Annotated[str, text("the name of a wheelset")]] = ()
@@ -53,11 +52,6 @@ class EffortTable(Section):
     """Moment over the time of the run, linear between rows, constant beyond them."""
     distance_m_moment_kNm: OverDistance | None = None
     """Moment over the distance of the vehicle's origin, linear between rows, constant beyond them."""
-
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """The moment in one of three ways."""
-        yield from one_way(raw, "moment_kNm", "a moment", "a number in kNm")
 
     def effort(self, wheelset: str) -> Effort:
         """The effort on a wheelset in SI units."""

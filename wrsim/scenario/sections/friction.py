@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import radians
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 from wrsim.contact.settings import Friction
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import OrTable, number, words
+from wrsim.inputs.values import OrTable, number
 
 Coefficient = Annotated[float, number(0, 2, "dry steel 0.3 to 0.5")]
 Angle = Annotated[float, number(-30, 80, "contact angle in degrees, flange side positive")]
@@ -26,6 +26,11 @@ class FrictionSection(Section):
         "gauge_corner": "gauge flange",
         "falling_ratio": "A",
         "falling_decay_s_per_m": "B",
+    }
+    goes_with: ClassVar[dict[str, str]] = {
+        "gauge_corner_from_deg": "gauge_corner",
+        "gauge_corner_full_deg": "gauge_corner",
+        "falling_decay_s_per_m": "falling_ratio",
     }
     elsewhere: ClassVar[dict[str, str]] = {
         "left": "[contact] as friction_left",
@@ -46,16 +51,6 @@ class FrictionSection(Section):
     """Friction at fast slip over that at no slip: A of static ((1 - A) exp(-B w) + A)."""
     falling_decay_s_per_m: Annotated[float, number(0, 100, "dry 0.6, wet 0.2")] = PLAIN.falling_decay
     """How soon friction falls with the slip speed w: B of the same law."""
-
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """No number without the one that it belongs to."""
-        for key in ("gauge_corner_from_deg", "gauge_corner_full_deg"):
-            if key in raw and "gauge_corner" not in raw:
-                yield Fault("gauge_corner", f"goes with {key}: must be {words(Coefficient)}", missing=True)
-                break
-        if "falling_decay_s_per_m" in raw and "falling_ratio" not in raw:
-            yield Fault("falling_ratio", "goes with falling_decay_s_per_m: must be a number from 0 to 1", missing=True)
 
     def consistency(self) -> Iterator[Fault]:
         """The ramp rises."""

@@ -15,7 +15,7 @@ from wrsim.geometry.track.segments import Grade
 from wrsim.geometry.track.spectra import SPECTRA, Realisation
 from wrsim.geometry.track.table import TrackTable
 from wrsim.geometry.track.track import ROUNDING
-from wrsim.inputs.section import Fault, Section
+from wrsim.inputs.section import Choice, Fault, Section
 from wrsim.inputs.values import List, Two, number, positive, text
 
 Place = Annotated[float, number(0, 1e6, "m along the centre line")]
@@ -45,14 +45,35 @@ class GradeSection(Section):
         return Grade(self.from_m, self.grade_permille / 1e3, self.vertical_radius_m)
 
 
-class SpectrumSection(Section):
+class IrregularityTable(Choice):
+    """Where rails leave their designed place."""
+
+    header: ClassVar[str] = "[[track.irregularities]]"
+
+    kind: str
+    """Kind of irregularity."""
+
+    def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
+        """On a track of this length [m]; file: that of a table. Raises InputError where it leaves the track."""
+        raise NotImplementedError
+
+
+class _Stretch(IrregularityTable):
+    """Irregularities over a stretch of the track."""
+
+    from_m: Place = 0.0
+    """Where on the track they begin."""
+    scale: Annotated[float, positive(100, "factor on all amplitudes")] = 1.0
+    """Factor on all amplitudes."""
+    fade_m: Annotated[float, number(0.01, 1000, "m over which they begin and end")] = 20.0
+    """Length over which they begin and end smoothly."""
+
+
+class SpectrumSection(_Stretch, kind="spectrum"):
     """Irregularities drawn from a spectrum."""
 
-    header: ClassVar[str] = "[[track.irregularities]] with kind = spectrum"
     aliases: ClassVar[dict[str, str]] = {"wavelength_m": "band_m wavelengths_m", "spectrum": "name"}
 
-    kind: Literal["spectrum"]
-    """Irregularities drawn from a spectrum."""
     spectrum: Literal[*SPECTRA]  # type: ignore[valid-type]
     """Whose density, of which quality of track."""
     seed: Annotated[int, number(0, 2**31 - 1)]
@@ -61,17 +82,10 @@ class SpectrumSection(Section):
     """Shortest and longest wave that are drawn."""
     channels: Channels = CHANNELS
     """Which of alignment, level, cross-level and gauge are drawn."""
-    scale: Annotated[float, positive(100, "factor on all amplitudes")] = 1.0
-    """Factor on all amplitudes."""
-    from_m: Place = 0.0
-    """Where they begin."""
     to_m: Place | None = None
     """Where they end; the end of the track unless given."""
-    fade_m: Annotated[float, number(0.01, 1000, "m over which they begin and end")] = 20.0
-    """Length over which they begin and end smoothly."""
 
     def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
-        """On a track of this length [m]. Raises InputError when from_m and to_m leave it no room."""
         end = _room(self.from_m, length if self.to_m is None else self.to_m, length, "to_m")
         short, long = self.wavelength_m
         if end - self.from_m < long:
@@ -85,33 +99,23 @@ class SpectrumSection(Section):
         return drawn.disturbances()
 
 
-class TableSection(Section):
+class TableSection(_Stretch, kind="table"):
     """Measured irregularities from a CSV table."""
 
-    header: ClassVar[str] = "[[track.irregularities]] with kind = table"
     aliases: ClassVar[dict[str, str]] = {"file": "table csv", "wavelength_m": "band_m"}
 
-    kind: Literal["table"]
-    """Measured irregularities."""
     file: Annotated[str, text('a CSV file such as "measured.csv"')]
     """Table of the measurement; the columns stand in docs/track.md."""
     wavelength_m: Band | None = None
     """Shortest and longest wave that are kept; all of them unless given."""
-    scale: Annotated[float, positive(100, "factor on all amplitudes")] = 1.0
-    """Factor on all amplitudes."""
-    from_m: Place = 0.0
-    """Where on the track the table begins."""
-    fade_m: Annotated[float, number(0.01, 1000, "m over which they begin and end")] = 20.0
-    """Length over which they begin and end smoothly."""
 
     def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
-        """As far as the table and the track go."""
         _room(self.from_m, length, length, "from_m")
         table = TrackTable.read(file)
         return table.disturbances(self.from_m, self.fade_m, self.scale, self.wavelength_m)
 
 
-class _Defect(Section):
+class _Defect(IrregularityTable):
     """One place: its middle, length, shape and size."""
 
     aliases: ClassVar[dict[str, str]] = {"amplitude_mm": "depth_mm height_mm", "at_m": "distance_m"}
@@ -128,7 +132,6 @@ class _Defect(Section):
     """A smooth wave, a kink with its tip in the middle, or a ramp to a value that stays."""
 
     def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
-        """Raises InputError when it leaves the track."""
         begin, end = self.at_m - 0.5 * self.length_m, self.at_m + 0.5 * self.length_m
         if begin <= 0.0 or end >= length:
             raise InputError(
@@ -144,49 +147,35 @@ class _Defect(Section):
         return (Disturbance.of(shape, self.channel, getattr(self, "rail", "both")),)
 
 
-class DipSection(_Defect):
+class DipSection(_Defect, kind="dip"):
     """The rails lie lower: amplitude positive downward; of one rail: a dipped joint."""
 
-    header: ClassVar[str] = "[[track.irregularities]] with kind = dip"
     channel: ClassVar[Channel] = "level"
     sign: ClassVar[float] = -1.0
 
-    kind: Literal["dip"]
-    """The rails lie lower."""
     rail: Rail = "both"
     """Which rail lies lower; one alone is a dipped joint."""
 
 
-class AlignmentSection(_Defect):
+class AlignmentSection(_Defect, kind="alignment"):
     """The rails lie aside: amplitude positive to the left."""
 
-    header: ClassVar[str] = "[[track.irregularities]] with kind = alignment"
     channel: ClassVar[Channel] = "alignment"
 
-    kind: Literal["alignment"]
-    """The rails lie aside."""
     rail: Rail = "both"
     """Which rail lies aside."""
 
 
-class TwistSection(_Defect):
+class TwistSection(_Defect, kind="twist"):
     """The right rail lies higher than the left one by the amplitude, each by half of it."""
 
-    header: ClassVar[str] = "[[track.irregularities]] with kind = twist"
     channel: ClassVar[Channel] = "cross-level"
 
-    kind: Literal["twist"]
-    """The right rail lies higher than the left one."""
 
-
-class GaugeSection(_Defect):
+class GaugeSection(_Defect, kind="gauge"):
     """The gauge is wider by the amplitude, each rail by half of it."""
 
-    header: ClassVar[str] = "[[track.irregularities]] with kind = gauge"
     channel: ClassVar[Channel] = "gauge"
-
-    kind: Literal["gauge"]
-    """The gauge is wider."""
 
 
 IrregularitySection = SpectrumSection | TableSection | DipSection | AlignmentSection | TwistSection | GaugeSection

@@ -12,20 +12,25 @@ from wrsim.scenario.sections.table import Table
 Place = Annotated[float, number(-1e6, 1e6, "m along the centre line")]
 
 
-class RideSection(Table):
-    """Which stretch of a run is evaluated, and how finely; it leaves out where a run starts and ends."""
-
-    header: ClassVar[str] = "[ride]"
-    aliases: ClassVar[dict[str, str]] = {"from_m": "start_m", "to_m": "end_m", "resolution_Hz": "df_Hz"}
+class StretchTable(Table):
+    """Base of tables that count over a stretch of the run."""
 
     from_m: Place | None = None
-    """Where the evaluated stretch begins; where the run starts unless given."""
+    """Where the stretch that counts begins, for each wheelset; where the run starts unless given."""
     to_m: Place | None = None
-    """Where the evaluated stretch ends; where the run ends unless given."""
-    resolution_Hz: Annotated[float, number(0.001, 10, "Hz")] = 0.1
-    """Distance between two lines of the spectra."""
+    """Where the stretch that counts ends; where the run ends unless given."""
 
     def consistency(self) -> Iterator[Fault]:
         """A stretch has a length."""
         if self.from_m is not None and self.to_m is not None and self.to_m <= self.from_m:
             yield Fault("to_m", f"must lie beyond from_m ({self.from_m:g} m)")
+
+
+class RideSection(StretchTable):
+    """Which stretch of a run is evaluated, and how finely; it leaves out where a run starts and ends."""
+
+    header: ClassVar[str] = "[ride]"
+    aliases: ClassVar[dict[str, str]] = {"from_m": "start_m", "to_m": "end_m", "resolution_Hz": "df_Hz"}
+
+    resolution_Hz: Annotated[float, number(0.001, 10, "Hz")] = 0.1
+    """Distance between two lines of the spectra."""

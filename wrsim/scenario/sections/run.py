@@ -73,6 +73,7 @@ class RunSection(PlanTable):
     """Where a run along the track starts and ends, and its steps in time."""
 
     header: ClassVar[str] = "[run]"
+    at_most_one: ClassVar[tuple[str, ...]] = ("distance_m time_s",)
     aliases: ClassVar[dict[str, str]] = {
         "time_s": "duration_s t_end_s end_time_s",
         "distance_m": "length_m",
@@ -93,12 +94,6 @@ class RunSection(PlanTable):
     """Step of the integration; a good one is chosen unless given."""
     output_interval_ms: Annotated[float, number(0.01, 10_000, "ms between two samples")] = 5.0
     """Time between two samples of the result."""
-
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """A distance or a time."""
-        if "distance_m" in raw and "time_s" in raw:
-            yield Fault("time_s", "cannot stand next to distance_m: give one of them")
 
     def consistency(self) -> Iterator[Fault]:
         """A sample needs at least one step."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
+from wrsim.inputs.rows import Row
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import number
+from wrsim.inputs.values import Two, number
 from wrsim.vehicle.speed import SpeedProfile
 
 LOWEST, HIGHEST = 1.0, 500.0  # [km/h]
@@ -18,16 +19,11 @@ Speed = Annotated[float, number(LOWEST, HIGHEST, "km/h")]
 STEEPEST = 10.0
 """No wheel on a rail brakes or accelerates a vehicle by more [m/s2]."""
 
-_ROWS = Field(strict=False, min_length=2, description="a list of rows in rising order, each {each}")
-Rows = tuple[tuple[float, float], ...]
-OverTime = Annotated[
-    tuple[Annotated[tuple[float, float], Field(strict=False, description="two numbers [time s, speed km/h]")], ...],
-    _ROWS,
-]  # fmt: skip
-OverDistance = Annotated[
-    tuple[Annotated[tuple[float, float], Field(strict=False, description="two numbers [distance m, speed km/h]")], ...],
-    _ROWS,
-]  # fmt: skip
+_Rows = Annotated[
+    tuple[Row, ...], Field(strict=False, min_length=2, description="a list of rows in rising order, each {each}")
+]
+OverTime = _Rows[Annotated[Two[float], Field(description="two numbers [time s, speed km/h]")]]
+OverDistance = _Rows[Annotated[Two[float], Field(description="two numbers [distance m, speed km/h]")]]
 
 
 class SpeedTable(Section):
@@ -37,19 +33,12 @@ class SpeedTable(Section):
     """
 
     header: ClassVar[str] = "[vehicle.speed_kmh]"
+    one_of: ClassVar[tuple[str, ...]] = ("distance_m_speed_kmh time_s_speed_kmh",)
 
     time_s_speed_kmh: OverTime | None = None
     """Speed over the time of the run; between two rows it is linear."""
     distance_m_speed_kmh: OverDistance | None = None
     """Speed over the distance of the vehicle's origin; between two rows its square is linear."""
-
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """One of the two."""
-        if not raw:
-            yield Fault("distance_m_speed_kmh", "or time_s_speed_kmh must be given, a table", missing=True)
-        elif len(cls.keys_meant(raw) & set(cls.model_fields)) > 1:
-            yield Fault("time_s_speed_kmh", "cannot stand next to distance_m_speed_kmh: give one of them")
 
     def consistency(self) -> Iterator[Fault]:
         """Rows that rise, and accelerations that a wheel on a rail can give."""

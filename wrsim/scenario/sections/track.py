@@ -14,7 +14,7 @@ from pydantic import BeforeValidator, Field
 from wrsim.geometry.profile.profile import GAUGE_DEPTH
 from wrsim.geometry.track import segments
 from wrsim.geometry.track.track import RailElasticity
-from wrsim.inputs.section import Fault, Section, both_or_sides
+from wrsim.inputs.section import Choice, Fault, Section, both_or_sides
 from wrsim.inputs.values import List, limits_of, number, plain, positive, refuse, text, unpacked, words
 from wrsim.scenario.sections.irregularities import GradeSection, IrregularitySection, grades_in_order
 
@@ -55,15 +55,21 @@ Radius = Annotated[
 ]
 
 
-class Straight(Section):
+class SegmentTable(Choice):
+    """A piece of the track."""
+
+    header: ClassVar[str] = "[[track.segments]]"
+
+    kind: str
+    """Kind of piece."""
+
+
+class Straight(SegmentTable, kind="straight"):
     """A straight piece; cant and gauge may run from one value to another along it."""
 
-    header: ClassVar[str] = "[[track.segments]] with kind = straight"
     also_called: ClassVar[str] = "tangent line"
     aliases: ClassVar[dict[str, str]] = {"length_m": "l L"}
 
-    kind: Literal["straight"]
-    """A straight piece."""
     length_m: Length
     """Length along the centre line."""
     cant_start_mm: Cant = 0.0
@@ -83,15 +89,12 @@ class Straight(Section):
         )  # fmt: skip
 
 
-class Transition(Section):
+class Transition(SegmentTable, kind="transition"):
     """From the curvature and cant of the segment before to those of the segment after."""
 
-    header: ClassVar[str] = "[[track.segments]] with kind = transition"
     also_called: ClassVar[str] = "spiral easement ramp"
     aliases: ClassVar[dict[str, str]] = {"length_m": "l L", "form": "type shape"}
 
-    kind: Literal["transition"]
-    """A transition curve."""
     length_m: Length
     """Length along the centre line."""
     form: Literal["clothoid", "bloss"] = "clothoid"
@@ -102,11 +105,11 @@ class Transition(Section):
         return segments.Transition(self.length_m, self.form)
 
 
-class Arc(Section):
+class Arc(SegmentTable, kind="arc"):
     """A circular arc: radius (positive: curves to the left), length or angle, cant, gauge widening."""
 
-    header: ClassVar[str] = "[[track.segments]] with kind = arc"
     also_called: ClassVar[str] = "curve circle circular radius"
+    one_of: ClassVar[tuple[str, ...]] = ("length_m angle_deg",)
     aliases: ClassVar[dict[str, str]] = {
         "length_m": "l L",
         "radius_m": "r R",
@@ -114,8 +117,6 @@ class Arc(Section):
         "gauge_widening_mm": "widening widening_mm",
     }
 
-    kind: Literal["arc"]
-    """A circular arc."""
     radius_m: Radius
     """Radius of the centre line; positive curves to the left."""
     length_m: Length | None = None
@@ -126,14 +127,6 @@ class Arc(Section):
     """Height of the outer rail above the inner one."""
     gauge_widening_mm: Widening = 0.0
     """By how much the gauge is wider than gauge_mm."""
-
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """Length or angle."""
-        if "length_m" in raw and "angle_deg" in raw:
-            yield Fault("angle_deg", "cannot stand next to length_m: give one of them")
-        elif "length_m" not in raw and "angle_deg" not in raw:
-            yield Fault((), "needs length_m or angle_deg")
 
     def consistency(self) -> Iterator[Fault]:
         """An angle may be right and its arc too short or too long."""
@@ -166,6 +159,9 @@ class RailSectionSection(Section):
     """
 
     header: ClassVar[str] = "[[track.rail_sections]]"
+    one_of: ClassVar[tuple[str, ...]] = ("rail table",)
+    at_most_one: ClassVar[tuple[str, ...]] = ("table features_mm",)
+    goes_with: ClassVar[dict[str, str]] = {"measured": "table"}
     aliases: ClassVar[dict[str, str]] = {
         "at_m": "distance_m position_m s_m",
         "rail": "profile",
@@ -188,18 +184,6 @@ class RailSectionSection(Section):
     """How far the profile lies lower than that of a plain rail."""
     outward_mm: Annotated[float, number(-100, 100)] = 0.0
     """How far the profile lies further away from the track centre than that of a plain rail."""
-
-    @classmethod
-    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """One profile or a table of them."""
-        if "rail" in raw and "table" in raw:
-            yield Fault("table", "cannot stand next to rail: give one of them")
-        elif "rail" not in raw and "table" not in raw:
-            yield Fault("rail", f"is missing; it must be {words(RailName)}; or give table")
-        if "table" in raw and "features_mm" in raw:
-            yield Fault("features_mm", "cannot stand next to table: its column feature says them")
-        if "measured" in raw and "table" not in raw:
-            yield Fault("measured", "belongs to a table; a profile file of kind points says it itself")
 
 
 class ElasticitySection(Section):
@@ -238,6 +222,7 @@ class TrackSection(Section):
     """
 
     header: ClassVar[str] = "[track]"
+    at_most_one: ClassVar[tuple[str, ...]] = ("segments table",)
     aliases: ClassVar[dict[str, str]] = {
         "inclination": "rail_cant rail_inclination",
         "rail": "profile rail_profile",
@@ -287,8 +272,6 @@ class TrackSection(Section):
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """A rail for both sides or one for each; a transition lies between two arcs or straights."""
         yield from both_or_sides(raw, "rail", needed=words(RailName))
-        if "table" in raw and "segments" in raw:
-            yield Fault("table", "cannot stand next to segments: the geometry comes from one place")
         yield from grades_in_order(raw.get("grades"))
         row = raw.get("segments")
         kinds = [s.get("kind") if isinstance(s, dict) else None for s in row] if isinstance(row, list) else []

@@ -12,8 +12,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number, positive
-from wrsim.scenario.sections.ride import Place
-from wrsim.scenario.sections.table import Table
+from wrsim.scenario.sections.ride import StretchTable
 
 Coefficient = Annotated[float, positive(1.0)]
 Coefficients = Annotated[
@@ -22,7 +21,7 @@ Coefficients = Annotated[
 ]
 
 
-class WearSection(Table):
+class WearSection(StretchTable):
     """By which laws wear and rolling contact fatigue of a run are computed, and over which stretch."""
 
     header: ClassVar[str] = "[wear]"
@@ -38,10 +37,6 @@ class WearSection(Table):
 
     laws: List[LawName] = ()
     """Laws of wear, one or several; without any there is neither wear nor fatigue in the result."""
-    from_m: Place | None = None
-    """Where the stretch that counts begins, for each wheelset; where the run starts unless given."""
-    to_m: Place | None = None
-    """Where the stretch that counts ends; where the run ends unless given."""
     hardness_GPa: Annotated[float, number(0.5, 20, "of the softer body")] = 2.8
     """Hardness of the softer body, in Archard's law."""
     archard_coefficients: Coefficients = (5e-4, 35e-4, 5e-4, 350e-4)
@@ -52,9 +47,8 @@ class WearSection(Table):
     """Distance of the places on the profiles at which depths are told."""
 
     def consistency(self) -> Iterator[Fault]:
-        """A stretch has a length, a law stands there once."""
-        if self.from_m is not None and self.to_m is not None and self.to_m <= self.from_m:
-            yield Fault("to_m", f"must lie beyond from_m ({self.from_m:g} m)")
+        """A stretch has a length, each law is named once."""
+        yield from super().consistency()
         if len(set(self.laws)) < len(self.laws):
             yield Fault("laws", "must hold each law once")
 
