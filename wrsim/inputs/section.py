@@ -24,10 +24,8 @@ from wrsim.inputs.values import choice, entry_of, fields, header_of, refusal, re
 STRICT = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 FAULT, ABSENT = "fault", "absent"
 """Our kinds of faults; all others are pydantic's and not yet in our words."""
-
 MOST_FAULTS = 50
 """Faults of one file that are told; more are counted."""
-
 UNITS = {
     "m": "m", "mm": "mm", "km": "km", "in": "inches", "ft": "feet", "kmh": "km/h", "mps": "m/s",
     "s": "s", "ms": "ms", "us": "microseconds", "N": "N", "kN": "kN", "kg": "kg", "t": "t", "kg_m2": "kg m2",

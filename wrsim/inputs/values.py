@@ -25,7 +25,6 @@ from wrsim.errors import nearest
 
 MOST_POINTS = 100_000
 """Longest series that ``{from, to, step}`` may describe."""
-
 T = TypeVar("T")
 
 

@@ -27,12 +27,8 @@ class ScenarioSpec(Section):
 
     header: ClassVar[str] = "a scenario"
     aliases: ClassVar[dict[str, str]] = {
-        "title": "name",
-        "analysis": "type",
-        "vehicle": "wheelset",
-        "run": "simulation",
-        "output": "results",
-    }
+        "title": "name", "analysis": "type", "vehicle": "wheelset", "run": "simulation", "output": "results",
+    }  # fmt: skip
 
     title: Annotated[str, text("a title")] = "untitled"
     """Title of the scenario; it stands over its pictures, tables and reports."""

@@ -21,10 +21,8 @@ from wrsim.vehicle.elements.keys import ForceOfTravel, Glyph
 
 RISE = 1e-3
 """Stroke of one gear over which its preload builds up [m]."""
-
 FAR = 1.0
 """How far a table goes beyond the stroke and beyond the slack [m]; it goes on evenly there."""
-
 DRAW, BUFF, BUFFER, PLATES = "draw gear", "buff gear", "buffer", "buffer plates"
 """Kinds of elements."""
 

@@ -44,7 +44,6 @@ OverDistance = Annotated[
 Force = Three[Annotated[float, number(-LARGEST, LARGEST, "kN")]]
 
 NO_BALLAST = "is a wheelset, which spins: no mass is put on it; a force_kN may be"
-
 NEEDS_AXES = (
     'must be "track" or "body", the axes that the force keeps to. A load acts beside the preload: the vehicle tilts '
     "under it on its springs. A force that the vehicle is trimmed with, as [[loads]] once meant, stands in [[payloads]]"

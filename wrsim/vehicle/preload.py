@@ -32,7 +32,6 @@ PITCH = WORDS.index("in pitch")
 
 TOLERANCE = 1e-9
 """Part of the vehicle's weight that may be left over; moments are divided by 1 m."""
-
 ROUND_OFF = 1e-12
 """Forces below this part of the weight are none: a symmetric vehicle is to be symmetric to the last digit."""
 

@@ -30,12 +30,10 @@ class WheelsetTable(Section):
 
     header: ClassVar[str] = "[wheelset]"
     aliases: ClassVar[dict[str, str]] = {
-        "wheel": "profile wheel_profile",
-        "roll_inertia_kg_m2": "ixx_kg_m2",
-        "spin_inertia_kg_m2": "iyy_kg_m2 pitch_inertia_kg_m2",
-        "yaw_inertia_kg_m2": "izz_kg_m2",
+        "wheel": "profile wheel_profile", "roll_inertia_kg_m2": "ixx_kg_m2",
+        "spin_inertia_kg_m2": "iyy_kg_m2 pitch_inertia_kg_m2", "yaw_inertia_kg_m2": "izz_kg_m2",
         "flange_back_mm": "back_to_back_mm",
-    }
+    }  # fmt: skip
 
     one_of: ClassVar[tuple[str, ...]] = ("profile_spacing_mm flange_back_mm",)
     goes_with: ClassVar[dict[str, str]] = {

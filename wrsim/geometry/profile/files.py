@@ -22,7 +22,6 @@ from wrsim.geometry.profile.profile import KINDS, Kind, Profile
 HEIGHTS = ("up", "down")
 SIDES = ("positive", "negative")
 """Sign that a file's lateral coordinate has on the field side."""
-
 FARTHEST = 1e3
 """Largest coordinate of a point, m."""
 

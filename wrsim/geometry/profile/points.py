@@ -32,19 +32,14 @@ from wrsim.geometry.profile.profile import Array, Kind, Profile, cross, curvatur
 FEWEST_POINTS = 10
 SAME_POINT = 1e-10
 """Neighbours closer than this are one point, m."""
-
 LARGEST_GAP = 1.0 / 25.0
 """Largest distance of neighbours, as a part of the curve's length."""
-
 LARGEST_TURN = np.radians(20.0)
 """Largest turn at a point of a profile that is to be interpolated, rad: 4 mm on the 13 mm arc of a rail."""
-
 LARGEST_CURVATURE_SCATTER = 2.0
 """Largest scatter of curvature that rounding or measuring may leave in interpolated points, 1/m."""
-
 SHORTEST, LONGEST = 0.005, 1.0
 """Length of a profile, m: outside of this the unit is probably wrong."""
-
 NODE_DISTANCE = 1e-4
 """Largest distance of nodes along a profile, m. The curve between nodes is a quintic; 0.1 mm leaves 1e-15 m."""
 
@@ -253,7 +248,6 @@ def profile_from_curve(curve: Callable[..., Array], t: Array, name: str, kind: K
 
 CUTOFF = 5e-3
 """Usual cut-off wavelength, m. A jump of curvature (arc to straight) spreads over about this length."""
-
 DEGREE = 5
 KNOTS_PER_CUTOFF = 16
 ROUNDS = 6

@@ -23,16 +23,12 @@ from wrsim.geometry.profile.profile import Array, Kind, Profile, cross, curvatur
 NEAREST_NODE = 5e-6
 """Distance of the first node from a join, m; from there nodes spread by a factor of three. So even a spline
 through bare points (a file of two columns) follows the jump of curvature to below 1e-9 m."""
-
 FADE = 2e-3
 """Length over which a section gives in to its neighbour's rounded coefficients, m."""
-
 LARGEST_GAP = 1e-6
 """Largest distance between the ends of two sections that is taken for rounding, m."""
-
 MOST_SECTIONS = 500
 """Sections of one profile; a standard's has some ten."""
-
 LARGEST_CORNER = 1e-4
 """Largest angle between two sections that is taken for rounding, rad. Contact needs a tangent everywhere."""
 

@@ -44,16 +44,12 @@ Direction = Literal["vertical", "normal"]
 
 BRIDGE = 1e-4
 """Reach of the quintic on either side of a corner, m."""
-
 SMALLEST_CORNER = 1e-6
 """Turns at a node below this are rounding, rad."""
-
 LARGEST_CORNER = 0.1
 """Largest corner that is bridged, rad."""
-
 NEAREST_NODE = 5e-6
 """Least distance of the ends of a bell from the nodes of the unworn profile that stay, m."""
-
 INSIDE = 1e-7
 """Distance from a node of the nearest of three points from which its angle and curvature are extrapolated, m."""
 

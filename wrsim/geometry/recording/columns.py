@@ -54,13 +54,9 @@ class ChannelSection(Section):
 
     header: ClassVar[str] = "[[channels]]"
     aliases: ClassVar[dict[str, str]] = {
-        "column": "name header",
-        "quantity": "channel kind",
-        "positive": "sign",
-        "chord_m": "chord",
-        "band": "range",
+        "column": "name header", "quantity": "channel kind", "positive": "sign", "chord_m": "chord", "band": "range",
         "base_m": "twist_base_m",
-    }
+    }  # fmt: skip
 
     column: Annotated[str, text('the name of a column in the CSV file such as "level_left"')]
     """Name of the column in the table's first line."""

@@ -71,16 +71,13 @@ class Chord:
 
     @property
     def reach(self) -> float:
-        """See `ShapeSystem`."""
         return self.behind + self.ahead
 
     def response(self, k: Array) -> Complex:
-        """See `System`."""
         a, b = self.behind, self.ahead
         return np.asarray(1.0 - (b * np.exp(-1j * k * a) + a * np.exp(1j * k * b)) / (a + b))
 
     def of_curvature(self, k: Array) -> Complex:
-        """See `ShapeSystem`."""
         a, b = self.behind, self.ahead
         series = -0.5 * a * b + 1j * k * a * b * (a - b) / 6.0  # of long waves, where the difference loses its digits
         short = k * (a + b) > 1e-3
@@ -94,7 +91,6 @@ class Difference:
     base: float
 
     def response(self, k: Array) -> Complex:
-        """See `System`."""
         return np.asarray(1.0 - np.exp(-1j * k * self.base))
 
 
@@ -111,16 +107,13 @@ class Inertial:
 
     @property
     def reach(self) -> float:
-        """See `ShapeSystem`."""
         return self.long
 
     def response(self, k: Array) -> Complex:
-        """See `System`."""
         shorter, longer = k * self.short / (2.0 * np.pi), k * self.long / (2.0 * np.pi)
         return (longer**8 / (1.0 + longer**8) / (1.0 + shorter**8)).astype(complex)
 
     def of_curvature(self, k: Array) -> Complex:
-        """See `ShapeSystem`."""
         return np.where(k > 0.0, -self.response(k) / np.where(k > 0.0, k, 1.0) ** 2, 0.0)
 
 
@@ -129,7 +122,6 @@ class Plain:
     """The shape itself, such as gauge and cant."""
 
     def response(self, k: Array) -> Complex:
-        """See `System`."""
         return np.ones(k.shape, dtype=complex)
 
 

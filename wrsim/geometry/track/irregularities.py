@@ -135,13 +135,11 @@ class Sampled:
         return cls(spline, shortest / ROWS_A_WAVE)
 
     def jet(self, s: Array) -> Jet:
-        """See `Shape`."""
         inside = (s >= self.spline.x[0]) & (s <= self.spline.x[-1])
         value, slope, bend = (np.where(inside, self.spline(s, nu), 0.0) for nu in range(3))
         return value, slope, bend
 
     def breaks(self) -> Array:
-        """See `Shape`."""
         return np.array([self.spline.x[0], self.spline.x[-1]])
 
 
@@ -159,7 +157,6 @@ class Bump:
         return self.length / 16.0
 
     def jet(self, s: Array) -> Jet:
-        """See `Shape`."""
         k, half = 2.0 * np.pi / self.length, 0.5 * self.amplitude
         x = s - self.start
         inside = (x >= 0.0) & (x <= self.length)  # a small part of a track, which may have a thousand bumps
@@ -169,7 +166,6 @@ class Bump:
         return jet[0], jet[1], jet[2]
 
     def breaks(self) -> Array:
-        """See `Shape`."""
         return np.array([self.start, self.start + self.length])
 
 
@@ -189,11 +185,9 @@ class Polygon:
         return cls(Piecewise.through(s, y).rounded(rounding), rounding / 4.0)
 
     def jet(self, s: Array) -> Jet:
-        """See `Shape`."""
         return self.law.jet(s)
 
     def breaks(self) -> Array:
-        """See `Shape`."""
         return self.law.breaks
 
 

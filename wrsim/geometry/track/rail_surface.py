@@ -43,7 +43,6 @@ STEEPEST_OVER = 3.0
 """Largest slope over the smaller secant beside it: a cubic between two numbers does not overshoot then."""
 AS_FAR = 0.5
 """Of the slope that neighbours tell: the slope of smooth cubics may differ so far from it."""
-
 PARTS = ("arclength", "u", "w", "angle", "curvature_before", "curvature_after")
 """Arrays that make a profile."""
 

@@ -35,7 +35,6 @@ SAMPLES_A_WAVE = 8.0
 """Samples of the spline within the shortest wave: it follows the wave within 0.1 %."""
 LINES = 16.0
 """The wave repeats after so many of the longest waves at least, however short the track: so fine are the lines."""
-
 ERRI_CORNERS = (0.00028855, 0.6803895)
 """Wr^2 Wc^2 and Wr^2 + Wc^2 [pub]."""
 ERRI_CROSS = 0.4380

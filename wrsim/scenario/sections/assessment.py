@@ -42,18 +42,12 @@ class AssessmentSection(Table):
 
     header: ClassVar[str] = "[assessment]"
     aliases: ClassVar[dict[str, str]] = {
-        "vehicle_kind": "kind type",
-        "friction": "mu",
-        "flange_angle_deg": "flange_deg",
-        "instability_frequency_Hz": "f0_Hz",
-        "section_length_m": "section_m",
-        "straight_deficiency_mm": "straight_mm",
-        "admissible_deficiency_mm": "admissible_mm I_adm_mm",
-        "estimate_over": "regression influences",
-        "estimate_cant_deficiency_mm": "cant_deficiency_mm",
-        "estimate_radius_m": "estimate_R",
+        "vehicle_kind": "kind type", "friction": "mu", "flange_angle_deg": "flange_deg",
+        "instability_frequency_Hz": "f0_Hz", "section_length_m": "section_m", "straight_deficiency_mm": "straight_mm",
+        "admissible_deficiency_mm": "admissible_mm I_adm_mm", "estimate_over": "regression influences",
+        "estimate_cant_deficiency_mm": "cant_deficiency_mm", "estimate_radius_m": "estimate_R",
         "estimate_speed_kmh": "estimate_v_kmh",
-    }
+    }  # fmt: skip
 
     vehicle_kind: Kind = "passenger"
     """Kind of vehicle, which decides on limits."""

@@ -17,12 +17,9 @@ class ConicalSection(Section):
     header: ClassVar[str] = "[contact.conical]"
     together: ClassVar[tuple[str, ...]] = ("flange_clearance_mm flange_stiffness_kN_per_m",)
     aliases: ClassVar[dict[str, str]] = {
-        "conicity": "lambda",
-        "friction": "mu",
-        "creep_longitudinal_kN": "creep_x_kN f11_kN",
-        "creep_lateral_kN": "creep_y_kN f22_kN",
-        "half_spacing_mm": "half_contact_spacing_mm",
-    }
+        "conicity": "lambda", "friction": "mu", "creep_longitudinal_kN": "creep_x_kN f11_kN",
+        "creep_lateral_kN": "creep_y_kN f22_kN", "half_spacing_mm": "half_contact_spacing_mm",
+    }  # fmt: skip
 
     conicity: Annotated[float, number(0, 1, "such as 0.05")]
     """Slope of the tread."""

@@ -115,20 +115,12 @@ class ContactSection(Section):
     at_most_one: ClassVar[tuple[str, ...]] = ("friction_sections friction_table",)
     goes_with: ClassVar[dict[str, str]] = {"friction_at_m": "friction_sections friction_table"}
     aliases: ClassVar[dict[str, str]] = {
-        "friction": "mu friction_coefficient",
-        "friction_left": "mu_left",
-        "friction_right": "mu_right",
-        "friction_sections": "friction_along friction_section",
-        "friction_table": "friction_file friction_csv",
-        "normal": "normal_model",
-        "tangential": "tangential_model creep",
-        "traction_bound": "bound",
-        "strips": "n_strips",
-        "cells": "n_cells",
-        "max_patches": "patches",
-        "polach_kA": "kA k_A",
+        "friction": "mu friction_coefficient", "friction_left": "mu_left", "friction_right": "mu_right",
+        "friction_sections": "friction_along friction_section", "friction_table": "friction_file friction_csv",
+        "normal": "normal_model", "tangential": "tangential_model creep", "traction_bound": "bound",
+        "strips": "n_strips", "cells": "n_cells", "max_patches": "patches", "polach_kA": "kA k_A",
         "polach_kS": "kS k_S",
-    }
+    }  # fmt: skip
 
     normal: Normal = DEFAULTS.normal
     """Model of the normal pressure: strips, the paper's, or the exact half-space solver."""

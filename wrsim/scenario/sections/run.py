@@ -75,12 +75,9 @@ class RunSection(PlanTable):
     header: ClassVar[str] = "[run]"
     at_most_one: ClassVar[tuple[str, ...]] = ("distance_m time_s",)
     aliases: ClassVar[dict[str, str]] = {
-        "time_s": "duration_s t_end_s end_time_s",
-        "distance_m": "length_m",
-        "integrator": "method solver integration",
-        "step_us": "dt_us h_us",
-        "output_interval_ms": "output_step_ms sampling_ms",
-    }
+        "time_s": "duration_s t_end_s end_time_s", "distance_m": "length_m", "integrator": "method solver integration",
+        "step_us": "dt_us h_us", "output_interval_ms": "output_step_ms sampling_ms",
+    }  # fmt: skip
 
     start_distance_m: Annotated[float, number(0, 1e6, "m along the centre line")] = 0.0
     """Where the run starts; it starts from steady motion at that place."""

@@ -57,12 +57,9 @@ class StabilitySection(PlanTable):
 
     header: ClassVar[str] = "[stability]"
     aliases: ClassVar[dict[str, str]] = {
-        "speed_kmh": "speeds_kmh",
-        "highest_Hz": "highest_frequency_Hz",
-        "nonlinear": "limit_cycles bifurcation",
-        "cycle_step_kmh": "step_kmh",
-        "cycle_start_kmh": "start_kmh",
-    }
+        "speed_kmh": "speeds_kmh", "highest_Hz": "highest_frequency_Hz", "nonlinear": "limit_cycles bifurcation",
+        "cycle_step_kmh": "step_kmh", "cycle_start_kmh": "start_kmh",
+    }  # fmt: skip
 
     speed_kmh: Series[Speed] = SPEEDS
     """Speeds at which the modes are computed."""

@@ -224,15 +224,10 @@ class TrackSection(Section):
     header: ClassVar[str] = "[track]"
     at_most_one: ClassVar[tuple[str, ...]] = ("segments table",)
     aliases: ClassVar[dict[str, str]] = {
-        "inclination": "rail_cant rail_inclination",
-        "rail": "profile rail_profile",
-        "segments": "segment",
-        "grades": "grade gradients",
-        "rail_sections": "sections rail_section",
-        "irregularities": "irregularity defects",
-        "table": "csv",
-        "file": "model",
-    }
+        "inclination": "rail_cant rail_inclination", "rail": "profile rail_profile", "segments": "segment",
+        "grades": "grade gradients", "rail_sections": "sections rail_section", "irregularities": "irregularity defects",
+        "table": "csv", "file": "model",
+    }  # fmt: skip
 
     file: Annotated[str, text('a track file such as "tracks/mixed_line.toml"')] | None = None
     """File of a track that many scenarios share; keys given here lie over its own."""

@@ -22,13 +22,9 @@ class VehicleSection(Section):
 
     header: ClassVar[str] = "[vehicle]"
     aliases: ClassVar[dict[str, str]] = {
-        "speed_kmh": "v velocity velocity_kmh v0",
-        "model": "file name",
-        "wheel": "profile wheel_profile",
-        "wheel_left": "profile_left",
-        "wheel_right": "profile_right",
-        "sprung_mass_kg": "mass mass_kg",
-    }
+        "speed_kmh": "v velocity velocity_kmh v0", "model": "file name", "wheel": "profile wheel_profile",
+        "wheel_left": "profile_left", "wheel_right": "profile_right", "sprung_mass_kg": "mass mass_kg",
+    }  # fmt: skip
 
     model: Annotated[str, text('a vehicle file such as "vehicles/wheelset_s1002.toml"')]
     """File of the vehicle, or of a single wheelset."""

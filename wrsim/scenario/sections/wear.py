@@ -26,14 +26,10 @@ class WearSection(StretchTable):
 
     header: ClassVar[str] = "[wear]"
     aliases: ClassVar[dict[str, str]] = {
-        "laws": "law model",
-        "from_m": "start_m",
-        "to_m": "end_m",
-        "hardness_GPa": "hardness H_GPa",
-        "archard_coefficients": "wear_coefficients k",
-        "shear_yield_MPa": "k_MPa yield_in_shear_MPa",
+        "laws": "law model", "from_m": "start_m", "to_m": "end_m", "hardness_GPa": "hardness H_GPa",
+        "archard_coefficients": "wear_coefficients k", "shear_yield_MPa": "k_MPa yield_in_shear_MPa",
         "place_step_mm": "step_mm resolution_mm",
-    }
+    }  # fmt: skip
 
     laws: List[LawName] = ()
     """Laws of wear, one or several; without any there is neither wear nor fatigue in the result."""

@@ -101,7 +101,6 @@ if TYPE_CHECKING:
 
 TRACK = "track"
 """Name of the frame that follows the centre line at constant speed, as a body."""
-
 GUIDE = "guide frame"
 """Name of the bogie that a single wheelset leads, as a body: the track frame turned by -ahead kappa about b."""
 
