@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from wrsim.cli.keys import FILES, schema_text, tables_of
-from wrsim.inputs.reference import markdown
+from wrsim.inputs.reference import entries, heading, purpose
+from wrsim.inputs.section import Section
 
 HERE = Path(__file__).parent
 HEAD = """# Keys
@@ -33,6 +34,32 @@ wrsim keys --schema > scenario.schema.json
 `profile` (wheels and rails), `columns` (of a recording), `study` and `service`. Keys that go together, such as one
 radius or two, are beyond a schema: `wrsim check FILE` tells of them.
 """
+
+
+def markdown(section: type[Section], level: str = "###") -> list[str]:
+    """Heading, purpose and keys of one table."""
+    lines = [f"{level} {heading(section)}", "", *purpose(section), ""]
+    own = entries(section)
+    if own:
+        heads = ("key", "what it is", "default", "also understood as")
+        lines += [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+        for e in own:
+            example = f" *Example:* {_code(e.example)}" if e.example and e.example != e.default else ""
+            cells = [
+                f"`{e.key}`" + (f" [{e.unit}]" if e.unit else ""),
+                f"{e.meaning} *Must be* {e.allowed}.{example}",
+                _code(e.default),
+                ", ".join(map(_code, e.aliases)),
+            ]
+            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+        lines.append("")
+    return lines
+
+
+def _code(text: str) -> str:
+    if text in ("needed", "none", ""):
+        return text
+    return f"`{text}`"
 
 
 def pages() -> dict[Path, str]:

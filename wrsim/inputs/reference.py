@@ -118,26 +118,6 @@ def tables_in(annotation: Any, seen: tuple[type, ...] = ()) -> Iterator[type[Sec
         yield from tables_in(part, seen)
 
 
-def markdown(section: type[Section], level: str = "###") -> list[str]:
-    """Heading, purpose and keys of one table."""
-    lines = [f"{level} {heading(section)}", "", *purpose(section), ""]
-    own = entries(section)
-    if own:
-        heads = ("key", "what it is", "default", "also understood as")
-        lines += [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
-        for e in own:
-            example = f" *Example:* {_code(e.example)}" if e.example and e.example != e.default else ""
-            cells = [
-                f"`{e.key}`" + (f" [{e.unit}]" if e.unit else ""),
-                f"{e.meaning} *Must be* {e.allowed}.{example}",
-                _code(e.default),
-                ", ".join(map(_code, e.aliases)),
-            ]
-            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
-        lines.append("")
-    return lines
-
-
 def heading(section: type[Section]) -> str:
     """How a table is called."""
     return f"`{section.header}`" if "[" in section.header else section.header[0].upper() + section.header[1:]
@@ -147,12 +127,6 @@ def purpose(section: type[Section]) -> list[str]:
     """What the class says of itself, a paragraph a line."""
     text = (section.__doc__ or "").strip()
     return [" ".join(part.split()) + "\n" for part in text.split("\n\n") if part.strip()]
-
-
-def _code(text: str) -> str:
-    if text in ("needed", "none", ""):
-        return text
-    return f"`{text}`"
 
 
 def json_schema(file: Any, title: str) -> dict[str, Any]:

@@ -224,18 +224,10 @@ class PointsFile(ProfileFile, kind="points"):
 
     def reading(self, path: Path) -> Reading:
         """The points, not yet a profile."""
+        alike = ("format", "name", "source", "measured", "unit", "heights", "field_side")
         return read_points(
-            path.parent / self.file,
-            self.body,
-            format=self.format,
-            name=self.name,
-            source=self.source,
-            measured=self.measured,
+            path.parent / self.file, self.body, **{key: getattr(self, key) for key in alike},
             cutoff=None if self.cutoff_mm is None else self.cutoff_mm * MM,
-            unit=self.unit,
-            heights=self.heights,
-            field_side=self.field_side,
             clip=None if self.clip_mm is None else (self.clip_mm[0] * MM, self.clip_mm[1] * MM),
-            turn=1e-3 * self.turn_mrad,
-            shift=(self.shift_mm[0] * MM, self.shift_mm[1] * MM),
-        )
+            turn=1e-3 * self.turn_mrad, shift=(self.shift_mm[0] * MM, self.shift_mm[1] * MM),
+        )  # fmt: skip

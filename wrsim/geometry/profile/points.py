@@ -233,16 +233,9 @@ def profile_from_curve(curve: Callable[..., Array], t: Array, name: str, kind: K
     t = subdivided(t, np.ceil(np.diff(t) / NODE_DISTANCE - 1e-6))
     r, v, a = (curve(t, nu) for nu in range(3))
     curvature = curvature_of(v, a)
+    angle = np.unwrap(np.arctan2(v[:, 1], v[:, 0]))
     return Profile(
-        name=name,
-        kind=kind,
-        arclength=arclengths(lambda x: curve(x, 1), t),
-        u=r[:, 0],
-        w=r[:, 1],
-        angle=np.unwrap(np.arctan2(v[:, 1], v[:, 0])),
-        curvature_before=curvature,
-        curvature_after=curvature,
-        source=source,
+        name, kind, arclengths(lambda x: curve(x, 1), t), r[:, 0], r[:, 1], angle, curvature, curvature, source
     )
 
 

@@ -67,7 +67,7 @@ class Profile:
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
-            raise InputError(f"profile '{self.name}': kind is {self.kind!r}; allowed: 'wheel', 'rail'")
+            raise self._fault(f"kind is {self.kind!r}; allowed: 'wheel', 'rail'")
         for field in ("arclength", "u", "w", "angle", "curvature_before", "curvature_after"):
             array = np.array(getattr(self, field), dtype=float)
             if array.ndim != 1 or array.shape != np.shape(self.arclength) or array.size < 2:
@@ -84,6 +84,9 @@ class Profile:
             f"Profile({self.name!r}, {self.kind}, u {1e3 * self.u.min():.2f} .. {1e3 * self.u.max():.2f} mm, "
             f"length {1e3 * self.length:.2f} mm, {self.u.size} nodes)"
         )
+
+    def _fault(self, message: str) -> InputError:
+        return InputError(f"profile '{self.name}': {message}")
 
     # --- the curve --------------------------------------------------------------------------------
 
@@ -105,16 +108,8 @@ class Profile:
         p = r[1:] - r[:-1] - t[:-1] * h - 0.5 * a0 * h**2
         v = (t[1:] - t[:-1] - a0 * h) * h
         a = (a1 - a0) * h**2
-        return np.stack(
-            [
-                r[:-1],
-                t[:-1],
-                0.5 * a0,
-                (10.0 * p - 4.0 * v + 0.5 * a) / h**3,
-                (-15.0 * p + 7.0 * v - a) / h**4,
-                (6.0 * p - 3.0 * v + 0.5 * a) / h**5,
-            ]
-        )
+        cubic, quartic = (10.0 * p - 4.0 * v + 0.5 * a) / h**3, (-15.0 * p + 7.0 * v - a) / h**4
+        return np.stack([r[:-1], t[:-1], 0.5 * a0, cubic, quartic, (6.0 * p - 3.0 * v + 0.5 * a) / h**5])
 
     def _locate(self, L: ArrayLike) -> tuple[Array, NDArray[np.intp]]:
         """Distance into its interval and the interval's index for every L. InputError outside the curve."""
@@ -123,10 +118,8 @@ class Profile:
         outside = ~(np.abs(L - 0.5 * self.length) <= 0.5 * self.length + slack)
         if outside.any():
             bad = L.flat[int(np.argmax(outside))]
-            raise InputError(
-                f"profile '{self.name}': arclength {1e3 * bad:.6g} mm is off the curve; "
-                f"allowed: 0 to {1e3 * self.length:.6g} mm"
-            )
+            allowed = f"allowed: 0 to {1e3 * self.length:.6g} mm"
+            raise self._fault(f"arclength {1e3 * bad:.6g} mm is off the curve; {allowed}")
         index = np.clip(np.searchsorted(self.arclength, L, side="right") - 1, 0, self.u.size - 2)
         return L - self.arclength[index], index
 
@@ -175,9 +168,7 @@ class Profile:
         length / (n - 1) <= the wanted one with n = ceil(length / step) + 1.
         """
         if not 0.0 < step <= self.length:
-            raise InputError(
-                f"profile '{self.name}': table step {1e3 * step:g} mm; allowed: above 0, up to {1e3 * self.length:g} mm"
-            )
+            raise self._fault(f"table step {1e3 * step:g} mm; allowed: above 0, up to {1e3 * self.length:g} mm")
         n = int(np.ceil(self.length / step * (1.0 - 1e-12))) + 1
         actual = self.length / (n - 1)
         L = np.minimum(actual * np.arange(n), self.length)
@@ -200,10 +191,8 @@ class Profile:
         outside = ~((wanted >= left[-1] - slack) & (wanted <= right[-1] + slack))
         if outside.any():
             bad = wanted.flat[int(np.argmax(outside))]
-            raise InputError(
-                f"profile '{self.name}': there is no point at u = {1e3 * bad:.6g} mm; "
-                f"allowed: {1e3 * left[-1]:.6g} to {1e3 * right[-1]:.6g} mm"
-            )
+            allowed = f"allowed: {1e3 * left[-1]:.6g} to {1e3 * right[-1]:.6g} mm"
+            raise self._fault(f"there is no point at u = {1e3 * bad:.6g} mm; {allowed}")
         k_right = np.clip(np.searchsorted(right, wanted, side="left"), 1, max(right.size - 1, 1))
         k_left = np.clip(np.searchsorted(-left, -wanted, side="left"), 1, max(left.size - 1, 1))
         i = np.where(wanted >= self.u[start], start + k_right - 1, start - k_left)
@@ -254,15 +243,13 @@ class Profile:
         none."""
         depth = self.gauge_depth if depth is None else depth
         if self.kind != "rail":
-            raise InputError(f"profile '{self.name}' is a {self.kind}; only rails have a gauge point")
+            raise self._fault(f"is of a {self.kind}; only rails have a gauge point")
         level = self.top[1] - depth
         below = np.flatnonzero((self.w <= level) & (self.arclength < self.top_arclength))
         if not depth > 0.0 or not below.size:
             reach = self.top[1] - self.w[self.arclength <= self.top_arclength].min()
-            raise InputError(
-                f"profile '{self.name}': no gauge point {1e3 * depth:g} mm below the top; its gauge side (negative u) "
-                f"goes {1e3 * reach:.4g} mm deep"
-            )
+            deep = f"its gauge side (negative u) goes {1e3 * reach:.4g} mm deep"
+            raise self._fault(f"no gauge point {1e3 * depth:g} mm below the top; {deep}")
         L = self.root_in_interval(1, np.array(level), np.array(below[-1]))
         u, w = self.at(L)
         return float(u), float(w)
@@ -305,10 +292,8 @@ class Profile:
     def clipped(self, first: float, last: float) -> Profile:
         """The piece between arclengths `first` and `last`, m; see `arclength_of` to cut at a given u."""
         if not -1e-12 <= first < last <= self.length + 1e-12:
-            raise InputError(
-                f"profile '{self.name}': clip from {1e3 * first:g} to {1e3 * last:g} mm of arclength; "
-                f"allowed: rising, within 0 to {1e3 * self.length:g} mm"
-            )
+            allowed = f"allowed: rising, within 0 to {1e3 * self.length:g} mm"
+            raise self._fault(f"clip from {1e3 * first:g} to {1e3 * last:g} mm of arclength; {allowed}")
         ends = np.clip([first, last], 0.0, self.length)
         # An end within a nanometre of a node is that node: tiny intervals would spoil the quintics.
         inner = (self.arclength > ends[0] + 1e-9) & (self.arclength < ends[1] - 1e-9)

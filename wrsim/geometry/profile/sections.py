@@ -115,14 +115,8 @@ class Arc:
 def arc_between(u: float, w: float, radius: float, upper: bool, start: float, end: float) -> Arc:
     """Arc w(u) = w_centre +- sqrt(radius^2 - (u - u_centre)^2) from u = `start` to u = `end` > `start`, m.
 
-    `upper` selects the half above the centre (+), which is convex upward.
+    `upper` selects the half above the centre (+), which is convex upward. The ends lie within the circle.
     """
-    reach = 1.0 + 1e-9
-    if not (radius > 0.0 and start < end and abs(start - u) <= radius * reach and abs(end - u) <= radius * reach):
-        raise InputError(
-            f"arc of radius {1e3 * radius:g} mm about u = {1e3 * u:g} mm cannot run from u = {1e3 * start:g} "
-            f"to {1e3 * end:g} mm; allowed: rising, {1e3 * (u - radius):g} to {1e3 * (u + radius):g} mm"
-        )
     # On the upper half the tangent angle falls with u, on the lower half it rises: sin(angle) = -+(u - u_c)/R
     first, last = np.arcsin(np.clip([(start - u) / radius, (end - u) / radius], -1.0, 1.0))
     return Arc(u, w, radius, -first, -last) if upper else Arc(u, w, radius, first, last)
@@ -170,17 +164,7 @@ def _joined(name: str, kind: Kind, sections: tuple[Section, ...], source: str) -
     rows = np.concatenate([parts[0][:1]] + [part[1:] for part in parts])
     before = np.concatenate([parts[0][:1, 4]] + [part[1:, 4] for part in parts])
     after = np.concatenate([part[:-1, 4] for part in parts] + [parts[-1][-1:, 4]])
-    return Profile(
-        name=name,
-        kind=kind,
-        arclength=rows[:, 0],
-        u=rows[:, 1],
-        w=rows[:, 2],
-        angle=np.unwrap(rows[:, 3]),
-        curvature_before=before,
-        curvature_after=after,
-        source=source,
-    )
+    return Profile(name, kind, rows[:, 0], rows[:, 1], rows[:, 2], np.unwrap(rows[:, 3]), before, after, source)
 
 
 def _nodes(section: Section, shift: Array) -> Array:
@@ -222,23 +206,14 @@ def _nodes(section: Section, shift: Array) -> Array:
 
 
 def rail_head(
-    name: str,
-    radii: Sequence[float],
-    half_widths: Sequence[float],
-    side_slope: float,
-    depth: float,
-    source: str = "",
+    name: str, radii: Sequence[float], half_widths: Sequence[float], side_slope: float, depth: float, source: str = ""
 ) -> Profile:
     """Symmetric rail head of tangent arcs and straight sides, origin at the crown.
 
     radii: of the arcs from the crown outward [m], e.g. 0.3, 0.08, 0.013; half_widths: distance from the axis at which
-    each arc but the last one ends [m]; side_slope: lean of the straight sides, horizontal over vertical, e.g. 1/20,
+    each arc but the last one ends [m], one fewer; side_slope: lean of the straight sides, e.g. 1/20,
     tangent to the last arc; depth: how far below the crown the sides are continued [m].
     """
-    if len(half_widths) != len(radii) - 1:
-        raise InputError(
-            f"profile '{name}': {len(radii)} radii need {len(radii) - 1} half widths, found {len(half_widths)}"
-        )
     centre, steepness = np.array([0.0, -radii[0]]), 0.0
     right: list[Arc] = []
     for i, radius in enumerate(radii):
@@ -276,10 +251,6 @@ def cone(name: str, kind: Kind, conicity: float, first: float, last: float, sour
 
 
 def circle(name: str, kind: Kind, radius: float, half_width: float, source: str = "") -> Profile:
-    """Arc through the origin, horizontal there, m: convex upward for radius > 0, hollow for radius < 0."""
-    if not 0.0 < half_width < abs(radius):
-        raise InputError(
-            f"profile '{name}': half width {1e3 * half_width:g} mm; allowed: above 0, below {1e3 * abs(radius):g} mm"
-        )
+    """Arc through the origin, horizontal there, m: convex upward for radius > 0, else hollow; half_width < |radius|."""
     end = float(np.copysign(np.arcsin(half_width / abs(radius)), radius))
     return profile_from_sections(name, kind, [Arc(0.0, -radius, abs(radius), end, -end)], source)

@@ -117,17 +117,9 @@ def worn(new: Profile, removals: Sequence[AnyRemoval], name: str, source: str = 
     angle, after = bells.direction(first, h)
     final, before = bells.direction(last, -h)
     r = bells.curve(nodes)[0]
-    profile = Profile(
-        name,
-        new.kind,
-        arclengths(lambda L: bells.curve(L)[1], nodes),
-        r[:, 0],
-        r[:, 1],
-        np.unwrap(np.append(angle, final[-1])),
-        np.append(after[0], before),
-        np.append(after, before[-1]),
-        source,
-    )
+    lengths, angles = arclengths(lambda L: bells.curve(L)[1], nodes), np.unwrap(np.append(angle, final[-1]))
+    curvatures = np.append(after[0], before), np.append(after, before[-1])
+    profile = Profile(name, new.kind, lengths, r[:, 0], r[:, 1], angles, *curvatures, source)
     profile = _true_lengths(profile, np.searchsorted(nodes, corners) - 1)
     crossing = first_crossing(Points(name, profile.u, profile.w, np.arange(profile.u.size)))
     if crossing is not None:
@@ -280,7 +272,7 @@ def depths_of(profile: Profile, areas: Array, cutoff: float) -> DepthTable:
         np.asarray(middles - float(profile.arclength_of(0.0))),
         np.asarray(2.0 * smooth / (1.0 + np.sqrt(root)), dtype=float),
     )
-    plain, bent = _area_off(profile, table)
+    plain, bent = area_off(profile, table)
     if not plain > 0.0:
         return table
     lost = float(areas.sum()) * width
@@ -301,12 +293,7 @@ def on_unworn(profile: Profile, table: DepthTable | None, length: float, lost: A
     return np.diff(np.interp(places, own, gone)) / (edges[1] - edges[0])
 
 
-def area_off(profile: Profile, table: DepthTable) -> float:
-    """Area of the section that a table takes off a profile [m2]."""
-    return sum(_area_off(profile, table))
-
-
-def _area_off(profile: Profile, table: DepthTable) -> tuple[float, float]:
+def area_off(profile: Profile, table: DepthTable) -> tuple[float, float]:
     """Integrals of the depth and of c k e^2 / 2 over the arclength [m2]."""
     x, weight = np.polynomial.legendre.leggauss(PARTS)
     # the curvature jumps at nodes, the spline changes at places
