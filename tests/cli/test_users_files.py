@@ -132,6 +132,30 @@ def test_pictures_of_the_user_stay_too(tmp_path: Path) -> None:
     assert call("profile", wheel, "-o", picture).exit_code == 0, "it is ours now"
 
 
+@pytest.mark.parametrize("kind", ["a pipe", "a device"])
+def test_force_does_not_replace_what_is_no_plain_file(kind: str, tmp_path: Path) -> None:
+    picture = tmp_path / "wheel.png"
+    if kind == "a pipe":
+        os.mkfifo(picture)
+    else:
+        picture.symlink_to("/dev/null")
+    refused = call("profile", shipped_models() / "wheels/S1002.toml", "-o", picture, "--force")
+    assert refused.exit_code == 2 and f"{picture}: is {kind}; a file of that name is written" in refused.stderr
+    with pytest.raises(InputError, match=f"is {kind}"):  # from Python as well, where nobody keeps the folder
+        write_atomically(picture, b"x")
+    assert picture.is_fifo() or picture.is_symlink()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["wheel.png"]
+
+
+def test_a_pipe_in_place_of_the_ledger_is_refused(scenario: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    os.mkfifo(out / LEDGER)
+    for words in (("run", scenario, "-o", out), ("profile", "wheels/S1002.toml", "-o", out / "wheel.png")):
+        refused = call(*words)
+        assert refused.exit_code == 2 and f"{out / LEDGER}: is a pipe" in refused.stderr
+
+
 def test_a_late_picture_of_the_users_costs_no_numbers(scenario: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     out.mkdir()

@@ -325,7 +325,7 @@ def test_a_place_that_is_no_directory_is_told(tmp_path):
     with pytest.raises(WrsimError, match="a part of this path is a file"):
         write_atomically(tmp_path / "taken" / "result.nc", b"")
     (tmp_path / "result.nc").mkdir()
-    with pytest.raises(WrsimError, match="there is a directory of that name"):
+    with pytest.raises(WrsimError, match="is a directory; a file of that name is written"):
         write_atomically(tmp_path / "result.nc", b"")
 
 

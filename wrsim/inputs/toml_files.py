@@ -89,12 +89,16 @@ def _content(path: Path, what: str) -> bytes:
 def open_plain(path: Path, what: str, flags: int = os.O_RDONLY) -> int:
     """A descriptor of a plain file; it never waits. Raises InputError for a pipe, a device, a directory; OSError."""
     handle = os.open(path, flags | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0), 0o666)
-    mode = os.fstat(handle).st_mode
-    if stat.S_ISREG(mode):
-        return handle
-    os.close(handle)
-    kind = next((name for is_one, name in _NO_FILES.items() if is_one(mode)), "no plain file")
-    raise InputError(f"{path}: is {kind}, a {what} is needed")
+    if kind := other_kind(os.fstat(handle).st_mode):
+        os.close(handle)
+        raise InputError(f"{path}: is {kind}, a {what} is needed")
+    return handle
+
+
+def other_kind(mode: int) -> str:
+    """What stands there that is no plain file; empty for one. mode: of ``os.stat``."""
+    kinds = (name for is_one, name in _NO_FILES.items() if is_one(mode))
+    return "" if stat.S_ISREG(mode) else next(kinds, "no plain file")
 
 
 _WITHIN: ContextVar[tuple[Path, ...] | None] = ContextVar("_WITHIN", default=None)

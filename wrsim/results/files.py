@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import errno
 import hashlib
@@ -18,7 +19,7 @@ from pathlib import Path
 from typing import IO, Any, Protocol
 
 from wrsim.errors import InputError, WrsimError
-from wrsim.inputs.toml_files import open_plain
+from wrsim.inputs.toml_files import open_plain, other_kind
 
 try:
     import fcntl
@@ -41,7 +42,6 @@ _REASONS = {
     errno.EROFS: "this place may not be written to",
     errno.ENOTDIR: "a part of this path is a file, not a directory",
     errno.EEXIST: "a part of this path is a file, not a directory",
-    errno.EISDIR: "there is a directory of that name",
 }
 _ROWS = 1000
 """Rows of a table that stand in memory as text at once."""
@@ -65,14 +65,22 @@ def plain_disk_errors(path: Path, size: int | None = None) -> Iterator[None]:
         raise WrsimError(f"cannot write {path}: {why}") from problem
 
 
+def check_place(path: Path) -> None:
+    """Raises ``InputError`` where a device, a pipe or a directory stands: a file would take its place."""
+    with contextlib.suppress(OSError):
+        if kind := other_kind(path.stat().st_mode):
+            raise InputError(f"{path}: is {kind}; a file of that name is written: move it away, or choose another")
+
+
 def write_atomically(path: str | Path, content: bytes | Iterable[bytes]) -> Path:
     """Write ``content``, whole or in parts, to a neighbour of ``path``, bring it to the disk, then give it its name.
 
     An older file of that name stays whole until the new one is. Directories are made. Raises ``WrsimError``
-    with one sentence when the disk is full or the place cannot be written; nothing half-written remains. In a command,
-    ``InputError`` when a file of the user's stands there (``wrsim.results.ledger``).
+    with one sentence when the disk is full or the place cannot be written; nothing half-written remains; ``InputError``
+    when no plain file stands there (`check_place`), in a command also one of the user's (``wrsim.results.ledger``).
     """
     path = Path(path)
+    check_place(path)
     if (keeper := KEEPER.get()) is not None:
         keeper.check(path)
     digest = hashlib.sha256()

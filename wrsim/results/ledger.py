@@ -130,10 +130,7 @@ class Keeper:
 
     def check(self, path: Path) -> None:
         """Raises ``InputError`` when a file of the user's stands there."""
-        if path.is_dir():
-            raise InputError(
-                f"{path}: is a directory; a file of that name is written: move it away, or choose another -o"
-            )
+        files.check_place(path)
         if self.force or not os.path.lexists(path):
             return
         if path.exists() and any(read.exists() and path.samefile(read) for read in self.reads):
