@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import json
+import os
 import shutil
 import tomllib
 from collections.abc import Sequence
@@ -27,7 +28,7 @@ from wrsim.study.service.history import history, write_history
 from wrsim.study.service.record import is_service, read_record
 from wrsim.study.service.service import Service, read_service
 from wrsim.study.service.stages import STAGES, tableau
-from wrsim.study.service.steps import STEP, Step, folder_of, steps_of
+from wrsim.study.service.steps import STEP, Step, folder_of, read_step, steps_of
 from wrsim.study.task import run_case
 
 BASE = """
@@ -192,7 +193,7 @@ def test_the_page_of_a_service_holds_numbers_pictures_and_files(
     for words in (
         service.title,
         "mm worn off at the deepest place",
-        "Sd_mm",
+        "Sd [mm]",
         "left,0.5,500,60",
         "largest_step_km = 20",
     ):
@@ -240,6 +241,34 @@ def test_another_service_does_not_go_on_with_these_steps(folder: Path, steps: li
     other = service_in(tmp_path, cases=CASES.replace("20000,80", "20000,85"))
     with pytest.raises(InputError, match="was computed from another service"):
         next(steps_of(other, folder / "out", work))
+
+
+ODD_STEPS = [
+    {"areas": 3},
+    {"areas": ["x"]},
+    {"areas": []},
+    {"way": "x"},
+    {"way": None},
+    {"way": -1.0},
+    {"way": float("nan")},
+    {"start": 10**400},
+    {"mileage": 1.0},
+]
+
+
+@pytest.mark.parametrize("odd", [b"", b"[]", b"\xff", b"[" * 100_000, b"{}", *ODD_STEPS], ids=lambda odd: str(odd)[:20])
+def test_a_step_file_with_odd_content_counts_as_none(odd: object, service: Service, tmp_path: Path) -> None:
+    areas = (0.0,) * (service.places.size - 1)
+    whole = asdict(Step(0, 0.0, 1e3, 1e-9, 1e-7, 0.0, areas, service.digest))
+    (tmp_path / STEP).write_bytes(json.dumps(whole).encode())
+    assert read_step(service, tmp_path) == Step(**whole)
+    (tmp_path / STEP).write_bytes(odd if isinstance(odd, bytes) else json.dumps(whole | dict(odd)).encode())  # type: ignore[call-overload]
+    assert read_step(service, tmp_path) is None
+
+
+def test_a_pipe_in_place_of_a_step_file_counts_as_none(service: Service, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / STEP)
+    assert read_step(service, tmp_path) is None
 
 
 def test_a_case_without_a_result_stops_the_service(tmp_path: Path) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import os
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,7 @@ from wrsim.results import Result
 from wrsim.study.outputs import outputs_of
 from wrsim.study.plan import planned
 from wrsim.study.spec import OutputsSection
+from wrsim.study.task import COMPLETED, MARKER, Marker, read_marker, write_marker
 
 runner = CliRunner()
 GRID = '[[vary]]\nkind = "grid"\nkey = "{}"\nvalues = {}\n'
@@ -135,3 +138,37 @@ def test_a_hook_that_wants_to_end_the_process_is_a_fault_of_the_case(place: str,
     (fault,) = found.faults
     assert fault.startswith(f"outputs.hook: {tmp_path / 'h.py'}: numbers: ")
     assert "SystemExit" in fault or "KeyboardInterrupt" in fault
+
+
+ODD_MARKERS = [
+    {"status": "x"},
+    {"status": 3},
+    {"numbers": []},
+    {"numbers": {"Y_max": "x"}},
+    {"units": {"Y_max": 3}},
+    {"faults": [3]},
+    {"time_limit": "x"},
+    {"process": 1.5},
+    {"more": 1},
+    {"message": None},
+]
+
+
+@pytest.mark.parametrize(
+    "odd", [b"", b"[]", b"\xff", b"[" * 100_000, b"{}", *ODD_MARKERS], ids=lambda odd: str(odd)[:20]
+)
+def test_a_case_whose_marker_has_odd_content_runs_again(odd: bytes | dict[str, object], tmp_path: Path) -> None:
+    """There is no marker then."""
+    marker = Marker("a", "a", COMPLETED, "", {"Y_max": 1.0}, {"Y_max": "kN"})
+    write_marker(tmp_path, marker)
+    assert read_marker(tmp_path) == marker
+    content = odd if isinstance(odd, bytes) else json.dumps(vars(marker) | odd).encode()
+    (tmp_path / MARKER).write_bytes(content)
+    assert read_marker(tmp_path) is None
+
+
+def test_a_pipe_in_place_of_a_marker_is_no_marker_and_stays(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / MARKER)
+    assert read_marker(tmp_path) is None
+    with pytest.raises(InputError, match="is a pipe"):
+        write_marker(tmp_path, Marker("a", "a", COMPLETED, ""))

@@ -25,6 +25,7 @@ from wrsim import __version__
 from wrsim.analysis import run
 from wrsim.analysis.motion.record import code_digest
 from wrsim.errors import InputError, SimulationError, WrsimError
+from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import as_json, from_json
@@ -93,8 +94,8 @@ class Marker:
 def read_marker(folder: Path) -> Marker | None:
     """The marker of a case; None where there is none."""
     try:
-        marker = Marker(**(from_json((folder / MARKER).read_bytes()) or {}))
-    except (OSError, TypeError):
+        marker = Marker(**(from_json(read_bytes(folder / MARKER, "marker")) or {}))
+    except (InputError, TypeError):
         return None
     return marker if _is_whole(marker) else None
 

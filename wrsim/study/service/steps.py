@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.file_tables import write_depths
 from wrsim.geometry.profile.wear import on_unworn, smoothed_table
-from wrsim.inputs.toml_files import write_toml
+from wrsim.inputs.toml_files import read_bytes, write_toml
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import as_json, from_json
 from wrsim.results.table import formatted, quantity
@@ -89,12 +89,14 @@ def folder_of(directory: Path, number: int) -> Path:
 def read_step(service: Service, folder: Path) -> Step | None:
     """The step that was done in a folder; None where there is none. Raises InputError for one of another service."""
     try:
-        data = from_json((folder / STEP).read_bytes()) or {}
+        data = from_json(read_bytes(folder / STEP, "step")) or {}
         step = Step(**data | {"areas": tuple(data["areas"])})
         numbers = np.array([step.number, step.start, step.way, step.deepest, step.tread, step.flange, *step.areas])
-    except (OSError, ValueError, TypeError, KeyError):
+    except (InputError, ValueError, TypeError, KeyError):
         return None
     if numbers.dtype.kind not in "fi" or len(step.areas) != service.places.size - 1:
+        return None
+    if not np.isfinite(numbers).all() or step.way <= 0.0:
         return None
     if step.service != service.digest:
         raise InputError(
