@@ -208,6 +208,15 @@ FAULTS: list[tuple[dict[str, Any], str]] = [
 ]
 
 
+def test_a_fault_between_sections_names_the_file_of_the_scenario_first(tmp_path: Path) -> None:
+    values = {"track.rail_sections": [section(5.0, features_mm=[900]), section(6.0, features_mm=[20])]}
+    file = tmp_path / "own.toml"
+    file.write_text(load(SCENARIOS / "rail_states.toml").with_values(values).text)
+    place = rf"^{re.escape(str(file))}:\d+: track.rail_sections: rail 'left rail', section at 5 m: features must rise"
+    with pytest.raises(InputError, match=place):
+        build(load(file))
+
+
 @pytest.mark.parametrize(("values", "message"), FAULTS, ids=[message[:30] for _, message in FAULTS])
 def test_one_fault_is_one_clear_error(values: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError) as caught:
