@@ -29,6 +29,12 @@ class SimulationError(WrsimError):
     exit_code = 3
 
 
+def in_one_line(error: InputError) -> str:
+    """The first line of a message and how many more there are: for a text that its reader did not write."""
+    first, *more = str(error).split("\n")
+    return f"{first} (and {len(more)} more line{'s' * (len(more) > 1)})" if more else first
+
+
 def nearest(word: str, allowed: Sequence[str]) -> str | None:
     """Return the allowed word most like ``word``, regardless of capitals, or None."""
     return _nearest(word.lower(), tuple(allowed))

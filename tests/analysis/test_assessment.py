@@ -15,8 +15,9 @@ from typer.testing import CliRunner
 
 from wrsim.analysis.assessment import assess, limits
 from wrsim.analysis.assessment.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
-from wrsim.analysis.assessment.nadal import longest_stretch, nadal_limit
+from wrsim.analysis.assessment.nadal import limit_of, longest_stretch, nadal_limit
 from wrsim.analysis.assessment.sections import sections_of, zone_of
+from wrsim.analysis.ride.evaluate import ride_section_of
 from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
@@ -24,6 +25,7 @@ from wrsim.results import Result
 from wrsim.results.assessment import Assessment
 from wrsim.results.assessment_tables import assessment_json
 from wrsim.scenario.sections.assessment import AssessmentSettings
+from wrsim.scenario.sections.ride import RideSection
 from wrsim.vehicle.bogies import bogie_mass, level_of
 from wrsim.vehicle.vehicle_files import load_vehicle
 
@@ -371,6 +373,25 @@ def test_nadals_limit_in_closed_form():
     assert nadal_limit(np.radians(70.0), 0.0) == pytest.approx(tan(np.radians(70.0)))
     assert nadal_limit(np.radians(70.0), 0.36) == pytest.approx(tan(np.radians(70.0) - np.arctan(0.36)))
     assert nadal_limit(np.radians(60.0), tan(np.radians(60.0))) == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "contact = 3",
+        'contact = {friction = "x"}',
+        'contact = {friction = {static = "x"}}',
+        "contact = {friction = nan}",
+        f"contact = {{friction = {10**400}}}",
+        f"a = {'[' * 5000}",
+        "\0",
+    ],
+    ids=lambda text: text[:40],
+)
+def test_a_result_whose_scenario_has_no_friction_gives_no_nadal_limit(text):
+    dataset = run(250.0).dataset.assign_attrs(scenario_text=text)
+    assert limit_of(dataset, AssessmentSettings(flange_angle=np.radians(70.0)), []) is None
+    assert ride_section_of(Result(dataset)) == RideSection()
 
 
 def test_the_longest_stretch_ends_between_the_samples():

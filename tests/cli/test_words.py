@@ -22,6 +22,7 @@ from wrsim.cli import app
 from wrsim.core.compiling import Kernel
 from wrsim.results import Result
 from wrsim.results.render import on_terminal
+from wrsim.results.run_file import RunFile
 from wrsim.results.table import Column, Table
 
 runner = CliRunner()
@@ -187,6 +188,27 @@ def test_the_same_place_means_the_same_to_plot_and_resolve(tmp_path: Path) -> No
             assert f"there are {place:.1f}, " in told.stderr, (command, name)
     told = call("plot", tmp_path, "--wheelset", "2", "--at", f"{here - 17.5:.1f}")
     assert (tmp_path / f"wheelset_2/patches_at_{here - 17.5:.1f}.png").is_file(), told.output
+
+
+@pytest.mark.parametrize("command", ["diff", "resolve", "assess", "ride"])
+def test_a_result_that_cannot_be_used_is_named_in_one_line(command: str, run: Result, tmp_path: Path) -> None:
+    """Of a scenario with several faults the first is told: its reader has not written it."""
+    file, other = tmp_path / "odd.nc", tmp_path / "other.nc"
+    Result(static_poses() if command != "resolve" else run.dataset.assign_attrs(scenario_text="a = 1\nb = 2\n")).save(
+        file
+    )
+    run.save(other)
+    told = call(command, file, *((other,) if command == "diff" else ()))
+    assert told.exit_code == 2 and str(file) in told.stderr and told.stderr.count("\n") == 1
+    assert (" more lines)" in told.stderr) == (command == "resolve")
+
+
+def test_a_run_file_whose_scenario_has_several_faults_is_refused_in_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "result.nc.part"
+    RunFile.create(path, {"scenario_text": "a = 1\nb = 2\n", "folders": ["/x"]}).close()
+    told = call("show", path)
+    assert told.exit_code == 2 and told.stderr.count("\n") == 1
+    assert f"{path}: scenario" in told.stderr and " more lines)" in told.stderr
 
 
 @pytest.mark.usefixtures("unpainted")

@@ -10,7 +10,7 @@ import typer
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import BesideResult, Force, Json, Pictures, SectionsOf, beside
 from wrsim.cli.showing import print_json, print_tables, say
-from wrsim.cli.storing import RESULT, read, writing
+from wrsim.cli.storing import RESULT, read, told_of, writing
 from wrsim.errors import InputError
 
 
@@ -40,7 +40,9 @@ def assess(
             raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
         loaded = [read(path) for path in results]
         settings = None if scenario is None else load(scenario).table(AssessmentSection).settings()
-        found = assessed(loaded, settings, _names(results))
+        names = _names(results)
+        with told_of(*results):
+            found = assessed(loaded, settings, names)
         directory = output or beside(results[0])
         files = [
             write_atomically(directory / "assessment.json", assessment_json(found)),

@@ -11,7 +11,7 @@ import typer
 from wrsim.cli.ending import DIFFERENT, reporting_errors
 from wrsim.cli.options import AnyResult, Force, Json
 from wrsim.cli.showing import print_json, print_tables, say
-from wrsim.cli.storing import read, writing
+from wrsim.cli.storing import read, told_of, writing
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -45,7 +45,8 @@ def diff(
         if not 0.0 <= tolerance < math.inf:
             raise InputError(f"--tolerance {tolerance:g}: must be a number not below 0, such as 0.01 for 1 %")
         one, other = read(first), read(second)
-        found = differences(one, other, only or ())
+        with told_of(first, second):
+            found = differences(one, other, only or ())
         beyond = [d for d in found if d.relative > tolerance]
         words = _ends(one, other)
         files = [] if output is None else _write(found, one, other, (str(first), str(second)), output)

@@ -44,7 +44,7 @@ def resolve(
         if same not in ("load", "pose"):
             raise InputError(f"--same {same}: must be load or pose")
         from wrsim.analysis.resolve import resolve as solve
-        from wrsim.cli.storing import RECORD, claimed, read, write
+        from wrsim.cli.storing import RECORD, claimed, read, told_of, write
         from wrsim.results import write_atomically
         from wrsim.results.moments import moments_at, side_by_side
         from wrsim.results.summary_tables import listed, remarks
@@ -52,10 +52,10 @@ def resolve(
         from wrsim.scenario.loading import load_text
 
         before = read(result)
-        moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
         folder = beside(result)
-        scenario = load_text(before.dataset.attrs["scenario_text"], folder, models or (), closed=True)
-        with progress_bar(not (quiet or as_json)) as progress:
+        with told_of(result), progress_bar(not (quiet or as_json)) as progress:
+            moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
+            scenario = load_text(before.dataset.attrs["scenario_text"], folder, models or (), closed=True)
             after = solve(before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress)  # type: ignore[call-arg, arg-type]
         directory = output or folder / "".join(c if c.isalnum() or c in "-+._" else "_" for c in contact)
         with claimed(directory, force, (result,)) as keeper:

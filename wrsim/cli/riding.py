@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from wrsim.cli.ending import reporting_errors
 from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Pictures, SectionsOf, beside
 from wrsim.cli.showing import complain, print_json, print_tables, say
-from wrsim.cli.storing import read, writing
+from wrsim.cli.storing import read, told_of, writing
 from wrsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,8 +30,9 @@ def ride(
         from wrsim.scenario.loading import load
         from wrsim.scenario.sections.ride import RideSection
 
-        loaded = read(result)
-        found = evaluate_ride(loaded, None if scenario is None else load(scenario).table(RideSection))
+        loaded, section = read(result), None if scenario is None else load(scenario).table(RideSection)
+        with told_of(result):
+            found = evaluate_ride(loaded, section)
         directory = output or beside(result)
         files = write_ride(found, directory, pictures)
         if as_json:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wrsim.cli.options import beside
+from wrsim.errors import InputError, in_one_line
 from wrsim.register import ANALYSES, resolved
 
 if TYPE_CHECKING:
@@ -117,6 +118,18 @@ def can_go_on(result: Result) -> bool:
     return result.dataset.attrs.get("stop_cause") in ("interrupt", "cut-off")
 
 
+@contextmanager
+def told_of(*results: Path) -> Iterator[None]:
+    """Name the results that cannot be used for what is done meanwhile, in one line; faults of options name these."""
+    try:
+        yield
+    except InputError as error:
+        words = in_one_line(error)
+        if not words.startswith("--") and not any(str(path) in words for path in results):
+            words = f"{', '.join(map(str, results))}: {words}"
+        raise InputError(words) from None
+
+
 def read(path: Path) -> Result:
     """A result, or what there is of a run that did not come to its end: a file, or the newer of both in a folder."""
     from wrsim.results import Result
@@ -126,11 +139,12 @@ def read(path: Path) -> Result:
         path = whole
         if part.exists() and (not whole.exists() or part.stat().st_mtime_ns > whole.stat().st_mtime_ns):
             path = part
-    if path.suffix == ".part":
-        from wrsim.analysis import recorded
+    with told_of(path):
+        if path.suffix == ".part":
+            from wrsim.analysis import recorded
 
-        return recorded(path)
-    return Result.load(path)
+            return recorded(path)
+        return Result.load(path)
 
 
 def whole_result(directory: Path, scenario: Scenario) -> Result | None:

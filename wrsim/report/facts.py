@@ -11,6 +11,7 @@ from wrsim.errors import InputError
 from wrsim.plots.moments import snapshot_letter
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment, ZoneValue
+from wrsim.results.dataset import table_of_scenario
 from wrsim.results.files import from_json
 from wrsim.results.ride import Ride
 from wrsim.results.summary_tables import curve_tables, wheelset_tables
@@ -113,19 +114,9 @@ def inputs(result: Result) -> list[tuple[str, str]]:
     return [(str(name), str(digest)) for name, digest in found.items()]
 
 
-def _scenario(result: Result) -> dict[str, Any]:
-    import tomllib
-
-    try:
-        return tomllib.loads(str(result.dataset.attrs.get("scenario_text", "")))
-    except tomllib.TOMLDecodeError:
-        return {}
-
-
 def _named_in(result: Result, table: str, key: str) -> str:
-    found = _scenario(result).get(table, {})
-    text = str(found.get(key, "")) if isinstance(found, dict) else ""
-    speed = found.get("speed_kmh") if isinstance(found, dict) else None
+    found = table_of_scenario(result.dataset, table) or {}
+    text, speed = str(found.get(key, "")), found.get("speed_kmh")
     return text + (f", {speed:g} km/h" if text and isinstance(speed, int | float) else "")
 
 
@@ -133,9 +124,7 @@ def _contact(result: Result) -> str:
     attributes = result.dataset.attrs
     if "resolved_with" in attributes:
         return f"solved again with {attributes['resolved_with']}"
-    found = _scenario(result).get("contact", {})
-    if not isinstance(found, dict):
-        return ""
+    found = table_of_scenario(result.dataset, "contact") or {}
     return ", ".join(f"{k} = {v}" for k, v in found.items() if k in ("normal", "tangential", "friction"))
 
 

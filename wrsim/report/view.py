@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wrsim import __version__
-from wrsim.errors import InputError
+from wrsim.errors import InputError, in_one_line
 from wrsim.report.page import template
 from wrsim.report.view_data import view_data
 from wrsim.results import Result
@@ -43,5 +43,5 @@ def setup_of(result: Result, folder: Path, models: Sequence[Path] = ()) -> tuple
         text = str(result.dataset.attrs.get("scenario_text", ""))
         return build(load_text(text, folder, models, closed=True)), ""
     except InputError as problem:
-        first = str(problem).split("\n")[0]
-        return None, f"The scenario of the result cannot be set up here, so there is no vehicle to show: {first}"
+        why = in_one_line(problem)
+        return None, f"The scenario of the result cannot be set up here, so there is no vehicle to show: {why}"

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from xarray.core import indexing
 
 from wrsim import __version__
-from wrsim.errors import suggest
+from wrsim.errors import InputError, suggest
+from wrsim.inputs.toml_files import parse_toml
 from wrsim.results.channels import CHANNELS, WHEELS, Channel
 from wrsim.results.room import OnDisk
 
@@ -219,3 +220,12 @@ def _attributes(given: Mapping[str, str | float | int], sample: str) -> dict[str
     for name, text in versions().items():
         attributes.setdefault(name, text)
     return attributes
+
+
+def table_of_scenario(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
+    """One table of the scenario that a result carries; empty where it has none, None where it cannot be read."""
+    try:
+        found = parse_toml(str(dataset.attrs.get("scenario_text", "")), "scenario").get(name, {})
+    except InputError:
+        return None
+    return found if isinstance(found, dict) else None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from math import tan
 from typing import Any
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from wrsim.contact.settings import ContactSettings
 from wrsim.results.assessment import Limit
+from wrsim.results.dataset import table_of_scenario
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
 Array = NDArray[np.float64]
@@ -60,11 +60,8 @@ def _friction_of(dataset: xr.Dataset) -> float | None:
     result carries; None without one."""
     if "rail_friction" in dataset:
         return float(max(dataset[name].max() for name in ("rail_friction", "rail_friction_corner")))
-    try:
-        scenario = tomllib.loads(str(dataset.attrs.get("scenario_text", "")))
-    except tomllib.TOMLDecodeError:
+    if (contact := table_of_scenario(dataset, "contact")) is None:
         return None
-    contact: dict[str, Any] = scenario.get("contact", {})
     both = contact.get("friction", _largest(ContactSettings().friction))
     found = [_largest(contact.get(f"friction_{side}", both)) for side in ("left", "right")]
     return max((value for value in found if value is not None), default=None)
@@ -73,12 +70,12 @@ def _friction_of(dataset: xr.Dataset) -> float | None:
 def _largest(friction: Any) -> float | None:
     """The largest coefficient in a number, a pair or a table of a law."""
     if isinstance(friction, int | float):
-        return float(friction)
+        return float(friction) if 0.0 <= friction <= 2.0 else None
     parts = [getattr(friction, "static", None), getattr(friction, "gauge_corner", None)]
     if isinstance(friction, tuple | list):
         parts = [_largest(part) for part in friction]
     elif isinstance(friction, dict):
-        parts = [friction.get(name) for name in ("static", "gauge_corner", "coefficient")]
+        parts = [_largest(friction.get(name)) for name in ("static", "gauge_corner", "coefficient")]
     return max((float(part) for part in parts if part is not None), default=None)
 
 

@@ -8,7 +8,6 @@ files came to, and the versions that shape the numbers. A run goes on only where
 from __future__ import annotations
 
 import hashlib
-import tomllib
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -17,9 +16,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import wrsim
-from wrsim.errors import InputError
+from wrsim.errors import InputError, in_one_line
 from wrsim.inputs.lookup import VARIABLE
-from wrsim.inputs.toml_files import read_bytes, shown
+from wrsim.inputs.toml_files import parse_toml, read_bytes, shown
 from wrsim.results import versions
 from wrsim.results.run_file import opened_run_file
 from wrsim.scenario.loading import load_text
@@ -78,7 +77,8 @@ def _same_run(path: Path, now: dict[str, Any]) -> None:
     """Raise ``InputError`` when a file holds a run that would not go on with the same numbers."""
     then = _header(path)
     again = "run it without --resume to start from the beginning"
-    changed = _first_change(tomllib.loads(then["scenario_text"]), tomllib.loads(now["scenario_text"]))
+    before, after = (parse_toml(of["scenario_text"], f"{path}: its scenario") for of in (then, now))
+    changed = _first_change(before, after)
     if changed:
         raise InputError(f"{path}: is the run of another scenario: {changed}; {again}")
     for name in ("wrsim", "python", "numpy", "numba", "exudyn", "scipy"):
@@ -133,7 +133,8 @@ def recorded_setup(path: Path) -> Setup:
         setup = build(load_text(header["scenario_text"], path.parent, closed=True))
     except InputError as error:
         folders = shown(", ".join(map(str, header["folders"])), 300)
-        raise InputError(f"{path}: {error}; {VARIABLE} names more folders; the run had {folders}") from None
+        why = f"{path}: {in_one_line(error)}; {VARIABLE} names more folders; the run had {folders}"
+        raise InputError(why) from None
     files = {str(file): _file_digest(file) for file in setup.files}
     now = {"numbers": numbers_digest(setup), "files": files, "code": code_digest()}
     _same_models(path, header, now, "what is in the file can no longer be read: run the scenario again")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
-
 import numpy as np
 import xarray as xr
 
@@ -14,6 +12,7 @@ from wrsim.analysis.ride.spectra import spectrum, third_octaves
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check
 from wrsim.results import Result
+from wrsim.results.dataset import table_of_scenario
 from wrsim.results.ride import AXES, Ride
 from wrsim.scenario.sections.ride import RideSection
 
@@ -70,8 +69,4 @@ def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:
 
 def ride_section_of(result: Result) -> RideSection:
     """[ride] of the scenario that the result carries; the defaults where that says nothing."""
-    try:
-        scenario = tomllib.loads(str(result.dataset.attrs.get("scenario_text", "")))
-    except tomllib.TOMLDecodeError:
-        return RideSection()
-    return check(RideSection, scenario.get("ride", {}), lambda path: "[ride]")
+    return check(RideSection, table_of_scenario(result.dataset, "ride") or {}, lambda path: "[ride]")
