@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import re
 from math import pi, sqrt, tan
 
 import numpy as np
@@ -456,8 +455,6 @@ def test_the_command_leaves_tables_and_pictures(tmp_path):
     ).save(tmp_path / "result.nc")
     done = CliRunner().invoke(app, ["assess", str(tmp_path)])
     assert done.exit_code == 0, done.output
-    assert re.search(r"Y_qst +kN +very small radius \(1\) +30 +65 +54 % +ok", done.output), done.output
-    assert "note: Nadal: the result does not tell the" in done.output
     rows = list(csv.DictReader((tmp_path / "assessment.csv").read_text().splitlines()))
     found = json.loads((tmp_path / "assessment.json").read_text())
     assert len(rows) == len(found["values"])

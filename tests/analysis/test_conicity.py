@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from functools import cache
 from pathlib import Path
 
@@ -194,14 +193,6 @@ def test_the_scenario_and_the_command_tell_the_same(tmp_path):
     assert table.read_text().splitlines()[0] == "amplitude_mm,equivalent_conicity,conicity_wavelength_m"
     loaded = Result.load(result.save(tmp_path / "result.nc"))
     assert loaded.dataset.identical(result.dataset)
-
-
-def test_the_commands_table_of_a_cone_is_linear_in_the_shift():
-    told = CliRunner().invoke(app, ["conicity", "wheels/cone_1in20.toml", "rails/60E1.toml"])
-    rows = [line.split() for line in told.output.splitlines() if re.match(r" +\d\.[05] ", line)]
-    assert len(rows) == 13
-    assert [row[1] for row in rows] == ["0.050"] * 13
-    assert [row[3] for row in rows] == [f"{0.1 * float(row[0]):.3f}" for row in rows]
 
 
 @pytest.mark.parametrize(

@@ -55,22 +55,6 @@ def test_the_track_shifting_force_is_the_left_wheel_less_the_right_one(run: Resu
     assert abs(largest) == pytest.approx(1e-3 * np.abs(y[:, 0, 0] - y[:, 0, 1]).max())
 
 
-def test_a_run_is_told_in_words(run: Result, tmp_path: Path) -> None:
-    run.save(tmp_path / "result.nc")
-    told = call("show", tmp_path).stdout
-    for words in (
-        "Y, least [kN]",
-        "track shifting force ΣY",
-        "angle of attack",
-        "lateral shift",
-        "medians of its second",
-    ):
-        assert words in told, words
-    (curve,) = run.summary()["wheelsets"]["wheelset"]["full_curves"]
-    assert f"{curve['lateral_shift_mm']:z.4g}" in told
-    assert f"{curve['right']['Y_kN']:z.4g}" in told
-
-
 def test_the_balance_of_energy_is_told(run: Result, tmp_path: Path) -> None:
     """1 MJ of pull, a quarter of it lost in creep, the rest in motion: nothing is left over, nothing else is told."""
     time = run.dataset["time"].values
@@ -127,13 +111,6 @@ def test_the_time_that_a_run_took_is_told_beside_the_time_on_the_track(
     summary = json.loads(call(*command, "--json").stdout)["summary"]
     assert summary["compiling_s"] > 0.0
     assert 0.2 <= summary["wall_time_s"] <= time.perf_counter() - began - summary["compiling_s"] + 1e-3
-
-
-def test_a_conicity_analysis_prints_its_table(tmp_path: Path) -> None:
-    scenario = Path(__file__).parents[2] / "scenarios/conicity_s1002.toml"
-    told = call("run", scenario, "-o", tmp_path, "--no-pictures").stdout
-    assert re.search(r"3\.0 +0\.17\d", told), told
-    assert "tan γe" in told
 
 
 @pytest.mark.parametrize("name", sorted(COMMANDS))

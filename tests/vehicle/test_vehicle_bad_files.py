@@ -299,12 +299,10 @@ def test_a_scenario_that_does_not_suit_its_vehicle_is_refused(values: dict[str, 
         build(load(ROOT / "scenarios/manchester_r300.toml").with_values(values))
 
 
-def test_the_command_prints_loads_and_modes_and_draws(tmp_path: Path) -> None:
+def test_the_command_draws_a_vehicle(tmp_path: Path) -> None:
     runner = CliRunner()
     done = runner.invoke(app, ["vehicle", "vehicles/manchester_1.toml", "-o", str(tmp_path / "m.svg")])
     assert done.exit_code == 0
-    assert "mass 44482 kg, centre at x 0, y 0, z 1440.45 mm" in done.output
-    assert "carbody vertical" in done.output
     assert (tmp_path / "m.svg").read_text().startswith("<?xml")
     again = runner.invoke(app, ["vehicle", "vehicles/manchester_1.toml", "-o", str(tmp_path / "m.jpg")])
     assert again.exit_code == 2

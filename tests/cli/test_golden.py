@@ -1,0 +1,67 @@
+"""What commands print, word by word: tests/data/golden has a file for each.
+
+Words are compared to the letter, spaces between them and the last digits of numbers are not. After a change that is
+meant: WRSIM_GOLDEN=write python -m pytest tests/cli/test_golden.py, and read what ``git diff`` says.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+from support.scenario_texts import CURVE, STATIC
+from support.synthetic_result import curve_run, static_poses
+from support.synthetic_run import Q0, curve, run
+from typer.testing import CliRunner
+
+from wrsim.cli import app
+from wrsim.results import Result
+
+ROOT = Path(__file__).parents[2]
+GOLDEN = ROOT / "tests/data/golden"
+NUMBER = re.compile(r"[-−+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+COMMANDS = {
+    "check": "check DIR/curve.toml",
+    "check_poses": "check DIR/poses.toml",
+    "show": "show DIR/run",
+    "show_stopped": "show DIR/stopped",
+    "show_poses": "show DIR/poses",
+    "diff": "diff DIR/run DIR/stopped --tolerance 0.01",
+    "assess": "assess DIR/forces --scenario DIR/assessed.toml -o DIR/assessed --no-pictures",
+    "vehicle": "vehicle vehicles/manchester_1.toml --cant-deficiency 150 --twist 5 --twist-test",
+    "conicity": "conicity wheels/cone_1in20.toml rails/60E1.toml",
+    "conicity_curves": "conicity wheels/S1002.toml rails/60E1.toml --curve-m 300",
+    "profile": "profile wheels/S1002.toml -o DIR/wheel.png",
+    "track": "track DIR/curve.toml -o DIR/track.png",
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the commands read: scenarios and results that are made up."""
+    folder = tmp_path_factory.mktemp("golden")
+    over = 'estimate_over = ["cant_deficiency", "speed"]\nestimate_cant_deficiency_mm = 150\n'
+    for name, text in (("curve", CURVE), ("poses", STATIC), ("assessed", f"{CURVE}\n[assessment]\n{over}")):
+        (folder / f"{name}.toml").write_text(text)
+    forces = run(900.0, curvature=curve(300.0), y=lambda s: (0.2 * Q0 + 0.0 * s, 65e3 + 20.0 * s))
+    datasets = {"run": curve_run(samples=60), "stopped": curve_run(samples=60, stopped=True), "poses": static_poses()}
+    for name, dataset in (datasets | {"forces": forces.dataset}).items():
+        Result(dataset).save(folder / name / "result.nc")
+    return folder
+
+
+@pytest.mark.usefixtures("unpainted")
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_command_prints_what_it_printed(name: str, folder: Path) -> None:
+    words = COMMANDS[name].replace("DIR", str(folder)).split()
+    done = CliRunner().invoke(app, words, env={"COLUMNS": "160", "NO_COLOR": "1"})
+    text = re.sub(r" +\n", "\n", done.output.replace(str(folder), "DIR").replace(str(ROOT), "ROOT"))
+    file = GOLDEN / f"{name}.txt"
+    if os.environ.get("WRSIM_GOLDEN") == "write":
+        file.write_text(text, encoding="utf-8")
+    wanted = file.read_text(encoding="utf-8")
+    assert NUMBER.sub("#", text).split() == NUMBER.sub("#", wanted).split(), f"{text}\nsee {__doc__}"
+    numbers, kept = ([float(n.replace("−", "-")) for n in NUMBER.findall(t)] for t in (text, wanted))
+    assert numbers == pytest.approx(kept, rel=5e-3, abs=1e-4)
