@@ -86,7 +86,7 @@ def test_a_bouncing_wheelset_keeps_its_energy():
 
 @pytest.mark.parametrize(
     ("lateral", "roll", "rates"),
-    [(1e-3, 0.0, (0.0, 0.0)), (0.0, 0.0, (0.02, 0.0)), (0.0, 0.0, (0.0, 0.02)), (1e-3, 7e-5, (0.01, 0.01))],
+    [(1e-3, 0.0, (0.0, 0.0)), (1e-3, 7e-5, (0.01, 0.01))],
 )
 def test_lateral_and_roll_motion_waver_in_energy_and_hardly_drift(lateral, roll, rates):
     """What is measured: the energy wavers by up to 3e-4 and drifts by less than 3e-5 in a second.

@@ -9,12 +9,8 @@ from scipy.optimize import curve_fit
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 
 from wrsim.core.body.kinematics import kinematics
-from wrsim.geometry.track.segments import Arc, Straight, Transition
-from wrsim.geometry.track.track import Track
 from wrsim.simulation.integrate import integrate
-from wrsim.simulation.placement import place_on_track, poses_on_track
 from wrsim.simulation.system import RigidBody, System
-from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
 
@@ -66,9 +62,9 @@ def test_a_free_axle_precesses_about_its_angular_momentum():
     assert axle == pytest.approx(expected, abs=1e-7)
 
 
-def wheelset_on_edges(vehicle, speed, track=None, law=None, start=0.0):
-    """System of a wheelset on knife edges, along a track's centre line or straight ahead."""
-    return KnifeEdgeForces(vehicle, speed, track, law, start).system
+def wheelset_on_edges(vehicle, speed):
+    """System of a wheelset on knife edges, straight ahead."""
+    return KnifeEdgeForces(vehicle, speed).system
 
 
 def rest_height(law, axle_load=100e3):
@@ -127,41 +123,6 @@ def test_critical_speed_of_the_three_dimensional_example():
     assert np.interp(0.0, rates, speeds) == pytest.approx(52.74, rel=2e-3)
 
 
-@pytest.mark.parametrize("exact", [False, True])
-def test_klingel_wavelength_with_roll_coupling(exact):
-    law = KnifeEdge(exact=exact)
-    speed = 2.0  # slow: inertia shortens nothing
-    system = wheelset_on_edges(example_wheelset(spring=0.0), speed, law=law)
-    motion = integrate(
-        system, *rolling(speed, law, lateral=1e-3), duration=12.0, step=2e-4, integrator="rk44", sample_interval=0.02
-    )
-    crossings = np.flatnonzero(np.diff(np.sign(motion.q[:, 2])))
-    y, x = motion.q[:, 2], motion.q[:, 1]
-    zeros = [x[i] - y[i] * (x[i + 1] - x[i]) / (y[i + 1] - y[i]) for i in crossings]
-    assert len(zeros) >= 3
-    wavelength = 2 * (zeros[-1] - zeros[0]) / (len(zeros) - 1)
-    assert wavelength == pytest.approx(law.wavelength, rel=2e-3)
-
-
-@pytest.mark.parametrize(("exact", "radius"), [(False, 2000.0), (False, -2000.0), (True, 2000.0)])
-def test_a_free_conical_wheelset_in_a_curve_sits_at_the_rolling_line(exact, radius):
-    law = KnifeEdge(exact=exact)
-    # lateral springs damp Klingel's wave and leave the rolling line as it is: only yaw moments could move it
-    vehicle = example_wheelset(spring=(0.0, 5e5, 0.0))
-    track = Track.build([Straight(10.0), Transition(60.0), Arc(330.0, radius)])
-    speed = 20.0
-    q, q_t = place_on_track(track.centre, 5.0, speed=speed, height=rest_height(law), spin_rate=speed / law.radius)
-    system = wheelset_on_edges(vehicle, speed, track, law, start=5.0)
-    motion = integrate(system, q, q_t, duration=19.0, step=5e-4, integrator="rk44", sample_interval=0.01)
-    poses = poses_on_track(track.centre, motion.q, motion.q_t, start=5.0)
-    outward = -np.sign(radius) * poses.lateral[-100:]
-    line = law.radius * law.half_spacing / (law.conicity * abs(radius))
-    if exact:  # the contact runs along the axle by y + r0 roll = y (1 + r0 lambda / l)
-        line /= 1.0 + law.radius * law.conicity / law.half_spacing
-    assert np.ptp(outward) < 0.02 * line
-    assert outward.mean() == pytest.approx(line, rel=0.01)
-
-
 def test_the_spin_of_a_rolling_wheelset_is_the_way_over_the_radius():
     law = KnifeEdge()
     system = wheelset_on_edges(example_wheelset(), 20.0)
@@ -170,86 +131,3 @@ def test_the_spin_of_a_rolling_wheelset_is_the_way_over_the_radius():
     motion = integrate(system, q, q_t, duration=2.0, step=5e-4, integrator="rk44", sample_interval=0.1)
     assert motion.q_t[-1, 5] == pytest.approx(motion.q_t[-1, 1] / law.radius, rel=1e-5)
     assert motion.q[-1, 5] - motion.q[1, 5] == pytest.approx((motion.q[-1, 1] - motion.q[1, 1]) / law.radius, rel=1e-5)
-
-
-def s_curve(heading=0.0, hand=1.0):
-    """A short S of 300 and 250 m with cant."""
-    return Track.build(
-        [
-            Straight(10.0),
-            Transition(20.0),
-            Arc(20.0, hand * 300.0, cant=0.06),
-            Transition(20.0),
-            Arc(20.0, -hand * 250.0, cant=0.05),
-            Transition(20.0),
-            Straight(10.0),
-        ],
-        heading=heading,
-    )
-
-
-def through(track, *, lateral=1e-3, speed=20.0, duration=4.0, law=None):
-    """Poses of the damped example wheelset through a track."""
-    law = law or KnifeEdge()
-    load = 1500.0 * STANDARD_GRAVITY + 85e3
-    vehicle = example_wheelset(1e6, (1e4, 2e4, 0.0), axle_load=load, push=np.sign(lateral) * 50.0)
-    q, q_t = place_on_track(
-        track.centre, 2.0, speed=speed, height=rest_height(law), spin_rate=speed / law.radius, lateral=lateral
-    )
-    system = wheelset_on_edges(vehicle, speed, track, law, start=2.0)
-    motion = integrate(system, q, q_t, duration=duration, step=5e-4, integrator="rk44", sample_interval=5e-3)
-    assert motion.status == "completed"
-    poses = poses_on_track(track.centre, motion.q, motion.q_t, start=2.0)
-    return np.array([poses.distance, poses.lateral, poses.height, poses.yaw, poses.roll, poses.spin_rate])
-
-
-@pytest.mark.parametrize("exact", [False, True])
-def test_the_motion_does_not_depend_on_the_direction_of_the_track(exact):
-    law = KnifeEdge(exact=exact)
-    reference = through(s_curve(), law=law)
-    assert np.ptp(reference[1]) > 2e-3  # it does move
-    for heading in (0.7, 2.5, -40.0):
-        turned = through(s_curve(heading), law=law)
-        difference = np.abs(turned - reference).max(axis=1) / np.ptp(reference, axis=1)
-        assert np.all(difference < 1e-6), difference
-
-
-@pytest.mark.parametrize("exact", [False, True])
-def test_a_left_curve_mirrors_a_right_curve(exact):
-    law = KnifeEdge(exact=exact)
-    left = through(s_curve(), law=law)
-    right = through(s_curve(hand=-1.0), lateral=-1e-3, law=law)
-    mirror = np.array([1.0, -1.0, 1.0, -1.0, -1.0, 1.0])[:, None]
-    assert np.abs(left - mirror * right).max() < 1e-9 * np.abs(left[1]).max()
-
-
-def test_a_wheelset_rolls_through_more_than_a_full_circle():
-    track = Track.build([Straight(10.0), Transition(30.0), Arc(700.0, 100.0)])
-    law = KnifeEdge(conicity=0.3)  # the rolling line within 15 mm
-    vehicle = example_wheelset(spring=1e6)
-    q, q_t = place_on_track(track.centre, 5.0, speed=20.0, height=rest_height(law), spin_rate=20.0 / 0.46)
-    system = wheelset_on_edges(vehicle, 20.0, track, law, start=5.0)
-    motion = integrate(system, q, q_t, duration=36.0, step=5e-4, integrator="rk44", sample_interval=0.05)
-    assert motion.status == "completed"
-    assert motion.q[-1, 3] > 2 * np.pi
-    poses = poses_on_track(track.centre, motion.q, motion.q_t, start=5.0)
-    steady = poses.distance > 300.0
-    assert np.ptp(poses.lateral[steady]) < 1e-4
-    assert np.ptp(poses.yaw[steady]) < 1e-4
-
-
-def test_a_bouncing_wheelset_keeps_its_energy():
-    # Hertz springs alone: no damping, no creep; the vertical frequency is some 220 Hz and h = 2e-5 s resolves it.
-    # RK44 loses energy at a steady rate: 1e-5 in 10 s is asked, 1 s is run
-    law = KnifeEdge(damping=0.0, creep=0.0)
-    system = wheelset_on_edges(example_wheelset(spring=0.0), 10.0, law=law)
-    q, q_t = rolling(10.0)
-    q[0] += 2e-5
-    q_t[1] = q_t[5] = 0.0  # nothing but the bounce: the energy below is that of the vibration
-    motion = integrate(system, q, q_t, duration=1.0, step=2e-5, integrator="rk44", sample_interval=1e-2)
-    gamma = np.arctan(law.conicity)
-    depth = np.maximum((law.radius - motion.q[:, 0]) * np.cos(gamma), 0.0)
-    spring = 2 * 0.4 * law.hertz * depth**2.5
-    energy = spring + 100e3 * motion.q[:, 0] + 0.5 * 1500.0 * motion.q_t[:, 0] ** 2
-    rest = 2 * 0.4 * law.hertz * law.approach(50e3) ** 2.5 + 100e3 * rest_height(law)
-    assert np.abs(energy - energy[0]).max() < 0.1e-5 * (energy[0] - rest)

@@ -156,6 +156,7 @@ def test_a_service_that_was_killed_gives_the_same_to_the_bit(
     assert list(steps_of(service, tmp_path, nothing)) == steps
 
 
+@pytest.mark.campaign  # in the suite: the order of the stages, and the mass that is lost
 def test_half_the_step_gives_the_same_depth(service: Service, steps: list[Step], tmp_path: Path) -> None:
     """The first step in two halves: mass and depth everywhere, of the deepest."""
     half = service_in(tmp_path, text=SERVICE.replace("= 20", "= 10").replace("= 40", "= 20"))

@@ -6,29 +6,18 @@ tan(gamma) = lambda.
 
 Normal force N = K delta^1.5 + c sqrt(delta) d(delta)/dt, never negative; creep force -C (N/N0)^(2/3) v/V,
 saturated after Vermeulen and Johnson: T = mu N (e - e^2/3 + e^3/27), e = T_linear/(mu N) < 3. V is the speed
-of the track-following frame; no spin. Two geometries:
-
-"textbook", the law behind the growth rates of the three-dimensional example (found by comparing variants
-with the
-published figures: all four speeds agree to 3 digits, no other variant does): the wheel is touched at
-half_spacing -+ y along its axle, y the lateral shift of the centre of mass, straight below the axle; the
-contact frame is the wheelset's own, tilted by the cone angle; the approach is how deep that point lies below
-the edge.
-
-"exact": the edge touches the generator whose normal n has no component along the track. With n the unit
-normal out of the wheel (downwards), n.axle = sin(gamma), n.t = 0 and approach delta = (apex - edge).n, at
-any yaw and roll.
-
-The two differ to first order. The contact moves along the axle by y + r0 roll, not by y; with roll = lambda
-y/l the exact wheelset has Klingel's wavelength itself (the lateral velocity at the contact has the same
-factor), the textbook one is longer by sqrt(1 + r0 lambda/l).
+of the track-following frame; no spin. The law behind the growth rates of the three-dimensional example
+(found by comparing variants with the published figures: all four speeds agree to 3 digits, no other variant
+does): the wheel is touched at half_spacing -+ y along its axle, y the lateral shift of the centre of mass,
+straight below the axle; the contact frame is the wheelset's own, tilted by the cone angle; the approach is
+how deep that point lies below the edge.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import atan, cos, pi, sin, sqrt
+from math import atan, cos, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,7 +25,7 @@ from numpy.typing import NDArray
 from support.held import held_state
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
 from wrsim.core.compiling import kernel
-from wrsim.core.linalg import Vec, add, combined, components, cross, dot, mixed, point_velocity, shifted, sub
+from wrsim.core.linalg import Vec, add, combined, components, cross, dot, mixed, point_velocity, sub
 from wrsim.core.track.path import frame, locate
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
@@ -50,11 +39,11 @@ from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
-HERTZ, DAMPING, CREEP, NORMAL0, FRICTION, R0, HALF, GAMMA, EXACT = range(9)
+HERTZ, DAMPING, CREEP, NORMAL0, FRICTION, R0, HALF, GAMMA = range(8)
 
 
 @kernel
-def textbook_contact(body, own, side, law):
+def edge_contact(body, own, side, law):
     """Approach, contact point (global), unit vectors t, s (tangent across) and n (out of the wheel)."""
     c, sine = cos(law[GAMMA]), sin(law[GAMMA])
     shift = side * dot(sub(body.position, own.origin), own.n)
@@ -66,38 +55,11 @@ def textbook_contact(body, own, side, law):
 
 
 @kernel
-def exact_contact(body, own, side, law):
-    """The same for the exact geometry. The axle and the apex are taken in (t, o, b), o outward."""
-    half = law[HALF]
-    c, sine = cos(law[GAMMA]), sin(law[GAMMA])
-    axle = components(body.left, own.t, own.n, own.b)
-    a = Vec(side * axle.x, axle.y, side * axle.z)
-    p = components(sub(body.position, own.origin), own.t, own.n, own.b)
-    apex = shifted(Vec(p.x, side * p.y, p.z), half + law[R0] * c / sine, a)  # along the axle
-    q2 = a.y * a.y + a.z * a.z
-    root = sqrt(q2 - sine * sine)
-    n = Vec(0.0, (a.y * sine + a.z * root) / q2, (a.z * sine - a.y * root) / q2)
-    g = mixed(sine, n, -1.0, a)  # generator from the apex to the rim, up to a factor
-    contact = shifted(apex, ((half - apex.y) * g.y - apex.z * g.z) / (g.y * g.y + g.z * g.z), g)
-    out = Vec(0.0, side * n.y, n.z)
-    return (
-        (apex.y - half) * n.y + apex.z * n.z,
-        add(own.origin, combined(Vec(contact.x, side * contact.y, contact.z), own.t, own.n, own.b)),
-        own.t,
-        combined(Vec(0.0, -side * n.z, n.y), own.t, own.n, own.b),
-        combined(out, own.t, own.n, own.b),
-    )
-
-
-@kernel
 def edge_forces(body, own, side, speed, law):
     """Force and moment (about the centre of mass) of one edge on the wheelset, and N. side: +1 left, -1
     right.
     """
-    if law[EXACT] != 0.0:
-        delta, at, t, s, n = exact_contact(body, own, side, law)
-    else:
-        delta, at, t, s, n = textbook_contact(body, own, side, law)
+    delta, at, t, s, n = edge_contact(body, own, side, law)
     if not delta > 0.0:
         zero = 0.0 * delta
         return Vec(zero, zero, zero), Vec(zero, zero, zero), zero
@@ -142,7 +104,6 @@ class KnifeEdge:
     radius: float = 0.46  # [m]
     half_spacing: float = 0.75  # [m]
     conicity: float = 0.05
-    exact: bool = False
 
     def numbers(self) -> NDArray[np.float64]:
         """As the kernels read them."""
@@ -156,16 +117,8 @@ class KnifeEdge:
                 self.radius,
                 self.half_spacing,
                 atan(self.conicity),
-                float(self.exact),
             ]
         )
-
-    @property
-    def wavelength(self) -> float:
-        """Klingel's wavelength [m]: 2 pi sqrt(r0 l/lambda), textbook law times sqrt(1 + r0 lambda/l)."""
-        half, r0 = self.half_spacing, self.radius
-        coupling = 1.0 if self.exact else sqrt(1 + r0 * self.conicity / half)
-        return 2 * pi * sqrt(r0 * half / self.conicity) * coupling
 
     def approach(self, wheel_load: float) -> float:
         """Static approach [m] under a vertical load on each wheel [N]."""
