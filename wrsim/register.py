@@ -80,8 +80,8 @@ _RUN = {
 }
 _ASSESSED = {
     "assessment": "wrsim.scenario.sections.assessment:AssessmentSection",
-    "ride": "wrsim.scenario.sections.ride:RideSection",
-    "wear": "wrsim.scenario.sections.wear:WearSection",
+    "ride": "wrsim.scenario.sections.run:RideSection",
+    "wear": "wrsim.scenario.sections.run:WearSection",
 }
 _CURVING = Analysis(
     name="curving",

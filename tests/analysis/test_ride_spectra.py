@@ -22,7 +22,7 @@ from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
-from wrsim.scenario.sections.ride import RideSection
+from wrsim.scenario.sections.run import RideSection
 
 RATE = 400.0
 TIME = np.arange(0.0, 120.0, 1.0 / RATE)

@@ -28,7 +28,7 @@ FILES = {
     "vehicle": ("a vehicle file", "wrsim.vehicle.vehicle_files:VehicleFile"),
     "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
     "train": ("a train file", "wrsim.vehicle.train_files:TrainFile"),
-    "track": ("a track file", "wrsim.scenario.track_file:TrackFile"),
+    "track": ("a track file", "wrsim.scenario.merging:TrackFile"),
     "profile": ("a profile file", "wrsim.geometry.profile.models:AnyProfileFile"),
     "columns": ("the column map of a recording", "wrsim.geometry.recording.columns:ColumnsFile"),
 }

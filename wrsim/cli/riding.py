@@ -28,7 +28,7 @@ def ride(
     with reporting_errors(as_json), writing(force, of=result):
         from wrsim.analysis.ride import evaluate_ride
         from wrsim.scenario.loading import load
-        from wrsim.scenario.sections.ride import RideSection
+        from wrsim.scenario.sections.run import RideSection
 
         loaded, section = read(result), None if scenario is None else load(scenario).table(RideSection)
         with told_of(result):

@@ -54,6 +54,15 @@ def read_columns(
     return {name: np.array(column) for name, column in zip(header, table, strict=True)}, numbers
 
 
+def check_rising(path: Path, name: str, values: NDArray[Any], lines: NDArray[np.intp]) -> None:
+    """Raise InputError, with its line, where a column does not rise from row to row."""
+    back = np.flatnonzero(np.diff(values) <= 0.0)
+    if back.size:
+        i = int(back[0])
+        message = f"{name} = {values[i + 1]:g} after {values[i]:g}: must rise from row to row"
+        raise InputError(f"{path}:{lines[i + 1]}: {message}")
+
+
 def table_lines(path: Path, what: str = "table") -> list[tuple[int, str]]:
     """The lines of a table with their numbers, but for empty ones and comments; they end in LF, CR or both."""
     lines = read_text(path, what).replace("\r\n", "\n").replace("\r", "\n").split("\n")

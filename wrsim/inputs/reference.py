@@ -2,18 +2,56 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from textwrap import dedent
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic import TypeAdapter
 from pydantic_core import PydanticUndefined
 
-from wrsim.inputs.meanings import meanings
 from wrsim.inputs.section import UNITS, Section, unit_of
 from wrsim.inputs.toml_files import shown
 from wrsim.inputs.values import RANGE, entry_of, fields, header_of, is_union, limits_of, plain, unpacked, words
+
+
+@cache
+def meanings(section: type[Section]) -> dict[str, str]:
+    """A sentence for every key of a table that has one; a table within it speaks for itself where there is none."""
+    found = {key: said for key, kind in fields(section).items() if (said := _of_table(unpacked(kind).base))}
+    for kind in reversed(section.__mro__):
+        if issubclass(kind, Section) and kind is not Section:
+            found |= _beneath_fields(kind)
+    return {key: found[key] for key in section.model_fields if key in found}
+
+
+def _of_table(kind: object) -> str:
+    """The first paragraph on the class of a table; empty for what is none."""
+    if not (isinstance(kind, type) and issubclass(kind, Section)):
+        return ""
+    return " ".join((kind.__doc__ or "").partition("\n\n")[0].split())
+
+
+def _beneath_fields(kind: type[Section]) -> dict[str, str]:
+    """Texts beneath the fields that a class itself has; none for a class that was made without a source."""
+    try:
+        source = inspect.getsource(kind)
+    except OSError:
+        return {}
+    (tree,) = ast.parse(dedent(source)).body
+    body = tree.body if isinstance(tree, ast.ClassDef) else []
+    found = {}
+    for field, beneath in pairwise(body):
+        match field, beneath:
+            case ast.AnnAssign(target=ast.Name(id=key)), ast.Expr(value=ast.Constant(value=str(text))):
+                found[key] = " ".join(text.split())
+    return found
+
 
 SCHEMA = "http://json-schema.org/draft-07/schema#"
 _QUOTED = re.compile(r'"([^"]+)"')

@@ -14,10 +14,11 @@ import datetime
 import math
 import types
 from functools import cache
+from itertools import pairwise
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from annotated_types import Ge, Gt, Le
-from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
@@ -222,3 +223,25 @@ def refusal(annotation: Any, place: list[Any], value: Any) -> str:
         return "must be " + choice(get_args(base), value)
     empty = "the list is empty: " if value in ([], ()) and get_origin(base) is tuple else ""
     return f"{empty}must be {words(annotation)}"
+
+
+Row = TypeVar("Row")
+Rows = TypeVar("Rows", bound=tuple[tuple[float, ...], ...])
+
+
+def rising(rows: Rows) -> Rows:
+    """Rows whose first numbers rise, from 0 on."""
+    for position, (before, row) in enumerate(pairwise(rows), 1):
+        if row[0] <= before[0]:
+            raise refuse(f"row [{position}] must lie behind the row before it: the first numbers rise")
+    if rows[0][0] < 0.0:
+        raise refuse(f"row [0] begins with {rows[0][0]:g}: must not lie before 0")
+    return rows
+
+
+RisingRows = Annotated[
+    tuple[Row, ...],
+    Field(strict=False, min_length=1, description="a list of rows in rising order, each {each}"),
+    AfterValidator(rising),
+]
+"""A table of rows whose first numbers rise from 0 on."""

@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -26,8 +26,8 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.scenario.friction_build import contact_of
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
-from wrsim.scenario.sections.speed import SpeedTable
 from wrsim.scenario.sections.table import Given
+from wrsim.scenario.sections.vehicle import SpeedTable
 from wrsim.scenario.track_build import gauge_extremes, track_of
 from wrsim.scenario.vehicle_build import SIDES, vehicle_of
 from wrsim.vehicle.loads import Drive
@@ -180,9 +180,8 @@ def _rails(scenario: Scenario, files: list[Path]) -> tuple[Profile, Profile]:
     found = []
     for side in SIDES:
         key, name = section.of_side("rail", side)
-        files.append(scenario.find(("track", key), name))
-        with scenario.naming(("track", key)):
-            rail = _laid(load_profile(files[-1], "rail"), section.inclination, section.gauge_depth_mm / 1e3)
+        profile = scenario.read(("track", key), name, partial(load_profile, kind="rail"), files)
+        rail = _laid(profile, section.inclination, section.gauge_depth_mm / 1e3)
         if section.gauge_between == "gauge points":
             try:
                 u, w = rail.gauge_point()[0], rail.top[1]
@@ -222,15 +221,15 @@ def _rail_sections(scenario: Scenario, i: int, files: list[Path]) -> list[RailSe
     entry, inclination = scenario.spec.track.rail_sections[i], scenario.spec.track.inclination
     kind, name = ("rail", entry.rail) if entry.table is None else ("table", entry.table)
     key = ("track", "rail_sections", i, kind)
-    files.append(scenario.find(key, name or ""))
-    with scenario.naming(key):
-        if entry.table is None:
-            features = tuple(f / 1e3 for f in entry.features_mm)
-            read = [RailSection(0.0, load_profile(files[-1], "rail"), features)]
-        else:
-            read = read_sections(files[-1], bool(entry.measured))
-        shift = entry.outward_mm / 1e3, -entry.down_mm / 1e3
-        return [replace(one, profile=one.profile.inclined(inclination).shifted(*shift)) for one in read]
+    features, shift = tuple(f / 1e3 for f in entry.features_mm), (entry.outward_mm / 1e3, -entry.down_mm / 1e3)
+
+    def read(file: Path) -> list[RailSection]:
+        if entry.table is not None:
+            return read_sections(file, bool(entry.measured))
+        return [RailSection(0.0, load_profile(file, "rail"), features)]
+
+    found = scenario.read(key, name or "", read, files)
+    return [replace(one, profile=one.profile.inclined(inclination).shifted(*shift)) for one in found]
 
 
 def _check_placement(scenario: Scenario, wheelset: Wheelset, rails: tuple[Profile, Profile], track: Track) -> None:

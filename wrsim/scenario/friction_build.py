@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
-
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong
-from wrsim.errors import InputError
 from wrsim.geometry.track.track import Track
-from wrsim.inputs.csv_tables import read_columns
+from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.values import number
 from wrsim.register import ANALYSES
 from wrsim.scenario.loading import Scenario
@@ -34,9 +32,8 @@ def contact_of(scenario: Scenario, track: Track, files: list[Path]) -> ContactSe
     settings = section.settings()
     both = law_of(section.of_side("friction", "left")[1]), law_of(section.of_side("friction", "right")[1])
     if section.friction_table is not None:
-        files.append(scenario.find(("contact", "friction_table"), section.friction_table))
-        with scenario.naming(("contact", "friction_table")):
-            found = _of_table(files[-1], both)
+        table = partial(_of_table, before=both)
+        found = scenario.read(("contact", "friction_table"), section.friction_table, table, files)
     elif section.friction_sections:
         found = _of_sections(scenario, both)
     else:
@@ -73,12 +70,7 @@ def _of_table(path: Path, before: tuple[Friction, Friction]) -> list[FrictionAlo
     """Coefficients of a table in the laws of [contact]. Raises InputError with line and column."""
     columns, lines = read_columns(path, COLUMNS, ("at_m", "left", "right"))
     places = columns["at_m"]
-    back = np.flatnonzero(np.diff(places) <= 0.0)
-    if back.size:
-        i = int(back[0])
-        raise InputError(
-            f"{path}:{lines[i + 1]}: at_m = {places[i + 1]:g} after {places[i]:g}: must rise from row to row"
-        )
+    check_rising(path, "at_m", places, lines)
     found = []
     for side, law in zip(SIDES, before, strict=True):
         corner = columns.get(f"{side}_gauge_corner")

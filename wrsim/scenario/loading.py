@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import date, time
@@ -18,11 +18,11 @@ from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import DEEPEST, shown, write_toml
 from wrsim.register import ANALYSES
-from wrsim.scenario.merging import Merged, from_text, read_merged, value_at
+from wrsim.scenario.merging import Merged, from_text, read_merged, value_at, with_track_file
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
-from wrsim.scenario.track_file import with_track_file
 
-T = TypeVar("T", bound=Section)
+T = TypeVar("T")
+S = TypeVar("S", bound=Section)
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Scenario:
         """Kind of the analysis, as in the register."""
         return self.spec.analysis
 
-    def table(self, kind: type[T]) -> T:
+    def table(self, kind: type[S]) -> S:
         """The table of this class. Raises InputError for one that the file had to hold and does not."""
         for name in type(self.spec).model_fields:
             if isinstance(found := getattr(self.spec, name), kind):
@@ -98,6 +98,12 @@ class Scenario:
             named = f"{dotted(path)} in {self.locate(path)}"
             message = str(error)
             raise InputError(f"{message}\nnamed by {named}" if "\n" in message else f"{message} ({named})") from None
+
+    def read(self, path: KeyPath, name: str, reader: Callable[[Path], T], files: list[Path]) -> T:
+        """What a reader makes of the model file that the key at ``path`` names; ``files`` gains it."""
+        files.append(self.find(path, name))
+        with self.naming(path):
+            return reader(files[-1])
 
     @property
     def tables(self) -> dict[str, Any]:

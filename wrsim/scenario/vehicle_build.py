@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from operator import methodcaller
 from pathlib import Path
 
@@ -22,17 +23,13 @@ SIDES = ("left", "right")
 def vehicle_of(scenario: Scenario, files: list[Path]) -> Vehicle:
     """The vehicle with what the scenario changes. ``files`` gains what was read. Raises InputError."""
     section = scenario.spec.vehicle
-    file = scenario.find(("vehicle", "model"), section.model)
-    files.append(file)
-    with scenario.naming(("vehicle", "model")):
-        vehicle = load_vehicle(file, scenario.finder)
+    load = partial(load_vehicle, find=scenario.finder)
+    vehicle = scenario.read(("vehicle", "model"), section.model, load, files)
     for side in SIDES:
         (key, name), (_, radius) = section.of_side("wheel", side), section.of_side("radius_mm", side)
         profile = None
         if name is not None:
-            files.append(scenario.find(("vehicle", key), name))
-            with scenario.naming(("vehicle", key)):
-                profile = load_profile(files[-1], "wheel")
+            profile = scenario.read(("vehicle", key), name, partial(load_profile, kind="wheel"), files)
         radius = radius / 1000.0 if radius else None
         vehicle = vehicle.with_wheelsets(methodcaller("with_wheel", side, profile, radius))
     if section.sprung_mass_kg is not None:

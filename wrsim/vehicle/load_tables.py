@@ -11,9 +11,8 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field
 
-from wrsim.inputs.rows import RisingRows
 from wrsim.inputs.section import Fault, Section
-from wrsim.inputs.values import Three, number, positive, refuse, text
+from wrsim.inputs.values import RisingRows, Three, number, positive, refuse, text
 from wrsim.vehicle.elements import ZERO
 from wrsim.vehicle.elements.keys import Axes, Name, Place
 from wrsim.vehicle.loads import Load, LoadAxes, Over, Payload

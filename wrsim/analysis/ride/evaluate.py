@@ -14,7 +14,7 @@ from wrsim.inputs.checking import check
 from wrsim.results import Result
 from wrsim.results.dataset import table_of_scenario
 from wrsim.results.ride import AXES, Ride
-from wrsim.scenario.sections.ride import RideSection
+from wrsim.scenario.sections.run import RideSection
 
 
 def evaluate_ride(result: Result, section: RideSection | None = None) -> Ride:

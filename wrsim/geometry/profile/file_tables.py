@@ -6,14 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.sections import Line, Polynomial, arc_between
 from wrsim.geometry.profile.sections import Section as Piece
 from wrsim.geometry.profile.wear import DepthTable, Direction, Removal
-from wrsim.inputs.csv_tables import read_columns
+from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.section import Choice, Fault, Section
 from wrsim.inputs.values import List, Two, number
 
@@ -176,9 +175,7 @@ def read_depths(path: Path) -> DepthTable:
     places = table[PLACE]
     if places.size < 4:
         raise InputError(f"{path}: needs at least 4 places")
-    back = np.flatnonzero(np.diff(places) <= 0.0)
-    if back.size:
-        raise InputError(f"{path}:{lines[back[0] + 1]}: {PLACE}: must be more than in the line before")
+    check_rising(path, PLACE, places, lines)
     return DepthTable(MM * places, MM * table[DEPTH])
 
 

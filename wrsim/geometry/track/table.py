@@ -31,7 +31,7 @@ from wrsim.errors import InputError
 from wrsim.geometry.piecewise import Array, Piecewise
 from wrsim.geometry.track.irregularities import WEIGHTS, Disturbance, Sampled
 from wrsim.geometry.track.segments import MAX_CANT, MAX_WIDENING, Laws
-from wrsim.inputs.csv_tables import read_columns
+from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.values import number
 
 GEOMETRY = ("curvature_per_km", "cant_mm", "gauge_mm", "grade_permille")
@@ -77,13 +77,7 @@ class TrackTable:
             raise InputError(f"{path}: nothing but distance_m; add one of {', '.join(list(COLUMNS)[1:])}")
         if distance.size < 4:
             raise InputError(f"{path}: {distance.size} rows; a track needs at least 4")
-        back = np.flatnonzero(np.diff(distance) <= 0.0)
-        if back.size:
-            i = int(back[0])
-            raise InputError(
-                f"{path}:{lines[i + 1]}: distance_m = {distance[i + 1]:g} after {distance[i]:g}: must rise from row "
-                "to row"
-            )
+        check_rising(path, "distance_m", distance, lines)
         return cls(path, distance - distance[0], columns)
 
     @property

@@ -12,7 +12,7 @@ from wrsim.geometry.track.track import Track
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.section import Fault, Section
 from wrsim.register import Analysis
-from wrsim.scenario.sections.speed import LOWEST, SpeedTable
+from wrsim.scenario.sections.vehicle import LOWEST, SpeedTable
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle import Vehicle

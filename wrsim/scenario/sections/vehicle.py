@@ -3,14 +3,146 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
+from pydantic import AfterValidator, Field
+
 from wrsim.inputs.section import Fault, Section, both_or_sides
-from wrsim.inputs.values import List, OrTable, number, text
-from wrsim.scenario.sections.effort import EffortTable, SlipControlTable
-from wrsim.scenario.sections.speed import Speed, SpeedTable
+from wrsim.inputs.values import List, OrTable, RisingRows, Row, Two, number, refuse, text
 from wrsim.vehicle.load_tables import LoadTable, PayloadTable
+from wrsim.vehicle.loads import Effort, Over, SlipControl
+from wrsim.vehicle.speed import SpeedProfile
 from wrsim.vehicle.vehicle_sections import Radius, WheelName
+
+LOWEST, HIGHEST = 1.0, 500.0  # [km/h]
+Speed = Annotated[float, number(LOWEST, HIGHEST, "km/h")]
+
+STEEPEST = 10.0
+"""No wheel on a rail brakes or accelerates a vehicle by more [m/s2]."""
+
+_Rows = Annotated[
+    tuple[Row, ...], Field(strict=False, min_length=2, description="a list of rows in rising order, each {each}")
+]
+SpeedOverTime = _Rows[Annotated[Two[float], Field(description="two numbers [time s, speed km/h]")]]
+SpeedOverDistance = _Rows[Annotated[Two[float], Field(description="two numbers [distance m, speed km/h]")]]
+
+
+class SpeedTable(Section):
+    """The speed of the vehicle's origin over the time of the run or over its distance along the track.
+
+    Between two rows the acceleration is constant; before the first and behind the last row the speed is.
+    """
+
+    header: ClassVar[str] = "[vehicle.speed_kmh]"
+    one_of: ClassVar[tuple[str, ...]] = ("distance_m_speed_kmh time_s_speed_kmh",)
+
+    time_s_speed_kmh: SpeedOverTime | None = None
+    """Speed over the time of the run; between two rows it is linear."""
+    distance_m_speed_kmh: SpeedOverDistance | None = None
+    """Speed over the distance of the vehicle's origin; between two rows its square is linear."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """Rows that rise, and accelerations that a wheel on a rail can give."""
+        key = "distance_m_speed_kmh" if self.time_s_speed_kmh is None else "time_s_speed_kmh"
+        rows = self.time_s_speed_kmh or self.distance_m_speed_kmh or ()
+        unit = "m" if key == "distance_m_speed_kmh" else "s"
+        if rows[0][0] < 0.0:
+            yield Fault((key, 0), f"begins with {rows[0][0]:g}: must not lie before 0")
+        for i, (_, v) in enumerate(rows):
+            if not LOWEST <= v <= HIGHEST:
+                yield Fault((key, i), f"has {v:g} km/h: must be from {LOWEST:g} to {HIGHEST:g} km/h")
+        for i, ((x, v), (later, w)) in enumerate(pairwise(rows), 1):
+            if later < x:
+                yield Fault((key, i), "must lie behind the row before it: the first numbers rise")
+                return
+            jump = f"goes from {v:g} to {w:g} km/h within {later - x:.6g} {unit}"
+            if later == x:
+                words = "asks for an infinite acceleration: must lie behind the row before it"
+                yield Fault((key, i), f"{jump}, which {words}")
+                return
+            change = 0.5 * (v + w) / 3.6 if unit == "m" else 1.0
+            rate = (w - v) / 3.6 / (later - x) * change
+            if abs(rate) > STEEPEST:
+                yield Fault((key, i), f"{jump}, {rate:.3g} m/s2: must be at most {STEEPEST:g}, which no rail gives")
+
+    def profile(self, start: float) -> SpeedProfile:
+        """The same in SI units for a run from a start [m]."""
+        if self.time_s_speed_kmh is not None:
+            return SpeedProfile.over_time([(t, v / 3.6) for t, v in self.time_s_speed_kmh])
+        return SpeedProfile.over_distance([(s, v / 3.6) for s, v in self.distance_m_speed_kmh or ()], start)
+
+
+LARGEST = 200.0
+"""Largest moment on an axle [kN m]; strong locomotives have some 70."""
+
+Rows = tuple[tuple[float, float], ...]
+
+
+def _allowed(rows: Rows) -> Rows:
+    """Rows (x, moment) whose moments are possible."""
+    for position, row in enumerate(rows):
+        if abs(row[1]) > LARGEST:
+            raise refuse(f"row [{position}] has {row[1]:g} kNm: must be from {-LARGEST:g} to {LARGEST:g}")
+    return rows
+
+
+OverTime = Annotated[
+    RisingRows[Annotated[Two[float], Field(description="two numbers [time s, moment kNm]")]], AfterValidator(_allowed)
+]
+OverDistance = Annotated[
+    RisingRows[Annotated[Two[float], Field(description="two numbers [distance m, moment kNm]")]],
+    AfterValidator(_allowed),
+]
+
+
+class EffortTable(Section):
+    """A moment on each of some wheelsets over the time or the distance of the vehicle's origin, positive forward."""
+
+    header: ClassVar[str] = "[[vehicle.efforts]]"
+    one_of: ClassVar[tuple[str, ...]] = ("moment_kNm time_s_moment_kNm distance_m_moment_kNm",)
+    aliases: ClassVar[dict[str, str]] = {"on": "wheelsets wheelset axles axle", "moment_kNm": "torque_kNm"}
+
+    on: List[Annotated[str, text("the name of a wheelset")]] = ()
+    """Wheelsets that the moment acts on, each alike; all of them where it is not given."""
+    wheel: Literal["left", "right", "both"] = "both"
+    """Which of the wheels the moment acts on, where they turn on their own."""
+    moment_kNm: Annotated[float, number(-LARGEST, LARGEST, "kNm on an axle, brakes negative")] | None = None
+    """Moment that stays the same, positive forward."""
+    time_s_moment_kNm: OverTime | None = None
+    """Moment over the time of the run, linear between rows, constant beyond them."""
+    distance_m_moment_kNm: OverDistance | None = None
+    """Moment over the distance of the vehicle's origin, linear between rows, constant beyond them."""
+
+    def effort(self, wheelset: str) -> Effort:
+        """The effort on a wheelset in SI units."""
+        over: Over = "time" if self.distance_m_moment_kNm is None else "distance"
+        rows = self.time_s_moment_kNm or self.distance_m_moment_kNm or ((0.0, self.moment_kNm or 0.0),)
+        return Effort(wheelset, tuple((x, 1e3 * moment) for x, moment in rows), over, self.wheel)
+
+
+class SlipControlTable(Section):
+    """Protection against sliding and spinning wheels: no axle slips by more than slip_kmh + creepage V.
+
+    A moment is given in full up to half of that, from there on linearly less, nothing at the limit.
+    """
+
+    header: ClassVar[str] = "[vehicle.slip_control]"
+    aliases: ClassVar[dict[str, str]] = {"slip_kmh": "slip_speed_kmh", "creepage": "slip_ratio"}
+
+    slip_kmh: Annotated[float, number(0, 50, "km/h of slip speed")] = 0.0
+    """Part of the limit that does not change with the speed."""
+    creepage: Annotated[float, number(0, 1, "slip speed over the vehicle's speed")] = 0.0
+    """Part of the limit that grows with the speed."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """A limit above nothing."""
+        if self.slip_kmh == 0.0 == self.creepage:
+            yield Fault("creepage", "or slip_kmh must be above 0: at a limit of 0 no moment would be given")
+
+    def control(self) -> SlipControl:
+        """The same in SI units."""
+        return SlipControl(self.slip_kmh / 3.6, self.creepage)
 
 
 class VehicleSection(Section):
