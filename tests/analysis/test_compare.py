@@ -88,7 +88,7 @@ def test_names_choose_models():
         ("file,kik-piotrowski+strps=30", "did you mean 'strips'?"),
         ("file,kik-piotrowski+half-space", 'needs normal = "half-space"'),
         ("file,,half-space", "has an empty name"),
-        ("file,file", "stands there twice"),
+        ("file,file", "duplicate"),
         ("half-space", "needs two models at least"),
     ],
 )

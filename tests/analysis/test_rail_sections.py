@@ -157,7 +157,7 @@ TABLE_FAULTS = [
     ({0.0: 0.0, 50.0: 0.0}, "its section at 50 m lies at 55 m: it must be on the track, which is 40 m long"),
     ({0.0: 0.0, -1.0: 0.0}, "at_m = -1: must be more than 0 of the section before"),
     ({0.0: 0.0}, "has 1 sections; at least 2 are needed"),
-    ("1 1", "feature 1 stands there twice in this section"),
+    ("1 1", "duplicate feature 1 in this section"),
     ("1 3", "feature 2 is missing in the section that begins here"),
 ]
 

@@ -311,7 +311,7 @@ BAD = [
     (rail_without(400, 500), r"points.csv:401: too coarse: 9\.\d+ mm from the point of line 400; allowed: 5\."),
     (zigzag(), r"points.csv:30\d: the curve goes back on itself here \(it turns by -?1[78]\d degrees\)"),
     (loop(), r"points.csv:\d+: the curve crosses itself: lines \d+-\d+ and \d+-\d+ intersect"),
-    (arc_points(300.0, 100), r"points.csv: the shape does not tell which way its heights grow; give heights"),
+    (arc_points(300.0, 100), r"points.csv: the direction of its heights is unknown; give heights"),
     (rows(RAIL, 1e6, 1e6), r"the profile is 1.333e\+05 mm long; allowed: 5 to 1000 mm. Is the unit right\?"),
     (arc_points(20.0, 400, 5e-3), r"points.csv: the points scatter by [45]\S+ um, .*measured = true"),
     (roof(), r"points.csv:61: a corner of -40.0 degrees; allowed: 20. .* measured = true"),
@@ -327,7 +327,7 @@ def test_points_that_are_no_profile_are_refused_with_their_line(write, text, mes
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"kind": None}, r"nothing says whether this is a wheel or a rail"),
+        ({"kind": None}, r"unknown whether this is a wheel or a rail"),
         ({"kind": "weel"}, r"kind = 'weel'; allowed: wheel, rail \(did you mean 'wheel'\?\)"),
         ({"unit": "cm"}, r"unit = 'cm'; allowed: m, mm, in"),
         ({"format": "simpak"}, r"format = 'simpak'; allowed: columns, simpack, miniprof \(did you mean 'simpack'"),

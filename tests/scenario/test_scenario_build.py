@@ -141,7 +141,7 @@ def test_a_table_gives_its_rows_with_their_names(tmp_path: Path) -> None:
 TABLE_FAULTS = [
     ("id,lateral,load_kN\na,0,24\n", ":1: column \"lateral\": unknown; did you mean 'lateral_mm'?"),
     ("id,lateral_mm\na,0\n", ":1: column 'load_kN' is missing"),
-    ("id,lateral_mm,load_kN,id\na,0,24,b\n", ':1: column "id": stands there twice'),
+    ("id,lateral_mm,load_kN,id\na,0,24,b\n", ':1: column "id": duplicate'),
     ("id,lateral_mm,load_kN\na,0\n", ":2: has 2 cells; must have 3 like the header"),
     ("id,lateral_mm,load_kN\na,0,24\n\na,1,24\n", ':4: id = "a": is taken by line 2 already'),
     ("id,lateral_mm,load_kN\n,0,24\n", ":2: id is empty"),

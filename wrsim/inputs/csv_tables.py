@@ -94,7 +94,7 @@ def _header_faults(header: list[str], where: str, columns: Mapping[str, Any], ne
             hint = f"did you mean '{near}'?" if near else f"the columns are {', '.join(columns)}"
             faults.append(f"{where}: column {shown(name)}: unknown; {hint}")
     twice = sorted(name for name, times in Counter(header).items() if times > 1)
-    faults += [f"{where}: column {shown(name)}: stands there twice" for name in twice]
+    faults += [f"{where}: column {shown(name)}: duplicate" for name in twice]
     missing = [n for n in needed if n not in header and n not in guessed]
     return faults + [f"{where}: column '{n}' is missing; the columns are {', '.join(columns)}" for n in missing]
 

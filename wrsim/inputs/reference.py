@@ -102,14 +102,14 @@ def _default(section: type[Section], key: str) -> str:
 
 def example_of(annotation: Any) -> str:
     """A value that would do, as in TOML; empty for tables."""
-    base, limits, said, _ = unpacked(annotation)
+    base, limits, description, _ = unpacked(annotation)
     if get_origin(base) is Literal:
         return shown(get_args(base)[0])
     if base is bool:
         return "true"
-    quoted = _QUOTED.findall(said)
+    quoted = _QUOTED.findall(description)
     if base in (int, float) and (limits or not quoted):
-        return _number_example(base, limits, said)
+        return _number_example(base, limits, description)
     if quoted:
         return shown(quoted[0])
     if header_of(annotation):
@@ -123,15 +123,15 @@ def example_of(annotation: Any) -> str:
         inner = "" if header_of(each) else example_of(each)
         count = len([a for a in get_args(base) if a is not ...])
         return f"[{', '.join([inner] * count)}]" if inner else ""
-    if "date" in said:
+    if "date" in description:
         return "2026-01-31"
     return '"..."' if base is str else ""
 
 
-def _number_example(base: type, limits: tuple[Any, ...], said: str) -> str:
+def _number_example(base: type, limits: tuple[Any, ...], description: str) -> str:
     """A number that the words name, or one in the middle of what is allowed."""
     low, high, excluded = limits_of(limits)
-    for text in _NUMBER.findall(said):
+    for text in _NUMBER.findall(description):
         value = float(text)
         if low <= value <= high and not (excluded and value == low):
             return plain(base(value))
@@ -208,16 +208,16 @@ def _value_schema(own: dict[str, Any], annotation: Any) -> dict[str, Any]:
         kept = [part for part in own["anyOf"] if part.get("type") != "null"]
         rest = {k: v for k, v in own.items() if k != "anyOf"}
         own = kept[0] | rest if len(kept) == 1 else {"anyOf": kept, **rest}
-    base, limits, said, _ = unpacked(annotation)
+    base, limits, description, _ = unpacked(annotation)
     default = {"default": own.pop("default")} if "default" in own else {}
     others: list[dict[str, Any]] = []
     if own.get("type") == "array":
-        if own.get("items") and ("list of such" in said or "or a list" in said):  # one alone will do
+        if own.get("items") and ("list of such" in description or "or a list" in description):  # one alone will do
             others.append(own["items"])
-        if "from = " in said:
+        if "from = " in description:
             span = {"type": "object", "properties": {k: {"type": "number"} for k in RANGE}, "required": list(RANGE)}
             others.append(span | {"additionalProperties": False})
-    elif base is float and not limits and _QUOTED.search(said):  # words that stand for numbers
+    elif base is float and not limits and _QUOTED.search(description):  # words that stand for numbers
         others.append({"type": "string"})
     return ({"anyOf": [own, *others]} if others else own) | default
 

@@ -100,7 +100,7 @@ class Kind(NamedTuple):
 
     base: Any
     limits: tuple[Any, ...]
-    said: str
+    description: str
     tagged: bool
 
 
@@ -113,20 +113,20 @@ def fields(section: type) -> dict[str, Any]:
 def unpacked(annotation: Any) -> Kind:
     """The parts of an annotation; ``| None`` counts for nothing."""
     limits: list[Any] = []
-    said, tagged = "", False
+    description, tagged = "", False
     while True:
         if get_origin(annotation) is Annotated:
             annotation, *beside = get_args(annotation)
             for mark in beside:
                 if isinstance(mark, FieldInfo):
                     limits += mark.metadata
-                    said = mark.description or said
+                    description = mark.description or description
                     tagged |= mark.discriminator is not None
                 tagged |= isinstance(mark, Discriminator)
         elif is_union(annotation) and type(None) in get_args(annotation) and len(get_args(annotation)) == 2:
             annotation = next(a for a in get_args(annotation) if a is not type(None))
         else:
-            return Kind(annotation, tuple(limits), said, tagged)
+            return Kind(annotation, tuple(limits), description, tagged)
 
 
 def is_union(annotation: Any) -> bool:
@@ -151,11 +151,11 @@ def header_of(annotation: Any) -> str:
 
 def words(annotation: Any) -> str:
     """Say what is allowed, to follow "must be"."""
-    base, limits, said, _ = unpacked(annotation)
+    base, limits, description, _ = unpacked(annotation)
     if base in (int, float):
-        return _number_words(base, limits, said)
-    if said:
-        return said.replace("{each}", words(entry_of(annotation)) if entry_of(annotation) else "")
+        return _number_words(base, limits, description)
+    if description:
+        return description.replace("{each}", words(entry_of(annotation)) if entry_of(annotation) else "")
     if get_origin(base) is Literal:
         return choice(get_args(base))
     if header_of(annotation):
@@ -189,9 +189,9 @@ def limits_of(limits: tuple[Any, ...]) -> tuple[float, float, bool]:
     return low, high, excluded
 
 
-def _number_words(base: type, limits: tuple[Any, ...], said: str) -> str:
-    if said and not limits:
-        return said
+def _number_words(base: type, limits: tuple[Any, ...], description: str) -> str:
+    if description and not limits:
+        return description
     low, high, excluded = limits_of(limits)
     what = "a whole number" if base is int else "a number"
     if math.isfinite(low) and math.isfinite(high):
@@ -202,7 +202,7 @@ def _number_words(base: type, limits: tuple[Any, ...], said: str) -> str:
         what += f" not above {plain(high)}"
     elif base is float:
         what = "a finite number"
-    return what + (f" ({said})" if said else "")
+    return what + (f" ({description})" if description else "")
 
 
 def plain(value: float) -> str:

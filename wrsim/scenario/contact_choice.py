@@ -30,13 +30,13 @@ def with_contact_model(scenario: Scenario, name: str) -> Scenario:
 
 
 def split_names(names: str) -> list[str]:
-    """Names out of a list with commas. Raises InputError for one that is empty or stands there twice."""
+    """Names out of a list with commas. Raises InputError for an empty or a duplicate one."""
     found = [name.strip() for name in names.split(",")]
     for name in found:
         if not name:
             raise InputError(f'--contact {names}: has an empty name; write for example "kik-piotrowski,half-space"')
         if found.count(name) > 1:
-            raise InputError(f'--contact {names}: "{name}" stands there twice')
+            raise InputError(f'--contact {names}: duplicate "{name}"')
     return found
 
 

@@ -88,12 +88,12 @@ def read_points(
 ) -> Reading:
     """Read a file of points.
 
-    kind: ``"wheel"`` or ``"rail"``; None: what the file or its suffix says. format: a key of `PROFILE_FILES`; None: by
+    kind: ``"wheel"`` or ``"rail"``; None: from the file or its suffix. format: a key of `PROFILE_FILES`; None: by
     the suffix. name, source: for messages and figures; None: from the file. measured: smooth the points (True) or
     interpolate them (False); None: smooth MiniProf measurements, interpolate the rest, which is refused where the
     points scatter. cutoff: wavelength at which smoothing halves a wave [m]; None: 5 mm. unit: ``"mm"``, ``"m"`` or
-    ``"in"``; None: what the file says, or mm. heights: whether the file's heights grow ``"up"`` or ``"down"``; None:
-    what format or header say, or what the shape tells (a flange points down, the sides of a rail head hang down).
+    ``"in"``; None: from the file, or mm. heights: whether the file's heights grow ``"up"`` or ``"down"``; None:
+    from format or header, or by the shape (a flange points down, the sides of a rail head hang down).
     field_side: sign of the file's lateral coordinate on the field side, ``"positive"`` or ``"negative"``; None: for a
     wheel with a flange by the shape, otherwise positive. clip: keep only the points between these u [m], after all of
     the above. turn: of the profile about its origin [rad], positive: top towards the gauge side (u negative). shift:
@@ -178,24 +178,24 @@ def _layout(path: Path, format: str | None) -> Format:
     return next(layout for layout in PROFILE_FILES.values() if path.suffix.lower() in layout.suffixes)
 
 
-def _body(path: Path, wanted: Kind | None, told: Kind | None) -> Kind:
+def _body(path: Path, wanted: Kind | None, stated: Kind | None) -> Kind:
     """Wheel or rail, by the caller and by the file, which must agree."""
-    if wanted is None and told is None:
-        raise InputError(f"{path}: nothing says whether this is a wheel or a rail; give kind")
-    if wanted is not None and told is not None and wanted != told:
-        raise InputError(f"{path}: this is a {told} profile; a {wanted} is needed here")
-    return wanted or told  # type: ignore[return-value]
+    if wanted is None and stated is None:
+        raise InputError(f"{path}: unknown whether this is a wheel or a rail; give kind")
+    if wanted is not None and stated is not None and wanted != stated:
+        raise InputError(f"{path}: this is a {stated} profile; a {wanted} is needed here")
+    return wanted or stated  # type: ignore[return-value]
 
 
 def _oriented(points: Points, body: Kind, heights: str | None, field_side: str | None) -> Points:
-    """Turn u outward and w up, by what is told or by the shape; InputError if both contradict."""
+    """Turn u outward and w up, by what is stated or by the shape; InputError if both contradict."""
     sign_u = {"positive": 1.0, "negative": -1.0, None: 0.0}[field_side]
     sign_w = {"up": 1.0, "down": -1.0, None: 0.0}[heights]
     up, out = _shape(points, body)
     file = points.file
     if not sign_w:
         if not up:
-            raise InputError(f"{file}: the shape does not tell which way its heights grow; give heights: up or down")
+            raise InputError(f"{file}: the direction of its heights is unknown; give heights: up or down")
         sign_w = up
     elif up and up != sign_w:
         part = "flange points" if body == "wheel" else "head is"
@@ -208,7 +208,7 @@ def _oriented(points: Points, body: Kind, heights: str | None, field_side: str |
 
 
 def _shape(points: Points, body: Kind) -> tuple[float, float]:
-    """Signs (of heights, of lateral) that put the shape upright; 0 where it does not tell."""
+    """Signs (of heights, of lateral) that put the shape upright; 0 where it is ambiguous."""
     if body == "rail":
         # From left to right over an upright rail head the tangent turns down by nearly half a turn.
         total = float(turns(points.in_order()).sum())

@@ -145,7 +145,7 @@ def _table(path: Path) -> tuple[list[str], list[list[str]], list[int], str]:
     header = cells[0]
     for name, times in Counter(header).items():
         if times > 1:
-            raise InputError(f"{path}:{lines[0][0]}: column '{name}' stands there twice")
+            raise InputError(f"{path}:{lines[0][0]}: column '{name}': duplicate")
     for (i, _), row in zip(lines, cells, strict=True):
         if len(row) != len(header):
             raise InputError(f"{path}:{i}: has {len(row)} cells; must have {len(header)} like the header")

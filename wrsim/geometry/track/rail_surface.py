@@ -233,7 +233,7 @@ def _anchor(counts: NDArray[np.int64], heights: Array) -> int:
     """The row that stands still along s: of the inner features, or the middle itself, the highest if wheels come there,
     else the highest row; heights: least one of every row below the highest point of its section [m].
 
-    What a wheel feels of an edge that falls off steeply may jump from one place to the next, and with it the way to all
+    The effective profile of an edge that falls off steeply may jump along the track, and with it the way to all
     that lies behind it.
     """
     inner = np.cumsum(counts)[:-1].tolist() or [int(counts.sum()) // 2]
@@ -359,7 +359,7 @@ def _features(points: Points, marks: NDArray[Any], profile: Profile) -> tuple[fl
             if not word.isdecimal() or int(word) < 1:
                 raise InputError(f"{where}: must be numbers of features, 1, 2, ..., apart from each other by blanks")
             if int(word) in places:
-                raise InputError(f"{where}: feature {int(word)} stands there twice in this section")
+                raise InputError(f"{where}: duplicate feature {int(word)} in this section")
             # every point is a node, or next to one where points are smoothed
             node = np.argmin(np.hypot(profile.u - points.u[i], profile.w - points.w[i]))
             places[int(word)] = float(profile.arclength[node])

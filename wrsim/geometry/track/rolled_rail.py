@@ -1,9 +1,9 @@
-"""What a wheel feels of a rail whose profile changes along the track: its rolled surface.
+"""The effective profile (envelope) of a rail whose profile changes along the track, as a rolling wheel meets it.
 
 A wheel of radius R about a level axle is cut by the plane at x ahead of the axle in its own outline, raised by d(x) = R
 - sqrt(R^2 - x^2). It touches a rail of sections r(s) if and only if its outline touches the upper envelope of all
-sections r(s + x), each lowered by d(x): a prismatic rail that is felt at s. The envelope has a point of every row of
-the surface, at the x where its velocity has no component along the normal n of the section,
+sections r(s + x), each lowered by d(x): a prismatic rail, the effective one at s. The envelope has a point of every row
+of the surface, at the x where its velocity has no component along the normal n of the section,
 
     r'(s + x) . n = d'(x) n_w,
 
@@ -11,11 +11,11 @@ and there the normal n. So a nose that rises 1:10 is touched at x = R / 10 sqrt(
 Along the rail the two bodies part with the curvature d'' n_w - r'' . n; of several such x the one that stands out
 farthest counts: at a joint that is a step, before which and behind which the wheel touches.
 
-A yawed wheel touches at x_l + x with the shift x_l of its own outline; then the rail is felt at s + x_l.
+A yawed wheel touches at x_l + x with the shift x_l of its own outline; then the effective section is that at s + x_l.
 
-Tables of the felt section stand at stations along s, so close that cubics between them are good to TOLERANCE. The rows
-of a piece stand at equal arclengths from its anchor, whose row is the same in all tables; beyond its ends, and where it
-does not exist, its rows lie where no wheel comes."""
+Tables of the effective section stand at stations along s, so close that cubics between them are good to TOLERANCE. The
+rows of a piece stand at equal arclengths from its anchor, whose row is the same in all tables; beyond its ends, and
+where it does not exist, its rows lie where no wheel comes."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ along the track (normal to the section) and its curvature along the track, posit
 
 @dataclass(frozen=True, eq=False)
 class RolledRail:
-    """Felt sections at stations of a surface: places (n,) [m], tables (n, rows, len(COLUMNS)), distance of the rows
+    """Effective sections at stations of a surface: places (n,) [m], tables (n, rows, len(COLUMNS)), step of the rows
     [m]; rates: derivative of the tables along s, of the same shape."""
 
     surface: RailSurface
@@ -75,7 +75,7 @@ class RolledRail:
         return max(float(self.tables[..., 4][near].max()), 0.0)
 
     def outline(self, s: float, points: int) -> Array:
-        """The felt section at s for drawing, (points, 2); flat where no wheel comes, not-a-number where nothing is
+        """The effective section at s for drawing, (points, 2); flat where no wheel comes, not-a-number where nothing is
         [m]."""
         rows = self.section(s)[:, :2]
         lowest = rows[:, 1].max() - DEEP
@@ -102,23 +102,23 @@ class RolledRail:
 
 @lru_cache(maxsize=8)
 def rolled_rail(surface: RailSurface, radius: float, step: float = ROWS) -> RolledRail:
-    """The rail as wheels of this radius feel it; step: of the rows [m].
+    """The effective rail for wheels of this radius; step: of the rows [m].
 
     Raises ``InputError`` where the rail is so steep that a wheel touches it more than REACH ahead of its axle.
     """
     ends = (surface.start - REACH, surface.end + REACH)
     s = np.unique(np.concatenate((ends, [own.distance for own in surface.sections])))
     s = s[np.append(True, np.diff(s) > CLOSEST)]
-    felt = {float(x): _felt(surface, float(x), radius) for x in s}
-    arcs = [_arcs([curves[k] for curves in felt.values()], step) for k in range(len(surface.pieces))]
-    known = {x: _table(curves, arcs) for x, curves in felt.items()}
+    found = {float(x): _effective(surface, float(x), radius) for x in s}
+    arcs = [_arcs([curves[k] for curves in found.values()], step) for k in range(len(surface.pieces))]
+    known = {x: _table(curves, arcs) for x, curves in found.items()}
     unsure = list(pairwise(s.tolist()))
     while unsure:
         now = _joined(surface, known, step)
         again = []
         for low, high in unsure:
             middle = 0.5 * (low + high)
-            table = _table(_felt(surface, middle, radius), arcs)
+            table = _table(_effective(surface, middle, radius), arcs)
             if high - low < 2.0 * CLOSEST or _is_good(now, middle, table):
                 continue
             known[middle] = table
@@ -147,7 +147,7 @@ def _is_good(rail: RolledRail, s: float, table: Array) -> bool:
 def _rates(s: Array, tables: Array) -> Array:
     """Derivatives along s by parabolas through three stations; none at the ends, where nothing changes.
 
-    Along the normal a felt section moves with the slope of the rail where it is touched: that is exact.
+    Along the normal a effective section moves with the slope of the rail where it is touched: that is exact.
     """
     gaps = np.diff(s)
     slopes = np.diff(tables, axis=0) / gaps[:, None, None]
@@ -162,31 +162,31 @@ def _rates(s: Array, tables: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Curve:
-    """Felt section of a piece: arclengths from its anchor (n,), rows (n, 7) as `felt_rows` writes them, those that lie
-    too deep or fold back left out; empty where the piece does not exist."""
+    """Effective section of a piece: arclengths from its anchor (n,), rows (n, 7) of `felt_rows` without those
+    that lie too deep or fold back; empty where the piece does not exist."""
 
     arc: Array
     rows: Array
 
 
-def _felt(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
-    """The felt sections of all pieces at s."""
-    felt = []
+def _effective(surface: RailSurface, s: float, radius: float) -> list[_Curve]:
+    """The effective sections of all pieces at s."""
+    found = []
     for piece in surface.pieces:
         rows = np.zeros((piece.spline.c.shape[2], 8))
         felt_rows(piece.spline.c, piece.spline.x, np.array(piece.open_ends, dtype=float), s, radius, REACH, rows)
-        felt.append(rows)
-    lowest = max(float(rows[:, 1].max()) for rows in felt) - DEEP
-    if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 7] == 0.0)).any() for rows in felt):
+        found.append(rows)
+    lowest = max(float(rows[:, 1].max()) for rows in found) - DEEP
+    if any(((rows[:, 1] > lowest) & (rows[:, 2] > LEVEL) & (rows[:, 7] == 0.0)).any() for rows in found):
         raise InputError(
             f"rail '{surface.name}': near {s:.4g} m it is so steep along the track that a wheel of radius "
             f"{1e3 * radius:g} mm would touch it more than {1e3 * REACH:g} mm from its axle"
         )
-    return [_curve(piece, rows, lowest) for piece, rows in zip(surface.pieces, felt, strict=True)]
+    return [_curve(piece, rows, lowest) for piece, rows in zip(surface.pieces, found, strict=True)]
 
 
 def _curve(piece: Piece, rows: Array, lowest: float) -> _Curve:
-    """The felt section of a piece down to a height."""
+    """The effective section of a piece down to a height."""
     if rows[piece.anchor, 1] < lowest:
         return _Curve(np.zeros(0), np.zeros((0, 7)))
     keep = np.zeros(len(rows), dtype=bool)
@@ -253,7 +253,7 @@ def station_fields(rail: RolledRail) -> StationFields:
     low, counts = grid_about(points, SPACING)
     arc = np.asarray(rail.step * np.arange(rail.tables.shape[1]), dtype=float)
     values = [field_of_points(arc, rail.tables[i, :, :4], low, counts, SPACING) for i in chosen]
-    # a yawed wheel feels places ahead of the axle and behind it
+    # a yawed wheel touches places ahead of the axle and behind it
     field = DistanceField(np.concatenate(values), low, SPACING)
     return StationFields(field, counts[0], np.array(numbers, dtype=float), off + FIELD_APART)
 

@@ -48,7 +48,7 @@ from wrsim.geometry.track.segments import (
 class RailElasticity:
     """A mass on a spring and a damper under each wheel, that moves along with it; lateral, then vertical.
 
-    stiffness [N/m], damping [N s/m], mass [kg] of the rail, and of what moves with it, as one wheel feels it. The
+    stiffness [N/m], damping [N s/m], mass [kg] of the rail, and of what moves with it, as one wheel meets it. The
     pieces of two wheels, and of two rails, know nothing of each other; what a wheel has pushed down is forgotten when
     it has passed.
     """
