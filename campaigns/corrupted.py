@@ -34,8 +34,8 @@ from hostile import until_ctrl_c
 
 from wrsim.analysis import run
 from wrsim.cli import main as wrsim
-from wrsim.cli.storing import read
 from wrsim.errors import InputError
+from wrsim.report.output_folder import read
 from wrsim.results import Result
 from wrsim.results.sealed import write_sealed
 from wrsim.scenario.loading import load

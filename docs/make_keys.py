@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wrsim.cli.keys import FILES, schema_text, tables_of
 from wrsim.inputs.reference import entries, heading, purpose
 from wrsim.inputs.section import Section
+from wrsim.register import FILES
+from wrsim.scenario.reference import schema_text, tables_of
 
 HERE = Path(__file__).parent
 HEAD = """# Keys

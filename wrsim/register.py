@@ -109,7 +109,7 @@ ANALYSES = {
             compared=True,
         ),
         _CURVING,
-        replace(_CURVING, name="ride", points=True, compared=False, further="wrsim.cli.riding:write_ride_of"),
+        replace(_CURVING, name="ride", points=True, compared=False, further="wrsim.report.output_folder:write_ride_of"),
         Analysis(
             name="conicity",
             tables={"conicity": "wrsim.scenario.sections.conicity:ConicitySection"},
@@ -138,6 +138,20 @@ ANALYSES = {
 
 TABLES = {name: kind for analysis in ANALYSES.values() for name, kind in analysis.tables.items()}
 """All tables of a scenario that belong to some analyses only, by name."""
+
+
+FILES = {
+    "scenario": ("a scenario", "wrsim.scenario.schema:ScenarioFile"),
+    "study": ("a study", "wrsim.study.spec:StudyFile"),
+    "service": ("a service", "wrsim.study.service.spec:ServiceFile"),
+    "vehicle": ("a vehicle file", "wrsim.vehicle.vehicle_files:VehicleFile"),
+    "wheelset": ("a vehicle file of one wheelset", "wrsim.vehicle.vehicle_files:WheelsetFile"),
+    "train": ("a train file", "wrsim.vehicle.train_files:TrainFile"),
+    "track": ("a track file", "wrsim.scenario.merging:TrackFile"),
+    "profile": ("a profile file", "wrsim.geometry.profile.models:AnyProfileFile"),
+    "columns": ("the column map of a recording", "wrsim.geometry.recording.columns:ColumnsFile"),
+}
+"""Kinds of files that users write, and the class of each, or the classes that it may be one of."""
 
 
 def resolved(name: str) -> Any:

@@ -18,12 +18,12 @@ import xarray as xr
 from support.runs import ROOT, SCENARIOS
 
 from wrsim.analysis import run
-from wrsim.cli.showing import facts
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.lookup import Finder
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load, load_text
+from wrsim.scenario.plausibility import facts
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 FILES = sorted(SCENARIOS.glob("*.toml"))

@@ -13,7 +13,6 @@ from wrsim.analysis import run
 from wrsim.analysis.stability.cycles import CycleSearch
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.analysis.stability.run import nonlinear_outcome
-from wrsim.cli.showing import print_result
 from wrsim.errors import InputError
 from wrsim.plots import standard_pictures
 from wrsim.results import Result
@@ -128,7 +127,7 @@ def test_a_disturbance_that_dies_at_the_first_speed_is_said():
     assert found.sizes["cycle"] == 1
 
 
-def test_a_study_reads_well_on_screen_on_disk_and_as_pictures(tmp_path, capsys):
+def test_a_study_reads_well_on_screen_on_disk_and_as_pictures(tmp_path):
     result = run(
         cooperrider(
             speed_kmh=[200, 260], cycle_start_kmh=250, cycle_step_kmh=15, tolerance_kmh=15, window_s=0.6, longest_s=1.2
@@ -138,9 +137,8 @@ def test_a_study_reads_well_on_screen_on_disk_and_as_pictures(tmp_path, capsys):
     found = tables(result.dataset)
     assert found["modes"][0][:2] == ["pose_speed_kmh", "mode_branch"]
     assert len(found["cycles"]) == 1 + result.dataset.sizes["cycle"]
-    print_result(result)
-    printed = capsys.readouterr().out
-    assert "linear critical speed 247" in printed and "from above" in printed
+    head, _, held = result.numbers()
+    assert head.notes[0].startswith("linear critical speed 247") and held.rows[0][1] == "from above"
     pictures = standard_pictures(result.dataset, tmp_path)
     assert [p.stem for p in pictures] == ["modes", "bifurcation"]
     result.save(tmp_path / "result.nc")

@@ -13,7 +13,7 @@ from support.runs import LEADING, SCENARIOS, arc, mirrored, setup_of, transition
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.errors import InputError
 from wrsim.plots.pictures import standard_figures
-from wrsim.report import report_page
+from wrsim.report.page import report_page
 from wrsim.report.view_data import view_data
 from wrsim.results import Result
 from wrsim.scenario.build import Setup, build

@@ -18,8 +18,8 @@ from support.scripts import ROOT, script
 from wrsim.analysis import run
 from wrsim.analysis.motion import result as results
 from wrsim.analysis.motion.run import run_in_time
-from wrsim.cli.storing import read
 from wrsim.errors import InputError
+from wrsim.report.output_folder import read
 from wrsim.scenario.loading import load
 
 hostile = script("campaigns/hostile.py")

@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 import wrsim.analysis
 from wrsim import __version__
 from wrsim.cli import app
-from wrsim.cli.showing import time_left
+from wrsim.cli.console import time_left
 from wrsim.errors import SimulationError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result

@@ -13,12 +13,12 @@ from jsonschema.validators import Draft7Validator, validator_for
 from typer.testing import CliRunner
 
 from wrsim.cli import app
-from wrsim.cli.keys import FILES, schema_text, tables_of
 from wrsim.inputs.reference import entries
-from wrsim.register import ANALYSES
+from wrsim.register import ANALYSES, FILES
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.scenario.merging import BASE, read_merged
+from wrsim.scenario.reference import schema_text, tables_of
 
 ROOT = Path(__file__).parents[2]
 SCENARIOS = sorted((ROOT / "scenarios").glob("*.toml"))

@@ -13,7 +13,7 @@ from support.commands import forked, on_a_terminal
 from support.scenario_texts import CURVE, edited
 from support.synthetic_result import curve_run
 
-from wrsim.cli.showing import plain
+from wrsim.cli.console import plain
 from wrsim.results import Result
 
 COMMAND = [sys.executable, "-c", "from wrsim.cli import main; main()"]

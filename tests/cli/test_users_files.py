@@ -14,9 +14,9 @@ from typer.testing import CliRunner
 
 import wrsim.analysis
 from wrsim.cli import app
-from wrsim.cli.storing import OUTPUTS
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
+from wrsim.report.output_folder import OUTPUTS
 from wrsim.results import Result, write_atomically, write_run
 from wrsim.results.ledger import LEDGER, Keeper, Ledger, keeping
 from wrsim.results.run_file import RunFile

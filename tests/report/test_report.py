@@ -22,11 +22,10 @@ from typer.testing import CliRunner
 
 from wrsim.cli import app
 from wrsim.inputs.lookup import shipped_models
-from wrsim.report import report_page
 from wrsim.report.charts import charts_of
 from wrsim.report.envelope import envelope, pieces_of
 from wrsim.report.facts import cards, limits_of
-from wrsim.report.page import rerun
+from wrsim.report.page import report_page, rerun
 from wrsim.report.svg import element, path
 from wrsim.results import Result
 from wrsim.results.wheelsets import wheelsets

@@ -24,7 +24,7 @@ from wrsim.cli import app
 from wrsim.contact.status import WORDS
 from wrsim.core.contact.records import STATUS_UNSETTLED
 from wrsim.errors import InputError
-from wrsim.report import report_page
+from wrsim.report.page import report_page
 from wrsim.report.view import setup_of, view_page
 from wrsim.report.view_data import PATH_STEP, packed, steps_of, view_data
 from wrsim.results import CHANNELS, Result

@@ -18,8 +18,8 @@ import pytest
 import xarray as xr
 from support.synthetic_result import curve_run, static_poses
 
-from wrsim.cli.storing import read
 from wrsim.errors import InputError, WrsimError
+from wrsim.report.output_folder import read
 from wrsim.results import CHANNELS, Result, assemble, channel, sealed, summarise, tables, write_atomically, write_run
 from wrsim.results.files import as_csv
 from wrsim.results.ledger import Ledger

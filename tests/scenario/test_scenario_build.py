@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.scenario_texts import CURVE, STATIC, edited, faults
 
-from wrsim.cli.showing import facts
 from wrsim.contact.settings import USUAL
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check_value
@@ -20,7 +19,7 @@ from wrsim.scenario.build import build
 from wrsim.scenario.cases import read_cases
 from wrsim.scenario.loading import load, load_text
 from wrsim.scenario.placement import stand
-from wrsim.scenario.plausibility import warnings
+from wrsim.scenario.plausibility import facts, warnings
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 

@@ -15,7 +15,9 @@ from wrsim.analysis.motion.record import RunRecord, recorded_setup
 from wrsim.analysis.motion.run import StepTooLong, refuse_step
 from wrsim.errors import InputError
 from wrsim.register import ANALYSES, resolved
+from wrsim.results.table import duration
 from wrsim.scenario.build import build
+from wrsim.simulation.step import evaluations_for
 
 if TYPE_CHECKING:
     from wrsim.results import Result
@@ -86,6 +88,25 @@ def check_step(scenario: Scenario, setup: Setup[Any]) -> None:
         refuse_step(setup)
 
 
+EXACT_TIME = 0.06
+"""Of the exact solver, both wheels together, with creep forces [s]."""
+
+
+def exact_run_warning(setup: Setup[Any]) -> list[str]:
+    """A warning of a run whose forces all come from the exact contact solver; none of others."""
+    if setup.contact.normal != "half-space" or not ANALYSES[setup.analysis].moves:
+        return []
+    plan = setup.plan
+    evaluations = evaluations_for(
+        plan.integrator, plan.duration, plan.speeds[0], plan.output_interval, plan.step, setup.vehicle
+    )
+    return [
+        'contact.normal = "half-space" solves the exact problem at every stage of the integration: about '
+        f"{evaluations:.0f} times for each wheel, some {duration(EXACT_TIME * evaluations)}. "
+        "wrsim resolve does it for the snapshots of a fast run"
+    ]
+
+
 @contextmanager
 def _naming_step(scenario: Scenario) -> Iterator[None]:
     """Give a step that is too long its file and the line of its key, which are known only here."""
@@ -106,4 +127,4 @@ def recorded(record: str | Path) -> Result:
     return resolved(ANALYSES[setup.analysis].recorded)(setup, Path(record))  # type: ignore[no-any-return]
 
 
-__all__ = ["check_step", "recorded", "run"]
+__all__ = ["check_step", "exact_run_warning", "recorded", "run"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from wrsim.scenario.loading import Scenario
 
 Array = NDArray[np.float64]
-Keep = Literal["load", "pose"]
 
 TOLERANCE = 1e-5  # of the vertical force
 DEEPEST = 1e-3  # farthest a wheel is moved [m]
@@ -50,7 +49,7 @@ def resolve(
     scenario: Scenario,
     name: str = "half-space",
     *,
-    keep: Keep = "load",
+    keep: str = "load",
     moments: Sequence[int] | None = None,
     wheelset: str | None = None,
     progress: Callable[[float, float], None] | None = None,
@@ -62,6 +61,8 @@ def resolve(
     are several. Channels of track and wheelset are those of the result; those of wheels, patches and strips are new.
     Raises InputError for a result that keeps no poses of its wheels, and when one of several wheelsets has to be named.
     """
+    if keep not in ("load", "pose"):
+        raise InputError(f"--same {keep}: must be load or pose")
     own = with_contact_model(scenario, name)
     # no study runs with the exact solver, but its wheels can be looked at
     built = build(scenario)
@@ -178,7 +179,7 @@ def _kept(
     return coords, channels | new
 
 
-def _attributes(dataset: xr.Dataset, text: str, name: str, keep: Keep) -> dict[str, str | float | int]:
+def _attributes(dataset: xr.Dataset, text: str, name: str, keep: str) -> dict[str, str | float | int]:
     """Those of the result, with what was done to it."""
     kept = ("title", "analysis", "status", "step_s", "stop_reason", "stop_cause", "stop_time_s", "stop_distance_m")
     attributes = {key: dataset.attrs[key] for key in kept if key in dataset.attrs}

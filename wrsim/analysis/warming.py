@@ -8,6 +8,9 @@ from tempfile import TemporaryDirectory
 
 from wrsim.analysis import run
 from wrsim.contact.models import NORMAL_MODELS
+from wrsim.core import CACHE
+from wrsim.errors import WrsimError
+from wrsim.results.table import quantity
 from wrsim.scenario.loading import load
 
 SCENARIO = """
@@ -40,8 +43,13 @@ lateral_mm = 0
 """
 
 
-def warm_up() -> float:
-    """Compile, or find compiled, what runs along a track and static poses call; returns how long it took [s]."""
+def warm_up() -> str:
+    """Compile, or find compiled, what runs along a track and static poses call; returns where and how long, in words.
+
+    Raises ``WrsimError`` where there is no place to keep compiled kernels in.
+    """
+    if CACHE is None:
+        raise WrsimError("there is no place to keep compiled kernels in")
     begin = time.perf_counter()
     normals = [name for name, model in NORMAL_MODELS.items() if model.solve is None]
     with TemporaryDirectory() as folder:
@@ -51,4 +59,4 @@ def warm_up() -> float:
                 text = SCENARIO.format(analysis=analysis, speed=speed, rest=rest, normal=normal)
                 file.write_text(text, encoding="utf-8")
                 run(load(file))
-    return time.perf_counter() - begin
+    return f"kernels are compiled, in {CACHE} ({quantity(time.perf_counter() - begin, 's', '.0f')})"

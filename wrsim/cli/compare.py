@@ -1,23 +1,19 @@
-"""``wrsim compare``: one scenario by several contact models, side by side."""
+"""``wrsim compare`` and ``wrsim resolve``: one scenario, or the snapshots of a result, by several contact models."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from wrsim.cli.ending import exit_code, reporting_errors
-from wrsim.cli.options import Force, Json, Models, Pictures, Quiet
-from wrsim.cli.showing import print_json, print_tables, progress_bar, say, tell_slow
-from wrsim.cli.storing import writing
-
-if TYPE_CHECKING:
-    from wrsim.analysis.compare import Comparison
+from wrsim.cli.console import print_json, print_tables, progress_bar, say, warn_slow
+from wrsim.cli.errors import exit_code, reporting_errors
+from wrsim.cli.options import Force, Json, Models, Pictures, Quiet, ResultFile, ScenarioFile
 
 
 def compare(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Scenario file (TOML): static poses or a run.")],
+    file: ScenarioFile,
     contact: Annotated[
         str,
         typer.Option(
@@ -39,9 +35,12 @@ def compare(
     quiet: Quiet = False,
 ) -> None:
     """Compare contact models on the poses or the run of a scenario: differences, patches, time per evaluation."""
+    from wrsim.report.output_folder import writing
+
     with reporting_errors(as_json), writing(force, file):
         from wrsim.analysis.compare import compare as analyse
         from wrsim.analysis.compare_tables import report_of, tables_of
+        from wrsim.report.outputs import write_comparison
         from wrsim.scenario.build import build
         from wrsim.scenario.contact_choice import split_names, with_contact_model
         from wrsim.scenario.loading import load
@@ -51,46 +50,67 @@ def compare(
         for name in names:
             setup = build(with_contact_model(scenario, name))
             if not quiet:
-                tell_slow(setup)
+                warn_slow(setup)
         with progress_bar(not (quiet or as_json)) as progress:
             found = analyse(scenario, names, reference, progress)
         directory = output if output is not None else Path("results") / f"{file.stem}_compared"
         report = report_of(found, str(file))
-        files = _write(found, report, directory, pictures, scenario.title)
+        files = write_comparison(found, report, directory, pictures, scenario.title)
         if as_json:
             print_json({**report, "files": [str(f) for f in files]})
         elif not quiet:
             print_tables(tables_of(found, report))
             say(f"{len(files)} files in {directory}")
-        code = max(exit_code(m.result) for m in found.models)
-        if code:
+        if code := max(exit_code(m.result) for m in found.models):
             raise typer.Exit(code)
 
 
-def _write(found: Comparison, report: dict[str, Any], directory: Path, pictures: bool, title: str) -> list[Path]:
-    from wrsim.analysis.compare_tables import rows_of_samples
-    from wrsim.results.files import as_csv, as_json, write_atomically
+def resolve(
+    result: ResultFile,
+    contact: Annotated[
+        str, typer.Option("--contact", metavar="NAME", help="Contact model, such as half-space+fastsim.")
+    ] = "half-space",
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at", metavar="PLACE", help="Only where the wheelset is there, in m, or this pose; may be repeated."
+        ),
+    ] = None,
+    wheelset: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Where there are several: this one, or that number.")
+    ] = None,
+    same: Annotated[
+        str, typer.Option(metavar="load|pose", help="What every wheel keeps: its vertical force or its height.")
+    ] = "load",
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")
+    ] = None,
+    models: Models = None,
+    pictures: Pictures = True,
+    force: Force = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Solve the contacts at the snapshots of a result again, by the exact solver or any other contact model."""
+    with reporting_errors(as_json):
+        from wrsim.analysis.resolve import resolve as solve
+        from wrsim.report.output_folder import beside, claimed, naming, read, write_resolved
+        from wrsim.report.outputs import file_name
+        from wrsim.results.moments import moments_at, resolved_tables
+        from wrsim.scenario.loading import load_text
 
-    files = [
-        write_atomically(directory / "comparison.json", as_json(report)),
-        write_atomically(directory / "comparison.csv", as_csv(rows_of_samples(found))),
-    ]
-    for model in found.models:
-        folder = "".join(c if c.isalnum() or c in "-+._" else "_" for c in model.name)
-        files.append(model.result.save(directory / folder / "result.nc"))
-    if pictures:
-        from wrsim.plots import save
-        from wrsim.plots.compare import patches_figure, values_figure
-        from wrsim.results.moments import has_patches
-        from wrsim.results.wheelsets import of_wheelset, wheelsets
-
-        main = found.main
-        results = {m.name: m.result.dataset for m in (main, *(m for m in found.models if m is not main))}
-        files.append(save(values_figure(found.values, found.reference, title), directory / "compare_values.png"))
-        names = wheelsets(main.result.dataset)
-        for name in names:
-            each = {n: of_wheelset(d, name) for n, d in results.items()}
-            own, words = (f"_{name}", f"{title}: {name}") if len(names) > 1 else ("", title)
-            if all(has_patches(d) for d in each.values()):
-                files.append(save(patches_figure(each, words), directory / f"compare_patches{own}.png"))
-    return files
+        before = read(result)
+        folder = beside(result)
+        with naming(result), progress_bar(not (quiet or as_json)) as progress:
+            moments = moments_at(before.wheelset(wheelset), at, "--at") if at else None
+            scenario = load_text(before.dataset.attrs["scenario_text"], folder, models or (), closed=True)
+            after = solve(before, scenario, contact, keep=same, moments=moments, wheelset=wheelset, progress=progress)
+        directory = output or folder / file_name(contact)
+        with claimed(directory, force, (result,)) as keeper:
+            files = write_resolved(after, directory, pictures)
+            keeper.clear(files)
+        if as_json:
+            print_json({"directory": str(directory), "files": [str(f) for f in files], "summary": after.summary()})
+        elif not quiet:
+            print_tables(resolved_tables(before.wheelset(wheelset), after.wheelset(), after.summary()))
+            say(f"{len(files)} files in {directory}")

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from wrsim.errors import InputError
-
-if TYPE_CHECKING:
-    from wrsim.scenario.loading import Scenario
 
 Models = Annotated[
     list[Path] | None,
@@ -48,27 +44,15 @@ SectionsOf = Annotated[
     Path | None,
     typer.Option("--scenario", metavar="FILE", help="Take the settings from this scenario instead."),
 ]
+ScenarioFile = Annotated[Path, typer.Argument(metavar="FILE", help="Scenario file (TOML).")]
+ResultFile = Annotated[
+    Path,
+    typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off (.part)."),
+]
 AnyResult = Annotated[
     Path, typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off.")
 ]
 BesideResult = Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: beside the result.")]
-
-
-def with_set(scenario: Scenario, asked: Sequence[str]) -> Scenario:
-    """The scenario with the keys of ``--set`` changed: values as in TOML, bare words are texts. Raises InputError."""
-    from wrsim.inputs.toml_files import parse_value, shortened
-
-    for words in asked:
-        key, equals, value = words.partition("=")
-        if not equals or not key.strip() or not value.strip():
-            raise InputError(f"--set {shortened(words)}: must be key=value, such as vehicle.speed_kmh=60")
-        scenario = scenario.with_values({key.strip(): parse_value(value.strip())}, f"--set {shortened(words)}")
-    return scenario
-
-
-def beside(result: Path) -> Path:
-    """The folder of a result that is named by its file or by that folder."""
-    return result if result.is_dir() else result.parent
 
 
 def check_ending(option: str, path: Path | None, *endings: str) -> None:

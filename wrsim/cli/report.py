@@ -1,4 +1,4 @@
-"""``wrsim report``: one page about one result, several beside each other, a study, or wheels in service."""
+"""``wrsim report``, ``view`` and ``export``: pages about results for a browser, and files of other programs."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.ending import reporting_errors
-from wrsim.cli.options import Force, Json, Models, beside, check_ending
-from wrsim.cli.showing import print_files
-from wrsim.cli.storing import read, writing
-from wrsim.errors import InputError
+from wrsim.cli.console import print_files
+from wrsim.cli.errors import reporting_errors
+from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Models, check_ending
 
 
 def report(
@@ -34,50 +32,55 @@ def report(
 
     It holds identity, verdict, assessment, histories, contacts and wear; of a study outputs, pictures and cases.
     """
-    with reporting_errors(as_json), writing(force, *results[1:], of=results[0]):
-        check_ending("-o", output, ".html")
-        target = output or beside(results[0]) / "report.html"
-        from wrsim.study.collect import is_study
-        from wrsim.study.service.record import is_service
+    from wrsim.report.output_folder import beside, writing
 
-        for path in results:
-            kind = "study" if is_study(path) else "service" if is_service(path) else ""
-            if kind:
-                _report_alone(path, kind, len(results), with_view, target, as_json)
-                return
-        from wrsim.report import report_page
-        from wrsim.report.page import rerun
+    with reporting_errors(as_json), writing(force, *results[1:], of=results[0]):
+        from wrsim.results import write_atomically
+        from wrsim.study.pages import page_of
+
+        check_ending("-o", output, ".html")
+        page = page_of(results, with_view, models or ())
+        print_files([write_atomically(output or beside(results[0]) / "report.html", page.encode())], as_json)
+
+
+def view(
+    result: AnyResult,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="HTML", help="Default: view.html beside the result.")
+    ] = None,
+    models: Models = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Write a page to look at a run: wheels on their rails, the vehicle on its track, modes of a stability analysis."""
+    from wrsim.report.output_folder import beside, read, writing
+
+    with reporting_errors(as_json), writing(force, of=result):
+        from wrsim.report.view import view_page
         from wrsim.results import write_atomically
 
-        loaded = [read(path) for path in results]
-        sources = [str(path) for path in results]
-        commands = [rerun(result, source) for result, source in zip(loaded, sources, strict=True)]
-        viewers: list[str] = []
-        if with_view:
-            from wrsim.report.view import view_page
-
-            viewers = [view_page(r, beside(path), models or ()) for r, path in zip(loaded, results, strict=True)]
-        page = report_page(loaded, sources, commands=commands, viewers=viewers)
-        print_files([write_atomically(target, page.encode())], as_json)
+        check_ending("-o", output, ".html")
+        page = view_page(read(result), beside(result), models or ())
+        print_files([write_atomically(output or beside(result) / "view.html", page.encode())], as_json)
 
 
-def _report_alone(path: Path, kind: str, count: int, with_view: bool, target: Path, as_json: bool) -> None:
-    """Write the page about a study or a service."""
-    from wrsim.results import write_atomically
+def export(
+    result: AnyResult,
+    to: Annotated[
+        str, typer.Option("--to", metavar="FORMAT,...", help="mat, csv, parquet, mdf; several with commas between.")
+    ],
+    output: BesideResult = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Write a result for other programs: MATLAB, CSV, Parquet or MDF (result.mat, .csv, .parquet, .mf4)."""
+    from wrsim.report.output_folder import beside, read, writing
 
-    if count > 1:
-        raise InputError(f"{path}: is a {kind}: a report takes one {kind}, or results of runs")
-    if with_view:
-        raise InputError(f"--view: {path} is a {kind}; it is for results of runs, as each case of a {kind} is")
-    if kind == "study":
-        from wrsim.report.study import study_page
-        from wrsim.study.collect import read_study
+    with reporting_errors(as_json), writing(force, of=result):
+        from wrsim.results.exports import ENDINGS, formats
+        from wrsim.results.exports import export as exported
 
-        page = study_page(read_study(path), str(path))
-    else:
-        from wrsim.report.service import service_page
-        from wrsim.study.service.record import read_record, table_of
-
-        dataset = read_record(path)
-        page = service_page(dataset, str(path), table_of(dataset))
-    print_files([write_atomically(target, page.encode())], as_json)
+        asked = formats(to)
+        loaded, directory = read(result), output or beside(result)
+        files = [exported(loaded, name, directory / f"result.{ENDINGS.get(name, name)}") for name in asked]
+        print_files(files, as_json)

@@ -1,9 +1,4 @@
-"""Pages for a browser, each one file that needs nothing else: the report of results, and the viewer of one.
+"""What people keep of results: folders of runs, tables and pictures, pages for a browser that need nothing else.
 
-Everything that comes from users (titles, names, paths, scenario texts) is escaped: by jinja2 in the templates, by
-``svg.element`` in drawings.
+Everything in a page that comes from users (titles, names, paths, scenario texts) is escaped.
 """
-
-from wrsim.report.page import report_page
-
-__all__ = ["report_page"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -14,6 +14,9 @@ from wrsim.results.summary import of_contacts as summary_of_contacts
 from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.results.tables import of_contacts as tables_of_contacts
 from wrsim.results.wheelsets import of_wheelset, wheelsets
+
+if TYPE_CHECKING:
+    from wrsim.results.result import Result
 
 
 def summary(dataset: xr.Dataset) -> dict[str, Any]:
@@ -92,3 +95,14 @@ def _steering(found: dict[str, Any]) -> Table:
     words = "nothing steers" if smallest is None else f"up to 1 from R {quantity(smallest, 'm', '.0f')}"
     note = f"q_E {words}; available: before the outer wheel's contact angle is {angle}°"
     return Table("radial steering index [mem]", tuple(heads.values()), rows, (note,))
+
+
+def conicity_numbers(result: Result) -> dict[str, Any]:
+    """Plain numbers of one pair: the summary, and the conicity over the amplitude."""
+    dataset = result.wheelset()
+    values = dataset["equivalent_conicity"].values.tolist()
+    amplitudes = [round(1e3 * a, 9) for a in dataset["amplitude"].values.tolist()]
+    return conicity_summary(dataset) | {
+        "amplitude_mm": amplitudes,
+        "tan_gamma_e": [v if v == v else None for v in values],
+    }

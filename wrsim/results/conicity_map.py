@@ -23,8 +23,9 @@ class ConicityMap:
     conicity: Array
     nonlinearity: Array
     reasons: tuple[str, ...]
+    title: str = ""
 
-    def table(self, title: str) -> Table:
+    def table(self) -> Table:
         """One row per pair and gauge; what has no conicity says why beneath."""
         rows = [
             (*pair, 1e3 * gauge, float(self.conicity[i, j]), float(self.nonlinearity[i, j]))
@@ -38,4 +39,4 @@ class ConicityMap:
             Column("tan γe, 3 mm", "", ".3f", "equivalent_conicity_3_mm"),
             Column("nonlinearity", "1/mm", ".3f", "nonlinearity_per_mm"),
         )
-        return Table(title, heads, rows, self.reasons)
+        return Table(self.title, heads, rows, self.reasons)

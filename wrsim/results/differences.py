@@ -10,12 +10,14 @@ from typing import Any
 from wrsim.errors import InputError, suggest
 from wrsim.results.channels import PATCHES
 from wrsim.results.result import Result
-from wrsim.results.table import Column, Table
+from wrsim.results.table import Column, Table, quantity
 
 LEFT_OUT = ("title", "analysis", "status", "stop", "versions", "integration", "extent", "events")
 """Parts of a summary that are no quantities."""
 PLACES = ("distance_m", "time_s", "pose", "from_m", "to_m")
 """Where something is."""
+LISTED = 20
+"""Differences that are listed for people."""
 SMALLEST = 1e-6
 """Values below this, in their unit for readers, count as zero."""
 
@@ -48,12 +50,14 @@ class Difference:
         return abs(self.absolute) / self.scale
 
 
-def differences(first: Result, second: Result, only: Sequence[str] = ()) -> list[Difference]:
+def differences(first: Result, second: Result, only: Sequence[str] = (), tolerance: float = 0.0) -> list[Difference]:
     """All numbers of the summaries of two results of one kind, the largest relative difference first.
 
     only: quantities, with or without the unit at the end. Raises ``InputError`` for results of two kinds of analysis,
-    and for a quantity that neither has.
+    for a quantity that neither has, and for a tolerance that is none.
     """
+    if not 0.0 <= tolerance < math.inf:
+        raise InputError(f"--tolerance {tolerance:g}: must be a number not below 0, such as 0.01 for 1 %")
     if first.analysis != second.analysis:
         raise InputError(
             f'cannot compare analysis = "{first.analysis}" with "{second.analysis}": both must be of one kind'
@@ -69,10 +73,10 @@ def differences(first: Result, second: Result, only: Sequence[str] = ()) -> list
     if only:
         keys = [key for key in keys if any(_is_asked(key[1], asked) for asked in only)]
     scales: dict[str, float] = {}
-    for place, quantity in keys:
+    for place, name in keys:
         for values in (one, other):
-            size = abs(values.get((place, quantity)) or 0.0)
-            scales[quantity] = max(scales.get(quantity, SMALLEST), size)
+            size = abs(values.get((place, name)) or 0.0)
+            scales[name] = max(scales.get(name, SMALLEST), size)
     found = [Difference(p, q, one.get((p, q)), other.get((p, q)), scales[q]) for p, q in keys]
     return sorted(found, key=lambda d: -d.relative)
 
@@ -95,6 +99,36 @@ def table_of(found: Sequence[Difference]) -> Table:
         for d in found
     ]
     return Table("", heads, rows)
+
+
+def beyond(found: Sequence[Difference], tolerance: float) -> list[Difference]:
+    """Differences above a part of the largest value."""
+    return [d for d in found if d.relative > tolerance]
+
+
+def other_ends(one: Result, other: Result) -> list[str]:
+    """How the two ended, where they did not end alike."""
+    if one.status == other.status:
+        return []
+    ends = (("A", one), ("B", other))
+    return [f"{name}: {r.status}" + (f": {r.stop_reason}" if r.stop_reason else "") for name, r in ends]
+
+
+def compared_tables(
+    found: Sequence[Difference], ends: Sequence[str], tolerance: float, names: Sequence[str]
+) -> list[Table]:
+    """What is beyond the tolerance, or the largest differences where nothing is; the verdict."""
+    wrong, percent = beyond(found, tolerance), quantity(100.0 * tolerance, "%", "g")
+    listed = (wrong or [d for d in found if d.relative > 0.0])[:LISTED]
+    more = [f"... and {len(wrong) - LISTED} more; --json lists all"] if len(wrong) > LISTED else []
+    if wrong:
+        verdict = f"{len(wrong)} of {len(found)} numbers differ by more than {percent}"
+    elif ends:
+        verdict = "the numbers are alike, the ends are not"
+    else:
+        verdict = f"alike: {len(found)} numbers, none differs by more than {percent}"
+    head = Table("", notes=tuple(f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)))
+    return [head, *([table_of(listed)] if listed else []), Table("", notes=(*more, *ends, verdict))]
 
 
 def _is_asked(name: str, asked: str) -> bool:

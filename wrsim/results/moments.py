@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -80,6 +81,13 @@ def _some(names: list[str], most: int = 12) -> str:
 
 RESOLVED = ("N", "p0", "area", "approach", "Fx", "Fy", "contact_angle")
 """Channels that are compared where contacts were solved again."""
+
+
+def resolved_tables(old: xr.Dataset, new: xr.Dataset, summary: Mapping[str, Any]) -> list[Table]:
+    """One wheelset before and after its contacts were solved again, and what they have to say."""
+    from wrsim.results.summary_tables import listed, remarks
+
+    return [side_by_side(old, new), Table("", notes=listed(remarks(summary), "remarks"))]
 
 
 def side_by_side(old: xr.Dataset, new: xr.Dataset) -> Table:

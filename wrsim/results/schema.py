@@ -78,11 +78,15 @@ def _faults_of_labels(dataset: xr.Dataset, sample: str, labels: Sequence[str]) -
         yield "its time does not increase from sample to sample"
 
 
+LISTS = ("curve_radii_m",)
+"""Attributes that are numbers with blanks between."""
+
+
 def faults_of_attributes(attributes: Mapping[str, Any], texts: Sequence[str]) -> Iterator[str]:
     """What is wrong with the attributes of a file of results, of which some have to be texts."""
     yield from (f"has no {name}" for name in texts if not isinstance(attributes.get(name), str))
     for name, value in attributes.items():
-        number = name.endswith(("_m", "_s", "_rad"))
+        number = name.endswith(("_m", "_s", "_rad")) and name not in LISTS
         if not isinstance(value, int | float if number else int | float | str):
             yield f"its {name!s:.40} is {value!r:.40}, must be a number{'' if number else ' or a text'}"
 

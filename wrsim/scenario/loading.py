@@ -16,7 +16,7 @@ from wrsim.inputs.checking import check, dotted, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.section import Section
-from wrsim.inputs.toml_files import DEEPEST, shown, write_toml
+from wrsim.inputs.toml_files import DEEPEST, parse_value, shortened, shown, write_toml
 from wrsim.register import ANALYSES
 from wrsim.scenario.merging import Merged, from_text, read_merged, value_at, with_track_file
 from wrsim.scenario.schema import ScenarioFile, ScenarioSpec
@@ -109,6 +109,19 @@ class Scenario:
     def tables(self) -> dict[str, Any]:
         """The tables of the whole as they stand in `text`."""
         return self._merged.data
+
+    def with_set(self, asked: Sequence[str]) -> Scenario:
+        """The scenario with keys changed as by ``--set key=value``: values as in TOML, bare words are texts.
+
+        Raises InputError.
+        """
+        scenario = self
+        for words in asked:
+            key, equals, value = words.partition("=")
+            if not equals or not key.strip() or not value.strip():
+                raise InputError(f"--set {shortened(words)}: must be key=value, such as vehicle.speed_kmh=60")
+            scenario = scenario.with_values({key.strip(): parse_value(value.strip())}, f"--set {shortened(words)}")
+        return scenario
 
     def with_values(self, values: Mapping[str, Any], owner: str = "new value") -> Scenario:
         """Return the scenario with some keys changed, checked again; the scenario itself stays as it is.

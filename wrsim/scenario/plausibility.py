@@ -1,9 +1,12 @@
-"""Values that are allowed and yet most likely slips: wrong units, lost zeros. They warn; nothing is refused."""
+"""What a scenario comes to, and values that are allowed and yet most likely slips: wrong units, lost zeros."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from wrsim.register import ANALYSES
+from wrsim.results.table import Column, Table, formatted
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -51,3 +54,37 @@ def _values(setup: Setup) -> Iterator[tuple[str, float, tuple[float, float], str
     low, high = (load / 1e3 for load in USUAL_WHEEL_LOAD)
     load = 0.5 * vehicle.weight / len(vehicle.wheelsets) / 1e3
     yield f"mean static wheel load of '{vehicle.name}'", load, (low, high), "kN"
+
+
+def facts(setup: Setup) -> dict[str, Any]:
+    """What a scenario comes to, for people to see that it is what they meant."""
+    vehicle = setup.vehicle
+    facts: dict[str, Any] = {
+        "title": setup.title,
+        "analysis": setup.analysis,
+        "vehicle": vehicle.name,
+        "wheelsets": [mounted.name for mounted in vehicle.wheelsets],
+        "axle_load_kN": vehicle.weight / len(vehicle.wheelsets) / 1e3,
+        "drive": setup.drive,
+        "gauge_mm": 1e3 * setup.track.nominal_gauge,
+        "rails": [rail.name for rail in setup.rails],
+        "files": [str(f) for f in setup.files],
+    }
+    if setup.conical is None:
+        chosen = setup.contact
+        facts |= {"normal": chosen.normal, "tangential": chosen.creep_forces, "max_patches": chosen.patch_count}
+        facts |= {"strip_width_mm": 1e3 * chosen.strip_width} if chosen.strip_width else {"strips": chosen.strip_count}
+    else:
+        facts["contact"] = f"conical wheels, {setup.conical.conicity:g}, with a prescribed creep law"
+    if ANALYSES[setup.analysis].moves:
+        facts["segments"] = [f.label if f.label == f.kind else f"{f.kind} {f.label}" for f in setup.track.features()]
+    return facts | setup.plan.facts()
+
+
+def facts_table(title: str, facts: dict[str, Any]) -> Table:
+    """Facts, one a line."""
+
+    def text(value: object) -> str:
+        return ", ".join(map(text, value)) if isinstance(value, list) else formatted(value, ".6g")
+
+    return Table(title, (Column(), Column()), [(name, text(value)) for name, value in facts.items()])

@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
 
-from wrsim.geometry.recording.design import Plateau
-from wrsim.geometry.recording.restoring import Restored
+from wrsim.errors import InputError
+from wrsim.geometry.recording.design import FORMS, Plateau
+from wrsim.geometry.recording.recording import read_recording
+from wrsim.geometry.recording.restoring import Restored, restore
 from wrsim.geometry.track.irregularities import smooth_step
 from wrsim.geometry.track.segments import Arc, Transition
 from wrsim.geometry.track.track import RAIL_HEAD_WIDTH
+from wrsim.inputs.checking import check_value
 from wrsim.inputs.toml_files import write_toml
+from wrsim.inputs.values import number
+from wrsim.results.recording import LONGEST_BAND
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 TRACK, IRREGULARITIES, SCENARIO, COLUMNS = "track.toml", "irregularities.csv", "scenario.toml", "columns.toml"
@@ -124,3 +130,35 @@ def scenario_file(restored: Restored, vehicle: str, speed: float) -> str:
         "run": {"start_distance_m": round(start, 3)},
     }
     return f"# Made by wrsim recording from {restored.recording.path.name}: wrsim run {SCENARIO}\n" + write_toml(data)
+
+
+def restored_track(
+    file: Path, columns: Path | None, chord: tuple[float, float] | None, band: str | None,
+    part: tuple[float | None, float | None], wavelengths: tuple[float, float], amplification: float, transitions: str,
+) -> Restored:  # fmt: skip
+    """The track of a recording, from the options of ``wrsim recording`` [m].
+
+    columns: column map; chord, band: how alignment and level were measured where no map says it; part: from and to;
+    wavelengths: those wanted; amplification: largest factor with which a wave is undone; transitions: "clothoid",
+    "bloss", "either". Raises InputError.
+    """
+    if band is not None and band not in ("D1", "D2", "D3"):
+        raise InputError(f"--band {band}: must be D1, D2 or D3")
+    if chord is not None and band is not None:
+        raise InputError("--band: cannot stand next to --chord-m")
+    if columns is not None and (chord is not None or band is not None):
+        raise InputError(
+            f"--{'band' if chord is None else 'chord-m'}: {columns} says how alignment and level were measured"
+        )
+    for length in chord or ():
+        check_value(Annotated[float, number(0.2, 30, "m")], length, "--chord-m")
+    check_value(Annotated[float, number(1, 1000)], amplification, "--amplification")
+    for length in wavelengths:
+        check_value(Annotated[float, number(0.5, LONGEST_BAND, "m")], length, "--wavelength-m")
+    if not wavelengths[0] < wavelengths[1]:
+        raise InputError(f"--wavelength-m {wavelengths[0]:g} {wavelengths[1]:g}: must rise")
+    read = read_recording(file, columns, chord=chord, band=band, part=part)
+    forms = FORMS if transitions == "either" else tuple(form for form in FORMS if form == transitions)
+    if not forms:
+        raise InputError(f"--transitions {transitions}: must be clothoid, bloss or either")
+    return restore(read, wavelengths, amplification, forms)

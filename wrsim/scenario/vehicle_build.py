@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from operator import methodcaller
@@ -9,6 +10,7 @@ from pathlib import Path
 
 from wrsim.errors import InputError, suggest
 from wrsim.geometry.profile.models import load_profile
+from wrsim.inputs.lookup import model_file, usual_finder
 from wrsim.scenario.loading import Scenario
 from wrsim.vehicle.elements.keys import VEHICLE_AXES
 from wrsim.vehicle.load_tables import NO_BALLAST
@@ -18,6 +20,11 @@ from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 
 SIDES = ("left", "right")
+
+
+def vehicle_model(name: str, models: Sequence[str | Path] | None) -> Vehicle:
+    """A vehicle by the name of its file, looked up here and among the models. Raises InputError."""
+    return load_vehicle(model_file(name, models), usual_finder(models))
 
 
 def vehicle_of(scenario: Scenario, files: list[Path]) -> Vehicle:

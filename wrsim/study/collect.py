@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from wrsim.analysis.motion.record import code_digest
 from wrsim.errors import InputError
 from wrsim.results import write_atomically
 from wrsim.results.channels import Kind
@@ -25,6 +26,8 @@ from wrsim.study.task import Marker, read_marker
 
 FORMAT = "wrsim study"
 NUMBERS = "study.nc"
+OUTPUTS = (NUMBERS, "study.csv", "times.csv", "study.json", "plan.json")
+"""Files of a study in its folder."""
 MOST_LISTED = 40
 """Cases without a result of their own end that are listed."""
 
@@ -218,3 +221,19 @@ def tables_of(report: dict[str, Any]) -> list[Table]:
         head,
         *([Table("", heads, rows, open_cases)] if rows else [Table("", notes=open_cases)] if open_cases else []),
     ]
+
+
+def faults_of(report: dict[str, Any], markers: Sequence[Marker | None], briefly: bool) -> list[str]:
+    """What went wrong: outputs that are lacking, cases without a result; results of other code unless briefly."""
+    others = sum(m is not None and m.code not in ("", code_digest()) for m in markers)
+    lacking = [m for m in markers if m is not None and m.faults]
+    found = []
+    if others and not briefly:
+        found.append(
+            f"{others} cases were computed by another state of wrsim's code; delete their folders to run them again"
+        )
+    if lacking:
+        found.append(f"{len(lacking)} cases lack outputs, study.csv says which: {lacking[0].faults[0]}")
+    if failed := len(report["unfinished"]):
+        found.append(f"{failed} of {len(markers)} cases have no result; --retry runs them again")
+    return found

@@ -31,6 +31,7 @@ def conicity_map(
     spacing: float,
     radius: float,
     roll: Roll = "none",
+    title: str = "",
 ) -> ConicityMap:
     """The map of all pairs, both wheels and both rails alike.
 
@@ -45,16 +46,16 @@ def conicity_map(
         side = Wheel(wheels[wheel], radius)
         wheelset = Wheelset("wheelset", 0.0, (0.0, 0.0, 0.0), spacing, side, side)
         for j, gauge in enumerate(gauges):
-            title = f"{wheel} on {rail}, gauge {1e3 * gauge:.6g} mm"
+            pair = f"{wheel} on {rail}, gauge {1e3 * gauge:.6g} mm"
             try:
-                found = conicity_summary(conicity(wheelset, (rails[rail],) * 2, gauge, plan, title).wheelset())
+                found = conicity_summary(conicity(wheelset, (rails[rail],) * 2, gauge, plan, pair).wheelset())
             except InputError as error:
                 text = str(error)
-                reasons[text if text.startswith(title) else f"{title}: {text}"] = None
+                reasons[text if text.startswith(pair) else f"{pair}: {text}"] = None
                 continue
             for k, value in enumerate((found["equivalent_conicity"]["3_mm"], found["nonlinearity_per_mm"])):
                 values[k, i, j] = np.nan if value is None else value
-    return ConicityMap(pairs, tuple(gauges), values[0], values[1], tuple(reasons))
+    return ConicityMap(pairs, tuple(gauges), values[0], values[1], tuple(reasons), title)
 
 
 def profiles_of(folder: Path, kind: Kind) -> dict[str, Profile]:

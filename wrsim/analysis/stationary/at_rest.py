@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wrsim.analysis.assessment.sections import CANT_BASE
 from wrsim.analysis.stationary.rotation_test import LIMIT, RATES, RotationTest, rotation_test, turning_bogies
 from wrsim.analysis.stationary.twist_test import UNLOADING_LIMIT, TwistTest, twist_test
-from wrsim.errors import SimulationError
+from wrsim.errors import InputError, SimulationError
 from wrsim.results.table import Cell, Column, Table, formatted, quantity
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.statics import Standing, leaning, standing
@@ -69,12 +69,21 @@ def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
 
 def twist_loop(vehicle: Vehicle, twists: tuple[float, float] | None) -> TwistTest:
     """The twist test; twists [per mille] under body and bogie, those of the standard unless given."""
+    for twist in twists or ():
+        if not 0.0 <= twist <= 20.0:
+            raise InputError(f"--twists {twist:g}: must be from 0 to 20 per mille")
     return twist_test(vehicle) if twists is None else twist_test(vehicle, *(1e-3 * t for t in twists))
 
 
 def rotation_loops(vehicle: Vehicle, radius: float) -> tuple[RotationTest, ...]:
     """The rotation test of every bogie at both rates."""
     return tuple(rotation_test(vehicle, bogie, rate, radius) for bogie in turning_bogies(vehicle) for rate in RATES)
+
+
+def test_facts(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest]) -> dict[str, Any]:
+    """Numbers of the stationary tests that were done."""
+    found: dict[str, Any] = {} if twisted is None else {"twist_test": twist_facts(vehicle, twisted)}
+    return found | ({"rotation_test": rotation_facts(turned)} if turned else {})
 
 
 def twist_facts(vehicle: Vehicle, test: TwistTest) -> dict[str, Any]:

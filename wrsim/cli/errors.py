@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from wrsim import __version__
-from wrsim.cli.showing import complain, print_json
+from wrsim.cli.console import print_error, print_json
 from wrsim.errors import WrsimError
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def _fail(message: str, kind: str, code: int, as_json: bool) -> None:
     if as_json:
         _print_error(message, kind, code)
     else:
-        complain(message)
+        print_error(message)
     raise typer.Exit(code) from None
 
 

@@ -1,23 +1,27 @@
-"""What a command leaves on disk."""
+"""The folder of a run: claimed by one analysis, written so that nothing of the user's is lost, read again."""
 
 from __future__ import annotations
 
+import logging
+import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from wrsim.cli.options import beside
 from wrsim.errors import InputError, in_one_line
 from wrsim.register import ANALYSES, resolved
+from wrsim.results.summary_tables import wall_time
 
 if TYPE_CHECKING:
-    from xarray import Dataset
-
     from wrsim.plots.drawing import Finish
     from wrsim.results import Result
     from wrsim.results.ledger import Keeper
+    from wrsim.scenario.build import Setup
     from wrsim.scenario.loading import Scenario
+
+LOGGER = logging.getLogger("wrsim.run")
 
 RESULT = "result.nc"
 PART = RESULT + ".part"
@@ -30,11 +34,16 @@ OUTPUTS = (RESULT, RECORD, "summary.json", "vehicle.csv", "history.csv", "patche
 """Names of files that an analysis writes; pictures and further tables are looked at when they are written."""
 
 
+def beside(result: Path) -> Path:
+    """The folder of a result that is named by its file or by that folder."""
+    return result if result.is_dir() else result.parent
+
+
 @contextmanager
 def writing(force: bool, *reads: Path, of: Path | None = None) -> Iterator[None]:
     """While this lasts, no file of the user's is written over, none of ``reads`` above all (`wrsim.results.ledger`).
 
-    of: the result that is told about.
+    of: the result that is reported on.
     """
     from wrsim.results.ledger import Keeper, keeping
 
@@ -113,13 +122,21 @@ def _pictures_of(result: Result, wanted: bool) -> Iterator[Finish]:
         yield finish
 
 
+def write_resolved(result: Result, directory: Path, pictures: bool) -> list[Path]:
+    """A result whose contacts were solved again, with its scenario."""
+    from wrsim.results import write_atomically
+
+    write_atomically(directory / RECORD, result.dataset.attrs["scenario_text"].encode())
+    return write(result, directory, pictures)
+
+
 def can_go_on(result: Result) -> bool:
     """True for a run that Ctrl-C has ended, or the death of its process."""
     return result.dataset.attrs.get("stop_cause") in ("interrupt", "cut-off")
 
 
 @contextmanager
-def told_of(*results: Path) -> Iterator[None]:
+def naming(*results: Path) -> Iterator[None]:
     """Name the results that cannot be used for what is done meanwhile, in one line; faults of options name these."""
     try:
         yield
@@ -139,7 +156,7 @@ def read(path: Path) -> Result:
         path = whole
         if part.exists() and (not whole.exists() or part.stat().st_mtime_ns > whole.stat().st_mtime_ns):
             path = part
-    with told_of(path):
+    with naming(path):
         if path.suffix == ".part":
             from wrsim.analysis import recorded
 
@@ -164,15 +181,104 @@ def has_all_files(directory: Path, scenario: Scenario, pictures: bool) -> bool:
     return Ledger(directory).is_done(scenario.text, pictures)
 
 
-def patch_pictures(dataset: Dataset, at: list[str], directory: Path) -> list[Path]:
-    """Patches and sections of one wheelset at the given distances [m] or poses."""
-    from wrsim.plots import patch_gallery, save, section_gallery
-    from wrsim.plots.cross_section import has_outlines
-    from wrsim.results.moments import moments_at
+def write_ride_of(result: Result, directory: Path, pictures: bool) -> list[Path]:
+    """The ride of a run; one that is too short for it leaves a warning."""
+    from wrsim.analysis.ride import evaluate_ride
+    from wrsim.report.outputs import write_ride
 
-    moments = moments_at(dataset, at, "--at")
-    name = "_".join("".join(c if c.isalnum() or c in "+-." else "-" for c in place) for place in at)
-    files = [save(patch_gallery(dataset, moments), directory / f"patches_at_{name}.png")]
-    if has_outlines(dataset):
-        files.append(save(section_gallery(dataset, moments), directory / f"sections_at_{name}.png"))
-    return files
+    try:
+        return write_ride(evaluate_ride(result), directory, pictures)
+    except InputError as error:
+        LOGGER.warning("no spectra: %s", error)
+        return []
+
+
+def names_apart(results: Sequence[Path], output: Path | None) -> list[str]:
+    """Names of runs: the ends of their paths, as long as it takes to tell them apart.
+
+    Raises InputError for a run that is given twice, and for several runs without a folder to write to.
+    """
+    if len(results) > 1 and output is None:
+        raise InputError("-o DIR is missing: an assessment of several runs belongs to none of their folders")
+    paths = [path.resolve() for path in results]
+    paths = [path.parent if path.name.startswith(RESULT) else path for path in paths]
+    for i, path in enumerate(paths):
+        if path in paths[:i]:
+            raise InputError(f"{results[i]}: given twice")
+    parts = 1
+    while len({path.parts[-parts:] for path in paths}) < len(paths):
+        parts += 1
+    return ["/".join(path.parts[-parts:]) for path in paths]
+
+
+@dataclass(frozen=True)
+class Written:
+    """What a run left in a folder.
+
+    removed: files of an earlier result; wall, compiling: time it took without and for compiling [s], of a resumed run
+    nothing; note: why nothing ran.
+    """
+
+    result: Result
+    files: Sequence[Path] = ()
+    removed: Sequence[Path] = ()
+    wall: float = 0.0
+    compiling: float = 0.0
+    note: str = ""
+
+    @property
+    def lasted(self) -> float:
+        """How long the vehicle has run [s]; 0 of what does not run along the track."""
+        times = self.result.dataset.coords.get("time")
+        return 0.0 if times is None or times.size == 0 else float(times[-1] - times[0])
+
+    @property
+    def took(self) -> dict[str, float]:
+        """Wall times [s], and their ratio to real time."""
+        if not self.wall:
+            return {}
+        times = {"wall_time_s": round(self.wall, 3), "compiling_s": round(self.compiling, 3)}
+        return times | ({"times_real_time": round(self.wall / self.lasted, 4)} if self.lasted else {})
+
+    def wall_words(self) -> list[str]:
+        """How long it took beside how long it lasts on the track."""
+        return [wall_time(self.wall, self.lasted, self.compiling)] if self.wall and self.lasted else []
+
+
+def run_into(
+    directory: Path, scenario: Scenario, setup: Setup[Any], file: Path,
+    *, resume: bool, threads: int, pictures: bool, force: bool, progress: AbstractContextManager[Any],
+) -> Written:  # fmt: skip
+    """Run a scenario and write all of its files; while it lasts, the run is kept in ``result.nc.part``.
+
+    file: the scenario's own; progress: a context that gives the callback of `wrsim.run`. Raises InputError,
+    SimulationError; KeyboardInterrupt says where an interrupted run is kept.
+    """
+    from wrsim.analysis import run
+    from wrsim.core.compiling import COUNT
+    from wrsim.simulation.threads import use_threads
+
+    use_threads(threads)
+    record = directory / PART
+    with claimed(directory, force, (*scenario.files, *setup.files), file) as keeper:
+        result = whole_result(directory, scenario) if resume else None
+        if result is not None and has_all_files(directory, scenario, pictures):
+            return Written(result, note=f"{directory} holds the whole result of this scenario already")
+        if resume and result is None and not record.exists():
+            LOGGER.warning("there is no run in %s to resume; it starts from the beginning", directory)
+            resume = False
+        begin(directory, scenario)
+        started, before = time.perf_counter(), COUNT.seconds
+        try:
+            if result is None:
+                with progress as advance:
+                    result = run(scenario, progress=advance, record=record, resume=resume, setup=setup, threads=threads)
+            compiling = COUNT.seconds - before
+            wall = time.perf_counter() - started - compiling
+            files = write(result, directory, pictures)
+            took = {} if resume else {"wall": wall, "compiling": compiling}
+            return Written(result, files, keeper.clear(files), **took)
+        except KeyboardInterrupt:
+            if record.exists():
+                raise KeyboardInterrupt(f"interrupted; the run is safe in {record}: go on with --resume") from None
+            raise

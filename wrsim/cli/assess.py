@@ -1,0 +1,81 @@
+"""``wrsim assess`` and ``wrsim ride``: a run by EN 14363 and what else is known; its accelerations."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wrsim.cli.console import print_json, print_tables, say
+from wrsim.cli.errors import reporting_errors
+from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Pictures, SectionsOf
+
+
+def assess(
+    results: Annotated[
+        list[Path],
+        typer.Argument(metavar="RESULT...", help="Runs: files, folders, cut off or not. Several count as one test."),
+    ],
+    output: BesideResult = None,
+    scenario: SectionsOf = None,
+    pictures: Pictures = True,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Assess a run: EN 14363 quantities section by section, limits and margins; leaves tables and pictures.
+
+    Sections of several runs of one vehicle count together; they need a folder to write to (-o).
+    """
+    from wrsim.report.output_folder import beside, read, writing
+
+    with reporting_errors(as_json), writing(force, *results[1:], of=results[0]):
+        from wrsim.analysis.assessment import assess as assessed
+        from wrsim.report.output_folder import names_apart, naming
+        from wrsim.report.outputs import write_assessment
+        from wrsim.results.assessment_tables import assessment_numbers, assessment_rows
+        from wrsim.scenario.loading import load
+        from wrsim.scenario.sections.assessment import AssessmentSection
+
+        names = names_apart(results, output)
+        settings = None if scenario is None else load(scenario).table(AssessmentSection).settings()
+        loaded = [read(path) for path in results]
+        with naming(*results):
+            found = assessed(loaded, settings, names)
+        directory = output or beside(results[0])
+        files = write_assessment(found, directory, pictures)
+        if as_json:
+            print_json(assessment_rows(found) | {"files": [str(f) for f in files]})
+        else:
+            print_tables(assessment_numbers(found))
+            say(f"{len(files)} files in {directory}")
+
+
+def ride(
+    result: AnyResult,
+    output: BesideResult = None,
+    scenario: SectionsOf = None,
+    pictures: Pictures = True,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Ride: accelerations at the points of a vehicle, their spectra, third-octaves and comfort."""
+    from wrsim.report.output_folder import beside, read, writing
+
+    with reporting_errors(as_json), writing(force, of=result):
+        from wrsim.analysis.ride import evaluate_ride
+        from wrsim.report.output_folder import naming
+        from wrsim.report.outputs import write_ride
+        from wrsim.scenario.loading import load
+        from wrsim.scenario.sections.ride import RideSection
+
+        loaded, section = read(result), None if scenario is None else load(scenario).table(RideSection)
+        with naming(result):
+            found = evaluate_ride(loaded, section)
+        directory = output or beside(result)
+        files = write_ride(found, directory, pictures)
+        if as_json:
+            print_json(found.as_dict() | {"files": [str(f) for f in files]})
+        else:
+            print_tables([found.table()])
+            say(f"{len(files)} files in {directory}")

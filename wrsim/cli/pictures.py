@@ -1,0 +1,108 @@
+"""``wrsim plot``, ``profile`` and ``track``: pictures of results, profiles and tracks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from wrsim.cli.console import print_files, print_json, print_tables
+from wrsim.cli.errors import reporting_errors
+from wrsim.cli.options import BesideResult, Force, Json, Models, ResultFile, ScenarioFile, check_ending
+
+
+def plot(
+    result: ResultFile,
+    output: BesideResult = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="PLACE",
+            help="Patches where the wheelset is there, in m, or of this pose; may be repeated.",
+        ),
+    ] = None,
+    wheelset: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Pictures of this wheelset, or of that number, alone.")
+    ] = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Draw the pictures of a result; with --at the contact patches at chosen places only."""
+    from wrsim.report.output_folder import beside, read, writing
+
+    with reporting_errors(as_json), writing(force, of=result):
+        from wrsim.report.outputs import draw_patches, draw_result
+        from wrsim.results.wheelsets import folder_of, wheelsets, worst_wheelset
+
+        loaded = read(result)
+        dataset, directory = loaded.dataset, output or beside(result)
+        if wheelset is not None or at:
+            dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
+            if output is None:
+                directory /= folder_of(wheelsets(loaded.dataset), str(dataset["wheelset"].item()))
+        print_files(draw_patches(dataset, at, directory) if at else draw_result(dataset, directory), as_json)
+
+
+def profile(
+    file: Annotated[
+        str, typer.Argument(metavar="FILE", help="Wheel or rail profile: TOML or points, such as wheels/S1002.toml.")
+    ],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="PNG", help="Default: <name of FILE>.png here.")
+    ] = None,
+    kind: Annotated[
+        str | None, typer.Option(metavar="wheel|rail", help="Needed for a file of two columns only.")
+    ] = None,
+    cutoff: Annotated[
+        list[float] | None,
+        typer.Option(
+            "--cutoff",
+            metavar="MM",
+            help="Smooth the points as measured ones, halving waves of this length; up to four, to compare them.",
+        ),
+    ] = None,
+    models: Models = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Draw a profile with its slope and curvature; of measured points also what smoothing did to them."""
+    from wrsim.report.output_folder import writing
+
+    with reporting_errors(as_json), writing(force, Path(file)):
+        from wrsim.report.outputs import draw_profile
+        from wrsim.results.smoothing import profile_and_reports, smoothing_table
+
+        picture = output or Path(Path(file).stem + ".png")
+        check_ending("-o", picture, ".png")
+        loaded, reports = profile_and_reports(file, kind, cutoff or [], models)
+        files = [draw_profile(loaded, picture, reports)]
+        if as_json:
+            smoothing = {"smoothing": [r.numbers() for r in reports]} if reports else {}
+            print_json({"files": [str(f) for f in files], **smoothing})
+        else:
+            print_tables([smoothing_table(reports)] if reports else [])
+            print_files(files, as_json)
+
+
+def track(
+    file: ScenarioFile,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="PNG", help="Default: <name of FILE>_track.png here.")
+    ] = None,
+    models: Models = None,
+    force: Force = False,
+    as_json: Json = False,
+) -> None:
+    """Draw the track of a scenario: plan, curvature, cant, gauge, height, irregularities."""
+    from wrsim.report.output_folder import writing
+
+    with reporting_errors(as_json), writing(force, file):
+        from wrsim.report.outputs import draw_track
+        from wrsim.scenario.build import build
+        from wrsim.scenario.loading import load
+
+        picture = output or Path(f"{file.stem}_track.png")
+        check_ending("-o", picture, ".png")
+        print_files([draw_track(build(load(file, models or ())).track, picture)], as_json)

@@ -1,0 +1,119 @@
+"""What the files of users may hold: their kinds, tables of keys for people, schemas for editors."""
+
+from __future__ import annotations
+
+import json
+from re import findall
+from textwrap import fill
+from typing import Any
+
+from wrsim.errors import InputError, suggest
+from wrsim.inputs.lookup import shipped_models
+from wrsim.inputs.reference import Entry, entries, heading, json_schema, purpose, tables_in
+from wrsim.inputs.section import Section
+from wrsim.register import ANALYSES, FILES, resolved
+from wrsim.scenario.merging import BASE
+
+MODELS = {"vehicle": "vehicles", "wheelset": "vehicles", "train": "trains", "track": "tracks", "profile": "wheels"}
+"""Folders of the shipped files of a kind."""
+WIDTH = 110
+ABSENT = {"needed": "has to be given", "none": "may be left out"}
+"""Words for what keys without a default have in its place."""
+
+
+def check_kind(file: str) -> None:
+    """Raise InputError for what is no kind of file."""
+    if file not in FILES:
+        raise InputError(f"--file {file}: must be {', '.join(FILES)}{suggest(file, list(FILES))}")
+
+
+def check_analysis(kind: str) -> None:
+    """Raise InputError for what is no analysis of a scenario."""
+    if kind in FILES and kind != "scenario":
+        shipped = f"; copy one of {shipped_models() / MODELS[kind]}" if kind in MODELS else ""
+        raise InputError(
+            f"{kind}: must be the analysis of a scenario ({', '.join(ANALYSES)}){shipped}; "
+            f"the keys of {FILES[kind][0]}: wrsim keys --file {kind}"
+        )
+    if kind not in ANALYSES:
+        raise InputError(f"{kind}: must be {', '.join(ANALYSES)}{suggest(kind, list(ANALYSES))}")
+
+
+def keys_text(file: str, section: str | None) -> str:
+    """Names of the keys of all tables of a kind of file; of one table everything about them. Raises InputError."""
+    if section is None:
+        return "\n".join(f"{kind.header}: {', '.join(e.key for e in entries(kind))}" for kind in tables_of(file))
+    parts = []
+    for kind in chosen_tables(section, tables_of(file)):
+        parts += [heading(kind).strip("`"), *(_indented(line, 2) for line in purpose(kind)), ""]
+        parts += [*map(_entry_text, entries(kind)), ""]
+    return "\n".join(parts)
+
+
+def keys_numbers(file: str, section: str | None) -> dict[str, Any]:
+    """The same as plain records by the headers of tables."""
+    tables = tables_of(file)
+    chosen = tables if section is None else chosen_tables(section, tables)
+    return {kind.header: [vars(entry) for entry in entries(kind)] for kind in chosen}
+
+
+def _entry_text(entry: Entry) -> str:
+    """A key and, beneath it, what it is and may be."""
+    more = {
+        "must be": entry.allowed,
+        "default": "" if entry.default in ABSENT else entry.default,
+        "example": "" if entry.example == entry.default else entry.example,
+        "also understood as": ", ".join(entry.aliases),
+    }
+    lines = [entry.meaning, ABSENT.get(entry.default, ""), *(f"{head}: {text}" for head, text in more.items() if text)]
+    return "\n".join([f"  {entry.key}", *(_indented(line, 6) for line in lines if line)])
+
+
+def _indented(text: str, by: int) -> str:
+    return fill(text, WIDTH, initial_indent=" " * by, subsequent_indent=" " * (by + 2))
+
+
+def tables_of(file: str) -> list[type[Section]]:
+    """All tables of a kind of file, the file itself first."""
+    return list(dict.fromkeys(tables_in(resolved(FILES[file][1]))))
+
+
+def chosen_tables(section: str, tables: list[type[Section]]) -> list[type[Section]]:
+    """The tables that are meant. Raises InputError."""
+    asked = section.strip("[] ")
+    found = [kind for kind in tables if {asked, asked.rpartition(".")[2]} & set(_names(kind))]
+    if not found:
+        names = list(dict.fromkeys(name for kind in tables for name in _names(kind)))
+        raise InputError(f"no table is called '{section}'{suggest(asked, names)}; there is {', '.join(names)}")
+    return found
+
+
+def _names(kind: type[Section]) -> list[str]:
+    """Names of a table in its header: ``contact.material.wheel`` and ``contact.material.rail``; ``points`` of a file
+    of that kind."""
+    in_brackets = [part.split("]")[0].strip("[") for part in kind.header.split(" ") if part.startswith("[")]
+    return in_brackets or [kind.header, *findall(r'= "?([\w-]+)', kind.header)]
+
+
+def schema_text(file: str) -> str:
+    """The JSON schema of a kind of file as it stands in ``docs/schema``."""
+    words, place = FILES[file]
+    schema = json_schema(resolved(place), f"wrsim: {words}")
+    if file == "scenario":
+        _may_inherit(schema)
+    if file == "track":  # the table [track] is that of a scenario
+        whole = json_schema(resolved(FILES["scenario"][1]), "")
+        schema["properties"]["track"] = {"$ref": "#/definitions/TrackSection"}
+        schema["definitions"] = whole["definitions"]
+        schema["definitions"]["TrackSection"].pop("required", None)
+    return json.dumps(schema, indent=1, ensure_ascii=False)
+
+
+def _may_inherit(schema: dict[str, Any]) -> None:
+    """A scenario may start from another one and take its track from a file: then keys stand there."""
+    start = "Scenario file to start from; keys of this file override it."
+    schema["properties"] = {BASE: {"type": "string", "description": start}} | schema["properties"]
+    schema |= {"if": {"not": {"required": [BASE]}}, "then": {"required": schema.pop("required")}}
+    for name in schema["properties"]:
+        kind = schema["properties"][name].get("$ref", "").rpartition("/")[2]
+        schema["definitions"].get(kind, {}).pop("required", None)

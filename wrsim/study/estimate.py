@@ -1,0 +1,106 @@
+"""How long the cases of a study will take."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from wrsim.analysis import run
+from wrsim.errors import WrsimError
+from wrsim.results.table import Column, Table, duration
+from wrsim.scenario.loading import Scenario
+from wrsim.study.cluster import processors
+from wrsim.study.collect import MISSING, MOST_LISTED, markers_of
+from wrsim.study.engine import kinds, missing
+from wrsim.study.plan import Plan
+from wrsim.study.task import COMPLETED, Marker, compile_for
+
+PROBES = 3
+"""Cases that are tried, spread over the study."""
+PROBE = 2.0
+"""How long each is tried [s]."""
+
+
+class _Seen(Exception):
+    """Enough of a case has been seen."""
+
+
+def time_of_cases(plan: Plan, todo: Sequence[int], markers: Sequence[Marker | None]) -> tuple[float, str]:
+    """Time of one case [s], and from where that is known: from cases that are done, or from the starts of a few."""
+    known = [m.wall_time for m in markers if m is not None and m.status == COMPLETED and not m.resumed]
+    if known:
+        return sum(known) / len(known), f"mean of the {len(known)} that are done"
+    if not todo:
+        return 0.0, "nothing is left"
+    for i in kinds(plan, todo):
+        compile_for(plan.scenario(plan.cases[i]))
+    tried = list(dict.fromkeys(todo[(len(todo) - 1) * k // max(PROBES - 1, 1)] for k in range(PROBES)))
+    times = [time_of(plan.scenario(plan.cases[i])) for i in tried]
+    return sum(times) / len(times), f"estimated from the first seconds of {len(times)} of them"
+
+
+def time_of(scenario: Scenario) -> float:
+    """Time that a case takes [s], from its first seconds."""
+    begin = time.perf_counter()
+    seen: list[tuple[float, float]] = []
+
+    def progress(fraction: float, seconds_left: float) -> None:
+        seen.append((fraction, time.perf_counter()))
+        if seen[-1][1] - seen[0][1] > PROBE:
+            raise _Seen
+
+    try:
+        run(scenario, progress)
+    except _Seen:
+        (first, start), (last, now) = seen[0], seen[-1]
+        return now - begin + (1.0 - last) * (now - start) / max(last - first, 1e-9)
+    except WrsimError:
+        pass  # it fails as fast in the study
+    return time.perf_counter() - begin
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Cases, their states, and how long those to run will take. each: one [s]; source: from where that is known."""
+
+    plan: Plan
+    states: tuple[str, ...]
+    todo: int
+    each: float
+    source: str
+    workers: int
+
+    @property
+    def total(self) -> float:
+        """Of all that are to run [s]."""
+        return self.each * self.todo / min(self.workers, max(self.todo, 1))
+
+    def numbers(self) -> dict[str, Any]:
+        """Plain numbers, units in the keys."""
+        cases = [
+            {"case": c.name, "label": c.label, "values": c.values, "status": s}
+            for c, s in zip(self.plan.cases, self.states, strict=True)
+        ]
+        expected = {"of_one_case_s": self.each, "on_workers": self.workers, "of_all_s": self.total}
+        return {"cases": cases, "missing": self.todo, "time": expected}
+
+    def table(self) -> Table:
+        """The first cases and the time."""
+        count = len(self.plan.cases)
+        rows = [(c.name, c.label, s) for c, s in zip(self.plan.cases[:MOST_LISTED], self.states, strict=False)]
+        notes = [f"... and {count - MOST_LISTED} more; --json lists all"] if count > MOST_LISTED else []
+        notes.append(f"{count} cases, {self.todo} to run")
+        if self.todo:
+            on = f"on {self.workers} workers the study takes {duration(self.total)}"
+            notes.append(f"one case takes {duration(self.each)} ({self.source}); {on}")
+        return Table(self.plan.title, (Column("case"), Column("values"), Column("state")), rows, tuple(notes))
+
+
+def estimate(plan: Plan, workers: int | None) -> Estimate:
+    """What a study will take on so many workers, one a processor unless given."""
+    markers, todo = markers_of(plan), missing(plan)
+    each, source = time_of_cases(plan, todo, markers)
+    states = tuple(MISSING if m is None else m.status for m in markers)
+    return Estimate(plan, states, len(todo), each, source, workers or processors())
