@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 from scipy.io import loadmat
 from support.runs import FAST, SCENARIOS
-from support.synthetic_result import curve_run, static_poses
+from support.synthetic_result import static_poses
 from typer.testing import CliRunner
 
 from wrsim.analysis import run
@@ -43,7 +43,7 @@ def coach() -> xr.Dataset:
     return run(load(SCENARIOS / "manchester_r300.toml").with_values(FAST | keys)).dataset
 
 
-@pytest.fixture(scope="module", params=[curve_run, static_poses, coach], ids=lambda make: make.__name__)
+@pytest.fixture(scope="module", params=[static_poses, coach], ids=lambda make: make.__name__)
 def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A result with its exports."""
     for library in ("pyarrow", "asammdf"):
