@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from pathlib import Path
@@ -22,7 +22,7 @@ from wrsim.geometry.track.track import MAX_OFFSET, Track
 from wrsim.inputs.checking import dotted
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.toml_files import noting_reads, read_bytes
-from wrsim.register import ANALYSES, resolved
+from wrsim.register import ANALYSES, Analysis, resolved
 from wrsim.scenario.friction_build import contact_of
 from wrsim.scenario.loading import Scenario
 from wrsim.scenario.placement import Stand, stand
@@ -98,36 +98,8 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
     spec, analysis = scenario.spec, ANALYSES[scenario.analysis]
     files: list[Path] = []
     vehicle = vehicle_of(scenario, files)
-    if analysis.points and not vehicle.points:
-        needed = f'analysis = "{analysis.name}" needs a vehicle with [[points]], at which accelerations are kept'
-        raise scenario.fault(("vehicle", "model"), needed)
-    if analysis.own_track and spec.vehicle.drive == "free" and not vehicle.runs_with_frame:
-        raise scenario.fault(("vehicle", "drive"), 'must be "train" or "wheels": something has to hold the speed')
-    if vehicle.members and not (analysis.own_track or analysis.moves or analysis.name == "equilibrium"):
-        message = f'is a train; analysis = "{analysis.name}" knows one vehicle: take the file of one of them'
-        raise scenario.fault(("vehicle", "model"), message)
-    if any(mounted.wheelset.torsion is not None for mounted in vehicle.wheelsets):
-        if not (analysis.own_track or analysis.moves or analysis.name == "equilibrium"):
-            message = (
-                f'has wheels that turn against each other, and analysis = "{analysis.name}" knows rigid wheelsets only'
-            )
-            raise scenario.fault(("vehicle", "model"), message)
-        if spec.contact.conical is not None:
-            message = "knows rigid wheelsets only; the wheels of this vehicle turn against each other"
-            raise scenario.fault(("contact", "conical"), message)
-    if isinstance(spec.vehicle.speed_kmh, SpeedTable) and analysis.moves:
-        drive = spec.vehicle.drive or vehicle.drive
-        if drive == "free" and not vehicle.runs_with_frame:
-            message = 'must be "train" or "wheels": something has to take the vehicle along at the speed of the table'
-            raise scenario.fault(("vehicle", "drive"), message)
-    if analysis.own_track and spec.contact.normal == "half-space":
-        message = f'is for poses, rest and runs: analysis = "{spec.analysis}" asks for the contacts a thousand times'
-        raise scenario.fault(("contact", "normal"), message)
-    varying = [load.name for load in vehicle.loads if load.varies]
-    if analysis.own_track and varying:
-        message = f"analysis = \"{analysis.name}\" looks for motion that lasts: load '{varying[0]}' must be constant"
-        own = [i for i, load in enumerate(spec.vehicle.loads) if load.name == varying[0]]
-        raise scenario.fault(("vehicle", "loads", own[0]) if own else ("vehicle", "model"), message)
+    for key, message in _unfit(scenario, analysis, vehicle):
+        raise scenario.fault(key, message)
     rails = _rails(scenario, files)
     track = track_of(scenario, rails, files)
     if spec.track.gauge_between == "gauge points":
@@ -159,6 +131,34 @@ def _put_together(scenario: Scenario) -> Setup[Any]:
         text=scenario.text,
         files=tuple(dict.fromkeys((*files, *getattr(plan, "files", ())))),
     )
+
+
+def _unfit(scenario: Scenario, analysis: Analysis, vehicle: Vehicle) -> Iterator[tuple[KeyPath, str]]:
+    """Keys, and why the vehicle or the contact model that they name is not for the analysis."""
+    spec, kind, model = scenario.spec, f'analysis = "{analysis.name}"', ("vehicle", "model")
+    taken_along = (spec.vehicle.drive or vehicle.drive) != "free" or vehicle.runs_with_frame
+    any_vehicle = analysis.own_track or analysis.moves or analysis.name == "equilibrium"
+    if analysis.points and not vehicle.points:
+        yield model, f"{kind} needs a vehicle with [[points]], at which accelerations are kept"
+    if analysis.own_track and spec.vehicle.drive == "free" and not vehicle.runs_with_frame:
+        yield ("vehicle", "drive"), 'must be "train" or "wheels": something has to hold the speed'
+    if vehicle.members and not any_vehicle:
+        yield model, f"is a train; {kind} knows one vehicle: take the file of one of them"
+    if any(mounted.wheelset.torsion is not None for mounted in vehicle.wheelsets):
+        if not any_vehicle:
+            yield model, f"has wheels that turn against each other, and {kind} knows rigid wheelsets only"
+        if spec.contact.conical is not None:
+            message = "knows rigid wheelsets only; the wheels of this vehicle turn against each other"
+            yield ("contact", "conical"), message
+    if isinstance(spec.vehicle.speed_kmh, SpeedTable) and analysis.moves and not taken_along:
+        message = 'must be "train" or "wheels": something has to take the vehicle along at the speed of the table'
+        yield ("vehicle", "drive"), message
+    if analysis.own_track and spec.contact.normal == "half-space":
+        yield ("contact", "normal"), f"is for poses, rest and runs: {kind} asks for the contacts a thousand times"
+    varying = [load.name for load in vehicle.loads if load.varies]
+    if analysis.own_track and varying:
+        own: list[KeyPath] = [("vehicle", "loads", i) for i, v in enumerate(spec.vehicle.loads) if v.name == varying[0]]
+        yield (*own, model)[0], f"{kind} looks for motion that lasts: load '{varying[0]}' must be constant"
 
 
 def _named(scenario: Scenario, file: Path) -> str:

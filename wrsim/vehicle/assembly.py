@@ -77,9 +77,7 @@ class Assembly:
             if wheelset is None:
                 if mount.type is None:
                     raise self._fault(key, "is missing: there is no [wheelset] that all wheelsets share")
-                known = [t for t in self.types if t]
-                words = f"is no type of wheelset; there is {', '.join(known) or 'none'} in [wheelset_types]"
-                raise self._fault(key, words + suggest(mount.type, known), mount.type)
+                raise self._unknown(key, "is no type of wheelset", mount.type, [t for t in self.types if t])
             x = place.axes.point((mount.x_mm, 0.0, 0.0))[0]
             self.wheelsets[full] = MountedWheelset(full, wheelset, x, wheelset.mean_radius)
         for name, box in part.axle_boxes.items():
@@ -98,11 +96,11 @@ class Assembly:
         for i, drive in enumerate(part.drives):
             self.drives.append(self._drive(drive, (*path, "drives", i), place))
         for i, load in enumerate(part.loads):
-            body = self._body(load.on, (*path, "loads", i, "on"), place, frames=())
+            body = self._body(load.on, (*path, "loads", i, "on"), place)
             self.loads.append(load.load(place.prefix + load.name, body, place.axes))
         for i, payload in enumerate(part.payloads):
             key = (*path, "payloads", i, "on")
-            body = self._body(payload.on, key, place, frames=())
+            body = self._body(payload.on, key, place)
             found = payload.payload(place.prefix + payload.name, body, place.axes)
             if isinstance(found, Payload):
                 self.payloads.append(found)
@@ -111,7 +109,7 @@ class Assembly:
             else:
                 self.ballast.append(found)
         for i, point in enumerate(part.points):
-            body = self._body(point.on, (*path, "points", i, "on"), place, frames=())
+            body = self._body(point.on, (*path, "points", i, "on"), place)
             self.points.append(Point(place.prefix + point.name, body, place.axes.point(point.at_mm)))
         for i, inner in enumerate(part.places):
             self._elements(*self._inner(inner, (*path, "places", i), place))
@@ -123,8 +121,7 @@ class Assembly:
         mounted = self.wheelsets.get(carrier)
         if mounted is None:
             known = [k.removeprefix(place.prefix) for k in self.wheelsets if k.startswith(place.prefix)]
-            words = f"is no wheelset of this part; there is {', '.join(known) or 'none'}"
-            raise self._fault((*path, "wheelset"), words + suggest(table.wheelset, known), table.wheelset)
+            raise self._unknown((*path, "wheelset"), "is no wheelset of this part", table.wheelset, known)
         self.boxes[full] = carrier
         pair = tuple(
             AxleBox(f"{full} {side}", y * table.y_mm / 1e3, table.mass_kg, table.inertia_kg_m2)
@@ -134,7 +131,7 @@ class Assembly:
 
     def _drive(self, table: sections.DriveTable, path: KeyPath, place: Place) -> GearedMotor:
         """A motor with its gear on a rigid wheelset that no other one drives."""
-        wheelset = self._body(table.on, (*path, "on"), place, frames=())
+        wheelset = self._body(table.on, (*path, "on"), place)
         if wheelset not in self.wheelsets:
             raise self._fault((*path, "on"), "is no wheelset", table.on)
         if self.wheelsets[wheelset].wheelset.torsion is not None:
@@ -144,7 +141,7 @@ class Assembly:
             raise self._fault((*path, "on"), "is driven by another one of [[drives]] already", table.on)
 
         def body(key: str, name: str) -> str:
-            found = self._body(name, (*path, key), place, frames=())
+            found = self._body(name, (*path, key), place)
             if found not in self.bodies:
                 raise self._fault((*path, key), "is a wheelset: a motor and its gear are part of other bodies", name)
             return found
@@ -165,8 +162,7 @@ class Assembly:
     ) -> tuple[sections.PartTable, KeyPath, Place]:
         """A part at its place."""
         if table.part not in self.parts:
-            known = (", ".join(self.parts) or "none") + suggest(table.part, list(self.parts))
-            raise self._fault((*path, "part"), f"is no part; there is {known}", table.part)
+            raise self._unknown((*path, "part"), "is no part", table.part, list(self.parts))
         if place.depth >= DEEPEST:
             raise self._fault((*path, "part"), f"parts lie in parts more than {DEEPEST} deep", table.part)
         self.placed += 1
@@ -186,11 +182,9 @@ class Assembly:
             raise self._fault(path, f"is one too many: a vehicle has at most {MOST} bodies and wheelsets")
         return place.prefix + name
 
-    def _body(
-        self, name: str, path: KeyPath, place: Place, boxes: bool = False, frames: tuple[str, ...] = (TRACK,)
-    ) -> str:
-        """Full name of a body seen from a part; boxes: it may be a pair of axle boxes; frames: or one of these."""
-        if name in frames:
+    def _body(self, name: str, path: KeyPath, place: Place, boxes: bool = False) -> str:
+        """Full name of a body seen from a part; boxes: it may be a pair of axle boxes or the frame of the track."""
+        if boxes and name == TRACK:
             return name
         known = [*self.bodies, *self.wheelsets, *((*self.boxes, *self._single_boxes) if boxes else ())]
         around = place.prefix.split(".")[:-1]
@@ -198,8 +192,7 @@ class Assembly:
             if (full := ".".join((*around[:depth], name))) in known:
                 return full
         seen = [k.removeprefix(place.prefix) if k.startswith(place.prefix) else k for k in known]
-        words = f"is no body; there is {', '.join(dict.fromkeys((*seen, *frames)))}"
-        raise self._fault(path, words + suggest(name, seen), name)
+        raise self._unknown(path, "is no body", name, list(dict.fromkeys((*seen, *((TRACK,) if boxes else ())))))
 
     @property
     def _single_boxes(self) -> dict[str, str]:
@@ -253,7 +246,7 @@ class Assembly:
         if found is None:
             prefix, _ = self.written[element.name]
             own = list(dict.fromkeys(name for at, name in self.written.values() if at == prefix))
-            raise self._fault(path, f"is no element; there is {', '.join(own)}" + suggest(said, own), said)
+            raise self._unknown(path, "is no element", said, own)
         slider = known[found].slider
         if slider is not None and slider.normal is not None and slider.normal.of:
             raise self._fault(path, "depends on the load of a spring itself: must be that spring", said)
@@ -277,6 +270,10 @@ class Assembly:
                     f"'{element.name}' holds wheelset '{name}' beside its axle, which lies at x = {1e3 * x:g}, "
                     f"z = {1e3 * z:g} mm; its point is at x = {1e3 * end[0]:g}, z = {1e3 * end[2]:g} mm",
                 )
+
+    def _unknown(self, path: KeyPath, message: str, name: str, known: list[str]) -> InputError:
+        """The error for a name that is none of those that are known."""
+        return self._fault(path, f"{message}; there is {', '.join(known) or 'none'}{suggest(name, known)}", name)
 
     def _fault(self, path: KeyPath, message: str, value: str | None = None) -> InputError:
         return InputError(fault_line(path, message, self.locate, value))

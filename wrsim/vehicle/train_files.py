@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -106,28 +106,21 @@ def train_of(file: TrainFile, finder: Finder, locate: Locate, read: ReadMember) 
     elements: list[Element] = []
     for (ahead, behind), table in zip(pairwise(standing), couplings, strict=True):
         gap = Between(f"{ahead.name}-{behind.name}", ahead.body, behind.body, 0.5 * (ahead.rear + behind.front))
-        own = tuple(table.elements(gap))
-        elements += own
+        new = tuple(table.elements(gap))
+        elements += new
         at = (gap.x, 0.0, table.height_mm / 1e3)
-        joints.append(Coupling(gap.name, gap.ahead, gap.behind, at, tuple(element.name for element in own)))
-    vehicles = [each.vehicle for each in standing]
-    return Vehicle(
-        file.name,
-        tuple(mounted for each in vehicles for mounted in each.wheelsets),
-        tuple(body for each in vehicles for body in each.bodies),
-        (*(element for each in vehicles for element in each.elements), *elements),
-        tuple(load for each in vehicles for load in each.loads),
-        tuple(payload for each in vehicles for payload in each.payloads),
-        tuple(point for each in vehicles for point in each.points),
-        file.source,
-        gravity=vehicles[0].gravity,
-        drives=tuple(drive for each in vehicles for drive in each.drives),
-        members=tuple(
-            Member(s.name, len(s.vehicle.wheelsets), len(s.vehicle.bodies), s.x, file.vehicles[s.table].driven)
-            for s in standing
-        ),
-        couplings=tuple(joints),
+        joints.append(Coupling(gap.name, gap.ahead, gap.behind, at, tuple(element.name for element in new)))
+    members = (
+        Member(s.name, len(s.vehicle.wheelsets), len(s.vehicle.bodies), s.x, file.vehicles[s.table].driven)
+        for s in standing
     )
+    own = ("wheelsets", "bodies", "elements", "loads", "payloads", "points", "drives")
+    parts: dict[str, Any] = {key: tuple(part for s in standing for part in getattr(s.vehicle, key)) for key in own}
+    parts["elements"] += tuple(elements)
+    return Vehicle(
+        file.name, source=file.source, gravity=standing[0].vehicle.gravity, members=tuple(members),
+        couplings=tuple(joints), **parts,
+    )  # fmt: skip
 
 
 def _names(table: MemberTable) -> list[str]:

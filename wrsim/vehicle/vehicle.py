@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -306,6 +307,8 @@ class Vehicle:
         """The k-th vehicle of a train without its couplings, where it stands in the train; without efforts."""
         unit = self.units[k]
         own = {self.names[i] for i in unit.parts}
+        on_bodies = ("loads", "payloads", "points")
+        on_own: dict[str, Any] = {key: tuple(p for p in getattr(self, key) if p.body in own) for key in on_bodies}
         of_unit = [e for e in self.elements if {self.carrier(e.first), self.carrier(e.second)} <= own]
         return replace(
             self,
@@ -313,9 +316,7 @@ class Vehicle:
             wheelsets=tuple(self.wheelsets[i] for i in unit.wheelsets),
             bodies=tuple(body for body in self.bodies if body.name in own),
             elements=tuple(of_unit),
-            loads=tuple(load for load in self.loads if load.body in own),
-            payloads=tuple(payload for payload in self.payloads if payload.body in own),
-            points=tuple(point for point in self.points if point.body in own),
+            **on_own,
             efforts=(),
             slip_control=None,
             drives=tuple(drive for drive in self.drives if drive.wheelset in own),

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -137,18 +137,11 @@ def _of_parts(file: VehicleFile, path: Path, finder: Finder, locate: Locate, pla
         types[name] = _wheelset(table, ("wheelset_types", name), file, finder, locate)
     assembly = Assembly(file.parts, types, locate)
     assembly.add(file, (), place)
-    vehicle = Vehicle(
-        file.name,
-        tuple(sorted(assembly.wheelsets.values(), key=lambda mounted: -mounted.x)),
-        tuple(assembly.bodies.values()),
-        tuple(assembly.elements),
-        tuple(assembly.loads),
-        tuple(assembly.payloads),
-        tuple(assembly.points),
-        file.source,
-        gravity=file.gravity_m_per_s2,
-        drives=tuple(assembly.drives),
-    )
+    lists = ("elements", "loads", "payloads", "points", "drives")
+    parts: dict[str, Any] = {key: tuple(getattr(assembly, key)) for key in lists}
+    wheelsets = tuple(sorted(assembly.wheelsets.values(), key=lambda mounted: -mounted.x))
+    bodies = tuple(assembly.bodies.values())
+    vehicle = Vehicle(file.name, wheelsets, bodies, source=file.source, gravity=file.gravity_m_per_s2, **parts)
     return _checked(vehicle, path, assembly.ballast)
 
 
