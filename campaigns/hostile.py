@@ -26,8 +26,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from wrsim.errors import InputError
-from wrsim.geometry.recording.recording import read_recording
-from wrsim.geometry.recording.restoring import restore
+from wrsim.recording.reading import read_recording
+from wrsim.recording.restoring import restore
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.study.plan import planned

@@ -15,12 +15,12 @@ from support.runs import FAST, SCENARIOS
 
 from wrsim.analysis import run
 from wrsim.errors import InputError
-from wrsim.geometry.recording.recording import read_recording
-from wrsim.geometry.recording.restoring import Restored, restore
-from wrsim.geometry.recording.systems import Chord, Difference, Inertial, Inverse, Plain, filtered, within
 from wrsim.geometry.track.segments import Arc, Segment, Straight, Transition
 from wrsim.geometry.track.spectra import Realisation
 from wrsim.geometry.track.track import Track
+from wrsim.recording.reading import read_recording
+from wrsim.recording.restoring import Restored, restore
+from wrsim.recording.systems import Chord, Difference, Inertial, Inverse, Plain, filtered, within
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 

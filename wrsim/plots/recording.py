@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.geometry.recording.columns import kind_of
-from wrsim.geometry.recording.restoring import Restored
 from wrsim.plots.colours import CANT_COLOUR, INK, WHEEL_COLOUR
 from wrsim.plots.style import FULL_WIDTH, new_figure, style
+from wrsim.recording.columns import kind_of
+from wrsim.recording.restoring import Restored
 
 Array = NDArray[np.float64]
 Line = tuple[str, Array, str]

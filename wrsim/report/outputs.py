@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from wrsim.analysis.stationary.twist_test import TwistTest
     from wrsim.geometry.profile.profile import Profile
     from wrsim.geometry.profile.smoothing_report import SmoothingReport
-    from wrsim.geometry.recording.restoring import Restored
     from wrsim.geometry.track.track import Track
     from wrsim.plots.vehicle import VehicleSketch
+    from wrsim.recording.restoring import Restored
     from wrsim.results import Result
     from wrsim.results.assessment import Assessment
     from wrsim.results.conicity_map import ConicityMap

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from wrsim.geometry.recording.restoring import Restored
 from wrsim.geometry.track.segments import Arc, Transition
+from wrsim.recording.restoring import Restored
 from wrsim.results.table import Cell, Column, Table, formatted
 
 LONGEST_BAND = 500.0

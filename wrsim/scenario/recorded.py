@@ -10,15 +10,15 @@ from typing import Annotated, Any
 import numpy as np
 
 from wrsim.errors import InputError
-from wrsim.geometry.recording.design import FORMS, Plateau
-from wrsim.geometry.recording.recording import read_recording
-from wrsim.geometry.recording.restoring import Restored, restore
 from wrsim.geometry.track.irregularities import smooth_step
 from wrsim.geometry.track.segments import Arc, Transition
 from wrsim.geometry.track.track import RAIL_HEAD_WIDTH
 from wrsim.inputs.checking import check_value
 from wrsim.inputs.toml_files import write_toml
 from wrsim.inputs.values import number
+from wrsim.recording.design import FORMS, Plateau
+from wrsim.recording.reading import read_recording
+from wrsim.recording.restoring import Restored, restore
 from wrsim.results.recording import LONGEST_BAND
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 

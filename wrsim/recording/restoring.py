@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError
-from wrsim.geometry.recording.columns import ChannelSection, kind_of
-from wrsim.geometry.recording.design import FORMS, Form, Plateau, fit_design
-from wrsim.geometry.recording.recording import Recording
-from wrsim.geometry.recording.systems import SKIRTS, Chord, Inverse, Plain, ShapeSystem, filtered
 from wrsim.geometry.track.segments import Arc, Laws, Segment, Straight, Transition, laws
 from wrsim.geometry.track.track import RAIL_HEAD_WIDTH, ROUNDING
+from wrsim.recording.columns import ChannelSection, kind_of
+from wrsim.recording.design import FORMS, Form, Plateau, fit_design
+from wrsim.recording.reading import Recording
+from wrsim.recording.systems import SKIRTS, Chord, Inverse, Plain, ShapeSystem, filtered
 
 Array = NDArray[np.float64]
 

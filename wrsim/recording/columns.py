@@ -10,10 +10,10 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from wrsim.errors import InputError, suggest
-from wrsim.geometry.recording.systems import BANDS, Chord, Difference, Inertial, Plain, System
 from wrsim.inputs.checking import check, opened
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, Switch, Two, number, text
+from wrsim.recording.systems import BANDS, Chord, Difference, Inertial, Plain, System
 
 Quantity = Literal[
     "distance", "curvature", "gauge", "gauge_deviation", "cant", "twist",

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from wrsim.errors import InputError, suggest
-from wrsim.geometry.recording.columns import ChannelSection, ColumnsFile, guessed, read_columns_file
 from wrsim.inputs.checking import check
 from wrsim.inputs.csv_tables import cells_of, table_lines
+from wrsim.recording.columns import ChannelSection, ColumnsFile, guessed, read_columns_file
 
 Array = NDArray[np.float64]
 
