@@ -11,7 +11,6 @@ import pytest
 from support.scenario_texts import CURVE
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
 from typer.testing import CliRunner
-from wrsim.scenario.sections.ride import RideSection
 
 from wrsim.analysis.assessment import assess, limits
 from wrsim.analysis.assessment.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
@@ -25,6 +24,7 @@ from wrsim.results import Result
 from wrsim.results.assessment import Assessment
 from wrsim.results.assessment_tables import assessment_json
 from wrsim.scenario.sections.assessment import AssessmentSettings
+from wrsim.scenario.sections.run import RideSection
 from wrsim.vehicle.bogies import bogie_mass, level_of
 from wrsim.vehicle.vehicle_files import load_vehicle
 

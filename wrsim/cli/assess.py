@@ -67,7 +67,7 @@ def ride(
         from wrsim.report.output_folder import naming
         from wrsim.report.outputs import write_ride
         from wrsim.scenario.loading import load
-        from wrsim.scenario.sections.ride import RideSection
+        from wrsim.scenario.sections.run import RideSection
 
         loaded, section = read(result), None if scenario is None else load(scenario).table(RideSection)
         with naming(result):
