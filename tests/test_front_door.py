@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -225,3 +226,14 @@ def test_a_result_with_no_contacts_still_introduces_itself() -> None:
     dataset = static_poses((0.0,), (0.0,), ("left",), 24e3)
     bare = dataset.drop_vars([name for name in dataset.data_vars if str(name) in ("Y", "Q", "Y_over_Q", "p0")])
     assert isinstance(bare, xr.Dataset) and "1 pose\n" in repr(Result(bare))
+
+
+def test_every_import_of_wrsim_resolves_also_those_inside_functions() -> None:
+    """Commands import when they run, and mypy does not look for modules that are missing there."""
+    for path in sorted((ROOT / "wrsim").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("wrsim"):
+                module = import_module(str(node.module))
+                for name in (alias.name for alias in node.names):
+                    found = hasattr(module, name) or find_spec(f"{module.__name__}.{name}") is not None
+                    assert found, f"{path}:{node.lineno}: {node.module} has no {name}"
