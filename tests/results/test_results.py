@@ -257,6 +257,9 @@ def test_a_single_wrong_bit_is_found(share, written, tmp_path):
         (lambda d: d.drop_vars("snapshot_time"), "has snapshot_distance and no snapshot_time"),
         (lambda d: d.drop_vars("Q"), "has Y and no Q"),
         (lambda d: d.assign_attrs(step_s="x"), "its step_s is 'x', must be a number"),
+        (lambda d: d.assign_attrs(steps="x"), "its steps is 'x', must be a whole number"),
+        (lambda d: d.assign_attrs(steps=np.nan), "its steps is nan, must be a whole number"),
+        (lambda d: d.assign_attrs(critical_frequency_Hz="x"), "its critical_frequency_Hz is 'x', must be a number"),
         (lambda d: d.assign_attrs(law=np.arange(3.0)), "its law is array([0., 1., 2.]), must be a number or a text"),
         (lambda d: d.assign_attrs(format_version="two"), "not in which format"),
     ],
@@ -265,6 +268,13 @@ def test_a_file_that_says_it_is_ours_and_lacks_what_readers_need_is_refused(spoi
     path = Result(spoil(dataset_of("curve"))).save(tmp_path / "result.nc")
     with pytest.raises(InputError, match=re.escape(words)):
         Result.load(path)
+
+
+@pytest.mark.parametrize("name", ["stop_reason", "step_s", "steps"])
+def test_a_result_that_does_not_say_all_of_its_run_has_a_summary(name):
+    dataset = dataset_of("stopped").assign_attrs(integrator="x", step_s=0.001)
+    dataset.attrs.pop(name, None)
+    assert summarise(dataset)["status"] == "stopped"
 
 
 def test_a_file_whose_checksum_was_lost_is_refused(written, tmp_path):

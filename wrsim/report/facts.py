@@ -146,7 +146,7 @@ def _extent(result: Result) -> str:
 
 def _integration(result: Result) -> str:
     attributes = result.dataset.attrs
-    if "integrator" not in attributes:
+    if not {"integrator", "step_s"} <= attributes.keys():
         return ""
     return f"{attributes['integrator']}, steps of {quantity(1e3 * float(attributes['step_s']), 'ms')}"
 

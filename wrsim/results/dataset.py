@@ -20,6 +20,8 @@ from wrsim.results.room import OnDisk
 
 FORMAT = "wrsim result"
 FORMAT_VERSION = 3
+COUNTS = ("steps", "evaluations", "jacobians", "cut_steps", "explicit_steps")
+"""What the integration of a run took, among the attributes of its result."""
 REQUIRED_ATTRIBUTES = ("title", "analysis", "status", "scenario_text")
 OF_VEHICLE = ("body", "point", "suspension", "coupling", "external_load")
 OF_WEAR = ("wear_law", "wear_zone")

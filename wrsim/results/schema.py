@@ -13,7 +13,7 @@ import xarray as xr
 
 from wrsim.register import ANALYSES
 from wrsim.results.channels import CHANNELS, WHEELS, Kind
-from wrsim.results.dataset import NAMED, REQUIRED_ATTRIBUTES, STATUSES
+from wrsim.results.dataset import COUNTS, NAMED, REQUIRED_ATTRIBUTES, STATUSES
 
 _TYPES = {"number": ("f", "float64"), "count": ("i", "int64"), "text": ("UOT", "text")}
 
@@ -86,9 +86,10 @@ def faults_of_attributes(attributes: Mapping[str, Any], texts: Sequence[str]) ->
     """What is wrong with the attributes of a file of results, of which some have to be texts."""
     yield from (f"has no {name}" for name in texts if not isinstance(attributes.get(name), str))
     for name, value in attributes.items():
-        number = name.endswith(("_m", "_s", "_rad")) and name not in LISTS
-        if not isinstance(value, int | float if number else int | float | str):
-            yield f"its {name!s:.40} is {value!r:.40}, must be a number{'' if number else ' or a text'}"
+        whole, number = name in COUNTS, name.endswith(("_m", "_s", "_rad", "_Hz")) and name not in LISTS
+        if not isinstance(value, int if whole else int | float if number else int | float | str):
+            words = "a whole number" if whole else "a number" if number else "a number or a text"
+            yield f"its {name!s:.40} is {value!r:.40}, must be {words}"
 
 
 def faults_of_variable(dataset: xr.Dataset, name: str, dims: Sequence[Hashable], kind: Kind) -> Iterator[str]:

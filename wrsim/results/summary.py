@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from wrsim.register import ANALYSES, resolved
 from wrsim.results import wear
 from wrsim.results.channels import CHANNELS, Channel
+from wrsim.results.dataset import COUNTS
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 CURVE_CHANNELS = {
@@ -76,10 +77,6 @@ _STEADY = 1e-4  # change of curvature over its largest value, per metre, below w
 _SHORTEST = 5  # samples of a full curve that make a median worth reporting
 
 
-COUNTS = ("steps", "evaluations", "jacobians", "cut_steps", "explicit_steps")
-"""What the integration of a run took, among the attributes of its result."""
-
-
 def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     """Plain numbers for ``summary.json``: status, what the integration took, versions, for each wheelset peaks with
     their place and full curves.
@@ -91,7 +88,7 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     own = resolved(ANALYSES[str(attributes["analysis"])].summary)(dataset)
     head = {name: attributes[name] for name in ("title", "analysis", "status")} | {"stop": _stop(dataset)}
     names = [name for name in attributes if name.endswith("_version") and name != "format_version"]
-    if "integrator" in attributes:
+    if {"integrator", "step_s"} <= attributes.keys():
         counts = {name: int(attributes.get(name, 0)) for name in COUNTS}
         step = 1e3 * float(attributes["step_s"])
         head["integration"] = {"integrator": attributes["integrator"], "step_ms": step, **counts}
@@ -298,7 +295,7 @@ def _stop(dataset: xr.Dataset) -> dict[str, Any] | None:
     attributes = dataset.attrs
     if attributes["status"] != "stopped":
         return None
-    stop: dict[str, Any] = {"reason": attributes["stop_reason"]}
+    stop: dict[str, Any] = {"reason": attributes.get("stop_reason", "")}
     if "stop_cause" in attributes:
         stop["cause"] = attributes["stop_cause"]
     for key in ("stop_time_s", "stop_distance_m"):
