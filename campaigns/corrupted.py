@@ -14,6 +14,7 @@ in four is damaged, one in four is damaged and has a right checksum, two have od
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import os
 import random
@@ -24,7 +25,7 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 
 import crafted
@@ -255,6 +256,8 @@ def by_command(number: int, rng: random.Random, folder: Path) -> dict[str, Count
     whole = {path: path.read_bytes() for path in sources(folder)}
     reference = folder / "reference.nc"
     shutil.copy(folder / "run.nc", reference)
+    for path in (folder / "run.nc", folder / "coach.nc"):
+        _warmed_up(path, reference, folder / "warm")
     for i in until_ctrl_c(number):
         path, content = rng.choice([*whole.items()])
         is_part = path.suffix == ".part"
@@ -272,9 +275,7 @@ def by_command(number: int, rng: random.Random, folder: Path) -> dict[str, Count
         for name, words in COMMANDS.items():
             if path.stem in ("study", "wear") and name != "report":
                 continue
-            places = {"FILE": str(file), "WHOLE": str(reference)}
-            filled = [places.get(w, w.replace("OUT", str(own / "out"))) for w in words]
-            answer = answer_of(filled, file, folder)
+            answer = answer_of(_filled(words, file, reference, own / "out"), file, folder)
             answers[name][answer.split(":")[0]] += 1
             if answer not in GOOD:
                 bad = True
@@ -282,6 +283,21 @@ def by_command(number: int, rng: random.Random, folder: Path) -> dict[str, Count
         if not bad:
             shutil.rmtree(own)
     return answers
+
+
+def _filled(words: Sequence[str], file: Path, whole: Path, out: Path) -> list[str]:
+    places = {"FILE": str(file), "WHOLE": str(whole)}
+    return [places.get(w, w.replace("OUT", str(out))) for w in words]
+
+
+def _warmed_up(file: Path, whole: Path, out: Path) -> None:
+    """Let every command come to its end once: the processes that fork from this one find modules and kernels there."""
+    before = sys.argv
+    for words in COMMANDS.values():
+        sys.argv = ["wrsim", *_filled(words, file, whole, out)]
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()), suppress(SystemExit):
+            wrsim()
+    sys.argv = before
 
 
 def checked_again(content: bytes, path: Path) -> bytes:
