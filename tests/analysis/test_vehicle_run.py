@@ -9,16 +9,12 @@ import pytest
 from support.vehicles import ROOT, SHORT, into_the_curve, manchester
 
 from wrsim.analysis import run
-from wrsim.analysis.motion.forces import force_law
-from wrsim.analysis.motion.run_in import run_in, straight_before
-from wrsim.analysis.motion.start import start_state
+from wrsim.analysis.motion.run_in import straight_before
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result
 from wrsim.results.tables import tables
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
-from wrsim.simulation.placement import poses_on_track
-from wrsim.simulation.state import steady_state
 
 
 def test_every_wheelset_of_the_result_can_be_taken_out() -> None:
@@ -102,31 +98,6 @@ def test_driven_axles_hold_the_speed_as_a_pull_does() -> None:
     assert more.sum() == pytest.approx(pull, rel=0.01)
     assert more[:3] == pytest.approx(0.25 * pull, rel=0.01)
     assert more[3] == pytest.approx(0.25 * pull, rel=0.03)  # still on its way into the curve
-
-
-def test_steady_motion_in_a_curve_is_where_a_long_run_into_it_ends() -> None:
-    curve = {"kind": "arc", "radius_m": 1500.0, "length_m": 200.0, "cant_mm": 60.0}
-    keys = {"track.segments": [curve], "vehicle.speed_kmh": 110.0, "run.start_distance_m": 100.0}
-    setup = build(load(ROOT / "scenarios/manchester_r300.toml").with_values(SHORT | keys))
-    law = force_law(setup)
-    out = np.zeros(law.size)
-
-    def numbers(q: np.ndarray, q_t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        law.look_near(100.0)
-        law(0.0, q, q_t, out)
-        totals = np.array([[wheel.model.arrays.force[1:] for wheel in pair] for pair in law.wheels])
-        own = [slice(6 * w, 6 * w + 6) for w in range(4)]
-        poses = [poses_on_track(law.track.centre, q[None, o], q_t[None, o], 100.0) for o in own]
-        return totals, np.array([[p.lateral[0], p.yaw[0]] for p in poses])
-
-    found = steady_state(law)
-    forces, places = numbers(found.q, found.q_t)
-    reached = run_in(setup, start_state)
-    forces_reached, places_reached = numbers(*reached)
-    assert np.abs(forces[..., 1] / forces_reached[..., 1] - 1.0).max() < 0.01  # Q
-    assert np.abs(forces - forces_reached)[..., 0].max() < 0.01 * np.abs(forces[..., 0]).max()  # Y
-    apart = np.abs(places - places_reached).max(axis=0)  # lateral shift, angle of attack
-    assert (apart < 0.01 * np.abs(places).max(axis=0)).all()
 
 
 def test_a_run_may_start_in_a_transition_as_one_does_that_has_come_there(caplog: pytest.LogCaptureFixture) -> None:

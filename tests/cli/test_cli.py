@@ -16,7 +16,6 @@ from support.synthetic_result import curve_run, static_poses
 from typer.testing import CliRunner
 
 import wrsim.analysis
-from wrsim import __version__
 from wrsim.cli import app
 from wrsim.cli.console import time_left
 from wrsim.errors import SimulationError
@@ -232,14 +231,6 @@ def test_a_place_that_may_not_be_written_is_told_before_anything_is_computed(
     assert not calls
 
 
-def test_the_folder_of_a_run_can_be_run_again(scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    analysis_that(monkeypatch, completed)
-    call("run", scenario, "-o", tmp_path / "out", "--no-pictures")
-    again = call("run", tmp_path / "out/scenario.toml", "-o", tmp_path / "out", "--no-pictures", "-q")
-    assert again.exit_code == 0
-    assert (tmp_path / "out/scenario.toml").read_text() == CURVE
-
-
 # --- plot and profile ----------------------------------------------------------------------------------
 
 
@@ -284,19 +275,7 @@ def test_plot_of_something_else_is_bad_input(scenario: Path, tmp_path: Path) -> 
     assert call("plot", tmp_path / "nothing.nc").exit_code == 2
 
 
-def test_profile_draws_a_profile(tmp_path: Path) -> None:
-    result = call("profile", shipped_models() / "wheels/S1002.toml", "-o", tmp_path / "wheel.png")
-    assert result.exit_code == 0, result.output
-    assert (tmp_path / "wheel.png").stat().st_size > 10_000
-    assert call("profile", shipped_models() / "wheels/S1002.toml", "-o", tmp_path / "wheel.jpg").exit_code == 2
-    assert call("profile", shipped_models() / "wheels/S1002.toml", "--kind", "wheelset").exit_code == 2
-
-
 # --- the command itself --------------------------------------------------------------------------------
-
-
-def test_the_version_is_told() -> None:
-    assert call("--version").stdout == f"wrsim {__version__}\n"
 
 
 def test_a_wrong_option_is_bad_input(scenario: Path) -> None:

@@ -143,12 +143,6 @@ def test_short_options_are_there() -> None:
     assert "--install-completion" in call("-h").stdout
 
 
-def test_profile_finds_the_models_that_come_with_wrsim(tmp_path: Path) -> None:
-    told = call("profile", "wheels/S1002.toml", "-o", tmp_path / "wheel.png")
-    assert told.exit_code == 0, told.output
-    assert 'did you mean "wheels/S1002.toml"' in call("profile", "wheels/S1003.toml").stderr
-
-
 def test_the_same_place_means_the_same_to_plot_and_resolve(tmp_path: Path) -> None:
     """A place is where the chosen wheelset is, as its pictures say, not where the vehicle is."""
     front = curve_run(samples=40).assign_coords(wheelset=["front"])

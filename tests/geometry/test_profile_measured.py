@@ -122,6 +122,7 @@ def test_a_scan_is_reported_without_being_asked(files, tmp_path):
     result = call(files[0], "-o", tmp_path / "wheel.png")
     assert result.exit_code == 0
     assert "scatter by 10" in result.stdout and "5 mm" in result.stdout
+    assert call(files[0], "-o", tmp_path / "wheel.jpg").exit_code == 2
 
 
 @pytest.mark.parametrize(
