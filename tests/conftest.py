@@ -21,7 +21,7 @@ settings.load_profile("wrsim")
 def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures are neither put together nor painted, for tests of what becomes of their files."""
     drawing = importlib.import_module("wrsim.plots.drawing")
-    monkeypatch.setattr(drawing, "_painted", lambda make: b"a picture")
+    monkeypatch.setattr(drawing, "_painted", lambda make, paint: b"a picture")
     monkeypatch.setattr(drawing, "_worth_a_process", lambda pictures: False)
 
 

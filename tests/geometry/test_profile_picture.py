@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from wrsim.geometry.profile.models import load_profile
-from wrsim.plots.profile import draw_profile, profile_figure, profile_picture
+from wrsim.plots.profile import draw_curvature, profile_figure, profile_picture
 
 MODELS = Path(__file__).parents[2] / "models"
 ALL = sorted(p for folder in ("wheels", "rails") for p in (MODELS / folder).glob("*.toml"))
@@ -37,7 +37,7 @@ def test_the_figure_shows_shape_slope_and_curvature_over_the_whole_profile(path)
 def test_curvature_is_drawn_with_its_jumps():
     profile = load_profile(MODELS / "rails/60E1.toml")
     axes = Figure().subplots()
-    assert draw_profile(profile, curvature=axes) == (None, None, axes)
+    assert draw_curvature(profile, axes) is axes
     u, k = axes.lines[0].get_data()
     jump = np.flatnonzero((np.diff(u) == 0.0) & (np.abs(np.diff(k)) > 1.0))
     assert jump.size == 6  # three arcs on either side

@@ -188,7 +188,7 @@ def test_empty_strips_split_a_patch_into_its_parts(axes):
     dataset = one_pose().copy(deep=True)
     dataset["strip_a"][0, 0, 0, 10:14] = 0.0
     dataset["strip_p"][0, 0, 0, 10:14] = 0.0
-    contact_patch(axes, dataset, PatchAt(0, "left", 0), pressure_scale(dataset), strips=True)
+    contact_patch(axes, dataset, PatchAt(0, "left", 0), pressure_scale(dataset))
     assert len([c for c in axes.collections if isinstance(c, QuadMesh)]) == 2
 
 

@@ -160,7 +160,7 @@ def test_the_floor_is_seen_beside_the_frames() -> None:
         coords={"point": ["floor", "frame"], "axis": ["x", "y", "z"], "band": band},
     )
     found = SimpleNamespace(data=data, points=["floor", "frame"], title="ride", start=0.0, end=1.0)
-    axes = ride_figure(found, bands).axes[0]
+    axes = ride_figure({"": found}, bands).axes[0]
     assert axes.get_yscale() == "log"
     assert axes.get_ylim()[0] < 1e-3 < 2.0 < axes.get_ylim()[1]
 

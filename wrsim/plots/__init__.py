@@ -15,11 +15,11 @@ from wrsim.plots.histories import (
     stacked,
     track_layout,
 )
+from wrsim.plots.marks import mark_stop
 from wrsim.plots.moments import PatchAt, choose_moments
 from wrsim.plots.patches import contact_patch, patch_gallery, pressure_scale
 from wrsim.plots.pictures import standard_figures, standard_pictures
 from wrsim.plots.static import against_pose, static_figure
-from wrsim.plots.stops import mark_stop
 from wrsim.plots.style import new_figure, save, style
 
 __all__ = [

@@ -1,8 +1,11 @@
-"""Pictures of an assessment: how much of each limit is used, and the evaluated signals against distance."""
+"""Pictures of an assessment: how much of each limit is used, the evaluated signals against distance, estimated values
+that go by influences."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +17,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wrsim.plots.colours import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
-from wrsim.plots.estimates import estimated, estimates_figure
-from wrsim.plots.marks import note, note_above, wheel_entries
-from wrsim.plots.style import FULL_WIDTH, new_figure, save, style
-from wrsim.results.assessment import Assessment, Section, Value
-from wrsim.results.wheelsets import numbered
+from wrsim.plots.histories import mark_snapshots, track_layout
+from wrsim.plots.marks import mark_stop, note, note_above, panels, wheel_entries
+from wrsim.plots.style import save
+from wrsim.results.assessment import Assessment, Section, Value, ZoneValue
+from wrsim.results.regression import SHOWN
+from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 ZONE_SHADE = {
     "straight": "none",
@@ -52,14 +56,9 @@ def assessment_pictures(found: Assessment, directory: str | Path) -> list[Path]:
 
 def limits_figure(found: Assessment) -> Figure:
     """For every quantity with a limit and every class of track: all sections as points, the worst as a bar."""
-    with style():
-        rows = _rows(found)
-        figure = new_figure(FULL_WIDTH, 26.0 + 4.6 * len(rows))
-        axes = figure.add_subplot()
-        used_of(axes, rows)
-        figure.suptitle(found.title, x=0.01, ha="left", fontsize=8.5)
-        axes.set_title("Part of the limit that is used: bar: worst; points: every section, wheelset and wheel")
-    return figure
+    rows = _rows(found)
+    words = "Part of the limit that is used: bar: worst; points: every section, wheelset and wheel"
+    return panels(f"{found.title}\n{words}", [partial(used_of, rows=rows)], 26.0 + 4.6 * len(rows))
 
 
 def used_of(axes: Axes, rows: Sequence[tuple[str, Sequence[Value]]]) -> Axes:
@@ -100,33 +99,55 @@ def _rows(found: Assessment) -> list[tuple[str, list[Value]]]:
     return rows
 
 
+HISTORIES = {
+    "sum_Y": ("ΣY, 20 Hz, 2 m\n[kN]", 1e-3, ("sum_Y",)),
+    "Y_over_Q": ("Y/Q, 20 Hz, 2 m", 1.0, ("Y_over_Q",)),
+    "Q": ("Q, 20 Hz\n[kN]", 1e-3, ("Q",)),
+    "Y": ("Y, 20 Hz\n[kN]", 1e-3, ("Y_qst", "Y_qst_reduced")),
+}
+"""Signals of the history: label, factor, quantities whose limits are drawn."""
+
+
 def history_figure(found: Assessment, run: str = "") -> Figure:
     """Sum Y, Y/Q, Q and Y of a run as they were evaluated, with their limits, over shaded sections."""
     signals, sections = found.signals[run], [s for s in found.sections if s.run == run]
-    panels: tuple[tuple[str, str, float, tuple[str, ...]], ...] = (
-        ("sum_Y", "ΣY, 20 Hz, 2 m\n[kN]", 1e-3, ("sum_Y",)),
-        ("Y_over_Q", "Y/Q, 20 Hz, 2 m", 1.0, ("Y_over_Q",)),
-        ("Q", "Q, 20 Hz\n[kN]", 1e-3, ("Q",)),
-        ("Y", "Y, 20 Hz\n[kN]", 1e-3, ("Y_qst", "Y_qst_reduced")),
-    )
-    with style():
-        figure = new_figure(FULL_WIDTH, 34.0 * len(panels) + 24.0)
-        rows = figure.subplots(len(panels), 1, sharex=True)
-        for axes, (signal, label, factor, quantities) in zip(rows, panels, strict=True):
-            shade_sections(axes, sections)
-            signal_of(axes, signals, signal, factor)
-            limited = [v for quantity in quantities for v in found.of(quantity) if v.section.run == run]
-            limit_of(axes, limited, factor, both=signal == "sum_Y")
-            axes.set_ylabel(label)
-        _number_sections(rows[0], sections)
-        rows[-1].set_xlabel("Distance along the track [m]")
-        place = signals["place"].values
-        rows[-1].set_xlim(place[0], place[-1])
-        figure.align_ylabels(list(rows))
-        title = f"{found.title}\nrun {run}" if run else found.title
-        figure.suptitle(title, x=0.01, ha="left", fontsize=8.5)
-        figure.legend(handles=_legend(signals), loc="outside lower center", ncols=4)
-    return figure
+    place = signals["place"].values
+
+    def draw(axes: Axes, name: str) -> None:
+        label, factor, quantities = HISTORIES[name]
+        shade_sections(axes, sections)
+        signal_of(axes, signals, name, factor)
+        limited = [v for quantity in quantities for v in found.of(quantity) if v.section.run == run]
+        limit_of(axes, limited, factor, both=name == "sum_Y")
+        axes.set(xlabel="Distance along the track [m]", ylabel=label, xlim=(place[0], place[-1]))
+        if name == "sum_Y":
+            _number_sections(axes, sections)
+
+    draws = [partial(draw, name=name) for name in HISTORIES]
+    title = f"{found.title}\nrun {run}" if run else found.title
+    return panels(title, draws, 34.0 * len(draws) + 24.0, legend=_legend(signals))
+
+
+def track_diagram(dataset: xr.Dataset, sections: Sequence[Section]) -> Figure:
+    """Curvature and cant of a run over its sections; letters: its snapshots, red: events and where it stopped."""
+    first = of_wheelset(dataset, wheelsets(dataset)[0])
+    place = first["distance"].values
+
+    def draw(axes: Axes) -> None:
+        shade_sections(axes, sections)
+        for s in sections:
+            share = (min(s.end, place[-1]) - max(s.start, place[0])) / np.ptp(place)
+            short = s.label if s.zone in ("straight", "transition") else f"R {abs(s.radius):.0f}"
+            words = next((w for w in (s.label, short, str(s.number)) if 0.009 * len(w) < share), "")
+            note_above(axes, words, 0.5 * (max(s.start, place[0]) + min(s.end, place[-1])), lift=8.0)
+        track_layout(axes, first)
+        mark_snapshots(axes, first)
+        mark_stop(axes, first)
+        for at in dataset["event_distance"].values if "event_distance" in dataset else ():
+            axes.axvline(at, color=STOP_COLOUR, linewidth=1.0)
+        axes.set_xlim(place[0], place[-1])
+
+    return panels("", [draw], 42.0)
 
 
 def signal_of(axes: Axes, signals: xr.Dataset, name: str, factor: float) -> Axes:
@@ -186,3 +207,43 @@ def _legend(signals: xr.Dataset) -> list[Artist]:
             line = GROUP_LINE[i % len(GROUP_LINE)]
             entries.append(Line2D([], [], color=INK, linestyle=line, label=f"wheelset {label}"))
     return [*entries, Line2D([], [], color=STOP_COLOUR, linewidth=0.9, label="limit")]
+
+
+ESTIMATES, COLUMNS = 12, 3
+"""Panels of the picture of estimates."""
+
+
+def estimated(found: Assessment) -> list[ZoneValue]:
+    """What is estimated by influences: quantities with a limit whose sections differ in one, tightest first."""
+    rows = [z for z in found.zones() if z.worst.limit is not None and z.regression is not None and z.regression.over]
+    return sorted(rows, key=lambda z: z.margin or 0.0)[:ESTIMATES]
+
+
+def estimates_figure(found: Assessment) -> Figure:
+    """A panel for each: largest value of every section over the first influence, as if the others were where the value
+    is estimated."""
+    draws = [partial(fit_of, row=row) for row in estimated(found)]
+    words = "points: sections; line: fit; bar: from the fit to the estimated value; red: limit"
+    height = 16.0 + 52.0 * ceil(len(draws) / COLUMNS)
+    return panels(f"{found.title}\n{words}", draws, height, columns=COLUMNS, share=False)
+
+
+def fit_of(axes: Axes, row: ZoneValue) -> Axes:
+    """Sections, fit, estimated value and limit of one quantity in one class of track."""
+    r, quantity, limit = row.regression, row.worst.quantity, row.worst.limit
+    if r is None or limit is None:
+        return axes
+    unit, factor = SHOWN[r.over[0]]
+    x, y = factor * r.places, quantity.shown.factor * r.moved
+    axes.plot(x, y, ".", color=INK)
+    ends = [min(x.min(), factor * r.at[0]), max(x.max(), factor * r.at[0])]
+    slope = r.slope[0] / factor
+    axes.plot(ends, [quantity.shown.factor * (r.fit + slope * (end - factor * r.at[0])) for end in ends], color=QUIET)
+    bounds = [quantity.shown.factor * value for value in (r.fit, r.estimate)]
+    axes.plot([factor * r.at[0]] * 2, bounds, "_-", color=INK, markersize=8.0)
+    axes.axhline(quantity.shown.factor * limit.value, color=STOP_COLOUR, linewidth=0.8)
+    symbol = "" if quantity.shown.symbol == "1" else f" [{quantity.shown.symbol}]"
+    axes.set(xlabel=f"{r.over[0].replace('_', ' ')} [{unit}]", ylabel=f"{quantity.symbol}{symbol}")
+    axes.set_title(f"{row.worst.section.zone} ({row.sections})", fontsize=7.0)
+    axes.set_ylim(bottom=min(0.0, float(y.min())))
+    return axes

@@ -1,8 +1,12 @@
-"""Contact models side by side: their patches at the same moments, and their values with the differences beside them."""
+"""Results side by side: patches of contact models at the same moments, their values with the differences beside them;
+histories of several results over each other."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
+from itertools import cycle, islice
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,15 +15,15 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from wrsim.plots.colours import GROUP_LINE, INK, QUIET
+from wrsim.plots.colours import GROUP_LINE, INK, QUIET, WHEEL_COLOUR
 from wrsim.plots.gallery import colour_bar
-from wrsim.plots.marks import draw_line, few_ticks
-from wrsim.plots.moments import PatchAt, choose_moments, moment_title, patches_of, select
+from wrsim.plots.marks import draw_line, few_ticks, panels, wheel_entries
+from wrsim.plots.moments import PatchAt, choose_moments, moment_title, patches_of, pose_abscissa, pose_groups, select
 from wrsim.plots.patches import contact_patch, extent
-from wrsim.plots.poses import pose_abscissa, pose_groups
-from wrsim.plots.style import FULL_WIDTH, headline, new_figure, place, shown, style, write
+from wrsim.plots.style import FULL_WIDTH, abscissa, headline, new_figure, place, shown, style, write
 from wrsim.results import CHANNELS
 from wrsim.results.moments import moment_dim
+from wrsim.results.table import with_unit
 
 MODEL_COLOUR = ("#222222", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Colours of the models (Okabe and Ito); more than seven begin again."""
@@ -100,41 +104,34 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
     across = ("distance" if "distance" in values.coords else "time") if runs else pose_abscissa(values)
     x = shown(values, across)
     wheels = [str(w) for w in values["wheel"].values]
-    lines = [(g, w) for g in range(len(groups)) for w in range(len(wheels))]
-    with style():
-        figure = new_figure(FULL_WIDTH, 36.0 * len(quantities) + 24.0)
-        figure.suptitle(title, x=0.012, ha="left", fontsize=8.5)
-        panels = figure.subplots(len(quantities), 2, sharex=True, squeeze=False)
-        for row, quantity in zip(panels, quantities, strict=True):
-            factor, unit = _difference_unit(quantity)
-            for i, name in enumerate(names):
-                colour = MODEL_COLOUR[i % len(MODEL_COLOUR)]
-                for n, (g, w) in enumerate(lines):
-                    member = groups[g][1]
-                    options = {"color": colour, "linestyle": GROUP_LINE[n % len(GROUP_LINE)], "lw": 0.9}
-                    both = (shown(values, quantity)[i, :, w], factor * values[f"{quantity}_difference"].values[i, :, w])
-                    for axes, y in zip(row, both, strict=True):
-                        if axes is row[1] and name == reference:
-                            continue
-                        draw_line(axes, x[member], y[member], marker="" if runs else "o", markersize=1.8, **options)
-            channel = CHANNELS[quantity]
-            row[0].set_ylabel(f"${channel.symbol}$ [{channel.shown.symbol}]")
-            row[1].set_ylabel(f"$\\Delta$ {unit}")
-            row[1].axhline(0.0, color=INK, lw=0.6)
-            _widen(row[0], 0.02 * max(abs(y) for y in row[0].get_ylim()))
-            _widen(row[1], LEAST_DIFFERENCE)
-        panels[0, 1].set_title(f'difference from "{reference}"', fontsize=7.0)
-        for axes in panels[-1]:
-            axes.set_xlabel(CHANNELS[across].label)
-        legend = [Line2D([], [], color=MODEL_COLOUR[i % len(MODEL_COLOUR)], label=n) for i, n in enumerate(names)]
-        if len(lines) > 1:
-            for n, (g, w) in enumerate(lines):
-                words = [groups[g][0]] if groups[g][0] else []
-                words += [f"{wheels[w]} wheel".strip()] if len(wheels) > 1 else []
-                line = GROUP_LINE[n % len(GROUP_LINE)]
-                legend.append(Line2D([], [], color=QUIET, linestyle=line, label=", ".join(words)))
-        figure.legend(handles=legend, loc="outside lower center", ncols=min(len(legend), 4))
-    return figure
+    colours = dict(zip(names, cycle(MODEL_COLOUR)))
+    lines = [(label, member, w, wheel) for label, member in groups for w, wheel in enumerate(wheels)]
+    looks = dict(enumerate(islice(cycle(GROUP_LINE), len(lines))))
+
+    def draw(axes: Axes, quantity: str, differences: bool) -> None:
+        channel, (factor, unit) = CHANNELS[quantity], _difference_unit(quantity)
+        y = factor * values[f"{quantity}_difference"].values if differences else shown(values, quantity)
+        for i, name in enumerate(names):
+            if differences and name == reference:
+                continue
+            for n, (_, member, w, _) in enumerate(lines):
+                look: Any = {"color": colours[name], "linestyle": looks[n], "lw": 0.9, "markersize": 1.8}
+                draw_line(axes, x[member], y[i, member, w], marker="" if runs else "o", **look)
+        axes.set_xlabel(CHANNELS[across].label)
+        if differences:
+            axes.set_ylabel(f"$\\Delta$ {unit}")
+            axes.axhline(0.0, color=INK, lw=0.6)
+            axes.set_title(f'difference from "{reference}"' if quantity == quantities[0] else "", fontsize=7.0)
+        else:
+            axes.set_ylabel(f"${channel.symbol}$ [{channel.shown.symbol}]")
+        _widen(axes, LEAST_DIFFERENCE if differences else 0.02 * max(abs(end) for end in axes.get_ylim()))
+
+    legend = [Line2D([], [], color=colour, label=name) for name, colour in colours.items()]
+    for n, (label, _, _, wheel) in enumerate(lines if len(lines) > 1 else ()):
+        words = (label, f"{wheel} wheel".strip() if len(wheels) > 1 else "")
+        legend.append(Line2D([], [], color=QUIET, linestyle=looks[n], label=", ".join(filter(None, words))))
+    draws = [partial(draw, quantity=q, differences=d) for q in quantities for d in (False, True)]
+    return panels(title, draws, 36.0 * len(quantities) + 24.0, columns=2, legend=legend)
 
 
 def _widen(axes: Axes, span: float) -> None:
@@ -190,3 +187,38 @@ def _note(dataset: xr.Dataset, patches: Sequence[tuple[PatchAt, float]]) -> str:
     at = {moment_dim(dataset): patches[0][0].moment}
     strips = dataset[["strip_p", "strip_N"]].isel(at).sel(wheel=patches[0][0].wheel)
     return f"{float(strips['strip_p'].max()) / 1e6:.0f} MPa, {float(strips['strip_N'].sum()) / 1e3:.1f} kN"
+
+
+CHANNELS_DRAWN = ("Y", "Q", "Y_over_Q", "T_gamma", "lateral_shift", "yaw")
+
+
+def has_curves(dataset: xr.Dataset) -> bool:
+    """True if there is something to lay over each other: a run of several samples, or poses."""
+    return any(n in dataset for n in CHANNELS_DRAWN) and max(dataset.sizes.get(d, 0) for d in ("time", "pose")) > 1
+
+
+def overlay_figure(datasets: Sequence[xr.Dataset], names: Sequence[str]) -> Figure:
+    """Forces, wear number, shift and angle of attack of one wheelset in several results over each other: the
+    first drawn through, the second dashed, and so on; names: what these are called."""
+    lines = GROUP_LINE * 2
+
+    def draw(axes: Axes, name: str) -> None:
+        for dataset, line in zip(datasets, lines, strict=False):
+            poses = "pose" in dataset.dims
+            x, along = (np.arange(dataset.sizes["pose"]), "pose") if poses else abscissa(dataset)
+            values = shown(dataset, name).reshape(x.size, -1)
+            wheels = dataset["wheel"].values if "wheel" in dataset[name].dims else [""]
+            for own, wheel in zip(values.T, wheels, strict=True):
+                axes.plot(x, own, color=WHEEL_COLOUR.get(str(wheel), INK), linestyle=line, linewidth=0.9)
+        channel = CHANNELS[name]
+        axes.set_xlabel("Pose" if along == "pose" else CHANNELS[along].label)
+        axes.set_ylabel(with_unit(f"${channel.symbol}$", channel.shown.symbol) if channel.symbol else channel.label)
+
+    present = [name for name in CHANNELS_DRAWN if all(name in dataset for dataset in datasets)]
+    entries = [Line2D([], [], color=INK, linestyle=line, label=name) for line, name in zip(lines, names, strict=False)]
+    return panels(
+        " | ".join(str(dataset.attrs["title"]) for dataset in datasets),
+        [partial(draw, name=name) for name in present],
+        20.0 + 33.0 * len(present),
+        legend=[*entries, *wheel_entries(datasets[0]["wheel"].values)],
+    )

@@ -1,8 +1,11 @@
-"""Rolling radius difference, contact points and angles over the lateral shift; equivalent conicity over amplitude."""
+"""Rolling radius difference, contact points and angles over the lateral shift; equivalent conicity over amplitude,
+and over the gauge: lines of a few pairs of profiles, a map of many."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -10,12 +13,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
-from wrsim.plots.marks import broken, minus, note, remark
-from wrsim.plots.style import FULL_WIDTH, new_figure, shown, style
+from wrsim.plots.marks import broken, minus, note, panels, remark
+from wrsim.plots.style import pressure_map, shown
 from wrsim.results import CHANNELS
 from wrsim.results.steering import steering_summary
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
+if TYPE_CHECKING:
+    from wrsim.results.conicity_map import ConicityMap
+
+LINES = 6
+"""As many pairs of profiles are drawn as lines over the gauge."""
 JUMP = 1.5
 """Millimetres between two shifts beyond which a contact point has jumped elsewhere: the line is interrupted."""
 ROLL_WORDS = {
@@ -40,15 +48,8 @@ def conicity_figure(dataset: xr.Dataset) -> Figure:
         f"{1e3 * float(attributes['profile_spacing_m']):.6g} mm apart, wheels {diameters} mm, "
         f"{ROLL_WORDS.get(str(attributes['roll']), '')}"
     )
-    with style():
-        figure = new_figure(FULL_WIDTH, 132.0)
-        figure.suptitle(f"{attributes['title']}\n{facts}", x=0.012, ha="left", fontsize=8.0)
-        axes = [figure.add_subplot(2, 2, i + 1) for i in range(4)]
-        radius_difference(axes[0], dataset)
-        conicity_curve(axes[1], dataset)
-        contact_points(axes[2], dataset)
-        angles(axes[3], dataset)
-    return figure
+    draws = [partial(draw, dataset=dataset) for draw in (radius_difference, conicity_curve, contact_points, angles)]
+    return panels(f"{attributes['title']}\n{facts}", draws, 132.0, columns=2, share=False)
 
 
 def radius_difference(axes: Axes, dataset: xr.Dataset) -> Axes:
@@ -111,3 +112,34 @@ def angles(axes: Axes, dataset: xr.Dataset) -> Axes:
     axes.set(xlabel=CHANNELS["lateral_shift"].label, ylabel="Contact angle $\\gamma$ [°]")
     axes.legend(loc="best", fontsize=6.5)
     return axes
+
+
+def conicity_map_figure(found: ConicityMap, title: str) -> Figure:
+    """Conicity at 3 mm above, nonlinearity parameter below; of many pairs a map of the conicity with a row for each."""
+    wheels, rails = ({pair[k] for pair in found.pairs} for k in (0, 1))
+    labels = [
+        w if len(rails) == 1 and len(wheels) > 1 else r if len(wheels) == 1 and len(rails) > 1 else f"{w} on {r}"
+        for w, r in found.pairs
+    ]
+    gauges, words = 1e3 * np.array(found.gauges), r"equivalent conicity $\tan\gamma_e$ at 3 mm"
+
+    def lines(axes: Axes, values: np.ndarray, ylabel: str, bottom: float | None) -> None:
+        for label, own in zip(labels, values, strict=True):
+            axes.plot(gauges, own, ".-", label=label)
+        axes.set_ylim(bottom=bottom)
+        axes.set(xlabel="gauge [mm]", ylabel=ylabel)
+
+    def rows(axes: Axes) -> None:
+        step = gauges[1] - gauges[0] if gauges.size > 1 else 1.0
+        extent = (gauges[0] - 0.5 * step, gauges[-1] + 0.5 * step, len(labels) - 0.5, -0.5)
+        drawn = axes.imshow(found.conicity, aspect="auto", extent=extent, cmap=pressure_map(), vmin=0.0)
+        axes.set_yticks(range(len(labels)), labels)
+        axes.grid(visible=False)
+        axes.set_xlabel("gauge [mm]")
+        axes.figure.colorbar(drawn, ax=axes, label=words)
+
+    if len(labels) > LINES:
+        return panels(title, [rows], 45.0 + 6.0 * len(labels))
+    both = ((found.conicity, words, 0.0), (found.nonlinearity, "nonlinearity parameter [1/mm]", None))
+    draws = [partial(lines, values=values, ylabel=label, bottom=bottom) for values, label, bottom in both]
+    return panels(title, draws, 120.0, legend=None if len(labels) > 1 else ())

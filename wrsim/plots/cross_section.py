@@ -29,10 +29,9 @@ from wrsim.plots.gallery import (
     selection_words,
     titles_height,
 )
-from wrsim.plots.marks import few_ticks
+from wrsim.plots.marks import few_ticks, stop_note
 from wrsim.plots.moments import PatchAt, choose_moments, patches_of, select, touching_runs
 from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, rounded
-from wrsim.plots.stops import stop_note
 from wrsim.plots.style import headline, new_figure, pressure_map, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.moments import moment_dim
@@ -81,7 +80,7 @@ def patch_on_section(
         curve, normal, p = pressed_curve(run)
         band = np.stack((curve - 0.5 * thickness * normal, curve + 0.5 * thickness * normal))
         look: Any = {"shading": "gouraud", "cmap": pressure_map(), "norm": scale, "zorder": 3.0, "gid": "patch"}
-        axes.pcolormesh(band[..., 0], band[..., 1], np.tile(p, (2, 1)), **look)
+        axes.pcolormesh(band[..., 0], band[..., 1], np.tile(p, (2, 1)), rasterized=True, **look)
         if fan > 0.0:
             tips = curve + normal * (fan * p / float(scale.vmax or 1.0))[:, None]
             axes.add_artist(Polygon(np.vstack((tips, curve[::-1])), facecolor="white", alpha=0.75, zorder=2.5))

@@ -24,21 +24,23 @@ from wrsim.plots.style import rendered
 DIE_WITH_PARENT = 1
 """PR_SET_PDEATHSIG of Linux's prctl: the signal that a process gets when its parent has died."""
 
+Paint = Callable[[Figure], bytes]
 Makers = Mapping[str, Callable[[], Figure]]
 Finish = Callable[[], dict[str, bytes]]
-"""Draws what is left, and gives all pictures by their names, as PNG."""
+"""Draws what is left, and gives all pictures by their names."""
 
 
 @contextmanager
-def drawing(figures: Makers) -> Iterator[Finish]:
-    """Draw pictures while other work is done in the block, if there is a second processor."""
+def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
+    """Draw pictures while other work is done in the block, if there is a second processor. paint: what makes bytes of
+    a figure."""
     if not _worth_a_process(len(figures)):
-        yield lambda: {name: _painted(make) for name, make in figures.items()}
+        yield lambda: {name: _painted(make, paint) for name, make in figures.items()}
         return
     context = multiprocessing.get_context("fork")
     taken = context.Value("i", 0)
     receiver, sender = context.Pipe(duplex=False)
-    second = context.Process(target=_second, args=(figures, taken, sender, receiver, os.getpid()), daemon=True)
+    second = context.Process(target=_second, args=(figures, paint, taken, sender, receiver, os.getpid()), daemon=True)
     with warnings.catch_warnings():
         # from 3.12 on: "may lead to deadlocks"; the only other threads are those of BLAS, which stop for a fork
         warnings.simplefilter("ignore", DeprecationWarning)
@@ -46,10 +48,10 @@ def drawing(figures: Makers) -> Iterator[Finish]:
     sender.close()
 
     def finish() -> dict[str, bytes]:
-        drawn = _share(figures, taken)
+        drawn = _share(figures, paint, taken)
         with suppress(EOFError, OSError):  # it was killed, or has met an error
             drawn |= receiver.recv()
-        return {name: drawn[name] if name in drawn else _painted(make) for name, make in figures.items()}
+        return {name: drawn[name] if name in drawn else _painted(make, paint) for name, make in figures.items()}
 
     try:
         yield finish
@@ -59,9 +61,9 @@ def drawing(figures: Makers) -> Iterator[Finish]:
         receiver.close()
 
 
-def _painted(make: Callable[[], Figure]) -> bytes:
-    """One picture, as PNG."""
-    return rendered(make())
+def _painted(make: Callable[[], Figure], paint: Paint) -> bytes:
+    """One picture."""
+    return paint(make())
 
 
 def _worth_a_process(pictures: int) -> bool:
@@ -71,7 +73,7 @@ def _worth_a_process(pictures: int) -> bool:
     return pictures > 1 and len(os.sched_getaffinity(0)) > 1
 
 
-def _share(figures: Makers, taken: Any) -> dict[str, bytes]:
+def _share(figures: Makers, paint: Paint, taken: Any) -> dict[str, bytes]:
     """Draw one picture after the other that nobody has taken yet."""
     names = list(figures)
     drawn: dict[str, bytes] = {}
@@ -80,10 +82,10 @@ def _share(figures: Makers, taken: Any) -> dict[str, bytes]:
             place, taken.value = taken.value, taken.value + 1
         if place >= len(names):
             return drawn
-        drawn[names[place]] = _painted(figures[names[place]])
+        drawn[names[place]] = _painted(figures[names[place]], paint)
 
 
-def _second(figures: Makers, taken: Any, sender: Any, receiver: Any, first: int) -> None:
+def _second(figures: Makers, paint: Paint, taken: Any, sender: Any, receiver: Any, first: int) -> None:
     """What the second process does; it says nothing, and leaves what goes wrong to the first.
 
     It must not outlive the first one: it has inherited the lock of the folder, and would keep others out of it.
@@ -94,6 +96,6 @@ def _second(figures: Makers, taken: Any, sender: Any, receiver: Any, first: int)
         os._exit(1)
     receiver.close()
     try:
-        sender.send(_share(figures, taken))
+        sender.send(_share(figures, paint, taken))
     except Exception:
         os._exit(1)

@@ -22,15 +22,17 @@ from wrsim.plots.gallery import PATCH_NAMES
 from wrsim.plots.marks import (
     broken,
     draw_line,
+    is_stopped,
     legend_beneath,
+    mark_stop,
     note,
     note_above,
     right_axis,
+    stop_note,
     wheel_entries,
     without_neighbours,
 )
 from wrsim.plots.moments import snapshot_letter
-from wrsim.plots.stops import is_stopped, mark_stop, stop_note
 from wrsim.plots.style import FULL_WIDTH, abscissa, headline, new_figure, place, shown, style, write
 from wrsim.results import CHANNELS
 from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS

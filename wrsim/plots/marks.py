@@ -1,11 +1,14 @@
-"""What pictures write and draw alike on their axes: small words, ticks, entries of legends, lines with gaps."""
+"""What pictures write and draw alike: small words, ticks, entries of legends, lines with gaps, where a run stopped."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from math import ceil
+from textwrap import fill
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -13,7 +16,12 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.plots.colours import QUIET, WHEEL_COLOUR
+from wrsim.plots.colours import QUIET, STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.style import FULL_WIDTH, abscissa, new_figure, style, write
+from wrsim.results import CHANNELS
+
+ONE_LINE = 124
+"""Letters of a note that fit across a full-width picture."""
 
 
 def note(axes: Axes, text: str, at: tuple[float, float], offset: tuple[float, float], **options: Any) -> None:
@@ -30,6 +38,40 @@ def note_above(axes: Axes, text: str, x: float, lift: float = 1.5, **options: An
 def remark(axes: Axes, words: str) -> None:
     """How to read the axes, small above them."""
     axes.set_title(words, fontsize=6.5, color=QUIET, pad=2.0)
+
+
+def panels(
+    title: str,
+    draws: Sequence[Callable[[Axes], object]],
+    height: float,
+    *,
+    columns: int = 1,
+    share: bool = True,
+    legend: Sequence[Artist] | None = (),
+    across: int = 4,
+    note: str = "",
+) -> Figure:
+    """A figure of so many mm height under a title (and, in red, a note), with a panel for each function, row by row.
+
+    share: panels share their horizontal axis, which only the lowest name; legend: entries beneath all panels, in so
+    many columns ``across``; None: those of the first panel.
+    """
+    with style():
+        figure = new_figure(FULL_WIDTH, height)
+        rows, drawn = ceil(len(draws) / columns), list[Axes]()
+        for i, draw in enumerate(draws):
+            axes = figure.add_subplot(rows, columns, i + 1, sharex=drawn[0] if share and drawn else None)
+            drawn.append(axes)
+            draw(axes)
+            if share and i + columns < len(draws):
+                axes.tick_params(labelbottom=False)
+                axes.set_xlabel("")
+        figure.suptitle(title + "\n" * bool(note), x=0.012, ha="left", fontsize=8.5)
+        write(figure, 2.0, 5.5 + 3.6 * title.count("\n"), note, color=STOP_COLOUR)
+        if entries := drawn[0].get_legend_handles_labels()[0] if legend is None else legend:
+            legend_beneath(figure, entries, across)
+        figure.align_ylabels(drawn)
+    return figure
 
 
 def legend_beneath(figure: Figure, entries: Sequence[Artist], columns: int) -> None:
@@ -92,3 +134,36 @@ def broken(
     with np.errstate(invalid="ignore"):
         at = np.flatnonzero(np.abs(np.diff(y if by is None else by)) > jump) + 1
     return np.insert(x.astype(float), at, 0.5 * (x[at - 1] + x[at])), np.insert(y.astype(float), at, np.nan)
+
+
+def is_stopped(dataset: xr.Dataset) -> bool:
+    """True when the analysis ended before its time."""
+    return dataset.attrs.get("status") == "stopped"
+
+
+def mark_stop(axes: Axes, dataset: xr.Dataset) -> Axes:
+    """A red line where a stopped run ended."""
+    if is_stopped(dataset):
+        axes.axvline(_place(dataset)[0], color=STOP_COLOUR, linewidth=1.0, zorder=4.0, gid="stop")
+    return axes
+
+
+def stop_note(dataset: xr.Dataset) -> str:
+    """Where and why the analysis stopped, for a picture; empty for a completed one."""
+    if not is_stopped(dataset):
+        return ""
+    reason = dataset.attrs.get("stop_reason", "")
+    if "time" not in dataset.dims or "along the track" in reason:  # the reason knows the place
+        return fill(f"Stopped: {reason}", ONE_LINE)
+    at, symbol = _place(dataset)
+    return fill(f"Stopped at {at:.5g} {symbol}: {reason}", ONE_LINE)
+
+
+def _place(dataset: xr.Dataset) -> tuple[float, str]:
+    """Abscissa of the stop and its unit."""
+    x, name = abscissa(dataset)
+    key = "stop_distance_m" if name == "distance" else "stop_time_s"
+    at = float(dataset.attrs.get(key, np.nan))
+    if not np.isfinite(at):
+        at = float(x[-1]) if x.size else 0.0
+    return at, CHANNELS[name].shown.symbol

@@ -1,4 +1,7 @@
-"""Chosen instants of a run and poses of a static analysis, seen alike: a moment has a title and patches."""
+"""Chosen instants of a run and poses of a static analysis, seen alike: a moment has a title and patches.
+
+Also how poses make lines: what varies along a line, what from line to line.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +13,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.plots.marks import minus
-from wrsim.plots.poses import pose_groups
 from wrsim.plots.style import shown
+from wrsim.results import CHANNELS
 from wrsim.results.moments import moment_dim, order_of_strips, with_patches
 
 
@@ -122,3 +125,33 @@ def moment_title(dataset: xr.Dataset, moment: int, order: int) -> str:
         if name in dataset and (name == "lateral_shift" or np.ptp(dataset[name].values) > 0.0):
             parts.append(minus(form.format(shown(dataset, name)[moment] + 0.0)))
     return letter + ", ".join(parts[:1]) + ("\n" + ", ".join(parts[1:]) if parts[1:] else "")
+
+
+ABSCISSAE = ("lateral_shift", "yaw", "load")
+"""Channels of a pose that may stand on the horizontal axis, in order of preference."""
+
+
+def pose_abscissa(dataset: xr.Dataset) -> str:
+    """The channel on the horizontal axis: lateral shift, unless only yaw or load vary."""
+    varied = [n for n in ABSCISSAE if n in dataset and np.ptp(dataset[n].values) > 0.0]
+    return varied[0] if varied else "lateral_shift"
+
+
+def pose_groups(dataset: xr.Dataset) -> list[tuple[str, NDArray[np.intp]]]:
+    """Poses that make one line: label and indices in the order of the horizontal axis."""
+    across = pose_abscissa(dataset)
+    others = [n for n in ABSCISSAE if n in dataset and n != across and np.ptp(dataset[n].values) > 0.0]
+    x = dataset[across].values
+    if not others:
+        return [("", np.argsort(x, kind="stable"))]
+    keys = np.column_stack([np.round(shown(dataset, n), 9) for n in others])
+    groups = []
+    for key in np.unique(keys, axis=0):
+        member = np.flatnonzero((keys == key).all(axis=1))
+        words = (f"${CHANNELS[n].symbol}$ = " if CHANNELS[n].symbol else "" for n in others)
+        label = ", ".join(
+            f"{word}{value + 0.0:.4g} {CHANNELS[n].shown.symbol}"
+            for word, value, n in zip(words, key, others, strict=True)
+        )
+        groups.append((label.replace("-", "\N{MINUS SIGN}"), member[np.argsort(x[member], kind="stable")]))
+    return groups

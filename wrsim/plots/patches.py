@@ -27,9 +27,8 @@ from wrsim.plots.gallery import (
     selection_words,
     titles_height,
 )
-from wrsim.plots.marks import few_ticks, minus
+from wrsim.plots.marks import few_ticks, minus, stop_note
 from wrsim.plots.moments import PatchAt, choose_moments, select, select_elements, touching_runs
-from wrsim.plots.stops import stop_note
 from wrsim.plots.style import headline, new_figure, pressure_map, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.moments import sample_of
@@ -53,16 +52,14 @@ def pressure_scale(dataset: xr.Dataset, moments: Sequence[int] | None = None) ->
     return Normalize(0.0, float(np.nanmax(chosen, initial=0.0)) or 1.0)
 
 
-def contact_patch(
-    axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize, *, strips: bool = False, shift: float = 0.0
-) -> Axes:
+def contact_patch(axes: Axes, dataset: xr.Dataset, where: PatchAt, scale: Normalize, *, shift: float = 0.0) -> Axes:
     """Draw one patch: every strip's semi-ellipse of pressure over (s, x) in mm, and the patch's outline.
 
     Where the exact solver left its elements, their pressures are drawn. shift: added to s [mm].
-    Colours run smoothly from strip to strip; with ``strips`` the borders of the strips are drawn too.
+    Colours run smoothly from strip to strip.
     """
     elements = select_elements(dataset, where)
-    for s, x, a, p, borders in islands(dataset, where, shift):
+    for s, x, a, p in islands(dataset, where, shift):
         outline_s = np.concatenate((s, s[::-1], s[:1]))
         outline_x = np.concatenate((x - a, (x + a)[::-1], (x - a)[:1]))
         (line,) = axes.plot(outline_s, outline_x, color=INK, lw=0.7)
@@ -77,14 +74,12 @@ def contact_patch(
         mesh.set_rasterized(True)
         if elements is not None:
             mesh.set_clip_path(Path(line.get_xydata()), axes.transData)
-        if strips:
-            axes.vlines(borders, np.interp(borders, s, x - a), np.interp(borders, s, x + a), color=INK, lw=0.2)
     axes.set_aspect("equal")
     return axes
 
 
-def islands(dataset: xr.Dataset, where: PatchAt, shift: float = 0.0) -> list[tuple[Array, Array, Array, Array, Array]]:
-    """Islands of a patch in mm and MPa, each (s, x, a, p, borders of strips), closed at both ends.
+def islands(dataset: xr.Dataset, where: PatchAt, shift: float = 0.0) -> list[tuple[Array, Array, Array, Array]]:
+    """Islands of a patch in mm and MPa, each (s, x, a, p), closed at both ends.
 
     Towards an edge the interpenetration falls linearly, so half length and pressure fall with the square
     root of the distance: the points that round the last half strip follow that law.
@@ -96,7 +91,7 @@ def islands(dataset: xr.Dataset, where: PatchAt, shift: float = 0.0) -> list[tup
         low = s[0] - 0.5 * ds[0] * (1.0 - NEAR_EDGE)
         high = (s[-1] + 0.5 * ds[-1] * (1.0 - NEAR_EDGE))[::-1]
         ends = np.pad(x, NEAR_EDGE.size, "edge")
-        islands.append((np.concatenate((low, s, high)), ends, rounded(a), rounded(p), s[1:] - 0.5 * ds[1:]))
+        islands.append((np.concatenate((low, s, high)), ends, rounded(a), rounded(p)))
     return islands
 
 
@@ -205,5 +200,5 @@ def extent(patches: Iterable[tuple[xr.Dataset, PatchAt, float]]) -> tuple[tuple[
     if not drawn:
         return None
     s = np.concatenate([island[0] for island in drawn])
-    back, front = (np.concatenate([x + end * a for _, x, a, _, _ in drawn]) for end in (-1.0, 1.0))
+    back, front = (np.concatenate([x + end * a for _, x, a, _ in drawn]) for end in (-1.0, 1.0))
     return (float(s.min()), float(s.max())), (float(back.min()), float(front.max()))

@@ -61,7 +61,8 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
             top = TOP + height + GAP + row * (PANEL + GAP)
             panels.append(place(figure, LEFT, top, width, PANEL))
             panels[-1].sharex(panels[0])
-        draw_profile(profile, *panels[:3])
+        for axes, draw in zip(panels, (draw_shape, draw_slope, draw_curvature), strict=False):
+            draw(profile, axes)
         if smoothing:
             compare_curvatures(smoothing, panels[2])
             draw_changes(smoothing, panels[3])
@@ -98,16 +99,6 @@ def draw_changes(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes:
     remark(axes, "distance of the points from the smoothed curve")
     axes.set(xlabel="Outward u [mm]", ylabel="Change [µm]")
     return axes
-
-
-def draw_profile(
-    profile: Profile, shape: Axes | None = None, slope: Axes | None = None, curvature: Axes | None = None
-) -> tuple[Axes | None, Axes | None, Axes | None]:
-    """Draw on the axes that are given; returns them."""
-    for axes, draw in ((shape, draw_shape), (slope, draw_slope), (curvature, draw_curvature)):
-        if axes is not None:
-            draw(profile, axes)
-    return shape, slope, curvature
 
 
 def draw_shape(profile: Profile, axes: Axes) -> Axes:

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from wrsim.plots.colours import GROUP_LINE, GROUP_MARK
-from wrsim.plots.style import FULL_WIDTH, new_figure, save, style
+from wrsim.plots.colours import GROUP_LINE, GROUP_MARK, SERIES_COLOURS
+from wrsim.plots.marks import panels
+from wrsim.plots.style import save
 from wrsim.results.ride import Ride
 
-POINT_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-"""Okabe and Ito's set, in the order of the points."""
 DIRECTIONS = {"x": "longitudinal", "y": "lateral", "z": "vertical"}
 LOWEST = 0.3
 """Least frequency drawn [Hz]."""
@@ -24,62 +24,57 @@ DECADES = 6
 BAND_DECADES = 4
 """The same for third-octaves, whose rms is a root of density."""
 
+Rides = Mapping[str, Ride]
+"""By the names of their runs."""
+
 
 def ride_pictures(found: Ride, directory: str | Path) -> list[Path]:
     """Write ``ride_spectra.png`` and ``ride_bands.png``; returns their paths."""
-    directory = Path(directory)
-    files = [save(ride_figure(found, density), directory / "ride_spectra.png")]
-    if found.data.sizes["band"]:
-        files.append(save(ride_figure(found, bands), directory / "ride_bands.png"))
-    return files
+    draws = {"ride_spectra": density} | ({"ride_bands": bands} if found.data.sizes["band"] else {})
+    return [save(ride_figure({"": found}, draw), Path(directory) / f"{name}.png") for name, draw in draws.items()]
 
 
-def ride_figure(found: Ride, draw: Callable[[Axes, Ride, str], Axes]) -> Figure:
+def ride_figure(rides: Rides, draw: Callable[[Rides, str, Axes], Axes]) -> Figure:
     """``density`` or ``bands`` of all directions against frequency."""
-    with style():
-        figure = new_figure(FULL_WIDTH, 150.0)
-        rows = figure.subplots(3, 1, sharex=True)
-        for axes, axis in zip(rows, DIRECTIONS, strict=True):
-            draw(axes, found, axis)
-        low, high = rows[-1].get_xlim()
-        ticks = [f for f in TICKS if low <= f <= high]
-        rows[-1].set_xticks(ticks, [f"{f:g}" for f in ticks])
-        rows[-1].set_xlabel("Frequency [Hz]")
-        figure.suptitle(f"{found.title}: {found.start:z.0f} to {found.end:.0f} m", x=0.01, ha="left", fontsize=8.5)
-        handles, labels = rows[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=min(5, len(labels)))
-        figure.align_ylabels(list(rows))
+    titles = [f"{one.title}: {one.start:z.0f} to {one.end:.0f} m" for one in rides.values()]
+    figure = panels(
+        "\n".join(dict.fromkeys(titles)), [partial(draw, rides, axis) for axis in DIRECTIONS], 150.0,
+        legend=None, across=5,
+    )  # fmt: skip
+    lowest = figure.axes[-1]
+    low, high = lowest.get_xlim()
+    ticks = [f for f in TICKS if low <= f <= high]
+    lowest.set_xticks(ticks, [f"{f:g}" for f in ticks])
+    lowest.set_xlabel("Frequency [Hz]")
     return figure
 
 
-def density(axes: Axes, found: Ride, axis: str) -> Axes:
+def density(found: Rides, axis: str, axes: Axes) -> Axes:
     """Power spectral density of one direction at every point."""
-    frequency = found.data["frequency"].values
-    shown = frequency >= LOWEST
-    highest = 0.0
-    for i, point in enumerate(found.points):
-        values = found.data["density"].sel(point=point, axis=axis).values[shown]
-        highest = max(highest, float(values.max(initial=0.0)))
-        colour, line = POINT_COLOURS[i % len(POINT_COLOURS)], GROUP_LINE[i // len(POINT_COLOURS) % len(GROUP_LINE)]
-        values = np.maximum(values, 1e-300)
-        axes.loglog(frequency[shown], values, color=colour, linestyle=line, linewidth=0.8, label=point)
-    if highest > 0.0:
-        axes.set_ylim(highest * 10.0**-DECADES, highest * 3.0)
     axes.set_ylabel(f"{DIRECTIONS[axis].capitalize()} density\n[(m/s²)²/Hz]")
-    return axes
+    return _spectra(axes, found, axis, ("frequency", "density"), LOWEST, DECADES)
 
 
-def bands(axes: Axes, found: Ride, axis: str) -> Axes:
+def bands(found: Rides, axis: str, axes: Axes) -> Axes:
     """rms of one direction in third-octaves at every point."""
-    middle = found.data["band"].values
-    for i, point in enumerate(found.points):
-        values = found.data["band_rms"].sel(point=point, axis=axis).values
-        colour = POINT_COLOURS[i % len(POINT_COLOURS)]
-        marker = GROUP_MARK[i % len(GROUP_MARK)]
-        values = np.maximum(values, 1e-300)
-        axes.loglog(middle, values, color=colour, marker=marker, markersize=2.4, linewidth=0.8, label=point)
-    highest = float(found.data["band_rms"].sel(axis=axis).max())
-    if highest > 0.0:
-        axes.set_ylim(highest * 10.0**-BAND_DECADES, highest * 2.0)
     axes.set_ylabel(f"{DIRECTIONS[axis].capitalize()} rms\n[m/s²] in 1/3 octave")
+    return _spectra(axes, found, axis, ("band", "band_rms"), 0.0, BAND_DECADES, markersize=2.4)
+
+
+def _spectra(
+    axes: Axes, found: Rides, axis: str, names: tuple[str, str], lowest: float, decades: int, markersize: float = 0.0
+) -> Axes:
+    """A line a point on logarithmic scales; with marks, if they have a size."""
+    highest = 0.0
+    lines = [(name, point, one.data) for name, one in found.items() for point in one.points]
+    for i, (name, point, data) in enumerate(lines):
+        x = data[names[0]].values
+        values = np.maximum(data[names[1]].sel(point=point, axis=axis).values[x >= lowest], 1e-300)
+        highest = max(highest, float(values.max(initial=0.0)))
+        colour, line = SERIES_COLOURS[i % len(SERIES_COLOURS)], GROUP_LINE[i // len(SERIES_COLOURS) % len(GROUP_LINE)]
+        label = f"{name}: {point}" if len(found) > 1 else point
+        (drawn,) = axes.loglog(x[x >= lowest], values, color=colour, linestyle=line, linewidth=0.8, label=label)
+        drawn.set(marker=GROUP_MARK[i % len(GROUP_MARK)], markersize=markersize)
+    if highest > 1e-300:
+        axes.set_ylim(highest * 10.0**-decades, highest * 3.0)
     return axes

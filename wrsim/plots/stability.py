@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 
 from wrsim.plots.colours import INK, QUIET, SERIES_COLOURS, STOP_COLOUR
-from wrsim.plots.marks import note
+from wrsim.plots.marks import note, panels
 from wrsim.plots.style import FULL_WIDTH, new_figure, pressure_map, shown, style
 from wrsim.results import CHANNELS
 
@@ -94,11 +95,7 @@ def over_speed(axes: Axes, dataset: xr.Dataset, name: str) -> Axes:
 
 def bifurcation_figure(dataset: xr.Dataset) -> Figure:
     """The bifurcation diagram on a page of its own."""
-    with style():
-        figure = new_figure(FULL_WIDTH, 90.0)
-        figure.suptitle(_title(dataset), x=0.012, ha="left", fontsize=8.0)
-        bifurcation(figure.add_subplot(), dataset)
-    return figure
+    return panels(_title(dataset), [partial(bifurcation, dataset=dataset)], 90.0)
 
 
 def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:

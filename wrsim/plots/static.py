@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
+from itertools import cycle
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -12,12 +15,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from wrsim.plots.colours import GROUP_LINE, GROUP_MARK, QUIET, STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.colours import GROUP_LINE, GROUP_MARK, QUIET, WHEEL_COLOUR
 from wrsim.plots.histories import ANGLE_JUMP
-from wrsim.plots.marks import broken, draw_line, legend_beneath, wheel_entries
-from wrsim.plots.poses import pose_abscissa, pose_groups
-from wrsim.plots.stops import stop_note
-from wrsim.plots.style import FULL_WIDTH, new_figure, shown, style
+from wrsim.plots.marks import broken, draw_line, panels, stop_note, wheel_entries
+from wrsim.plots.moments import pose_abscissa, pose_groups
+from wrsim.plots.style import shown
 from wrsim.results import CHANNELS
 
 PANELS = ("contact_angle", "p0", "N", "area")
@@ -54,43 +56,37 @@ def angle_band(axes: Axes, dataset: xr.Dataset) -> Axes:
     return axes
 
 
-def _note(dataset: xr.Dataset) -> str:
-    """What is missing from the picture: a stop, poses without a solution."""
-    parts = [stop_note(dataset)] if stop_note(dataset) else []
-    if "pose_message" in dataset:
-        unsolved = int((dataset["pose_message"].values != "").sum())
-        if unsolved:
-            parts.append(f"{unsolved} of {dataset.sizes['pose']} poses without a solution")
-    return "\n".join(parts)
-
-
 def static_figure(dataset: xr.Dataset, names: Sequence[str] = PANELS) -> Figure:
     """Contact angle, largest pressure, normal force and area against lateral shift, for every yaw and load."""
     present = [name for name in names if name in dataset]
-    rows = (len(present) + 1) // 2
     groups = pose_groups(dataset)
-    with style():
-        figure = new_figure(FULL_WIDTH, 54.0 * rows + 22.0)
-        figure.suptitle(dataset.attrs.get("title", ""), x=0.012, ha="left", fontsize=8.5)
-        if _note(dataset):
-            figure.text(0.99, 0.99, _note(dataset), ha="right", va="top", color=STOP_COLOUR)
-        for i, name in enumerate(present):
-            axes = figure.add_subplot(rows, 2, i + 1)
-            against_pose(axes, dataset, name)
-            if name == "contact_angle" and {"contact_angle_min", "contact_angle_max"} <= set(dataset):
-                angle_band(axes, dataset)
-            if name != "contact_angle" and axes.dataLim.y0 >= 0.0:
-                axes.set_ylim(0.0, 1.06 * max(axes.dataLim.y1, 1e-9))
-        legend = wheel_entries(dataset["wheel"].values)
-        if {"contact_angle_min", "contact_angle_max"} <= set(dataset) and "contact_angle" in present:
-            legend.append(Patch(facecolor=QUIET, alpha=0.3, label="angles over the main patch"))
-        if len(groups) > 1:
-            for g, (label, _) in enumerate(groups):
-                line, mark = GROUP_LINE[g % len(GROUP_LINE)], GROUP_MARK[g % len(GROUP_MARK)]
-                legend.append(Line2D([], [], color=QUIET, linestyle=line, marker=mark, label=label))
-        if any(np.isfinite(dataset[n].values[:, :, 1:]).any() for n in present if dataset[n].ndim == 3):
-            hollow: Any = {"linestyle": "none", "marker": "o", "markerfacecolor": "none"}
-            legend.append(Line2D([], [], color=QUIET, label="further patch", **hollow))
-        if legend:
-            legend_beneath(figure, legend, min(len(legend), 5))
-    return figure
+    banded = {"contact_angle_min", "contact_angle_max"} <= set(dataset) and "contact_angle" in present
+
+    def draw(axes: Axes, name: str) -> None:
+        against_pose(axes, dataset, name)
+        if name == "contact_angle" and banded:
+            angle_band(axes, dataset)
+        if name != "contact_angle" and axes.dataLim.y0 >= 0.0:
+            axes.set_ylim(0.0, 1.06 * max(axes.dataLim.y1, 1e-9))
+
+    legend = wheel_entries(dataset["wheel"].values)
+    if banded:
+        legend.append(Patch(facecolor=QUIET, alpha=0.3, label="angles over the main patch"))
+    if len(groups) > 1:
+        for (label, _), line, mark in zip(groups, cycle(GROUP_LINE), cycle(GROUP_MARK)):
+            legend.append(Line2D([], [], color=QUIET, linestyle=line, marker=mark, label=label))
+    if any(np.isfinite(dataset[n].values[:, :, 1:]).any() for n in present if dataset[n].ndim == 3):
+        hollow: Any = {"linestyle": "none", "marker": "o", "markerfacecolor": "none"}
+        legend.append(Line2D([], [], color=QUIET, label="further patch", **hollow))
+    unsolved = int((dataset["pose_message"].values != "").sum()) if "pose_message" in dataset else 0
+    poses = f"{unsolved} of {dataset.sizes['pose']} poses without a solution" if unsolved else ""
+    return panels(
+        dataset.attrs.get("title", ""),
+        [partial(draw, name=name) for name in present],
+        54.0 * ceil(len(present) / 2) + 22.0,
+        columns=2,
+        share=False,
+        legend=legend,
+        across=5,
+        note="; ".join(filter(None, (stop_note(dataset), poses))),
+    )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import ceil
+from functools import partial
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wrsim.plots.colours import GROUP_LINE, QUIET, SERIES_COLOURS, STOP_COLOUR
-from wrsim.plots.style import FULL_WIDTH, headline, new_figure, shown, style
+from wrsim.plots.marks import panels
+from wrsim.plots.style import shown
 from wrsim.results import CHANNELS
+from wrsim.results.table import with_unit
 
 PANELS = ("lateral_shift", "yaw", "Y", "Q", "Y_over_Q", "T_gamma")
 FEW = 1.25
@@ -43,46 +46,48 @@ def steady_figure(dataset: xr.Dataset) -> Figure:
         x, label = shown(dataset, "cant_deficiency"), CHANNELS["cant_deficiency"].label
         series = np.stack([dataset["pose_cant"].values, radius], axis=1)
     found, which = np.unique(series.round(9), axis=0, return_inverse=True)
-    which = which.ravel()
-    messages = dataset["pose_message"].values
-    failed = np.flatnonzero(messages != "")
-    with style():
-        figure = new_figure(FULL_WIDTH, 150.0)
-        note = f"{failed.size} of {messages.size} curves have no steady motion" if failed.size else ""
-        axes = [figure.add_subplot(ceil(len(PANELS) / 2), 2, i + 1) for i in range(len(PANELS))]
-        for one, name in zip(axes, PANELS, strict=True):
-            _panel(one, dataset, name, x, which, len(found))
-            one.set_xlabel(label)
-            for i in failed:
-                one.axvline(x[i], color=STOP_COLOUR, linewidth=0.5, linestyle=(0, (1, 2)))
-        handles, labels = axes[0].get_legend_handles_labels()
-        if len(found) > 1:
-            second = "km/h" if by_curvature else "m"
-            for k, (cant, other) in enumerate(found):
-                other *= 3.6 if by_curvature else 1.0
-                handles.append(Line2D([], [], color=QUIET, linewidth=0.9, linestyle=LINES[k % len(LINES)]))
-                labels.append(f"{1e3 * cant:.4g} mm, {other:.5g} {second}")
-        figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=6.5)
-        figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 0.94))  # type: ignore[union-attr, call-arg]
-        headline(figure, str(dataset.attrs["title"]), note)
-    return figure
+    failed = dataset["pose_message"].values != ""
+    names = [str(name) for name in dataset["wheelset"].values]
+    entries = [
+        Line2D([], [], color=SERIES_COLOURS[i % len(SERIES_COLOURS)], marker="o", label=name)
+        for i, name in enumerate(names)
+    ]
+    if len(found) > 1:
+        factor, unit = (3.6, "km/h") if by_curvature else (1.0, "m")
+        for (cant, other), line in zip(found, cycle(LINES)):
+            words = f"{1e3 * cant:.4g} mm, {factor * other:.5g} {unit}"
+            entries.append(Line2D([], [], color=QUIET, linewidth=0.9, linestyle=line, label=words))
+
+    def draw(axes: Axes, name: str) -> None:
+        _panel(axes, dataset, name, x, which.ravel())
+        axes.set_xlabel(label)
+        for at in x[failed]:
+            axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=(0, (1, 2)))
+
+    return panels(
+        str(dataset.attrs["title"]),
+        [partial(draw, name=name) for name in PANELS],
+        150.0,
+        columns=2,
+        legend=entries,
+        note=f"{failed.sum()} of {failed.size} curves have no steady motion" if failed.any() else "",
+    )
 
 
-def _panel(axes: Axes, dataset: xr.Dataset, name: str, x: np.ndarray, which: np.ndarray, count: int) -> None:
-    """One channel of every wheelset."""
+def _panel(axes: Axes, dataset: xr.Dataset, name: str, x: np.ndarray, which: np.ndarray) -> None:
+    """One channel of every wheelset, a line for every series of curves."""
     values = shown(dataset, name)
     if values.ndim == 3:  # the outer wheel: the right one in curves to the left
         outer = (dataset["pose_radius"].values > 0.0).astype(int)
         values = np.take_along_axis(values, outer[:, None, None], axis=2)[..., 0]
-    for w, wheelset in enumerate(dataset["wheelset"].values):
-        for k in range(count):
-            own = np.flatnonzero(which == k)
-            own = own[np.argsort(x[own])]
-            colour, line = SERIES_COLOURS[w % len(SERIES_COLOURS)], LINES[k % len(LINES)]
-            look: Any = {"color": colour, "linestyle": line, "marker": "o", "markersize": 2.2, "linewidth": 0.9}
-            axes.plot(x[own], values[own, w], label=str(wheelset) if k == 0 else None, **look)
+    for k in range(which.max() + 1):
+        own = np.flatnonzero(which == k)
+        own = own[np.argsort(x[own])]
+        look: Any = {"linestyle": LINES[k % len(LINES)], "marker": "o", "markersize": 2.2, "linewidth": 0.9}
+        for of_wheelset, colour in zip(values[own].T, cycle(SERIES_COLOURS)):
+            axes.plot(x[own], of_wheelset, color=colour, **look)
     if name != "Q":
         axes.axhline(0.0, color=QUIET, linewidth=0.5)
     channel = CHANNELS[name]
-    unit = f" [{channel.shown.symbol}]" if channel.shown.suffix else ""
-    axes.set_ylabel(channel.label if dataset[name].ndim == 2 else f"Outer wheel: ${channel.symbol}${unit}")
+    of_outer = with_unit(f"Outer wheel: ${channel.symbol}$", channel.shown.symbol)
+    axes.set_ylabel(channel.label if dataset[name].ndim == 2 else of_outer)

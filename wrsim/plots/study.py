@@ -6,6 +6,7 @@ Only completed cases count; what derailed, or has no result, is marked where it 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import pairwise
 from math import ceil
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -21,7 +23,8 @@ from numpy.typing import NDArray
 
 from wrsim.inputs.section import UNITS
 from wrsim.plots.colours import GROUP_MARK, INK, QUIET, SERIES_COLOURS, STOP_COLOUR
-from wrsim.plots.style import FULL_WIDTH, headline, new_figure, pressure_map, save, style
+from wrsim.plots.marks import note, panels
+from wrsim.plots.style import pressure_map, save
 from wrsim.results.channels import SHOWN
 
 MOST_OUTPUTS, MOST_LINES, MOST_KEYS = 12, 8, 4
@@ -91,124 +94,109 @@ def sampled_keys(dataset: xr.Dataset) -> list[str]:
 
 def maps_figure(dataset: xr.Dataset, outputs: Sequence[str], dims: Sequence[str]) -> Figure:
     """Every output over two axes, x the longer one; the median over all further axes. Derailed cases are crossed."""
-    with style():
-        figure, panels = _panels(dataset, outputs)
-        (x, y), across, up = dims, dataset[dims[0]].values, dataset[dims[1]].values
-        order_x, order_y = np.argsort(across), np.argsort(up)
-        left = [d for d in dataset["status"].dims if d not in dims]
-        off = (dataset["status"] != COMPLETED).mean(left).transpose(y, x).values[order_y][:, order_x]
-        for axes, name in zip(panels, outputs, strict=False):
-            values = _completed(dataset, name).median(left).transpose(y, x).values[order_y][:, order_x]
-            mesh = axes.pcolormesh(
-                _edges(across[order_x]), _edges(up[order_y]), np.ma.masked_invalid(values), cmap=pressure_map()
-            )
-            bar = figure.colorbar(mesh, ax=axes, pad=0.02, aspect=18)
-            bar.outline.set_linewidth(0.4)  # type: ignore[operator]
-            bar.ax.tick_params(labelsize=6.0)
-            rows, columns = np.nonzero(off > 0.0)
-            look: Any = {"linestyle": "none", "color": STOP_COLOUR, "markersize": 3.0, "markeredgewidth": 0.7}
-            axes.plot(across[order_x][columns], up[order_y][rows], "x", **look)
-            axes.set_title(label_of(dataset, name), fontsize=7.0)
-            axes.set_xlabel(axis_label(dataset, x))
-            axes.set_ylabel(axis_label(dataset, y))
-            axes.grid(False)
-        _finish(figure, dataset, outputs, "median over the other axes" if left else "")
-    return figure
+    x, y = dims
+    sorted_ = dataset.sortby(list(dims))
+    across, up = sorted_[x].values, sorted_[y].values
+    left = [d for d in dataset["status"].dims if d not in dims]
+    rows, columns = np.nonzero((sorted_["status"] != COMPLETED).mean(left).transpose(y, x).values > 0.0)
+
+    def draw(axes: Axes, name: str) -> None:
+        values = np.ma.masked_invalid(_completed(sorted_, name).median(left).transpose(y, x).values)
+        mesh = axes.pcolormesh(_edges(across), _edges(up), values, cmap=pressure_map())
+        bar = axes.figure.colorbar(mesh, ax=axes, pad=0.02, aspect=18)
+        bar.outline.set_linewidth(0.4)  # type: ignore[operator]
+        bar.ax.tick_params(labelsize=6.0)
+        look: Any = {"linestyle": "none", "color": STOP_COLOUR, "markersize": 3.0, "markeredgewidth": 0.7}
+        axes.plot(across[columns], up[rows], "x", **look)
+        axes.set_title(label_of(dataset, name), fontsize=7.0)
+        axes.set(xlabel=axis_label(dataset, x), ylabel=axis_label(dataset, y))
+        axes.grid(False)
+
+    return _figure(dataset, outputs, draw, "median over the other axes" if left else "")
 
 
 def curves_figure(dataset: xr.Dataset, outputs: Sequence[str], x: str) -> Figure:
     """Every output over one axis, a line for every value of the second one; bands: range over all further axes."""
-    with style():
-        figure, panels = _panels(dataset, outputs)
-        others = [d for d in grid_axes(dataset) if d != x]
-        family = others[0] if others else None
-        rest = [d for d in dataset["status"].dims if d not in (x, family)]
-        size = 1 if family is None else dataset.sizes[family]
-        chosen = np.unique(np.linspace(0, size - 1, min(size, MOST_LINES)).round().astype(int))
-        abscissa = dataset[x].values
-        numeric = abscissa.dtype.kind == "f"
-        order = np.argsort(abscissa) if numeric else np.arange(abscissa.size)
-        place = abscissa[order] if numeric else np.arange(abscissa.size)
-        for axes, name in zip(panels, outputs, strict=False):
-            for k, i in enumerate(chosen):
-                values = _completed(dataset, name)
-                if family is not None:
-                    values = values.isel({family: int(i)})
-                colour = SERIES_COLOURS[k % len(SERIES_COLOURS)]
-                middle = values.median(rest).values[order] if rest else values.values[order]
-                if rest:
-                    low, high = (getattr(values, end)(rest).values[order] for end in ("min", "max"))
-                    axes.fill_between(place, low, high, color=colour, alpha=0.15, linewidth=0.0)
-                axes.plot(place, middle, color=colour, marker=GROUP_MARK[k % len(GROUP_MARK)], linewidth=0.9)
-            if not numeric:
-                axes.set_xticks(place, [str(v) for v in abscissa[order]], fontsize=6.0, rotation=20, ha="right")
-            lost = (dataset["status"] != COMPLETED).any([d for d in dataset["status"].dims if d != x]).values[order]
-            for at in place[lost]:
-                axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=(0, (1, 2)))
-            axes.set_xlabel(axis_label(dataset, x))
-            axes.set_title(label_of(dataset, name), fontsize=7.0)
-        if family is not None:
-            names = [_value(dataset[family].values[i]) for i in chosen]
-            handles = [
-                Line2D([], [], color=SERIES_COLOURS[k % len(SERIES_COLOURS)], marker=GROUP_MARK[k % len(GROUP_MARK)])
-                for k in range(len(chosen))
-            ]
-            title = axis_label(dataset, family) + (f" ({len(chosen)} of {size})" if len(chosen) < size else "")
-            figure.legend(handles, names, loc="outside lower center", ncols=8, title=title, title_fontsize=7.0)
-        _finish(figure, dataset, outputs, "median and range over the other axes" if rest else "")
-    return figure
+    numeric = dataset[x].dtype.kind == "f"
+    sorted_ = dataset.sortby(x) if numeric else dataset
+    place = sorted_[x].values if numeric else np.arange(dataset.sizes[x])
+    family = next((d for d in grid_axes(dataset) if d != x), None)
+    rest = [d for d in dataset["status"].dims if d not in (x, family)]
+    size = 1 if family is None else dataset.sizes[family]
+    chosen = np.unique(np.linspace(0, size - 1, min(size, MOST_LINES)).round().astype(int))
+    lost = (sorted_["status"] != COMPLETED).any([d for d in dataset["status"].dims if d != x]).values
+    looks: list[dict[str, Any]] = [
+        {"color": SERIES_COLOURS[k % len(SERIES_COLOURS)], "marker": GROUP_MARK[k % len(GROUP_MARK)]}
+        for k in range(len(chosen))
+    ]
+
+    def draw(axes: Axes, name: str) -> None:
+        for look, i in zip(looks, chosen, strict=True):
+            values = _completed(sorted_, name)
+            if family is not None:
+                values = values.isel({family: int(i)})
+            if rest:
+                axes.fill_between(
+                    place, values.min(rest), values.max(rest), color=look["color"], alpha=0.15, linewidth=0.0
+                )
+            axes.plot(place, values.median(rest), linewidth=0.9, **look)
+        if not numeric:
+            axes.set_xticks(place, [str(v) for v in sorted_[x].values], fontsize=6.0, rotation=20, ha="right")
+        for at in place[lost]:
+            axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=(0, (1, 2)))
+        axes.set_xlabel(axis_label(dataset, x))
+        axes.set_title(label_of(dataset, name), fontsize=7.0)
+
+    entries: list[Line2D] = []
+    if family is not None:
+        title = axis_label(dataset, family) + (f" ({len(chosen)} of {size})" if len(chosen) < size else "")
+        labels = [f"{v:.6g}" if isinstance(v, float) else str(v) for v in dataset[family].values[chosen]]
+        entries = [Line2D([], [], label=label, **look) for label, look in zip(labels, looks, strict=True)]
+        entries.insert(0, Line2D([], [], linestyle="none", label=title))
+    return _figure(dataset, outputs, draw, "median and range over the other axes" if rest else "", entries)
 
 
 def samples_figure(dataset: xr.Dataset, outputs: Sequence[str], keys: Sequence[str]) -> Figure:
     """Every output (rows) against every key that was sampled (columns), with the rank correlation of both."""
     shown = outputs[: MOST_OUTPUTS // 2]
-    with style():
-        figure = new_figure(FULL_WIDTH, 16.0 + 32.0 * len(shown))
-        done = (dataset["status"] == COMPLETED).values.ravel()
-        for row, name in enumerate(shown):
-            values = dataset[name].values.ravel()
-            for column, key in enumerate(keys):
-                axes = figure.add_subplot(len(shown), len(keys), row * len(keys) + column + 1)
-                x = of_cases(dataset, key)
-                good = done & np.isfinite(values)
-                axes.plot(x[good], values[good], ".", color=SERIES_COLOURS[0], markersize=2.4)
-                for at in x[~done]:
-                    axes.axvline(at, ymax=0.05, color=STOP_COLOUR, linewidth=0.7)
-                axes.set_title(
-                    f"rank correlation {_rank_correlation(x[good], values[good]):z.2f}", fontsize=6.0, color=QUIET
-                )
-                if column == 0:
-                    axes.set_ylabel(label_of(dataset, name), fontsize=6.5)
-                if row == len(shown) - 1:
-                    axes.set_xlabel(axis_label(dataset, key), fontsize=6.5)
-        more = f"{len(shown)} of {len(outputs)} outputs" if len(shown) < len(outputs) else ""
-        figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - 12.0 / (16.0 + 32.0 * len(shown))))  # type: ignore[union-attr, call-arg]
-        headline(figure, str(dataset.attrs["title"]), _note(dataset, more))
-    return figure
+    done = (dataset["status"] == COMPLETED).values.ravel()
+
+    def draw(axes: Axes, name: str, key: str) -> None:
+        x, values = of_cases(dataset, key), dataset[name].values.ravel()
+        good = done & np.isfinite(values)
+        axes.plot(x[good], values[good], ".", color=SERIES_COLOURS[0], markersize=2.4)
+        for at in x[~done]:
+            axes.axvline(at, ymax=0.05, color=STOP_COLOUR, linewidth=0.7)
+        words = f"rank correlation {_rank_correlation(x[good], values[good]):z.2f}"
+        axes.set_title(words, fontsize=6.0, color=QUIET)
+        if key == keys[0]:
+            axes.set_ylabel(label_of(dataset, name), fontsize=6.5)
+        if name == shown[-1]:
+            axes.set_xlabel(axis_label(dataset, key), fontsize=6.5)
+
+    draws = [partial(draw, name=name, key=key) for name in shown for key in keys]
+    more = f"{len(shown)} of {len(outputs)} outputs" if len(shown) < len(outputs) else ""
+    height = 16.0 + 32.0 * len(shown)
+    title, note = str(dataset.attrs["title"]), _note(dataset, more)
+    return panels(title, draws, height, columns=len(keys), share=False, note=note)
 
 
 def percentiles_figure(dataset: xr.Dataset, outputs: Sequence[str]) -> Figure:
     """Share of the completed cases below a value, for every output, with the percentiles 5, 50 and 95."""
-    with style():
-        figure, panels = _panels(dataset, outputs)
-        for axes, name in zip(panels, outputs, strict=False):
-            values = np.sort(_completed(dataset, name).values.ravel())
-            values = values[np.isfinite(values)]
-            axes.step(
-                values, 100.0 * np.arange(1, values.size + 1) / values.size, where="post", color=SERIES_COLOURS[0]
-            )
-            for percentile, at in zip(PERCENTILES, np.percentile(values, PERCENTILES), strict=True):
-                axes.plot([at, at], [0.0, percentile], color=INK, linewidth=0.6, linestyle=(0, (2, 2)))
-                box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.8}
-                axes.annotate(
-                    f"{at:.4g}", (at, percentile), (3.0, -6.0), textcoords="offset points", fontsize=6.0, bbox=box
-                )
-            axes.set_xlabel(label_of(dataset, name))
-            axes.set_ylabel("cases below [%]")
-            axes.set_ylim(0.0, 102.0)
-            axes.set_yticks((0, 25, 50, 75, 100))
-        _finish(figure, dataset, outputs, "")
-    return figure
+
+    def draw(axes: Axes, name: str) -> None:
+        values = np.sort(_completed(dataset, name).values.ravel())
+        values = values[np.isfinite(values)]
+        share = 100.0 * np.arange(1, values.size + 1) / values.size
+        axes.step(values, share, where="post", color=SERIES_COLOURS[0])
+        for percentile, at in zip(PERCENTILES, np.percentile(values, PERCENTILES), strict=True):
+            axes.plot([at, at], [0.0, percentile], color=INK, linewidth=0.6, linestyle=(0, (2, 2)))
+            box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.8}
+            note(axes, f"{at:.4g}", (at, percentile), (3.0, -6.0), fontsize=6.0, color=INK, bbox=box)
+        axes.set(xlabel=label_of(dataset, name), ylabel="cases below [%]", ylim=(0.0, 102.0))
+        axes.set_yticks((0, 25, 50, 75, 100))
+
+    return _figure(dataset, outputs, draw)
 
 
 def label_of(dataset: xr.Dataset, name: str) -> str:
@@ -237,21 +225,27 @@ def _completed(dataset: xr.Dataset, name: str) -> xr.DataArray:
     return dataset[name].where(dataset["status"] == COMPLETED)
 
 
-def _panels(dataset: xr.Dataset, outputs: Sequence[str]) -> tuple[Figure, list[Axes]]:
-    """A figure with a panel for every output, at most so many."""
-    count = min(len(outputs), MOST_OUTPUTS)
-    across = min(ACROSS, count)
-    rows = ceil(count / across)
-    figure = new_figure(FULL_WIDTH, 24.0 + PANEL * rows)
-    return figure, [figure.add_subplot(rows, across, i + 1) for i in range(count)]
-
-
-def _finish(figure: Figure, dataset: xr.Dataset, outputs: Sequence[str], what: str) -> None:
-    """Title, and what to know of the picture."""
-    more = f"{MOST_OUTPUTS} of {len(outputs)} outputs" if len(outputs) > MOST_OUTPUTS else ""
-    height = figure.get_figheight() * 25.4
-    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - 11.0 / height))  # type: ignore[union-attr, call-arg]
-    headline(figure, "; ".join(filter(None, (str(dataset.attrs["title"]), what))), _note(dataset, more))
+def _figure(
+    dataset: xr.Dataset,
+    outputs: Sequence[str],
+    draw: Callable[..., None],
+    what: str = "",
+    legend: Sequence[Artist] = (),
+) -> Figure:
+    """A figure with a panel for every output, at most so many; what: of the values, in words."""
+    drawn = outputs[:MOST_OUTPUTS]
+    columns = min(ACROSS, len(drawn))
+    more = f"{len(drawn)} of {len(outputs)} outputs" if len(outputs) > len(drawn) else ""
+    return panels(
+        "; ".join(filter(None, (str(dataset.attrs["title"]), what))),
+        [partial(draw, name=name) for name in drawn],
+        24.0 + PANEL * ceil(len(drawn) / columns),
+        columns=columns,
+        share=False,
+        legend=legend,
+        across=8,
+        note=_note(dataset, more),
+    )
 
 
 def _note(dataset: xr.Dataset, more: str) -> str:
@@ -276,8 +270,3 @@ def _rank_correlation(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
     ranks = [np.argsort(np.argsort(v)).astype(float) for v in (x, y)]
     spread = float(np.std(ranks[0]) * np.std(ranks[1]))
     return float(np.mean((ranks[0] - ranks[0].mean()) * (ranks[1] - ranks[1].mean())) / spread) if spread else 0.0
-
-
-def _value(value: Any) -> str:
-    """A label of an axis."""
-    return f"{value:.6g}" if isinstance(value, float) else str(value)

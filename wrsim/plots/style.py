@@ -121,10 +121,10 @@ def save(figure: Figure, path: str | Path) -> Path:
     return write_atomically(path, rendered(figure, vector=Path(path).suffix.lower() == ".svg"))
 
 
-def rendered(figure: Figure, vector: bool = False) -> bytes:
-    """The figure as PNG, or SVG."""
+def rendered(figure: Figure, vector: bool = False, dpi: int = 220) -> bytes:
+    """The figure as PNG with so many dots an inch, or SVG."""
     stream = io.BytesIO()
-    with style(), mpl.rc_context({"svg.hashsalt": "wrsim", "svg.fonttype": "path"}):
+    with style(), mpl.rc_context({"svg.hashsalt": "wrsim", "svg.fonttype": "path", "savefig.dpi": dpi}):
         if (layout := figure.get_layout_engine()) is not None:
             # matplotlib draws a figure twice to lay it out; once is enough
             layout.execute(figure)

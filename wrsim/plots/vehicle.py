@@ -1,9 +1,10 @@
-"""A vehicle from the side, from behind and from above."""
+"""A vehicle from the side, from behind and from above; loops of stationary tests of it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
 from wrsim.plots.colours import FAINT, INK, QUIET, RAIL_FILL, WHEEL_FILL
+from wrsim.plots.marks import panels
 from wrsim.plots.style import FULL_WIDTH, new_figure, place, save, style
 
 Triple = tuple[float, float, float]
@@ -151,3 +153,24 @@ def _extent(sketch: VehicleSketch) -> tuple[np.ndarray, np.ndarray]:
     low, high = np.min(corners, axis=0) - 0.3, np.max(corners, axis=0) + 0.3
     low[2] = -0.15
     return low, high
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Lines (label, x, y) of one panel, and what stands at its axes."""
+
+    x: str
+    y: str
+    lines: Sequence[tuple[str, Any, Any]]
+
+
+def loops_figure(title: str, loops: Sequence[Loop]) -> Figure:
+    """Loops of stationary tests beside each other: wheel loads over the twist, moment over the angle of a bogie."""
+
+    def draw(axes: Axes, loop: Loop) -> None:
+        for label, x, y in loop.lines:
+            axes.plot(x, y, label=label)
+        axes.set(xlabel=loop.x, ylabel=loop.y)
+        axes.legend(fontsize=6.5)
+
+    return panels(title, [partial(draw, loop=loop) for loop in loops], 80.0, columns=len(loops), share=False)

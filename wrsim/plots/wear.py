@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -9,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wrsim.plots.colours import GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.marks import panels
 from wrsim.plots.style import FULL_WIDTH, new_figure, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.wear import worst_worn
@@ -24,21 +27,11 @@ LARGEST_FRICTION = 0.6
 
 def wear_figure(dataset: xr.Dataset) -> Figure:
     """Depths worn off the wheels of the wheelset that loses most, and off the rails, over their profiles."""
-    name = worst_worn(dataset)
-    one = dataset.sel(wheelset=name)
+    name, called = worst_worn(dataset), numbered(wheelsets(dataset))
     laws = [str(law) for law in dataset["wear_law"].values]
-    with style():
-        figure = new_figure(FULL_WIDTH, 120.0)
-        top, bottom = figure.subplots(2, 1)
-        for axes, body in ((top, "wheel"), (bottom, "rail")):
-            _depths(axes, one, body, laws)
-        words = dataset.attrs["title"]
-        if len(wheelsets(dataset)) > 1:
-            words += f": wheels of wheelset {numbered(wheelsets(dataset))[name]}"
-        figure.suptitle(words, x=0.01, ha="left", fontsize=8.5)
-        figure.legend(handles=_legend(laws), loc="outside lower center", ncols=5)
-        figure.align_ylabels([top, bottom])
-    return figure
+    whose = f": wheels of wheelset {called[name]}" if len(called) > 1 else ""
+    draws = [partial(_depths, one=dataset.sel(wheelset=name), body=body, laws=laws) for body in ("wheel", "rail")]
+    return panels(dataset.attrs["title"] + whose, draws, 120.0, share=False, legend=_legend(laws), across=5)
 
 
 def fatigue_figure(dataset: xr.Dataset) -> Figure:

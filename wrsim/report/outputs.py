@@ -103,16 +103,15 @@ def write_differences(
     found: Sequence[Difference], results: Sequence[Result], names: Sequence[str], folder: Path
 ) -> list[Path]:
     """``diff.csv`` and, of runs and poses, ``diff.png``."""
-    from wrsim.plots.diff import has_curves, overlay_figure
+    from wrsim.plots.compare import has_curves, overlay_figure
     from wrsim.results.differences import table_of
     from wrsim.results.wheelsets import of_wheelset, wheelsets, worst_wheelset
 
     files = [write_atomically(folder / "diff.csv", as_csv(as_rows(table_of(found))))]
     one, other = (r.dataset for r in results)
     if has_curves(one) and has_curves(other) and (worst := worst_wheelset(one)) in wheelsets(other):
-        files.append(
-            _drawn(overlay_figure(of_wheelset(one, worst), of_wheelset(other, worst), names), folder / "diff.png")
-        )
+        pair = [of_wheelset(dataset, worst) for dataset in (one, other)]
+        files.append(_drawn(overlay_figure(pair, names), folder / "diff.png"))
     return files
 
 
@@ -128,7 +127,7 @@ def write_conicity_map(found: ConicityMap, directory: Path, pictures: bool) -> l
     """``conicity_map.csv`` and ``conicity_map.png``."""
     files = [write_atomically(directory / "conicity_map.csv", csv_parts(as_rows(found.table())))]
     if pictures:
-        from wrsim.plots.conicity_map import conicity_map_figure
+        from wrsim.plots.conicity import conicity_map_figure
 
         files.append(_drawn(conicity_map_figure(found, found.title), directory / "conicity_map.png"))
     return files
@@ -205,7 +204,7 @@ def draw_vehicle(vehicle: Vehicle, picture: Path) -> Path:
 
 def draw_loops(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest], path: Path) -> Path:
     """The loops of a twist test, and of the rotation test of the first bogie."""
-    from wrsim.plots.stationary import Loop, loops_figure
+    from wrsim.plots.vehicle import Loop, loops_figure
 
     found = []
     if twisted is not None:

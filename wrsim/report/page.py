@@ -5,38 +5,46 @@ from __future__ import annotations
 import base64
 import hashlib
 import shlex
-from collections.abc import Sequence
-from dataclasses import replace
-from functools import cache
+from collections.abc import Callable, Sequence
+from functools import cache, partial
 from importlib.resources import files
 from typing import Any
 
 import jinja2
-import matplotlib as mpl
+import numpy as np
+import xarray as xr
 from markupsafe import Markup
 from matplotlib.figure import Figure
 
 from wrsim import __version__
 from wrsim.errors import InputError
+from wrsim.plots.assessment import history_figure, track_diagram
+from wrsim.plots.compare import overlay_figure
+from wrsim.plots.cross_section import has_outlines, section_gallery
+from wrsim.plots.drawing import Makers, drawing
+from wrsim.plots.moments import choose_moments
+from wrsim.plots.patches import patch_gallery
 from wrsim.plots.pictures import standard_figures
+from wrsim.plots.ride import bands, ride_figure
 from wrsim.plots.style import rendered
 from wrsim.plots.wear import fatigue_figure, wear_figure
-from wrsim.report import facts
-from wrsim.report.bands import bands_drawing
-from wrsim.report.charts import Charts, charts_of, drawing
-from wrsim.report.contacts import kept_contacts, pressure_key
-from wrsim.report.strip import track_strip
-from wrsim.report.wear import wear_tables
+from wrsim.report import tables
+from wrsim.report.charts import charts_of
 from wrsim.results import Result
+from wrsim.results.assessment import Assessment
+from wrsim.results.moments import has_patches, moment_dim
 from wrsim.results.render import as_html
-from wrsim.results.table import Table
 from wrsim.results.wear import has_wear
+from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets, worst_wheelset
 
 MOST_RESULTS = 8
 """Results in one report: more have no colours of their own."""
 
-OWN_DRAWINGS = ("patches", "sections")
-"""Standard pictures in whose place the report has drawings of its own."""
+MOST_MOMENTS = 6
+"""Moments of a wheelset whose contacts are drawn."""
+
+DOTS = 140
+"""An inch of pictures that would be too large as drawings."""
 
 
 def report_page(
@@ -52,43 +60,48 @@ def report_page(
             f"a report takes at most {MOST_RESULTS} results, not {len(results)}: wrsim study compares more"
         )
     names = _names(sources)
-    both = [facts.assessed(r) for r in results]
+    both = [tables.assessed(r) for r in results]
     found = [assessment for assessment, _ in both]
-    charts = charts_of([r.dataset for r in results], names, facts.limits_of(found))
-    rides = [facts.ridden(r) for r in results]
-    several = len(results) > 1
-    rows, sources_of_limits = facts.assessment_rows(found)
-    page: dict[str, Any] = {
-        "title": " / ".join(dict.fromkeys(r.title for r in results)),
-        "several": several,
-        "names": names,
-        "version": __version__,
-        "verdicts": [facts.verdict(r, *own) for r, own in zip(results, both, strict=True)],
-        "identity": facts.identity(results, sources),
-        "inputs": [facts.inputs(r) for r in results],
-        "texts": [str(r.dataset.attrs.get("scenario_text", "")) for r in results],
-        "commands": list(commands),
-        "assessment": rows,
-        "limits_from": sources_of_limits,
-        "estimated": any(cell and cell["estimate"] for row in rows for cell in row["cells"]),
-        "notes": [(name, own.notes) for name, own in zip(names, found, strict=True) if own is not None and own.notes],
-        "strips": [track_strip(r.dataset, own.sections if own else ()) for r, own in zip(results, found, strict=True)],
-        "charts": _drawn(charts, several),
-        "data": charts.script_data() if charts else None,
-        "first_part": charts.worst if charts and several else "",
-        "cards": facts.cards(results, names),
-        "curves": facts.curves(results, names),
-        "numbers": _numbers(results, names),
-        "contacts": [(name, *kept_contacts(r.dataset)) for name, r in zip(names, results, strict=True)],
-        "keys": [pressure_key(r.dataset) if "strip_p" in r.dataset else "" for r in results],
-        "wear": [_wear(r, name) for r, name in zip(results, names, strict=True) if has_wear(r.dataset)],
-        "ride": [ride.table(name) for (ride, _), name in zip(rides, names, strict=True) if ride],
-        "ride_notes": [why for _, why in rides if why],
-        "bands": bands_drawing([ride for ride, _ in rides], names),
-        "events": facts.events(results, names),
-        "pictures": [] if charts else [picture for r in results for picture in _pictures(r, several)],
-        "viewers": list(zip(names, viewers, strict=False)),
-    }
+    charts = charts_of([r.dataset for r in results], names, tables.limits_of(found))
+    rides = [tables.ridden(r) for r in results]
+    ridden = {name: ride for name, (ride, _) in zip(names, rides, strict=True) if ride}
+    histories = _histories(results, names, found) if charts else {}
+    contacts = {name: _contacts(r.dataset, name) for name, r in zip(names, results, strict=True)}
+    rows, sources_of_limits = tables.assessment_rows(found)
+    makers = [histories, *(own["makers"] for sets in contacts.values() for own in sets)]
+    with drawing({name: make for own in makers for name, make in own.items()}, partial(rendered, dpi=DOTS)) as finish:
+        page: dict[str, Any] = {
+            "title": " / ".join(dict.fromkeys(r.title for r in results)),
+            "several": len(results) > 1,
+            "names": names,
+            "version": __version__,
+            "verdicts": [tables.verdict(r, *own) for r, own in zip(results, both, strict=True)],
+            "identity": tables.identity(results, sources),
+            "inputs": [tables.inputs(r) for r in results],
+            "texts": [str(r.dataset.attrs.get("scenario_text", "")) for r in results],
+            "commands": list(commands),
+            "assessment": rows,
+            "limits_from": sources_of_limits,
+            "estimated": any(cell and cell["estimate"] for row in rows for cell in row["cells"]),
+            "notes": [
+                (name, own.notes) for name, own in zip(names, found, strict=True) if own is not None and own.notes
+            ],
+            "tracks": [_track(r.dataset, own) for r, own in zip(results, found, strict=True)],
+            "data": charts,
+            "pictures": [] if charts else [as_picture(name, make()) for name, make in _standard(results).items()],
+            "cards": tables.cards(results, names),
+            "curves": tables.curves(results, names),
+            "numbers": tables.numbers(results, names),
+            "contacts": contacts,
+            "wear": [_wear(r, name) for r, name in zip(results, names, strict=True) if has_wear(r.dataset)],
+            "ride": [ride.table(name) for name, ride in ridden.items()],
+            "ride_notes": [why for _, why in rides if why],
+            "bands": [as_picture("third octaves of the accelerations", ride_figure(ridden, bands))] if ridden else [],
+            "events": tables.events(results, names),
+            "viewers": list(zip(names, viewers, strict=False)),
+            "histories": list(histories),
+        }
+        page["drawn"] = {name: _address("png", content) for name, content in finish().items()}
     return template("report.html").render(page)
 
 
@@ -134,32 +147,55 @@ def rerun(result: Result, source: str) -> str:
     return f"wrsim run scenario.toml -o {shlex.quote(name)}"
 
 
-def _drawn(charts: Charts | None, several: bool) -> list[dict[str, Any]]:
-    """Every chart with its drawing; of several results that of one wheelset."""
-    if charts is None:
-        return []
-    part = charts.worst if several else ""
-    return [
-        {
-            "key": chart.key,
-            "title": chart.title,
-            "unit": chart.unit,
-            "note": chart.note,
-            "svg": drawing(charts, chart, part),
-            "lines": [line for line in chart.lines if part in ("", line.part) or not line.part],
-            "peak": chart.peak(),
-        }
-        for chart in charts.charts
-    ]
+def _track(dataset: xr.Dataset, found: Assessment | None) -> tuple[str, str] | None:
+    """The track of a run as a picture, with words for its sections; None where the run knows no curvature."""
+    if "curvature" not in dataset or dataset.sizes.get("time", 0) < 2 or np.ptp(dataset["distance"].values) < 1e-9:
+        return None
+    sections = found.sections if found else ()
+    words = [f"section {s.number}: {s.label}, {s.start:.0f} to {s.end:.0f} m" for s in sections]
+    return as_picture("; ".join(words) or "curvature and cant", track_diagram(dataset, sections))
 
 
-def _numbers(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
-    """The tables of results without wheelsets (stability, steady, conicity)."""
-    if any("wheelsets" in r.summary() for r in results):
+def _histories(results: Sequence[Result], names: Sequence[str], found: Sequence[Assessment | None]) -> Makers:
+    """Pictures of histories for print and for readers without scripts; several results over each other: the wheelset
+    that has the largest Y/Q in the first of them."""
+    if len(results) == 1:
+        return ({"as assessed": partial(history_figure, found[0])} if found[0] else {}) | _standard(results)
+    worst = worst_wheelset(results[0].dataset)
+    having = [(r.dataset, name) for r, name in zip(results, names, strict=True) if worst in wheelsets(r.dataset)]
+    datasets = [of_wheelset(dataset, worst) for dataset, _ in having]
+    return {f"wheelset {worst}": partial(overlay_figure, datasets, [name for _, name in having])}
+
+
+def _standard(results: Sequence[Result]) -> dict[str, Callable[[], Figure]]:
+    """The standard pictures of results, but those of contacts and wear, which have sections of their own."""
+    return {
+        f"{r.title}: {name}" if len(results) > 1 else name: make
+        for r in results
+        for name, make in standard_figures(r.dataset).items()
+        if not name.endswith(("patches", "sections", "wear", "fatigue"))
+    }
+
+
+def _contacts(dataset: xr.Dataset, result: str) -> list[dict[str, Any]]:
+    """Contacts of all wheelsets at some of their kept moments: pictures, numbers, and how many of the moments."""
+    if not has_patches(dataset) or not has_outlines(dataset):
         return []
     found = []
-    for result, name in zip(results, names, strict=True):
-        found += [replace(t, title=f"{name}: {t.title}" if name else t.title) for t in result.numbers()]
+    for name, label in numbered(wheelsets(dataset)).items():
+        one = of_wheelset(dataset, name)
+        moments, total = choose_moments(one, MOST_MOMENTS), one.sizes[moment_dim(one)]
+        galleries = {"wheel on rail": section_gallery, "patches from above": patch_gallery}
+        found.append(
+            {
+                "name": label + (f": {len(moments)} of {total} moments" if len(moments) < total else ""),
+                "open": name == worst_wheelset(dataset),
+                "makers": {
+                    f"{result} {label} {what}".strip(): partial(make, one, moments) for what, make in galleries.items()
+                },
+                "numbers": tables.contacts(one, moments),
+            }
+        )
     return found
 
 
@@ -168,24 +204,15 @@ def _wear(result: Result, name: str) -> dict[str, Any]:
     figures = {"depths over the profiles": wear_figure, "rolling contact fatigue": fatigue_figure}
     return {
         "name": name,
-        "tables": wear_tables(result.dataset),
+        "tables": tables.wear_tables(result.dataset),
         "pictures": [as_picture(words, make(result.dataset)) for words, make in figures.items()],
     }
 
 
-def _pictures(result: Result, several: bool) -> list[tuple[str, str]]:
-    """The standard pictures of a result without histories: words and the picture as a data address."""
-    found = []
-    for name, make in standard_figures(result.dataset).items():
-        if name.endswith(OWN_DRAWINGS):
-            continue
-        words, address = as_picture(name, make())
-        found.append((f"{result.title}: {words}" if several else words, address))
-    return found
-
-
 def as_picture(name: str, figure: Figure) -> tuple[str, str]:
-    """A figure for a page: its name in words, and the drawing as a data address."""
-    with mpl.rc_context({"savefig.dpi": 110}):
-        drawn = rendered(figure, vector=True)
-    return name.replace("_", " "), "data:image/svg+xml;base64," + base64.b64encode(drawn).decode()
+    """A figure for a page: its name in words, and its SVG as a data address."""
+    return name.replace("_", " "), _address("svg+xml", rendered(figure, vector=True))
+
+
+def _address(kind: str, content: bytes) -> str:
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"

@@ -1,4 +1,4 @@
-"""The report of a study: one page about all its cases."""
+"""The reports of a study, one page about all its cases, and of wheels that wear in service."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim import __version__
+from wrsim.plots.service import FIGURES
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, of_cases, outputs_of, study_figures
-from wrsim.report.facts import BAD, OPEN, Verdict
 from wrsim.report.page import as_picture, template
-from wrsim.results.table import Column, Table, formatted
+from wrsim.report.tables import BAD, OPEN, Verdict
+from wrsim.results.table import Column, Table, formatted, quantity
 
 MOST_ROWS, FEW_ROWS = 500, 40
 """Cases in a table of the page; up to so many, the table is open."""
@@ -132,3 +133,32 @@ def _text(value: object) -> str:
     if isinstance(value, float | np.floating):
         return formatted(float(value), ".6g")
     return str(value)
+
+
+OF_SERVICE = {"service_text": "Service file", "cases_text": "Table of cases", "scenario_text": "Scenario"}
+"""Files that a service holds, and words for them."""
+
+
+def service_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
+    """The report of a service as HTML.
+
+    dataset: ``wear.nc``; source: where it was read from; numbers: of it against the mileage.
+    """
+    about = dataset.attrs
+    steps = dataset.sizes["point"] - 1
+    mileage = quantity(1e-3 * float(dataset["mileage"].values[-1]), "km", ".6g")
+    deepest = quantity(1e3 * float(dataset["deepest"].values[-1]), "mm", ".3g")
+    identity = [(key, str(about[key])) for key in ("title", "law", "wheel") if key in about]
+    identity += [("file", source), ("steps of wear", str(steps)), ("mileage", mileage)]
+    versions = sorted(key for key in about if key.endswith("_version"))
+    page = {
+        "title": about["title"],
+        "version": __version__,
+        "verdict": f"{mileage} in {steps} steps; {deepest} worn off at the deepest place.",
+        "identity": identity + [(key.removesuffix("_version"), str(about[key])) for key in versions],
+        "numbers": numbers,
+        "pictures": [as_picture(name, make(dataset)) for name, make in FIGURES.items()],
+        "command": f"wrsim wear service.toml -o {shlex.quote(source.rstrip('/').rsplit('/', 1)[-1] or 'service')}",
+        "texts": {words: str(about[key]) for key, words in OF_SERVICE.items() if about.get(key)},
+    }
+    return template("service.html").render(page)

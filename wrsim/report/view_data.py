@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 import zlib
 from typing import TYPE_CHECKING, Any
 
@@ -14,16 +15,18 @@ from wrsim.errors import InputError, SimulationError
 from wrsim.plots.cross_section import has_outlines, pressed_curve
 from wrsim.plots.moments import patches_of, select, touching_runs
 from wrsim.plots.style import pressure_map
-from wrsim.report.svg import Array, needed
-from wrsim.report.wear import LEAST_DEPTH, depth_at, worn_outlines
+from wrsim.plots.wear import LAW_WORDS
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import PATCHES
 from wrsim.results.moments import has_patches, moment_dim, sample_of
+from wrsim.results.table import quantity
 from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
+
+Array = NDArray[np.float64]
 
 MOST_SAMPLES = 20000
 """Samples that a page holds; of longer runs every second, third, ... one."""
@@ -35,6 +38,9 @@ PATH_STEP = 1.0
 """Between two points of the track [m]."""
 BEYOND = 60.0
 """Length of track drawn ahead of the first and behind the last place of the vehicle [m]."""
+
+LEAST_DEPTH = 0.01
+"""Of the largest depth worn off, from which on it is drawn."""
 
 OF_WHEELSETS = ("lateral_shift", "vertical_shift", "yaw", "roll", "curvature", "cant")
 OF_WHEELS = ("Y", "Q", "Y_over_Q", "T_gamma")
@@ -370,3 +376,48 @@ def _nearest(known: NDArray[np.intp], count: int) -> NDArray[np.intp]:
     low, high = known[at - 1], known[np.minimum(at, known.size - 1)]
     own = np.arange(count)
     return np.where(own - low <= high - own, low, high)
+
+
+def depth_at(mine: xr.Dataset, body: str, share: Array) -> Array:
+    """Depths by the first law over the largest, at shares of a profile's length; nothing where nothing wears."""
+    depth = mine.isel(wear_law=0)[f"wear_{body}_depth"].values
+    depth = depth[np.isfinite(depth)]  # profiles of other wheels may have more places
+    if not depth.any():
+        return np.zeros(share.size)
+    return np.asarray(np.interp(share, (np.arange(depth.size) + 0.5) / depth.size, depth) / depth.max())
+
+
+def worn_outlines(mine: xr.Dataset, on_wheel: Array, on_rail: Array) -> dict[str, Any]:
+    """For the viewer: depths by the first law at points of the outlines of one wheel and its rail, and words for them.
+
+    on_wheel, on_rail: the points, as shares of the profiles' lengths; depths as hundredths of the largest.
+    """
+    law, words = str(mine["wear_law"].values[0]), []
+    found: dict[str, Any] = {}
+    for body, points in (("wheel", on_wheel), ("rail", on_rail)):
+        found[body] = np.rint(100.0 * depth_at(mine, body, points)).astype(int).tolist()
+        channel = CHANNELS[f"wear_{body}_depth"]
+        most = float(mine.isel(wear_law=0)[channel.name].max())
+        words.append(f"{body} to {quantity(most * channel.shown.factor, channel.shown.symbol, '.3g')}")
+    return found | {"words": f"wear, {LAW_WORDS[law]}: {', '.join(words)} a passage"}
+
+
+def needed(x: Array, y: Array, off: float) -> NDArray[np.intp]:
+    """Indices of the points that a line through them cannot spare (Douglas and Peucker); off: how far a point that is
+    left out may lie beside the line."""
+    keep = np.zeros(x.size, dtype=bool)
+    keep[[0, -1]] = True
+    open_pieces = [(0, x.size - 1)]
+    while open_pieces:
+        i, j = open_pieces.pop()
+        if j - i < 2:
+            continue
+        dx, dy = x[j] - x[i], y[j] - y[i]
+        u, v = x[i + 1 : j] - x[i], y[i + 1 : j] - y[i]
+        length = math.hypot(dx, dy)
+        away = np.abs(u * dy - v * dx) / length if length > 0.0 else np.hypot(u, v)
+        k = int(np.argmax(away))
+        if away[k] > off:
+            keep[i + 1 + k] = True
+            open_pieces += [(i, i + 1 + k), (i + 1 + k, j)]
+    return np.flatnonzero(keep)

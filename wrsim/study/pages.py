@@ -8,8 +8,7 @@ from pathlib import Path
 from wrsim.errors import InputError
 from wrsim.report.output_folder import beside, read
 from wrsim.report.page import report_page, rerun
-from wrsim.report.service import service_page
-from wrsim.report.study import study_page
+from wrsim.report.study import service_page, study_page
 from wrsim.report.view import view_page
 from wrsim.study.collect import is_study, read_study
 from wrsim.study.service.record import is_service, read_record, table_of

@@ -1,5 +1,5 @@
-// The charts of a report: one cursor, one piece of track for all of them. What is drawn as SVG serves print, and
-// readers whose browser runs no scripts.
+// The charts of a report: one cursor, one piece of track for all of them. Print, and readers whose browser runs no
+// scripts, have pictures instead.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 

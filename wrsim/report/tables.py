@@ -1,0 +1,285 @@
+"""Words and tables of a report: verdict, identity, assessment, peaks, contacts, wear, events. Nothing is drawn here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+import xarray as xr
+
+from wrsim.errors import InputError
+from wrsim.plots.moments import moment_title, patches_of, snapshot_letter
+from wrsim.plots.wear import LAW_WORDS
+from wrsim.results import CHANNELS, Result
+from wrsim.results.assessment import Assessment, ZoneValue
+from wrsim.results.channels import PATCHES
+from wrsim.results.dataset import table_of_scenario
+from wrsim.results.files import from_json
+from wrsim.results.moments import sample_of
+from wrsim.results.ride import Ride
+from wrsim.results.summary_tables import curve_tables, wheelset_tables
+from wrsim.results.table import Cell, Column, Table, formatted, quantity
+from wrsim.results.wear import summary as summary_of_wear
+from wrsim.results.wheelsets import numbered, wheelsets
+
+Found = TypeVar("Found")
+
+OF_PATCHES = ("N", "p0", "contact_angle", "contact_angle_variation", "area")
+"""Channels in the table of contacts."""
+
+GOOD, BAD, OPEN = "good", "bad", "open"
+"""States of a verdict: within all limits; beyond one, or stopped; nothing to say."""
+
+MOST_CURVES = 10
+"""Full curves of a result that are listed; summary.json has all of them."""
+
+APART = 1.05
+"""Limits that differ by less are one line in a chart."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One line: state and words."""
+
+    state: str
+    words: str
+
+
+def assessed(result: Result) -> tuple[Assessment | None, str]:
+    """The assessment of a run, or why there is none."""
+    from wrsim.analysis.assessment import assess
+
+    return _attempted(assess, result)
+
+
+def ridden(result: Result) -> tuple[Ride | None, str]:
+    """The ride of a run with points, or why there is none; no words where nobody expects one."""
+    from wrsim.analysis.ride import evaluate_ride
+
+    return _attempted(evaluate_ride, result) if {"point", "time"} <= set(result.dataset.dims) else (None, "")
+
+
+def _attempted(evaluate: Callable[[Result], Found], result: Result) -> tuple[Found | None, str]:
+    try:
+        return evaluate(result), ""
+    except InputError as problem:
+        return None, str(problem)
+
+
+def verdict(result: Result, found: Assessment | None, why: str) -> Verdict:
+    """Within all limits or not, with the worst margin; how the analysis ended, if early."""
+    stop = f"Stopped early: {result.stop_reason}. " if result.status == "stopped" else ""
+    state, worst = OPEN, found.tightest() if found is not None else None
+    if found is None:
+        words = f"Not assessed: {why}." if "time" in result.dataset.dims else "" if stop else "Completed."
+    elif worst is None:
+        words = "No limit applies to anything that was assessed."
+    else:
+        words = "Every assessed quantity is within its limit" if found.passed else "A limit is exceeded"
+        words, state = f"{words}; {_tightest(worst)}.", GOOD if found.passed else BAD
+    return Verdict(BAD if stop else state, stop + words)
+
+
+def _tightest(row: ZoneValue) -> str:
+    """The worst margin in words."""
+    value, limit = row.worst, row.worst.limit
+    shown, margin = value.quantity.shown, row.margin
+    unit = "" if shown.symbol == "1" else shown.symbol
+    at_most = quantity(limit.value * shown.factor, unit) if limit else ""
+    number, kind = value.value, ""
+    if margin is not None and value.margin is not None and margin < value.margin and row.estimate is not None:
+        number, kind = row.estimate, ", estimated maximum"
+    place = f"{value.section.label}, section {value.section.number}" + (f": {value.place}" if value.place else "")
+    return (
+        f"worst margin {quantity(100.0 * (margin or 0.0), '%', '.0f')}: {value.quantity.symbol} = "
+        f"{quantity(number * shown.factor, unit)}{kind} of {at_most} ({value.quantity.words}; {place})"
+    )
+
+
+def identity(results: Sequence[Result], sources: Sequence[str]) -> list[tuple[str, list[str]]]:
+    """Rows of the table of who is who: a name, and a text for every result."""
+    columns = [_identity(r) for r in results]
+    rows = [("title", [r.title for r in results]), ("file", list(sources))]
+    rows += [(name, [own[name] for own in columns]) for name in columns[0]]
+    versions = sorted({k for r in results for k in r.dataset.attrs if k.endswith("_version") and k != "format_version"})
+    ordered = sorted(versions, key=lambda k: not k.startswith("wrsim"))
+    rows += [(k.removesuffix("_version"), [str(r.dataset.attrs.get(k, "")) for r in results]) for k in ordered]
+    return [(name, values) for name, values in rows if any(values)]
+
+
+def _identity(result: Result) -> dict[str, str]:
+    """What was computed, how, and how far it came."""
+    dataset, attributes = result.dataset, result.dataset.attrs
+    of_vehicle, of_contact = (table_of_scenario(dataset, name) or {} for name in ("vehicle", "contact"))
+    vehicle, speed = str(of_vehicle.get("model", "")), of_vehicle.get("speed_kmh")
+    if vehicle and isinstance(speed, int | float):
+        vehicle += f", {quantity(float(speed), 'km/h', 'g')}"
+    contact = ", ".join(f"{k} = {v}" for k, v in of_contact.items() if k in ("normal", "tangential", "friction"))
+    if "resolved_with" in attributes:
+        contact = f"solved again with {attributes['resolved_with']}"
+    extent = f"{dataset.sizes['pose']} poses" if "pose" in dataset.dims else ""
+    if dataset.sizes.get("time"):
+        extent = f"{dataset.sizes['time']} samples over {quantity(float(dataset['time'].values[-1]), 's')}"
+        if "distance" in dataset.coords:
+            way = dataset["distance"].values
+            extent += f", {formatted(float(way[0]), '.1f')} to {quantity(float(way[-1]), 'm', '.1f')}"
+    integration = ""
+    if {"integrator", "step_s"} <= attributes.keys():
+        integration = f"{attributes['integrator']}, steps of {quantity(1e3 * float(attributes['step_s']), 'ms')}"
+    return {
+        "analysis": result.analysis,
+        "status": result.status + (f": {result.stop_reason}" if result.stop_reason else ""),
+        "extent": extent,
+        "vehicle": vehicle,
+        "contact": contact,
+        "integration": integration,
+    }
+
+
+def inputs(result: Result) -> list[tuple[str, str]]:
+    """Files that the result was computed from, each with its SHA-256; none for a result of an older wrsim."""
+    found = from_json(str(result.dataset.attrs.get("inputs", "{}"))) or {}
+    return [(str(name), str(digest)) for name, digest in found.items()]
+
+
+def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, Any]], dict[str, str]]:
+    """Rows by quantity and class of track, with cells of every assessment that has them; sources of limits by letter.
+
+    first: how many rows the quantity has, in the first of them, and 0 in the others.
+    """
+    quantities: dict[str, dict[str, dict[str, Any]]] = {}
+    letters: dict[str, str] = {}
+    for i, each in enumerate(found):
+        for row in each.zones() if each is not None else ():
+            of, zone, limit = row.worst.quantity, row.worst.section.zone, row.worst.limit
+            words = {"symbol": of.symbol, "words": of.words, "unit": "" if of.shown.symbol == "1" else of.shown.symbol}
+            zones = quantities.setdefault(of.key, {})
+            own = zones.setdefault(zone, words | {"zone": zone, "cells": [None] * len(found), "first": 0})
+            letter = ""
+            if limit is not None:
+                letter = letters.setdefault(f"{limit.source} [{limit.mark}]", snapshot_letter(len(letters)))
+            own["cells"][i] = {**row.cells(), "passed": row.passed, "letter": letter}
+    for zones in quantities.values():
+        next(iter(zones.values()))["first"] = len(zones)
+    rows = [row for zones in quantities.values() for row in zones.values()]
+    return rows, {letter: source for source, letter in letters.items()}
+
+
+def limits_of(found: Sequence[Assessment | None]) -> dict[str, list[tuple[str, float]]]:
+    """Limits to draw across histories: of the track shifting force both ways, of Y/Q and Q.
+
+    Of limits that lie as near each other as those of wheelsets of nearly one load, the least.
+    """
+    values = [
+        (own.quantity.key, round(own.limit.value * own.quantity.shown.factor, 3))
+        for each in found
+        for own in (each.values if each is not None else ())
+        if own.limit is not None
+    ]
+    drawn: dict[str, list[tuple[str, float]]] = {}
+    for key in ("sum_Y", "Y_over_Q", "Q"):
+        apart: list[float] = []
+        for v in sorted(value for name, value in values if name == key):
+            if not apart or v > APART * apart[-1]:
+                apart.append(v)
+        both = [*apart, *(-v for v in apart)] if key == "sum_Y" else apart
+        drawn[key] = [(f"limit {formatted(v)}", v) for v in both]
+    return drawn
+
+
+def cards(results: Sequence[Result], names: Sequence[str]) -> list[tuple[str, list[Table]]]:
+    """For every wheelset a card: its name, tables of its peaks."""
+    summaries = [r.summary() for r in results]
+    sets = list(dict.fromkeys(name for s in summaries for name in s.get("wheelsets", {})))
+    words = numbered(sets) if len({tuple(s.get("wheelsets", {})) for s in summaries}) == 1 else {n: n for n in sets}
+    of = {name: [s.get("wheelsets", {}).get(name) for s in summaries] for name in sets}
+    return [(words[name], wheelset_tables(of[name], names)) for name in sets]
+
+
+def curves(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
+    """Medians in full curves, of every result."""
+    sets = [r.summary().get("wheelsets", {}) for r in results]
+    tables = [curve_tables(list(numbered(tuple(own)).values()), list(own.values()), MOST_CURVES) for own in sets]
+    return _named(tables, names)
+
+
+def numbers(results: Sequence[Result], names: Sequence[str]) -> list[Table]:
+    """The tables of results without wheelsets (stability, steady, conicity)."""
+    return [] if any("wheelsets" in r.summary() for r in results) else _named([r.numbers() for r in results], names)
+
+
+def _named(tables: Sequence[Sequence[Table]], names: Sequence[str]) -> list[Table]:
+    """The tables of all results, with the names of these in their titles where there are several."""
+    pairs = [(name, table) for name, own in zip(names, tables, strict=True) for table in own]
+    return [replace(table, title=f"{name}: {table.title}" if name else table.title) for name, table in pairs]
+
+
+def contacts(dataset: xr.Dataset, moments: Sequence[int]) -> Table:
+    """Every patch of one wheelset at some of its kept moments."""
+    dim = "time" if "time" in dataset.dims else "pose"
+    channels = [name for name in OF_PATCHES if name in dataset]
+    rows: list[list[Cell]] = []
+    for i, moment in enumerate(moments):
+        pose = f"({snapshot_letter(i)}) {dataset['pose'].values[moment]}" if dim == "pose" else ""
+        title = pose or moment_title(dataset, moment, i).replace("\n", ", ")
+        for where in [patch for wheel in dataset["wheel"].values for patch in patches_of(dataset, moment, str(wheel))]:
+            one = dataset[channels].isel({dim: sample_of(dataset, moment), "patch": where.patch}).sel(wheel=where.wheel)
+            values = [float(one[name]) * CHANNELS[name].shown.factor for name in channels]
+            rows.append([title, f"{where.wheel}, {PATCHES[where.patch]} patch", *values])
+            title = ""
+    return Table("", (Column("at"), Column("wheel"), *(Column.of(CHANNELS[name]) for name in channels)), rows)
+
+
+def events(results: Sequence[Result], names: Sequence[str]) -> Table | None:
+    """What happened on the way, and where a run stopped."""
+    rows: list[tuple[str, ...]] = []
+    for result, name in zip(results, names, strict=True):
+        dataset = result.dataset
+        who = (name,) if len(names) > 1 else ()
+        if "event" in dataset.dims:
+            columns = (dataset[f"event_{key}"].values for key in ("distance", "time", "label"))
+            rows += [(*_place(s, t), str(w), *who) for s, t, w in zip(*columns, strict=True)]
+        if result.status == "stopped" and "stop_distance_m" in dataset.attrs:
+            s, t = (float(dataset.attrs[f"stop_{key}"]) for key in ("distance_m", "time_s"))
+            rows.append((*_place(s, t), f"stopped: {result.stop_reason}", *who))
+    heads = ("place", "time", "what happened", *(("result",) if len(names) > 1 else ()))
+    return Table("", tuple(map(Column, heads)), rows) if rows else None
+
+
+def _place(distance: float, time: float) -> tuple[str, str]:
+    return quantity(float(distance), "m", ".1f"), quantity(float(time), "s", ".3f")
+
+
+WORN_WHEELS = {
+    "tread_g_per_km": Column("tread", "g/km"),
+    "flange_g_per_km": Column("flange", "g/km"),
+    "wear_wheel_depth_max_um_per_km": Column("deepest", "µm/km"),
+    "wear_wheel_u_mm": Column("at u", "mm"),
+}
+WORN_RAILS = {
+    "wear_rail_depth_max_nm": Column("deepest, one passage", "nm"),
+    "wear_rail_u_mm": Column("at u", "mm"),
+}
+FATIGUE = {
+    "rail_damage_max": Column("largest damage, one passage"),
+    "wear_rail_u_mm": Column("at u", "mm"),
+    "fatigue_index_max": Column("largest fatigue index"),
+}
+"""Columns of the tables of wear by keys of a summary."""
+
+
+def wear_tables(dataset: xr.Dataset) -> list[Table]:
+    """What wheels lose by every law, what rails lose, fatigue of the rails."""
+    found, called = summary_of_wear(dataset), numbered(wheelsets(dataset))
+    tables = []
+    for law, of in found["laws"].items():
+        wheels = {f"{called[name]}, {w}": own for name, pair in of["wheelsets"].items() for w, own in pair.items()}
+        tables.append(_table(f"Wheels, {LAW_WORDS[law]}", "wheel", WORN_WHEELS, wheels))
+        tables.append(_table(f"Rails, {LAW_WORDS[law]}", "rail", WORN_RAILS, of["rails"]))
+    return [*tables, _table("Fatigue of the rails", "rail", FATIGUE, found["fatigue"])]
+
+
+def _table(title: str, what: str, columns: dict[str, Column], of: dict[str, Any]) -> Table:
+    rows = [(name, *(own[key] for key in columns)) for name, own in of.items()]
+    return Table(title, (Column(what), *columns.values()), rows)
