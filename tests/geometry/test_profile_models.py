@@ -275,5 +275,5 @@ def test_a_rail_where_a_wheel_is_needed_is_refused():
 @pytest.mark.parametrize("half_width", ["0.001", "2.4"])
 def test_a_profile_that_is_too_short_for_any_contact_is_refused(toml, half_width):
     path = toml(f'kind = "circle"\nradius_mm = 10\nhalf_width_mm = {half_width}\n')
-    with pytest.raises(InputError, match="mm long; at least 5 mm are needed"):
+    with pytest.raises(InputError, match="mm long; needs at least 5 mm"):
         load_profile(path)

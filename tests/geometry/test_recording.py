@@ -370,7 +370,7 @@ def rows(**changed: Any) -> str:
         (HEAD, BY_BAND, "line.csv: has no rows"),
         (
             "\n".join(rows().split("\n")[:10]), BY_BAND,
-            "line.csv:10: the table ends after 9 rows; at least 40 are needed",
+            "line.csv:10: the table ends after 9 rows; needs at least 40",
         ),
         (rows(), f"{BY_BAND}\n{MAP[MAP.rindex('[['):]}{BY_BAND}", "is level like channels[1]"),
     ],

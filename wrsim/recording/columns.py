@@ -224,9 +224,9 @@ def guessed(header: Sequence[str], where: str, chord: Sequence[float] | None, ba
         if unit is not None:
             units = UNITS.get(quantity, LENGTHS)
             if unit not in units:
+                allowed = f"{', '.join(units)}{suggest(unit, list(units))}"
                 raise InputError(
-                    f"{where}: column '{name}': unit '{unit}' is unknown for {quantity}: must be "
-                    f"{', '.join(units)}{suggest(unit, list(units))}"
+                    f"{where}: column '{name}': unit '{unit}' is unknown for {quantity}: must be {allowed}"
                 )
             own["unit"] = unit
         found.append(own)

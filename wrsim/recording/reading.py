@@ -99,9 +99,8 @@ def read_recording(
     inside = np.flatnonzero((distance >= low) & (distance <= high))
     if inside.size < FEWEST:
         asked = "" if part == (None, None) else f" from {low:g} to {high:g} m"
-        raise InputError(
-            f"{path}:{numbers[-1]}: the table ends after {inside.size} rows{asked}; at least {FEWEST} are needed"
-        )
+        few = f"the table ends after {inside.size} rows{asked}; needs at least {FEWEST}"
+        raise InputError(f"{path}:{numbers[-1]}: {few}")
     first, last = int(inside[0]), int(inside[-1]) + 1
     distance, lines = distance[first:last], numbers[1:][first:last]
     _check_distance(path, along.column, distance, lines)
@@ -164,9 +163,8 @@ def _numbers(path: Path, column: int, name: str, rows: list[list[str]], lines: l
             found[i] = float(cell)
         except ValueError:
             if cell.lower() not in EMPTY:
-                raise InputError(
-                    f"{path}:{lines[i + 1]}: column '{name}' = '{row[column]}': must be a number"
-                ) from None
+                fault = f"column '{name}' = '{row[column]}': must be a number"
+                raise InputError(f"{path}:{lines[i + 1]}: {fault}") from None
             found[i] = np.nan
         if np.isinf(found[i]):
             raise InputError(f"{path}:{lines[i + 1]}: column '{name}' = '{row[column]}': must be a finite number")

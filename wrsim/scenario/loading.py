@@ -253,9 +253,8 @@ def _plain(key: str, value: Any) -> Any:
         return [_plain(f"{key}[{i}]", inner) for i, inner in enumerate(value)]
     if isinstance(value, bool | int | float | str | date | time):
         return value
-    raise InputError(
-        f"{key} = {value!r:.60}: must be a number, a text, true or false, a date, or a list or table of such"
-    )
+    allowed = "a number, a text, true or false, a date, or a list or table of such"
+    raise InputError(f"{key} = {value!r:.60}: must be {allowed}")
 
 
 def _keys(dotted_key: str) -> KeyPath:

@@ -71,9 +71,8 @@ def _of_loads(analysis: Analysis, vehicle: Any) -> Iterator[Fault]:
             yield Fault(("vehicle", key), f'has no place in analysis = "{analysis.name}": remove it (or {key} = [])')
     for key in ("efforts", "slip_control"):
         if not analysis.moves and isinstance(vehicle, dict) and vehicle.get(key):
-            yield Fault(
-                ("vehicle", key), f'has no place in analysis = "{analysis.name}": is for {_where("moves")} only'
-            )
+            message = f'has no place in analysis = "{analysis.name}": is for {_where("moves")} only'
+            yield Fault(("vehicle", key), message)
 
 
 def _of_tables(analysis: Analysis, raw: dict[str, Any]) -> Iterator[Fault]:

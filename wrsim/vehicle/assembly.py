@@ -85,9 +85,8 @@ class Assembly:
         names = [p.name for p in part.places]
         for i, inner in enumerate(part.places):
             if names.count(inner.name) > 1:
-                raise self._fault(
-                    (*path, "places", i, "name"), "duplicate name; must be different for each", inner.name
-                )
+                key = (*path, "places", i, "name")
+                raise self._fault(key, "duplicate name; must be different for each", inner.name)
             self._bodies(*self._inner(inner, (*path, "places", i), place))
 
     def _elements(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:

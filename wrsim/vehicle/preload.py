@@ -88,9 +88,8 @@ def preloads(vehicle: Vehicle) -> list[Preload]:
         held += element.stiffness_at_rest @ travel**2 + np.array(element.turning_stiffness) @ turning**2
     for name, about in zip(boxes, held[6 * n :], strict=True):
         if not about > 0.0:
-            raise InputError(
-                f"no spring keeps axle box '{name}' from turning about the axle: it needs one beside the axle"
-            )
+            needed = "it needs one beside the axle"
+            raise InputError(f"no spring keeps axle box '{name}' from turning about the axle: {needed}")
     u = np.linalg.lstsq(stiffness, right, rcond=1e-12)[0] if n else np.zeros(size)
     left = right - stiffness @ u
     if n and np.max(np.abs(left)) > TOLERANCE * vehicle.mass * vehicle.gravity:
@@ -98,10 +97,8 @@ def preloads(vehicle: Vehicle) -> list[Preload]:
         loose, direction = divmod(worst, 6)
         what = f"body '{vehicle.bodies[loose].name}'" if loose < n else f"axle box '{boxes[worst - 6 * n]}'"
         direction = direction if loose < n else PITCH
-        raise InputError(
-            f"the preload cannot be found: nothing holds {what} {WORDS[direction]} "
-            f"({left[worst]:.4g} {'N' if direction < 3 else 'N m'} are left over)"
-        )
+        rest = f"{left[worst]:.4g} {'N' if direction < 3 else 'N m'} residual"
+        raise InputError(f"the preload cannot be found: nothing holds {what} {WORDS[direction]} ({rest})")
     found = []
     for element, (travel, turning) in zip(vehicle.elements, motions, strict=True):
         force = -element.stiffness_at_rest * (travel @ u) if element.preload is None else np.array(element.preload)
@@ -154,10 +151,9 @@ def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[in
         at_rest = other.reading_at_rest(preloads[i].force)
         axis = normal.axis if len(other.directions) > 1 else int(np.argmax(np.abs(at_rest)))
         if abs(at_rest[axis]) < LEAST * vehicle.mass * vehicle.gravity:
-            raise InputError(
-                f"friction '{element.name}' has no normal force: '{name}' carries nothing along "
-                f"{'xyz'[axis] if len(other.directions) > 1 else 'its direction'} at rest"
-            )
+            along = "xyz"[axis] if len(other.directions) > 1 else "its direction"
+            words = f"'{name}' carries nothing along {along} at rest"
+            raise InputError(f"friction '{element.name}' has no normal force: {words}")
         x, y, z = element.slider.friction * normal.factor * np.sign(at_rest[axis]) * np.eye(3)[axis]
         found.append((i, (float(x), float(y), float(z))))
     return found

@@ -182,10 +182,8 @@ def check_connected(vehicle: Vehicle) -> None:
         held |= more
     loose = [body.name for body in vehicle.bodies if body.name not in held]
     if loose:
-        raise InputError(
-            f"{'body' if len(loose) == 1 else 'bodies'} {', '.join(loose)} hang on nothing: no element joins them to a "
-            "wheelset, not even by way of other bodies"
-        )
+        which = f"{'body' if len(loose) == 1 else 'bodies'} {', '.join(loose)} hang on nothing"
+        raise InputError(f"{which}: no element joins them to a wheelset, not even by way of other bodies")
 
 
 def _wheelset(

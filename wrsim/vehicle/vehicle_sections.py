@@ -160,9 +160,8 @@ class BodyTable(Section):
         for i, name in enumerate("xyz"):
             others = sum(self.inertia_kg_m2) - self.inertia_kg_m2[i]
             if self.inertia_kg_m2[i] > others * (1.0 + 1e-9):
-                yield Fault(
-                    "inertia_kg_m2", f"the one about {name} is larger than the other two together: no solid has it"
-                )
+                message = f"the one about {name} is larger than the other two together: no solid has it"
+                yield Fault("inertia_kg_m2", message)
 
 
 class MountTable(Section):

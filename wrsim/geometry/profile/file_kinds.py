@@ -101,10 +101,8 @@ class ChainFile(ProfileFile, kind="chain"):
             else:
                 last = np.radians(piece.to_angle_deg)
                 if abs(last - angle) < 1e-9:
-                    raise InputError(
-                        f"pieces[{i}].to_angle_deg = {piece.to_angle_deg:g}: the curve has this angle "
-                        "already; must differ, or the piece be a line"
-                    )
+                    key = f"pieces[{i}].to_angle_deg = {piece.to_angle_deg:g}"
+                    raise InputError(f"{key}: the curve has this angle already; must differ, or the piece be a line")
                 radius = piece.radius_mm * MM
                 side = np.sign(last - angle) * radius * np.array([-np.sin(angle), np.cos(angle)])
                 chain.append(Arc(place[0] + side[0], place[1] + side[1], radius, angle, last))
@@ -134,10 +132,8 @@ class RailHeadFile(ProfileFile, kind="rail-head"):
         if not self.radii_mm:
             yield Fault("radii_mm", "must hold at least one radius, from the crown outward")
         elif len(self.half_widths_mm) != len(self.radii_mm) - 1:
-            yield Fault(
-                "half_widths_mm",
-                f"must hold {len(self.radii_mm) - 1} numbers, where each arc of radii_mm but the last ends",
-            )
+            count = len(self.radii_mm) - 1
+            yield Fault("half_widths_mm", f"must hold {count} numbers, where each arc of radii_mm but the last ends")
         if self.body != "rail":
             yield Fault("body", 'must be "rail" for this kind')
 

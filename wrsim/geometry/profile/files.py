@@ -114,10 +114,8 @@ def read_points(
     lateral, height = (metres * a for a in scan.arrays())
     far = np.flatnonzero(np.maximum(np.abs(lateral), np.abs(height)) > FARTHEST)
     if far.size:
-        raise InputError(
-            f"{path}:{scan.line[far[0]]}: this point lies {np.hypot(lateral[far[0]], height[far[0]]):.4g} m from the "
-            f"origin; allowed: {FARTHEST:g} m. Is the unit right?"
-        )
+        far_off = f"{np.hypot(lateral[far[0]], height[far[0]]):.4g} m from the origin; allowed: {FARTHEST:g} m"
+        raise InputError(f"{path}:{scan.line[far[0]]}: this point lies {far_off}. Is the unit right?")
     points = Points(str(path), lateral, height, np.array(scan.line, dtype=np.intp))
     points = points.without_duplicates(metres * scan.resolution, metres * scan.least_distance)
     check_count(points)

@@ -236,10 +236,8 @@ def _simpack_values(scan: Scan, values: dict[str, Any]) -> None:
             raise InputError(f"{scan.file}: header type = {kind:g}; allowed: 0 (rail), 1 (wheel)")
         scan.kind = "wheel" if kind == 1 else "rail"
     if get("rotate") != 0.0:
-        raise InputError(
-            f"{scan.file}: rotate = {get('rotate'):g} is not supported; allowed: 0. Turn the profile with "
-            "turn_mrad in a TOML file that names this file"
-        )
+        hint = "Turn the profile with turn_mrad in a TOML file that names this file"
+        raise InputError(f"{scan.file}: rotate = {get('rotate'):g} is not supported; allowed: 0. {hint}")
     if get("units.len.f", 1.0) <= 0.0:
         raise InputError(f"{scan.file}: units.len.f = {get('units.len.f'):g}; allowed: above 0 (mm: 1000)")
     scan.unit = 1.0 / get("units.len.f", 1.0)
@@ -295,9 +293,8 @@ def parse_miniprof(lines: list[str], file: str) -> Scan:
         if not scan.line and not _starts_numbers(row):
             continue  # old files: words without '=' in the head
         if len(row) < len(columns):
-            raise InputError(
-                f"{file}:{number}: {len(row)} columns; ColumnDef needs {len(columns)}: {','.join(columns)}"
-            )
+            needed = f"ColumnDef needs {len(columns)}: {','.join(columns)}"
+            raise InputError(f"{file}:{number}: {len(row)} columns; {needed}")
         scan.add(row[columns.index("X")], row[columns.index("Y")], number)
     offset = {}
     for axis in "XY":

@@ -138,9 +138,7 @@ def load_profile(path: str | Path, kind: Kind | None = None) -> Profile:
     try:
         profile = model.build(path)
         if profile.length < SHORTEST:
-            raise InputError(
-                f"the profile is {1e3 * profile.length:g} mm long; at least {1e3 * SHORTEST:g} mm are needed"
-            )
+            raise InputError(f"the profile is {1e3 * profile.length:g} mm long; needs at least {1e3 * SHORTEST:g} mm")
         return profile
     except InputError as error:
         if isinstance(model, PointsFile):

@@ -103,10 +103,8 @@ class Points:
         inside = (self.u >= first) & (self.u <= last)
         edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
         if not edges.size:
-            raise InputError(
-                f"{self.file}: clip from {1e3 * first:g} to {1e3 * last:g} mm leaves no point; the points "
-                f"go from {1e3 * self.u.min():.6g} to {1e3 * self.u.max():.6g} mm"
-            )
+            reach = f"the points go from {1e3 * self.u.min():.6g} to {1e3 * self.u.max():.6g} mm"
+            raise InputError(f"{self.file}: clip from {1e3 * first:g} to {1e3 * last:g} mm leaves no point; {reach}")
         starts, stops = edges[::2], edges[1::2]
         best = int(np.argmax(stops - starts))
         return self.kept(slice(int(starts[best]), int(stops[best])))
@@ -125,30 +123,24 @@ def check_points(points: Points) -> None:
     turn = turns(points)
     i = int(np.argmax(np.abs(turn)))
     if abs(turn[i]) > 0.5 * np.pi:
-        raise InputError(
-            f"{file}:{line[i + 1]}: the curve goes back on itself here (it turns by "
-            f"{np.degrees(turn[i]):.0f} degrees): points out of order, a zig-zag, or two scans in one file"
-        )
+        reason = "points out of order, a zig-zag, or two scans in one file"
+        angle = f"it turns by {np.degrees(turn[i]):.0f} degrees"
+        raise InputError(f"{file}:{line[i + 1]}: the curve goes back on itself here ({angle}): {reason}")
     chords = points.chords
     length = float(chords.sum())
     i = int(np.argmax(chords))
     if chords[i] > LARGEST_GAP * length:
-        raise InputError(
-            f"{file}:{line[i + 1]}: too coarse: {1e3 * chords[i]:.4g} mm from the point of line {line[i]}; "
-            f"allowed: {1e3 * LARGEST_GAP * length:.4g} mm (1/{1 / LARGEST_GAP:.0f} of the profile's length)"
-        )
+        allowed = f"allowed: {1e3 * LARGEST_GAP * length:.4g} mm (1/{1 / LARGEST_GAP:.0f} of the profile's length)"
+        far = f"{1e3 * chords[i]:.4g} mm from the point of line {line[i]}"
+        raise InputError(f"{file}:{line[i + 1]}: too coarse: {far}; {allowed}")
     if not SHORTEST <= length <= LONGEST:
-        raise InputError(
-            f"{file}: the profile is {1e3 * length:.4g} mm long; "
-            f"allowed: {1e3 * SHORTEST:g} to {1e3 * LONGEST:g} mm. Is the unit right?"
-        )
+        allowed = f"allowed: {1e3 * SHORTEST:g} to {1e3 * LONGEST:g} mm. Is the unit right?"
+        raise InputError(f"{file}: the profile is {1e3 * length:.4g} mm long; {allowed}")
     crossing = first_crossing(points)
     if crossing is not None:
         i, j = crossing
-        raise InputError(
-            f"{file}:{line[j]}: the curve crosses itself: lines {line[i]}-{line[i + 1]} and "
-            f"{line[j]}-{line[j + 1]} intersect"
-        )
+        pair = f"lines {line[i]}-{line[i + 1]} and {line[j]}-{line[j + 1]} intersect"
+        raise InputError(f"{file}:{line[j]}: the curve crosses itself: {pair}")
 
 
 def turns(points: Points) -> Array:
@@ -204,10 +196,9 @@ def interpolated(points: Points, name: str, kind: Kind, source: str = "") -> Pro
     turn = turns(points)
     i = int(np.argmax(np.abs(turn)))
     if abs(turn[i]) > LARGEST_TURN:
-        raise InputError(
-            f"{points.file}:{points.line[i + 1]}: a corner of {np.degrees(turn[i]):.1f} degrees; allowed: "
-            f"{np.degrees(LARGEST_TURN):.0f}. More points are needed here, or measured = true to smooth it"
-        )
+        corner = f"a corner of {np.degrees(turn[i]):.1f} degrees; allowed: {np.degrees(LARGEST_TURN):.0f}"
+        hint = "More points are needed here, or measured = true to smooth it"
+        raise InputError(f"{points.file}:{points.line[i + 1]}: {corner}. {hint}")
     noise = scatter(points)
     bend = np.sqrt(6.0) * noise / float(np.median(points.chords)) ** 2
     if bend > LARGEST_CURVATURE_SCATTER:
@@ -255,11 +246,9 @@ def smoothed(points: Points, name: str, kind: Kind, source: str = "", cutoff: fl
     chords = points.chords
     i = int(np.argmax(chords))
     if chords[i] > 0.5 * cutoff:
-        raise InputError(
-            f"{points.file}:{points.line[i + 1]}: {1e3 * chords[i]:.4g} mm from the point of line "
-            f"{points.line[i]}; smoothing with a cut-off of {1e3 * cutoff:g} mm needs points at most "
-            f"{500.0 * cutoff:g} mm apart"
-        )
+        place = f"{points.file}:{points.line[i + 1]}: {1e3 * chords[i]:.4g} mm from the point of line {points.line[i]}"
+        needed = f"needs points at most {500.0 * cutoff:g} mm apart"
+        raise InputError(f"{place}; smoothing with a cut-off of {1e3 * cutoff:g} mm {needed}")
     p = points.places
     s = np.concatenate([[0.0], np.cumsum(chords)])
     for _ in range(ROUNDS):

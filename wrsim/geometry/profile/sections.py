@@ -148,9 +148,8 @@ def _joined(name: str, kind: Kind, sections: tuple[Section, ...], source: str) -
         if np.hypot(*gap) > LARGEST_GAP:
             raise InputError(f"{where} are {1e3 * np.hypot(*gap):.4g} mm apart; allowed: {1e3 * LARGEST_GAP:g} mm")
         if abs(corner) > LARGEST_CORNER:
-            raise InputError(
-                f"{where} meet in a corner of {1e3 * corner:.4g} mrad; allowed: {1e3 * LARGEST_CORNER:g} mrad"
-            )
+            allowed = f"allowed: {1e3 * LARGEST_CORNER:g} mrad"
+            raise InputError(f"{where} meet in a corner of {1e3 * corner:.4g} mrad; {allowed}")
         shift[i, 1] = 0.5 * np.array([gap, after - before])
         shift[i + 1, 0] = -shift[i, 1]
 
@@ -225,19 +224,16 @@ def rail_head(
         else:
             end = 0.5 * np.pi - float(np.arctan(side_slope))
         if end <= steepness:
-            raise InputError(
-                f"profile '{name}': the arc of radius {1e3 * radius:g} mm has no room: it starts at a slope "
-                f"of {np.degrees(steepness):.4g} degrees; its half width or the radius before it does not fit"
-            )
+            slope = f"it starts at a slope of {np.degrees(steepness):.4g} degrees"
+            words = f"the arc of radius {1e3 * radius:g} mm has no room: {slope}"
+            raise InputError(f"profile '{name}': {words}; its half width or the radius before it does not fit")
         right.append(Arc(centre[0], centre[1], radius, -steepness if i else end, -end))
         steepness = end
     u = centre[0] + radii[-1] * np.sin(steepness)
     w = centre[1] + radii[-1] * np.cos(steepness)
     if w <= -depth:
-        raise InputError(
-            f"profile '{name}': depth {1e3 * depth:g} mm ends before the straight sides begin; "
-            f"allowed: above {-1e3 * w:.5g} mm"
-        )
+        words = f"depth {1e3 * depth:g} mm ends before the straight sides begin"
+        raise InputError(f"profile '{name}': {words}; allowed: above {-1e3 * w:.5g} mm")
     low = u + side_slope * (w + depth)
     left = [Arc(-s.u, s.w, s.radius, -s.last, -s.first) for s in reversed(right[1:])]
     sides = Line(-low, -depth, -u, w), Line(u, w, low, -depth)

@@ -42,6 +42,8 @@ from wrsim.geometry.profile.profile import Array, Profile, cross
 
 Direction = Literal["vertical", "normal"]
 
+OVERLAP = "the removed material makes the profile overlap itself"
+
 BRIDGE = 1e-4
 """Reach of the quintic on either side of a corner, m."""
 SMALLEST_CORNER = 1e-6
@@ -123,10 +125,8 @@ def worn(new: Profile, removals: Sequence[AnyRemoval], name: str, source: str = 
     profile = _true_lengths(profile, np.searchsorted(nodes, corners) - 1)
     crossing = first_crossing(Points(name, profile.u, profile.w, np.arange(profile.u.size)))
     if crossing is not None:
-        raise InputError(
-            "the removed material makes the profile overlap itself: it crosses itself at u = "
-            f"{1e3 * profile.u[crossing[0]]:.4g} mm; allowed: less depth, or a wider bell"
-        )
+        u = 1e3 * profile.u[crossing[0]]
+        raise InputError(f"{OVERLAP}: it crosses itself at u = {u:.4g} mm; allowed: less depth, or a wider bell")
     return profile
 
 
@@ -172,10 +172,7 @@ class _Bells:
         stretch = 1.0 + (k if rail else -k) * e
         if not (stretch > 0.0).all():
             u = 1e3 * float(self.new.at(L.flat[int(np.argmin(stretch))])[0])
-            raise InputError(
-                f"the removed material makes the profile overlap itself: it turns back at u = {u:.4g} mm; "
-                "allowed: less depth"
-            )
+            raise InputError(f"{OVERLAP}: it turns back at u = {u:.4g} mm; allowed: less depth")
         return r, stretch[..., None] * t + slope[..., None] * vertical + e_slope[..., None] * inward
 
     def corners(self) -> Array:
@@ -188,11 +185,9 @@ class _Bells:
         turn = np.arctan2(cross(before, after), (before * after).sum(axis=1))
         if np.abs(turn).max(initial=0.0) > LARGEST_CORNER:
             i = int(np.argmax(np.abs(turn)))
-            raise InputError(
-                f"the removed material leaves a corner of {1e3 * turn[i]:.4g} mrad at u = "
-                f"{1e3 * float(self.new.at(L[i])[0]):.4g} mm, where the unworn curvature jumps; allowed: "
-                f"{1e3 * LARGEST_CORNER:g} mrad"
-            )
+            corner = f"a corner of {1e3 * turn[i]:.4g} mrad at u = {1e3 * float(self.new.at(L[i])[0]):.4g} mm"
+            allowed = f"where the unworn curvature jumps; allowed: {1e3 * LARGEST_CORNER:g} mrad"
+            raise InputError(f"the removed material leaves {corner}, {allowed}")
         return np.asarray(L[np.abs(turn) > SMALLEST_CORNER])
 
     def direction(self, L: Array, h: Array) -> tuple[Array, Array]:
@@ -265,9 +260,7 @@ def depths_of(profile: Profile, areas: Array, cutoff: float) -> DepthTable:
     root = 1.0 + 2.0 * bend * smooth
     if not (root > 0.0).all():
         u = 1e3 * float(profile.at(middles[int(np.argmin(root))])[0])
-        raise InputError(
-            f"the removed material makes the profile overlap itself at u = {u:.4g} mm; allowed: less depth"
-        )
+        raise InputError(f"{OVERLAP} at u = {u:.4g} mm; allowed: less depth")
     table = DepthTable(
         np.asarray(middles - float(profile.arclength_of(0.0))),
         np.asarray(2.0 * smooth / (1.0 + np.sqrt(root)), dtype=float),

@@ -82,19 +82,16 @@ class RailSurface:
         first = self.sections[0]
         for before, own in zip(self.sections, self.sections[1:], strict=False):
             if own.distance <= before.distance:
-                raise InputError(
-                    f"rail '{self.name}': the section at {own.distance:g} m follows one at {before.distance:g} m; "
-                    "distances must rise"
-                )
+                places = f"the section at {own.distance:g} m follows one at {before.distance:g} m"
+                raise InputError(f"rail '{self.name}': {places}; distances must rise")
         for own in self.sections:
             at = f"rail '{self.name}', section at {own.distance:g} m"
             if len(own.features) != len(first.features):
                 raise InputError(f"{at}: has {len(own.features)} features; the first section has {len(first.features)}")
             if not (np.diff(own.edges) >= -1e-9).all():
-                raise InputError(
-                    f"{at}: features must rise from 0 to {1e3 * own.profile.length:.6g} mm of arclength, not "
-                    + ", ".join(f"{1e3 * f:.6g}" for f in own.features)
-                )
+                listed = ", ".join(f"{1e3 * f:.6g}" for f in own.features)
+                reach = f"from 0 to {1e3 * own.profile.length:.6g} mm of arclength"
+                raise InputError(f"{at}: features must rise {reach}, not {listed}")
         count = self._lengths.shape[1]
         for feature in range(1, count):
             self._check_carried(feature)
@@ -206,10 +203,8 @@ class RailSurface:
         lengths = self._lengths[:, first:last]
         there = np.flatnonzero(lengths.sum(axis=1) > SHORTEST)
         if there.size < 2 or (np.diff(there) > 1).any():
-            raise InputError(
-                f"rail '{self.name}': the part between features {first} and {last} is there in {there.size} sections; "
-                "it must be there in two or more that follow each other"
-            )
+            part = f"the part between features {first} and {last} is there in {there.size} sections"
+            raise InputError(f"rail '{self.name}': {part}; it must be there in two or more that follow each other")
         counts = np.maximum(np.ceil(lengths.max(axis=0) / STEP).astype(int), 2)
         rows = np.array([_rows(self.sections[i], first, counts, lengths.max(axis=0)) for i in there])
         s = np.array([self.sections[i].distance for i in there])
@@ -336,10 +331,8 @@ def read_sections(path: Path, measured: bool = False) -> list[RailSection]:
     for own in np.split(np.arange(at.size), starts[1:]):
         place = float(at[own[0]])
         if found and place <= found[-1].distance:
-            raise InputError(
-                f"{path}:{lines[own[0]]}: at_m = {place:g}: must be more than {found[-1].distance:g} of the section "
-                "before; points of one section stand together"
-            )
+            more = f"must be more than {found[-1].distance:g} of the section before"
+            raise InputError(f"{path}:{lines[own[0]]}: at_m = {place:g}: {more}; points of one section stand together")
         points = Points(str(path), 1e-3 * table["outward_mm"][own], 1e-3 * table["up_mm"][own], lines[own])
         kept = points.without_duplicates().in_order()
         check_count(kept)

@@ -133,22 +133,18 @@ def check(segments: Sequence[Segment], gauge: float) -> None:
                 hint = suggest(str(segment.form), FORMS)
                 raise InputError(f"{where}: form = {segment.form!r}; allowed: {', '.join(map(repr, FORMS))}{hint}")
             if isinstance(before, Transition):
+                allowed = "allowed: one transition between two arcs or straights (put an arc or a straight between)"
                 raise InputError(
-                    f"{where} follows another transition, so the curvature between them is open; "
-                    "allowed: one transition between two arcs or straights (put an arc or a straight between)"
+                    f"{where} follows another transition, so the curvature between them is open; {allowed}"
                 )
         if isinstance(segment, Arc):
             radius = _number(where, "radius_m", segment.radius)
             if radius == 0.0:
-                raise InputError(
-                    f"{where}: radius_m = 0; allowed: positive (left) or negative (right); "
-                    "for straight track use kind = 'straight'"
-                )
+                allowed = "allowed: positive (left) or negative (right); for straight track use kind = 'straight'"
+                raise InputError(f"{where}: radius_m = 0; {allowed}")
             if abs(radius) <= gauge:
-                raise InputError(
-                    f"{where}: radius_m = {radius:g}; allowed: above the gauge ({gauge:g} m) in size; "
-                    "the inner rail of a tighter curve does not exist"
-                )
+                allowed = f"above the gauge ({gauge:g} m) in size; the inner rail of a tighter curve does not exist"
+                raise InputError(f"{where}: radius_m = {radius:g}; allowed: {allowed}")
         for key, value in vars(segment).items():
             most = LARGEST.get(key.removesuffix("_start").removesuffix("_end"))
             if most is not None:
@@ -274,10 +270,9 @@ def pitch_law(grades: Sequence[Grade], length: float) -> Piecewise:
         begin, end = grade.start - half, grade.start + half
         if begin < free - 1e-9 or end > length + 1e-9:
             where = "the end of the track" if end > length else "the one before, or the start of the track"
-            raise InputError(
-                f"grades[{number - 1}]: its vertical curve runs from {begin:g} to {end:g} m and meets {where}; "
-                f"allowed: a smaller vertical_radius_m (now {grade.radius:g}), or grades further apart"
-            )
+            allowed = f"a smaller vertical_radius_m (now {grade.radius:g}), or grades further apart"
+            curve = f"grades[{number - 1}]: its vertical curve runs from {begin:g} to {end:g} m"
+            raise InputError(f"{curve} and meets {where}; allowed: {allowed}")
         if begin > starts[-1] + 1e-9:
             starts.append(begin)
             rows.append(angle)

@@ -101,10 +101,9 @@ class TrackTable:
         zero = np.zeros(self.distance.size)
         widening = self.columns.get("gauge_mm", 1e3 * gauge + zero) / 1e3 - gauge
         if np.abs(widening).max() > MAX_WIDENING:
-            raise InputError(
-                f"{self.path}: gauge_mm reaches {1e3 * (gauge + widening[np.argmax(np.abs(widening))]):g}; must stay "
-                f"within {1e3 * MAX_WIDENING:g} of gauge_mm = {1e3 * gauge:g} of the track"
-            )
+            most = 1e3 * (gauge + widening[np.argmax(np.abs(widening))])
+            allowed = f"within {1e3 * MAX_WIDENING:g} of gauge_mm = {1e3 * gauge:g} of the track"
+            raise InputError(f"{self.path}: gauge_mm reaches {most:g}; must stay {allowed}")
         grade = self.columns.get("grade_permille", zero) / 1e3
         return Laws(
             curvature=Piecewise.through(self.distance, self.columns.get("curvature_per_km", zero) / 1e3),

@@ -190,16 +190,16 @@ class Track:
         uneven = {side: RailIrregularity.of(irregularities, side) for side in (1, -1)}
         finest = min(rail.resolution for rail in uneven.values())
         if step is not None and step > finest * (1.0 + 1e-9):
+            needed = f"{finest:g} (a quarter of the shortest wavelength)"
+            allowed = "allowed: a smaller one, or longer waves"
             raise InputError(
-                f"row_distance_m = {step:g} is too coarse for the irregularities, which need {finest:g} (a quarter of "
-                "the shortest wavelength); allowed: a smaller one, or longer waves"
+                f"row_distance_m = {step:g} is too coarse for the irregularities, which need {needed}; {allowed}"
             )
         rows = min(ROWS, finest) if step is None else step
         length = law.curvature.end
         if length / rows > MAX_ROWS:
-            raise InputError(
-                f"track of {length:g} m with rows every {rows:g} m; allowed: {MAX_ROWS} rows (is length_m in metres?)"
-            )
+            words = f"track of {length:g} m with rows every {rows:g} m"
+            raise InputError(f"{words}; allowed: {MAX_ROWS} rows (is length_m in metres?)")
         pitch = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
         line = CentreLine(law.curvature, pitch, start, heading)
         swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)

@@ -77,9 +77,8 @@ class AssessmentSection(Table):
     def consistency(self) -> Iterator[Fault]:
         """Every influence once; a place only for influences that are asked for."""
         if len(set(self.estimate_over)) < len(self.estimate_over):
-            yield Fault(
-                "estimate_over", f"names one twice: must be some of {', '.join(get_args(Influence))}, each once"
-            )
+            allowed = f"some of {', '.join(get_args(Influence))}, each once"
+            yield Fault("estimate_over", f"has a duplicate: must be {allowed}")
         for name, key, _ in self._places():
             if name not in self.estimate_over:
                 yield Fault(key, f'goes with "{name}" in estimate_over')

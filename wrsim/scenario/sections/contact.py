@@ -213,9 +213,8 @@ class ContactSection(Section):
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
         """Friction for both sides or for each; a number of strips or their width; exact creep on exact pressure."""
         if raw.get("tangential") == "half-space" and raw.get("normal", DEFAULTS.normal) != "half-space":
-            yield Fault(
-                "tangential", '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
-            )
+            message = '"half-space" solves for tractions on exact pressures: it needs normal = "half-space"'
+            yield Fault("tangential", message)
         yield from both_or_sides(raw, "friction", complete=True)
         name = raw.get("normal", DEFAULTS.normal)
         model = NORMAL_MODELS[name] if name in get_args(Normal) else None
@@ -229,11 +228,8 @@ class ContactSection(Section):
         if raw.get("approach") == "constant":
             yield Fault("approach", f'"constant" is Kik-Piotrowski\'s: normal = "{name}" projects the approach')
         if "strip_width_mm" in raw:
-            yield Fault(
-                "strip_width_mm",
-                f'goes with normal = "kik-piotrowski" only: normal = "{name}" takes a number of strips, '
-                f"strips = {model.fewest} to {model.most}",
-            )
+            others = f'normal = "{name}" takes a number of strips, strips = {model.fewest} to {model.most}'
+            yield Fault("strip_width_mm", f'goes with normal = "kik-piotrowski" only: {others}')
 
     def consistency(self) -> Iterator[Fault]:
         """Polach's factors in order: with kS above kA his law would pull more than mu N."""

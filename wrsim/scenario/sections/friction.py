@@ -55,9 +55,8 @@ class FrictionSection(Section):
     def consistency(self) -> Iterator[Fault]:
         """The ramp rises."""
         if self.gauge_corner_full_deg <= self.gauge_corner_from_deg:
-            yield Fault(
-                "gauge_corner_full_deg", f"must be above gauge_corner_from_deg ({self.gauge_corner_from_deg:g})"
-            )
+            message = f"must be above gauge_corner_from_deg ({self.gauge_corner_from_deg:g})"
+            yield Fault("gauge_corner_full_deg", message)
 
     def law(self) -> Friction:
         """Return the same in SI units."""

@@ -89,10 +89,8 @@ class SpectrumSection(_Stretch, kind="spectrum"):
         end = _room(self.from_m, length if self.to_m is None else self.to_m, length, "to_m")
         short, long = self.wavelength_m
         if end - self.from_m < long:
-            raise InputError(
-                f"from {self.from_m:g} to {end:g} m there is no room for the longest wavelength, {long:g} m "
-                "(wavelength_m)"
-            )
+            room = f"from {self.from_m:g} to {end:g} m there is no room"
+            raise InputError(f"{room} for the longest wavelength, {long:g} m (wavelength_m)")
         drawn = Realisation(
             self.spectrum, self.seed, short, long, self.from_m, end, self.scale, self.fade_m, self.channels
         )
@@ -134,10 +132,8 @@ class _Defect(IrregularityTable):
     def disturbances(self, length: float, file: Path) -> tuple[Disturbance, ...]:
         begin, end = self.at_m - 0.5 * self.length_m, self.at_m + 0.5 * self.length_m
         if begin <= 0.0 or end >= length:
-            raise InputError(
-                f"at_m = {self.at_m:g}: goes from {begin:g} to {end:g} m; must lie on the track, which is "
-                f"{length:.6g} m long"
-            )
+            place = f"at_m = {self.at_m:g}: goes from {begin:g} to {end:g} m"
+            raise InputError(f"{place}; must lie on the track, which is {length:.6g} m long")
         size = self.sign * self.amplitude_mm / 1e3
         shape: Shape = Bump(begin, self.length_m, size)
         if self.shape == "kink":

@@ -72,9 +72,8 @@ class SteadySection(PlanTable):
         """No sharper curves than any vehicle runs through; rows of one length; a countable grid."""
         for radius in self.radius_m:
             if abs(radius) < SHARPEST:
-                yield Fault(
-                    "radius_m", f"has {radius:g}: must be {SHARPEST:g} m or more, or negative and as far from 0"
-                )
+                message = f"has {radius:g}: must be {SHARPEST:g} m or more, or negative and as far from 0"
+                yield Fault("radius_m", message)
                 return
         sizes = [len(self.radius_m), len(self.cant_mm), len(self.speed_kmh or (0.0,))]
         longest = max(sizes)

@@ -42,9 +42,8 @@ class DamperTable(ElementTable, kind="damper"):
         if line and axis:
             yield Fault(line[0], f"cannot stand next to {' and '.join(axis)}: along a line or along an axis")
         elif len(line) == 1 or len(axis) == 1 or not (line or axis):
-            yield Fault(
-                "at_mm", "goes with direction (along an axis); or give body_mm and to_mm (a line)", missing=True
-            )
+            needed = "goes with direction (along an axis); or give body_mm and to_mm (a line)"
+            yield Fault("at_mm", needed, missing=True)
 
     def consistency(self) -> Iterator[Fault]:
         """A line has a length; a table of a damper behind a spring is read backwards."""
