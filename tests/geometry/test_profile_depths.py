@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.file_tables import write_depths
 from wrsim.geometry.profile.flange import flange_dimensions
-from wrsim.geometry.profile.models import load_profile
+from wrsim.geometry.profile.models import load_profile, write_depths
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.wear import area_off, bin_edges, depths_of, on_unworn, smoothed_table, worn
 

@@ -1,4 +1,4 @@
-"""What stands in the TOML file of a profile, by its kind: shapes by formula, and files of points.
+"""What the TOML file of a profile holds, by its kind: shapes by formula with their tables, and files of points.
 
 The kind that starts from another profile is in `wrsim.geometry.profile.models`, which reads all of them.
 """
@@ -13,23 +13,149 @@ import numpy as np
 from pydantic import Field
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.file_tables import (
-    MM,
-    ArcSection,
-    ChainArc,
-    ChainLine,
-    Coordinate,
-    Length,
-    LineSection,
-    Pair,
-    PolynomialSection,
-)
 from wrsim.geometry.profile.files import HEIGHTS, PROFILE_FILES, SIDES, Reading, read_points, suffix_fault
 from wrsim.geometry.profile.profile import Kind, Profile
-from wrsim.geometry.profile.sections import Arc, Line, circle, cone, profile_from_sections, rail_head
+from wrsim.geometry.profile.sections import (
+    Arc,
+    Line,
+    Polynomial,
+    arc_between,
+    circle,
+    cone,
+    profile_from_sections,
+    rail_head,
+)
 from wrsim.geometry.profile.sections import Section as Piece
 from wrsim.inputs.section import Choice, Fault
-from wrsim.inputs.values import Day, List, Source, Switch, number, positive, text
+from wrsim.inputs.values import Day, List, Source, Switch, Two, number, positive, text
+
+MM = 1e-3
+
+Length = Annotated[float, number(1e-3, 1e4)]
+Coordinate = Annotated[float, number(-1000.0, 1000.0)]
+
+
+Pair = Annotated[Two[Annotated[float, number(-1e5, 1e5)]], Field(description="two numbers: [u, height]")]
+
+
+class SectionTable(Choice):
+    """A section of a profile; `piece` gives it in metres, up positive."""
+
+    tag: ClassVar[str] = "shape"
+    header: ClassVar[str] = "[[sections]]"
+
+    shape: str
+    """Shape of the section."""
+
+    def piece(self, down: bool) -> Piece:
+        """The section in metres, up positive; down: its heights grow downward."""
+        raise NotImplementedError
+
+
+class SpanTable(SectionTable):
+    """A section between two places."""
+
+    from_mm: Coordinate
+    """Where the section begins, outward from the origin."""
+    to_mm: Coordinate
+    """Where it ends; it may lie on either side of the beginning."""
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Its ends from left to right [m]."""
+        low, high = sorted((self.from_mm, self.to_mm))
+        return low * MM, high * MM
+
+    def consistency(self) -> Iterator[Fault]:
+        """A section has an extent."""
+        if self.from_mm == self.to_mm:
+            yield Fault("to_mm", "must differ from from_mm")
+
+
+class PolynomialSection(SpanTable, kind="polynomial"):
+    """height = c0 + c1 u + c2 u^2 + ..., in mm."""
+
+    coefficients_mm: List[Annotated[float, number()]]
+    """c0, c1, c2, ... of height = c0 + c1 u + c2 u^2 + ..., all in mm."""
+
+    def piece(self, down: bool) -> Piece:
+        sign = -1.0 if down else 1.0
+        c = tuple(sign * c * 1000.0 ** (k - 1) for k, c in enumerate(self.coefficients_mm))
+        return Polynomial(c, *self.span)
+
+    def consistency(self) -> Iterator[Fault]:
+        """A section has an extent and at least one coefficient."""
+        yield from super().consistency()
+        if not self.coefficients_mm:
+            yield Fault("coefficients_mm", "must hold at least one number")
+
+
+class ArcSection(SpanTable, kind="arc"):
+    """Part of a circle, above or below its centre."""
+
+    centre_mm: Pair
+    """Centre of the circle; its height grows as `heights` of the file says."""
+    radius_mm: Length
+    """Radius of the circle."""
+    half: Literal["upper", "lower"]
+    """Which half of the circle as it stands in space, up being up whatever `heights` says."""
+
+    def piece(self, down: bool) -> Piece:
+        u, w = self.centre_mm
+        return arc_between(u * MM, (-w if down else w) * MM, self.radius_mm * MM, self.half == "upper", *self.span)
+
+    def consistency(self) -> Iterator[Fault]:
+        """The arc reaches as far as the section."""
+        yield from super().consistency()
+        for key, end in (("from_mm", self.from_mm), ("to_mm", self.to_mm)):
+            u, reach = self.centre_mm[0], self.radius_mm
+            if abs(end - u) > reach * (1.0 + 1e-9):
+                yield Fault(key, f"is beside the circle; must be a number from {u - reach:g} to {u + reach:g}")
+
+
+class LineSection(SectionTable, kind="line"):
+    """Straight between two points."""
+
+    start_mm: Pair
+    """One end of the line."""
+    end_mm: Pair
+    """The other end."""
+
+    def piece(self, down: bool) -> Piece:
+        sign = -MM if down else MM
+        (u0, w0), (u1, w1) = sorted((self.start_mm, self.end_mm))
+        return Line(u0 * MM, sign * w0, u1 * MM, sign * w1)
+
+    def consistency(self) -> Iterator[Fault]:
+        """Two points are two points."""
+        if self.start_mm == self.end_mm:
+            yield Fault("end_mm", "must differ from start_mm")
+
+
+class PieceTable(Choice):
+    """A piece of a chain."""
+
+    tag: ClassVar[str] = "shape"
+    header: ClassVar[str] = "[[pieces]]"
+
+    shape: str
+    """Shape of the piece."""
+
+
+class ChainLine(PieceTable, kind="line"):
+    """Straight on for a length."""
+
+    length_mm: Length
+    """How long it is."""
+
+
+class ChainArc(PieceTable, kind="arc"):
+    """Turn with a radius until a tangent angle."""
+
+    radius_mm: Length
+    """Radius of the circle."""
+    to_angle_deg: Annotated[float, number(-180.0, 180.0)]
+    """Angle of the tangent at its end, positive where the curve rises outward; it tells which way the arc bends."""
 
 
 class ProfileFile(Choice):
@@ -54,9 +180,6 @@ class ProfileFile(Choice):
         raise NotImplementedError
 
 
-# --- kind = "sections" --------------------------------------------------------------------------------
-
-
 Shape = Annotated[PolynomialSection | ArcSection | LineSection, Field(discriminator="shape")]
 
 
@@ -74,9 +197,6 @@ class SectionsFile(ProfileFile, kind="sections"):
             raise InputError("sections is empty; at least one [[sections]] table is needed")
         pieces.sort(key=lambda s: float(s.evaluate(np.array([s.start]))[0][0, 0]))
         return profile_from_sections(self.name, self.body, pieces, self.source)
-
-
-# --- kind = "chain" -----------------------------------------------------------------------------------
 
 
 class ChainFile(ProfileFile, kind="chain"):
@@ -110,9 +230,6 @@ class ChainFile(ProfileFile, kind="chain"):
             place = end
         profile = profile_from_sections(self.name, self.body, chain, self.source)
         return profile.shifted(dw=-float(profile.at(profile.arclength_of(0.0))[1]))
-
-
-# --- the simple kinds ---------------------------------------------------------------------------------
 
 
 class RailHeadFile(ProfileFile, kind="rail-head"):
@@ -177,9 +294,6 @@ class CircleFile(ProfileFile, kind="circle"):
 
     def build(self, path: Path) -> Profile:
         return circle(self.name, self.body, self.radius_mm * MM, self.half_width_mm * MM, self.source)
-
-
-# --- kind = "points" ----------------------------------------------------------------------------------
 
 
 class PointsFile(ProfileFile, kind="points"):

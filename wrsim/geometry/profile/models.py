@@ -26,22 +26,24 @@ from pydantic import Field
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.file_kinds import (
+    MM,
     ChainFile,
     CircleFile,
     ConeFile,
+    Coordinate,
     PointsFile,
     ProfileFile,
     RailHeadFile,
     SectionsFile,
 )
-from wrsim.geometry.profile.file_tables import BellOfWear, read_depths
 from wrsim.geometry.profile.files import Reading, read_points, read_profile
 from wrsim.geometry.profile.profile import Kind, Profile
-from wrsim.geometry.profile.wear import AnyRemoval, worn
+from wrsim.geometry.profile.wear import AnyRemoval, DepthTable, Direction, Removal, worn
 from wrsim.inputs.checking import check, opened
+from wrsim.inputs.csv_tables import check_rising, read_columns
 from wrsim.inputs.lookup import Finder, model_file, shipped_models, user_folders
 from wrsim.inputs.section import Fault, Section, kinds_in
-from wrsim.inputs.values import List, text
+from wrsim.inputs.values import List, number, text
 
 SHORTEST = 5e-3
 """Arclength that a profile needs [m]: tables of it stand at 0.1 mm, contacts are some millimetres wide."""
@@ -49,6 +51,49 @@ SHORTEST = 5e-3
 
 MOST_BASES = 20
 """Longest row of worn profiles that start from each other."""
+
+
+class BellOfWear(Section):
+    """A bell of wear: depth cos^2 over a stretch of the profile."""
+
+    header: ClassVar[str] = "[[removals]]"
+
+    direction: Direction
+    """Which way the depth is measured, and with it what the bell is laid along: u, or the arclength."""
+    depth_mm: Annotated[float, number(-20.0, 20.0, "negative: material that flowed there")]
+    """Depth in the middle of the bell."""
+    middle_mm: Coordinate
+    """Middle of the bell: u for vertical, arclength from the origin for normal."""
+    half_width_mm: Annotated[float, number(0.5, 500.0)]
+    """From the middle of the bell to where it ends."""
+
+    def removal(self) -> Removal:
+        """The same in metres."""
+        return Removal(self.direction, self.depth_mm * MM, self.middle_mm * MM, self.half_width_mm * MM)
+
+
+PLACE, DEPTH = "place_mm", "depth_mm"
+"""Columns of a table of depths."""
+
+
+def read_depths(path: Path) -> DepthTable:
+    """A table of depths: arclength from the origin and depth along the normal, in mm. Raises InputError."""
+    columns = {PLACE: Coordinate, DEPTH: Annotated[float, number(-20.0, 20.0)]}
+    table, lines = read_columns(path, columns, (PLACE, DEPTH), "places")
+    places = table[PLACE]
+    if places.size < 4:
+        raise InputError(f"{path}: needs at least 4 places")
+    check_rising(path, PLACE, places, lines)
+    return DepthTable(MM * places, MM * table[DEPTH])
+
+
+def write_depths(table: DepthTable) -> str:
+    """The text of a table of depths: read back it is the same to the bit, but for the millimetres."""
+    rows = (
+        f"{1e3 * place!r},{1e3 * depth!r}"
+        for place, depth in zip(table.places.tolist(), table.depths.tolist(), strict=True)
+    )
+    return "\n".join((f"{PLACE},{DEPTH}", *rows)) + "\n"
 
 
 class WornFile(ProfileFile, kind="worn"):

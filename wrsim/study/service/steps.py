@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError, SimulationError
-from wrsim.geometry.profile.file_tables import write_depths
+from wrsim.geometry.profile.models import write_depths
 from wrsim.geometry.profile.wear import on_unworn, smoothed_table
 from wrsim.inputs.toml_files import read_bytes, write_toml
 from wrsim.results import Result, write_atomically
