@@ -48,7 +48,12 @@ def ride(*cases: str) -> Result:
 
 @pytest.mark.parametrize(
     "cases",
-    [("speeding",), ("speeding", "uphill"), ("through a hollow",), ("through a hollow", "pulled")],
+    [
+        pytest.param(("speeding",), marks=pytest.mark.campaign),
+        ("speeding", "uphill"),
+        ("through a hollow",),
+        pytest.param(("through a hollow", "pulled"), marks=pytest.mark.campaign),
+    ],
     ids=", ".join,
 )
 def test_work_of_the_drive_is_motion_height_creep_and_dampers(cases):

@@ -152,7 +152,7 @@ def test_a_whole_file_is_played_back_without_a_step(kept, monkeypatch):
     assert same(recorded_motion(kept), whole)
 
 
-@pytest.mark.parametrize("size", [10_000, 100_000, 300_000])
+@pytest.mark.parametrize("size", [30_000, pytest.param(300_000, marks=pytest.mark.campaign)])
 def test_a_killed_process_loses_less_than_a_second_and_goes_on_to_the_bit(tmp_path, size, monkeypatch):
     monkeypatch.setattr(recorders, "FLUSH_INTERVAL", 0.02)
     path = tmp_path / "x.part"

@@ -57,10 +57,7 @@ def test_every_scenario_is_valid_and_says_what_it_comes_to(file):
     setup = build(scenario)
     assert setup.title and setup.title == scenario.title
     assert facts(setup)
-    # the text that a result carries builds the same
-    again = build(load_text(scenario.text, folder=SCENARIOS))
-    assert again.plan == setup.plan
-    assert again.track.length == setup.track.length
+    assert load_text(scenario.text, folder=SCENARIOS).spec == scenario.spec  # as a result carries it
     assert scenario.text.startswith("#") or "base" in file.read_text() or "file =" in file.read_text()  # comments teach
 
 

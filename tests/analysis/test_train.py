@@ -114,6 +114,7 @@ def test_couplings_carry_what_accelerates_the_vehicles_behind(tmp_path: Path) ->
     assert d["drive_force"].values[late].mean() == pytest.approx(3.0 * one * rate, rel=0.01)
 
 
+@pytest.mark.campaign  # in the suite: runs and modes of such a train
 def test_a_train_that_nothing_couples_is_in_steady_motion_as_each_vehicle_is(tmp_path: Path) -> None:
     """In a curve of 1500 m: pose and forces of every wheel those of the coach on its own, 1e-6 of the largest."""
     (tmp_path / "train.toml").write_text(TRAIN.replace("count = 3", "count = 2"), encoding="utf-8")
