@@ -53,7 +53,7 @@ class Section(BaseModel):
     model_config = STRICT
 
     header: ClassVar[str] = "this table"
-    """How the table is called in messages, for example ``[vehicle]``."""
+    """How the table is called in messages, for example ``[vehicle]``; a subclass says it: ``header="[vehicle]"``."""
     aliases: ClassVar[dict[str, str]] = {}
     """Our key -> names of it that users bring from other programs, with spaces between."""
     elsewhere: ClassVar[dict[str, str]] = {}
@@ -68,6 +68,11 @@ class Section(BaseModel):
     """Key -> the key or keys, of which one is enough, without which it means nothing."""
     also_called: ClassVar[str] = ""
     """What entries of this kind are called elsewhere, with spaces between; of tables that are told apart by a key."""
+
+    def __init_subclass__(cls, header: str = "", **rest: Any) -> None:
+        super().__init_subclass__(**rest)
+        if header:
+            cls.header = header
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:

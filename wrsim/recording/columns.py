@@ -49,10 +49,9 @@ def kind_of(quantity: str) -> str:
     return quantity.removesuffix("_left").removesuffix("_right")
 
 
-class ChannelSection(Section):
+class ChannelSection(Section, header="[[channels]]"):
     """A column: what it is, its unit, what is positive; how alignment and level were measured."""
 
-    header: ClassVar[str] = "[[channels]]"
     aliases: ClassVar[dict[str, str]] = {
         "column": "name header", "quantity": "channel kind", "positive": "sign", "chord_m": "chord", "band": "range",
         "base_m": "twist_base_m",
@@ -149,10 +148,9 @@ class ChannelSection(Section):
         return ", ".join(parts)
 
 
-class ColumnsFile(Section):
+class ColumnsFile(Section, header="a column map"):
     """The columns of a recording, and the gauge of the line."""
 
-    header: ClassVar[str] = "a column map"
     aliases: ClassVar[dict[str, str]] = {"channels": "channel columns"}
 
     gauge_mm: Annotated[float, number(400, 2000, "nominal")] = 1435.0

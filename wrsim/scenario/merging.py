@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import reduce
 from operator import getitem
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check, fault_line
@@ -142,10 +142,8 @@ def value_at(data: Any, path: KeyPath) -> Any:
 FILE = "file"
 
 
-class TrackFile(Section):
+class TrackFile(Section, header="a track file"):
     """What stands beside [track] in a track file."""
-
-    header: ClassVar[str] = "a track file"
 
     name: Annotated[str, text("the track's name")]
     """Name of the track."""

@@ -19,13 +19,12 @@ OWN_TRACK = ("segments", "table", "grades", "irregularities")
 """Keys of [track] that have no place where an analysis lays its own."""
 
 
-class ScenarioSpec(Section):
+class ScenarioSpec(Section, header="a scenario"):
     """The file in the user's own units, checked. Units end here: see ``build``.
 
     These tables belong to all analyses; the others come from the register.
     """
 
-    header: ClassVar[str] = "a scenario"
     aliases: ClassVar[dict[str, str]] = {
         "title": "name", "analysis": "type", "vehicle": "wheelset", "run": "simulation", "output": "results",
     }  # fmt: skip

@@ -53,10 +53,9 @@ Values = Annotated[
 ]
 
 
-class GridAxis(Section):
+class GridAxis(Section, header='[[vary]] with kind = "grid"'):
     """Every value of a list; axes of several tables are combined with each other."""
 
-    header: ClassVar[str] = '[[vary]] with kind = "grid"'
     aliases: ClassVar[dict[str, str]] = {"key": "keys parameter variable", "values": "value list", "name": "axis label"}
 
     kind: Literal["grid"]
@@ -73,10 +72,9 @@ class GridAxis(Section):
         return self.key
 
 
-class CsvAxis(Section):
+class CsvAxis(Section, header='[[vary]] with kind = "csv"'):
     """Rows of a table: the header holds dotted keys, a column ``id`` names the rows."""
 
-    header: ClassVar[str] = '[[vary]] with kind = "csv"'
     aliases: ClassVar[dict[str, str]] = {"file": "csv table rows", "name": "axis label"}
 
     kind: Literal["csv"]
@@ -91,10 +89,9 @@ class CsvAxis(Section):
         return ()
 
 
-class SampledKey(Section):
+class SampledKey(Section, header="[[vary.over]]"):
     """One key that is sampled: evenly from low to high, or normally about a mean."""
 
-    header: ClassVar[str] = "[[vary.over]]"
     aliases: ClassVar[dict[str, str]] = {
         "key": "keys parameter variable",
         "low": "from min lower",
@@ -163,10 +160,8 @@ class _Sampled(Section):
         return tuple(key for one in self.over for key in one.key)
 
 
-class SobolAxis(_Sampled):
+class SobolAxis(_Sampled, header='[[vary]] with kind = "sobol"'):
     """Scrambled Sobol points: even in every projection; their number is a power of 2."""
-
-    header: ClassVar[str] = '[[vary]] with kind = "sobol"'
 
     kind: Literal["sobol"]
     """Scrambled Sobol points, even in every projection."""
@@ -179,10 +174,8 @@ class SobolAxis(_Sampled):
             yield Fault("samples", f'{message}; kind = "latin-hypercube" takes any number')
 
 
-class LatinHypercubeAxis(_Sampled):
+class LatinHypercubeAxis(_Sampled, header='[[vary]] with kind = "latin-hypercube"'):
     """A Latin hypercube: every key takes a value in each of as many equal parts of its range as there are samples."""
-
-    header: ClassVar[str] = '[[vary]] with kind = "latin-hypercube"'
 
     kind: Literal["latin-hypercube"]
     """A Latin hypercube."""
@@ -195,10 +188,9 @@ LABELS = ("wheelset", "wheel", "body", "point", "suspension", "coupling", "exter
 """Dimensions of a channel of which one may be chosen by its name."""
 
 
-class ChannelOutput(Section):
+class ChannelOutput(Section, header="[[outputs.channels]]"):
     """A channel, reduced to one number; of several wheels or wheelsets the largest counts (with min the smallest)."""
 
-    header: ClassVar[str] = "[[outputs.channels]]"
     aliases: ClassVar[dict[str, str]] = {
         "channel": "name_of_channel quantity variable",
         "reduce": "reduction operation statistic",
@@ -267,13 +259,11 @@ class ChannelOutput(Section):
         return "_".join(word.replace(" ", "_").replace(".", "_") for word in words if word)
 
 
-class OutputsSection(Section):
+class OutputsSection(Section, header="[outputs]"):
     """Numbers that are kept of every case; without this table, those that people ask for first.
 
     hook: ``"file.py:function"``, which takes a Result and returns a dict of numbers.
     """
-
-    header: ClassVar[str] = "[outputs]"
 
     summary: List[Annotated[str, text('a place in summary.json such as "linear_critical_speed_kmh"')]] = ()
     """Numbers of summary.json, by their places with dots between."""
@@ -306,10 +296,9 @@ class OutputsSection(Section):
                 yield Fault(("channels",), f'two outputs are called "{name}": give one of them another name')
 
 
-class CasesSection(Section):
+class CasesSection(Section, header="[cases]"):
     """Limits of a case, and what is kept of it."""
 
-    header: ClassVar[str] = "[cases]"
     aliases: ClassVar[dict[str, str]] = {"time_limit_s": "timeout timeout_s limit_s max_time_s"}
 
     time_limit_s: Annotated[float, number(1, 1e7, "s of one case")] = 3600.0
@@ -318,10 +307,9 @@ class CasesSection(Section):
     """Whole results of the cases, or their numbers alone."""
 
 
-class StudyFile(Section):
+class StudyFile(Section, header="a study"):
     """A study: the scenario it starts from, what is varied, what is kept."""
 
-    header: ClassVar[str] = "a study"
     aliases: ClassVar[dict[str, str]] = {"base": "scenario", "vary": "axes axis parameters", "outputs": "output"}
 
     title: Annotated[str, text("a title")] | None = None

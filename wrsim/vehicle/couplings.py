@@ -56,10 +56,9 @@ class Between(NamedTuple):
     x: float
 
 
-class GearTable(Section):
+class GearTable(Section, header="[couplings.draw] or [couplings.buff]"):
     """[couplings.draw] and [couplings.buff]: the gear of one vehicle; that of its neighbour is alike, in series."""
 
-    header: ClassVar[str] = "[couplings.draw] or [couplings.buff]"
     one_of: ClassVar[tuple[str, ...]] = ("stiffness_kN_per_m stroke_mm_force_kN",)
     at_most_one: ClassVar[tuple[str, ...]] = ("preload_kN stroke_mm_force_kN", "stroke_mm stroke_mm_force_kN")
 
@@ -141,10 +140,8 @@ class GearTable(Section):
         )  # fmt: skip
 
 
-class BuffersTable(GearTable):
+class BuffersTable(GearTable, header="[couplings.buffers]"):
     """[couplings.buffers]: the two side buffers of a vehicle; those of its neighbour are alike."""
-
-    header: ClassVar[str] = "[couplings.buffers]"
 
     height_mm: Annotated[float, positive(5000, "mm above the rails")]
     """Height of their middle above the rails."""
@@ -175,10 +172,8 @@ class BuffersTable(GearTable):
                 yield PlaneFriction(f"{gap.name} plates {side}", PLATES, gap.ahead, gap.behind, at, 0, slider)
 
 
-class CouplingTable(Choice):
+class CouplingTable(Choice, header="[[couplings]]"):
     """What all couplings have."""
-
-    header: ClassVar[str] = "[[couplings]]"
 
     kind: str
     """Kind of coupling."""

@@ -49,10 +49,9 @@ NEEDS_AXES = (
 )
 
 
-class LoadTable(Section):
+class LoadTable(Section, header="[[loads]]"):
     """[[loads]]: a force at a point of a body, constant or over the time or the distance, at rest and in runs."""
 
-    header: ClassVar[str] = "[[loads]]"
     one_of: ClassVar[tuple[str, ...]] = ("force_kN time_s_force_kN distance_m_force_kN",)
     aliases: ClassVar[dict[str, str]] = {"on": "body", "axes": "frame", "force_kN": "f_kN"}
 
@@ -85,10 +84,9 @@ class LoadTable(Section):
         return Load(name, body, axes.point(self.at_mm), table, over, self.axes or "track")
 
 
-class PayloadTable(Section):
+class PayloadTable(Section, header="[[payloads]]"):
     """[[payloads]]: a mass that is part of a body, or a constant force, with which the vehicle is trimmed."""
 
-    header: ClassVar[str] = "[[payloads]]"
     aliases: ClassVar[dict[str, str]] = {"on": "body", "force_kN": "f_kN"}
     one_of: ClassVar[tuple[str, ...]] = ("mass_kg force_kN",)
     goes_with: ClassVar[dict[str, str]] = {"inertia_kg_m2": "mass_kg"}

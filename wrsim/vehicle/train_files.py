@@ -26,10 +26,9 @@ ReadMember = Callable[[Path, Finder, Place], Vehicle]
 """Reads the vehicle file at a path and puts the vehicle at a place. Raises InputError."""
 
 
-class MemberTable(Section):
+class MemberTable(Section, header="[[vehicles]]"):
     """[[vehicles]]: a vehicle of a train, or several alike, one behind the other."""
 
-    header: ClassVar[str] = "[[vehicles]]"
     aliases: ClassVar[dict[str, str]] = {"model": "file vehicle", "count": "number times", "length_mm": "length_m"}
 
     model: Annotated[str, text('a vehicle file such as "vehicles/manchester_1.toml"')]
@@ -50,10 +49,9 @@ class MemberTable(Section):
     """Whether a drive of its own holds its speed; if not, its couplings alone take it along."""
 
 
-class TrainFile(Section):
+class TrainFile(Section, header="a train file"):
     """The file of a train: vehicles from front to rear, and what couples them."""
 
-    header: ClassVar[str] = "a train file"
     aliases: ClassVar[dict[str, str]] = {"name": "title", "vehicles": "vehicle", "couplings": "coupling"}
 
     name: Annotated[str, text("the train's name")]

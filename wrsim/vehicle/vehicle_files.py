@@ -34,10 +34,9 @@ OF_PARTS = ("bodies", "wheelsets", "elements", "drives", "parts", "places", "whe
 """Tables of a file that puts a vehicle together from parts."""
 
 
-class WheelsetFile(Section):
+class WheelsetFile(Section, header="a vehicle file"):
     """The file of a single wheelset."""
 
-    header: ClassVar[str] = "a vehicle file"
     aliases: ClassVar[dict[str, str]] = {"name": "title", "wheelset": "vehicle", "sprung": "sprung_mass"}
 
     name: Annotated[str, text("the vehicle's name")]
@@ -54,10 +53,9 @@ class WheelsetFile(Section):
     """The share of the vehicle that the wheelset carries."""
 
 
-class VehicleFile(PartTable):
+class VehicleFile(PartTable, header="a vehicle file"):
     """The file of a vehicle of parts: the outermost one, and what the parts share."""
 
-    header: ClassVar[str] = "a vehicle file"
     aliases: ClassVar[dict[str, str]] = {"name": "title"}
 
     name: Annotated[str, text("the vehicle's name")]

@@ -22,13 +22,12 @@ Springs = Annotated[
 ]
 
 
-class WheelsetTable(Section):
+class WheelsetTable(Section, header="[wheelset]"):
     """[wheelset]: the body and its two wheels, rigid, independent or on an axle that twists.
 
     Wheels that turn against each other have half of spin_inertia_kg_m2 each.
     """
 
-    header: ClassVar[str] = "[wheelset]"
     aliases: ClassVar[dict[str, str]] = {
         "wheel": "profile wheel_profile", "roll_inertia_kg_m2": "ixx_kg_m2",
         "spin_inertia_kg_m2": "iyy_kg_m2 pitch_inertia_kg_m2", "yaw_inertia_kg_m2": "izz_kg_m2",
@@ -110,10 +109,8 @@ class WheelsetTable(Section):
         return given(self.profile_spacing_mm) / 1000.0
 
 
-class SuspensionTable(Section):
+class SuspensionTable(Section, header="[suspension]"):
     """[suspension]: springs and dampers of each side to the frame that follows the track."""
-
-    header: ClassVar[str] = "[suspension]"
 
     stiffness_kN_per_m: Springs = (0.0, 0.0, 0.0)
     """Stiffness of each side along x, y, z."""
@@ -127,10 +124,9 @@ class SuspensionTable(Section):
     """How far the wheelset is ahead of its bogie's centre: the frame turns so much in curves."""
 
 
-class SprungTable(Section):
+class SprungTable(Section, header="[sprung]"):
     """[sprung]: the share of the vehicle that this wheelset carries."""
 
-    header: ClassVar[str] = "[sprung]"
     aliases: ClassVar[dict[str, str]] = {"height_above_axle_mm": "height_mm"}
 
     mass_kg: Annotated[float, number(0, 50_000, "kg")] = 0.0
@@ -142,10 +138,9 @@ class SprungTable(Section):
 Mirror = Annotated[List[Literal["x", "y"]], Field(description='a list of "x" (front to rear) and "y" (left to right)')]
 
 
-class BodyTable(Section):
+class BodyTable(Section, header="[bodies.NAME]"):
     """[bodies.NAME]: a rigid body."""
 
-    header: ClassVar[str] = "[bodies.NAME]"
     aliases: ClassVar[dict[str, str]] = {"centre_mm": "center_mm position_mm"}
 
     mass_kg: Annotated[float, positive(1e6, "kg")]
@@ -164,10 +159,8 @@ class BodyTable(Section):
                 yield Fault("inertia_kg_m2", message)
 
 
-class MountTable(Section):
+class MountTable(Section, header="[wheelsets.NAME]"):
     """[wheelsets.NAME]: where a wheelset sits; what it is stands in [wheelset] or [wheelset_types.TYPE]."""
-
-    header: ClassVar[str] = "[wheelsets.NAME]"
 
     x_mm: Metre
     """Where its axle lies along the vehicle; positive is forward."""
@@ -175,10 +168,9 @@ class MountTable(Section):
     """Which of [wheelset_types] it is; that of [wheelset] unless given."""
 
 
-class AxleBoxTable(Section):
+class AxleBoxTable(Section, header="[axle_boxes.NAME]"):
     """[axle_boxes.NAME]: the two bodies that turn freely about an axle at +-y, NAME left and NAME right."""
 
-    header: ClassVar[str] = "[axle_boxes.NAME]"
     aliases: ClassVar[dict[str, str]] = {"wheelset": "on", "y_mm": "half_spacing_mm"}
 
     wheelset: Annotated[str, text("the name of a wheelset of the same part")]
@@ -191,10 +183,9 @@ class AxleBoxTable(Section):
     """Moments of inertia of each box; that about y is of its own pitch."""
 
 
-class DriveTable(Section):
+class DriveTable(Section, header="[[drives]]"):
     """[[drives]]: a motor that drives a wheelset through a gear and a hollow axle."""
 
-    header: ClassVar[str] = "[[drives]]"
     aliases: ClassVar[dict[str, str]] = {
         "on": "wheelset axle",
         "case": "gear gearbox gear_case",
@@ -221,10 +212,8 @@ class DriveTable(Section):
     """Torsional damping beside it."""
 
 
-class PointTable(Section):
+class PointTable(Section, header="[[points]]"):
     """[[points]]: a point of a body whose acceleration is kept in results."""
-
-    header: ClassVar[str] = "[[points]]"
 
     name: Name
     """Name of the point in results."""
@@ -234,10 +223,8 @@ class PointTable(Section):
     """Where it is."""
 
 
-class PlaceTable(Section):
+class PlaceTable(Section, header="[[places]]"):
     """[[places]]: a part put at a place of the vehicle, or of a larger part; perhaps mirrored."""
-
-    header: ClassVar[str] = "[[places]]"
 
     part: Annotated[str, text("the name of a part, as in [parts.NAME]")]
     """Which part."""
@@ -249,10 +236,8 @@ class PlaceTable(Section):
     """Whether it is turned round front to rear, left to right, or both."""
 
 
-class PartTable(Section):
+class PartTable(Section, header="[parts.NAME]"):
     """[parts.NAME]: bodies, wheelsets and elements described once and placed as often as needed."""
-
-    header: ClassVar[str] = "[parts.NAME]"
 
     bodies: dict[str, BodyTable] = Field(default_factory=dict)
     """Rigid bodies, by their names."""

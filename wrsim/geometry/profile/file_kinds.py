@@ -38,11 +38,10 @@ Coordinate = Annotated[float, number(-1000.0, 1000.0)]
 Pair = Annotated[Two[Annotated[float, number(-1e5, 1e5)]], Field(description="two numbers: [u, height]")]
 
 
-class SectionTable(Choice):
+class SectionTable(Choice, header="[[sections]]"):
     """A section of a profile; `piece` gives it in metres, up positive."""
 
     tag: ClassVar[str] = "shape"
-    header: ClassVar[str] = "[[sections]]"
 
     shape: str
     """Shape of the section."""
@@ -132,11 +131,10 @@ class LineSection(SectionTable, kind="line"):
             yield Fault("end_mm", "must differ from start_mm")
 
 
-class PieceTable(Choice):
+class PieceTable(Choice, header="[[pieces]]"):
     """A piece of a chain."""
 
     tag: ClassVar[str] = "shape"
-    header: ClassVar[str] = "[[pieces]]"
 
     shape: str
     """Shape of the piece."""
@@ -158,10 +156,9 @@ class ChainArc(PieceTable, kind="arc"):
     """Angle of the tangent at its end, positive where the curve rises outward; it tells which way the arc bends."""
 
 
-class ProfileFile(Choice):
+class ProfileFile(Choice, header="a profile file"):
     """What every profile file says; `AnyProfileFile` lists the kinds."""
 
-    header: ClassVar[str] = "a profile file"
     aliases: ClassVar[dict[str, str]] = {"kind": "type", "name": "title", "source": "reference"}
 
     name: Annotated[str, text("the profile's name")]

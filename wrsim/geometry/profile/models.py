@@ -53,10 +53,8 @@ MOST_BASES = 20
 """Longest row of worn profiles that start from each other."""
 
 
-class BellOfWear(Section):
+class BellOfWear(Section, header="[[removals]]"):
     """A bell of wear: depth cos^2 over a stretch of the profile."""
-
-    header: ClassVar[str] = "[[removals]]"
 
     direction: Direction
     """Which way the depth is measured, and with it what the bell is laid along: u, or the arclength."""
@@ -146,10 +144,9 @@ FILE_KINDS: dict[str, type[ProfileFile]] = kinds_in(AnyProfileFile)
 """What stands in files of each kind."""
 
 
-class _AnyFile(Section):
+class _AnyFile(Section, header="a profile file"):
     """Only what decides which kind of file it is."""
 
-    header: ClassVar[str] = "a profile file"
     kind: Literal[*FILE_KINDS]  # type: ignore[valid-type]
 
 

@@ -37,10 +37,9 @@ class AssessmentSettings:
     estimate_at: Mapping[Influence, float] = field(default_factory=dict)
 
 
-class AssessmentSection(Table):
+class AssessmentSection(Table, header="[assessment]"):
     """What an assessment rests on, where that is not to come from the result."""
 
-    header: ClassVar[str] = "[assessment]"
     aliases: ClassVar[dict[str, str]] = {
         "vehicle_kind": "kind type", "friction": "mu", "flange_angle_deg": "flange_deg",
         "instability_frequency_Hz": "f0_Hz", "section_length_m": "section_m", "straight_deficiency_mm": "straight_mm",

@@ -41,10 +41,9 @@ class ConicityPlan:
         return {"amplitudes": len(self.amplitudes)}
 
 
-class ConicitySection(PlanTable):
+class ConicitySection(PlanTable, header="[conicity]"):
     """Amplitudes of the equivalent conicity, and how the wheelset's shift is counted."""
 
-    header: ClassVar[str] = "[conicity]"
     aliases: ClassVar[dict[str, str]] = {
         "amplitude_mm": "amplitudes_mm y_mm",
         "curve_radius_m": "curve_radii_m radius_m R",

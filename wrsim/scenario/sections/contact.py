@@ -28,10 +28,9 @@ from wrsim.scenario.sections.friction import FrictionPlaceSection, FrictionSecti
 CreepCoefficient = Annotated[float, positive(1e6, "kN per creepage of one wheel, such as 10000")]
 
 
-class ConicalSection(Section):
+class ConicalSection(Section, header="[contact.conical]"):
     """Conical wheels with a prescribed creep law; profiles and the other keys of [contact] then count for nothing."""
 
-    header: ClassVar[str] = "[contact.conical]"
     together: ClassVar[tuple[str, ...]] = ("flange_clearance_mm flange_stiffness_kN_per_m",)
     aliases: ClassVar[dict[str, str]] = {
         "conicity": "lambda", "friction": "mu", "creep_longitudinal_kN": "creep_x_kN f11_kN",
@@ -82,10 +81,9 @@ MATERIAL_ALIASES = {
 }
 
 
-class OneMaterial(Section):
+class OneMaterial(Section, header="[contact.material.wheel] or [contact.material.rail]"):
     """The material of one side of the contact."""
 
-    header: ClassVar[str] = "[contact.material.wheel] or [contact.material.rail]"
     aliases: ClassVar[dict[str, str]] = MATERIAL_ALIASES
 
     youngs_modulus_GPa: Modulus | None = None
@@ -94,10 +92,9 @@ class OneMaterial(Section):
     """Poisson ratio of this side; that of [contact.material] unless given."""
 
 
-class MaterialSection(Section):
+class MaterialSection(Section, header="[contact.material]"):
     """The material of wheel and rail; the tables ``wheel`` and ``rail`` override it for one of them."""
 
-    header: ClassVar[str] = "[contact.material]"
     aliases: ClassVar[dict[str, str]] = MATERIAL_ALIASES
 
     youngs_modulus_GPa: Modulus = STEEL.youngs_modulus / 1e9
@@ -115,10 +112,9 @@ class MaterialSection(Section):
         return Material(modulus * 1e9, self.poisson if part.poisson is None else part.poisson)
 
 
-class HalfSpaceSection(Section):
+class HalfSpaceSection(Section, header="[contact.half_space]"):
     """Elements and kernel of the exact solver, wherever it is used."""
 
-    header: ClassVar[str] = "[contact.half_space]"
     together: ClassVar[tuple[str, ...]] = ("element_x_mm element_s_mm",)
     at_most_one: ClassVar[tuple[str, ...]] = ("element_x_mm resolution",)
     aliases: ClassVar[dict[str, str]] = {
@@ -150,10 +146,9 @@ class HalfSpaceSection(Section):
         )
 
 
-class ContactSection(Section):
+class ContactSection(Section, header="[contact]"):
     """Contact model, friction and material; everything has a default."""
 
-    header: ClassVar[str] = "[contact]"
     at_most_one: ClassVar[tuple[str, ...]] = ("friction_sections friction_table",)
     goes_with: ClassVar[dict[str, str]] = {"friction_at_m": "friction_sections friction_table"}
     aliases: ClassVar[dict[str, str]] = {

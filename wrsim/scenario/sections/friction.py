@@ -17,10 +17,9 @@ PLAIN = Friction(0.0)
 FROM_DEG, FULL_DEG = 15.0, 35.0
 
 
-class FrictionSection(Section):
+class FrictionSection(Section, header="[contact.friction]"):
     """Friction of both rails or of one, that depends on the place on the rail and on the slip speed."""
 
-    header: ClassVar[str] = "[contact.friction]"
     aliases: ClassVar[dict[str, str]] = {
         "static": "mu mu0 coefficient top_of_rail",
         "gauge_corner": "gauge flange",
@@ -77,10 +76,9 @@ def law_of(value: float | FrictionSection) -> Friction:
     return value.law() if isinstance(value, FrictionSection) else Friction(value)
 
 
-class FrictionPlaceSection(Section):
+class FrictionPlaceSection(Section, header="[[contact.friction_sections]]"):
     """From a place on another friction holds, which is reached smoothly over transition_m behind that place."""
 
-    header: ClassVar[str] = "[[contact.friction_sections]]"
     aliases: ClassVar[dict[str, str]] = {
         "from_m": "at_m distance_m s_m",
         "friction": "mu coefficient static",

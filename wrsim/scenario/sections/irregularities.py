@@ -27,10 +27,9 @@ Band = Annotated[
 Channels = Annotated[List[Channel], Field(min_length=1), Predicate(lambda names: len(set(names)) == len(names))]
 
 
-class GradeSection(Section):
+class GradeSection(Section, header="[[track.grades]]"):
     """From a distance on the track climbs or falls; a vertical curve leads over from the grade before."""
 
-    header: ClassVar[str] = "[[track.grades]]"
     aliases: ClassVar[dict[str, str]] = {"from_m": "at_m", "vertical_radius_m": "radius_m", "grade_permille": "grade"}
 
     from_m: Place
@@ -45,10 +44,8 @@ class GradeSection(Section):
         return Grade(self.from_m, self.grade_permille / 1e3, self.vertical_radius_m)
 
 
-class IrregularityTable(Choice):
+class IrregularityTable(Choice, header="[[track.irregularities]]"):
     """Where rails leave their designed place."""
-
-    header: ClassVar[str] = "[[track.irregularities]]"
 
     kind: str
     """Kind of irregularity."""

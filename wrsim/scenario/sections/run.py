@@ -42,10 +42,9 @@ Coefficients = Annotated[
 ]
 
 
-class WearSection(StretchTable):
+class WearSection(StretchTable, header="[wear]"):
     """By which laws wear and rolling contact fatigue of a run are computed, and over which stretch."""
 
-    header: ClassVar[str] = "[wear]"
     aliases: ClassVar[dict[str, str]] = {
         "laws": "law model", "from_m": "start_m", "to_m": "end_m", "hardness_GPa": "hardness H_GPa",
         "archard_coefficients": "wear_coefficients k", "shear_yield_MPa": "k_MPa yield_in_shear_MPa",
@@ -86,10 +85,9 @@ class WearSection(StretchTable):
         )
 
 
-class RideSection(StretchTable):
+class RideSection(StretchTable, header="[ride]"):
     """Which stretch of a run is evaluated, and how finely; it leaves out where a run starts and ends."""
 
-    header: ClassVar[str] = "[ride]"
     aliases: ClassVar[dict[str, str]] = {"from_m": "start_m", "to_m": "end_m", "resolution_Hz": "df_Hz"}
 
     resolution_Hz: Annotated[float, number(0.001, 10, "Hz")] = 0.1
@@ -149,10 +147,9 @@ class RunPlan:
         return way | {"integrator": self.integrator, "patches_at_m": list(self.patches_at)}
 
 
-class RunSection(PlanTable):
+class RunSection(PlanTable, header="[run]"):
     """Where a run along the track starts and ends, and its steps in time."""
 
-    header: ClassVar[str] = "[run]"
     at_most_one: ClassVar[tuple[str, ...]] = ("distance_m time_s",)
     aliases: ClassVar[dict[str, str]] = {
         "time_s": "duration_s t_end_s end_time_s", "distance_m": "length_m", "integrator": "method solver integration",
@@ -224,10 +221,9 @@ def _middle_of_arcs(track: Track, start: float, end: float) -> tuple[float, ...]
     return tuple(s for s in middles if start <= s <= end)
 
 
-class OutputSection(Table):
+class OutputSection(Table, header="[output]"):
     """What is kept besides the channels."""
 
-    header: ClassVar[str] = "[output]"
     aliases: ClassVar[dict[str, str]] = {"patches_at_m": "snapshots_m patches"}
 
     patches_at_m: List[Annotated[float, number(0, 1e6, "m along the centre line")]] | None = None

@@ -52,10 +52,9 @@ class StabilityPlan:
         return {"speeds_kmh": [3.6 * v for v in self.speeds], "limit_cycles": "yes" if self.cycles else "no"}
 
 
-class StabilitySection(PlanTable):
+class StabilitySection(PlanTable, header="[stability]"):
     """Speeds of the linearised modes, and how limit cycles are looked for."""
 
-    header: ClassVar[str] = "[stability]"
     aliases: ClassVar[dict[str, str]] = {
         "speed_kmh": "speeds_kmh", "highest_Hz": "highest_frequency_Hz", "nonlinear": "limit_cycles bifurcation",
         "cycle_step_kmh": "step_kmh", "cycle_start_kmh": "start_kmh",

@@ -33,14 +33,13 @@ class StaticPlan:
         return {"poses": len(self.poses)}
 
 
-class StaticSection(PlanTable):
+class StaticSection(PlanTable, header="[static]"):
     """Poses of one wheel or of a wheelset at a prescribed vertical load.
 
     The poses are every combination of lateral_mm, yaw_mrad, load_kN and roll_mrad, or the rows of the CSV
     table ``cases``. The load is that of the one wheel, or of the whole wheelset, which finds its own roll.
     """
 
-    header: ClassVar[str] = "[static]"
     aliases: ClassVar[dict[str, str]] = {
         "lateral_mm": "y_mm shift_mm lateral_shift_mm", "yaw_mrad": "attack_mrad angle_of_attack_mrad",
         "load_kN": "force_kN Q_kN wheel_load_kN axle_load_kN", "cases": "file csv table", "side": "wheel",

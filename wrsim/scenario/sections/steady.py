@@ -41,10 +41,9 @@ class SteadyPlan:
         return {"curves": len(self.points)}
 
 
-class SteadySection(PlanTable):
+class SteadySection(PlanTable, header="[steady]"):
     """Curves, cants and speeds at which the steady motion of a vehicle is looked for."""
 
-    header: ClassVar[str] = "[steady]"
     aliases: ClassVar[dict[str, str]] = {
         "radius_m": "radii_m R",
         "speed_kmh": "speeds_kmh v",

@@ -55,10 +55,8 @@ Radius = Annotated[
 ]
 
 
-class SegmentTable(Choice):
+class SegmentTable(Choice, header="[[track.segments]]"):
     """A piece of the track."""
-
-    header: ClassVar[str] = "[[track.segments]]"
 
     kind: str
     """Kind of piece."""
@@ -149,7 +147,7 @@ class Arc(SegmentTable, kind="arc"):
 Segment = Straight | Transition | Arc
 
 
-class RailSectionSection(Section):
+class RailSectionSection(Section, header="[[track.rail_sections]]"):
     """A section of a rail whose profile changes along the track; in place of rail from the first section to the last.
 
     Before the first and behind the last one the rail stays as it is there. features_mm: arclengths from the first point
@@ -158,7 +156,6 @@ class RailSectionSection(Section):
     one file, in place of rail and features_mm.
     """
 
-    header: ClassVar[str] = "[[track.rail_sections]]"
     one_of: ClassVar[tuple[str, ...]] = ("rail table",)
     at_most_one: ClassVar[tuple[str, ...]] = ("table features_mm",)
     goes_with: ClassVar[dict[str, str]] = {"measured": "table"}
@@ -186,10 +183,9 @@ class RailSectionSection(Section):
     """How far the profile lies further away from the track centre than that of a plain rail."""
 
 
-class ElasticitySection(Section):
+class ElasticitySection(Section, header="[track.elasticity]"):
     """A mass on spring and damper under each wheel, moving along with it; laterally and vertically."""
 
-    header: ClassVar[str] = "[track.elasticity]"
     aliases: ClassVar[dict[str, str]] = {"vertical_mass_kg": "mass_kg"}
 
     lateral_stiffness_MN_per_m: Annotated[float, number(0.1, 1e5, "20 to 50 for one rail under one wheel")]
@@ -214,14 +210,13 @@ class ElasticitySection(Section):
         )
 
 
-class TrackSection(Section):
+class TrackSection(Section, header="[track]"):
     """Gauge, rails, the way they are laid and what they rest on.
 
     gauge_between = "origins" (static poses only): gauge_mm is the distance of the two rail profiles' origins, which lie
     in the plane of the track. For bare pairs of curves that have no gauge point.
     """
 
-    header: ClassVar[str] = "[track]"
     at_most_one: ClassVar[tuple[str, ...]] = ("segments table",)
     aliases: ClassVar[dict[str, str]] = {
         "inclination": "rail_cant rail_inclination", "rail": "profile rail_profile", "segments": "segment",

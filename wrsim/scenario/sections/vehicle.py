@@ -28,13 +28,12 @@ SpeedOverTime = _Rows[Annotated[Two[float], Field(description="two numbers [time
 SpeedOverDistance = _Rows[Annotated[Two[float], Field(description="two numbers [distance m, speed km/h]")]]
 
 
-class SpeedTable(Section):
+class SpeedTable(Section, header="[vehicle.speed_kmh]"):
     """The speed of the vehicle's origin over the time of the run or over its distance along the track.
 
     Between two rows the acceleration is constant; before the first and behind the last row the speed is.
     """
 
-    header: ClassVar[str] = "[vehicle.speed_kmh]"
     one_of: ClassVar[tuple[str, ...]] = ("distance_m_speed_kmh time_s_speed_kmh",)
 
     time_s_speed_kmh: SpeedOverTime | None = None
@@ -96,10 +95,9 @@ OverDistance = Annotated[
 ]
 
 
-class EffortTable(Section):
+class EffortTable(Section, header="[[vehicle.efforts]]"):
     """A moment on each of some wheelsets over the time or the distance of the vehicle's origin, positive forward."""
 
-    header: ClassVar[str] = "[[vehicle.efforts]]"
     one_of: ClassVar[tuple[str, ...]] = ("moment_kNm time_s_moment_kNm distance_m_moment_kNm",)
     aliases: ClassVar[dict[str, str]] = {"on": "wheelsets wheelset axles axle", "moment_kNm": "torque_kNm"}
 
@@ -121,13 +119,12 @@ class EffortTable(Section):
         return Effort(wheelset, tuple((x, 1e3 * moment) for x, moment in rows), over, self.wheel)
 
 
-class SlipControlTable(Section):
+class SlipControlTable(Section, header="[vehicle.slip_control]"):
     """Protection against sliding and spinning wheels: no axle slips by more than slip_kmh + creepage V.
 
     A moment is given in full up to half of that, from there on linearly less, nothing at the limit.
     """
 
-    header: ClassVar[str] = "[vehicle.slip_control]"
     aliases: ClassVar[dict[str, str]] = {"slip_kmh": "slip_speed_kmh", "creepage": "slip_ratio"}
 
     slip_kmh: Annotated[float, number(0, 50, "km/h of slip speed")] = 0.0
@@ -145,14 +142,13 @@ class SlipControlTable(Section):
         return SlipControl(self.slip_kmh / 3.6, self.creepage)
 
 
-class VehicleSection(Section):
+class VehicleSection(Section, header="[vehicle]"):
     """Which vehicle runs, how fast, and what differs from its file.
 
     drive: a pull along the track ("train", the default), moments on the axles ("wheels"), nothing but springs to a
     frame of constant speed, if there are any ("free", the default of a single wheelset).
     """
 
-    header: ClassVar[str] = "[vehicle]"
     aliases: ClassVar[dict[str, str]] = {
         "speed_kmh": "v velocity velocity_kmh v0", "model": "file name", "wheel": "profile wheel_profile",
         "wheel_left": "profile_left", "wheel_right": "profile_right", "sprung_mass_kg": "mass mass_kg",

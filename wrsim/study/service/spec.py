@@ -10,10 +10,9 @@ from wrsim.inputs.values import number, positive, text
 from wrsim.vehicle.vehicle_sections import WheelName
 
 
-class ServiceFile(Section):
+class ServiceFile(Section, header="a service"):
     """A service: the scenario its cases start from, their table, the mileage, and the steps of wear."""
 
-    header: ClassVar[str] = "a service"
     aliases: ClassVar[dict[str, str]] = {
         "base": "scenario",
         "cases": "csv table",

@@ -91,10 +91,9 @@ class Glyph(NamedTuple):
     hollow: bool = False
 
 
-class ElementTable(Choice):
+class ElementTable(Choice, header="[[elements]]"):
     """What all elements have: a name, the body whose axes they follow, the one (or each of those) they lead to."""
 
-    header: ClassVar[str] = "[[elements]]"
     aliases: ClassVar[dict[str, str]] = {"kind": "type", "body": "from", "both_sides": "mirror", "body_mm": "from_mm"}
     glyph: ClassVar[Glyph | None] = None
     """How its kind is drawn; None: not at all."""
