@@ -7,7 +7,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from wrsim.geometry.profile.models import load_profile
-from wrsim.plots.profile import draw_curvature, profile_figure, profile_picture
+from wrsim.plots.profile import draw_curvature, profile_figure
+from wrsim.plots.style import save
 
 MODELS = Path(__file__).parents[2] / "models"
 ALL = sorted(p for folder in ("wheels", "rails") for p in (MODELS / folder).glob("*.toml"))
@@ -45,5 +46,5 @@ def test_curvature_is_drawn_with_its_jumps():
 
 
 def test_the_picture_is_written_whole(tmp_path):
-    path = profile_picture(load_profile(ALL[0]), tmp_path / "profile.png")
+    path = save(profile_figure(load_profile(ALL[0])), tmp_path / "profile.png")
     assert path.read_bytes().startswith(b"\x89PNG")

@@ -37,6 +37,7 @@ LEAST_DIFFERENCE = 0.2
 LEFT, GAP, TITLES, BENEATH, FOOT = 24.0, 5.0, 8.0, 11.0, 17.0
 
 
+@style()
 def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Sequence[int] | None = None) -> Figure:
     """Patches of every model (rows, by wheel) at the same moments (columns), to one scale.
 
@@ -63,32 +64,31 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
     total = 8.0 + sum(heights[w] + BENEATH for w, _ in rows) + TITLES * len(wheels) + FOOT
     shapes = [shown(select(results[n], where), "strip_p") for (_, n, _), p in drawn.items() for where, _ in p]
     scale = Normalize(0.0, max((float(p.max()) for p in shapes), default=1.0))
-    with style():
-        figure = new_figure(FULL_WIDTH, total, constrained=False)
-        headline(figure, title)
-        top = 8.0
-        for i, (wheel, name) in enumerate(rows):
-            if i % len(names) == 0:
-                for j, moment in enumerate(chosen):
-                    write(figure, LEFT + j * (panel + GAP), top, moment_title(first, moment, j), fontsize=6.2)
-                top += TITLES
-            label = name.replace("+", "\n+") + (f"\n{wheel} wheel" if len(wheels) > 1 else "")
-            colour = MODEL_COLOUR[names.index(name) % len(MODEL_COLOUR)]
-            write(figure, 1.5, top + 0.3 * heights[wheel], label, fontsize=6.0, color=colour)
+    figure = new_figure(FULL_WIDTH, total, constrained=False)
+    headline(figure, title)
+    top = 8.0
+    for i, (wheel, name) in enumerate(rows):
+        if i % len(names) == 0:
             for j, moment in enumerate(chosen):
-                patches = drawn.get((wheel, name, moment))
-                if patches is None:
-                    continue
-                axes = place(figure, LEFT + j * (panel + GAP), top, panel, heights[wheel])
-                for where, shift in patches:
-                    contact_patch(axes, results[name], where, scale, shift=shift)
-                middle, half = sum(reach_s[wheel]) / 2.0, 0.5 * panel / per_mm
-                axes.set(xlim=(middle - half, middle + half), ylim=reach_x[wheel])
-                few_ticks(axes, 4, 5.6, 1.2)
-                axes.set_xlabel(_note(results[name], patches), fontsize=5.8, color=QUIET, labelpad=1.0)
-            top += heights[wheel] + BENEATH
-        reading = "Across: arclength on the rail from the reference's\nmain point [mm]. Up: rolling direction $x$ [mm]."
-        colour_bar(figure, scale, top + 1.0, reading)
+                write(figure, LEFT + j * (panel + GAP), top, moment_title(first, moment, j), fontsize=6.2)
+            top += TITLES
+        label = name.replace("+", "\n+") + (f"\n{wheel} wheel" if len(wheels) > 1 else "")
+        colour = MODEL_COLOUR[names.index(name) % len(MODEL_COLOUR)]
+        write(figure, 1.5, top + 0.3 * heights[wheel], label, fontsize=6.0, color=colour)
+        for j, moment in enumerate(chosen):
+            patches = drawn.get((wheel, name, moment))
+            if patches is None:
+                continue
+            axes = place(figure, LEFT + j * (panel + GAP), top, panel, heights[wheel])
+            for where, shift in patches:
+                contact_patch(axes, results[name], where, scale, shift=shift)
+            middle, half = sum(reach_s[wheel]) / 2.0, 0.5 * panel / per_mm
+            axes.set(xlim=(middle - half, middle + half), ylim=reach_x[wheel])
+            few_ticks(axes, 4, 5.6, 1.2)
+            axes.set_xlabel(_note(results[name], patches), fontsize=5.8, color=QUIET, labelpad=1.0)
+        top += heights[wheel] + BENEATH
+    reading = "Across: arclength on the rail from the reference's\nmain point [mm]. Up: rolling direction $x$ [mm]."
+    colour_bar(figure, scale, top + 1.0, reading)
     return figure
 
 

@@ -137,6 +137,7 @@ def zoom_window(dataset: xr.Dataset, where: PatchAt) -> tuple[float, float, floa
     return o, b, half
 
 
+@style()
 def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Figure:
     """Cross-sections of the chosen moments (default: up to six): overviews of wheels, close views of patches."""
     chosen = choose_moments(dataset, MOST_MOMENTS) if moments is None else list(moments)
@@ -149,37 +150,36 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
     start = 11.0 if stop_note(dataset) else 7.0
     top = start + titles_height(page, dataset, columns)
     total = top + len(wheels) * (flat + _UNDER_OVERVIEW) + len(rows) * (page.panel + _UNDER_ZOOM) + FOOT
-    with style():
-        figure = new_figure(page.width, total, constrained=False)
-        headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
-        draw_titles(figure, page, dataset, columns, start + 0.8)
-        for wheel in wheels:
-            draw_label(figure, f"{wheel} wheel" if wheel else "", WHEEL_COLOUR.get(wheel, INK), top + 0.5 * flat)
-            for j, column in enumerate(columns):
-                axes = _framed(page.axes(figure, j, top, flat), 3)
-                if j == 0:
-                    _label_axes(axes, first=True)
-                else:  # the window of the first one
-                    axes.set(xticks=(), yticks=())
-                cross_section(axes, dataset, column.moment, wheel or column.wheel, scale)
-                _mark_windows(axes, dataset, column.moment, wheel or column.wheel)
-            top += flat + _UNDER_OVERVIEW
-            for row in rows:
-                if row.wheel != wheel:
-                    continue
-                draw_label(figure, PATCH_NAMES[row.patch], row.colour, top + 0.5 * page.panel)
-                for j, where in row.used:
-                    axes = _framed(page.axes(figure, j, top, page.panel), 4)
-                    cross_section_zoom(axes, dataset, where, scale)
-                    note = patch_note(dataset, where, force=page.panel > 28.0)
-                    _label_axes(axes, first=j == row.used[0][0], beneath=note)
-                top += page.panel + _UNDER_ZOOM
-        reading = (
-            "Axes: outward o (field side to the right) and up b\n"
-            "from the rail's profile origin.\n"
-            "Thin lines: pressure along the normals." + selection_words(dataset, chosen)
-        )
-        colour_bar(figure, scale, top + 1.0, reading)
+    figure = new_figure(page.width, total, constrained=False)
+    headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
+    draw_titles(figure, page, dataset, columns, start + 0.8)
+    for wheel in wheels:
+        draw_label(figure, f"{wheel} wheel" if wheel else "", WHEEL_COLOUR.get(wheel, INK), top + 0.5 * flat)
+        for j, column in enumerate(columns):
+            axes = _framed(page.axes(figure, j, top, flat), 3)
+            if j == 0:
+                _label_axes(axes, first=True)
+            else:  # the window of the first one
+                axes.set(xticks=(), yticks=())
+            cross_section(axes, dataset, column.moment, wheel or column.wheel, scale)
+            _mark_windows(axes, dataset, column.moment, wheel or column.wheel)
+        top += flat + _UNDER_OVERVIEW
+        for row in rows:
+            if row.wheel != wheel:
+                continue
+            draw_label(figure, PATCH_NAMES[row.patch], row.colour, top + 0.5 * page.panel)
+            for j, where in row.used:
+                axes = _framed(page.axes(figure, j, top, page.panel), 4)
+                cross_section_zoom(axes, dataset, where, scale)
+                note = patch_note(dataset, where, force=page.panel > 28.0)
+                _label_axes(axes, first=j == row.used[0][0], beneath=note)
+            top += page.panel + _UNDER_ZOOM
+    reading = (
+        "Axes: outward o (field side to the right) and up b\n"
+        "from the rail's profile origin.\n"
+        "Thin lines: pressure along the normals." + selection_words(dataset, chosen)
+    )
+    colour_bar(figure, scale, top + 1.0, reading)
     return figure
 
 

@@ -183,6 +183,7 @@ def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> 
     return axes
 
 
+@style()
 def stacked(
     dataset: xr.Dataset,
     panels: Sequence[Panel],
@@ -197,50 +198,49 @@ def stacked(
     titled: panels have titles. Every panel has a place of its own in mm: a layout that measures all words first takes
     half of the drawing time.
     """
-    with style():
-        if dataset.sizes["time"] == 0:
-            figure = new_figure(FULL_WIDTH, 24.0, constrained=False)
-            headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
-            figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=QUIET)
-            return figure
-        curved = any(np.nan_to_num(dataset[n].values).any() for n in ("curvature", "cant") if n in dataset)
-        gap = GAP + (2.6 if titled else 0.0)
-        heights = [panel_height_mm - gap] * len(panels) + [17.0 - GAP] * curved
-        note = stop_note(dataset)
-        top = HEAD + (4.0 if note else 0.0) + gap - GAP
-        legend = [*legend, *_letters_entry(dataset)]
-        letters = sum(7 + len(str(entry.get_label())) for entry in legend)
-        lines = max(ceil(letters / LETTERS), 1 if len(legend) <= 5 else 2)
-        total = top + sum(heights) + gap * (len(heights) - 1) + FOOT + LINE * (lines - 1)
-        figure = new_figure(FULL_WIDTH, total, constrained=False)
-        figure.suptitle(dataset.attrs.get("title", ""), x=0.012, y=1.0 - 2.0 / total, ha="left", va="top", fontsize=8.5)
-        if note:
-            write(figure, 2.0, 6.5, note, color=STOP_COLOUR)
-        rows: list[Axes] = []
-        for height in heights:
-            axes = place(figure, LEFT, top, FULL_WIDTH - LEFT - RIGHT, height)
-            if rows:
-                axes.sharex(rows[0])
-            axes.tick_params(labelbottom=len(rows) == len(heights) - 1)
-            axes.yaxis.set_label_coords(-LABEL / (FULL_WIDTH - LEFT - RIGHT), 0.5)
-            rows.append(axes)
-            top += height + gap
-        track = rows.pop() if curved else None
-        for i, (panel, axes) in enumerate(zip(panels, rows, strict=True)):
-            panel(axes, dataset)
-            mark_snapshots(axes, dataset, letters=i == 0)
-            mark_stop(axes, dataset)
-        if track is not None:
-            track_layout(track, dataset)
-            mark_snapshots(track, dataset, letters=False)
-            mark_stop(track, dataset)
-        x, name = abscissa(dataset)
-        lowest = track or rows[-1]
-        lowest.set_xlabel(CHANNELS[name].label)
-        if x[-1] > x[0]:
-            lowest.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if is_stopped(dataset) else 0.0))
-        if legend:
-            legend_beneath(figure, legend, ceil(len(legend) / lines))
+    if dataset.sizes["time"] == 0:
+        figure = new_figure(FULL_WIDTH, 24.0, constrained=False)
+        headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
+        figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=QUIET)
+        return figure
+    curved = any(np.nan_to_num(dataset[n].values).any() for n in ("curvature", "cant") if n in dataset)
+    gap = GAP + (2.6 if titled else 0.0)
+    heights = [panel_height_mm - gap] * len(panels) + [17.0 - GAP] * curved
+    note = stop_note(dataset)
+    top = HEAD + (4.0 if note else 0.0) + gap - GAP
+    legend = [*legend, *_letters_entry(dataset)]
+    letters = sum(7 + len(str(entry.get_label())) for entry in legend)
+    lines = max(ceil(letters / LETTERS), 1 if len(legend) <= 5 else 2)
+    total = top + sum(heights) + gap * (len(heights) - 1) + FOOT + LINE * (lines - 1)
+    figure = new_figure(FULL_WIDTH, total, constrained=False)
+    figure.suptitle(dataset.attrs.get("title", ""), x=0.012, y=1.0 - 2.0 / total, ha="left", va="top", fontsize=8.5)
+    if note:
+        write(figure, 2.0, 6.5, note, color=STOP_COLOUR)
+    rows: list[Axes] = []
+    for height in heights:
+        axes = place(figure, LEFT, top, FULL_WIDTH - LEFT - RIGHT, height)
+        if rows:
+            axes.sharex(rows[0])
+        axes.tick_params(labelbottom=len(rows) == len(heights) - 1)
+        axes.yaxis.set_label_coords(-LABEL / (FULL_WIDTH - LEFT - RIGHT), 0.5)
+        rows.append(axes)
+        top += height + gap
+    track = rows.pop() if curved else None
+    for i, (panel, axes) in enumerate(zip(panels, rows, strict=True)):
+        panel(axes, dataset)
+        mark_snapshots(axes, dataset, letters=i == 0)
+        mark_stop(axes, dataset)
+    if track is not None:
+        track_layout(track, dataset)
+        mark_snapshots(track, dataset, letters=False)
+        mark_stop(track, dataset)
+    x, name = abscissa(dataset)
+    lowest = track or rows[-1]
+    lowest.set_xlabel(CHANNELS[name].label)
+    if x[-1] > x[0]:
+        lowest.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if is_stopped(dataset) else 0.0))
+    if legend:
+        legend_beneath(figure, legend, ceil(len(legend) / lines))
     return figure
 
 

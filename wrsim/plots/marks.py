@@ -40,6 +40,7 @@ def remark(axes: Axes, words: str) -> None:
     axes.set_title(words, fontsize=6.5, color=QUIET, pad=2.0)
 
 
+@style()
 def panels(
     title: str,
     draws: Sequence[Callable[[Axes], object]],
@@ -56,21 +57,20 @@ def panels(
     share: panels share their horizontal axis, which only the lowest name; legend: entries beneath all panels, in so
     many columns ``across``; None: those of the first panel.
     """
-    with style():
-        figure = new_figure(FULL_WIDTH, height)
-        rows, drawn = ceil(len(draws) / columns), list[Axes]()
-        for i, draw in enumerate(draws):
-            axes = figure.add_subplot(rows, columns, i + 1, sharex=drawn[0] if share and drawn else None)
-            drawn.append(axes)
-            draw(axes)
-            if share and i + columns < len(draws):
-                axes.tick_params(labelbottom=False)
-                axes.set_xlabel("")
-        figure.suptitle(title + "\n" * bool(note), x=0.012, ha="left", fontsize=8.5)
-        write(figure, 2.0, 5.5 + 3.6 * title.count("\n"), note, color=STOP_COLOUR)
-        if entries := drawn[0].get_legend_handles_labels()[0] if legend is None else legend:
-            legend_beneath(figure, entries, across)
-        figure.align_ylabels(drawn)
+    figure = new_figure(FULL_WIDTH, height)
+    rows, drawn = ceil(len(draws) / columns), list[Axes]()
+    for i, draw in enumerate(draws):
+        axes = figure.add_subplot(rows, columns, i + 1, sharex=drawn[0] if share and drawn else None)
+        drawn.append(axes)
+        draw(axes)
+        if share and i + columns < len(draws):
+            axes.tick_params(labelbottom=False)
+            axes.set_xlabel("")
+    figure.suptitle(title + "\n" * bool(note), x=0.012, ha="left", fontsize=8.5)
+    write(figure, 2.0, 5.5 + 3.6 * title.count("\n"), note, color=STOP_COLOUR)
+    if entries := drawn[0].get_legend_handles_labels()[0] if legend is None else legend:
+        legend_beneath(figure, entries, across)
+    figure.align_ylabels(drawn)
     return figure
 
 

@@ -125,6 +125,7 @@ def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> st
     return minus("\n".join(", ".join(line) for line in lines if line))
 
 
+@style()
 def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Figure:
     """Patches of the chosen moments (default: up to twelve, evenly spread), to one scale.
 
@@ -145,32 +146,31 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
     top = 11.0 if stop_note(dataset) else 7.0
     titles = titles_height(page, dataset, columns)
     total = top + sum(heights) + len(rows) * _BENEATH + len(blocks) * titles + FOOT
-    with style():
-        figure = new_figure(page.width, total, constrained=False)
-        headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
-        before = -1
-        for (number, row), height, up in zip(rows, heights, tall, strict=True):
-            if number != before:
-                draw_titles(figure, page, dataset, blocks[number], top + 0.8)
-                top += titles
-                before = number
-            draw_label(figure, row.label, row.colour, top + 0.5 * height)
-            for j, where in row.used:
-                axes = page.axes(figure, j, top, height)
-                contact_patch(axes, dataset, where, scale)
-                (s, x), (half, long) = np.mean(reaches[where], axis=1), (0.5 * wide, 0.5 * up)
-                axes.set(xlim=(s - half, s + half), ylim=(x - long, x + long))
-                few_ticks(axes, 4, 6.2)
-                note = patch_note(dataset, where, force=page.panel > 28.0)
-                axes.set_xlabel(f"s [mm]\n{note}", fontsize=6.0, color=QUIET, labelpad=1.0)
-                if j == row.used[0][0]:
-                    axes.set_ylabel("x [mm]", labelpad=1.0, fontsize=6.8)
-            top += height + _BENEATH
-        reading = (
-            "Across: curved axis s, field side to the right. Up: rolling direction x.\n"
-            "One scale everywhere; every panel is cut out around its patch." + selection_words(dataset, chosen)
-        )
-        colour_bar(figure, scale, top + 1.0, reading)
+    figure = new_figure(page.width, total, constrained=False)
+    headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
+    before = -1
+    for (number, row), height, up in zip(rows, heights, tall, strict=True):
+        if number != before:
+            draw_titles(figure, page, dataset, blocks[number], top + 0.8)
+            top += titles
+            before = number
+        draw_label(figure, row.label, row.colour, top + 0.5 * height)
+        for j, where in row.used:
+            axes = page.axes(figure, j, top, height)
+            contact_patch(axes, dataset, where, scale)
+            (s, x), (half, long) = np.mean(reaches[where], axis=1), (0.5 * wide, 0.5 * up)
+            axes.set(xlim=(s - half, s + half), ylim=(x - long, x + long))
+            few_ticks(axes, 4, 6.2)
+            note = patch_note(dataset, where, force=page.panel > 28.0)
+            axes.set_xlabel(f"s [mm]\n{note}", fontsize=6.0, color=QUIET, labelpad=1.0)
+            if j == row.used[0][0]:
+                axes.set_ylabel("x [mm]", labelpad=1.0, fontsize=6.8)
+        top += height + _BENEATH
+    reading = (
+        "Across: curved axis s, field side to the right. Up: rolling direction x.\n"
+        "One scale everywhere; every panel is cut out around its patch." + selection_words(dataset, chosen)
+    )
+    colour_bar(figure, scale, top + 1.0, reading)
     return figure
 
 

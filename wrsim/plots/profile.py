@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from textwrap import shorten
 from typing import Any
 
@@ -17,7 +16,7 @@ from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.smoothing_report import SmoothingReport
 from wrsim.plots.colours import INK, QUIET, RAIL_FILL, WHEEL_FILL
 from wrsim.plots.marks import minus, note, remark, right_axis
-from wrsim.plots.style import FULL_WIDTH, headline, new_figure, place, save, style, write
+from wrsim.plots.style import FULL_WIDTH, headline, new_figure, place, style, write
 
 LINE = "#0072B2"
 CUTOFF_COLOURS = (LINE, "#D55E00", "#009E73", "#CC79A7")
@@ -32,11 +31,7 @@ CURVATURES = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 """Ticks of curvature on either side of zero, 1/m, and of radius, mm."""
 
 
-def profile_picture(profile: Profile, path: str | Path, smoothing: Sequence[SmoothingReport] = ()) -> Path:
-    """Write `profile_figure` as PNG; returns the path. Raises WrsimError where it cannot be written."""
-    return save(profile_figure(profile, smoothing), path)
-
-
+@style()
 def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) -> Figure:
     """Shape, slope angle and curvature of a profile against the outward coordinate.
 
@@ -50,29 +45,28 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     height = width * up / across
     if height > TALLEST:
         across, height = across * height / TALLEST, TALLEST
-    with style():
-        rows = 3 if smoothing else 2
-        figure = new_figure(FULL_WIDTH, TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
-        headline(figure, f"{profile.name} ({profile.kind})")
-        note = shorten(profile.source, 130, placeholder=" ...")
-        write(figure, 0.012 * FULL_WIDTH, 6.5, note, fontsize=6.5, color=QUIET)
-        panels = [place(figure, LEFT, TOP, width, height)]
-        for row in range(rows):
-            top = TOP + height + GAP + row * (PANEL + GAP)
-            panels.append(place(figure, LEFT, top, width, PANEL))
-            panels[-1].sharex(panels[0])
-        for axes, draw in zip(panels, (draw_shape, draw_slope, draw_curvature), strict=False):
-            draw(profile, axes)
-        if smoothing:
-            compare_curvatures(smoothing, panels[2])
-            draw_changes(smoothing, panels[3])
-        middle_u, middle_w = 0.5 * (u.min() + u.max()), 0.5 * (w.min() + w.max())
-        panels[0].set_xlim(middle_u - 0.5 * across, middle_u + 0.5 * across)
-        panels[0].set_ylim(middle_w - 0.5 * up, middle_w + 0.5 * up)
-        for axes in panels[:-1]:
-            axes.tick_params(axis="x", labelbottom=False)
-            axes.set_xlabel("")
-        figure.align_ylabels(panels)
+    rows = 3 if smoothing else 2
+    figure = new_figure(FULL_WIDTH, TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
+    headline(figure, f"{profile.name} ({profile.kind})")
+    note = shorten(profile.source, 130, placeholder=" ...")
+    write(figure, 0.012 * FULL_WIDTH, 6.5, note, fontsize=6.5, color=QUIET)
+    panels = [place(figure, LEFT, TOP, width, height)]
+    for row in range(rows):
+        top = TOP + height + GAP + row * (PANEL + GAP)
+        panels.append(place(figure, LEFT, top, width, PANEL))
+        panels[-1].sharex(panels[0])
+    for axes, draw in zip(panels, (draw_shape, draw_slope, draw_curvature), strict=False):
+        draw(profile, axes)
+    if smoothing:
+        compare_curvatures(smoothing, panels[2])
+        draw_changes(smoothing, panels[3])
+    middle_u, middle_w = 0.5 * (u.min() + u.max()), 0.5 * (w.min() + w.max())
+    panels[0].set_xlim(middle_u - 0.5 * across, middle_u + 0.5 * across)
+    panels[0].set_ylim(middle_w - 0.5 * up, middle_w + 0.5 * up)
+    for axes in panels[:-1]:
+        axes.tick_params(axis="x", labelbottom=False)
+        axes.set_xlabel("")
+    figure.align_ylabels(panels)
     return figure
 
 

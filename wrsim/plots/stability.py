@@ -31,20 +31,20 @@ def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     return found | ({"bifurcation": lambda: bifurcation_figure(dataset)} if "cycle" in dataset.dims else {})
 
 
+@style()
 def modes_figure(dataset: xr.Dataset) -> Figure:
     """Root locus on the left; damping and frequency over speed on the right."""
-    with style():
-        figure = new_figure(FULL_WIDTH, 118.0)
-        figure.suptitle(_title(dataset), x=0.012, ha="left", fontsize=8.0)
-        grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
-        root_locus(figure.add_subplot(grid[:, 0]), dataset)
-        top = figure.add_subplot(grid[0, 1])
-        bottom = figure.add_subplot(grid[1, 1], sharex=top)
-        over_speed(top, dataset, "mode_damping")
-        over_speed(bottom, dataset, "mode_frequency")
-        top.set_xlabel("")
-        handles, labels = top.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower right", ncols=2, fontsize=6.5)
+    figure = new_figure(FULL_WIDTH, 118.0)
+    figure.suptitle(_title(dataset), x=0.012, ha="left", fontsize=8.0)
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
+    root_locus(figure.add_subplot(grid[:, 0]), dataset)
+    top = figure.add_subplot(grid[0, 1])
+    bottom = figure.add_subplot(grid[1, 1], sharex=top)
+    over_speed(top, dataset, "mode_damping")
+    over_speed(bottom, dataset, "mode_frequency")
+    top.set_xlabel("")
+    handles, labels = top.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower right", ncols=2, fontsize=6.5)
     return figure
 
 

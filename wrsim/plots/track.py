@@ -35,6 +35,7 @@ IRREGULARITY_STEP = 0.25
 """Distance of the points of irregularities [m]."""
 
 
+@style()
 def track_figure(track: Track) -> Figure:
     """Plan view above curvature, cant, gauge, height and grade, and irregularities against distance.
 
@@ -45,20 +46,19 @@ def track_figure(track: Track) -> Figure:
         draws.append(height)
     if track.is_uneven:
         draws += [partial(irregularity, way="vertical"), partial(irregularity, way="lateral")]
-    with style():
-        figure = new_figure(FULL_WIDTH, 84.0 + 27.0 * len(draws))
-        grid = figure.add_gridspec(1 + len(draws), 1, height_ratios=(2.6, *(1.0 for _ in draws)))
-        plan_view(figure.add_subplot(grid[0]), track)
-        first = figure.add_subplot(grid[1])
-        panels = [first, *(figure.add_subplot(grid[k], sharex=first) for k in range(2, 1 + len(draws)))]
-        for axes, draw in zip(panels, draws, strict=True):
-            draw(axes, track)
-            if axes is not panels[-1]:
-                axes.tick_params(axis="x", labelbottom=False)
-        segment_labels(panels[0], track)
-        panels[-1].set_xlabel("Distance along the centre line [m]")
-        first.set_xlim(0.0, track.length)
-        figure.align_ylabels(panels)
+    figure = new_figure(FULL_WIDTH, 84.0 + 27.0 * len(draws))
+    grid = figure.add_gridspec(1 + len(draws), 1, height_ratios=(2.6, *(1.0 for _ in draws)))
+    plan_view(figure.add_subplot(grid[0]), track)
+    first = figure.add_subplot(grid[1])
+    panels = [first, *(figure.add_subplot(grid[k], sharex=first) for k in range(2, 1 + len(draws)))]
+    for axes, draw in zip(panels, draws, strict=True):
+        draw(axes, track)
+        if axes is not panels[-1]:
+            axes.tick_params(axis="x", labelbottom=False)
+    segment_labels(panels[0], track)
+    panels[-1].set_xlabel("Distance along the centre line [m]")
+    first.set_xlim(0.0, track.length)
+    figure.align_ylabels(panels)
     return figure
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
 from wrsim.plots.colours import FAINT, INK, QUIET, RAIL_FILL, WHEEL_FILL
 from wrsim.plots.marks import panels
-from wrsim.plots.style import FULL_WIDTH, new_figure, place, save, style
+from wrsim.plots.style import FULL_WIDTH, new_figure, place, style
 
 Triple = tuple[float, float, float]
 
@@ -104,12 +103,7 @@ def vehicle_view(axes: Axes, sketch: VehicleSketch, view: str) -> Axes:
     return axes
 
 
-def vehicle_picture(sketch: VehicleSketch, path: str | Path) -> Path:
-    """Write all three views to a PNG or SVG; returns its path. Raises ``WrsimError``."""
-    with style():
-        return save(vehicle_figure(sketch), path)
-
-
+@style()
 def vehicle_figure(sketch: VehicleSketch) -> Figure:
     """All three views on one scale."""
     low, high = _extent(sketch)
@@ -117,12 +111,12 @@ def vehicle_figure(sketch: VehicleSketch) -> Figure:
     scale = (FULL_WIDTH - 2.0 * MARGIN - GAP - 8.0) / (length + width)
     rows = (height * scale, width * scale)
     figure = new_figure(FULL_WIDTH, TITLE + rows[0] + GAP + 8.0 + rows[1] + FOOT, constrained=False)
-    panels = {
+    places = {
         "from the side": (MARGIN, TITLE, length * scale, rows[0]),
         "from behind": (MARGIN + length * scale + GAP + 4.0, TITLE, width * scale, rows[0]),
         "from above": (MARGIN, TITLE + rows[0] + GAP + 8.0, length * scale, rows[1]),
     }
-    for view, where in panels.items():
+    for view, where in places.items():
         h, v = VIEWS[view]
         axes = place(figure, *where)
         vehicle_view(axes, sketch, view)

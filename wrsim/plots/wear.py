@@ -34,22 +34,22 @@ def wear_figure(dataset: xr.Dataset) -> Figure:
     return panels(dataset.attrs["title"] + whose, draws, 120.0, share=False, legend=_legend(laws), across=5)
 
 
+@style()
 def fatigue_figure(dataset: xr.Dataset) -> Figure:
     """Shakedown map of all patches of the run; T-gamma and damage over the rails by one passage."""
-    with style():
-        figure = new_figure(FULL_WIDTH, 100.0)
-        left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(1.0, 1.15)))  # type: ignore[arg-type]
-        shakedown_map(left.subplots(), dataset)
-        for axes, name in zip(right.subplots(2, 1, sharex=True), ("wear_rail_energy", "rail_damage"), strict=True):
-            _over_profile(axes, dataset, name, "rail")
-            words = {
-                "wear_rail_energy": "T-gamma over the width of the rail [N/mm]",
-                "rail_damage": "Damage of the rail [1]",
-            }
-            axes.set_title(f"{words[name]}, one passage")
-        axes.set_xlabel(CHANNELS["wear_rail_u"].label)
-        figure.suptitle(dataset.attrs["title"], x=0.01, ha="left", fontsize=8.5)
-        figure.legend(handles=_legend([]), loc="outside lower center", ncols=2)
+    figure = new_figure(FULL_WIDTH, 100.0)
+    left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(1.0, 1.15)))  # type: ignore[arg-type]
+    shakedown_map(left.subplots(), dataset)
+    for axes, name in zip(right.subplots(2, 1, sharex=True), ("wear_rail_energy", "rail_damage"), strict=True):
+        _over_profile(axes, dataset, name, "rail")
+        words = {
+            "wear_rail_energy": "T-gamma over the width of the rail [N/mm]",
+            "rail_damage": "Damage of the rail [1]",
+        }
+        axes.set_title(f"{words[name]}, one passage")
+    axes.set_xlabel(CHANNELS["wear_rail_u"].label)
+    figure.suptitle(dataset.attrs["title"], x=0.01, ha="left", fontsize=8.5)
+    figure.legend(handles=_legend([]), loc="outside lower center", ncols=2)
     return figure
 
 

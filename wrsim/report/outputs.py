@@ -183,9 +183,9 @@ def draw_patches(dataset: xr.Dataset, at: list[str], directory: Path) -> list[Pa
 
 def draw_profile(profile: Profile, picture: Path, reports: Sequence[SmoothingReport]) -> Path:
     """A profile with slope and curvature, and what smoothing did to it."""
-    from wrsim.plots.profile import profile_picture
+    from wrsim.plots.profile import profile_figure
 
-    return profile_picture(profile, picture, reports)
+    return _drawn(profile_figure(profile, reports), picture)
 
 
 def draw_track(track: Track, picture: Path) -> Path:
@@ -197,9 +197,9 @@ def draw_track(track: Track, picture: Path) -> Path:
 
 def draw_vehicle(vehicle: Vehicle, picture: Path) -> Path:
     """A vehicle from three sides."""
-    from wrsim.plots.vehicle import vehicle_picture
+    from wrsim.plots.vehicle import vehicle_figure
 
-    return vehicle_picture(sketch_of(vehicle), picture)
+    return _drawn(vehicle_figure(sketch_of(vehicle)), picture)
 
 
 def draw_loops(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest], path: Path) -> Path:
