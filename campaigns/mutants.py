@@ -29,7 +29,7 @@ CONFIG = """[cosmic-ray]
 module-path = "{package}"
 timeout = 900.0
 excluded-modules = []
-test-command = "{python} -m pytest -x -q -p no:cacheprovider {tests}"
+test-command = "{command}"
 [cosmic-ray.distributor]
 name = "local"
 """
@@ -49,15 +49,17 @@ def main() -> None:
     for name in ("wrsim", "tests", "models", "scenarios", "campaigns", "docs"):
         shutil.copytree(name, place / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy("pyproject.toml", place)
-    (place / "config.toml").write_text(
-        CONFIG.format(package=options.package, python=sys.executable, tests=" ".join(options.tests))
-    )
+    tests = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *options.tests]
+    (place / "config.toml").write_text(CONFIG.format(package=options.package, command=" ".join(tests)))
 
-    def cosmic_ray(command: str) -> None:
-        words = [sys.executable, "-m", "cosmic_ray.cli", command, "config.toml", "session"]
+    def run(words: list[str]) -> None:
         paths = os.pathsep.join([str(place), os.environ.get("PYTHONPATH", "")])
         subprocess.run(words, cwd=place, env=os.environ | {"PYTHONPATH": paths}, check=True)
 
+    def cosmic_ray(command: str) -> None:
+        run([sys.executable, "-m", "cosmic_ray.cli", command, "config.toml", "session"])
+
+    run(tests)  # they must pass where nothing is changed
     cosmic_ray("init")
     with closing(sqlite3.connect(place / "session")) as session:
         every = session.execute("SELECT job_id, operator_name FROM mutation_specs ORDER BY module_path, start_pos_row")
