@@ -1,1 +1,1 @@
-"""Track from the recording car: what its systems measure, how that is undone, what was designed and what is left."""
+"""Track from the recording car: transfer functions of its systems, their inversion, designed track, irregularities."""

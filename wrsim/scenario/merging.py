@@ -139,6 +139,8 @@ def value_at(data: Any, path: KeyPath) -> Any:
     return reduce(getitem, path, data)
 
 
+# --- track files ----------------------------------------------------------------------------------------------------
+
 FILE = "file"
 
 

@@ -1,1 +1,1 @@
-"""Vehicles: plain data (`wheelset`) and their files (`files`)."""
+"""Vehicles: plain data (`wheelset`, `vehicle`) and their files (`vehicle_files`, `train_files`)."""

@@ -115,6 +115,8 @@ def _at(arm: Array) -> Array:
     return np.hstack([np.eye(3), turn])
 
 
+# --- loads that press friction surfaces together --------------------------------------------------------------------
+
 LEAST = 1e-6
 """Part of the vehicle's weight that an element must carry at rest to press anything together."""
 
@@ -158,6 +160,8 @@ def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[in
         found.append((i, (float(x), float(y), float(z))))
     return found
 
+
+# --- masses that are carried ----------------------------------------------------------------------------------------
 
 SKEWEST = 0.1
 """Largest product of inertia of a body with what it carries, over the root of the product of the moments of inertia

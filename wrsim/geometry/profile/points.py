@@ -230,6 +230,8 @@ def profile_from_curve(curve: Callable[..., Array], t: Array, name: str, kind: K
     )
 
 
+# --- smoothing of measured points -----------------------------------------------------------------------------------
+
 CUTOFF = 5e-3
 """Usual cut-off wavelength, m. A jump of curvature (arc to straight) spreads over about this length."""
 DEGREE = 5

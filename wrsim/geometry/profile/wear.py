@@ -229,6 +229,8 @@ def _true_lengths(profile: Profile, bridges: NDArray[np.intp]) -> Profile:
     return profile
 
 
+# --- depths from lost areas -----------------------------------------------------------------------------------------
+
 HALVING = sqrt(0.5 * np.log(2.0)) / np.pi
 """Standard deviation of the Gaussian over the wavelength that passes with half its amplitude."""
 REACH = 6.0

@@ -305,6 +305,8 @@ def _size(rates: Array) -> Array:
     return np.asarray(np.sqrt((rates[:, :, :2] ** 2).mean(axis=(1, 2))))
 
 
+# --- sections from a table of points --------------------------------------------------------------------------------
+
 COLUMNS: dict[str, Any] = {
     "at_m": Annotated[float, number(-1e6, 1e6, "m along the track, from where the table is laid")],
     "outward_mm": Annotated[float, number(-1000, 1000, "mm away from the track centre")],

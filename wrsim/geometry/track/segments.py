@@ -234,6 +234,8 @@ def _number(where: str, key: str, value: object) -> float:
     return float(value)
 
 
+# --- grades ---------------------------------------------------------------------------------------------------------
+
 STEEPEST = 0.15
 """Largest grade: 150 per thousand; adhesion railways use up to 80."""
 TIGHTEST = 200.0

@@ -1,6 +1,6 @@
-"""Suspension elements: one file a kind, with its keys in the vehicle file, its law and how it is drawn.
+"""Suspension elements: one class a kind, with its keys in the vehicle file, its law and how it is drawn.
 
-A new kind is a file with a subclass of `ElementTable` and an entry in ``AnyElementTable``. Its ``element`` gives one of
+A new kind is a subclass of `ElementTable` and an entry in ``AnyElementTable``. Its ``element`` gives one of
 the laws that there are (`Spring`: along and about three axes; `Strut`: in one direction), or an `Element` of its own
 with a function in ``core.body.suspension``.
 """

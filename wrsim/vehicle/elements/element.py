@@ -9,12 +9,48 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
+Triple = tuple[float, float, float]
+Table = tuple[tuple[float, float], ...]
 Friction = Literal["coulomb", "fancher", "berg"]
+
+TRACK = "track"
+"""Name of the frame that follows the centre line at constant speed, as a body."""
+GUIDE = "guide frame"
+"""Name of the bogie that a single wheelset leads, as a body: the track frame turned by -ahead kappa about b."""
+ZERO: Triple = (0.0, 0.0, 0.0)
+
+
+@dataclass
+class Tables:
+    """The tables of all elements in one, as the kernel takes them, and the number of unknowns that elements bring."""
+
+    rows: list[tuple[float, float]] = field(default_factory=list)
+    unknowns: int = 0
+    slips: list[int] = field(default_factory=list)
+    """Numbers of the unknowns that belong to sliders."""
+
+    def store(self, table: Table) -> tuple[int, int]:
+        """Add a table; returns its first row and the number of rows."""
+        start = len(self.rows)
+        self.rows.extend(table)
+        return start, len(table)
+
+    def unknown(self) -> int:
+        """Number of one more unknown."""
+        self.unknowns += 1
+        return self.unknowns - 1
+
+    def slip(self, count: int) -> int:
+        """Number of the first of so many unknowns of a slider."""
+        numbers = [self.unknown() for _ in range(count)]
+        self.slips += numbers
+        return numbers[0]
 
 
 @dataclass(frozen=True)
@@ -61,50 +97,6 @@ class Slider:
         if self.distance is not None:
             row.stick = (self.bound + self.friction * at_rest) / self.distance
         row.slip = tables.slip(3 if self.law == "berg" else directions)
-
-
-Table = tuple[tuple[float, float], ...]
-
-
-@dataclass
-class Tables:
-    """The tables of all elements in one, as the kernel takes them, and the number of unknowns that elements bring."""
-
-    rows: list[tuple[float, float]] = field(default_factory=list)
-    unknowns: int = 0
-    slips: list[int] = field(default_factory=list)
-    """Numbers of the unknowns that belong to sliders."""
-
-    def store(self, table: Table) -> tuple[int, int]:
-        """Add a table; returns its first row and the number of rows."""
-        start = len(self.rows)
-        self.rows.extend(table)
-        return start, len(table)
-
-    def unknown(self) -> int:
-        """Number of one more unknown."""
-        self.unknowns += 1
-        return self.unknowns - 1
-
-    def slip(self, count: int) -> int:
-        """Number of the first of so many unknowns of a slider."""
-        numbers = [self.unknown() for _ in range(count)]
-        self.slips += numbers
-        return numbers[0]
-
-
-Array = NDArray[np.float64]
-Triple = tuple[float, float, float]
-
-if TYPE_CHECKING:
-    from typing import Any
-
-TRACK = "track"
-"""Name of the frame that follows the centre line at constant speed, as a body."""
-GUIDE = "guide frame"
-"""Name of the bogie that a single wheelset leads, as a body: the track frame turned by -ahead kappa about b."""
-
-ZERO: Triple = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)

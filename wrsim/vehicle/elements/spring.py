@@ -1,4 +1,5 @@
-"""Springs and dampers along and about three axes at one point: ``kind = "spring"``."""
+"""Springs and dampers along and about three axes: ``kind = "spring"``, ``"anti-roll-bar"``, and a flexible column,
+``"shear-spring"``."""
 
 from __future__ import annotations
 
