@@ -1,14 +1,12 @@
-"""Whatever the pose: finite, pushing, within friction, dissipating; and a load from 1 N to 1 MN is found or refused."""
+"""Whatever the pose: finite, pushing, within friction, dissipating; the same numbers whatever came before."""
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.contacts import HALF_SPACING, PAIRS, RADIUS, bench, contact_of, finite, pair_model, rail_origin, strips_of
+from support.contacts import HALF_SPACING, PAIRS, RADIUS, finite, pair_model, rail_origin, strips_of
 
 from wrsim.contact.settings import Friction
 from wrsim.core.contact import records as k
-from wrsim.scenario.cases import Pose
 
 ALL_BITS = k.STATUS_NOT_REFINED | k.STATUS_PROFILE_END | k.STATUS_TOO_DEEP
 VERY_DEEP = 3e-3  # the approach from which a status says that this is an overlap, not a contact
@@ -101,28 +99,6 @@ def test_the_same_pose_gives_the_same_numbers_whatever_came_before(state):
     # the one number that is meant to be carried over: the strip model's half lengths, for its next call in a run
     for name in k.STRIP.names:
         np.testing.assert_array_equal(strips_of(again)[name], strips_of(contact)[name])
-
-
-@settings(max_examples=60)
-@given(
-    pair=st.sampled_from(sorted(PAIRS)),
-    lateral=st.floats(-8e-3, 9e-3),
-    yaw=st.floats(-0.02, 0.02),
-    load=st.floats(0.0, 6.0).map(lambda x: 10.0**x),
-    friction=st.sampled_from([0.0, 0.3, 2.0]),
-)
-def test_a_load_between_1_newton_and_1_meganewton_is_carried(pair, lateral, yaw, load, friction):
-    stand = bench(pair_model(pair, friction=friction, strips=20, cells=10))
-    solved = stand.solve(Pose("any", lateral, yaw, load))
-    contact = contact_of(stand)
-    if solved.message:
-        # refused with a reason, never with numbers that look good
-        assert "load" in solved.message or "contact" in solved.message
-        return
-    assert np.isfinite([solved.height, solved.roll]).all()
-    assert stand.force[2] == pytest.approx(load, rel=1e-6)
-    assert contact.normal_force > 0.0
-    assert finite(contact.patches)
 
 
 def test_zero_friction_and_no_tangential_model_are_the_same():

@@ -73,18 +73,6 @@ def test_a_round_wheel_on_a_plane_is_hertz():
     assert region.x[1] - region.x[0] == pytest.approx(2.0 * ellipse.a, rel=0.01)
 
 
-def test_force_grows_steadily_with_the_approach():
-    model = pair_model("S1002/60E1 1:40", **FRICTIONLESS)
-    b = pose_solver(**FRICTIONLESS)
-    b.solve(Pose("start", 0.0, 0.0, 5e3))
-    pose = b.wheels[0].model.arrays.pose.copy()
-    forces = []
-    for depth in np.linspace(0.0, 60e-6, 13):
-        pose[2] -= depth - (0.0 if not forces else np.linspace(0.0, 60e-6, 13)[len(forces) - 1])
-        forces.append(solve(model, pose, HalfSpace(element=(3e-4, 3e-4))).normal_force)
-    assert (np.diff(forces) > 0.0).all()
-
-
 # CONTACT's published cases
 
 
@@ -262,16 +250,6 @@ def test_forces_are_the_sum_over_the_patch():
     assert contact.force == pytest.approx(sum(p.force for p in contact.patches))
 
 
-@pytest.mark.parametrize("lateral", [0.0, 6.6e-3])
-def test_the_other_wheel_is_the_mirror_image(lateral):
-    model = pair_model("S1002/60E1 1:40", **EXACT)
-    left, right = (HalfSpacePoseSolver(bench(model, sides=(side,)).wheels, True, 0.46) for side in (1, -1))
-    left.solve(Pose("", lateral, 0.003, 50e3))
-    right.solve(Pose("", -lateral, -0.003, 50e3))
-    assert right.force * [1.0, -1.0, 1.0] == pytest.approx(left.force, rel=1e-6, abs=1e-2)
-    assert right.moment * [-1.0, 1.0, -1.0] == pytest.approx(left.moment, rel=1e-6, abs=1e-2)
-
-
 def test_a_wheelset_finds_its_roll():
     b = HalfSpacePoseSolver(
         bench(pair_model("S1002/60E1 1:40", **EXACT), sides=(1, -1)).wheels, True, 0.46, HalfSpace(resolution=16)
@@ -281,16 +259,6 @@ def test_a_wheelset_finds_its_roll():
     assert b.force[2] == pytest.approx(110e3, rel=1e-4)
     assert abs(b.moment[0]) < 1e-3 * 110e3 * HALF_SPACING
     assert 0.0 < solved.roll < 1e-3
-
-
-def test_a_scaled_wheel_on_a_scaled_rail():
-    # all lengths x 2: the same pressures, forces x 4
-    small = contact_model(round_wheel(0.2), flat_rail(), radius=0.4, **EXACT)
-    large = contact_model(round_wheel(0.4), flat_rail(), radius=0.8, **EXACT)
-    one = solve(small, lowered(0.4, 0.05e-3, yaw=2e-3, speed=10.0), HalfSpace(resolution=30))
-    two = solve(large, lowered(0.8, 0.10e-3, yaw=2e-3, speed=10.0), HalfSpace(resolution=30))
-    assert two.patches[0].p0 == pytest.approx(one.patches[0].p0, rel=3e-3)
-    assert two.force == pytest.approx(4.0 * one.force, rel=5e-3, abs=5e-3 * two.normal_force)
 
 
 def test_contacts_grow_together_without_jumps():
