@@ -177,6 +177,7 @@ def test_results_of_other_analyses_have_reports_too() -> None:
     text = page_of(Result(static_poses()))
     assert 'id="pictures"' in text and 'id="contacts"' in text
     assert text.count("data:image/svg+xml;base64") == 1
+    assert page_of(Result(static_poses()), Result(static_poses())).count("data:image/svg+xml;base64") == 2
 
 
 def test_two_results_stand_beside_each_other() -> None:

@@ -88,7 +88,9 @@ def report_page(
             ],
             "tracks": [_track(r.dataset, own) for r, own in zip(results, found, strict=True)],
             "data": charts,
-            "pictures": [] if charts else [as_picture(name, make()) for name, make in _standard(results).items()],
+            "pictures": []
+            if charts
+            else [as_picture(name, make()) for name, make in _standard(results, names).items()],
             "cards": tables.cards(results, names),
             "curves": tables.curves(results, names),
             "numbers": tables.numbers(results, names),
@@ -160,20 +162,20 @@ def _histories(results: Sequence[Result], names: Sequence[str], found: Sequence[
     """Pictures of histories for print and for readers without scripts; several results over each other: the wheelset
     that has the largest Y/Q in the first of them."""
     if len(results) == 1:
-        return ({"as assessed": partial(history_figure, found[0])} if found[0] else {}) | _standard(results)
+        return ({"as assessed": partial(history_figure, found[0])} if found[0] else {}) | _standard(results, names)
     worst = worst_wheelset(results[0].dataset)
     having = [(r.dataset, name) for r, name in zip(results, names, strict=True) if worst in wheelsets(r.dataset)]
     datasets = [of_wheelset(dataset, worst) for dataset, _ in having]
     return {f"wheelset {worst}": partial(overlay_figure, datasets, [name for _, name in having])}
 
 
-def _standard(results: Sequence[Result]) -> dict[str, Callable[[], Figure]]:
+def _standard(results: Sequence[Result], names: Sequence[str]) -> dict[str, Callable[[], Figure]]:
     """The standard pictures of results, but those of contacts and wear, which have sections of their own."""
     return {
-        f"{r.title}: {name}" if len(results) > 1 else name: make
-        for r in results
-        for name, make in standard_figures(r.dataset).items()
-        if not name.endswith(("patches", "sections", "wear", "fatigue"))
+        f"{name}: {picture}" if name else picture: make
+        for r, name in zip(results, names, strict=True)
+        for picture, make in standard_figures(r.dataset).items()
+        if not picture.endswith(("patches", "sections", "wear", "fatigue"))
     }
 
 
