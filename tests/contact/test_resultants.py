@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from support.contacts import HALF_SPACING, RADIUS, columns, finite, pair_model, rail_origin, strips_of
 
+from wrsim.contact.channels import WheelOnRail, wheel_outline
+
 SPEED = 20.0
 PLACES = [(0.0, 0.0), (6e-3, 0.003), (7.5e-3, -0.01)]
 
@@ -158,3 +160,14 @@ def test_damping_never_pulls(rate):
     assert not contact.force.any() and not contact.moment.any()
     assert contact.wear_number == 0.0
     assert model.arrays.total["patches"] == 0.0
+
+
+def test_the_drawn_wheel_is_its_profile_where_it_stands():
+    model = pair_model("S1002/60E1 1:40")
+    _, origin, *_ = evaluate(model, 2e-3, 0.0)
+    across, up = wheel_outline(WheelOnRail(model, 1, HALF_SPACING, (0.0, 0.0)))
+    u, w = model.wheel.at(np.linspace(0.0, model.wheel.length, across.size))
+    # the back of the flange is cut off at its highest point
+    seen = slice(int(np.argmax(w[: w.argmin() + 1])), None)
+    np.testing.assert_allclose(across[seen] - origin[1], u[seen], atol=1e-7)
+    np.testing.assert_allclose(up[seen] - origin[2] + RADIUS, w[seen], atol=1e-7)
