@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from wrsim.analysis import run
-from wrsim.analysis.motion.between import Between
+from wrsim.analysis.motion.intersample_peaks import Between
 from wrsim.scenario.loading import load
 
 SCENARIO = Path(__file__).parents[2] / "scenarios/lrv_curve.toml"

@@ -14,8 +14,8 @@ from wrsim.analysis.compare import compare
 from wrsim.analysis.compare_tables import report_of
 from wrsim.analysis.motion import monitor as monitors
 from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.messages import event_words
 from wrsim.analysis.motion.monitor import MANY, Monitor
-from wrsim.analysis.motion.words import event_words
 from wrsim.analysis.resolve import resolve
 from wrsim.contact.kernel_arrays import KernelArrays
 from wrsim.contact.status import NOT_CONVERGED, WORDS

@@ -12,10 +12,10 @@ from support.runs import SCENARIOS
 from wrsim.analysis.stability.cycles import CycleSearch
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.analysis.stability.run import run_stability
+from wrsim.analysis.stationary.statics import static_state
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.scenario.sections.stability import StabilityPlan
-from wrsim.simulation.statics import standing
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.preload import preloads
 
@@ -44,7 +44,7 @@ def growth(conicity: float = 0.3, yaw_dampers: bool = True) -> float:
 def test_its_springs_carry_the_masses_of_the_source():
     vehicle = setup().vehicle
     total = 40840.0 + 2.0 * 2280.0 + 4.0 * 1901.8
-    loads = standing(vehicle).wheel_loads
+    loads = static_state(vehicle).wheel_loads
     assert loads == pytest.approx(np.full((4, 2), total * vehicle.gravity / 8.0), rel=1e-9)
     up = {e.name: own.force[-1] for e, own in zip(vehicle.elements, preloads(vehicle), strict=True)}
     air = [abs(force) for name, force in up.items() if "air spring" in name]
@@ -58,7 +58,7 @@ def test_under_a_load_it_sinks_by_both_stages_in_series():
     force = 10e3
     load = Load.constant("load", "carbody", (0.0, 0.0, -force), (0.0, 0.0, 1.52))
     places = [body.name for body in vehicle.bodies]
-    sunk = standing(replace(vehicle, loads=(load,))).moved[places.index("carbody")][1]
+    sunk = static_state(replace(vehicle, loads=(load,))).moved[places.index("carbody")][1]
     assert -sunk == pytest.approx(force / (4 * 260e3) + force / (8 * 1176e3), rel=1e-3)
 
 

@@ -10,15 +10,15 @@ import pytest
 from support.runs import SCENARIOS
 
 from wrsim.analysis import run
+from wrsim.analysis.motion.messages import event_words
 from wrsim.analysis.motion.monitor import Monitor
-from wrsim.analysis.motion.words import event_words
+from wrsim.analysis.stationary.statics import static_state
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.statics import standing
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import Vehicle
@@ -41,7 +41,7 @@ def spring_line(force: float) -> float:
 @pytest.mark.parametrize("name,mass", [("freight_r300", TARE), ("freight_r300_laden", TARE + COAL)])
 def test_wheel_loads_and_springs_carry_the_weight(name: str, mass: float) -> None:
     vehicle = wagon(name)
-    np.testing.assert_allclose(standing(vehicle).wheel_loads, mass * G / 8.0, rtol=1e-9)
+    np.testing.assert_allclose(static_state(vehicle).wheel_loads, mass * G / 8.0, rtol=1e-9)
     at_rest = dict(zip((e.name for e in vehicle.elements), preloads(vehicle), strict=True))
     box = (mass - 4.0 * WHEELSET) * G / 8.0
     assert at_rest["front.primary outer left"].force[0] == pytest.approx(-box, rel=1e-9)
@@ -54,7 +54,7 @@ def test_under_its_load_the_empty_wagon_sinks_onto_its_inner_springs_and_its_gui
     """On the way down friction pushes up with mu tan(20 deg) times the spring's force."""
     vehicle = wagon()
     coal = Load.constant("coal", "carbody", (0.0, 0.0, -COAL * G), (0.0, 0.0, 1.95))
-    down = standing(replace(vehicle, loads=(coal,))).moved[vehicle.names.index("front.frame") - 4, 1]
+    down = static_state(replace(vehicle, loads=(coal,))).moved[vehicle.names.index("front.frame") - 4, 1]
     empty, laden = ((mass - 4.0 * WHEELSET) * G / 8.0 for mass in (TARE, TARE + COAL))
     expected = spring_line(laden / (1.0 + FRICTION)) - spring_line(empty)
     assert -down == pytest.approx(expected, abs=2e-5)  # and the supports give way by micrometres

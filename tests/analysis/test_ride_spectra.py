@@ -14,9 +14,8 @@ from support.synthetic_run import run, with_points
 from typer.testing import CliRunner
 
 from wrsim.analysis.ride import evaluate_ride
-from wrsim.analysis.ride.comfort import comfort
+from wrsim.analysis.ride.comfort import WEIGHTINGS, comfort, weighted
 from wrsim.analysis.ride.spectra import spectrum, third_octaves
-from wrsim.analysis.ride.weighting import WEIGHTINGS, weighted
 from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.results import Result

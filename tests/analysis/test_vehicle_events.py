@@ -9,9 +9,8 @@ import pytest
 from support.vehicles import ROOT, SHORT, into_the_curve
 
 from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.messages import OffRail, event_words
 from wrsim.analysis.motion.monitor import Monitor
-from wrsim.analysis.motion.outcomes import OffRail
-from wrsim.analysis.motion.words import event_words
 from wrsim.plots import standard_figures
 from wrsim.plots.style import save
 from wrsim.scenario.build import build

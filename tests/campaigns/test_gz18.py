@@ -14,9 +14,9 @@ from support.scripts import script
 from wrsim.analysis import run
 from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.start import start_state
+from wrsim.analysis.stationary.statics import static_state
 from wrsim.analysis.steady.steady import steady_in_curve
 from wrsim.scenario.build import build
-from wrsim.simulation.statics import standing
 
 gz18 = script("campaigns/gz18.py")
 theirs = script("campaigns/gz18_contact_law.py")
@@ -103,7 +103,7 @@ def test_their_hertz_is_hertz():
 def test_independent_wheels_of_the_source_roll_on_straight_track_as_it_says(tmp_path):
     """49 287.489 N a wheel and 38.782287 rad/s at 60 km/h in its start state."""
     setup = build(gz18.scenario(tmp_path, "r300", car="irw"))
-    assert standing(setup.vehicle).wheel_loads == pytest.approx(np.full((4, 2), 49287.489), rel=1e-6)
+    assert static_state(setup.vehicle).wheel_loads == pytest.approx(np.full((4, 2), 49287.489), rel=1e-6)
     law = force_law(setup)
     q, q_t = start_state(setup, law)
     law(0.0, q, q_t, np.zeros(law.size))

@@ -12,8 +12,8 @@ from support.vehicles import manchester
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.design import design_state
+from wrsim.simulation.implicit import Integrator
 from wrsim.simulation.integrate import integrate
-from wrsim.simulation.integrators import Integrator
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import System
 from wrsim.vehicle.elements import TRACK, Element, PlaneFriction, Slider, Spring, Strut, Triple

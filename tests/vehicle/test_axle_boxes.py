@@ -10,13 +10,13 @@ from support.boxes import displaced, on_springs, rows
 from support.vehicle_texts import fault
 from support.vehicles import ROOT, manchester
 
+from wrsim.analysis.stationary.statics import static_state
 from wrsim.core.body import vehicle_forces
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
-from wrsim.simulation.statics import standing
 from wrsim.vehicle.bogies import level_of
 from wrsim.vehicle.elements import Element, Spring
 from wrsim.vehicle.preload import preloads
@@ -153,7 +153,7 @@ def test_the_bushing_carries_the_levers_share_of_a_spring_on_the_arm() -> None:
 def test_static_wheel_loads_and_the_primary_springs_are_those_of_the_source() -> None:
     """68 295.994 N a wheel, 59 290.4 N a primary spring, 74 926.3 N an air spring: ORVD 4706df9."""
     vehicle = gz18()
-    assert standing(vehicle).wheel_loads == pytest.approx(np.full((4, 2), 68295.994), rel=1e-7)
+    assert static_state(vehicle).wheel_loads == pytest.approx(np.full((4, 2), 68295.994), rel=1e-7)
     found = {e.name: own.force for e, own in zip(vehicle.elements, preloads(vehicle), strict=True)}
     for name, force in found.items():
         expected = 59290.4 if ".primary" in name else 74926.3 if ".air" in name else 0.0

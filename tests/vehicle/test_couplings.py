@@ -10,8 +10,7 @@ import pytest
 from support.boxes import displaced, on_springs, rows
 from support.vehicles import coaches, manchester
 
-from wrsim.analysis.motion.outcomes import Event
-from wrsim.analysis.motion.words import event_words
+from wrsim.analysis.motion.messages import Event, event_words
 from wrsim.core.body import vehicle_forces
 from wrsim.simulation.design import design_state
 from wrsim.simulation.force_law import Block, force_derivative

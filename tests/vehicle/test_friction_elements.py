@@ -14,8 +14,8 @@ from wrsim.core.body.friction import STUCK
 from wrsim.errors import InputError
 from wrsim.simulation.design import design_state
 from wrsim.simulation.force_law import force_derivative
+from wrsim.simulation.implicit import Integrator
 from wrsim.simulation.integrate import integrate
-from wrsim.simulation.integrators import Integrator
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes

@@ -11,10 +11,10 @@ import pytest
 from support.vehicles import ROOT, manchester
 from typer.testing import CliRunner
 
+from wrsim.analysis.stationary.statics import canted, static_state
 from wrsim.cli import app
 from wrsim.errors import SimulationError
 from wrsim.inputs.lookup import Finder, shipped_models
-from wrsim.simulation.statics import leaning, standing
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
 
@@ -34,14 +34,14 @@ def roll_moment(vehicle: Vehicle, loads: np.ndarray) -> float:
 
 def test_wheel_loads_on_canted_rails_balance_the_weight_where_it_has_moved_to():
     vehicle = manchester()
-    found = standing(leaning(vehicle, ANGLE))
+    found = static_state(canted(vehicle, ANGLE))
     assert found.wheel_loads.sum() == pytest.approx(vehicle.weight * cos(ANGLE), rel=1e-9)
     moment = sum(m.mass * vehicle.gravity * sin(ANGLE) * m.wheelset.mean_radius for m in vehicle.wheelsets)
     for body, (y, z, _) in zip(vehicle.bodies, found.moved, strict=True):
         weight = body.mass * vehicle.gravity
         moment += weight * (sin(ANGLE) * (body.centre[2] + z) + cos(ANGLE) * y)
     assert roll_moment(vehicle, found.wheel_loads) == pytest.approx(moment, rel=1e-5)
-    other = standing(leaning(vehicle, -ANGLE))
+    other = static_state(canted(vehicle, -ANGLE))
     assert found.wheel_loads == pytest.approx(other.wheel_loads[:, ::-1], rel=1e-9)
     # rails canted to the left turn the bodies outward, to the left: roll is positive to the right
     assert (found.moved[:, 2] < 0.0).all() and found.moved[0, 2] < found.moved[1, 2]
@@ -49,7 +49,7 @@ def test_wheel_loads_on_canted_rails_balance_the_weight_where_it_has_moved_to():
 
 def test_what_is_carried_leans_as_a_rigid_body_does():
     vehicle = shipped("wheelset_s1002")
-    found = standing(leaning(vehicle, ANGLE))
+    found = static_state(canted(vehicle, ANGLE))
     (mounted,), (carried,) = vehicle.wheelsets, vehicle.carried
     radius = mounted.wheelset.mean_radius
     heights = vehicle.gravity * (mounted.mass * radius + carried.mass * (radius + carried.height))
@@ -59,7 +59,7 @@ def test_what_is_carried_leans_as_a_rigid_body_does():
 def test_a_twisted_track_unloads_wheels_by_the_stiffness_between_its_axles():
     # k = 3646 kN/m at 0.62 m to either side of each axle, which rolls against a level frame (Cooperrider 1972)
     vehicle = shipped("cooperrider_bogie")
-    found, static = standing(vehicle, TWIST), standing(vehicle)
+    found, static = static_state(vehicle, TWIST), static_state(vehicle)
     tilt = TWIST * 1.074
     force = 2.0 * 3646e3 * 0.62**2 * tilt / 1.462
     change = found.wheel_loads - static.wheel_loads
@@ -68,7 +68,7 @@ def test_a_twisted_track_unloads_wheels_by_the_stiffness_between_its_axles():
 
 def test_a_twist_turns_no_vehicle_and_works_alike_both_ways():
     vehicle = manchester()
-    one, other, half = (standing(vehicle, twist).wheel_loads for twist in (TWIST, -TWIST, 0.5 * TWIST))
+    one, other, half = (static_state(vehicle, twist).wheel_loads for twist in (TWIST, -TWIST, 0.5 * TWIST))
     static = vehicle.weight / 8.0
     assert one.sum() == pytest.approx(vehicle.weight, rel=1e-9)
     assert abs(roll_moment(vehicle, one)) < 1e-5 * vehicle.weight
@@ -80,19 +80,19 @@ def test_a_twist_turns_no_vehicle_and_works_alike_both_ways():
 
 def test_more_cant_than_the_weight_can_hold_overturns():
     with pytest.raises(SimulationError, match="overturns"):
-        standing(leaning(manchester(), 0.5))
+        static_state(canted(manchester(), 0.5))
 
 
 def test_the_command_says_sway_and_unloading():
     file = "vehicles/manchester_1.toml"
     asked = ["vehicle", file, "--cant-deficiency", "150", "--twist", "5"]
     found = json.loads(CliRunner().invoke(app, [*asked, "--json"]).stdout)
-    lean = standing(leaning(manchester(), ANGLE))
+    lean = static_state(canted(manchester(), ANGLE))
     own = found["leaning"]
     assert own["roll_deg"]["carbody"] == pytest.approx(-degrees(lean.moved[0, 2]))
     assert own["flexibility_coefficient"]["carbody"] == pytest.approx(-lean.moved[0, 2] / ANGLE)
     assert own["largest_unloading"] == pytest.approx(1.0 - 8.0 * lean.wheel_loads.min() / manchester().weight)
-    twisted = standing(manchester(), TWIST).wheel_loads
+    twisted = static_state(manchester(), TWIST).wheel_loads
     assert found["twisted"]["unloading"]["front.outer"]["right"] == pytest.approx(
         1.0 - 8.0 * twisted[0, 1] / manchester().weight
     )

@@ -10,12 +10,12 @@ from support.vehicle_texts import GOOD
 from support.vehicles import ROOT, manchester
 from typer.testing import CliRunner
 
+from wrsim.analysis.stationary.statics import static_state
 from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
-from wrsim.simulation.statics import standing
 from wrsim.vehicle.bogies import level_of
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import Vehicle
@@ -67,7 +67,9 @@ def test_a_train_is_its_vehicles_one_behind_the_other(tmp_path: Path) -> None:
         found = [p.force for p in preloads(train)[k * len(each) : (k + 1) * len(each)]]
         for a, b in zip(found, each, strict=True):
             np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-6)
-    np.testing.assert_allclose(standing(train).wheel_loads, np.tile(standing(coach).wheel_loads, (3, 1)), rtol=1e-7)
+    np.testing.assert_allclose(
+        static_state(train).wheel_loads, np.tile(static_state(coach).wheel_loads, (3, 1)), rtol=1e-7
+    )
 
 
 def test_vehicles_of_all_kinds_run_either_way_round(tmp_path: Path) -> None:

@@ -9,13 +9,13 @@ import pytest
 from scipy.optimize import minimize
 from support.vehicles import ROOT, manchester, on_track
 
+from wrsim.analysis.stationary.statics import static_state
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import Track
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.statics import standing
 from wrsim.vehicle.loads import Load, Payload
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
@@ -107,7 +107,7 @@ class Coach:
 @pytest.mark.parametrize("force", [1e3, -10e3, 40e3, 80e3])
 def test_a_coach_in_the_wind_tilts_and_unloads_as_calculated_by_hand(force: float) -> None:
     """Below some 10 kN on its springs alone, above on its bump stops, which the body meets at 25 mm."""
-    rest, hand = standing(in_wind(force)), Coach(force)
+    rest, hand = static_state(in_wind(force)), Coach(force)
     y, _, roll = rest.moved[0]
     assert [y, roll] == pytest.approx([hand.car[0], hand.car[2]], rel=1e-3)
     assert rest.moved[1:, 2] == pytest.approx(hand.frame[2], rel=2e-3)
@@ -134,7 +134,7 @@ def test_a_small_load_tilts_a_car_by_its_lever_over_the_roll_stiffness() -> None
     car = Vehicle("car", wheelsets, (body,), elements, loads=(push,))
     lever = 1e3 * (HEIGHT - 0.46 + mass * STANDARD_GRAVITY / (4.0 * 3e6))  # the weight sways with its springs, too
     expected = -lever / (4.0 * k * b * b - mass * STANDARD_GRAVITY * (1.2 - 0.46))
-    assert standing(car).moved[0, 2] == pytest.approx(expected, rel=2e-3)
+    assert static_state(car).moved[0, 2] == pytest.approx(expected, rel=2e-3)
 
 
 @pytest.mark.parametrize("file", [f.name for f in SHIPPED if "lrv" not in f.name])
@@ -150,7 +150,7 @@ def test_a_payload_changes_wheel_loads_by_its_lever_and_leaves_the_vehicle_where
     )  # a push would turn the axle
     aside = 0.0 if given or steered else 10e3
     push = Payload("push", body.name, (0.0, aside * count, -5e3), (body.centre[0], 0.0, HEIGHT))
-    before, after = standing(vehicle), standing(replace(vehicle, payloads=(*vehicle.payloads, push)))
+    before, after = static_state(vehicle), static_state(replace(vehicle, payloads=(*vehicle.payloads, push)))
     gain = after.wheel_loads - before.wheel_loads
     half = 0.5 * np.array([m.wheelset.profile_spacing for m in vehicle.wheelsets])
     held = {end for e in vehicle.elements for end in (e.first, e.second)} & {"track", "guide frame"}
@@ -167,14 +167,14 @@ def test_a_lateral_load_on_an_axle_unloads_its_wheel_by_its_height(file: str) ->
     vehicle = shipped(file)
     axle = vehicle.wheelsets[0]
     push = Load.constant("push", axle.name, (0.0, 10e3, 0.0), axle.centre)
-    gain = standing(replace(vehicle, loads=(push,))).wheel_loads - standing(vehicle).wheel_loads
+    gain = static_state(replace(vehicle, loads=(push,))).wheel_loads - static_state(vehicle).wheel_loads
     expected = 10e3 * axle.height / axle.wheelset.profile_spacing
     assert gain[0] == pytest.approx([expected, -expected], rel=1e-2)
     assert np.abs(gain[1:]).max(initial=0.0) < 1e-2 * expected
 
 
 def test_a_load_in_front_of_the_middle_presses_on_the_front_bogie() -> None:
-    gain = standing(in_wind(5e3, at=4.75)).wheel_loads - standing(manchester()).wheel_loads
+    gain = static_state(in_wind(5e3, at=4.75)).wheel_loads - static_state(manchester()).wheel_loads
     front, rear = gain[:2, 0].sum(), gain[2:, 0].sum()
     # half way to the pivot the lateral force splits 3 to 1; the body's roll is shared alike
     lateral = 0.5 * 5e3 * 0.46 / (2.0 * HALF)
@@ -182,17 +182,17 @@ def test_a_load_in_front_of_the_middle_presses_on_the_front_bogie() -> None:
 
 
 def test_a_vehicle_in_a_storm_lifts_wheels_and_overturns() -> None:
-    near = standing(in_wind(120e3)).wheel_loads
+    near = static_state(in_wind(120e3)).wheel_loads
     assert (near >= 0.0).all() and near[:, 1].max() < 2e3
     with pytest.raises(SimulationError, match="does not come to rest under its loads: it overturns"):
-        standing(in_wind(130e3))
+        static_state(in_wind(130e3))
 
 
 def test_a_table_counts_with_its_largest_force() -> None:
     rows = ((0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 30e3, 0.0), (2.0, 0.0, -5e3, 1e3))
     gust = Load("gust", "carbody", (0.0, 0.0, HEIGHT), rows)
-    found = standing(replace(manchester(), loads=(gust,)))
-    assert found.wheel_loads == pytest.approx(standing(in_wind(30e3)).wheel_loads, rel=1e-9)
+    found = static_state(replace(manchester(), loads=(gust,)))
+    assert found.wheel_loads == pytest.approx(static_state(in_wind(30e3)).wheel_loads, rel=1e-9)
 
 
 CURVE = [Arc(400.0, 300.0, cant=0.1)]

@@ -14,10 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.analysis.motion.derailment import wheels_of
+from wrsim.analysis.motion.derailment import contact_words, wheels_of
 from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.result import stacked
-from wrsim.analysis.motion.words import contact_words
 from wrsim.contact.channels import StripRecorder
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import CHANNELS
@@ -85,7 +84,7 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
         for recorder in recorders:
             recorder.store()
         for wheel in wheels_of(law):
-            said.update(filter(None, [contact_words([(wheel, wheel.status)], setup.vehicle)]))
+            said.update(filter(None, [contact_words([wheel], setup.vehicle)]))
         kept.append(i)
     if not kept:
         raise InputError("no sample of the result has a place on the track of its scenario")

@@ -264,7 +264,7 @@ def _short(values: Any) -> list[float]:
 
 def _modes(result: Result, setup: Setup[Any]) -> dict[str, Any]:
     """Shapes of the modes at some speeds, solved again: amplitudes of all bodies, complex."""
-    from wrsim.analysis.stability.shapes import mode_shapes
+    from wrsim.analysis.stability.rolling import mode_shapes
 
     dataset = result.dataset
     speeds = dataset["pose_speed"].values

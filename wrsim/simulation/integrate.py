@@ -23,7 +23,7 @@ from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
 from wrsim.simulation.force_law import following, positions_of, rails_of
-from wrsim.simulation.integrators import DEFAULT_INTEGRATOR, Integrator
+from wrsim.simulation.implicit import DEFAULT_INTEGRATOR, Integrator
 from wrsim.simulation.recorder import Cause, Checkpoint, Ending, Recorder, Recording, memory_of, recall
 from wrsim.simulation.system import COORDINATES, Array, NotFinite, System, Work
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY

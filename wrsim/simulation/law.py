@@ -18,10 +18,16 @@ from wrsim.core.stages import make_ready
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.force_law import Array, Block
-from wrsim.simulation.layout import RAIL_COORDINATES, Layout
-from wrsim.simulation.suspension_table import suspension_table
 from wrsim.simulation.threads import use_threads
-from wrsim.simulation.vehicle_arrays import arrays_of_wheels, only_read, pieces_of_motion, vehicle_arrays
+from wrsim.simulation.vehicle_arrays import (
+    RAIL_COORDINATES,
+    Layout,
+    arrays_of_wheels,
+    only_read,
+    pieces_of_motion,
+    suspension_table,
+    vehicle_arrays,
+)
 from wrsim.vehicle.loads import Drive
 from wrsim.vehicle.speed import SpeedProfile
 

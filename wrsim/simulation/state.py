@@ -19,8 +19,7 @@ from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import inertia_table
 from wrsim.simulation.design import design_state, turn_gears
 from wrsim.simulation.force_law import ForceLaw, following, groups_in_a_row
-from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, newton, roots
-from wrsim.simulation.relaxation import relax
+from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, newton, relax, roots
 from wrsim.simulation.system import COORDINATES, Array
 
 if TYPE_CHECKING:

@@ -25,8 +25,7 @@ from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid
 from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, force_derivative, units_of
-from wrsim.simulation.implicit import CONTRACTION, SPECTRAL_RADIUS, ImplicitStep, NotSolved
-from wrsim.simulation.integrators import Integrator
+from wrsim.simulation.implicit import CONTRACTION, SPECTRAL_RADIUS, ImplicitStep, Integrator, NotSolved
 
 if not hasattr(sys, "exudynFast") and not os.environ.get("EXUDYN_MODULE"):
     sys.exudynFast = True  # type: ignore[attr-defined]

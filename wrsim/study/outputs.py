@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from wrsim.analysis.assessment.quantities import QUANTITIES
+from wrsim.analysis.assessment.limits import QUANTITIES
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
-from wrsim.analysis.assessment.quantities import QUANTITIES
+from wrsim.analysis.assessment.limits import QUANTITIES
 from wrsim.inputs.section import Fault, Section
 from wrsim.inputs.values import List, Switch, fields, number, positive, refuse, spread, text, words
 from wrsim.results import CHANNELS

@@ -9,13 +9,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.analysis.assessment import quantities as q
+from wrsim.analysis.assessment import limits
 from wrsim.analysis.assessment.axles import Axle, quasi_static
 from wrsim.analysis.assessment.filters import on_raster, sampling_rate
 from wrsim.analysis.assessment.nadal import limit_of
 from wrsim.analysis.assessment.points import Point, points_of
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, counts, sections_of
-from wrsim.analysis.assessment.stops import stop_values
 from wrsim.analysis.assessment.track_quality import track_quality
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
@@ -67,7 +66,7 @@ def assess(
     radii = _mean_radii([s for run in runs for s in run.sections])
     for i in range(len(runs[0].axles)):
         values += quasi_static([(run.axles[i], run.sections) for run in runs], radii)
-    order = list(q.QUANTITIES)
+    order = list(limits.QUANTITIES)
     values.sort(key=lambda v: order.index(v.quantity.key))
     notes = [f"run {run.name}: {words}" if run.name else words for run in runs for words in run.notes]
     if settings.axle_load is None:
@@ -122,8 +121,8 @@ def _run_of(result: Result, settings: AssessmentSettings, name: str, before: int
     if np.any(np.diff(dataset["distance"].values) <= 0.0):
         raise InputError("the result cannot be assessed: the vehicle does not move forward all the time")
     passed = float(np.ptp(dataset["distance"].values))
-    if passed < q.WINDOW:
-        raise InputError(f"the run is {passed:.2f} m long; sliding means are taken over {q.WINDOW:g} m")
+    if passed < limits.WINDOW:
+        raise InputError(f"the run is {passed:.2f} m long; sliding means are taken over {limits.WINDOW:g} m")
     own = sections_of(dataset, settings.section_length, settings.straight_deficiency)
     sections = tuple(
         replace(s, number=before + s.number, run=name, counts=counts(s, settings.admissible_deficiency)) for s in own
@@ -137,7 +136,7 @@ def _run_of(result: Result, settings: AssessmentSettings, name: str, before: int
     )
     nadal = limit_of(dataset, settings, notes)
     if not any(axle.rms.size for axle in axles):
-        notes.append(f"instability: the run is shorter than the window of {q.STABILITY_WINDOW:g} m")
+        notes.append(f"instability: the run is shorter than the window of {limits.STABILITY_WINDOW:g} m")
     if "event_label" in dataset:
         places = zip(dataset["event_distance"].values, dataset["event_label"].values, strict=True)
         notes += [f"event at {place:.1f} m: {label}" for place, label in places]
@@ -214,7 +213,7 @@ def _mean_radii(sections: Sequence[Section]) -> Mapping[str, float]:
 def _signals(axles: Sequence[Axle]) -> xr.Dataset:
     """What was evaluated, against distance: dimensions wheelset, place [m], wheel; not-a-number where none was."""
     first, last = min(a.middles[0] for a in axles), max(a.middles[-1] for a in axles)
-    place = np.arange(first, last + 0.5 * q.STEP, q.STEP)
+    place = np.arange(first, last + 0.5 * limits.STEP, limits.STEP)
 
     def at(a: Axle, of: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
         columns = values.reshape(values.shape[0], -1).T
@@ -231,3 +230,34 @@ def _signals(axles: Sequence[Axle]) -> xr.Dataset:
         },
         coords={"place": place, "wheelset": [a.name for a in axles], "wheel": ["left", "right"]},
     )
+
+
+def stop_values(dataset: xr.Dataset, sections: Sequence[Section]) -> Iterator[Value]:
+    """Largest travel of every bump stop in every section, by the distance of the vehicle's reference body."""
+    if "suspension_stop_max" not in dataset:
+        return
+    distance = dataset["distance"].values
+    names = dataset["suspension"].values
+    ends = np.column_stack([dataset[f"suspension_stop_{end}"].values for end in ("min", "max")])
+    for i in np.flatnonzero(~np.isnan(ends).any(axis=1)):
+        # a stop works along one axis; its travel along the others is zero
+        travel = np.sum([dataset[f"suspension_d{axis}"].isel(suspension=i).values for axis in "xyz"], axis=0)
+        for section in sections:
+            inside = (distance >= section.start) & (distance <= section.end)
+            if not inside.any():
+                continue
+            used = [(extreme / end, abs(extreme), abs(end)) for extreme, end in _extremes(travel[inside], ends[i])]
+            if used:
+                _, value, end = max(used)
+                limit = Limit(end, "vehicle file: end of the bump stop's table", "file")
+                yield Value(limits.QUANTITIES["bump_stop"], section, "", "", float(value), limit, str(names[i]))
+
+
+def _extremes(travel: np.ndarray, ends: np.ndarray) -> list[tuple[float, float]]:
+    """Extreme travel towards either end that lies on its side of the design position; an end at infinity is none."""
+    pairs = ((float(travel.min()), float(ends[0])), (float(travel.max()), float(ends[1])))
+    return [
+        (min(extreme, 0.0) if end < 0.0 else max(extreme, 0.0), end)
+        for extreme, end in pairs
+        if end != 0.0 and np.isfinite(end)
+    ]

@@ -10,9 +10,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.analysis.assessment import limits
-from wrsim.analysis.assessment import quantities as q
-from wrsim.analysis.assessment.filters import low_pass, sampling_rate, sliding_mean, windows
-from wrsim.analysis.assessment.hunting import hunting_frequency, hunting_rms
+from wrsim.analysis.assessment.filters import (
+    hunting_frequency,
+    hunting_rms,
+    low_pass,
+    sampling_rate,
+    sliding_mean,
+    windows,
+)
 from wrsim.analysis.assessment.nadal import longest_stretch
 from wrsim.errors import InputError
 from wrsim.results.assessment import Limit, Section, Value
@@ -63,9 +68,9 @@ class Axle:
         raw_y, raw_q = of_wheels("Y"), of_wheels("Q")
         if not (np.isfinite(raw_y).all() and np.isfinite(raw_q).all()):
             raise InputError("the result cannot be assessed: some of its wheel forces are not numbers")
-        y, load = (low_pass(values, rate, q.CUT_OFF) for values in (raw_y, raw_q))
+        y, load = (low_pass(values, rate, limits.CUT_OFF) for values in (raw_y, raw_q))
         quotient = _quotient(y, load)
-        middles = windows(distance, q.WINDOW, q.STEP)
+        middles = windows(distance, limits.WINDOW, limits.STEP)
         raw_sum = raw_y[:, 0] - raw_y[:, 1]
         frequency = settings.instability_frequency or hunting_frequency(raw_sum, rate)
         stability, rms = hunting_rms(distance, raw_sum, rate, frequency)
@@ -80,12 +85,12 @@ class Axle:
             q=load,
             quotient=quotient,
             middles=middles,
-            sum_y_mean=sliding_mean(distance, y[:, 0] - y[:, 1], middles, q.WINDOW),
+            sum_y_mean=sliding_mean(distance, y[:, 0] - y[:, 1], middles, limits.WINDOW),
             quotient_mean=_mean_of_quotient(distance, quotient, middles),
             stability_middles=stability,
             rms=rms,
             wear=wear,
-            wear_mean=None if wear is None else sliding_mean(distance, wear, middles, q.WINDOW),
+            wear_mean=None if wear is None else sliding_mean(distance, wear, middles, limits.WINDOW),
             attack=dataset["yaw"].values if "yaw" in dataset else None,
             shift=dataset["lateral_shift"].values if "lateral_shift" in dataset else None,
         )
@@ -105,7 +110,7 @@ class Axle:
 
     def _within(self, section: Section) -> NDArray[np.bool_]:
         """Windows of 2 m that lie in a section."""
-        half = 0.5 * q.WINDOW - 1e-6
+        half = 0.5 * limits.WINDOW - 1e-6
         return (self.middles - half >= section.start) & (self.middles + half <= section.end)
 
     def _safety(
@@ -113,7 +118,7 @@ class Axle:
     ) -> Iterator[Value]:
         within = self._within(section)
         if within.any():
-            sum_y = np.abs(np.percentile(self.sum_y_mean[within], [q.LOW, q.HIGH])).max()
+            sum_y = np.abs(np.percentile(self.sum_y_mean[within], [limits.LOW, limits.HIGH])).max()
             yield self.value("sum_Y", section, sum_y, limits.track_shift(self.load, settings.kind))
             for wheel, side in SIDES:
                 quotient = _high(self.quotient_mean[within, side])
@@ -132,8 +137,8 @@ class Axle:
     def _loading(self, section: Section, inside: NDArray[np.bool_]) -> Iterator[Value]:
         for wheel, side in SIDES:
             limit = limits.vertical_force(0.5 * self.load, section.speed)
-            yield self.value("Q", section, np.percentile(self.q[inside, side], q.HIGH), limit, wheel)
-            lowest = np.percentile(self.q[inside, side], q.LOW)
+            yield self.value("Q", section, np.percentile(self.q[inside, side], limits.HIGH), limit, wheel)
+            lowest = np.percentile(self.q[inside, side], limits.LOW)
             yield self.value("unloading", section, 1.0 - lowest / (0.5 * self.load), None, wheel)
 
     def _information(self, section: Section, inside: NDArray[np.bool_]) -> Iterator[Value]:
@@ -142,16 +147,16 @@ class Axle:
             for wheel, side in SIDES:
                 yield self.value("T_gamma", section, self.wear[inside, side].mean(), None, wheel)
                 if within.any():
-                    largest = np.percentile(self.wear_mean[within, side], q.HIGH)
+                    largest = np.percentile(self.wear_mean[within, side], limits.HIGH)
                     yield self.value("T_gamma_max", section, largest, None, wheel)
         if self.attack is not None:
             yield self.value("angle_of_attack", section, abs(np.median(self.attack[inside])), None)
         if self.shift is not None:
-            shift = np.abs(np.percentile(self.shift[inside], [q.LOW, q.HIGH])).max()
+            shift = np.abs(np.percentile(self.shift[inside], [limits.LOW, limits.HIGH])).max()
             yield self.value("lateral_shift", section, shift, None)
 
     def value(self, key: str, section: Section, value: float, limit: Limit | None, wheel: str = "") -> Value:
-        return Value(q.QUANTITIES[key], section, self.name, wheel, float(value), limit, label=self.label)
+        return Value(limits.QUANTITIES[key], section, self.name, wheel, float(value), limit, label=self.label)
 
 
 def quasi_static(runs: Sequence[tuple[Axle, Sequence[Section]]], radii: Mapping[str, float]) -> Iterator[Value]:
@@ -168,25 +173,25 @@ def quasi_static(runs: Sequence[tuple[Axle, Sequence[Section]]], radii: Mapping[
         ]
         lean = [float(np.median(axle.quotient[inside, 1 - outer])) for axle, _, inside, outer in own]
         limit = limits.quasi_static_guiding(radius)
-        reduced = limit is not None and len(own) > 0 and float(np.mean(lean)) > q.LEAN
+        reduced = limit is not None and len(own) > 0 and float(np.mean(lean)) > limits.LEAN
         for (axle, section, inside, outer), inner in zip(own, lean, strict=True):
             wheel = SIDES[outer][0]
             y, load = np.median(axle.y[inside, outer]), np.median(axle.q[inside, outer])
             yield axle.value("Y_qst", section, y, None if reduced else limit, wheel)
             if reduced:
-                yield axle.value("Y_qst_reduced", section, y - q.LEAN_FORCE * (inner - q.LEAN), limit, wheel)
+                yield axle.value("Y_qst_reduced", section, y - limits.LEAN_FORCE * (inner - limits.LEAN), limit, wheel)
             yield axle.value("Q_qst", section, load, limits.quasi_static_vertical(), wheel)
-            yield axle.value("B_qst", section, abs(y) + q.Q_SHARE * load, limits.combined(radius), wheel)
+            yield axle.value("B_qst", section, abs(y) + limits.Q_SHARE * load, limits.combined(radius), wheel)
 
 
 def _high(values: Array) -> float:
     """Percentile 99.85 %; infinite as soon as one value is."""
-    return float(np.percentile(values, q.HIGH)) if np.isfinite(values).all() else np.inf
+    return float(np.percentile(values, limits.HIGH)) if np.isfinite(values).all() else np.inf
 
 
 def _mean_of_quotient(distance: Array, quotient: Array, middles: Array) -> Array:
     """Sliding mean; infinite in windows in which the quotient is."""
     lifted = ~np.isfinite(quotient)
-    mean = sliding_mean(distance, np.where(lifted, 0.0, quotient), middles, q.WINDOW)
-    touched = sliding_mean(distance, lifted.astype(float), middles, q.WINDOW)
+    mean = sliding_mean(distance, np.where(lifted, 0.0, quotient), middles, limits.WINDOW)
+    touched = sliding_mean(distance, lifted.astype(float), middles, limits.WINDOW)
     return np.where(touched > 1e-12, np.inf, mean)

@@ -16,8 +16,9 @@ from math import atan, pi, tan
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfiltfilt
+from scipy.signal import butter, sosfiltfilt, welch
 
+from wrsim.analysis.assessment import limits
 from wrsim.errors import InputError
 
 Array = NDArray[np.float64]
@@ -105,3 +106,28 @@ def _integral(distance: Array, signal: Array, at: Array) -> Array:
     beyond = (at - distance[i]).reshape(*at.shape, *rest)
     slope = (signal[i + 1] - signal[i]) / steps[i].reshape(*at.shape, *rest)
     return np.asarray(whole[i] + beyond * (signal[i] + 0.5 * slope * beyond))
+
+
+BAND = (1.5, 10.0)
+"""Where the frequency of an instability is looked for [Hz]."""
+
+LOWEST = 0.4
+"""Least lower edge of the band [Hz]."""
+
+
+def hunting_frequency(signal: Array, rate: float) -> float:
+    """Frequency of the highest peak of the power spectrum in ``BAND`` [Hz]; rate: samples a second."""
+    length = min(signal.size, max(256, int(4.0 * rate)))
+    frequencies, power = welch(signal, rate, nperseg=length, detrend="linear")
+    inside = (frequencies >= BAND[0]) & (frequencies <= BAND[1])
+    if not inside.any():
+        return 0.5 * sum(BAND)
+    return float(frequencies[inside][np.argmax(power[inside])])
+
+
+def hunting_rms(distance: Array, signal: Array, rate: float, frequency: float) -> tuple[Array, Array]:
+    """Middles of the windows [m] and the rms of the signal in f0 - 2 Hz to f0 + 2 Hz over them."""
+    low = max(frequency - limits.STABILITY_HALF_BAND, LOWEST)
+    narrow = band_pass(signal, rate, low, frequency + limits.STABILITY_HALF_BAND)
+    middles = windows(distance, limits.STABILITY_WINDOW, limits.STABILITY_STEP)
+    return middles, sliding_rms(distance, narrow, middles, limits.STABILITY_WINDOW)

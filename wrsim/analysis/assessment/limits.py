@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS, Limit
+from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS, Limit, Quantity
+from wrsim.results.channels import SHOWN, table
 from wrsim.scenario.sections.assessment import Kind
 
 EN = "EN 14363"
@@ -94,3 +95,29 @@ _BODY: dict[Kind, BodyLimits] = {
 def body(kind: Kind, what: str) -> Limit:
     """Ride characteristics of a car body; what: a field of ``BodyLimits``."""
     return Limit(getattr(_BODY[kind], what), f"{EN}: ride characteristics, {kind}", "mem")
+
+
+CUT_OFF = 20.0
+"""Low-pass of the wheel's forces [Hz]."""
+WINDOW, STEP = 2.0, 0.5
+"""Sliding mean of Sum Y and Y/Q [m]."""
+LOW, HIGH = 0.15, 99.85
+"""Percentiles of largest values."""
+STABILITY_WINDOW, STABILITY_STEP = 100.0, 10.0
+"""Sliding rms of the instability criterion [m]."""
+STABILITY_HALF_BAND = 2.0
+"""f0 - 2 Hz to f0 + 2 Hz."""
+
+LEAN, LEAN_FORCE = 0.4, 50e3
+"""Mean Y/Q of the inner wheel from which Yqst may be reduced, and the force by which for one of it [N]."""
+Q_SHARE = 0.83
+"""Part of Qqst in Bqst."""
+
+RIDE_BAND = (0.4, 10.0)
+"""Band of the accelerations of a car body [Hz]."""
+
+QUANTITIES: dict[str, Quantity] = {
+    row["key"]: Quantity(**row | {"shown": SHOWN[row["shown"]], "quasi_static": row["quasi_static"] == "yes"})
+    for row in table("wrsim.analysis.assessment", "data/quantities.csv")
+}
+"""By their keys, in the order of the tables."""

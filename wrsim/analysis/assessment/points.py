@@ -13,9 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.analysis.assessment import limits
-from wrsim.analysis.assessment import quantities as q
-from wrsim.analysis.assessment.filters import band_pass, low_pass, sampling_rate
-from wrsim.analysis.assessment.hunting import hunting_frequency, hunting_rms
+from wrsim.analysis.assessment.filters import band_pass, hunting_frequency, hunting_rms, low_pass, sampling_rate
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION
 from wrsim.results.assessment import Limit, Section, Value
 from wrsim.results.channels import BOGIE_FRAME, CAR_BODY
@@ -59,7 +57,7 @@ class Point:
         if inside.sum() < 2:
             return
         for key, signal, name in (("body_ay", self.lateral, "lateral"), ("body_az", self.vertical, "vertical")):
-            extremes = np.abs(np.percentile(signal[inside], [q.LOW, q.HIGH])).max()
+            extremes = np.abs(np.percentile(signal[inside], [limits.LOW, limits.HIGH])).max()
             yield self._value(key, section, extremes, limits.body(settings.kind, name))
             mean = np.sqrt((signal[inside] ** 2).mean())
             yield self._value(f"{key}_rms", section, mean, limits.body(settings.kind, f"{name}_rms"))
@@ -68,7 +66,7 @@ class Point:
             yield self._value("body_ay_qst", section, slow, limits.body(settings.kind, "lateral_quasi_static"))
 
     def _value(self, key: str, section: Section, value: float, limit: Limit) -> Value:
-        return Value(q.QUANTITIES[key], section, "", "", float(value), limit, self.name)
+        return Value(limits.QUANTITIES[key], section, "", "", float(value), limit, self.name)
 
 
 def points_of(dataset: xr.Dataset, settings: AssessmentSettings) -> list[Point]:
@@ -93,9 +91,9 @@ def points_of(dataset: xr.Dataset, settings: AssessmentSettings) -> list[Point]:
                 level=level,
                 bogie_mass=float(masses[i]),
                 distance=distance,
-                lateral=band_pass(lateral[:, i], rate, *q.RIDE_BAND),
-                vertical=band_pass(vertical[:, i], rate, *q.RIDE_BAND),
-                slow=low_pass(lateral[:, i], rate, q.CUT_OFF),
+                lateral=band_pass(lateral[:, i], rate, *limits.RIDE_BAND),
+                vertical=band_pass(vertical[:, i], rate, *limits.RIDE_BAND),
+                slow=low_pass(lateral[:, i], rate, limits.CUT_OFF),
                 frequency=frequency,
                 middles=middles,
                 rms=rms,

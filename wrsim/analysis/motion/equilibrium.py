@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.analysis.motion.derailment import pushed
 from wrsim.analysis.motion.forces import force_law, held_by
+from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.monitor import Monitor
-from wrsim.analysis.motion.outcomes import NoSteadyMotion
-from wrsim.analysis.motion.overturning import pushed
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.start import EXACT, PLAY, on_the_rails, shifts
-from wrsim.analysis.motion.words import steady_words
 from wrsim.core.body.kinematics import X, Y
 from wrsim.errors import SimulationError
 from wrsim.simulation.design import design_state

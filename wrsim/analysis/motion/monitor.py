@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.analysis.motion.between import Between
 from wrsim.analysis.motion.derailment import Wheel, overlap, wheels_of
-from wrsim.analysis.motion.outcomes import Event, OffRail, Overlap
-from wrsim.analysis.motion.words import stop_words
+from wrsim.analysis.motion.intersample_peaks import Between
+from wrsim.analysis.motion.messages import Event, OffRail, Overlap, stop_words
 from wrsim.contact.status import bits_of
 from wrsim.core.contact.records import STATUS_TOO_DEEP, STATUS_UNSETTLED
 from wrsim.simulation.integrate import EXPLICIT_PARTS

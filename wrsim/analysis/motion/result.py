@@ -13,17 +13,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wrsim.analysis.contacts import friction_channels
-from wrsim.analysis.motion.couplings import coupling_channels
-from wrsim.analysis.motion.energies import energy_channels, lost_at
-from wrsim.analysis.motion.motions import (
+from wrsim.analysis.motion.body_channels import (
     PointMotion,
     body_channels,
+    coupling_channels,
+    energy_channels,
     guide_channels,
+    lost_at,
     track_channels,
     twist_channels,
     uneven,
 )
-from wrsim.analysis.motion.words import event_words
+from wrsim.analysis.motion.messages import event_words
 from wrsim.contact.channels import RawContacts, StripRecorder, patch_channels, patch_wear_numbers, wheel_channels
 from wrsim.contact.wear.fatigue import fatigue_channels
 from wrsim.contact.wear.losses import ZONES, Losses, ways
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from wrsim.analysis.motion.outcomes import Event
+    from wrsim.analysis.motion.messages import Event
     from wrsim.scenario.build import Setup
     from wrsim.scenario.sections.run import RunPlan
     from wrsim.simulation.integrate import Motion

@@ -14,11 +14,10 @@ import numpy as np
 
 from wrsim.analysis.contacts import contact_at
 from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.motion.messages import NoSteadyMotion, start_words
 from wrsim.analysis.motion.monitor import Monitor
-from wrsim.analysis.motion.outcomes import NoSteadyMotion
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.start import start_state
-from wrsim.analysis.motion.words import start_words
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.simulation.integrate import SEGMENT, integrate, recorded_motion

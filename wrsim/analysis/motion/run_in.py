@@ -13,7 +13,7 @@ import numpy as np
 
 from wrsim.analysis.contacts import contact_at
 from wrsim.analysis.motion.forces import force_law, held_by
-from wrsim.analysis.motion.outcomes import NoSteadyMotion, RunInStopped
+from wrsim.analysis.motion.messages import NoSteadyMotion, RunInStopped
 from wrsim.core.track import path as path_kernels
 from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.simulation.integrate import integrate

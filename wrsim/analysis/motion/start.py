@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.analysis.motion.derailment import derailed
+from wrsim.analysis.motion.derailment import derailed, pushed
 from wrsim.analysis.motion.forces import force_law, held_by
-from wrsim.analysis.motion.outcomes import NoSteadyMotion
-from wrsim.analysis.motion.overturning import pushed
+from wrsim.analysis.motion.messages import NoSteadyMotion
 from wrsim.analysis.motion.run_in import run_in, run_up, straight_before
 from wrsim.errors import SimulationError
 from wrsim.simulation.design import design_state

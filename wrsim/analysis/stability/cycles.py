@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from wrsim.analysis.motion.derailment import contact_words
 from wrsim.analysis.motion.monitor import Monitor
-from wrsim.analysis.motion.words import contact_words
 from wrsim.analysis.stability.rolling import PLACE, RollingVehicle
 from wrsim.simulation.integrate import integrate
 from wrsim.simulation.step import implicit_step
@@ -168,7 +168,7 @@ class CycleSearch:
                 ending = "rest"
         most = int(np.argmax(amplitudes))
         frequency = _frequency(motion.times, lateral[:, most]) if ending in ("cycle", "unsettled") else float("nan")
-        remark = contact_words(zip(monitor.wheels, map(int, said), strict=True), law.vehicle)
+        remark = contact_words(monitor.wheels, law.vehicle, said.tolist())
         cycle = Cycle(speed, branch, amplitudes, frequency, held, ending, message, remark)
         self.found.append(cycle)
         self.report(speed)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from wrsim.analysis.motion.derailment import overlap, wheels_of
+from wrsim.analysis.motion.derailment import contact_words, overlap, pushed, wheels_of
 from wrsim.analysis.motion.forces import force_law
-from wrsim.analysis.motion.outcomes import NoSteadyMotion
-from wrsim.analysis.motion.overturning import pushed
+from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.start import shifts
-from wrsim.analysis.motion.words import contact_words, steady_words
+from wrsim.analysis.stability.modes import Modes, modes_of
 from wrsim.core.contact.records import STATUS_TOO_DEEP
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
@@ -18,10 +18,12 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
 from wrsim.simulation.design import design_state
 from wrsim.simulation.linear import Linearised, linearise
+from wrsim.simulation.modes import mode_name
 from wrsim.simulation.state import lower_on_rails, steady_state
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
+    from wrsim.scenario.sections.stability import StabilityPlan
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.state import Equilibrium
     from wrsim.simulation.system import Array
@@ -64,7 +66,7 @@ class RollingVehicle:
         wheels = wheels_of(law)
         if any(wheel.status & STATUS_TOO_DEEP for wheel in wheels):
             raise SimulationError(steady_words(NoSteadyMotion(overlap(wheels)), law.vehicle))
-        self.remark = contact_words(((wheel, wheel.status) for wheel in wheels), law.vehicle)
+        self.remark = contact_words(wheels, law.vehicle)
         return found.q.copy(), found.q_t.copy()
 
     def _from_design(self) -> Equilibrium:
@@ -82,3 +84,11 @@ class RollingVehicle:
     def linearised(self, speed: float) -> Linearised:
         """Matrices of the small motions about the steady state at a speed [m/s]."""
         return linearise(self.law, self.law.bodies, *self.state(speed))
+
+
+def mode_shapes(setup: Setup[StabilityPlan], speeds: Sequence[float]) -> Iterator[tuple[Modes, list[str]]]:
+    """Modes of the set-up's vehicle at speeds [m/s], each with the names of its modes."""
+    rolling = RollingVehicle(setup, speeds[0])
+    for speed in speeds:
+        found = modes_of(rolling.linearised(speed), speed, len(setup.vehicle.wheelsets), setup.plan.highest)
+        yield found, [mode_name(setup.vehicle, shape) for shape in found.shapes]

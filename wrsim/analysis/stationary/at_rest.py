@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from wrsim.analysis.assessment.sections import CANT_BASE
 from wrsim.analysis.stationary.rotation_test import LIMIT, RATES, RotationTest, rotation_test, turning_bogies
+from wrsim.analysis.stationary.statics import StaticState, canted, static_state
 from wrsim.analysis.stationary.twist_test import UNLOADING_LIMIT, TwistTest, twist_test
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.table import Cell, Column, Table, formatted, quantity
 from wrsim.simulation.modes import natural_modes
-from wrsim.simulation.statics import Standing, leaning, standing
 from wrsim.vehicle.vehicle import Vehicle
 
 Facts = Mapping[str, Any]
@@ -25,7 +25,7 @@ Facts = Mapping[str, Any]
 def facts_at_rest(vehicle: Vehicle, cant_deficiency: float | None = None, twist: float | None = None) -> dict[str, Any]:
     """Numbers of a vehicle at rest; cant_deficiency [mm], twist [per mille]: of tests, none unless given."""
     trimmed = replace(vehicle, loads=())
-    rest = standing(trimmed)
+    rest = static_state(trimmed)
     facts = {
         "name": vehicle.name,
         "source": vehicle.source,
@@ -51,7 +51,7 @@ def facts_at_rest(vehicle: Vehicle, cant_deficiency: float | None = None, twist:
 def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
     """How it stands under its loads; why not, where it does not."""
     try:
-        rest = standing(vehicle)
+        rest = static_state(vehicle)
     except SimulationError as error:
         return {"problem": str(error)}
     stops = [
@@ -116,12 +116,12 @@ def rotation_facts(tests: Sequence[RotationTest]) -> list[dict[str, Any]]:
     ]
 
 
-def leaning_facts(vehicle: Vehicle, level: Standing, deficiency_mm: float) -> dict[str, Any]:
+def leaning_facts(vehicle: Vehicle, level: StaticState, deficiency_mm: float) -> dict[str, Any]:
     """How a vehicle without loads stands on rails canted by so much; level: how it does on level ones."""
     angle = asin(deficiency_mm / 1e3 / CANT_BASE)
     facts = {"cant_deficiency_mm": deficiency_mm}
     try:
-        rest = standing(leaning(vehicle, angle))
+        rest = static_state(canted(vehicle, angle))
     except SimulationError as error:
         return facts | {"problem": str(error)}
     rolls = {b.name: -float(roll) for b, roll in zip(vehicle.bodies, rest.moved[:, 2], strict=True)}
@@ -132,17 +132,17 @@ def leaning_facts(vehicle: Vehicle, level: Standing, deficiency_mm: float) -> di
     return facts | _unloading(vehicle, level, rest) | sway
 
 
-def twisted_facts(vehicle: Vehicle, level: Standing, twist: float) -> dict[str, Any]:
+def twisted_facts(vehicle: Vehicle, level: StaticState, twist: float) -> dict[str, Any]:
     """How it stands on a track of this twist, in parts of a thousand; see `leaning_facts`."""
     facts = {"twist_permille": twist}
     try:
-        rest = standing(vehicle, twist / 1e3 / CANT_BASE)
+        rest = static_state(vehicle, twist / 1e3 / CANT_BASE)
     except SimulationError as error:
         return facts | {"problem": str(error)}
     return facts | _unloading(vehicle, level, rest)
 
 
-def _unloading(vehicle: Vehicle, level: Standing, rest: Standing) -> dict[str, Any]:
+def _unloading(vehicle: Vehicle, level: StaticState, rest: StaticState) -> dict[str, Any]:
     """Wheel loads, and the part of its load on level rails that every wheel has lost."""
     lost = 1.0 - rest.wheel_loads / level.wheel_loads
     loads = wheel_loads(vehicle, rest.wheel_loads)

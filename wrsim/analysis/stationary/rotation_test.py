@@ -12,8 +12,8 @@ from math import asin, radians
 import numpy as np
 from numpy.typing import NDArray
 
+from wrsim.analysis.stationary.statics import SupportedVehicle
 from wrsim.errors import InputError
-from wrsim.simulation.statics import Stand
 from wrsim.vehicle.bogies import Bogie, bogies_of
 from wrsim.vehicle.elements import Element, Strut
 from wrsim.vehicle.vehicle import Vehicle
@@ -67,13 +67,15 @@ def rotation_test(vehicle: Vehicle, bogie: Bogie, rate: float, radius: float = R
     if radius <= half:
         raise InputError(f"{vehicle.name}: a curve of {radius:g} m is no wider than half of its pivots' {2 * half:g} m")
     most = asin(half / radius)
-    stand = Stand(replace(vehicle, loads=(), elements=tuple(_without_series(e) for e in vehicle.elements)))
+    supported = SupportedVehicle(
+        replace(vehicle, loads=(), elements=tuple(_without_series(e) for e in vehicle.elements))
+    )
     level = np.zeros(len(vehicle.wheelsets))
-    static = stand.rest(level).wheel_loads
+    static = supported.rest(level).wheel_loads
     up = np.arange(1, QUARTER + 1) / QUARTER
     part = np.concatenate([[0.0], up, 1.0 - up, -up, up - 1.0, up])
     interval = most / QUARTER / rate
-    moments = [stand.rest(level, (bogie, most * p), interval).moment for p in part]
+    moments = [supported.rest(level, (bogie, most * p), interval).moment for p in part]
     return RotationTest(
         bogie, rate, most * part, np.array(moments), float(static[list(bogie.wheelsets)].sum(axis=1).mean())
     )

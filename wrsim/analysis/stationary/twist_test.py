@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.analysis.assessment.sections import CANT_BASE
-from wrsim.simulation.statics import Stand
+from wrsim.analysis.stationary.statics import SupportedVehicle
 from wrsim.vehicle.bogies import bogies_of
 from wrsim.vehicle.vehicle import Vehicle
 
@@ -90,8 +90,8 @@ def twist_test(vehicle: Vehicle, body: float | None = None, bogie: float | None 
     bogie, both to the same side, in parts of one; those of the standard unless given. Raises SimulationError where
     the vehicle finds no rest.
     """
-    stand = Stand(replace(vehicle, loads=()))
-    ahead = stand.ahead
+    supported = SupportedVehicle(replace(vehicle, loads=()))
+    ahead = supported.ahead
     bogies = bogies_of(vehicle)
     middle = 0.5 * (ahead.max() + ahead.min())
     if len(bogies) > 1:
@@ -111,5 +111,5 @@ def twist_test(vehicle: Vehicle, body: float | None = None, bogie: float | None 
     up = np.arange(QUARTER + 1) / QUARTER
     down = 1.0 - up[1:]
     part = np.concatenate([up, down, -up[1:], -down, up[1:]])
-    loads = [stand.rest(tilt * p / CANT_BASE).wheel_loads for p in part]
+    loads = [supported.rest(tilt * p / CANT_BASE).wheel_loads for p in part]
     return TwistTest(body, bogie, part, np.array(loads))

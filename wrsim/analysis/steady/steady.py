@@ -15,12 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wrsim.analysis.motion.derailment import wheels_of
+from wrsim.analysis.motion.derailment import check_upright, contact_words, resultant, wheels_of
 from wrsim.analysis.motion.forces import force_law
-from wrsim.analysis.motion.outcomes import NoSteadyMotion
-from wrsim.analysis.motion.overturning import check_upright, resultant
+from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.start import enough, on_the_rails, start_state
-from wrsim.analysis.motion.words import contact_words, steady_words
 from wrsim.contact.channels import RawContacts, patch_channels, remarks_channel, wheel_channels
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
@@ -114,7 +112,7 @@ class _Table:
         self._found.append(found)
         self.left[i] = found.left
         self._wheels = law.wheels
-        self.remarks[i] = contact_words(((wheel, wheel.status) for wheel in wheels_of(law)), self.vehicle)
+        self.remarks[i] = contact_words(wheels_of(law), self.vehicle)
         for w, (pair, mounted) in enumerate(zip(law.wheels, self.vehicle.wheelsets, strict=True)):
             for j, wheel in enumerate(pair):
                 self.raw[w].store(i, j, wheel.model)

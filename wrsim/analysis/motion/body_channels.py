@@ -1,4 +1,4 @@
-"""What bodies, points and frames of a vehicle do, and the track under a wheelset: channels from sampled states."""
+"""Channels from sampled states: bodies, points, frames, the track under a wheelset, energies, couplings."""
 
 from __future__ import annotations
 
@@ -6,17 +6,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.core.body import vehicle_forces
 from wrsim.core.body.kinematics import kinematics
-from wrsim.core.body.rigid_body import pitched
+from wrsim.core.body.rigid_body import kinetic_energies, pitched
 from wrsim.core.track import path as path_kernels
-from wrsim.simulation.bodies import accelerations
-from wrsim.simulation.law import SIDES
+from wrsim.simulation.bodies import accelerations, inertia_table
+from wrsim.simulation.law import SIDES, VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
+from wrsim.simulation.system import COORDINATES
+from wrsim.vehicle.couplings import Gear
 from wrsim.vehicle.elements import GUIDE, TRACK
 
 if TYPE_CHECKING:
     from wrsim.geometry.track.track import Track
-    from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
 
 
@@ -146,3 +148,96 @@ def track_channels(track: Track, distance: Array) -> dict[str, Array]:
 def uneven(track: Track, distance: Array) -> Array:
     """Irregularities under the left and the right wheel, to the left and up (n, 2, 2) [m]."""
     return np.stack([np.stack(track.irregularity(side, distance), axis=-1) for side in SIDES], axis=1)
+
+
+Z = COORDINATES.index("z")
+
+
+def energy_channels(law: VehicleOnTrack, q: Array, q_t: Array) -> dict[str, Array]:
+    """Kinetic energy of all bodies, axle boxes and geared motors, and m g z of all bodies, (samples,) [J]."""
+    vehicle, n = law.vehicle, 6 * len(law.bodies)
+    mass = np.array([body.mass for body in law.bodies])
+    kinetic = np.zeros(len(q))
+    kinetic_energies(q, q_t, inertia_table(law.bodies), len(vehicle.wheelsets), kinetic)
+    first = law.size - law.positions
+    for j, (_, box) in enumerate(vehicle.boxes.values()):
+        kinetic += 0.5 * box.inertia[1] * q_t[:, first + j] ** 2
+    for drive, place in zip(vehicle.drives, law.gears.values(), strict=True):
+        kinetic += 0.5 * drive.inertia * q_t[:, place + 1] ** 2
+    for wheelset, twist in law.twists.items():
+        kinetic += 0.125 * law.bodies[wheelset].inertia[1] * q_t[:, twist] ** 2
+    return {"kinetic_energy": kinetic, "potential_energy": vehicle.gravity * q[:, Z:n:6] @ mass}
+
+
+def lost_at(law: VehicleOnTrack, q_t: Array) -> tuple[float, float, float]:
+    """At the state that the law was asked for last: power that creep takes, power that dampers and friction of the
+    suspension and of axles take, and power of the pull along the track [W]; q_t: of that state.
+    """
+    arrays = (wheel.model.arrays for pair in law.wheels for wheel in pair)
+    creep = sum(float(a.total["wear"]) * float(a.pose[6]) for a in arrays)
+    dampers = float(law.elements["loss"].sum() + law.axles["loss"].sum())
+    for wheelset, twist in law.twists.items():
+        torsion = law.vehicle.wheelsets[wheelset].wheelset.torsion
+        dampers += 0.0 if torsion is None else torsion.damping * q_t[twist] ** 2
+    pull = 0.0
+    if law.drive == "train":
+        forces = law.arena.views[vehicle_forces.UNITS]["force"]
+        for force, unit in zip(forces, law.vehicle.units, strict=True):
+            pull += float(force * np.linalg.norm(q_t[6 * unit.reference : 6 * unit.reference + 3]))
+    return creep, dampers, pull
+
+
+def coupling_channels(law: VehicleOnTrack, q: Array, records: Array) -> dict[str, Array]:
+    """Forces of the couplings and how the ends of their vehicles lie to each other, each (samples, couplings).
+
+    q: states (samples, .); records: readings of all elements (samples, elements, 6). Forward, left and up are those in
+    the middle between both bodies, but for the lateral forces: each is along the left of the body that it acts on.
+    """
+    vehicle = law.vehicle
+    names = ("force", "fy_ahead", "fy_behind", "fz", "extension", "offset", "yaw")
+    found = {f"coupling_{name}": np.zeros((len(q), len(vehicle.couplings))) for name in names}
+    numbers = {element.name: i for i, element in enumerate(vehicle.elements)}
+    for c, coupling in enumerate(vehicle.couplings):
+        ahead, behind = _Moved(law, q, coupling.ahead), _Moved(law, q, coupling.behind)
+        force = np.zeros((len(q), 3))  # on the vehicle behind
+        for i in (numbers[name] for name in coupling.elements):
+            element = vehicle.elements[i]
+            if isinstance(element, Gear):
+                line = behind.point(element.ends[1]) - ahead.point(element.ends[0])
+                force -= records[:, i, :1] * line / np.linalg.norm(line, axis=1, keepdims=True)
+            else:
+                force += np.einsum("nk,nkj->nj", records[:, i, :3], ahead.axes)
+        forward, left, up = (_unit(ahead.axes[:, k] + behind.axes[:, k]) for k in range(3))
+        apart = ahead.point(coupling.at) - behind.point(coupling.at)
+        turned = np.cross(behind.axes[:, 0], ahead.axes[:, 0])
+        values = (
+            _along(force, forward), -_along(force, ahead.axes[:, 1]), _along(force, behind.axes[:, 1]),
+            _along(force, up), _along(apart, forward), _along(apart, left), np.arcsin(_along(turned, up)),
+        )  # fmt: skip
+        for name, value in zip(names, values, strict=True):
+            found[f"coupling_{name}"][:, c] = value
+    return found
+
+
+class _Moved:
+    """A body in sampled states: its axes, (samples, 3, 3), forward, left and up in the rows, and where it is."""
+
+    def __init__(self, law: VehicleOnTrack, q: Array, name: str) -> None:
+        i = law.vehicle.index(name)
+        own = q[:, 6 * i : 6 * i + 6]
+        bodies = [pitched(kinematics(at, np.zeros(6)), at[5]) for at in own]
+        self.centre = np.array(law.vehicle.parts[i].centre)
+        self.position = np.array([body.position for body in bodies])
+        self.axes = np.array([(body.forward, body.left, body.up) for body in bodies])
+
+    def point(self, at: tuple[float, float, float]) -> Array:
+        """Where a point of the design position has moved to, (samples, 3)."""
+        return np.asarray(self.position + np.einsum("k,nkj->nj", np.array(at) - self.centre, self.axes))
+
+
+def _along(vectors: Array, direction: Array) -> Array:
+    return np.asarray(np.einsum("nj,nj->n", vectors, direction))
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))

@@ -39,7 +39,7 @@ X, Y, Z, HEADING, ROLL, SPIN = (COORDINATES.index(name) for name in ("x", "y", "
 
 
 @dataclass(frozen=True)
-class Standing:
+class StaticState:
     """wheel_loads: (wheelsets, 2), left and right [N]; moved: of the bodies from the design position, (bodies, 3), to
     the left, up [m] and roll [rad]; readings: forces and travels of the elements, (elements, 6); moment: with which a
     bogie that is turned is held turned, to the left [N m].
@@ -51,7 +51,7 @@ class Standing:
     moment: float = 0.0
 
 
-def leaning(vehicle: Vehicle, angle: float) -> Vehicle:
+def canted(vehicle: Vehicle, angle: float) -> Vehicle:
     """The vehicle on rails that are canted by this angle [rad], the right one higher, in the axes of the track.
 
     Loads at all masses, carried ones and payloads turn their weight to the left: the same as a curve to the right with
@@ -69,17 +69,17 @@ def leaning(vehicle: Vehicle, angle: float) -> Vehicle:
     return replace(vehicle, loads=(*vehicle.loads, *turned))
 
 
-def standing(vehicle: Vehicle, twist: float = 0.0) -> Standing:
+def static_state(vehicle: Vehicle, twist: float = 0.0) -> StaticState:
     """The vehicle at rest under its payloads and loads, those over time or distance at their largest.
 
     twist: by how much the rails turn about the track along it [rad/m]; they are level under the middle of the
     wheelsets and their left side rises ahead. Raises SimulationError when the vehicle finds no rest: it overturns.
     """
-    stand = Stand(vehicle)
-    return stand.rest(twist * (stand.ahead - stand.ahead.mean()))
+    supported = SupportedVehicle(vehicle)
+    return supported.rest(twist * (supported.ahead - supported.ahead.mean()))
 
 
-class Stand(SteadyMotion):
+class SupportedVehicle(SteadyMotion):
     """A vehicle on its supports, from one rest to the next.
 
     Friction goes on from where it has slipped to; a motion between two rests may take its time, for dampers. There is
@@ -119,7 +119,9 @@ class Stand(SteadyMotion):
             q_t[self.positions] = (q[self.positions] - before[self.positions]) / interval
         return q, q_t, turning
 
-    def rest(self, tilt: Array, turned: tuple[Bogie, float] | None = None, interval: float | None = None) -> Standing:
+    def rest(
+        self, tilt: Array, turned: tuple[Bogie, float] | None = None, interval: float | None = None
+    ) -> StaticState:
         """The rest on supports that are turned about the track, tilt (wheelsets,) [rad], positive lifts the left side.
 
         turned: a bogie and by how much its wheelsets are turned to the left about its centre [rad]; then all
@@ -173,4 +175,4 @@ class Stand(SteadyMotion):
             force = -self._vehicle.weight * pushed[numbers]
             levers = own[numbers][:, [X, Y]] - (PLACE + bogie.centre, 0.0)
             moment = float(np.sum(force[:, HEADING] + levers[:, 0] * force[:, Y] - levers[:, 1] * force[:, X]))
-        return Standing(supports.copy(), own[w:, [Y, Z, ROLL]] - self._design, readings, moment)
+        return StaticState(supports.copy(), own[w:, [Y, Z, ROLL]] - self._design, readings, moment)

@@ -1,22 +1,95 @@
-"""Outcomes of runs and searches in words."""
+"""Outcomes of runs and searches as data, and their messages for people."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from wrsim.analysis.motion.outcomes import Event, NoSteadyMotion, OffRail, Overlap, Overturned, RunInStopped
-from wrsim.contact.status import WORDS, status_words
+from wrsim.contact.status import WORDS
 from wrsim.core.contact.wheel_rail import DEEPEST
+from wrsim.errors import SimulationError
 from wrsim.simulation.state import Unbalanced
 
 if TYPE_CHECKING:
-    from wrsim.analysis.motion.derailment import Wheel
     from wrsim.scenario.build import Setup
     from wrsim.scenario.sections.run import RunPlan
     from wrsim.vehicle.vehicle import Vehicle
+
+Side = Literal["left", "right", "outer", "inner"]
+"""Of the track; of a curve."""
+
+
+@dataclass(frozen=True)
+class OffRail:
+    """A wheel that has left its rail.
+
+    how: its flange has climbed over the rail, lifting it by ``amount`` [m]; it has dropped beside the rail, or sunk
+    beside one that changes along the track or into a gap of it; or it has had no contact for ``amount`` [m], 0 where
+    nothing is known of the way.
+    """
+
+    wheelset: str
+    side: str
+    how: Literal["climbed", "dropped", "sunk", "no contact"]
+    amount: float = 0.0
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """A wheel so deep in its rail, ``depth`` [m], that no contact law covers it: a lost solution."""
+
+    wheelset: str
+    side: str
+    depth: float
+
+
+@dataclass(frozen=True)
+class Overturned:
+    """All that acts on the vehicle together points so far beyond a rail [m]."""
+
+    side: Side
+    beyond: float
+
+
+@dataclass(frozen=True)
+class RunInStopped:
+    """The run into the curve stopped, and why in words."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Event:
+    """A wheel without contact, a bump stop beyond the end of its table, a contact with something to say (bit of
+    `wrsim.contact.status`), steps of the integration that had to be cut, a vertical force that the samples miss, an
+    axle that is driven or braked beyond adhesion, or a friction element without a normal force.
+
+    part: name of the wheelset or of the element; start, end: time [s] and distance of the vehicle [m]; missed: the
+    force between samples, and by how much it is beyond those beside it [N].
+    """
+
+    kind: Literal["lift", "stop", "contact", "steps", "between", "spins", "slides", "loose"]
+    part: str
+    start: tuple[float, float]
+    end: tuple[float, float]
+    side: str = ""
+    bit: int = 0
+    missed: tuple[float, float] = (0.0, 0.0)
+
+
+class NoSteadyMotion(SimulationError):
+    """No steady motion was found; ``reason`` says what became of the search."""
+
+    def __init__(self, reason: OffRail | Overlap | Overturned | RunInStopped | SimulationError) -> None:
+        super().__init__(str(reason))
+        self.reason = reason
+
+    @classmethod
+    def of(cls, fault: SimulationError) -> NoSteadyMotion:
+        """What has stopped a search, as such an error; it may be one already."""
+        return fault if isinstance(fault, cls) else cls(fault)
 
 
 def stop_words(outcome: OffRail | Overlap, vehicle: Vehicle, time: float, distance: float) -> str:
@@ -30,7 +103,7 @@ def stop_words(outcome: OffRail | Overlap, vehicle: Vehicle, time: float, distan
 
 def off_rail_words(outcome: OffRail, vehicle: Vehicle) -> str:
     """How a wheel has left its rail."""
-    wheel = _wheel(outcome.side, outcome.wheelset, vehicle)
+    wheel = wheel_words(outcome.side, outcome.wheelset, vehicle)
     if outcome.how == "climbed":
         return f"the flange of {wheel} has climbed over its rail (lifted by {1e3 * outcome.amount:.0f} mm)"
     if outcome.how == "dropped":
@@ -46,15 +119,16 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     """What happened, how far and how long."""
     way, time = event.end[1] - event.start[1], event.end[0] - event.start[0]
     lasted = f"for {way:.2f} m, {1e3 * time:.0f} ms"
+    wheel = wheel_words(event.side, event.part, vehicle)
     if event.kind == "lift":
-        return f"{_wheel(event.side, event.part, vehicle)} is lifted {lasted}"
+        return f"{wheel} is lifted {lasted}"
     if event.kind == "contact":
         at_once = event.end == event.start
-        return f"{_wheel(event.side, event.part, vehicle)}: {WORDS[event.bit]}" + ("" if at_once else f", {lasted}")
+        return f"{wheel}: {WORDS[event.bit]}" + ("" if at_once else f", {lasted}")
     if event.kind == "between":
         force, beyond = (1e-3 * value for value in event.missed)
         return (
-            f"between two samples Q of {_wheel(event.side, event.part, vehicle)} is {force:.4g} kN, {beyond:.3g} kN "
+            f"between two samples Q of {wheel} is {force:.4g} kN, {beyond:.3g} kN "
             "beyond both: a smaller run.output_interval_ms shows what happens there"
         )
     if event.kind in ("spins", "slides"):
@@ -67,15 +141,6 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     if any(event.part in coupling.elements for coupling in vehicle.couplings):
         return f"the stroke of {event.part} is used up {lasted}"
     return f"bump stop {event.part} is beyond the end of its table {lasted}"
-
-
-def contact_words(said: Iterable[tuple[Wheel, int]], vehicle: Vehicle) -> str:
-    """What the contacts of wheels (and their status) have to say; empty when all is well."""
-    return "; ".join(
-        f"{_wheel(wheel.side, wheel.wheelset, vehicle)}: {words}"
-        for wheel, status in said
-        if (words := status_words(status))
-    )
 
 
 def steady_words(problem: NoSteadyMotion, vehicle: Vehicle) -> str:
@@ -122,10 +187,10 @@ def _unequal(vehicle: Vehicle) -> str:
 
 def _overlap_words(outcome: Overlap, vehicle: Vehicle) -> str:
     """A wheel too deep in its rail."""
-    wheel = _wheel(outcome.side, outcome.wheelset, vehicle)
+    wheel = wheel_words(outcome.side, outcome.wheelset, vehicle)
     return f"{wheel} and its rail overlap by {1e3 * outcome.depth:.2g} mm (more than {1e3 * DEEPEST:g} mm)"
 
 
-def _wheel(side: str, wheelset: str, vehicle: Vehicle) -> str:
+def wheel_words(side: str, wheelset: str, vehicle: Vehicle) -> str:
     """ "the left wheel", with the name of its wheelset where there are several."""
     return f"the {side} wheel" + (f" of wheelset {wheelset}" if len(vehicle.wheelsets) > 1 else "")
