@@ -16,7 +16,7 @@ from typing import Any
 
 from bench_vehicle import MODELS, timed
 
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.start import start_state
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load

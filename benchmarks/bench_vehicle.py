@@ -29,7 +29,7 @@ from scipy.interpolate import CubicSpline
 
 from wrsim.analysis import run
 from wrsim.analysis.assessment.filters import low_pass
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.run import chosen_step
 from wrsim.analysis.motion.start import start_state

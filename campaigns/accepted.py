@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 from hostile import TooSlow, until_ctrl_c
 
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.run import chosen_step

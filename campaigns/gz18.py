@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.run import chosen_step
 from wrsim.analysis.motion.start import start_state
 from wrsim.scenario.build import build

@@ -22,7 +22,7 @@ from gz18 import has_tables, steady
 from scipy.interpolate import CubicSpline
 from scipy.special import elliprd, elliprf
 
-from wrsim.analysis.steady import steady as solver
+from wrsim.analysis import steady as solver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics

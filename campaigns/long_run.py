@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any
 
 from wrsim.analysis import run
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion import run as motion_run
-from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
 from wrsim.results import Result, write_run

@@ -128,7 +128,7 @@ ANALYSES = {
         Analysis(
             name="steady",
             tables={"steady": "wrsim.scenario.sections.steady:SteadySection"},
-            run="wrsim.analysis.steady.steady:run_steady",
+            run="wrsim.analysis.steady:run_steady",
             **_shown_by("steady"),
             own_track=True,
         ),

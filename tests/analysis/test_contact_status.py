@@ -12,8 +12,8 @@ from support.runs import SCENARIOS, STEERING
 from wrsim.analysis import run
 from wrsim.analysis.compare import compare
 from wrsim.analysis.compare_tables import report_of
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion import monitor as monitors
-from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.messages import event_words
 from wrsim.analysis.motion.monitor import MANY, Monitor
 from wrsim.analysis.resolve import resolve

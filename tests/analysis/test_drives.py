@@ -13,7 +13,7 @@ from support.scenario_texts import CURVE, faults
 from support.vehicles import COARSE, ROOT, manchester
 
 from wrsim.analysis import run
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.core.body.line_motion import PIECE, motion_at
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load

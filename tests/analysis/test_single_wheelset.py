@@ -11,7 +11,7 @@ from support.runs import FAST, LEADING, SCENARIOS, STEERING, arc, ride, setup_of
 from wrsim.analysis import recorded, run
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.ride import evaluate_ride
-from wrsim.analysis.steady.steady import steady_in_curve
+from wrsim.analysis.steady import steady_in_curve
 from wrsim.plots import standard_pictures
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load

@@ -10,8 +10,8 @@ import pytest
 from support.runs import FAST, SCENARIOS
 
 from wrsim.analysis import run
-from wrsim.analysis.motion.forces import force_law
-from wrsim.analysis.steady.steady import BALANCED, steady_in_curve
+from wrsim.analysis.contacts import force_law
+from wrsim.analysis.steady import BALANCED, steady_in_curve
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc
 from wrsim.plots import standard_pictures

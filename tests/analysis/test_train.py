@@ -17,7 +17,7 @@ from support.vehicles import coaches, manchester, on_track
 from wrsim.analysis import run
 from wrsim.analysis.stability.modes import modes_of
 from wrsim.analysis.stability.rolling import RollingVehicle
-from wrsim.analysis.steady.steady import run_steady
+from wrsim.analysis.steady import run_steady
 from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.plots.vehicle_run import vehicle_figures
 from wrsim.scenario.build import build

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from support.runs import FAST, SCENARIOS, STEERING, setup_of, straight
 
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.motion.start import start_state
 from wrsim.errors import SimulationError

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.vehicles import ROOT, SHORT, into_the_curve
 
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.messages import OffRail, event_words
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.plots import standard_figures

@@ -12,10 +12,10 @@ from support.hertz import COMPLIANCE, Ellipse
 from support.scripts import script
 
 from wrsim.analysis import run
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.stationary.statics import static_state
-from wrsim.analysis.steady.steady import steady_in_curve
+from wrsim.analysis.steady import steady_in_curve
 from wrsim.scenario.build import build
 
 gz18 = script("campaigns/gz18.py")

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from support.runs import FAST, LEADING, setup_of, straight
 
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion import result as motion_result
-from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.run import recorded_run

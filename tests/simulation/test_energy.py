@@ -12,7 +12,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 from support.runs import AXLE_LOAD, LEADING, SCENARIOS, STEERING, arc, cone_ride, ride, setup_of, straight, transition
 
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.start import start_state
 from wrsim.contact.settings import ContactSettings
 from wrsim.geometry.track.segments import Straight

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from support.held import held_state
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings
 from wrsim.geometry.profile.models import load_profile

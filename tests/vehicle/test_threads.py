@@ -10,7 +10,7 @@ from support.vehicles import ROOT
 from typer.testing import CliRunner
 
 import wrsim
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.cli.commands import app
 from wrsim.errors import InputError
 from wrsim.scenario.build import build

@@ -16,7 +16,7 @@ from support.runs import FAST, LEADING, ROOT, SCENARIOS, arc, setup_of, straight
 from support.scenario_texts import CURVE, STATIC, faults
 from support.vehicles import manchester, on_track
 
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.run import run_in_time
 from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.stability.rolling import RollingVehicle

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import contact_words, wheels_of
-from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.result import stacked
 from wrsim.contact.channels import StripRecorder
 from wrsim.errors import InputError, SimulationError

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.analysis.contacts import contact_models, is_frictionless, wheels_on_rails
-from wrsim.analysis.poses.load import Carried, LoadNotReached, height_for_load
+from wrsim.analysis.poses.solver import Carried, LoadNotReached, height_for_load
 from wrsim.contact.channels import (
     POSE_CHANNELS,
     ElementField,

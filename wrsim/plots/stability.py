@@ -99,7 +99,7 @@ def bifurcation_figure(dataset: xr.Dataset) -> Figure:
 
 
 def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:
-    """Amplitude of the wheelset that moves most over speed, from above and from below; hollow where not settled."""
+    """Amplitude of the wheelset that moves most over speed, from above and from below; hollow where not converged."""
     speed = shown(dataset, "cycle_speed")
     amplitude = np.max(shown(dataset, "cycle_amplitude"), axis=1)
     branch, ending = dataset["cycle_branch"].values, dataset["cycle_ending"].values
@@ -111,11 +111,11 @@ def bifurcation(axes: Axes, dataset: xr.Dataset) -> Axes:
             continue
         alive = (amplitude[own] > 0.0) & (ending[own] == "cycle")
         axes.plot(speed[own], np.where(alive, amplitude[own], np.nan), color=colour, linewidth=0.9, gid=name)
-        settled = own[ending[own] != "unsettled"]
-        open_ = own[ending[own] == "unsettled"]
+        converged = ~np.isin(ending[own], ("not converged", "unsettled"))  # the second in older files
+        settled, open_ = own[converged], own[~converged]
         axes.plot(speed[settled], amplitude[settled], mark, color=colour, markersize=4.0, label=name)
         if open_.size:
-            hollow: Any = {"markerfacecolor": "white", "markeredgecolor": colour, "label": f"{name}, not settled"}
+            hollow: Any = {"markerfacecolor": "white", "markeredgecolor": colour, "label": f"{name}, not converged"}
             axes.plot(speed[open_], amplitude[open_], mark, markersize=4.0, **hollow)
     lost = np.flatnonzero(ending == "derailed")
     if lost.size:

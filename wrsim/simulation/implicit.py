@@ -30,12 +30,12 @@ SCALE = np.array([SMALL[name] for name in COORDINATES]) ** -2.0
 """Weights of the coordinates of a body in Broyden's update."""
 
 NEAR, UNSEEN, FORGET = 30.0, 8, 0.9
-"""Forces are foretold, not computed, where what should be left is within the tolerance and their change, also that
+"""Forces are estimated, not computed, where what should be left is within the tolerance and their change, also that
 since the last step, is no more than so many tolerances; at most in so many steps one after the other. What was left in
 a step counts as this part of it in the next."""
 
 MOST_ASTRAY = 2
-"""New Jacobians in a step that foretell less than half of what happens, before the method ends where it is, or fails.
+"""New Jacobians in a step that predict less than half of what happens, before the method ends where it is, or fails.
 """
 
 
@@ -51,13 +51,13 @@ class ImplicitStep:
     function that is called before every residual. q, q_t and q_tt then change together, as they do in an iteration
     (Arnold and Bruls, algorithm 1).
 
-    Last answer: the forces after an iteration differ from those that the Jacobian foretells by a part of the change
-    that it foretells (``ratio``), which shows wherever they are computed, and bends what foretells (Broyden's update,
+    Last answer: the forces after an iteration differ from those that the Jacobian predicts by a part of the change
+    that it predicts (``ratio``), which shows wherever they are computed, and bends the estimate (Broyden's update,
     body by body), not the Jacobian that Exudyn keeps. Where the difference is sure to be within the
-    tolerance they are not computed: what is foretold ends the iteration (the test of Hairer and Wanner, Solving
+    tolerance they are not computed: the estimate ends the iteration (the test of Hairer and Wanner, Solving
     Ordinary Differential Equations II, IV.8).
 
-    Giving up: where new Jacobians foretell nothing, the force jumps, and iterations lead nowhere.
+    Giving up: where new Jacobians predict nothing, the force jumps, and iterations lead nowhere.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class ImplicitStep:
         self.q_of_q_tt = of_acceleration
         self.q_t_of_q_tt = of_acceleration * gamma / (step * beta)
         self.last, self.ahead = np.zeros((2, q.size))
-        self.tolerance, self.may_foretell = tolerance, loosest is not None
+        self.tolerance, self.may_estimate = tolerance, loosest is not None
         self.loosest = tolerance if loosest is None else loosest
         self.steps, self.iteration = 0, -1
         own = np.arange(6 * bodies).reshape(-1, 6)
@@ -87,7 +87,7 @@ class ImplicitStep:
         self.ratio, self.unseen = np.inf, 0
         """The largest part that was left of late, and for how many steps it has not been looked at."""
         self.new, self.astray = False, 0
-        """Whether the Jacobian is of this step, and how often it has foretold nothing."""
+        """Whether the Jacobian is of this step, and how often it has predicted nothing."""
 
     def keep(self) -> None:
         """Take note of the accelerations at the end of a step."""
@@ -108,13 +108,13 @@ class ImplicitStep:
         self.jacobian = derivative / by_q
         self.ratio, self.new = np.inf, True
 
-    def foretells(self, out: Array) -> bool:
-        """Fill ``out`` with the forces that the Jacobian foretells and return True, if that ends the iteration."""
+    def estimates(self, out: Array) -> bool:
+        """Fill ``out`` with the forces that the Jacobian predicts and return True, if that ends the iteration."""
         if self.iteration < 1 or self.jacobian is None:
             return False
         np.dot(self.jacobian, self.q - self.at, out=self.change)
         self.size = float(np.linalg.norm(self.change))
-        if not self.may_foretell:
+        if not self.may_estimate:
             return False
         stuck = self.astray >= MOST_ASTRAY and self.left <= self.loosest
         calm = max(self.size, self.moved if self.iteration == 1 else 0.0) <= NEAR * self.tolerance
@@ -127,7 +127,7 @@ class ImplicitStep:
         return True
 
     def _bend(self, jacobian: Array, left: Array) -> None:
-        """Broyden's update of what foretells, of every body by itself: the Jacobian that would have left nothing."""
+        """Broyden's update of the estimating Jacobian, body by body: the one that would have left nothing."""
         moved, missed = (x[: self.rows.size].reshape(-1, 6) for x in (self.q - self.at, left))
         scaled = SCALE * moved
         scaled /= np.maximum((scaled * moved).sum(axis=1, keepdims=True), 1e-300)

@@ -164,7 +164,7 @@ class System:
         def force(mbs: object, t: float, item: int, q: object, q_t: object) -> Array:
             system = cast(System, reference())
             newton = system._newton
-            if newton is not None and newton.foretells(out):
+            if newton is not None and newton.estimates(out):
                 return out
             system.work.evaluations += 1
             try:
@@ -225,7 +225,7 @@ class System:
         costs four evaluations of the force law.
 
         tolerance: norm of the forces left over [N] with which Newton's method ends; it raises ``NotSolved`` when it
-        does not get there. loosest: where it gets no further; then it may also foretell forces (``ImplicitStep``), by
+        does not get there. loosest: where it gets no further; then it may also estimate forces (``ImplicitStep``), by
         default it computes all of them.
         """
         data = self._mbs.systemData

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.analysis.contacts import force_law, held_by
 from wrsim.analysis.motion.derailment import pushed
-from wrsim.analysis.motion.forces import force_law, held_by
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of

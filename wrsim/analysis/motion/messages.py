@@ -60,6 +60,9 @@ class RunInStopped:
     reason: str
 
 
+EventKind = Literal["lift", "stop", "contact", "steps", "between", "spins", "slides", "loose"]
+
+
 @dataclass(frozen=True)
 class Event:
     """A wheel without contact, a bump stop beyond the end of its table, a contact with something to say (bit of
@@ -70,7 +73,7 @@ class Event:
     force between samples, and by how much it is beyond those beside it [N].
     """
 
-    kind: Literal["lift", "stop", "contact", "steps", "between", "spins", "slides", "loose"]
+    kind: EventKind
     part: str
     start: tuple[float, float]
     end: tuple[float, float]

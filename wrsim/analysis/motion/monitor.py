@@ -15,7 +15,7 @@ import numpy as np
 
 from wrsim.analysis.motion.derailment import Wheel, overlap, wheels_of
 from wrsim.analysis.motion.intersample_peaks import Between
-from wrsim.analysis.motion.messages import Event, OffRail, Overlap, stop_words
+from wrsim.analysis.motion.messages import Event, EventKind, OffRail, Overlap, stop_words
 from wrsim.contact.status import bits_of
 from wrsim.core.contact.records import STATUS_TOO_DEEP, STATUS_UNSETTLED
 from wrsim.simulation.integrate import EXPLICIT_PARTS
@@ -49,6 +49,10 @@ LIFT, STOP, STEPS, SPINS, SLIDES, LOOSE = 0.0, -1.0, -2.0, -3.0, -4.0, -5.0
 """Kinds of events in the notes: a wheel without contact; a bump stop beyond the end of its table; steps that have been
 cut since the last look; an axle that is driven, or braked, beyond adhesion; friction without a normal force. A bit of
 a contact's status is its own kind."""
+
+KINDS: dict[float, EventKind] = {
+    LIFT: "lift", STOP: "stop", STEPS: "steps", SPINS: "spins", SLIDES: "slides", LOOSE: "loose",
+}  # fmt: skip
 
 MANY = 20
 """Looks in a row with steps cut, after which the run says so while it lasts: it takes many times as long."""
@@ -175,22 +179,17 @@ class Monitor:
         """Everything noted, in the order of its begin."""
         found = []
         for kind, which, t, distance, last_t, last_distance in self.notes.tolist():
-            begin, end = (t, distance), (last_t, last_distance)
-            if kind == STOP:
-                found.append(Event("stop", self.law.vehicle.elements[int(which)].name, begin, end))
-            elif kind == LOOSE:
-                found.append(Event("loose", self.law.vehicle.elements[int(which)].name, begin, end))
-            elif kind == STEPS:
-                found.append(Event("steps", "", begin, end))
-            elif kind in (SPINS, SLIDES):
-                if last_distance - distance > SLIP_DISTANCE:
-                    name = self.law.vehicle.wheelsets[int(which)].name
-                    found.append(Event("spins" if kind == SPINS else "slides", name, begin, end))
-            else:
-                wheel = self.wheels[int(which)]
-                found.append(
-                    Event("lift" if kind == LIFT else "contact", wheel.wheelset, begin, end, wheel.side, int(kind))
-                )
+            name, part, side = KINDS.get(kind, "contact"), "", ""
+            if kind in (SPINS, SLIDES):
+                if last_distance - distance <= SLIP_DISTANCE:
+                    continue
+                part = self.law.vehicle.wheelsets[int(which)].name
+            elif kind in (STOP, LOOSE):
+                part = self.law.vehicle.elements[int(which)].name
+            elif kind != STEPS:
+                part, side = self.wheels[int(which)].wheelset, self.wheels[int(which)].side
+            bit = int(kind) if name == "contact" else 0
+            found.append(Event(name, part, (t, distance), (last_t, last_distance), side, bit))
         if (missed := self.between.missed(0.5 * self.law.vehicle.weight / len(self.law.vehicle.wheelsets))) is not None:
             wheel, at = self.wheels[missed.wheel], (missed.time, missed.distance)
             found.append(Event("between", wheel.wheelset, at, at, wheel.side, 0, (missed.force, missed.beyond)))

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.analysis.contacts import contact_at
-from wrsim.analysis.motion.forces import force_law
+from wrsim.analysis.contacts import contact_at, force_law
 from wrsim.analysis.motion.messages import NoSteadyMotion, start_words
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of

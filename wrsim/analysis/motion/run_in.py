@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.analysis.contacts import contact_at
-from wrsim.analysis.motion.forces import force_law, held_by
+from wrsim.analysis.contacts import contact_at, force_law, held_by
 from wrsim.analysis.motion.messages import NoSteadyMotion, RunInStopped
 from wrsim.core.track import path as path_kernels
 from wrsim.geometry.track.segments import Arc, Straight, Transition

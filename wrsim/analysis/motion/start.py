@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wrsim.analysis.contacts import force_law, held_by
 from wrsim.analysis.motion.derailment import derailed, pushed
-from wrsim.analysis.motion.forces import force_law, held_by
 from wrsim.analysis.motion.messages import NoSteadyMotion
 from wrsim.analysis.motion.run_in import run_in, run_up, straight_before
 from wrsim.errors import SimulationError

@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wrsim.analysis.poses.load import Carried, LoadNotReached, height_for_load
-from wrsim.analysis.poses.solver import DEEPEST, PoseSolver, Solved
+from wrsim.analysis.poses.solver import DEEPEST, Carried, LoadNotReached, PoseSolver, Solved, height_for_load
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.half_space.strips import element_fields, solve_into
@@ -28,7 +27,7 @@ class HalfSpacePoseSolver(PoseSolver):
     """
 
     load_tolerance = 10.0 * LOAD_TOLERANCE
-    missed = "the load was missed"
+    missed = "the load is not reached"
 
     def __init__(
         self, wheels: Sequence[WheelOnRail], rolling: bool, radius: float, solver: HalfSpace | None = None

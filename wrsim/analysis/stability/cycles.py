@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from wrsim.simulation.system import Array
 
 Branch = Literal["from above", "from below"]
-Ending = Literal["cycle", "rest", "unsettled", "derailed"]
+Ending = Literal["cycle", "rest", "not converged", "derailed"]
 
 SAME = 0.003
 """Change of the amplitude from window to window, as a part of it, below which a cycle has settled ..."""
@@ -65,7 +65,7 @@ class Cycle:
     @property
     def moves(self) -> bool:
         """True unless the vehicle came to rest or left the track."""
-        return self.ending in ("cycle", "unsettled")
+        return self.ending in ("cycle", "not converged")
 
 
 class Interrupted(Exception):
@@ -131,7 +131,7 @@ class CycleSearch:
         first, calm = 0.0, 0
         held = 0.0
         said = np.zeros(2 * self.wheelsets if law.wheels else 0, dtype=int)
-        ending: Ending = "unsettled"
+        ending: Ending = "not converged"
         message = ""
         while held < plan.longest - 1e-9:
             q = self._moved_back(q)
@@ -167,7 +167,7 @@ class CycleSearch:
             if largest < DYING * first and fast:
                 ending = "rest"
         most = int(np.argmax(amplitudes))
-        frequency = _frequency(motion.times, lateral[:, most]) if ending in ("cycle", "unsettled") else float("nan")
+        frequency = _frequency(motion.times, lateral[:, most]) if ending in ("cycle", "not converged") else float("nan")
         remark = contact_words(monitor.wheels, law.vehicle, said.tolist())
         cycle = Cycle(speed, branch, amplitudes, frequency, held, ending, message, remark)
         self.found.append(cycle)

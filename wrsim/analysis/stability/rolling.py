@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import contact_words, overlap, pushed, wheels_of
-from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.start import shifts
 from wrsim.analysis.stability.modes import Modes, modes_of

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import check_upright, contact_words, resultant, wheels_of
-from wrsim.analysis.motion.forces import force_law
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.start import enough, on_the_rails, start_state
 from wrsim.contact.channels import RawContacts, patch_channels, remarks_channel, wheel_channels
