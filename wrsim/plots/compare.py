@@ -15,7 +15,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from wrsim.plots.colours import GROUP_LINE, INK, QUIET, WHEEL_COLOUR
+from wrsim.plots.colours import GROUP_LINE, INK, QUIET, SERIES_COLOURS, WHEEL_COLOUR
 from wrsim.plots.gallery import colour_bar
 from wrsim.plots.marks import draw_line, few_ticks, panels, wheel_entries
 from wrsim.plots.moments import PatchAt, choose_moments, moment_title, patches_of, pose_abscissa, pose_groups, select
@@ -25,8 +25,8 @@ from wrsim.results import CHANNELS
 from wrsim.results.moments import moment_dim
 from wrsim.results.table import with_unit
 
-MODEL_COLOUR = ("#222222", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-"""Colours of the models (Okabe and Ito); more than seven begin again."""
+MODEL_COLOUR = (INK, *SERIES_COLOURS[:6])
+"""Colours of the models; more than seven begin again."""
 HISTORIES = ("Q", "Y", "contact_angle", "p0", "T_gamma")
 STATIC = ("p0", "area", "approach", "contact_angle", "Y", "X")
 MOST_MOMENTS = 6

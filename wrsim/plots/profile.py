@@ -14,13 +14,11 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, Multiple
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.smoothing_report import SmoothingReport
-from wrsim.plots.colours import INK, QUIET, RAIL_FILL, WHEEL_FILL
+from wrsim.plots.colours import INK, QUIET, RAIL_FILL, SERIES_COLOURS, WHEEL_FILL
 from wrsim.plots.marks import minus, note, remark, right_axis
 from wrsim.plots.style import FULL_WIDTH, headline, new_figure, place, style, write
 
 LINE = "#0072B2"
-CUTOFF_COLOURS = (LINE, "#D55E00", "#009E73", "#CC79A7")
-"""One for every cut-off that is compared."""
 LEFT, RIGHT, TOP, BOTTOM, GAP = 15.0, 15.0, 13.0, 10.0, 6.0
 """Margins of the figure and the gap between panels, mm."""
 PANEL = 32.0
@@ -76,7 +74,7 @@ def compare_curvatures(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes
     first = smoothing[0]
     look: Any = {"color": QUIET, "linewidth": 0.4, "alpha": 0.3, "zorder": 1.0}
     axes.plot(1e3 * first.points.u, first.bare_curvature, label="bare points", **look)
-    for report, colour in zip(smoothing, CUTOFF_COLOURS, strict=False):
+    for report, colour in zip(smoothing, SERIES_COLOURS, strict=False):
         p = report.profile
         label = f"cut-off {1e3 * report.cutoff:g} mm"
         axes.plot(1e3 * p.u, p.curvature_after, color=colour, linewidth=1.0, label=label)
@@ -87,7 +85,7 @@ def compare_curvatures(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes
 
 def draw_changes(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes:
     """Distance of the measured points from the smoothed curves against u, um."""
-    for report, colour in zip(smoothing, CUTOFF_COLOURS, strict=False):
+    for report, colour in zip(smoothing, SERIES_COLOURS, strict=False):
         axes.plot(1e3 * report.points.u, 1e6 * report.change, ".", color=colour, markersize=1.6, zorder=2.0)
     axes.axhline(0.0, color=INK, linewidth=0.5)
     remark(axes, "distance of the points from the smoothed curve")

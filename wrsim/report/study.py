@@ -10,8 +10,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim import __version__
-from wrsim.plots.service import FIGURES
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, of_cases, outputs_of, study_figures
+from wrsim.plots.wear import FIGURES
 from wrsim.report.page import as_picture, template
 from wrsim.report.tables import BAD, OPEN, Verdict
 from wrsim.results.table import Column, Table, formatted, quantity

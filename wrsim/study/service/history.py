@@ -116,7 +116,7 @@ def write_history(
         wheel = write_wheel(service, directory, areas, label, WORN)
         files += [wheel] if wheel != service.wheel else []
     if pictures:
-        from wrsim.plots.service import service_pictures
+        from wrsim.plots.wear import service_pictures
 
         files += service_pictures(dataset, directory)
     return dataset, files
