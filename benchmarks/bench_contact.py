@@ -20,17 +20,17 @@ import numpy as np
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.models import contact_model
+from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings, Friction
-from wrsim.core.compiling import kernel
 from wrsim.core.contact import records as k
 from wrsim.core.contact.normal.elliptic import strip_potential
 from wrsim.core.contact.tangential.fastsim import fastsim
 from wrsim.core.contact.tangential.flexibility import Creepages, Flexibilities
 from wrsim.core.contact.wheel_rail import search as search_contacts
 from wrsim.core.contact.wheel_rail import wheel_rail
+from wrsim.core.jit.compiling import kernel
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
-from wrsim.scenario.cases import Pose
 
 MODELS = Path(__file__).parents[1] / "models"
 POSES = (("tread, two lobes", 0.0, 0.002), ("tread", 3e-3, 0.002), ("tread and root", 5.06e-3, 0.001),

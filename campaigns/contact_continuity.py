@@ -23,8 +23,8 @@ from scipy.interpolate import PchipInterpolator
 from strip_robustness import PAIRS, Stand, force, stand
 
 from wrsim.analysis.poses.solver import PoseSolver
+from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings
-from wrsim.scenario.cases import Pose
 
 STEEPEST = 12  # steps looked into
 HALVINGS = 12

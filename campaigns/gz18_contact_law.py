@@ -24,7 +24,7 @@ from scipy.special import elliprd, elliprf
 
 from wrsim.analysis import steady as solver
 from wrsim.contact.channels import WheelOnRail
-from wrsim.contact.creep_coefficients import creep_coefficients
+from wrsim.contact.tables import creep_coefficients
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
 from wrsim.core.body.wheel_pose import wheel_wrench
 from wrsim.core.contact.tangential.flexibility import kalker_coefficients

@@ -24,12 +24,12 @@ from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model
+from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings, Flexibility, Material, Normal, Tangential, TractionBound
 from wrsim.geometry.profile.files import read_profile
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle
-from wrsim.scenario.cases import Pose
 
 Array = NDArray[np.float64]
 Row = dict[str, str]

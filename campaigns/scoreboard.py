@@ -42,8 +42,8 @@ from reference_contact import (
 )
 from tangential_cases import score_tangential
 
+from wrsim.contact.pose import Pose
 from wrsim.contact.settings import Normal
-from wrsim.scenario.cases import Pose
 
 QUANTITIES = {"p0_MPa": "pmax_MPa", "area_mm2": "area_mm2", "approach_mm": "pen_mm", "N_N": "Fn_N"}
 PEERS = ("contact_planar", "kpec", "analyn")

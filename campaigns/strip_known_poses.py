@@ -20,8 +20,8 @@ from strip_robustness import PAIRS, Stand, force
 from strip_sweeps import worst_end
 
 from wrsim.contact.half_space.solver import HalfSpace
+from wrsim.contact.pose import Pose
 from wrsim.core.contact.records import STATUS_UNSETTLED
-from wrsim.scenario.cases import Pose
 
 COMPARED = 10  # every so many steps of a sweep the half-space solver is asked
 

@@ -19,7 +19,7 @@ from strip_robustness import PAIRS, Stand
 
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.kernel_arrays import KernelArrays
-from wrsim.scenario.cases import Pose
+from wrsim.contact.pose import Pose
 
 STEP = 20e-6
 NO_GAP = 1e-8  # between strips that touch [m]

@@ -24,7 +24,7 @@ _HOMES = {
     "Result": "wrsim.results",
     "load_profile": "wrsim.geometry.profile.models",
     "Profile": "wrsim.geometry.profile.profile",
-    "Pose": "wrsim.scenario.cases",
+    "Pose": "wrsim.contact.pose",
     "contact_model": "wrsim.contact.models",
     "solve_poses": "wrsim.analysis.poses.static",
     "ContactModel": "wrsim.contact.model",

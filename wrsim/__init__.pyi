@@ -2,6 +2,7 @@ from wrsim.analysis import run as run
 from wrsim.analysis.poses.static import solve_poses as solve_poses
 from wrsim.contact.model import ContactModel as ContactModel
 from wrsim.contact.models import contact_model as contact_model
+from wrsim.contact.pose import Pose as Pose
 from wrsim.contact.settings import ContactSettings as ContactSettings
 from wrsim.contact.settings import Friction as Friction
 from wrsim.errors import InputError as InputError
@@ -14,7 +15,6 @@ from wrsim.geometry.track.segments import Straight as Straight
 from wrsim.geometry.track.segments import Transition as Transition
 from wrsim.geometry.track.track import Track as Track
 from wrsim.results import Result as Result
-from wrsim.scenario.cases import Pose as Pose
 from wrsim.scenario.loading import Scenario as Scenario
 from wrsim.scenario.loading import load as load
 from wrsim.scenario.loading import load_text as load_text

@@ -15,8 +15,8 @@ from typer.testing import CliRunner
 from wrsim.analysis import run
 from wrsim.analysis.conicity.conicity import conicity
 from wrsim.analysis.conicity.equivalent import equivalent_conicity
+from wrsim.analysis.conicity.rigid import rigid_contact
 from wrsim.cli import app
-from wrsim.contact.rigid import rigid_contact
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import read_profile
 from wrsim.geometry.profile.models import load_profile

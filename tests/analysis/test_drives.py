@@ -14,7 +14,7 @@ from support.vehicles import COARSE, ROOT, manchester
 
 from wrsim.analysis import run
 from wrsim.analysis.contacts import force_law
-from wrsim.core.body.line_motion import PIECE, motion_at
+from wrsim.core.body.vehicle_forces import PIECE, motion_at
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.vehicle.speed import SpeedProfile

@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 import wrsim.analysis
 from wrsim import __version__
 from wrsim.cli import app
-from wrsim.core.compiling import Kernel
+from wrsim.core.jit.compiling import Kernel
 from wrsim.results import Result
 from wrsim.results.render import on_terminal
 from wrsim.results.run_file import RunFile

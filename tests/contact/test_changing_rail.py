@@ -16,7 +16,7 @@ from support.kernels import branches_that_cross
 
 from wrsim.contact.model import Contact, ContactModel
 from wrsim.contact.models import contact_model as model_of
-from wrsim.core.track.felt_rail import unfold
+from wrsim.core.contact.rail import unfold
 from wrsim.errors import InputError
 from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface, read_sections

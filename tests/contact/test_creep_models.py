@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from support.contacts import bench, columns, finite, pair_model, settle
 from support.ellipse import COEFFICIENTS, FORCE, MEAN_RADIUS, PEAK, SHEAR_MODULUS, ellipse, roll, total
 
-from wrsim.contact.creep_coefficients import creep_coefficients
+from wrsim.contact.tables import creep_coefficients
 from wrsim.core.contact.tangential.flexibility import kalker_coefficients
 
 FRICTION = 0.3

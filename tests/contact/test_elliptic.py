@@ -3,32 +3,11 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.special import ellipe, ellipk, ellipkm1, elliprd
+from scipy.special import elliprd
 
-from wrsim.core.contact.normal.elliptic import k_minus_e, strip_potential
+from wrsim.core.contact.normal.elliptic import strip_potential
 
-SMALL = np.logspace(-12.0, np.log10(0.5), 200)
 ROUND_OFF = 1e-12  # demanded; 3e-15 is reached
-
-
-@pytest.mark.parametrize(("m", "m1"), [(SMALL, 1.0 - SMALL), (1.0 - SMALL, SMALL)], ids=["small m", "m near 1"])
-def test_k_minus_e_is_carlsons_integral(m, m1):
-    # K - E = m R_D(0, 1 - m, 1) / 3 (DLMF 19.25.1): no difference is taken, so it holds at small m as well
-    ours = [k_minus_e(x, y) for x, y in zip(m, m1, strict=True)]
-    np.testing.assert_allclose(ours, m * elliprd(0.0, m1, 1.0) / 3.0, rtol=ROUND_OFF)
-
-
-def test_k_minus_e_is_the_difference_of_the_complete_integrals():
-    # scipy loses digits in the difference at small m: from 0.1 on it keeps 13
-    m = np.linspace(0.1, 0.9, 81)
-    np.testing.assert_allclose([k_minus_e(x, 1.0 - x) for x in m], ellipk(m) - ellipe(m), rtol=ROUND_OFF)
-    m1 = np.logspace(-12.0, -1.0, 50)
-    np.testing.assert_allclose([k_minus_e(1.0 - x, x) for x in m1], ellipkm1(m1) - ellipe(1.0 - m1), rtol=ROUND_OFF)
-
-
-def test_k_minus_e_vanishes_at_zero_and_grows_without_bound_at_one():
-    assert k_minus_e(0.0, 1.0) == 0.0
-    assert k_minus_e(1.0, 0.0) == np.inf
 
 
 @pytest.mark.parametrize("a", [1e-5, 3e-3, 0.02])

@@ -19,13 +19,13 @@ from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
+from wrsim.contact.pose import Pose
 from wrsim.contact.settings import HalfSpaceSettings, Normal
 from wrsim.contact.status import GRID_EDGE, NOT_CONVERGED, TOO_MANY
 from wrsim.core.contact import records as k
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
 from wrsim.geometry.profile.wear import Removal, worn
-from wrsim.scenario.cases import Pose
 
 NORMALS = get_args(Normal)
 FAST = tuple(n for n in NORMALS if n != "half-space")

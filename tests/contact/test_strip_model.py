@@ -25,16 +25,15 @@ from test_continuity import jumps, normal_forces, steepest
 from test_hertz import hertz
 
 from wrsim.contact.half_space.solver import HalfSpace
-from wrsim.contact.strip_influence import influence_table
-from wrsim.contact.strip_influence import potential as potential_of
-from wrsim.contact.tables import combined_modulus
-from wrsim.core.compiling import kernel
+from wrsim.contact.tables import combined_modulus, influence_table
+from wrsim.contact.tables import potential as potential_of
 from wrsim.core.contact.arrays import bodies
 from wrsim.core.contact.records import STATUS_UNSETTLED
 from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.influence import potential, pressed_beside, primitives
 from wrsim.core.contact.strips.records import CURVE, FROM, INVERSE, MIDDLE, PUSH, TO, VECTORS
 from wrsim.core.contact.wheel_rail import wheel_rail
+from wrsim.core.jit.compiling import kernel
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.wear import Removal, worn
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from wrsim.core.cache import cache_folder, is_private
+from wrsim.core.jit.cache import cache_folder, is_private
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "getuid"), reason="owners and modes are of another kind here")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numba
 import pytest
 
-from wrsim.core.compiling import COUNT, kernel
+from wrsim.core.jit.compiling import COUNT, kernel
 
 ROOT = Path(__file__).parents[2]
 

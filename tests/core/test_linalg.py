@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from wrsim.core import linalg
-from wrsim.core.compiling import kernel
+from wrsim.core.jit.compiling import kernel
 from wrsim.core.linalg import BODY, VECTOR, Body, Vec, combined, components, get_body, point_velocity, put, put_body
 
 A, B = (1.0, -2.0, 0.5), (0.3, 4.0, -1.5)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import runpy
 import shutil
 import subprocess
 import sys
@@ -16,10 +17,8 @@ import numpy as np
 import pytest
 from llvmlite import binding
 
-from wrsim.analysis.shipping import gather
-from wrsim.core import CACHE
-from wrsim.core.compiling import kernel
-from wrsim.core.shipped import ABOUT, CONTACT, KernelCache, Shipped, shipped
+from wrsim.core.jit.cache import ABOUT, CACHE, CONTACT, KernelCache, Shipped, shipped
+from wrsim.core.jit.compiling import kernel
 
 ROOT = Path(__file__).parents[2]
 
@@ -45,6 +44,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("installed")
     shutil.copytree(ROOT / "wrsim", place / "wrsim", ignore=shutil.ignore_patterns("__pycache__", "kernels"))
     shutil.copytree(ROOT / "models", place / "wrsim" / "models")
+    gather = runpy.run_path(str(ROOT / ".ci/ship_kernels.py"))["gather"]
     gather(Path(str(CACHE)), place / "wrsim" / "kernels", ())
     return place
 
@@ -82,7 +82,7 @@ def test_kernels_that_compute_a_wrong_bit_are_not_taken(package: Path, tmp_path:
     changed = np.flatnonzero(stored["after"] != stored["before"])[0]
     stored["after"][changed] = np.nextafter(stored["after"][changed], np.inf)
     np.savez(path, **stored)
-    code = "from wrsim.core.compiling import KernelCache; print(KernelCache.shipped.usable)"
+    code = "from wrsim.core.jit.cache import KernelCache; print(KernelCache.shipped.usable)"
     home = tmp_path / "home"
     home.mkdir()
     env = os.environ | {"PYTHONPATH": str(tmp_path), "XDG_CACHE_HOME": str(home)}

@@ -12,6 +12,7 @@ from wrsim.analysis.poses.solver import PoseSolver, Solved
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import Contact, ContactModel
+from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings, Material
 from wrsim.core.contact import records as k
 from wrsim.core.contact.records import Pose as WheelPose
@@ -22,7 +23,6 @@ from wrsim.core.linalg import Vec
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.sections import circle, cone
-from wrsim.scenario.cases import Pose
 
 Array = NDArray[np.float64]
 

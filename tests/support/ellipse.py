@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.contact.model import TANGENTIAL
-from wrsim.contact.tables import bound_over_cells
+from wrsim.contact.tables import bound_over_cells, creep_coefficients
 from wrsim.core.contact import records as k
 from wrsim.core.contact.tangential.creep_forces import creep_forces
 

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from support.held import held_state
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
-from wrsim.core.compiling import kernel
+from wrsim.core.jit.compiling import kernel
 from wrsim.core.linalg import Vec, add, combined, components, cross, dot, mixed, point_velocity, sub
 from wrsim.core.track.path import frame, locate
 from wrsim.errors import SimulationError

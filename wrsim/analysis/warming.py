@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 from wrsim.analysis import run
 from wrsim.contact.models import NORMAL_MODELS
-from wrsim.core import CACHE
+from wrsim.core.jit.cache import CACHE
 from wrsim.errors import WrsimError
 from wrsim.results.table import quantity
 from wrsim.scenario.loading import load

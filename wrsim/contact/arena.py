@@ -1,4 +1,4 @@
-"""Packs arrays into one buffer for kernels that take an arena (core.arena)."""
+"""Packs arrays into one buffer for kernels that take an arena (core.jit.arena)."""
 
 from __future__ import annotations
 

@@ -14,11 +14,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wrsim.contact.arena import Arena, pack
-from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.contact.kernel_arrays import KernelArrays, Records
 from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, Tangential
-from wrsim.contact.strip_influence import influence_table
-from wrsim.contact.tables import bound_over_cells, changing_rail, combined_modulus, plain_rail, profile_table
+from wrsim.contact.tables import (
+    bound_over_cells,
+    changing_rail,
+    combined_modulus,
+    creep_coefficients,
+    influence_table,
+    plain_rail,
+    profile_table,
+)
 from wrsim.core.contact import records as k
 from wrsim.core.contact.arrays import Arrays
 from wrsim.core.contact.stages import make_ready

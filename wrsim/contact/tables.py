@@ -1,14 +1,18 @@
-"""Tables that the contact kernel computes with, of profiles, rails and bounds of the traction; kept once made."""
+"""Tables that the contact kernel computes with, kept once made: profiles, rails, bounds of the traction, Kalker's creep
+coefficients, a strip's influence."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
+from importlib.resources import files
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ellipe, ellipkm1
 
 from wrsim.contact.settings import ContactSettings
+from wrsim.core.contact.strips.influence import CUTS, LOWEST, PIECES
 from wrsim.geometry.profile.distance_field import DistanceField, distance_field
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.track.rolled_rail import RolledRail, station_fields
@@ -16,6 +20,7 @@ from wrsim.geometry.track.rolled_rail import RolledRail, station_fields
 Array = NDArray[np.float64]
 
 TABLE_STEP = 0.1e-3  # of the profile tables [m]
+CANCELS = 40.0  # beyond, K - E loses digits and the asymptotic series has them all
 
 
 @dataclass(frozen=True)
@@ -78,3 +83,58 @@ def bound_over_cells(cells: int, parabolic: bool) -> Array:
     else:
         primitive = 0.5 * (x * np.sqrt(np.maximum(1.0 - x**2, 0.0)) + np.arcsin(x))
     return np.ascontiguousarray((primitive[:-1] - primitive[1:]) / (x[:-1] - x[1:]))
+
+
+@cache
+def _kalker_table() -> Array:
+    """(20, 3, 3): aspect (a < b from .1 to 1, then a > b from b/a = .1 to 1), Poisson ratio 0, .25, .5, C11 C22 C23."""
+    text = files("wrsim.contact").joinpath("data/kalker_1990_table_e3.csv").read_text(encoding="utf-8")
+    rows = np.array([[float(x) for x in line.split(",")] for line in text.splitlines() if line and line[0].isdigit()])
+    by_aspect = {round(a, 4): rows[np.isclose(rows[:, 0], a)][:, 2:] for a in np.unique(rows[:, 0])}
+    wide = [by_aspect[round(g / 10, 4)] for g in range(1, 11)]
+    long = [by_aspect[min(by_aspect, key=lambda a, g=g: abs(a - 10.0 / g))] for g in range(1, 11)]  # type: ignore[misc]
+    return np.array(wide + long)
+
+
+def creep_coefficients(poisson_ratio: float) -> Array:
+    """C11, C22, C23 as (20, 3) for the kernels: rows a/b = .1 ... 1, then b/a = .1 ... 1.
+
+    1/C is quadratic in the Poisson ratio through the three columns of the table (Kalker's own rule).
+    """
+    inverse = 1.0 / _kalker_table()
+    x = poisson_ratio
+    weights = (
+        (x - 0.25) * (x - 0.5) / 0.125,
+        -x * (x - 0.5) / 0.0625,
+        x * (x - 0.25) / 0.125,
+    )
+    return np.ascontiguousarray(1.0 / sum(w * inverse[:, i] for i, w in enumerate(weights)))
+
+
+def potential(t: Array) -> Array:
+    """f(1, t) = 2 sqrt(1 + t^2) (K - E) of the parameter 1/(1 + t^2), t > 0."""
+    t = np.asarray(t, dtype=np.float64)
+    complement = t * t / (1.0 + t * t)
+    near = 2.0 * np.sqrt(1.0 + t * t) * (ellipkm1(complement) - ellipe(1.0 - complement))
+    far = 0.5 * np.pi / t * (1.0 - 1.0 / (8.0 * t**2) + 3.0 / (64.0 * t**4))
+    return np.where(t > CANCELS, far, near)
+
+
+@cache
+def influence_table() -> Array:
+    """(PIECES, 8), see `core.contact.strips.influence`: cubics through values and slopes at the ends of the pieces."""
+    number = np.arange(PIECES + 1)
+    t = np.ldexp(1.0 + (number & ((1 << CUTS) - 1)) / 2.0**CUTS, LOWEST + (number >> CUTS))
+    x, w = np.polynomial.legendre.leggauss(8)
+    half = 0.5 * np.diff(t)
+    at = t[:-1, None] + half[:, None] * (1.0 + x)
+    f, first = potential(at), t[0] * 2.0 * np.log(4.0 / t[0])  # f(1, t) = 2 ln(4/t) - 2 for small t
+    table = []
+    for integral, slope in (
+        (f @ w * half, potential(t)),
+        (f / (1.0 + at**2) @ w * half, potential(t) / (1.0 + t**2)),
+    ):
+        value = np.concatenate([[first], first + np.cumsum(integral)])
+        rise = 2.0 * half * slope[:-1], 2.0 * half * slope[1:]
+        table += [value[:-1], rise[0], 3.0 * integral - 2.0 * rise[0] - rise[1], rise[0] + rise[1] - 2.0 * integral]
+    return np.ascontiguousarray(np.transpose(table))

@@ -1,6 +1,6 @@
 """Small dense systems, solved in place."""
 
-from wrsim.core.compiling import kernel, summing
+from wrsim.core.jit.compiling import kernel, summing
 
 
 @kernel

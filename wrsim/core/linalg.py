@@ -2,14 +2,14 @@
 
 Tuples are made inside of kernels and cost nothing there: the compiler keeps their numbers in registers. Their numbers
 must all be floats (``Vec(1.0, 0.0, 0.0)``, not ``Vec(1, 0, 0)``). Records lie in the arena
-(``core.arena.records``): ``bodies[i].velocity.x`` reads and writes in place, compiled or not.
+(``core.jit.arena.records``): ``bodies[i].velocity.x`` reads and writes in place, compiled or not.
 """
 
 from math import sqrt
 from typing import Any, NamedTuple
 
-from wrsim.core.arena import record
-from wrsim.core.compiling import inlined
+from wrsim.core.jit.arena import record
+from wrsim.core.jit.compiling import inlined
 
 VECTOR = record("x y z")
 BODY = record(position=VECTOR, velocity=VECTOR, forward=VECTOR, left=VECTOR, up=VECTOR, omega=VECTOR)

@@ -4,7 +4,7 @@ or by halves."""
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.compiling import inlined
+from wrsim.core.jit.compiling import inlined
 
 
 class Bracket(NamedTuple):

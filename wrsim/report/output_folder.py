@@ -255,7 +255,7 @@ def run_into(
     SimulationError; KeyboardInterrupt says where an interrupted run is kept.
     """
     from wrsim.analysis import run
-    from wrsim.core.compiling import COUNT
+    from wrsim.core.jit.compiling import COUNT
     from wrsim.simulation.threads import use_threads
 
     use_threads(threads)

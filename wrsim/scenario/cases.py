@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 
+from wrsim.contact.pose import Pose
 from wrsim.errors import InputError
 from wrsim.inputs.csv_tables import read_columns
 from wrsim.inputs.toml_files import shown
@@ -25,31 +26,6 @@ MOST_POSES = 1_000_000
 COLUMNS: dict[str, Any] = {"id": str, "lateral_mm": Lateral, "yaw_mrad": Yaw, "load_kN": Load, "roll_mrad": Roll}
 FACTORS = {"lateral_mm": 1e-3, "yaw_mrad": 1e-3, "load_kN": 1e3, "roll_mrad": 1e-3}
 """To SI units, in the order of a pose."""
-
-
-@dataclass(frozen=True)
-class Pose:
-    """A pose of one wheel or of a wheelset on straight track, and the load that it carries there.
-
-    Parameters
-    ----------
-    name : str
-        For tables and pictures; poses without one are named after what sets them apart.
-    lateral : float
-        Lateral shift of the wheelset's centre, positive to the left [m].
-    yaw : float
-        Angle of attack, positive to the left [rad].
-    load : float
-        Vertical force of the wheel, or of the whole wheelset, on the track [N].
-    roll : float
-        Of one wheel, positive lifts the left wheel [rad]; a wheelset finds its own.
-    """
-
-    name: str = ""
-    lateral: float = 0.0
-    yaw: float = 0.0
-    load: float = 0.0
-    roll: float = 0.0
 
 
 def grid_of_poses(axes: Mapping[str, Sequence[float]]) -> Iterator[Pose]:

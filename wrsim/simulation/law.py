@@ -14,7 +14,7 @@ from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.core.body import friction, vehicle_forces
 from wrsim.core.body import wheel_forces as wheel_kernel
-from wrsim.core.stages import make_ready
+from wrsim.core.jit.stages import make_ready
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.force_law import Array, Block

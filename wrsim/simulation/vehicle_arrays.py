@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.core.body import axle_boxes as box_kernel
-from wrsim.core.body import friction, line_motion, suspension, vehicle_forces
+from wrsim.core.body import friction, suspension, vehicle_forces
 from wrsim.core.body import loads as load_kernel
 from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.body.suspension import ELEMENT
@@ -206,7 +206,7 @@ def only_read(count: int) -> set[int]:
 def pieces_of_motion(profile: SpeedProfile, start: float) -> NDArray[np.record]:
     """The pieces of the frame's motion, from its start [m] on."""
     pieces = [(t, start + way, speed, rate) for t, way, speed, rate in profile.pieces]
-    return np.array(pieces, line_motion.PIECE)
+    return np.array(pieces, vehicle_forces.PIECE)
 
 
 def _whole(layout: Layout, track: Track, drive: Drive, gravity: float, turns: int) -> NDArray[np.record]:

@@ -23,8 +23,8 @@ class SpeedProfile:
     """Where the frame of the track is, from the start of a run on: pieces of constant acceleration.
 
     pieces: rows (time [s], way from the start [m], speed [m/s], acceleration [m/s2]) of their beginnings, the first at
-    the time 0; the last piece goes on for ever, at its speed. See ``core.body.line_motion``. stands_after: way behind
-    which the vehicle has come to its lowest speed by itself [m].
+    the time 0; the last piece goes on for ever, at its speed. stands_after: way behind which the vehicle
+    has come to its lowest speed by itself [m].
     """
 
     pieces: tuple[tuple[float, float, float, float], ...]

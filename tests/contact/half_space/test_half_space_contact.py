@@ -23,11 +23,11 @@ from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
 from wrsim.contact import models
 from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space import HalfSpace
+from wrsim.contact.pose import Pose
 from wrsim.contact.settings import ContactSettings, Material
 from wrsim.contact.status import TOO_MANY
 from wrsim.core.contact import records as k
 from wrsim.geometry.profile.sections import circle
-from wrsim.scenario.cases import Pose
 
 EXACT = {"normal": "half-space", "tangential": "half-space"}
 FRICTIONLESS = EXACT | {"tangential": "none"}

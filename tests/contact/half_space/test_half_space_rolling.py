@@ -10,10 +10,10 @@ from support.ellipse import FORCE, total
 from support.ellipse import roll as strips
 from support.hertz import COMPLIANCE, Ellipse, EllipseGrid
 
-from wrsim.contact.creep_coefficients import creep_coefficients
 from wrsim.contact.half_space.influence import Operator
 from wrsim.contact.half_space.normal import solve_normal
 from wrsim.contact.half_space.rolling import solve_rolling
+from wrsim.contact.tables import creep_coefficients
 
 MU = 0.3
 G = 82e9

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.analysis.conicity.equivalent import equivalent_conicity
-from wrsim.contact.rigid import RigidContact, rigid_contact
+from wrsim.analysis.conicity.rigid import RigidContact, rigid_contact
 from wrsim.errors import InputError
 from wrsim.results import Result, assemble
 from wrsim.scenario.sections.conicity import ConicityPlan

@@ -12,9 +12,9 @@ from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.half_space import HalfSpace, HalfSpaceContact
 from wrsim.contact.half_space.strips import element_fields, solve_into
 from wrsim.contact.models import fast_model
+from wrsim.contact.pose import Pose
 from wrsim.contact.status import TOO_MANY, status_words
 from wrsim.core.contact.records import STATUS_TOO_DEEP
-from wrsim.scenario.cases import Pose
 
 LOAD_TOLERANCE = 2e-5  # of the vertical force
 PATIENCE = 4  # evaluations with an overlap that is no contact any more

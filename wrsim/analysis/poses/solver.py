@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from wrsim.contact.channels import ElementField, WheelOnRail
+from wrsim.contact.pose import Pose
 from wrsim.contact.status import REMARKS, status_words
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_pose import set_pose, wheel_wrench
 from wrsim.core.linalg import Frame, Vec
-from wrsim.scenario.cases import Pose
 
 Array = NDArray[np.float64]
 

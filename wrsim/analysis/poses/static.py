@@ -21,10 +21,11 @@ from wrsim.contact.channels import (
     wheel_channels,
 )
 from wrsim.contact.model import ContactModel
+from wrsim.contact.pose import Pose
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.track import STANDARD_GAUGE
 from wrsim.results import Result, assemble
-from wrsim.scenario.cases import Pose, named
+from wrsim.scenario.cases import named
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.half_space.influence import Operator
-from wrsim.core.contact.half_space import gmres, rolling
+from wrsim.core.contact.half_space import rolling
 
 Array = NDArray[np.float64]
 
@@ -101,7 +101,7 @@ def _least_residual(product: Callable[[Array], Array], b: Array, z: Array, w: Ar
     for k in range(len(z) if first > 0.0 else 0):
         z[k] = w[k - 1] if k > 0 else b / first
         w[k] = product(z[k])
-        if gmres.extend(z, w, k, x, b) <= KRYLOV_TOLERANCE * first:
+        if rolling.extend(z, w, k, x, b) <= KRYLOV_TOLERANCE * first:
             break
     return x
 

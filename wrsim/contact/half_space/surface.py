@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from wrsim.contact.model import ContactModel
 from wrsim.core.contact.arrays import bodies
 from wrsim.core.contact.half_space import surface
-from wrsim.core.contact.half_space.rigid_slip import rigid_slip
 from wrsim.core.contact.records import Pose, Rail, Wheel
 from wrsim.geometry.track.rail_surface import RailSurface
 
@@ -164,7 +163,7 @@ class Grid:
         """
         w = np.empty_like(self._gap)
         x0 = float(self.x[0]) + ahead
-        rigid_slip(self.bodies.pose, least_speed, self.axis, self.incline, x0, self.dx, self._gap[1], w)
+        surface.rigid_slip(self.bodies.pose, least_speed, self.axis, self.incline, x0, self.dx, self._gap[1], w)
         return w
 
     def at_row(self, row: float) -> dict[str, float]:

@@ -12,9 +12,9 @@ acceleration. The bearing has no friction. Mass and the other inertias of the bo
 centre lies on the axle. What lies further out on an arm is to be shared between axle and frame by the lever.
 """
 
-from wrsim.core.arena import record
 from wrsim.core.body.rigid_body import pitched
-from wrsim.core.compiling import kernel
+from wrsim.core.jit.arena import record
+from wrsim.core.jit.compiling import kernel
 from wrsim.core.linalg import Body, accumulate, add, cross, dot, point_velocity, scale, shifted, vec
 
 AXLE_BOX = record("inertia lateral", "wheelset coordinate")

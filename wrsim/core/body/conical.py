@@ -15,9 +15,9 @@ dampers under the wheels.
 
 from math import sqrt
 
-from wrsim.core.arena import record
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
-from wrsim.core.compiling import kernel
+from wrsim.core.jit.arena import record
+from wrsim.core.jit.compiling import kernel
 from wrsim.core.linalg import Vec, add, combined, cross, dot, mixed, point_velocity, shifted, sub
 from wrsim.core.track.path import frame, locate
 

@@ -32,7 +32,7 @@ law's own line; HELD from the slip that it has, elastic up to its bound: a state
 
 from math import exp
 
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import ZERO, Vec, dot, norm, scale, shifted, sub
 
 NO_SLIDER, COULOMB, FANCHER, BERG = range(4)

@@ -24,8 +24,8 @@ All vectors are in global axes: x forward at the start of the track, y left, z u
 from math import atan2, cos, hypot, isfinite, sin
 from typing import NamedTuple
 
-from wrsim.core.arena import record
-from wrsim.core.compiling import kernel
+from wrsim.core.jit.arena import record
+from wrsim.core.jit.compiling import kernel
 from wrsim.core.linalg import Body, Vec, add, combined, components, cross, dot, scale, shifted, sub
 from wrsim.core.track.path import frame, locate
 

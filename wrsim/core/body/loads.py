@@ -49,10 +49,10 @@ the speed of its middle.
 
 from typing import NamedTuple
 
-from wrsim.core.arena import record
 from wrsim.core.body.kinematics import SPIN
 from wrsim.core.body.suspension import apply, material_point
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.jit.arena import record
+from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import (
     VECTOR,
     Vec,

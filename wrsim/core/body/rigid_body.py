@@ -14,9 +14,9 @@ takes is G^T (I G_t theta_t + omega x I omega).
 
 from math import cos, sin
 
-from wrsim.core.arena import record
 from wrsim.core.body.kinematics import HEADING, ROLL, SPIN, X, Y, Z
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.jit.arena import record
+from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import Body, Vec, dot, mixed
 
 PITCH = SPIN

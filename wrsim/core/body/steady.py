@@ -7,7 +7,7 @@ and the moment w x L. On straight track nothing accelerates. How fast w itself c
 
 from wrsim.core.body.kinematics import SPIN, X, Y, Z, add_generalised_forces, kinematics
 from wrsim.core.body.rigid_body import PITCH, pitched, rates_of
-from wrsim.core.compiling import kernel
+from wrsim.core.jit.compiling import kernel
 from wrsim.core.linalg import Vec, add, combined, components, cross, scale, sub
 from wrsim.core.track.path import frame, frame_rates, locate
 

@@ -27,9 +27,9 @@ across one axis of the first body. The bound of a slider's force is constant, or
 (its normal force): those that ask another one come last.
 """
 
-from wrsim.core.arena import record
 from wrsim.core.body.friction import MOVING, NO_SLIDER, settled, slide, slider_force
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.jit.arena import record
+from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import (
     VECTOR,
     ZERO,

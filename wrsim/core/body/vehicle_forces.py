@@ -1,6 +1,6 @@
 """All forces on a vehicle in one call: suspension, gravity, loads, drive, and the contacts of all wheelsets.
 
-One arena (core.arena): first the arrays named below, then those of each wheel as ``core.body.wheel_forces`` orders
+One arena (core.jit.arena): first the arrays named below, then those of each wheel as ``core.body.wheel_forces`` orders
 them, wheelset after wheelset; what loads and drive do, see ``core.body.loads``. Coordinates are six a body as in
 ``core.body.kinematics`` (pitch in the place of spin for bodies that are no wheelset), then one for every damper in
 series with a spring: its rate is the extension of the damping part, so that its "force" is the rate of that extension,
@@ -26,7 +26,7 @@ and is written with a mass of 1 (its "force" is the acceleration). The wheel mee
 the velocity that is left between them. The pieces of two wheels know nothing of each other.
 
 Two frames stand behind the last body, and behind these the axle boxes; springs may be fixed to all of them. The track
-frame follows the centre line as the run's speed says (``core.body.line_motion``): it is evaluated, not integrated. The
+frame follows the centre line as the run's speed says (`motion_at`): it is evaluated, not integrated. The
 guide frame is the bogie that the vehicle's wheelset leads: it goes with the track frame, but stands along the chord of
 a curve, turned about b by -a kappa for an axle at a distance a ahead of the bogie's centre. Its springs turn with it;
 how fast the angle changes in a transition is left out of its velocity.
@@ -34,11 +34,8 @@ how fast the angle changes in a transition is left out of its velocity.
 
 from math import cos, sin
 
-from wrsim.core import stages
-from wrsim.core.arena import matrix, record, records
 from wrsim.core.body.axle_boxes import AXLE_BOX, hand_over, on_axle
 from wrsim.core.body.kinematics import SPIN, add_generalised_forces, kinematics
-from wrsim.core.body.line_motion import PIECE, motion_at
 from wrsim.core.body.loads import (
     AXLE,
     CARRIED,
@@ -54,7 +51,9 @@ from wrsim.core.body.loads import (
 from wrsim.core.body.rigid_body import PITCH, pitched
 from wrsim.core.body.suspension import ELEMENT, READING, WRENCH, suspension_forces
 from wrsim.core.body.wheel_forces import ARRAYS, OFF_TRACK, wheel_record, wheel_total
-from wrsim.core.compiling import kernel
+from wrsim.core.jit import stages
+from wrsim.core.jit.arena import matrix, record, records
+from wrsim.core.jit.compiling import kernel
 from wrsim.core.linalg import (
     BODY,
     ZERO,
@@ -71,6 +70,7 @@ from wrsim.core.linalg import (
     shifted,
     vec,
 )
+from wrsim.core.root import between
 from wrsim.core.track.path import NODE, frame, frame_rates
 
 # arrays of the arena before those of the wheels
@@ -96,6 +96,9 @@ along n and b."""
 PART = record("mass twist_inertia twist_stiffness twist_damping", "wheelset twist")
 """Mass of a body [kg]; of the twist of its axle inertia [kg m2], stiffness [N m/rad] and damping [N m s/rad]; number of
 its wheelset or -1; number of the twist among the coordinates or -1."""
+
+PIECE = record("time distance speed acceleration")
+"""Beginning of a piece [s], distance along the centre line [m] and speed [m/s] there, acceleration in it [m/s2]."""
 
 FRAMES = 2  # behind the bodies: track frame, guide frame
 RAIL_COORDINATES = 4  # of a wheelset
@@ -209,6 +212,19 @@ def add_forces_on_wheels(q, q_t, out, buffer, index):
                 side = wheel_record(buffer, own, k).side
                 _move_rail(q, q_t, vehicle.rails + 2 * k, side, wheel_total(buffer, own, k), vehicle, out)
     return status
+
+
+@kernel
+def motion_at(t, pieces):
+    """Distance [m], speed [m/s] and acceleration [m/s2] of the track frame at time t.
+
+    pieces: records PIECE in the order of time, each from its beginning to that of the next; the last has no end.
+    """
+    low, _high, _part = between(pieces["time"], t)
+    piece = pieces[low]
+    since = t - piece.time
+    speed = piece.speed + piece.acceleration * since
+    return piece.distance + since * (piece.speed + 0.5 * piece.acceleration * since), speed, piece.acceleration
 
 
 @kernel

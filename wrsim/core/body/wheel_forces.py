@@ -1,20 +1,17 @@
 """The contacts of a vehicle's wheels on their rails: of one wheel, and of all of them.
 
-Arrays come in an arena (core.arena), wheel after wheel, the left one of a wheelset before the right one. Of each wheel:
-a record WHEEL, the nodes of its rail, and those of its contact, `core.contact.arrays.Arrays`. A wheel writes to its own
+Arrays come in an arena (core.jit.arena), wheel after wheel, the left one of a wheelset before the right one. Of each: a
+record WHEEL, the nodes of its rail, and those of its contact, `core.contact.arrays.Arrays`. A wheel writes to its own
 arrays alone, so the order in which they are asked, or the thread that asks, changes no bit.
 """
 
-import numba
-from numba import prange
-
-from wrsim.core import stages
-from wrsim.core.arena import record, records, vector
 from wrsim.core.body.wheel_pose import set_pose, wheel_origin, wheel_wrench
-from wrsim.core.compiling import KEPT, inlined, kernel
 from wrsim.core.contact.arrays import ARRAYS as ARRAYS_OF_A_CONTACT
 from wrsim.core.contact.arrays import Arrays, results, settings_of
 from wrsim.core.contact.records import CONTACT
+from wrsim.core.jit import stages
+from wrsim.core.jit.arena import record, records, vector
+from wrsim.core.jit.compiling import inlined, kernel, parallel, prange
 from wrsim.core.linalg import BODY, VECTOR, ZERO, Curve, get_body, put
 from wrsim.core.track.path import NODE, bends, frame, locate
 
@@ -33,7 +30,7 @@ out: force [N] and moment [N m] at its centre of mass, in global axes, and a sta
 OK, OFF_TRACK = 0, 1024
 
 ONE_WHEEL, IN_TURN, SIDE_BY_SIDE = 4, 5, 6
-"""Numbers of the stages below (core.stages), behind those of a contact."""
+"""Numbers of the stages below (core.jit.stages), behind those of a contact."""
 
 
 @kernel
@@ -77,7 +74,7 @@ def in_turn(buffer, index):
     return OK
 
 
-@numba.njit(parallel=True, error_model="numpy", cache=KEPT)
+@parallel
 def side_by_side(buffer, index):
     """As `in_turn`, on as many threads as numba has been told."""
     for i in prange(index.shape[0] // ARRAYS):

@@ -6,7 +6,7 @@ more there (they are pseudovectors), so the kernel's formulae hold on both sides
 forces to round-off.
 """
 
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import Vec, add, combined, components, cross, point_velocity, scale, shifted, sub, write
 
 

@@ -1,14 +1,14 @@
-"""What one wheel on one rail computes in: arrays in an arena (core.arena), and the first look at them."""
+"""What one wheel on one rail computes in: arrays in an arena (core.jit.arena), and the first look at them."""
 
 from typing import Any, NamedTuple
 
-from wrsim.core.arena import block, matrix, record_rows, records, vector
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.rail import share_at
 from wrsim.core.contact.records import FOUND, LOBE, SETTINGS, STRIP, TOTAL, Profile, Rail, Share, read_pose
 from wrsim.core.contact.search.locus import placed
 from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW
 from wrsim.core.contact.tangential.friction import set_law
+from wrsim.core.jit.arena import block, matrix, record_rows, records, vector
+from wrsim.core.jit.compiling import inlined, kernel
 
 
 class Arrays(NamedTuple):

@@ -15,10 +15,10 @@ lobe beside a deeper one takes part of that one's recess (see core.contact.searc
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.profile import length
 from wrsim.core.contact.rail import along, parting, rail_and_felt, rail_length
 from wrsim.core.contact.search.locus import locus_point
+from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.root import Bracket, crossing, narrowed
 
 

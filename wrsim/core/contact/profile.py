@@ -7,7 +7,7 @@ interpolation, the curvature linearly; an index costs a division, no search.
 
 from typing import NamedTuple
 
-from wrsim.core.compiling import inlined
+from wrsim.core.jit.compiling import inlined
 
 
 class Point(NamedTuple):

@@ -6,8 +6,8 @@ wheel. A ``Vec`` in these axes has its components in that order.
 
 from typing import Any, NamedTuple
 
-from wrsim.core.arena import record
-from wrsim.core.compiling import inlined
+from wrsim.core.jit.arena import record
+from wrsim.core.jit.compiling import inlined
 from wrsim.core.linalg import Vec, read
 
 SETTINGS = record(

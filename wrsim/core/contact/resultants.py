@@ -2,7 +2,7 @@
 
 from math import atan, atan2, pi, sqrt
 
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import Vec, add, cross, dot, mixed, shifted, sub
 
 

@@ -3,12 +3,10 @@
 On the right side the rail's axes (t, o, b) are left-handed; a mirrored angular velocity (sign changed once more) makes
 every formula hold as it stands, so the kernel knows no side.
 
-The normal model and the creep forces are stages (core.stages), as is the whole of it for a vehicle: which kernels they
-are stands in core.contact.stages. What one leaves for the next is in the arrays; the number of lobes is in ``total``.
+The normal model and the creep forces are stages (core.jit.stages), as is the whole of it for a vehicle;
+core.contact.stages lists them. What one leaves for the next is in the arrays; the number of lobes is in ``total``.
 """
 
-from wrsim.core import stages
-from wrsim.core.compiling import kernel
 from wrsim.core.contact.arrays import arrays, bodies
 from wrsim.core.contact.rail import along, rail_and_felt
 from wrsim.core.contact.records import CREEP_FORCES, NO_CREEP_FORCES, STATUS_TOO_DEEP, Field, read_pose
@@ -16,6 +14,8 @@ from wrsim.core.contact.resultants import add_lobe
 from wrsim.core.contact.search.lobes import couple, select_deepest
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.contact.search.points import find_contacts
+from wrsim.core.jit import stages
+from wrsim.core.jit.compiling import kernel
 
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
 

@@ -23,8 +23,8 @@ Not-a-number in s or in the point gives not-a-number out; no index is ever outsi
 
 import math
 
-from wrsim.core.arena import record
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.jit.arena import record
+from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import VECTOR, Frame, Vec, add, cross, dot, mixed, norm, scale, shifted, sub, write
 
 NODE = record(position=VECTOR, tangent=VECTOR, roll="f8", roll_slope="f8", curvature=VECTOR)

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 
-from wrsim.core.track.felt_rail import FALL
+from wrsim.core.contact.rail import FALL
 from wrsim.errors import InputError
 from wrsim.geometry.profile.points import Points, check_count, check_points, interpolated, smoothed
 from wrsim.geometry.profile.profile import Array, Profile

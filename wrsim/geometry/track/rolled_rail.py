@@ -27,7 +27,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from wrsim.core.track.felt_rail import felt_rows, unfold
+from wrsim.core.contact.rail import felt_rows, unfold
 from wrsim.errors import InputError
 from wrsim.geometry.profile.distance_field import SPACING, DistanceField, field_of_points, grid_about
 from wrsim.geometry.profile.profile import Array

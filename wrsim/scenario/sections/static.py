@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
+from wrsim.contact.pose import Pose
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import Series, Switch, text, words
-from wrsim.scenario.cases import MOST_POSES, Lateral, Load, Pose, Roll, Yaw, grid_of_poses, read_cases
+from wrsim.scenario.cases import MOST_POSES, Lateral, Load, Roll, Yaw, grid_of_poses, read_cases
 from wrsim.scenario.sections.table import Given, PlanTable
 
 GRID = ("lateral_mm", "yaw_mrad", "load_kN", "roll_mrad")

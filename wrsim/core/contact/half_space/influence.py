@@ -25,7 +25,7 @@ c_n is 1/(pi E*). All integrals have the dimension of a length and scale with th
 
 from math import asinh, atan2, log, sqrt
 
-from wrsim.core.compiling import kernel
+from wrsim.core.jit.compiling import kernel
 
 NN, XX, SS, XS, XN, SN = range(6)
 INTEGRALS = 6

@@ -11,7 +11,7 @@ The convolutions A p are done by wrsim.contact.half_space.normal; everything her
 
 from typing import Any, NamedTuple
 
-from wrsim.core.compiling import kernel
+from wrsim.core.jit.compiling import kernel
 
 
 class Descent(NamedTuple):

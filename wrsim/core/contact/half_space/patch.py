@@ -6,7 +6,7 @@ elements of a row vanishes at the edge, within the two elements' width.
 
 from typing import NamedTuple
 
-from wrsim.core.compiling import kernel
+from wrsim.core.jit.compiling import kernel
 
 
 class Figures(NamedTuple):

@@ -23,7 +23,7 @@ Vectors are (2, rows, columns) along x and s, scalars (rows, columns), x rising 
 from math import sqrt
 from typing import Any, NamedTuple
 
-from wrsim.core.compiling import kernel
+from wrsim.core.jit.compiling import kernel
 
 OUTSIDE, ADHESION, SLIP = 0.0, 1.0, 2.0
 
@@ -153,3 +153,38 @@ def march(w, bound, flexibility, step, forward, q):
                 s *= g / size
             q[0, j, i] = x
             q[1, j, i] = s
+
+
+@kernel
+def extend(z, w, k, x, r):
+    """A step of GMRES (Saad and Schultz 1986) without rotations (Walker and Zhou, Numer. Linear Algebra Appl. 1, 1994):
+    vector k and its image join the space, both (steps, n), in which the residual is least. Plain loops: a threaded
+    library would wait for busy cores.
+
+    Makes w[k] orthogonal to those before it and of unit length, z[k] follows; x and the residual r advance along them.
+    Returns the size of the residual.
+    """
+    for j in range(k):
+        share = _product(w[j], w[k])
+        for i in range(r.size):
+            w[k, i] -= share * w[j, i]
+            z[k, i] -= share * z[j, i]
+    size = sqrt(_product(w[k], w[k]))
+    if size > 0.0:
+        for i in range(r.size):
+            w[k, i] /= size
+            z[k, i] /= size
+    step = _product(w[k], r)
+    for i in range(r.size):
+        x[i] += step * z[k, i]
+        r[i] -= step * w[k, i]
+    return sqrt(_product(r, r))
+
+
+@kernel
+def _product(a, b):
+    """a . b."""
+    total = 0.0
+    for i in range(a.size):
+        total += a[i] * b[i]
+    return total

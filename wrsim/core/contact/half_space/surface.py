@@ -18,13 +18,13 @@ itself, which is the distance of the inclined surfaces.
 from math import inf, sqrt
 from typing import NamedTuple
 
-from wrsim.core.arena import record
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.patch import pair
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.rail import rail_point
 from wrsim.core.contact.search.locus import locus_point
-from wrsim.core.linalg import Vec, dot, norm, shifted, sub
+from wrsim.core.jit.arena import record
+from wrsim.core.jit.compiling import inlined, kernel
+from wrsim.core.linalg import Vec, add, cross, dot, norm, shifted, sub
 
 AXIS = record("s x o b no nb arc_wheel arc_rail gap r_t slope")
 """A row of the axis: s, centre (x of the outline, o, b), normal from rail to wheel (no, nb), arclengths on wheel and
@@ -258,3 +258,35 @@ def fill_gap(wheel, rail, axis, x0, dx, pen, place):
             met = on_rail and place[j, i] < inf
             pen[j, i] = rail_t - place[j, i] if met else NO_SURFACE
             place[j, i] = place[j, i] if met else 0.0
+
+
+@kernel
+def rigid_slip(pose, least_speed, axis, incline, x0, dx, place, w):
+    """Write the rigid slip w (2, rows, columns) at x0 + i dx on the surface that ``fill_gap`` has found.
+
+    It is the velocity of the wheel's material against the rail's, over the rolling speed.
+
+    Both velocities, seen from the moving contact, are projected on the plane between them, as the material of the wheel
+    runs along its curved surface: without that the slip would err by x^2 / (2 R^2).
+    least_speed: the rolling speed is held above it [m/s].
+    """
+    forward = 1.0 if pose.velocity.x >= 0.0 else -1.0
+    rail = pose.velocity.x
+    inverse = 1.0 / sqrt(rail * rail + least_speed * least_speed)
+    for j in range(axis.size):
+        row = axis[j]
+        normal = Vec(0.0, row.no, row.nb)
+        tangent = Vec(0.0, row.nb, -row.no)
+        for i in range(w.shape[2]):
+            point = shifted(centre_at(row, incline, x0 + i * dx), place[j, i], normal)
+            u = add(pose.velocity, cross(pose.omega, sub(point, pose.origin)))
+            # the rail's material comes at -v along the rail; the wheel's at u - v, with un along the normal
+            ux, un = u.x, dot(u, normal)
+            if row.slope != 0.0:
+                upright = 1.0 / sqrt(1.0 + row.slope * row.slope)
+                ux, un = (ux + row.slope * un) * upright, (un - row.slope * ux) * upright
+            mx = ux - rail - rail
+            size = sqrt(mx * mx + un * un)
+            slip = -forward * (ux * mx + un * un) / size if size > 1e-3 * least_speed else ux
+            w[0, j, i] = slip * inverse
+            w[1, j, i] = dot(u, tangent) * inverse

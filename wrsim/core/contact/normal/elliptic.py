@@ -2,7 +2,7 @@
 
 from math import pi, sqrt
 
-from wrsim.core.compiling import inlined
+from wrsim.core.jit.compiling import inlined
 
 
 @inlined
@@ -27,14 +27,6 @@ def twice_k_minus_e(p, b, c2):
     inverse = 1.0 / p
     rest = 0.5 * c * inverse
     return pi * total * inverse * (1.0 + rest * rest)
-
-
-@inlined
-def k_minus_e(m, m1):
-    """K(m) - E(m) of parameter m, infinite at m = 1; m1 = 1 - m is passed to keep its digits near there."""
-    if m1 <= 0.0:
-        return float("inf")
-    return 0.5 * twice_k_minus_e(1.0, sqrt(m1), m)
 
 
 @inlined

@@ -13,7 +13,7 @@ delta the lobe's penetration, sigma the penetration at the saddle. c > 0 says ex
 makes both equal when the two are equally deep and vanishes when the shallower one does.
 """
 
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.jit.compiling import inlined, kernel
 
 WIDEST = 0.08  # half width at which the search for an edge is given up [m]
 

@@ -21,9 +21,9 @@ the outline has a cusp. k_t is held at ``LEAST_ROLLING_CURVATURE`` k1 there; no 
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.records import Profile, Wheel, read_pose
+from wrsim.core.jit.compiling import inlined, kernel
 
 LEAST_ROLLING_CURVATURE = 0.1
 DRAWN_SINE = 0.25  # of theta: beyond, the outline is drawn as the plain section

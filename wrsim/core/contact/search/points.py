@@ -11,10 +11,10 @@ normals throughout, so a vertical rail side is as good as the crown.
 from math import inf, sqrt
 from typing import NamedTuple
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.profile import node
 from wrsim.core.contact.rail import rail_chord, rail_length, rail_point
 from wrsim.core.contact.search.locus import LARGEST_SINE, locus_node, locus_point
+from wrsim.core.jit.compiling import inlined, kernel
 
 FIELD_ERROR = 1e-5  # of the field's interpolation, generously [m]
 NEAR = 5e-5  # estimated least distance below which contact is looked for exactly [m]

@@ -1,9 +1,9 @@
 """Strips, edges and grids of the strip model that come into contact and leave it: what changes the equations."""
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.equations import block_of, edge_wish, gap_and_curvature, lay_strips, pressed
 from wrsim.core.contact.strips.records import FACTORS, ROWS, STEP, X
 from wrsim.core.contact.strips.tails import has_tail
+from wrsim.core.jit.compiling import inlined, kernel
 
 ENTRY = 1e-6  # closing of a gap at which a strip enters, over the deepest penetration
 FEWEST = 3  # strips in contact below which a grid leaves

@@ -2,7 +2,6 @@
 
 from math import sqrt
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
     LEAST_DEPTH,
@@ -31,6 +30,7 @@ from wrsim.core.contact.strips.records import (
     F,
     X,
 )
+from wrsim.core.jit.compiling import inlined, kernel
 
 
 @kernel

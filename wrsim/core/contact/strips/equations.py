@@ -6,7 +6,6 @@ Unknowns of a grid of n strips: a^2 of each, FACTORS values of k, both edges. Eq
 
 from math import sqrt
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.grid import place_strips
 from wrsim.core.contact.strips.influence import (
     pressed_beside,
@@ -27,6 +26,7 @@ from wrsim.core.contact.strips.records import (
 )
 from wrsim.core.contact.strips.shifts import off_locus
 from wrsim.core.contact.strips.tails import bending
+from wrsim.core.jit.compiling import inlined, kernel
 
 EDGE_RATIO = 0.84  # of a^2 in the two outer strips, over what a parabola would give: Hertz's ellipses keep their width
 LEAST_DEPTH = 1e-8  # for the longest half length [m]

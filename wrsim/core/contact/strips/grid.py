@@ -10,12 +10,12 @@ denser where d bends more (Hertz: equally): as equal pieces of the integral of
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.patch import bisector
 from wrsim.core.contact.profile import length
 from wrsim.core.contact.rail import along, parting, rail_and_felt, rail_length, tilted
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.contact.strips.records import FACTORS, ROWS
+from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.root import Bracket, crossing, narrowed
 
 LEVEL = 0.1  # of a lobe's depth: rows reach so far

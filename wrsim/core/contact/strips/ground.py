@@ -8,7 +8,6 @@ All this belongs to the pose alone.
 
 from math import sqrt
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.patch import first_step
 from wrsim.core.contact.rail import changes
 from wrsim.core.contact.records import STATUS_PROFILE_END
@@ -18,6 +17,7 @@ from wrsim.core.contact.strips.grid import find_end, grade_rows, lay_rows, make_
 from wrsim.core.contact.strips.records import ROWS
 from wrsim.core.contact.strips.shifts import rise, set_shifts
 from wrsim.core.contact.strips.tails import cut_tails
+from wrsim.core.jit.compiling import inlined, kernel
 
 GATHERED = 0.5  # saddle over the depth of the shallower lobe from which on their ground is looked at as one
 MERGED = 0.9  # least d over the concave hull where equal humps share a grid

@@ -4,7 +4,7 @@ f(a, s) = int sqrt((a^2 - x^2)/(x^2 + s^2)) dx over -a..a is of degree one in (a
 
     int_0^z f ds = a^2 PHI(t),    int_0^z f/(a^2 + s^2) ds = PSI(t),    PHI' = f(1, t),    PSI' = f(1, t)/(1 + t^2),
 
-so a strip of any width, near or far, acts on a centre by differences of two values. `wrsim.contact.strip_influence`
+so a strip of any width, near or far, acts on a centre by differences of two values. `wrsim.contact.tables`
 makes the table: every octave of t from 2^LOWEST to 2^HIGHEST is cut into 2^CUTS equal pieces, and a row holds the
 cubics of PHI and PSI over a piece. Number and place in a piece stand in the bits of t: no logarithm, no branch, so that
 the compiler takes several strips at once. Below the first piece t counts as its start, beyond the last as its end.
@@ -22,9 +22,9 @@ width.
 
 from math import sqrt
 
-from wrsim.core.bits import bits_of, number_of
-from wrsim.core.compiling import filling, inlined, summing
 from wrsim.core.contact.strips.records import CURVE, FROM, INVERSE, MIDDLE, PUSH, TO
+from wrsim.core.jit.arena import bits_of, number_of
+from wrsim.core.jit.compiling import filling, inlined, summing
 
 LOWEST, HIGHEST, CUTS = -36, 16, 6
 PIECES = (HIGHEST - LOWEST) << CUTS

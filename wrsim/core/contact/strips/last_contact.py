@@ -1,9 +1,9 @@
 """The last contact of a run as the first guess where the grids are others now."""
 
-from wrsim.core.compiling import kernel
 from wrsim.core.contact.strips.changes import FEWEST, lay_tail
 from wrsim.core.contact.strips.equations import block_of, factor_of, joint, lay_strips
 from wrsim.core.contact.strips.records import FACTORS, NEXT, SAVED, STEP, TERMS, X
+from wrsim.core.jit.compiling import kernel
 
 
 @kernel

@@ -24,7 +24,6 @@ grids are cut at the saddles, so every lobe has its strips and nothing that is r
 
 from math import pi, sqrt
 
-from wrsim.core.compiling import kernel
 from wrsim.core.contact.records import AFRESH, STATUS_UNSETTLED
 from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.contact.strips.equations import block_of
@@ -34,6 +33,7 @@ from wrsim.core.contact.strips.last_contact import carry_over
 from wrsim.core.contact.strips.records import FACTORS, ROWS, System, X
 from wrsim.core.contact.strips.shifts import off_locus
 from wrsim.core.contact.strips.solution import RETRIED, ROUGH, UNSOLVED, solve, substitute
+from wrsim.core.jit.compiling import kernel
 
 OVERLAP = 0.5  # of the last contact with a grid's new bounds that makes it the same grid
 LEAST_PART = 1e-6  # of a strip's width that is worth a row of its own

@@ -6,7 +6,6 @@ What changes the equations (strips that leave and enter, edges that come to thei
 
 from math import sqrt
 
-from wrsim.core.compiling import kernel
 from wrsim.core.contact.strips.changes import ENTRY, enter, leave, trim
 from wrsim.core.contact.strips.derivatives import jacobian
 from wrsim.core.contact.strips.equations import (
@@ -33,6 +32,7 @@ from wrsim.core.contact.strips.records import (
     X,
 )
 from wrsim.core.dense import factorise, invert, multiply, solve_factorised
+from wrsim.core.jit.compiling import kernel
 
 SLOW = 0.3  # misfit over the last one that asks for a new inverse
 LEAST_RATE = 0.03  # of what a step leaves of the misfit, when the next one is foretold

@@ -6,7 +6,7 @@ follow each other, grid after grid; s is the rail's arclength throughout.
 
 from typing import Any, NamedTuple
 
-from wrsim.core.arena import record
+from wrsim.core.jit.arena import record
 
 FACTORS = 7  # values of k along a grid
 EDGES = 2  # unknowns of a grid behind its factors

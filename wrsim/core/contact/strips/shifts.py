@@ -9,9 +9,9 @@ hump that is as wide, as deep and leans as much; where the locus is bent its str
 from math import pi, sqrt
 from typing import NamedTuple
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.grid import next_hump
 from wrsim.core.contact.strips.records import FADING, ROWS
+from wrsim.core.jit.compiling import inlined, kernel
 
 LEVEL = 0.45  # of the depth: about where contact ends
 EXCENTRIC = 1.27  # power of the gap's ratio of curvatures that gives the ellipse's

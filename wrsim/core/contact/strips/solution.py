@@ -9,7 +9,6 @@ the same rows is what is left if there is none."""
 
 from math import inf
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.changes import FEWEST, begin, in_contact, leave, move_edges
 from wrsim.core.contact.strips.equations import (
     EDGE_RATIO,
@@ -27,6 +26,7 @@ from wrsim.core.contact.strips.equations import (
 from wrsim.core.contact.strips.newton import NEAR, descend, newton
 from wrsim.core.contact.strips.records import FACTORS, FEWEST_FREE_STRIPS, NEXT, ROWS, SAVED, STEP, X
 from wrsim.core.contact.strips.shifts import hertz_ellipse, hump_of, slanted
+from wrsim.core.jit.compiling import inlined, kernel
 
 # Of u - d over the deepest penetration, of curvatures over 1/R_x: from the last contact, and afresh
 WARM_TOLERANCE, TOLERANCE = 1e-8, 1e-9

@@ -14,10 +14,10 @@ farther they lie off the line and the shorter they are.
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.strips.grid import make_room, next_corner
 from wrsim.core.contact.strips.records import ROWS
 from wrsim.core.contact.strips.shifts import rise
+from wrsim.core.jit.compiling import inlined, kernel
 
 BENT = 0.05  # of the half length of the overlap: how far the locus leaves the line of its hump where a tail begins
 FADED = 3.0  # times that: where the curvature that a tail makes no longer counts

@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-from wrsim.core.compiling import inlined, kernel
 from wrsim.core.contact.records import FASTRIP, FASTSIM, POLACH, SHEN_HEDRICK_ELKINS
 from wrsim.core.contact.tangential.fastrip import fastrip
 from wrsim.core.contact.tangential.fastsim import PARABOLA_PEAK, fastsim, fastsim_blended
@@ -16,6 +15,7 @@ from wrsim.core.contact.tangential.flexibility import (
 from wrsim.core.contact.tangential.friction import set_friction
 from wrsim.core.contact.tangential.linear import linear_creep
 from wrsim.core.contact.tangential.polach import polach
+from wrsim.core.jit.compiling import inlined, kernel
 
 GAP = 1e-6  # of a strip's width: more apart are other stretches
 FIRM = 4.0  # from a quarter of the wheel's largest pressure amplitude on a lobe counts in full

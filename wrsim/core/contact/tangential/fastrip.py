@@ -34,7 +34,6 @@ works through L1 like the rest of it.
 
 from math import pi, sqrt
 
-from wrsim.core.compiling import kernel
 from wrsim.core.contact.tangential.march import (
     BOUND,
     FX,
@@ -47,6 +46,7 @@ from wrsim.core.contact.tangential.march import (
     largest_traction,
     march,
 )
+from wrsim.core.jit.compiling import kernel
 
 FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken back
 

@@ -21,7 +21,6 @@ the edges to the middle; here every strip keeps its mu N, because friction is a 
 
 from math import pi, sqrt
 
-from wrsim.core.compiling import kernel
 from wrsim.core.contact.tangential.march import (
     BOUND,
     FX,
@@ -34,6 +33,7 @@ from wrsim.core.contact.tangential.march import (
     largest_traction,
     march,
 )
+from wrsim.core.jit.compiling import kernel
 
 PARABOLA_PEAK = 0.375 * pi  # of the parabola over that of the semi-ellipse of equal force
 

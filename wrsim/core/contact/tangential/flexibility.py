@@ -6,7 +6,7 @@ L1 = 8 a / (3 C11 G),   L2 = 8 a / (3 C22 G),   L3 = pi a sqrt(a/b) / (4 C23 G).
 from math import pi, sqrt
 from typing import NamedTuple
 
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.jit.compiling import inlined, kernel
 
 
 class Creepages(NamedTuple):

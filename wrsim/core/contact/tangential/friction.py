@@ -14,7 +14,7 @@ SETTINGS in their order. Between two rows each number changes by 3 x^2 - 2 x^3, 
 
 from math import exp, sqrt
 
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.root import between
 
 

@@ -18,7 +18,7 @@ but not below what keeps the power of the strip from being positive.
 
 from math import sqrt
 
-from wrsim.core.compiling import kernel
+from wrsim.core.jit.compiling import kernel
 
 
 @kernel

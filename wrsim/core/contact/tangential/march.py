@@ -21,7 +21,7 @@ which are nearly the same, would decide on sticking by chance.
 
 from math import pi, sqrt
 
-from wrsim.core.compiling import inlined, kernel
+from wrsim.core.jit.compiling import inlined, kernel
 
 STEP_X, STEP_Y, TURN, BOUND, START_X, START_Y, STUCK, TRACTION_X, TRACTION_Y, FX, FY, MZ = range(12)
 """Rows of the scratch array."""

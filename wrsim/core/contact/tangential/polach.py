@@ -15,8 +15,8 @@ as it takes that creep does no positive work.
 
 from math import atan, exp, pi, sqrt
 
-from wrsim.core.compiling import kernel
 from wrsim.core.contact.tangential.linear import restrain
+from wrsim.core.jit.compiling import kernel
 
 LARGE = 1e60  # creepages beyond are full sliding; their powers are still numbers
 

@@ -13,26 +13,24 @@ which overlap no other argument.
 numba makes machine code of every function that another one calls, with wrappers for Python around it, and optimises it
 once more in every caller that it is linked into. Here what a kernel calls stays a *part*, as it was typed and lowered;
 the kernel that Python calls gathers its parts and is optimised, made and kept once, as a whole. So only kernels can
-call kernels. What is called by number (core.stages) is a whole of its own.
+call kernels. What is called by number (core.jit.stages) is a whole of its own.
 """
 
+import importlib
 import inspect
 import logging
 import time
 from typing import Any
 
 import numba
+from numba import prange as prange
 from numba.core import compiler, event, types, typing
 from numba.core.codegen import JITCodeLibrary
 from numba.core.dispatcher import _FunctionCompiler
 from numba.core.environment import lookup_environment
 from numba.core.registry import CPUDispatcher
 
-from wrsim.core import CACHE
-from wrsim.core.shipped import KernelCache, shipped
-
-KEPT = CACHE is not None
-KernelCache.shipped = shipped(CACHE)
+from wrsim.core.jit.cache import CACHE, KernelCache
 
 LOGGER = logging.getLogger("wrsim.kernels")
 """Says at level INFO how many kernels are compiled, of how many that are known to be needed; nothing at the end."""
@@ -174,7 +172,7 @@ def _declared(apart=False, **options):
             return function
         made = Kernel(function, targetoptions={"nopython": True, "error_model": "numpy", **options})
         made._compiler.apart = made._part_compiler.apart = apart
-        if KEPT:
+        if CACHE:
             made.enable_caching()
         return made
 
@@ -185,3 +183,24 @@ kernel = _declared()
 inlined = _declared(forceinline=True)
 summing = _declared(fastmath={"reassoc", "nsz"})
 filling = _declared(apart=True)
+
+
+def parallel(function):
+    """A kernel that Python or a stage calls, whose ``prange`` loops run on the threads of `use_threads`."""
+    return numba.njit(parallel=True, error_model="numpy", cache=CACHE is not None)(function)
+
+
+def cores():
+    """Largest number of threads on this machine."""
+    return int(numba.config.NUMBA_NUM_THREADS)
+
+
+def use_threads(count):
+    """From now on parallel kernels of this process run on so many threads. Raises ImportError without OpenMP.
+
+    OpenMP waits awake: handing work over and back costs 1.4 us, where numba's own queue of work takes some 140.
+    """
+    if count > 1 and not numba.config.DISABLE_JIT:
+        importlib.import_module("numba.np.ufunc.omppool")
+        numba.config.THREADING_LAYER = "omp"
+        numba.set_num_threads(count)

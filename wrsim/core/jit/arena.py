@@ -9,12 +9,13 @@ from math import prod
 
 import numba
 import numpy as np
+from llvmlite import ir
 from numba import types
 from numba.core.cgutils import unpack_tuple
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
-from wrsim.core.compiling import inlined
+from wrsim.core.jit.compiling import inlined
 
 NUMBER = np.dtype(np.float64)
 
@@ -55,6 +56,31 @@ def _look_compiled(_context, buffer, offset, shape, kind):
 
 
 look = _look if numba.config.DISABLE_JIT else _look_compiled
+
+
+def _bits_of(x):
+    """The 64 bits of a number as a whole number."""
+    return int(np.float64(x).view(np.int64))
+
+
+def _number_of(bits):
+    """The number with these bits."""
+    return float(np.int64(bits).view(np.float64))
+
+
+@intrinsic
+def _bits_compiled(_context, x):
+    """As `_bits_of`."""
+    return types.int64(types.float64), lambda _c, builder, _s, args: builder.bitcast(args[0], ir.IntType(64))
+
+
+@intrinsic
+def _number_compiled(_context, bits):
+    """As `_number_of`."""
+    return types.float64(types.int64), lambda _c, builder, _s, args: builder.bitcast(args[0], ir.DoubleType())
+
+
+bits_of, number_of = (_bits_of, _number_of) if numba.config.DISABLE_JIT else (_bits_compiled, _number_compiled)
 
 
 @inlined

@@ -1,6 +1,6 @@
-"""Makes the folder of compiled kernels that a wheel may hold (``wrsim.core.shipped``); called by ``.ci/wheel``.
+"""Makes the folder of compiled kernels that a wheel may hold (``wrsim.core.jit.cache``); called by ``.ci/wheel``.
 
-NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= NUMBA_CACHE_DIR=CACHE python -m wrsim.analysis.shipping FOLDER
+NUMBA_CPU_NAME=x86-64-v3 NUMBA_CPU_FEATURES= NUMBA_CACHE_DIR=CACHE python .ci/ship_kernels.py FOLDER
 """
 
 from __future__ import annotations
@@ -22,9 +22,16 @@ from wrsim.contact.settings import ContactSettings
 from wrsim.core.contact import records as k
 from wrsim.core.contact.stages import make_ready
 from wrsim.core.contact.wheel_rail import wheel_rail
-from wrsim.core.shipped import ABOUT, CONTACT, LEVEL, NEEDED, SOURCES, made_with
+from wrsim.core.jit.cache import ABOUT, CONTACT, SOURCES, made_with
 from wrsim.errors import WrsimError
 from wrsim.geometry.profile.models import load_profile
+
+LEVEL = "x86-64-v3"
+NEEDED = (
+    "avx", "avx2", "bmi", "bmi2", "cx16", "f16c", "fma", "lzcnt", "movbe", "popcnt",
+    "sse3", "sse4.1", "sse4.2", "ssse3",
+)  # fmt: skip
+"""The level of processors that they are compiled for, and its features by LLVM's names."""
 
 RADIUS = 0.46
 APPROACH = 50e-6

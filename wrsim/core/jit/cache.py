@@ -1,21 +1,25 @@
-"""Compiled kernels that came with the package: taken in place of compiling, where all that they depend on is the same.
+"""Compiled kernels from one process to the next: the user's cache, and behind it kernels that came with the package.
 
-A wheel may hold a folder ``kernels`` (made by ``wrsim.analysis.shipping``): numba's cache files of the kernels,
-compiled for a common level of processors, and beside them what they were made with and of. They are read where they are
-installed, beside the sources, and trusted as these are: nobody may write there who could not change wrsim itself.
-Nothing is unpacked.
+The files of numba's cache are pickles: who writes one decides what the next process executes. So they are only taken
+from folders that nobody but this user can write to. The folder is named after a hash of all kernels, because numba's
+cache does not notice an edit in a *called* function of another file.
 
-They are taken only if numba, Python, platform and sources are the same and the processor has what they use. Before the
-first time a process of its own computes contacts with them, bit against bit (core.trial): a wrong bit, a crash, an
-illegal instruction, any doubt, and the kernels are compiled here as without them. What it found is kept in the cache.
+A wheel may hold a folder ``kernels`` (made by ``.ci/wheel``): cache files, compiled for a common level of processors,
+and beside them what they were made with and of. They are read where they are installed, beside the sources, and trusted
+as these are. They are taken only if numba, Python, platform and sources are the same and the processor has what they
+use. Before the first time a process of its own computes contacts with them, bit against bit
+(`core.contact.stages.repeat_contacts`): a wrong bit, a crash, an illegal instruction, any doubt, and the kernels are
+compiled here as without them. What it found is kept in the cache.
 """
 
+import contextlib
 import hashlib
 import json
 import os
 import stat
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import llvmlite
@@ -23,23 +27,74 @@ import numba
 from llvmlite import binding
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
-from wrsim.core.cache import OTHERS_WRITE
-
-SOURCES = Path(__file__).parent
+SOURCES = Path(__file__).parents[1]
 FOLDER = SOURCES.parent / "kernels"
 ABOUT, CONTACT = "about.json", "contact-{}.npz"
 TRYING = "WRSIM_TRIES_SHIPPED_KERNELS"
 """Set in the process that tries them."""
 
-LEVEL = "x86-64-v3"
-NEEDED = (
-    "avx", "avx2", "bmi", "bmi2", "cx16", "f16c", "fma", "lzcnt", "movbe", "popcnt",
-    "sse3", "sse4.1", "sse4.2", "ssse3",
-)  # fmt: skip
-"""The level of processors that they are compiled for, and its features by LLVM's names."""
+PRIVATE = 0o700
+OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
-def digest_of_sources(*more):
+def is_private(path: str) -> bool:
+    """Make a folder; whether it can be written to by this user and by nobody else."""
+    try:
+        os.makedirs(path, mode=PRIVATE, exist_ok=True)
+        found = os.lstat(path)
+    except OSError:
+        return False
+    if not stat.S_ISDIR(found.st_mode) or not os.access(path, os.W_OK | os.X_OK):
+        return False
+    if not hasattr(os, "getuid"):  # owners and modes are of another kind there
+        return True
+    return found.st_uid == os.getuid() and not found.st_mode & OTHERS_WRITE
+
+
+def _shut(path: str) -> None:
+    """Take from others the right to write to a folder of this user's: older versions left it to the group."""
+    if hasattr(os, "getuid"):
+        with contextlib.suppress(OSError):
+            folder = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+            try:
+                if os.fstat(folder).st_uid == os.getuid():
+                    os.fchmod(folder, PRIVATE)
+            finally:
+                os.close(folder)
+
+
+def _keeps_its_folders(path: str) -> bool:
+    """True if nobody else can put another folder in the place of one of this user's in there."""
+    try:
+        mode = os.stat(path).st_mode
+    except OSError:
+        return True  # it is not there yet, and will be this user's
+    return not hasattr(os, "getuid") or not mode & OTHERS_WRITE or bool(mode & stat.S_ISVTX)
+
+
+def cache_folder(name: str) -> str | None:
+    """The folder ``name`` for compiled kernels, or None where there is no safe place: then nothing is kept.
+
+    In the user's cache; where that cannot be written, in a folder of the user's in the temporary directory.
+    """
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    user = f"wrsim-{os.getuid()}" if hasattr(os, "getuid") else "wrsim"
+    for parent, own in ((home, "wrsim"), (tempfile.gettempdir(), user)):
+        root = os.path.join(parent, own)
+        if not _keeps_its_folders(parent):
+            continue
+        _shut(root)
+        if is_private(root) and is_private(os.path.join(root, name)):
+            return os.path.join(root, name)
+    print(
+        f"wrsim: neither {home} nor {tempfile.gettempdir()} can hold a folder that only you can write to; the kernels "
+        "are compiled anew in every process, a minute or two each (XDG_CACHE_HOME names another place)",
+        file=sys.stderr,
+    )
+    return None
+
+
+def digest_of_sources(*more: str) -> str:
     """Digest of the sources of ``wrsim.core``, and of more words: of what the kernels compute."""
     digest = hashlib.sha256(" ".join(more).encode())
     for source in sorted(SOURCES.rglob("*.py")):
@@ -48,7 +103,15 @@ def digest_of_sources(*more):
     return digest.hexdigest()[:16]
 
 
-def made_with():
+CACHE = os.environ.get("NUMBA_CACHE_DIR") or cache_folder(
+    "kernels-" + digest_of_sources(numba.__version__, sys.version)
+)
+"""Folder of compiled kernels; None where they are not kept."""
+if CACHE:
+    numba.config.CACHE_DIR = CACHE
+
+
+def made_with() -> dict[str, str]:
     """What compiled kernels depend on besides the processor."""
     return {
         "numba": numba.__version__,
@@ -68,7 +131,7 @@ class Shipped:
 
     @property
     def usable(self):
-        """Whether they compute what they shall, on this machine: tried once, and kept in the cache."""
+        """Whether they compute the same bits on this machine: tried once, and kept in the cache."""
         if self._usable is None:
             kept = Path(self.cache) / "shipped.json"
             try:
@@ -80,24 +143,23 @@ class Shipped:
 
     def _pass(self):
         """Whether another process computes the contacts that came with the kernels."""
-        command = [sys.executable, "-P", "-c", "from wrsim.core.trial import main; main()"]
+        code = f"from wrsim.core.contact.stages import repeat_contacts; repeat_contacts({str(self.folder)!r})"
         paths = os.pathsep.join([str(SOURCES.parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])])
+        env = os.environ | {TRYING: "1", "PYTHONPATH": paths}
         try:
-            done = subprocess.run(
-                command, env=os.environ | {TRYING: "1", "PYTHONPATH": paths}, capture_output=True, timeout=120
-            )
+            command = [sys.executable, "-P", "-c", code]
+            return subprocess.run(command, env=env, capture_output=True, timeout=120).returncode == 0
         except (OSError, subprocess.SubprocessError):
             return False
-        return done.returncode == 0
 
     def data(self, function, base, stamp, key):
         """What a cache holds for a function of one of the sources; None if there is nothing or it cannot be read."""
         room = Path(function.__code__.co_filename).parent
-        if not room.is_relative_to(SOURCES):
+        signature, (triple, *_), code = key
+        if not room.is_relative_to(SOURCES) or triple != self.target[0]:
             return None
-        signature, (triple, _, _), code = key
         file = IndexDataCacheFile(str(self.folder / room.relative_to(SOURCES)), base, stamp)
-        return file.load((signature, (triple, *self.target[1:]), code)) if triple == self.target[0] else None
+        return file.load((signature, self.target, code))
 
 
 def shipped(cache, folder=FOLDER):
@@ -134,7 +196,7 @@ def _as_shut_as_sources(folder):
 class KernelCache(FunctionCache):
     """The user's cache of a kernel, and behind it the kernels that were shipped."""
 
-    shipped = None
+    shipped = shipped(CACHE)
     """Kernels that came with the package (`Shipped`), of all caches."""
 
     def _load_overload(self, sig, target_context):
