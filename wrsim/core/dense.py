@@ -1,10 +1,11 @@
 """Small dense systems, solved in place."""
 
+from wrsim.core.jit.arena import Array
 from wrsim.core.jit.compiling import kernel, summing
 
 
 @kernel
-def factorise(a, n, pivot):
+def factorise(a: Array, n: int, pivot: Array) -> None:
     """LU factors of a with row pivots, in place; ``pivot`` (n,) receives the rows that were exchanged."""
     for c in range(n):
         pivot[c] = _exchange(a, c, n)
@@ -15,7 +16,7 @@ def factorise(a, n, pivot):
 
 
 @kernel
-def invert(a, n, pivot):
+def invert(a: Array, n: int, pivot: Array) -> None:
     """The inverse of a, in place, by Gauss and Jordan with row pivots; pivot: (n,) scratch."""
     for c in range(n):
         pivot[c] = _exchange(a, c, n)
@@ -36,7 +37,7 @@ def invert(a, n, pivot):
 
 
 @kernel
-def _exchange(a, c, n):
+def _exchange(a: Array, c: int, n: int) -> int:
     """Exchange row c with the one at or below it that has the largest number in column c; returns which that was."""
     p = c
     for i in range(c + 1, n):
@@ -49,7 +50,7 @@ def _exchange(a, c, n):
 
 
 @kernel
-def _subtract(a, c, first, last, start, end):
+def _subtract(a: Array, c: int, first: int, last: int, start: int, end: int) -> None:
     """Subtract row c times a[i, c] from the rows i = first to last, in the columns from start to end."""
     i = first
     while i < last - 3:
@@ -71,14 +72,14 @@ def _subtract(a, c, first, last, start, end):
 
 
 @kernel
-def multiply(a, n, x, out):
+def multiply(a: Array, n: int, x: Array, out: Array) -> None:
     """Write a x to out (n,)."""
     for i in range(n):
         out[i] = _row_product(a, i, n, x)
 
 
 @summing
-def _row_product(a, i, n, x):
+def _row_product(a: Array, i: int, n: int, x: Array) -> float:
     """Row i of a times x."""
     total = 0.0
     for j in range(n):
@@ -87,7 +88,7 @@ def _row_product(a, i, n, x):
 
 
 @kernel
-def solve_factorised(a, n, pivot, x):
+def solve_factorised(a: Array, n: int, pivot: Array, x: Array) -> None:
     """The solution of the system whose factors ``factorise`` left, in place of the right-hand side x."""
     for c in range(n):
         p = int(pivot[c])

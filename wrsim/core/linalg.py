@@ -8,7 +8,7 @@ must all be floats (``Vec(1.0, 0.0, 0.0)``, not ``Vec(1, 0, 0)``). Records lie i
 from math import sqrt
 from typing import Any, NamedTuple
 
-from wrsim.core.jit.arena import record
+from wrsim.core.jit.arena import Array, Record, record
 from wrsim.core.jit.compiling import inlined
 
 VECTOR = record("x y z")
@@ -57,55 +57,55 @@ class Curve(NamedTuple):
 
 
 @inlined
-def add(a, b):
+def add(a: Any, b: Vec) -> Vec:
     """a + b."""
     return Vec(a.x + b.x, a.y + b.y, a.z + b.z)
 
 
 @inlined
-def sub(a, b):
+def sub(a: Any, b: Any) -> Vec:
     """a - b."""
     return Vec(a.x - b.x, a.y - b.y, a.z - b.z)
 
 
 @inlined
-def scale(s, a):
+def scale(s: float, a: Vec) -> Vec:
     """s a."""
     return Vec(s * a.x, s * a.y, s * a.z)
 
 
 @inlined
-def shifted(a, s, d):
+def shifted(a: Vec, s: float, d: Vec) -> Vec:
     """a + s d."""
     return Vec(a.x + s * d.x, a.y + s * d.y, a.z + s * d.z)
 
 
 @inlined
-def mixed(r, a, s, b):
+def mixed(r: float, a: Any, s: float, b: Any) -> Vec:
     """r a + s b."""
     return Vec(r * a.x + s * b.x, r * a.y + s * b.y, r * a.z + s * b.z)
 
 
 @inlined
-def dot(a, b):
+def dot(a: Vec, b: Vec) -> float:
     """a . b."""
     return a.x * b.x + a.y * b.y + a.z * b.z
 
 
 @inlined
-def cross(a, b):
+def cross(a: Vec, b: Vec) -> Vec:
     """a x b."""
     return Vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 
 @inlined
-def norm(a):
+def norm(a: Vec) -> float:
     """Length of a."""
     return sqrt(a.x * a.x + a.y * a.y + a.z * a.z)
 
 
 @inlined
-def combined(c, t, n, b):
+def combined(c: Any, t: Vec, n: Vec, b: Vec) -> Vec:
     """c.x t + c.y n + c.z b: the vector that has the components c along three axes."""
     return Vec(
         c.x * t.x + c.y * n.x + c.z * b.x,
@@ -115,25 +115,25 @@ def combined(c, t, n, b):
 
 
 @inlined
-def components(a, t, n, b):
+def components(a: Vec, t: Vec, n: Vec, b: Vec) -> Vec:
     """(a . t, a . n, a . b): components along three axes."""
     return Vec(dot(a, t), dot(a, n), dot(a, b))
 
 
 @inlined
-def point_velocity(body, point):
+def point_velocity(body: Body, point: Vec) -> Vec:
     """Velocity [m/s] of the body's material at a global point: v + omega x r."""
     return add(body.velocity, cross(body.omega, sub(point, body.position)))
 
 
 @inlined
-def read(row, k):
+def read(row: Array, k: int) -> Vec:
     """The vector in row[k : k + 3] of an array."""
     return Vec(row[k], row[k + 1], row[k + 2])
 
 
 @inlined
-def write(row, k, a):
+def write(row: Array, k: int, a: Vec) -> None:
     """Write a vector to row[k : k + 3] of an array."""
     row[k] = a.x
     row[k + 1] = a.y
@@ -141,13 +141,13 @@ def write(row, k, a):
 
 
 @inlined
-def vec(row):
+def vec(row: Record) -> Vec:
     """The vector that a VECTOR record holds."""
     return Vec(row.x, row.y, row.z)
 
 
 @inlined
-def put(row, a):
+def put(row: Record, a: Vec) -> None:
     """Write a vector to a VECTOR record."""
     row.x = a.x
     row.y = a.y
@@ -155,7 +155,7 @@ def put(row, a):
 
 
 @inlined
-def accumulate(row, a):
+def accumulate(row: Record, a: Vec) -> None:
     """Add a vector to a VECTOR record."""
     row.x += a.x
     row.y += a.y
@@ -163,13 +163,13 @@ def accumulate(row, a):
 
 
 @inlined
-def get_body(row):
+def get_body(row: Record) -> Body:
     """The body that a BODY record holds."""
     return Body(vec(row.position), vec(row.velocity), vec(row.forward), vec(row.left), vec(row.up), vec(row.omega))
 
 
 @inlined
-def put_body(row, body):
+def put_body(row: Record, body: Body) -> None:
     """Write a body to a BODY record."""
     put(row.position, body.position)
     put(row.velocity, body.velocity)

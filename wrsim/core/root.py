@@ -4,6 +4,7 @@ or by halves."""
 from math import sqrt
 from typing import NamedTuple
 
+from wrsim.core.jit.arena import Array
 from wrsim.core.jit.compiling import inlined
 
 
@@ -19,13 +20,13 @@ class Bracket(NamedTuple):
 
 
 @inlined
-def crossing(b):
+def crossing(b: Bracket) -> float:
     """Where the chord crosses zero, for a function that is nearly linear in the square of its argument."""
     return sqrt((b.lo * b.lo * b.hi_h - b.hi * b.hi * b.lo_h) / (b.hi_h - b.lo_h))
 
 
 @inlined
-def narrowed(b, s, h):
+def narrowed(b: Bracket, s: float, h: float) -> Bracket:
     """The bracket with the value h at s in the place of one end; Illinois' regula falsi: an end that stays twice counts
     half."""
     if h > 0.0:
@@ -34,7 +35,7 @@ def narrowed(b, s, h):
 
 
 @inlined
-def interval(knots, s, guess):
+def interval(knots: Array, s: float, guess: int) -> int:
     """The interval of rising knots (n,) that holds s, looked for from a guess on; the first or the last one outside."""
     i = guess
     while i > 0 and s < knots[i]:
@@ -45,7 +46,7 @@ def interval(knots, s, guess):
 
 
 @inlined
-def between(knots, x):
+def between(knots: Array, x: float) -> tuple[int, int, float]:
     """Numbers of the rising knots (n,) below and above x, by halves, and the part of the way from one to the other.
 
     At the ends and beyond them it is the end, twice.

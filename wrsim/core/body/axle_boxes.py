@@ -13,7 +13,7 @@ centre lies on the axle. What lies further out on an arm is to be shared between
 """
 
 from wrsim.core.body.rigid_body import pitched
-from wrsim.core.jit.arena import record
+from wrsim.core.jit.arena import Record, record
 from wrsim.core.jit.compiling import kernel
 from wrsim.core.linalg import Body, accumulate, add, cross, dot, point_velocity, scale, shifted, vec
 
@@ -22,7 +22,7 @@ AXLE_BOX = record("inertia lateral", "wheelset coordinate")
 
 
 @kernel
-def on_axle(box, wheelset, pitch, rate):
+def on_axle(box: Record, wheelset: Body, pitch: float, rate: float) -> Body:
     """The box as a body; wheelset: a body that does not spin; pitch [rad] and its rate."""
     arm = scale(box.lateral, wheelset.left)
     at = add(wheelset.position, arm)
@@ -32,7 +32,7 @@ def on_axle(box, wheelset, pitch, rate):
 
 
 @kernel
-def hand_over(box, wheelset, wrench, onto):
+def hand_over(box: Record, wheelset: Body, wrench: Record, onto: Record) -> float:
     """Add what acts on the box, but for the moment about the axle, to the wrench ``onto`` of its wheelset.
 
     Returns the acceleration of its pitch [rad/s2].

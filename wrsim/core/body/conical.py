@@ -16,9 +16,9 @@ dampers under the wheels.
 from math import sqrt
 
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
-from wrsim.core.jit.arena import record
+from wrsim.core.jit.arena import Array, Record, Records, record
 from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import Vec, add, combined, cross, dot, mixed, point_velocity, shifted, sub
+from wrsim.core.linalg import Body, Curve, Frame, Vec, add, combined, cross, dot, mixed, point_velocity, shifted, sub
 from wrsim.core.track.path import frame, locate
 
 CONICAL = record("conicity half creep_x creep_y friction clearance flange support support_damping")
@@ -27,7 +27,9 @@ travel [m] and stiffness [N/m] of the flanges, stiffness [N/m] and damping [N s/
 
 
 @kernel
-def conical_forces(q, q_t, radii, places, curve, speed, law, out):
+def conical_forces(
+    q: Array, q_t: Array, radii: Array, places: Array, curve: Curve, speed: float, law: Records, out: Array
+) -> int:
     """Add the generalised forces of all wheelsets' contacts to ``out``; returns 0 or 1, off the track.
 
     q, q_t: see core.body.vehicle_forces, wheelsets first; radii: of the wheels at their middle position, one per
@@ -52,7 +54,7 @@ def conical_forces(q, q_t, radii, places, curve, speed, law, out):
 
 
 @kernel
-def _wheel_force(body, track, side, arm, speed, law):
+def _wheel_force(body: Body, track: Frame, side: float, arm: Vec, speed: float, law: Record) -> Vec:
     """Force on one wheel; side: +1 left, -1 right; arm: its contact from the centre of the axle [m]."""
     contact = add(body.position, arm)
     depth = -dot(sub(contact, track.origin), track.b)

@@ -32,6 +32,7 @@ law's own line; HELD from the slip that it has, elastic up to its bound: a state
 
 from math import exp
 
+from wrsim.core.jit.arena import Array, Record
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import ZERO, Vec, dot, norm, scale, shifted, sub
 
@@ -52,7 +53,7 @@ SMALLEST = 1e-12
 
 
 @kernel
-def slide(element, bound, z, v):
+def slide(element: Record, bound: float, z: Vec, v: Vec) -> tuple[Vec, Vec]:
     """Pull of a slider of the kinds COULOMB and FANCHER against the travel [N], and the rate of its slip [m/s].
 
     element: a record ELEMENT; bound [N]; z: extension of its spring [m]; v: rate of the travel [m/s]; both vectors.
@@ -71,7 +72,7 @@ def slide(element, bound, z, v):
 
 
 @kernel
-def settled(element, bound, z):
+def settled(element: Record, bound: float, z: Vec) -> Vec:
     """Pull of a settled slider after the way z from where it began [m], both vectors."""
     k, size = element.stick, norm(z)
     if size < SMALLEST or bound <= 0.0:
@@ -88,7 +89,7 @@ def settled(element, bound, z):
 
 
 @inlined
-def follow_strokes(element, bound, e, v, inner, inner_t):
+def follow_strokes(element: Record, bound: float, e: float, v: float, inner: Array, inner_t: Array) -> float:
     """Pull of a BERG slider against the travel e [m] at the rate v [m/s]; its unknowns as in ``suspension_forces``."""
     first, x2 = element.slip, bound / element.stick
     z, bottom, top = e - inner[first], inner[first + 1], inner[first + 2]
@@ -106,7 +107,7 @@ def follow_strokes(element, bound, e, v, inner, inner_t):
 
 
 @kernel
-def slider_force(element, bound, e, v, inner, inner_t):
+def slider_force(element: Record, bound: float, e: float, v: float, inner: Array, inner_t: Array) -> float:
     """Pull of a slider in one direction against the travel e [m] at the rate v [m/s].
 
     Adds what friction takes to the element's loss. inner, inner_t: the slider's unknowns, and where their rates go; of
@@ -114,13 +115,13 @@ def slider_force(element, bound, e, v, inner, inner_t):
     """
     first = element.slip
     if element.settled != MOVING:
-        pull = settled(element, bound, Vec(e - inner[first], 0.0, 0.0)).x
-        z = pull / element.stick
+        force = settled(element, bound, Vec(e - inner[first], 0.0, 0.0)).x
+        z = force / element.stick
         inner_t[first] = e - z
         if element.slider == BERG:
             inner_t[first + 1] = min(z, inner[first + 1])
             inner_t[first + 2] = max(z, inner[first + 2])
-        return pull
+        return force
     if element.slider == BERG:
         force = follow_strokes(element, bound, e, v, inner, inner_t)
         element.loss += force * inner_t[first]

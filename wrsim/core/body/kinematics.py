@@ -24,9 +24,9 @@ All vectors are in global axes: x forward at the start of the track, y left, z u
 from math import atan2, cos, hypot, isfinite, sin
 from typing import NamedTuple
 
-from wrsim.core.jit.arena import record
+from wrsim.core.jit.arena import Array, Records, record
 from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import Body, Vec, add, combined, components, cross, dot, scale, shifted, sub
+from wrsim.core.linalg import Body, Curve, Frame, Vec, add, combined, components, cross, dot, scale, shifted, sub
 from wrsim.core.track.path import frame, locate
 
 Z, X, Y, HEADING, ROLL, SPIN = range(6)
@@ -47,7 +47,7 @@ PLACED = record("distance lateral height yaw roll spin_rate")
 
 
 @kernel
-def kinematics(q, q_t):
+def kinematics(q: Array, q_t: Array) -> Body:
     """Position, velocity and orientation of a wheelset: a ``Body``, whose axes do not spin and whose omega does.
 
     q, q_t: (6,) coordinates [m, rad] and their rates.
@@ -69,13 +69,13 @@ def kinematics(q, q_t):
 
 
 @kernel
-def spin_rate(q, q_t):
+def spin_rate(q: Array, q_t: Array) -> float:
     """Angular velocity about the axle [rad/s], positive when rolling forward."""
     return q_t[SPIN] + q_t[HEADING] * sin(q[ROLL])
 
 
 @kernel
-def add_generalised_forces(body, force, moment, out):
+def add_generalised_forces(body: Body, force: Vec, moment: Vec, out: Array) -> None:
     """Add the generalised forces (6,) of a force [N] and a moment [N m] at the centre of mass to ``out``.
 
     They are the forces along z, x, y, then the moment's components along the vertical, forward and the axle.
@@ -89,7 +89,7 @@ def add_generalised_forces(body, force, moment, out):
 
 
 @kernel
-def pose_in_track(body, track):
+def pose_in_track(body: Body, track: Frame) -> Pose:
     """Pose of a wheelset against the track frame at the projection of its centre of mass."""
     d = sub(body.position, track.origin)
     axle = components(body.left, track.t, track.n, track.b)
@@ -97,7 +97,7 @@ def pose_in_track(body, track):
 
 
 @kernel
-def place(track, turning, speed, pose, spin, q, q_t):
+def place(track: Frame, turning: Vec, speed: float, pose: Pose, spin: float, q: Array, q_t: Array) -> None:
     """Write the state of a wheelset that follows a track frame at a given pose: the inverse of
     ``pose_in_track``.
 
@@ -124,7 +124,7 @@ def place(track, turning, speed, pose, spin, q, q_t):
 
 
 @kernel
-def poses_along(q, q_t, curve, guess, out):
+def poses_along(q: Array, q_t: Array, curve: Curve, guess: float, out: Records) -> int:
     """Poses of a motion against a track.
 
     q, q_t: (n, 6); curve: centre line; guess: distance of the first row [m], each row starts from the last;
@@ -145,7 +145,7 @@ def poses_along(q, q_t, curve, guess, out):
 
 
 @kernel
-def first_not_finite(q, q_t):
+def first_not_finite(q: Array, q_t: Array) -> int:
     """Index of the first coordinate (or, counted on, rate) that is not a finite number; -1 if all are."""
     n = q.shape[0]
     for i in range(n):

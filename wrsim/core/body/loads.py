@@ -51,10 +51,12 @@ from typing import NamedTuple
 
 from wrsim.core.body.kinematics import SPIN
 from wrsim.core.body.suspension import apply, material_point
-from wrsim.core.jit.arena import record
+from wrsim.core.jit.arena import Array, Record, Records, record
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import (
     VECTOR,
+    Body,
+    Curve,
     Vec,
     accumulate,
     combined,
@@ -123,21 +125,21 @@ class Asked(NamedTuple):
 
 
 @inlined
-def _between(tables, start, count, x):
+def _between(tables: Array, start: int, count: int, x: float) -> tuple[int, int, float]:
     """The rows of a table between which x lies, and the part of the way from one to the other."""
     low, high, part = between(tables[start : start + count, 0], x)
     return start + low, start + high, part
 
 
 @inlined
-def _at(tables, start, count, x):
+def _at(tables: Array, start: int, count: int, x: float) -> Vec:
     """The vector at x by the rows (x, vector) of a table; beyond its ends it stays."""
     low, high, part = _between(tables, start, count, x)
     return mixed(1.0 - part, read(tables[low], 1), part, read(tables[high], 1))
 
 
 @kernel
-def add_loads(t, bodies, loads, tables, centre, wrenches):
+def add_loads(t: float, bodies: Records, loads: Records, tables: Array, centre: Curve, wrenches: Records) -> int:
     """Add the loads at time t; tables: (., 4) of all of them. Returns the status of ``locate``."""
     for j in range(loads.shape[0]):
         load = loads[j]
@@ -159,7 +161,7 @@ def add_loads(t, bodies, loads, tables, centre, wrenches):
 
 
 @kernel
-def add_carried(track, carried, gravity, wrenches):
+def add_carried(track: Body, carried: Records, gravity: float, wrenches: Records) -> None:
     """Add what masses that follow the track frame press on their bodies with; track: its frame as a body."""
     pressing = sub(Vec(0.0, 0.0, -gravity), cross(track.omega, track.velocity))
     across = components(pressing, track.forward, track.left, track.up)
@@ -172,7 +174,9 @@ def add_carried(track, carried, gravity, wrenches):
 
 
 @kernel
-def add_drive(asked, drive, units, bodies, axles, centre, wrenches):
+def add_drive(
+    asked: Asked, drive: int, units: Records, bodies: Records, axles: Records, centre: Curve, wrenches: Records
+) -> int:
     """Add the pull that holds the speed of every vehicle, or ask its axles for it; returns the status of ``locate``.
 
     asked: an ``Asked``; drive: its kind; units: records UNIT, which keep where their reference bodies are.
@@ -200,7 +204,19 @@ def add_drive(asked, drive, units, bodies, axles, centre, wrenches):
 
 
 @kernel
-def add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, tables, axles, wrenches, out):
+def add_efforts(
+    t: float,
+    q_t: Array,
+    vehicle: Record,
+    origin: float,
+    parts: Records,
+    bodies: Records,
+    efforts: Records,
+    tables: Array,
+    axles: Records,
+    wrenches: Records,
+    out: Array,
+) -> None:
     """Add the moments on the axles: what the drive asks of them and the efforts; tables: (., 2) of all efforts.
 
     vehicle: a record VEHICLE of core.body.vehicle_forces; origin: distance of the (first) vehicle's origin [m].
@@ -247,7 +263,7 @@ def add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, tables, axles, 
 
 
 @kernel
-def _turn_gear(axle, q_t, settled, bodies, wrenches, out):
+def _turn_gear(axle: Record, q_t: Array, settled: bool, bodies: Records, wrenches: Records, out: Array) -> None:
     """Add what a geared motor does to its wheelset, its own body and the case of its gear; write the rates of its
     unknowns, twist and momentum of the hollow axle over its inertia, or where they have come to once settled.
     """

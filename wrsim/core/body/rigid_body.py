@@ -15,7 +15,7 @@ takes is G^T (I G_t theta_t + omega x I omega).
 from math import cos, sin
 
 from wrsim.core.body.kinematics import HEADING, ROLL, SPIN, X, Y, Z
-from wrsim.core.jit.arena import record
+from wrsim.core.jit.arena import Array, Records, record
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import Body, Vec, dot, mixed
 
@@ -26,7 +26,7 @@ INERTIA = record("mass xx yy zz")
 
 
 @inlined
-def pitched(body, pitch):
+def pitched(body: Body, pitch: float) -> Body:
     """A body whose axes are turned by the pitch; those of ``core.body.kinematics`` do not know the third angle."""
     c = cos(pitch)
     s = sin(pitch)
@@ -36,7 +36,7 @@ def pitched(body, pitch):
 
 
 @inlined
-def turning(roll, pitch, rates):
+def turning(roll: float, pitch: float, rates: Array) -> Vec:
     """Angular velocity in body axes [rad/s] at a roll and a pitch [rad] with the rates (6,) of the coordinates."""
     sr, cr = sin(roll), cos(roll)
     sp, cp = sin(pitch), cos(pitch)
@@ -45,7 +45,7 @@ def turning(roll, pitch, rates):
 
 
 @kernel
-def kinetic_energies(q, q_t, inertia, wheelsets, out):
+def kinetic_energies(q: Array, q_t: Array, inertia: Records, wheelsets: int, out: Array) -> None:
     """Kinetic energy (samples,) [J] of all bodies at states (samples, 6 n or more).
 
     inertia: (n,) records INERTIA; wheelsets: bodies before this number have axes that do not spin with them.
@@ -63,7 +63,7 @@ def kinetic_energies(q, q_t, inertia, wheelsets, out):
 
 
 @kernel
-def mass_block(q, mass, ixx, iyy, izz, out):
+def mass_block(q: Array, mass: float, ixx: float, iyy: float, izz: float, out: Array) -> None:
     """Mass matrix (6, 6) of one body at its coordinates q (6,); mass [kg], principal inertia [kg m2]."""
     out[:] = 0.0
     for i in range(3):
@@ -78,7 +78,7 @@ def mass_block(q, mass, ixx, iyy, izz, out):
 
 
 @kernel
-def velocity_forces(q, q_t, ixx, iyy, izz, out):
+def velocity_forces(q: Array, q_t: Array, ixx: float, iyy: float, izz: float, out: Array) -> None:
     """Quadratic velocity forces (6,): the generalised forces of a motion whose coordinates do not accelerate."""
     sr, cr = sin(q[ROLL]), cos(q[ROLL])
     sp, cp = sin(q[PITCH]), cos(q[PITCH])
@@ -102,7 +102,7 @@ def velocity_forces(q, q_t, ixx, iyy, izz, out):
 
 
 @kernel
-def rates_of(q, omega, q_t):
+def rates_of(q: Array, omega: Vec, q_t: Array) -> None:
     """Write the rates of the three angles of a body that turns with a global angular velocity [rad/s] to q_t.
 
     Of a wheelset the third rate is the one that its spin adds to.

@@ -7,13 +7,16 @@ and the moment w x L. On straight track nothing accelerates. How fast w itself c
 
 from wrsim.core.body.kinematics import SPIN, X, Y, Z, add_generalised_forces, kinematics
 from wrsim.core.body.rigid_body import PITCH, pitched, rates_of
+from wrsim.core.jit.arena import Array, Records
 from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import Vec, add, combined, components, cross, scale, sub
+from wrsim.core.linalg import Curve, Vec, add, combined, components, cross, scale, sub
 from wrsim.core.track.path import frame, frame_rates, locate
 
 
 @kernel
-def follow_together(q, spins, curve, reference, guess, speed, q_t):
+def follow_together(
+    q: Array, spins: Array, curve: Curve, reference: int, guess: float, speed: float, q_t: Array
+) -> tuple[Vec, float, int]:
     """Write the rates of all bodies in steady motion with the poses q.
 
     spins: angular velocity about its axle of each wheelset [rad/s], beyond that of the turning; wheelsets come first
@@ -38,7 +41,7 @@ def follow_together(q, spins, curve, reference, guess, speed, q_t):
 
 
 @kernel
-def together_inertia(q, q_t, omega, inertia, wheelsets, out):
+def together_inertia(q: Array, q_t: Array, omega: Vec, inertia: Records, wheelsets: int, out: Array) -> None:
     """Generalised forces (6 n,) that the steady motion takes.
 
     omega: the turning of all [rad/s]; inertia: (n,) records INERTIA; wheelsets: bodies before this number have axes

@@ -27,12 +27,15 @@ across one axis of the first body. The bound of a slider's force is constant, or
 (its normal force): those that ask another one come last.
 """
 
+from typing import Any
+
 from wrsim.core.body.friction import MOVING, NO_SLIDER, settled, slide, slider_force
-from wrsim.core.jit.arena import record
+from wrsim.core.jit.arena import Array, Record, Records, record
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import (
     VECTOR,
     ZERO,
+    Body,
     Vec,
     accumulate,
     add,
@@ -86,7 +89,7 @@ READING = record(force=VECTOR, travel=VECTOR)
 
 
 @inlined
-def interpolate(tables, start, count, x):
+def interpolate(tables: Array, start: int, count: int, x: float) -> float:
     """Piecewise linear function of the rows (x, y); beyond its ends it goes on with the slope there."""
     i = start
     while i < start + count - 2 and x > tables[i + 1, 0]:
@@ -96,26 +99,26 @@ def interpolate(tables, start, count, x):
 
 
 @inlined
-def material_point(body, point):
+def material_point(body: Body, point: Any) -> Vec:
     """Global place of a point given in the body's axes."""
     return add(body.position, combined(point, body.forward, body.left, body.up))
 
 
 @inlined
-def apply(wrench, body, at, force):
+def apply(wrench: Record, body: Body, at: Vec, force: Vec) -> None:
     """Add a force that acts on a body at a global point."""
     accumulate(wrench.force, force)
     accumulate(wrench.moment, cross(sub(at, body.position), force))
 
 
 @inlined
-def own_components(body, a):
+def own_components(body: Body, a: Vec) -> Vec:
     """Components of a vector in the body's axes."""
     return components(a, body.forward, body.left, body.up)
 
 
 @inlined
-def _seen_from(first, second, at, point):
+def _seen_from(first: Body, second: Body, at: Vec, point: Any) -> tuple[Vec, Vec]:
     """Vector from a point of the first body to the second body's point ``at``, and the velocity of the second body's
     material there against the first one's; in the first body's axes.
     """
@@ -125,7 +128,7 @@ def _seen_from(first, second, at, point):
 
 
 @kernel
-def _one_direction(element, tables, travel, rate, inner, inner_t):
+def _one_direction(element: Record, tables: Array, travel: float, rate: float, inner: Array, inner_t: Array) -> float:
     """Restoring force of a spring and damper in one direction; travel [m], rate [m/s].
 
     inner, inner_t: extension of the damping parts and where its rates go; only those of this element are touched.
@@ -150,7 +153,7 @@ def _one_direction(element, tables, travel, rate, inner, inner_t):
 
 
 @inlined
-def _bound(element, readings):
+def _bound(element: Record, readings: Records) -> float:
     """Bound of a slider's force [N]."""
     if element.normal < 0:
         return element.bound
@@ -158,7 +161,7 @@ def _bound(element, readings):
 
 
 @kernel
-def _field(bodies, element, sign, share, wrenches, reading):
+def _field(bodies: Records, element: Record, sign: float, share: float, wrenches: Records, reading: Record) -> None:
     """A field of the first body that acts on the second one (sign +1), or the other way round (sign -1).
 
     share: of the element. Adds force and travel to the reading, in the axes of the body whose field it is.
@@ -185,7 +188,16 @@ def _field(bodies, element, sign, share, wrenches, reading):
 
 
 @kernel
-def _axis(bodies, element, tables, inner, inner_t, wrenches, readings, reading):
+def _axis(
+    bodies: Records,
+    element: Record,
+    tables: Array,
+    inner: Array,
+    inner_t: Array,
+    wrenches: Records,
+    readings: Records,
+    reading: Record,
+) -> None:
     """A spring and damper along one axis of the first body."""
     first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
     at = material_point(second, element.point_2)
@@ -205,7 +217,16 @@ def _axis(bodies, element, tables, inner, inner_t, wrenches, readings, reading):
 
 
 @kernel
-def _line(bodies, element, tables, inner, inner_t, wrenches, readings, reading):
+def _line(
+    bodies: Records,
+    element: Record,
+    tables: Array,
+    inner: Array,
+    inner_t: Array,
+    wrenches: Records,
+    readings: Records,
+    reading: Record,
+) -> None:
     """A spring and damper along the line between its two points; reading: tension and extension."""
     first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
     start, end = material_point(first, element.point_1), material_point(second, element.point_2)
@@ -225,7 +246,15 @@ def _line(bodies, element, tables, inner, inner_t, wrenches, readings, reading):
 
 
 @kernel
-def _plane(bodies, element, inner, inner_t, wrenches, readings, reading):
+def _plane(
+    bodies: Records,
+    element: Record,
+    inner: Array,
+    inner_t: Array,
+    wrenches: Records,
+    readings: Records,
+    reading: Record,
+) -> None:
     """A slider in the plane across one axis of the first body."""
     first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
     at = material_point(second, element.point_2)
@@ -251,7 +280,7 @@ def _plane(bodies, element, inner, inner_t, wrenches, readings, reading):
 
 
 @kernel
-def _turning(bodies, element, wrenches):
+def _turning(bodies: Records, element: Record, wrenches: Records) -> None:
     """Rotational springs and dampers about the axes of the first body, if the element has any."""
     k, c = element.turning, element.turning_damping
     if k.x + k.y + k.z + (c.x + c.y + c.z) == 0.0:
@@ -275,7 +304,15 @@ def _turning(bodies, element, wrenches):
 
 
 @kernel
-def suspension_forces(bodies, elements, tables, inner, inner_t, wrenches, readings):
+def suspension_forces(
+    bodies: Records,
+    elements: Records,
+    tables: Array,
+    inner: Array,
+    inner_t: Array,
+    wrenches: Records,
+    readings: Records,
+) -> None:
     """Add the forces and moments of all elements at the centres of mass to ``wrenches``.
 
     bodies: records BODY, the frames last; elements: records ELEMENT; tables: (., 2); inner, inner_t: extensions of the

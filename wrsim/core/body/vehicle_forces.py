@@ -52,7 +52,7 @@ from wrsim.core.body.rigid_body import PITCH, pitched
 from wrsim.core.body.suspension import ELEMENT, READING, WRENCH, suspension_forces
 from wrsim.core.body.wheel_forces import ARRAYS, OFF_TRACK, wheel_record, wheel_total
 from wrsim.core.jit import stages
-from wrsim.core.jit.arena import matrix, record, records
+from wrsim.core.jit.arena import Array, Ints, Record, Records, matrix, record, records
 from wrsim.core.jit.compiling import kernel
 from wrsim.core.linalg import (
     BODY,
@@ -105,7 +105,7 @@ RAIL_COORDINATES = 4  # of a wheelset
 
 
 @kernel
-def vehicle_forces(t, q, q_t, out, buffer, index):
+def vehicle_forces(t: float, q: Array, q_t: Array, out: Array, buffer: Array, index: Ints) -> int:
     """Generalised forces on a vehicle at time t, (6 n + m,) for n bodies and m coordinates behind theirs.
 
     Returns a status: 0, or the sum of the contacts' STATUS bits, or OFF_TRACK when a body has no place on the track.
@@ -116,14 +116,14 @@ def vehicle_forces(t, q, q_t, out, buffer, index):
 
 
 @kernel
-def add_forces_on_bodies(t, q, q_t, out, buffer, index):
+def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Array, index: Ints) -> int:
     """Add everything but the contacts; writes the rates of the dampers' extensions. Returns 0 or OFF_TRACK."""
     vehicle = records(buffer, index, WHOLE, VEHICLE)[0]
     parts = records(buffer, index, PARTS, PART)
     bodies = records(buffer, index, BODIES, BODY)
     wrenches = records(buffer, index, WRENCHES, WRENCH)
     centre = Curve(records(buffer, index, CENTRE, NODE), vehicle.step)
-    n = parts.shape[0]
+    n: int = parts.shape[0]
     for i in range(n):
         body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
         if parts[i].wheelset >= 0:
@@ -171,7 +171,7 @@ def add_forces_on_bodies(t, q, q_t, out, buffer, index):
 
 
 @kernel
-def add_forces_on_wheels(q, q_t, out, buffer, index):
+def add_forces_on_wheels(q: Array, q_t: Array, out: Array, buffer: Array, index: Ints) -> int:
     """Add the contacts of all wheelsets, and on elastic rails write the accelerations of the pieces under the wheels.
 
     Those of a wheelset depend on its own coordinates and those of the twist and of the rails under it alone. Returns a
@@ -215,7 +215,7 @@ def add_forces_on_wheels(q, q_t, out, buffer, index):
 
 
 @kernel
-def motion_at(t, pieces):
+def motion_at(t: float, pieces: Records) -> tuple[float, float, float]:
     """Distance [m], speed [m/s] and acceleration [m/s2] of the track frame at time t.
 
     pieces: records PIECE in the order of time, each from its beginning to that of the next; the last has no end.
@@ -228,14 +228,14 @@ def motion_at(t, pieces):
 
 
 @kernel
-def _turned(body, spin):
+def _turned(body: Body, spin: float) -> Body:
     """A body that turns faster about its axle [rad/s]."""
     omega = shifted(body.omega, spin, body.left)
     return Body(body.position, body.velocity, body.forward, body.left, body.up, omega)
 
 
 @kernel
-def _frames(s, speed, vehicle, centre):
+def _frames(s: float, speed: float, vehicle: Record, centre: Curve) -> tuple[Body, Body]:
     """The track frame at the distance s [m] and the guide frame, as bodies; speed [m/s]."""
     at = frame(centre, s)
     turning, _roll = frame_rates(centre, s)
@@ -248,20 +248,20 @@ def _frames(s, speed, vehicle, centre):
 
 
 @kernel
-def _set_rail(q, q_t, place, wheel):
+def _set_rail(q: Array, q_t: Array, place: int, wheel: Record) -> None:
     """Write the motion of the piece of rail under a wheel to its record."""
     wheel.rail_n, wheel.rail_b = q[place], q[place + 1]
     wheel.rail_n_t, wheel.rail_b_t = q_t[place], q_t[place + 1]
 
 
 @kernel
-def _move_rail(q, q_t, place, side, total, vehicle, out):
+def _move_rail(q: Array, q_t: Array, place: int, side: float, total: Record, vehicle: Record, out: Array) -> None:
     """Accelerations of one rail's piece, along n and b, under the force of its wheel."""
     out[place] = _rail_acceleration(vehicle.rail_n, -side * total.Fo, q[place], q_t[place])
     out[place + 1] = _rail_acceleration(vehicle.rail_b, -total.Fb, q[place + 1], q_t[place + 1])
 
 
 @kernel
-def _rail_acceleration(rail, force, u, u_t):
+def _rail_acceleration(rail: Record, force: float, u: float, u_t: float) -> float:
     """Acceleration of a piece of rail on its spring and damper."""
     return (force - rail.stiffness * u - rail.damping * u_t) / rail.mass

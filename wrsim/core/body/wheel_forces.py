@@ -10,7 +10,7 @@ from wrsim.core.contact.arrays import ARRAYS as ARRAYS_OF_A_CONTACT
 from wrsim.core.contact.arrays import Arrays, results, settings_of
 from wrsim.core.contact.records import CONTACT
 from wrsim.core.jit import stages
-from wrsim.core.jit.arena import record, records, vector
+from wrsim.core.jit.arena import Array, Ints, Record, record, records, vector
 from wrsim.core.jit.compiling import inlined, kernel, parallel, prange
 from wrsim.core.linalg import BODY, VECTOR, ZERO, Curve, get_body, put
 from wrsim.core.track.path import NODE, bends, frame, locate
@@ -34,7 +34,7 @@ ONE_WHEEL, IN_TURN, SIDE_BY_SIDE = 4, 5, 6
 
 
 @kernel
-def one_wheel(buffer, index):
+def one_wheel(buffer: Array, index: Ints) -> int:
     """Force and moment of one wheel's contact, written to its record; a status. index: the part that is its own."""
     wheel = records(buffer, index, OWN, WHEEL)[0]
     rail = Curve(records(buffer, index, RAIL, NODE), wheel.step)
@@ -67,7 +67,7 @@ def one_wheel(buffer, index):
 
 
 @kernel
-def in_turn(buffer, index):
+def in_turn(buffer: Array, index: Ints) -> int:
     """All wheels, one after the other. index: that of the first wheel and of all behind it."""
     for i in range(index.shape[0] // ARRAYS):
         stages.run(ONE_WHEEL, buffer, index[i * ARRAYS : (i + 1) * ARRAYS])
@@ -75,7 +75,7 @@ def in_turn(buffer, index):
 
 
 @parallel
-def side_by_side(buffer, index):
+def side_by_side(buffer: Array, index: Ints) -> int:
     """As `in_turn`, on as many threads as numba has been told."""
     for i in prange(index.shape[0] // ARRAYS):
         stages.run(ONE_WHEEL, buffer, index[i * ARRAYS : (i + 1) * ARRAYS])
@@ -86,12 +86,12 @@ STAGES = {ONE_WHEEL: one_wheel, IN_TURN: in_turn, SIDE_BY_SIDE: side_by_side}
 
 
 @inlined
-def wheel_record(buffer, index, i):
+def wheel_record(buffer: Array, index: Ints, i: int) -> Record:
     """The record WHEEL of the wheel number i; index: as in `in_turn`."""
     return records(buffer, index[i * ARRAYS :], OWN, WHEEL)[0]
 
 
 @inlined
-def wheel_total(buffer, index, i):
+def wheel_total(buffer: Array, index: Ints, i: int) -> Record:
     """Resultants of this wheel's contact: a record TOTAL."""
     return results(buffer, index[i * ARRAYS + IN_CONTACT : (i + 1) * ARRAYS])[0]

@@ -6,32 +6,46 @@ more there (they are pseudovectors), so the kernel's formulae hold on both sides
 forces to round-off.
 """
 
+from wrsim.core.jit.arena import Array, Record
 from wrsim.core.jit.compiling import inlined, kernel
-from wrsim.core.linalg import Vec, add, combined, components, cross, point_velocity, scale, shifted, sub, write
+from wrsim.core.linalg import (
+    Body,
+    Frame,
+    Vec,
+    add,
+    combined,
+    components,
+    cross,
+    point_velocity,
+    scale,
+    shifted,
+    sub,
+    write,
+)
 
 
 @inlined
-def wheel_origin(body, side, half_spacing):
+def wheel_origin(body: Body, side: float, half_spacing: float) -> Vec:
     """Wheel profile origin on the axle, global. side: +1 left, -1 right; half_spacing: H/2 [m]."""
     return shifted(body.position, side * half_spacing, body.left)
 
 
 @inlined
-def _in_rail(a, rail, side):
+def _in_rail(a: Vec, rail: Frame, side: float) -> Vec:
     """Components of a vector in the rail's axes (t, o, b)."""
     own = components(a, rail.t, rail.n, rail.b)
     return Vec(own.x, side * own.y, own.z)
 
 
 @inlined
-def _turning_in_rail(a, rail, side):
+def _turning_in_rail(a: Vec, rail: Frame, side: float) -> Vec:
     """Components of a pseudovector in the rail's axes (t, o, b)."""
     own = components(a, rail.t, rail.n, rail.b)
     return Vec(side * own.x, own.y, side * own.z)
 
 
 @kernel
-def set_pose(body, rail, side, half_spacing, pose):
+def set_pose(body: Body, rail: Frame, side: float, half_spacing: float, pose: Array) -> None:
     """Write the pose and motion of one wheel in its rail's axes to ``pose`` (POSE,), see core.contact.records.
 
     rail: frame of the rail at the section beside the wheel (core.track.path.frame).
@@ -44,7 +58,7 @@ def set_pose(body, rail, side, half_spacing, pose):
 
 
 @kernel
-def wheel_wrench(body, rail, side, half_spacing, total):
+def wheel_wrench(body: Body, rail: Frame, side: float, half_spacing: float, total: Record) -> tuple[Vec, Vec]:
     """Force and moment at the centre of mass, in global axes, of one wheel's contact; total: a record TOTAL."""
     f = Vec(total.Ft, side * total.Fo, total.Fb)
     m = Vec(side * total.Mt, total.Mo, side * total.Mb)

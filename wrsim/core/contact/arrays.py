@@ -3,11 +3,11 @@
 from typing import Any, NamedTuple
 
 from wrsim.core.contact.rail import share_at
-from wrsim.core.contact.records import FOUND, LOBE, SETTINGS, STRIP, TOTAL, Profile, Rail, Share, read_pose
+from wrsim.core.contact.records import FOUND, LOBE, SETTINGS, STRIP, TOTAL, Pose, Profile, Rail, Share, Wheel, read_pose
 from wrsim.core.contact.search.locus import placed
 from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW
 from wrsim.core.contact.tangential.friction import set_law
-from wrsim.core.jit.arena import block, matrix, record_rows, records, vector
+from wrsim.core.jit.arena import Array, Ints, Record, Records, block, matrix, record_rows, records, vector
 from wrsim.core.jit.compiling import inlined, kernel
 
 
@@ -57,7 +57,7 @@ SETTINGS_PLACE = Arrays._fields.index("settings")
 
 
 @kernel
-def arrays(buffer, index):
+def arrays(buffer: Array, index: Ints) -> Arrays:
     """The arrays in an arena of one wheel."""
     first = index.shape[0] - ARRAYS  # 0; written as a literal, every helper would be compiled anew for each number
     return Arrays(
@@ -87,19 +87,19 @@ def arrays(buffer, index):
 
 
 @inlined
-def results(buffer, index):
+def results(buffer: Array, index: Ints) -> Records:
     """The TOTAL record in an arena of one wheel, as an array (1,)."""
     return records(buffer, index, index.shape[0] - 1, TOTAL)
 
 
 @inlined
-def settings_of(buffer, index):
+def settings_of(buffer: Array, index: Ints) -> Record:
     """The SETTINGS record in an arena of one wheel."""
     return records(buffer, index, index.shape[0] - ARRAYS + SETTINGS_PLACE, SETTINGS)[0]
 
 
 @kernel
-def bodies(a):
+def bodies(a: Arrays) -> tuple[Wheel, Rail, Pose]:
     """The wheel in its place, the rail there, and the pose."""
     settings, pose = a.settings[0], read_pose(a.pose)
     wheel = placed(Profile(a.wheel, settings.wheel_step), settings.radius, pose)

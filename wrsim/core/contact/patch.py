@@ -15,9 +15,11 @@ lobe beside a deeper one takes part of that one's recess (see core.contact.searc
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.contact.profile import length
+from wrsim.core.contact.profile import Point, length
 from wrsim.core.contact.rail import along, parting, rail_and_felt, rail_length
-from wrsim.core.contact.search.locus import locus_point
+from wrsim.core.contact.records import Rail, Wheel
+from wrsim.core.contact.search.locus import Locus, locus_point
+from wrsim.core.jit.arena import Record, Records
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.root import Bracket, crossing, narrowed
 
@@ -39,7 +41,7 @@ class Pair(NamedTuple):
 
 
 @inlined
-def bisector(w, r):
+def bisector(w: Locus, r: Point) -> tuple[float, float]:
     """Unit normal (no, nb) from rail to wheel that bisects those of two points, a Locus and one of the rail's profile.
 
     |n_r - n_w|^2 = 4 - |n_r + n_w|^2 and the sum is small: a series replaces root and division.
@@ -55,13 +57,13 @@ def bisector(w, r):
 
 
 @inlined
-def first_step(depth, curvature):
+def first_step(depth: float, curvature: float) -> float:
     """First step towards an edge [m]: half of the half width that the relative curvature at the main point promises."""
     return min(max(0.55 * sqrt(2.0 * depth / max(curvature, 0.5)), 2e-5), 4e-3)
 
 
 @inlined
-def pair(wheel, rail, arc_wheel, arc_rail, out_o, out_b):
+def pair(wheel: Wheel, rail: Rail, arc_wheel: float, arc_rail: float, out_o: float, out_b: float) -> Pair:
     """The pair of points at these arclengths; the gap with the wheel moved out by (out_o, out_b), else as it is."""
     w = locus_point(wheel, arc_wheel)
     r, felt = rail_and_felt(rail, arc_rail)
@@ -75,19 +77,21 @@ def pair(wheel, rail, arc_wheel, arc_rail, out_o, out_b):
 
 
 @inlined
-def _share(lobe, projected, at):
+def _share(lobe: Record, projected: int, at: Pair) -> float:
     """c: share of the approach that closes the gap at a pair of points."""
     return at.no * lobe.no + at.nb * lobe.nb if projected else 1.0
 
 
 @inlined
-def _opposite(wheel, rail, lobe, arc_wheel, s):
+def _opposite(wheel: Wheel, rail: Rail, lobe: Record, arc_wheel: float, s: float) -> Pair:
     """The pair at s along the curved axis, with the wheel moved out by the approach."""
     return pair(wheel, rail, arc_wheel, lobe.arc_rail + s, lobe.approach * lobe.no, lobe.approach * lobe.nb)
 
 
 @kernel
-def find_edge(wheel, rail, lobe, projected, first, direction, limit):
+def find_edge(
+    wheel: Wheel, rail: Rail, lobe: Record, projected: int, first: float, direction: float, limit: float
+) -> tuple[float, int]:
     """Edge of the patch on one side of the main point: the first zero of h(s).
 
     lobe: its main point, approach and recess; first: first step along s [m]; direction: +1.0 outward, -1.0 towards the
@@ -137,7 +141,7 @@ def find_edge(wheel, rail, lobe, projected, first, direction, limit):
 
 
 @kernel
-def lay_strips(wheel, rail, lobe, projected, n, strips):
+def lay_strips(wheel: Wheel, rail: Rail, lobe: Record, projected: int, n: int, strips: Records) -> float:
     """Fill ``n`` strips of equal width between the lobe's edges, start < 0 < end.
 
     Writes per strip s, ds, x, o, b, no, nb, r_t, penetration and, as a, the half length sqrt(2 h r_t) of [S 25] with

@@ -5,8 +5,9 @@ Rows stand at uniform arclength ``step`` from L = 0; columns: u (outward), w (he
 interpolation, the curvature linearly; an index costs a division, no search.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from wrsim.core.contact.records import Profile
 from wrsim.core.jit.compiling import inlined
 
 
@@ -21,20 +22,20 @@ class Point(NamedTuple):
 
 
 @inlined
-def node(profile, i):
+def node(profile: Any, i: int) -> Point:
     """Row i of the table."""
     table = profile.table
     return Point(table[i, 0], table[i, 1], table[i, 2], table[i, 3], table[i, 4])
 
 
 @inlined
-def length(profile):
+def length(profile: Profile) -> float:
     """Arclength of the last row [m]."""
     return (profile.table.shape[0] - 1) * profile.step
 
 
 @inlined
-def profile_point(profile, arc):
+def profile_point(profile: Any, arc: float) -> Point:
     """Point of a profile at arclength ``arc`` [m].
 
     The tangent's length differs from 1 by the fourth power of step times curvature (1e-10 for 0.1 mm on 13 mm).
@@ -53,7 +54,7 @@ def profile_point(profile, arc):
 
 
 @inlined
-def between(p, q, r, step):
+def between(p: Point, q: Point, r: float, step: float) -> Point:
     """The point at the share r of the way between two rows: cubic Hermite, the curvature linear."""
     r2 = r * r
     r3 = r2 * r

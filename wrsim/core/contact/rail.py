@@ -13,7 +13,8 @@ from math import atan2, inf, sqrt
 from typing import NamedTuple
 
 from wrsim.core.contact.profile import Point, between, profile_point
-from wrsim.core.contact.records import Profile, Share
+from wrsim.core.contact.records import Profile, Rail, Share
+from wrsim.core.jit.arena import Array, Bools
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.root import interval
 
@@ -41,19 +42,19 @@ class Felt(NamedTuple):
 
 
 @inlined
-def changes(rail):
+def changes(rail: Rail) -> bool:
     """Whether the rail changes along the track."""
     return rail.rates.shape[0] > 0
 
 
 @inlined
-def rail_length(rail):
+def rail_length(rail: Rail) -> float:
     """Arclength of the last row [m]."""
     return (rail.rows - 1) * rail.step
 
 
 @inlined
-def share_at(stations, rows, s, guess):
+def share_at(stations: Array, rows: int, s: float, guess: int) -> Share:
     """The stations about s, and the weights of their values and rates."""
     i = interval(stations, s, guess)
     low = stations[i]
@@ -65,7 +66,7 @@ def share_at(stations, rows, s, guess):
 
 
 @inlined
-def _share(rail, row):
+def _share(rail: Rail, row: int) -> Share:
     """Where the wheel feels a row: a yawed one ahead of its axle or behind it."""
     if rail.yaw == 0.0:
         return rail.share
@@ -76,7 +77,7 @@ def _share(rail, row):
 
 
 @inlined
-def _value(rail, share, row, column):
+def _value(rail: Rail, share: Share, row: int, column: int) -> float:
     table, rates = rail.table, rail.rates
     low, high = share.low + row, share.high + row
     return (
@@ -88,7 +89,7 @@ def _value(rail, share, row, column):
 
 
 @inlined
-def _node(rail, share, row):
+def _node(rail: Rail, share: Share, row: int) -> Point:
     """A row as a point.
 
     The next row is felt elsewhere by a yawed wheel, where the rail may be higher: the tangent goes along.
@@ -104,7 +105,7 @@ def _node(rail, share, row):
 
 
 @inlined
-def _bent(p, q, r, step):
+def _bent(p: Point, q: Point, r: float, step: float) -> float:
     """Curvature between two rows, linear, so that their tangents turn into each other [1/m]."""
     turn = p.tu * q.tw - p.tw * q.tu
     lengths = sqrt((p.tu * p.tu + p.tw * p.tw) * (q.tu * q.tu + q.tw * q.tw))
@@ -112,7 +113,7 @@ def _bent(p, q, r, step):
 
 
 @inlined
-def rail_point(rail, arc):
+def rail_point(rail: Rail, arc: float) -> Point:
     """Point of the rail's section at arclength ``arc`` [m]; beyond either end it goes on straight."""
     if not changes(rail):
         return profile_point(Profile(rail.table, rail.step), arc)
@@ -121,7 +122,7 @@ def rail_point(rail, arc):
 
 
 @inlined
-def rail_and_felt(rail, arc):
+def rail_and_felt(rail: Rail, arc: float) -> tuple[Point, Felt]:
     """As ``rail_point``, and what the tables tell along the track there."""
     if not changes(rail):
         return profile_point(Profile(rail.table, rail.step), arc), Felt(0.0, 0.0, 0.0)
@@ -135,7 +136,7 @@ def rail_and_felt(rail, arc):
 
 
 @inlined
-def _at(rail, arc):
+def _at(rail: Rail, arc: float) -> tuple[float, int, Share, Share]:
     """Of a rail that changes along the track: arclength in rows, held on them; the row before; where that one and the
     next are felt."""
     x = min(max(arc / rail.step, 0.0), rail.rows - 1.0)
@@ -144,7 +145,7 @@ def _at(rail, arc):
 
 
 @inlined
-def _point(rail, one, other, arc, x, i):
+def _point(rail: Rail, one: Share, other: Share, arc: float, x: float, i: int) -> Point:
     """The point at x rows, behind row i."""
     p, q = _node(rail, one, i), _node(rail, other, i + 1)
     at = between(p, q, x - i, rail.step)
@@ -158,7 +159,7 @@ def _point(rail, one, other, arc, x, i):
 
 
 @inlined
-def rail_chord(rail, arc):
+def rail_chord(rail: Rail, arc: float) -> Point:
     """Point of a rail that changes along the track, linear between two rows: half a micrometre off where a rail is bent
     most; beyond either end the last one."""
     x, i, one, other = _at(rail, arc)
@@ -174,7 +175,7 @@ def rail_chord(rail, arc):
 
 
 @inlined
-def along(rail, felt, point, x, to_axle):
+def along(rail: Rail, felt: Felt, point: Point, x: float, to_axle: float) -> Along:
     """What the rail does along the track where its section has ``point`` and ``felt`` and a wheel touches at x [m];
     nothing where it is one profile that neither turns nor bends.
 
@@ -191,13 +192,13 @@ def along(rail, felt, point, x, to_axle):
 
 
 @inlined
-def tilted(at):
+def tilted(at: Along) -> float:
     """Cosine of the slope along the track: of a distance in the section to that along the true normal."""
     return 1.0 / sqrt(1.0 + at.slope * at.slope)
 
 
 @inlined
-def parting(r_t, at):
+def parting(r_t: float, at: Along) -> float:
     """Radius with which a wheel of radius ``r_t`` along the track and the rail part [m]."""
     if at.bend == 0.0:
         return r_t
@@ -229,14 +230,14 @@ class Row(NamedTuple):
 
 
 @inlined
-def _cubic(c, i, row, column, x):
+def _cubic(c: Array, i: int, row: int, column: int, x: float) -> tuple[float, float, float]:
     """Value and two derivatives of a cubic of interval i."""
     c3, c2, c1, c0 = c[0, i, row, column], c[1, i, row, column], c[2, i, row, column], c[3, i, row, column]
     return c0 + x * (c1 + x * (c2 + x * c3)), c1 + x * (2.0 * c2 + 3.0 * x * c3), 2.0 * c2 + 6.0 * x * c3
 
 
 @inlined
-def _felt(c, knots, ends, row, s, x, radius, i):
+def _felt(c: Array, knots: Array, ends: Array, row: int, s: float, x: float, radius: float, i: int) -> Row:
     """A row at s + x, which lies in interval i."""
     at = s + x
     inside = min(max(at, knots[0]), knots[knots.size - 1])
@@ -259,7 +260,7 @@ def _felt(c, knots, ends, row, s, x, radius, i):
 
 
 @inlined
-def _own_curvature(c, row, y, i):
+def _own_curvature(c: Array, row: int, y: float, i: int) -> float:
     """Curvature at a row of the section at y in interval i [1/m]: how its tangent turns from the row before to the one
     behind, over their distance."""
     p, q = max(row - 1, 0), min(row + 1, c.shape[2] - 1)
@@ -271,7 +272,7 @@ def _own_curvature(c, row, y, i):
 
 
 @inlined
-def _next(knots, s, i, step):
+def _next(knots: Array, s: float, i: int, step: float) -> float:
     """The next place to look at: every knot and the middle between two of them are among these."""
     if s < knots[0] or s >= knots[knots.size - 1]:
         return min(s + step, knots[0]) if s < knots[0] - 1e-9 else s + step
@@ -281,7 +282,7 @@ def _next(knots, s, i, step):
 
 
 @kernel
-def felt_rows(c, knots, ends, s, radius, reach, out):
+def felt_rows(c: Array, knots: Array, ends: Array, s: float, radius: float, reach: float, out: Array) -> None:
     """The felt section of a piece at s, one row of ``out`` (n, 8) for each of its rows: u, w, tu, tw, how far ahead it
     is touched, slope and curvature along the track, along its normal; whether it was found within reach.
 
@@ -331,7 +332,7 @@ def felt_rows(c, knots, ends, s, radius, reach, out):
 
 
 @kernel
-def unfold(rows, anchor, lowest, keep):
+def unfold(rows: Array, anchor: int, lowest: float, keep: Bools) -> None:
     """Mark in ``keep`` (n,) the rows that follow each other from the anchor to both sides, down to a height.
 
     Where two branches of the felt section cross, rows run on beneath the other branch, backwards, and forwards again
@@ -359,7 +360,7 @@ def unfold(rows, anchor, lowest, keep):
 
 
 @kernel
-def _crossed(rows, i, way, anchor, keep):
+def _crossed(rows: Array, i: int, way: int, anchor: int, keep: Bools) -> int:
     """The last row that is kept before the way from row i to the next crosses what is kept; i if it does not."""
     if not 0 <= i + way < rows.shape[0]:
         return i

@@ -6,7 +6,7 @@ wheel. A ``Vec`` in these axes has its components in that order.
 
 from typing import Any, NamedTuple
 
-from wrsim.core.jit.arena import record
+from wrsim.core.jit.arena import Array, record
 from wrsim.core.jit.compiling import inlined
 from wrsim.core.linalg import Vec, read
 
@@ -84,7 +84,7 @@ POSE = 12
 
 
 @inlined
-def read_pose(row):
+def read_pose(row: Array) -> Pose:
     """The pose in a row of 12 numbers."""
     return Pose(read(row, 0), read(row, 3), read(row, 6), read(row, 9))
 
@@ -143,12 +143,12 @@ class Wheel(NamedTuple):
 
 
 class Field(NamedTuple):
-    """Signed distances of a rail, see ``core.contact.search.points``, on a square grid from (o, b): ``count`` rows of
+    """Signed distances of a rail, see ``core.contact.search.points``, on a square grid from (o, b): so many ``rows`` of
     ``values`` (n, n_b, 2) from ``first`` on. slack: how far it may be off; 0 for a rail of one profile."""
 
     values: Any
     first: int
-    count: int
+    rows: int
     o: float
     b: float
     spacing: float

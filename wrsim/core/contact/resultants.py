@@ -2,44 +2,46 @@
 
 from math import atan, atan2, pi, sqrt
 
+from wrsim.core.contact.records import Pose
+from wrsim.core.jit.arena import Record, Records
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import Vec, add, cross, dot, mixed, shifted, sub
 
 
 @inlined
-def _centre(row):
+def _centre(row: Record) -> Vec:
     """Centre of a strip, or main point of a lobe."""
     return Vec(row.x, row.o, row.b)
 
 
 @inlined
-def _upright(row):
+def _upright(row: Record) -> float:
     """Cosine of the slope along the track."""
     return 1.0 if row.slope == 0.0 else 1.0 / sqrt(1.0 + row.slope * row.slope)
 
 
 @inlined
-def _normal(row):
+def _normal(row: Record) -> Vec:
     """Unit normal from rail to wheel there: that of the section, leant back by the slope along the track."""
     inverse = _upright(row)
     return Vec(-row.slope * inverse, row.no * inverse, row.nb * inverse)
 
 
 @inlined
-def _along(row):
+def _along(row: Record) -> Vec:
     """Unit tangent along the track."""
     inverse = _upright(row)
     return Vec(inverse, row.slope * row.no * inverse, row.slope * row.nb * inverse)
 
 
 @inlined
-def _across(row):
+def _across(row: Record) -> Vec:
     """Unit tangent across."""
     return Vec(0.0, row.nb, -row.no)
 
 
 @inlined
-def _on_wheel(row, penetration):
+def _on_wheel(row: Record, penetration: float) -> Vec:
     """The place of a strip or a lobe on the wheel's undeformed surface: half the penetration below its centre.
 
     Bodies of one material stretch alike where they touch, so a wheel rolls freely on its undeformed radius. CONTACT
@@ -49,7 +51,7 @@ def _on_wheel(row, penetration):
 
 
 @inlined
-def _set_creepages(row, penetration, pose, inverse):
+def _set_creepages(row: Record, penetration: float, pose: Pose, inverse: float) -> Vec:
     """Write xi, eta, phi of a strip or a lobe; returns the velocity there."""
     velocity = add(pose.velocity, cross(pose.omega, sub(_on_wheel(row, penetration), pose.origin)))
     row.xi = dot(velocity, _along(row)) * inverse
@@ -59,7 +61,7 @@ def _set_creepages(row, penetration, pose, inverse):
 
 
 @kernel
-def set_creepages(pose, least_speed, lobe, strips, n):
+def set_creepages(pose: Pose, least_speed: float, lobe: Record, strips: Records, n: int) -> None:
     """Creepages of each strip and of the main point: velocity of the wheel's material over the rolling speed.
 
     The rail rests. v = v_origin + omega x r on the wheel's undeformed surface, projected on the strip's (t, t_s); spin
@@ -73,7 +75,7 @@ def set_creepages(pose, least_speed, lobe, strips, n):
 
 
 @kernel
-def set_pressures(strips, n, factor):
+def set_pressures(strips: Records, n: int, factor: float) -> tuple[float, float, float, float]:
     """Write p (peak pressure of each strip) and N (its normal force [S 30]); p comes as amplitude p / a [Pa/m].
 
     factor: multiplies the pressures (damping). Returns (largest pressure, sum of the strip forces, area, longest half
@@ -94,7 +96,7 @@ def set_pressures(strips, n, factor):
 
 
 @kernel
-def add_lobe(pose, lobe, strips, n, total):
+def add_lobe(pose: Pose, lobe: Record, strips: Records, n: int, total: Record) -> None:
     """Sum the strips' forces: to the wheel's total and to the lobe's own figures [S 31].
 
     They act on the wheel where the creepages are taken, so that the wheel loses by them what creep dissipates.

@@ -16,12 +16,13 @@ from wrsim.core.contact.strips.model import press_strips
 from wrsim.core.contact.tangential.creep_forces import creep_forces
 from wrsim.core.contact.wheel_rail import wheel_rail
 from wrsim.core.jit import stages
+from wrsim.core.jit.arena import Array, Ints
 from wrsim.core.jit.cache import CONTACT as STORED
 from wrsim.core.jit.compiling import kernel
 
 
 @kernel
-def kik_piotrowski(buffer, index):
+def kik_piotrowski(buffer: Array, index: Ints) -> int:
     """Strips and pressures by Kik and Piotrowski's model."""
     a = arrays(buffer, index)
     settings, lobes, count = a.settings[0], a.patches, a.total[0].lobes
@@ -37,7 +38,7 @@ def kik_piotrowski(buffer, index):
 
 
 @kernel
-def free_strips(buffer, index):
+def free_strips(buffer: Array, index: Ints) -> int:
     """Strips and pressures by the strip model."""
     a = arrays(buffer, index)
     wheel, rail, pose = bodies(a)
@@ -45,7 +46,7 @@ def free_strips(buffer, index):
 
 
 @kernel
-def all_creep_forces(buffer, index):
+def all_creep_forces(buffer: Array, index: Ints) -> int:
     """Creep forces; the pressures are known."""
     a = arrays(buffer, index)
     speed, count = read_pose(a.pose).velocity.x, a.total[0].lobes
@@ -62,13 +63,13 @@ STAGES = {
 }
 
 
-def make_ready(*numbers):
+def make_ready(*numbers: int) -> None:
     """See `core.jit.stages.make_ready`."""
     for number in numbers:
         stages.make_ready(number, STAGES[number])
 
 
-def repeat_contacts(folder):
+def repeat_contacts(folder: str) -> None:
     """End the process with 0 if the contacts that came with shipped kernels come out of them again, to the bit."""
     paths = sorted(Path(folder).glob(STORED.format("*")))
     for path in paths:

@@ -7,21 +7,31 @@ The normal model and the creep forces are stages (core.jit.stages), as is the wh
 core.contact.stages lists them. What one leaves for the next is in the arrays; the number of lobes is in ``total``.
 """
 
-from wrsim.core.contact.arrays import arrays, bodies
+from wrsim.core.contact.arrays import Arrays, arrays, bodies
 from wrsim.core.contact.rail import along, rail_and_felt
-from wrsim.core.contact.records import CREEP_FORCES, NO_CREEP_FORCES, STATUS_TOO_DEEP, Field, read_pose
+from wrsim.core.contact.records import (
+    CREEP_FORCES,
+    NO_CREEP_FORCES,
+    STATUS_TOO_DEEP,
+    Field,
+    Pose,
+    Rail,
+    Wheel,
+    read_pose,
+)
 from wrsim.core.contact.resultants import add_lobe
 from wrsim.core.contact.search.lobes import couple, select_deepest
 from wrsim.core.contact.search.locus import locus_point
 from wrsim.core.contact.search.points import find_contacts
 from wrsim.core.jit import stages
+from wrsim.core.jit.arena import Array, Ints, Record, Records
 from wrsim.core.jit.compiling import kernel
 
 DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a contact [m]
 
 
 @kernel
-def wheel_rail(buffer, index):
+def wheel_rail(buffer: Array, index: Ints) -> int:
     """Contact of one wheel and one rail, the pose being set in the arena; see `core.contact.arrays.Arrays`.
 
     Forces act on the wheel; a lobe with N = 0 is none. Returns a status, which stands in ``total``, too: 0, or a sum of
@@ -46,7 +56,7 @@ def wheel_rail(buffer, index):
 
 
 @kernel
-def search(buffer, index):
+def search(buffer: Array, index: Ints) -> tuple[int, int]:
     """Contacts at the pose set in the arena, before any force, written to ``found``.
 
     Returns their number and a status; the closest distance stands in ``total``.
@@ -57,7 +67,7 @@ def search(buffer, index):
 
 
 @kernel
-def carry(buffer, index, count):
+def carry(buffer: Array, index: Ints, count: int) -> None:
     """Creep forces of ``count`` lobes whose pressures are known, and the sums over all of them."""
     a = arrays(buffer, index)
     a.total[0].lobes = count
@@ -65,7 +75,7 @@ def carry(buffer, index, count):
 
 
 @kernel
-def _search(a, wheel, rail):
+def _search(a: Arrays, wheel: Wheel, rail: Rail) -> tuple[int, int]:
     """Clears the totals; returns the number of contacts found and a status."""
     settings, total = a.settings[0], a.total[0]
     total.Ft = total.Fo = total.Fb = 0.0
@@ -83,7 +93,7 @@ def _search(a, wheel, rail):
 
 
 @kernel
-def _sum_up(a, pose, buffer, index):
+def _sum_up(a: Arrays, pose: Pose, buffer: Array, index: Ints) -> None:
     """Creep forces, and the sums over all lobes."""
     lobes, total = a.patches, a.total[0]
     if a.settings[0].tangential != NO_CREEP_FORCES:
@@ -97,7 +107,7 @@ def _sum_up(a, pose, buffer, index):
 
 
 @kernel
-def _start_lobe(wheel, rail, own, lobe):
+def _start_lobe(wheel: Wheel, rail: Rail, own: Record, lobe: Record) -> int:
     """Main point of a lobe that the search has found, so far without pressure. Returns status bits."""
     on_wheel = locus_point(wheel, own.arc_wheel)
     at, felt = rail_and_felt(rail, own.arc_rail)
@@ -113,7 +123,7 @@ def _start_lobe(wheel, rail, own, lobe):
 
 
 @kernel
-def _group(found, eps, lobes, count):
+def _group(found: Records, eps: float, lobes: Records, count: int) -> None:
     """Number the patches: neighbours whose virtual penetrations overlap share one."""
     group = -1
     for i in range(count):

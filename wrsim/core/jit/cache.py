@@ -20,12 +20,16 @@ import stat
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import llvmlite
 import numba
 from llvmlite import binding
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+
+CONFIG: Any = numba.config
 
 SOURCES = Path(__file__).parents[1]
 FOLDER = SOURCES.parent / "kernels"
@@ -108,7 +112,7 @@ CACHE = os.environ.get("NUMBA_CACHE_DIR") or cache_folder(
 )
 """Folder of compiled kernels; None where they are not kept."""
 if CACHE:
-    numba.config.CACHE_DIR = CACHE
+    CONFIG.CACHE_DIR = CACHE
 
 
 def made_with() -> dict[str, str]:
@@ -125,12 +129,12 @@ def made_with() -> dict[str, str]:
 class Shipped:
     """Kernels in a folder, made for a target: the triple, processor and features of numba's caches."""
 
-    def __init__(self, folder, target, cache):
+    def __init__(self, folder: Path, target: Sequence[str], cache: str) -> None:
         self.folder, self.target, self.cache = Path(folder), tuple(target), cache
-        self._usable = True if os.environ.get(TRYING) else None
+        self._usable: bool | None = True if os.environ.get(TRYING) else None
 
     @property
-    def usable(self):
+    def usable(self) -> bool:
         """Whether they compute the same bits on this machine: tried once, and kept in the cache."""
         if self._usable is None:
             kept = Path(self.cache) / "shipped.json"
@@ -141,7 +145,7 @@ class Shipped:
                 kept.write_text(json.dumps({"usable": self._usable}))
         return self._usable
 
-    def _pass(self):
+    def _pass(self) -> bool:
         """Whether another process computes the contacts that came with the kernels."""
         code = f"from wrsim.core.contact.stages import repeat_contacts; repeat_contacts({str(self.folder)!r})"
         paths = os.pathsep.join([str(SOURCES.parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])])
@@ -152,7 +156,7 @@ class Shipped:
         except (OSError, subprocess.SubprocessError):
             return False
 
-    def data(self, function, base, stamp, key):
+    def data(self, function: Any, base: str, stamp: Any, key: Any) -> Any:
         """What a cache holds for a function of one of the sources; None if there is nothing or it cannot be read."""
         room = Path(function.__code__.co_filename).parent
         signature, (triple, *_), code = key
@@ -162,12 +166,12 @@ class Shipped:
         return file.load((signature, self.target, code))
 
 
-def shipped(cache, folder=FOLDER):
+def shipped(cache: str | None, folder: Path = FOLDER) -> Shipped | None:
     """The kernels in a folder, if they can be those of these sources on this machine; else None.
 
     cache: where is kept whether they could be used; without one nothing is taken.
     """
-    if cache is None or numba.config.DISABLE_JIT or numba.config.CPU_NAME is not None:
+    if cache is None or CONFIG.DISABLE_JIT or CONFIG.CPU_NAME is not None:
         return None
     try:
         about = json.loads((Path(folder) / ABOUT).read_text())
@@ -181,7 +185,7 @@ def shipped(cache, folder=FOLDER):
         return None
 
 
-def _as_shut_as_sources(folder):
+def _as_shut_as_sources(folder: Path) -> bool:
     """Whether nobody else can write to a folder, and to what is in it, than to the sources."""
     of_sources = os.stat(SOURCES)
     for path in (folder, *folder.rglob("*")):
@@ -199,7 +203,7 @@ class KernelCache(FunctionCache):
     shipped = shipped(CACHE)
     """Kernels that came with the package (`Shipped`), of all caches."""
 
-    def _load_overload(self, sig, target_context):
+    def _load_overload(self, sig: Any, target_context: Any) -> Any:
         found = super()._load_overload(sig, target_context)
         if found is not None or self.shipped is None or not self._enabled or not self.shipped.usable:
             return found

@@ -20,17 +20,20 @@ import importlib
 import inspect
 import logging
 import time
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 import numba
 from numba import prange as prange
 from numba.core import compiler, event, types, typing
 from numba.core.codegen import JITCodeLibrary
-from numba.core.dispatcher import _FunctionCompiler
+from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]
 from numba.core.environment import lookup_environment
 from numba.core.registry import CPUDispatcher
 
-from wrsim.core.jit.cache import CACHE, KernelCache
+from wrsim.core.jit.cache import CACHE, CONFIG, KernelCache
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 LOGGER = logging.getLogger("wrsim.kernels")
 """Says at level INFO how many kernels are compiled, of how many that are known to be needed; nothing at the end."""
@@ -39,12 +42,12 @@ LOGGER = logging.getLogger("wrsim.kernels")
 class Count:
     """Kernels of this process that had to be compiled, by their functions, and how long that took."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.due: set[Any] = set()
         self.done: set[Any] = set()
         self.seconds = 0.0
 
-    def begin(self, function):
+    def begin(self, function: Any) -> None:
         """A kernel that Python calls is compiled, with all that it calls."""
         if LOGGER.isEnabledFor(logging.INFO) and function not in self.due:
             self.due.add(function)
@@ -52,7 +55,7 @@ class Count:
                 if isinstance(thing, Kernel):
                     self.begin(thing.py_func)
 
-    def end(self, function):
+    def end(self, function: Any) -> None:
         """This one is compiled."""
         self.done.add(function)
         if function in self.due:
@@ -67,11 +70,11 @@ COUNT = Count()
 class Part(JITCodeLibrary):
     """A function for others to take in: neither optimised as a whole nor made into machine code."""
 
-    def finalize(self):
+    def finalize(self) -> None:
         self._raise_if_finalized()
         self._finalized = True
 
-    def parts(self, found):
+    def parts(self, found: dict[Any, None]) -> None:
         """Add this and all that it calls to ``found``, those that are called first, each of them once."""
         for library in self._linking_libraries:
             if isinstance(library, Part) and library not in found:
@@ -83,7 +86,7 @@ class Part(JITCodeLibrary):
 class Whole(Part):
     """A function that Python calls, with everything that it calls."""
 
-    def finalize(self):
+    def finalize(self) -> None:
         found: dict[Any, None] = {}
         self.parts(found)
         del found[self]
@@ -103,9 +106,9 @@ class Compiler(_FunctionCompiler):
     apart = False
     """Whether the arrays that the function is called with do not overlap."""
 
-    def _compile_core(self, args, return_type):
+    def _compile_core(self, args: Any, return_type: Any) -> Any:
         description = self.targetdescr
-        flags = compiler.Flags()
+        flags: Any = compiler.Flags()
         description.options.parse_as_flags(flags, self.targetoptions)
         flags.no_cfunc_wrapper = True
         flags.no_cpython_wrapper = flags.no_compile = self.library is Part
@@ -137,16 +140,18 @@ class Kernel(CPUDispatcher):
     What a kernel is called with decides by its type, not by its value: numba compiles for every literal number anew.
     """
 
-    def __init__(self, py_func, locals=None, targetoptions=None, pipeline_class=compiler.Compiler):
+    def __init__(
+        self, py_func: Any, locals: Any = None, targetoptions: Any = None, pipeline_class: Any = compiler.Compiler
+    ) -> None:
         super().__init__(py_func, locals, targetoptions, pipeline_class)
         given = py_func, self.targetdescr, self.targetoptions, self.locals, pipeline_class
         self._compiler, self._part_compiler = Compiler(*given), PartCompiler(*given)
         self._parts: dict[tuple[types.Type, ...], Any] = {}
 
-    def enable_caching(self):
+    def enable_caching(self) -> None:
         self._cache = KernelCache(self.py_func)
 
-    def get_call_template(self, args, kws):
+    def get_call_template(self, args: Any, kws: Any) -> Any:
         """What another kernel's types ask for: see numba's dispatcher."""
         pysig, args = self._compiler.fold_argument_types(args, kws)
         args = tuple(types.unliteral(one) for one in args)
@@ -154,11 +159,11 @@ class Kernel(CPUDispatcher):
         template = typing.make_concrete_template(name, key=name, signatures=[self._part(args).signature])
         return template, pysig, args, {}
 
-    def get_overload(self, sig):
+    def get_overload(self, sig: Any) -> Any:
         """What stands for the part of these types in numba's registers."""
         return self._part(tuple(sig)).fndesc
 
-    def _part(self, args):
+    def _part(self, args: Any) -> Any:
         if args not in self._parts:
             with self._compiling_counter, event.trigger_event("numba:compile", {"dispatcher": self, "args": args}):
                 part = self._parts[args] = self._part_compiler.compile(args, None)
@@ -166,11 +171,11 @@ class Kernel(CPUDispatcher):
         return self._parts[args]
 
 
-def _declared(apart=False, **options):
-    def declare(function):
-        if numba.config.DISABLE_JIT:
+def _declared(apart: bool = False, **options: Any) -> Callable[[F], F]:
+    def declare(function: F) -> F:
+        if CONFIG.DISABLE_JIT:
             return function
-        made = Kernel(function, targetoptions={"nopython": True, "error_model": "numpy", **options})
+        made: Any = Kernel(function, targetoptions={"nopython": True, "error_model": "numpy", **options})
         made._compiler.apart = made._part_compiler.apart = apart
         if CACHE:
             made.enable_caching()
@@ -185,22 +190,23 @@ summing = _declared(fastmath={"reassoc", "nsz"})
 filling = _declared(apart=True)
 
 
-def parallel(function):
+def parallel(function: F) -> F:
     """A kernel that Python or a stage calls, whose ``prange`` loops run on the threads of `use_threads`."""
-    return numba.njit(parallel=True, error_model="numpy", cache=CACHE is not None)(function)
+    made: Any = numba.njit(parallel=True, error_model="numpy", cache=CACHE is not None)(function)
+    return made
 
 
-def cores():
+def cores() -> int:
     """Largest number of threads on this machine."""
-    return int(numba.config.NUMBA_NUM_THREADS)
+    return int(CONFIG.NUMBA_NUM_THREADS)
 
 
-def use_threads(count):
+def use_threads(count: int) -> None:
     """From now on parallel kernels of this process run on so many threads. Raises ImportError without OpenMP.
 
     OpenMP waits awake: handing work over and back costs 1.4 us, where numba's own queue of work takes some 140.
     """
-    if count > 1 and not numba.config.DISABLE_JIT:
+    if count > 1 and not CONFIG.DISABLE_JIT:
         importlib.import_module("numba.np.ufunc.omppool")
-        numba.config.THREADING_LAYER = "omp"
+        CONFIG.THREADING_LAYER = "omp"
         numba.set_num_threads(count)

@@ -8,11 +8,13 @@ arenas and in the cache, never addresses. A number that was not made ready must 
 
 from typing import Any
 
-import numba
 import numpy as np
 from llvmlite import binding, ir
 from numba import types
 from numba.extending import intrinsic
+
+from wrsim.core.jit.arena import Array, Ints
+from wrsim.core.jit.cache import CONFIG
 
 MOST = 8
 SYMBOL = "wrsim_stages"
@@ -24,11 +26,11 @@ _stages: dict[int, Any] = {}
 binding.add_symbol(SYMBOL, _addresses.ctypes.data)
 
 
-def make_ready(number, kernel):
+def make_ready(number: int, kernel: Any) -> None:
     """From now on ``run(number, ...)`` runs this kernel; compiles it, or takes it from the cache."""
     if _stages.get(number) is kernel:
         return
-    if not numba.config.DISABLE_JIT:
+    if not CONFIG.DISABLE_JIT:
         kernel.compile(ARGUMENTS)
         found = kernel.overloads[ARGUMENTS]
         if types.unliteral(found.signature.return_type) != types.int64:
@@ -37,12 +39,12 @@ def make_ready(number, kernel):
     _stages[number] = kernel
 
 
-def _run(number, buffer, index):
+def _run(number: int, buffer: Array, index: Ints) -> int:
     """Run a stage in an arena; returns its status."""
     return _stages[number](buffer, index)
 
 
-def _call(context, builder, signature, args):
+def _call(context: Any, builder: Any, signature: Any, args: Any) -> Any:
     """Code for a call of the address that stands in the table under a number."""
     number, *arena = args
     word = ir.IntType(64)
@@ -58,9 +60,9 @@ def _call(context, builder, signature, args):
 
 
 @intrinsic
-def _run_compiled(_context, number, buffer, index):
+def _run_compiled(_context: Any, number: Any, buffer: Any, index: Any) -> Any:
     """As `_run`."""
     return types.int64(types.int64, *ARGUMENTS), _call
 
 
-run = _run if numba.config.DISABLE_JIT else _run_compiled
+run: Any = _run if CONFIG.DISABLE_JIT else _run_compiled

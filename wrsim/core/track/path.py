@@ -22,10 +22,11 @@ Not-a-number in s or in the point gives not-a-number out; no index is ever outsi
 """
 
 import math
+from typing import Any
 
-from wrsim.core.jit.arena import record
+from wrsim.core.jit.arena import Array, Ints, Records, record
 from wrsim.core.jit.compiling import inlined, kernel
-from wrsim.core.linalg import VECTOR, Frame, Vec, add, cross, dot, mixed, norm, scale, shifted, sub, write
+from wrsim.core.linalg import VECTOR, Curve, Frame, Vec, add, cross, dot, mixed, norm, scale, shifted, sub, write
 
 NODE = record(position=VECTOR, tangent=VECTOR, roll="f8", roll_slope="f8", curvature=VECTOR)
 
@@ -40,7 +41,7 @@ MIN_SLOPE = 0.1  # smallest 1 - (p - r).k used: points near the centre of curvat
 
 
 @inlined
-def _cell(curve, s):
+def _cell(curve: Curve, s: float) -> tuple[int, float, float]:
     """First node i, local coordinate xi in [0, 1] and the distance outside of the curve (0 inside, NaN for NaN)."""
     last = curve.nodes.shape[0] - 1
     end = last * curve.step
@@ -55,7 +56,7 @@ def _cell(curve, s):
 
 
 @inlined
-def _quintic(xi):
+def _quintic(xi: float) -> tuple[float, float, float, float, float]:
     """Quintic Hermite basis for p1 - p0, h t0, h t1, h^2 k0, h^2 k1."""
     x2 = xi * xi
     x3 = x2 * xi
@@ -69,7 +70,7 @@ def _quintic(xi):
 
 
 @inlined
-def _quintic_slope(xi):
+def _quintic_slope(xi: float) -> tuple[float, float, float, float, float]:
     """First derivative of `_quintic` with respect to xi."""
     x2 = xi * xi
     y = 1.0 - xi
@@ -83,7 +84,7 @@ def _quintic_slope(xi):
 
 
 @inlined
-def _quintic_bend(xi):
+def _quintic_bend(xi: float) -> tuple[float, float, float, float, float]:
     """Second derivative of `_quintic` with respect to xi."""
     return (
         xi * (60.0 + xi * (-180.0 + 120.0 * xi)),
@@ -95,7 +96,7 @@ def _quintic_bend(xi):
 
 
 @inlined
-def _sum(curve, i, basis):
+def _sum(curve: Curve, i: int, basis: tuple[float, float, float, float, float]) -> Vec:
     """Sum of basis times data of cell i, a vector; the constant p0 is left out."""
     start, end, h = curve.nodes[i], curve.nodes[i + 1], curve.step
     a, b, c, d, e = basis
@@ -106,7 +107,7 @@ def _sum(curve, i, basis):
 
 
 @inlined
-def _roll(curve, i, xi):
+def _roll(curve: Curve, i: int, xi: float) -> float:
     """Roll in cell i: cubic Hermite [rad]."""
     start, end = curve.nodes[i], curve.nodes[i + 1]
     x2 = xi * xi
@@ -116,7 +117,7 @@ def _roll(curve, i, xi):
 
 
 @inlined
-def _roll_slope(curve, i, xi):
+def _roll_slope(curve: Curve, i: int, xi: float) -> float:
     """d(roll)/ds in cell i [rad/m]."""
     start, end = curve.nodes[i], curve.nodes[i + 1]
     return (
@@ -127,7 +128,7 @@ def _roll_slope(curve, i, xi):
 
 
 @kernel
-def frame(curve, s):
+def frame(curve: Curve, s: float) -> Frame:
     """Position and orthonormal frame of the curve at arclength s [S 7-9]: a ``Frame``."""
     i, xi, beyond = _cell(curve, s)
     along = _sum(curve, i, _quintic_slope(xi))
@@ -143,7 +144,7 @@ def frame(curve, s):
 
 
 @kernel
-def locate(curve, p, s_guess):
+def locate(curve: Curve, p: Any, s_guess: float) -> tuple[float, int]:
     """Arclength of the cross-section that holds the point p: the root of (p - r(s)).t(s) = 0 near
     ``s_guess``.
 
@@ -172,7 +173,7 @@ def locate(curve, p, s_guess):
 
 
 @kernel
-def curvature(curve, s):
+def curvature(curve: Curve, s: float) -> float:
     """Curvature of the curve's horizontal projection at s, positive to the left [1/m]; zero outside."""
     i, xi, beyond = _cell(curve, s)
     if beyond != 0.0:
@@ -184,7 +185,7 @@ def curvature(curve, s):
 
 
 @kernel
-def frame_rates(curve, s):
+def frame_rates(curve: Curve, s: float) -> tuple[Vec, float]:
     """Rotation of the frame per metre: the vector w with dt/ds = w x t, dn/ds = w x n, db/ds = w x b.
 
     A frame that moves along the curve at speed V turns at V w. Returns (w, droll/ds), w in global axes [rad/m]:
@@ -206,7 +207,7 @@ def frame_rates(curve, s):
 
 
 @kernel
-def bends(curve, s, own):
+def bends(curve: Curve, s: float, own: Frame) -> tuple[float, float, float]:
     """How the curve turns about itself at s, positive where its left side rises [rad/m], and how it bends to the left
     and up [1/m], all zero outside; own: its frame there."""
     turning, _roll = frame_rates(curve, s)
@@ -214,7 +215,7 @@ def bends(curve, s, own):
 
 
 @kernel
-def frame_many(curve, s, out):
+def frame_many(curve: Curve, s: Array, out: Array) -> None:
     """`frame` for an array s of shape (m,); origin, t, n, b go to ``out`` of shape (m, 12)."""
     for j in range(s.shape[0]):
         own = frame(curve, s[j])
@@ -225,14 +226,14 @@ def frame_many(curve, s, out):
 
 
 @kernel
-def curvature_many(curve, s, out):
+def curvature_many(curve: Curve, s: Array, out: Array) -> None:
     """`curvature` for an array s of shape (m,); values go to ``out`` of shape (m,)."""
     for j in range(s.shape[0]):
         out[j] = curvature(curve, s[j])
 
 
 @kernel
-def locate_many(curve, points, guess, out, status):
+def locate_many(curve: Curve, points: Records, guess: Array, out: Array, status: Ints) -> None:
     """`locate` for points, (m,) records VECTOR, and guesses (m,); results go to ``out`` and ``status`` (m,)."""
     for j in range(points.shape[0]):
         out[j], status[j] = locate(curve, points[j], guess[j])

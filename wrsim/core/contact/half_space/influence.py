@@ -25,6 +25,7 @@ c_n is 1/(pi E*). All integrals have the dimension of a length and scale with th
 
 from math import asinh, atan2, log, sqrt
 
+from wrsim.core.jit.arena import Array
 from wrsim.core.jit.compiling import kernel
 
 NN, XX, SS, XS, XN, SN = range(6)
@@ -32,7 +33,7 @@ INTEGRALS = 6
 
 
 @kernel
-def _primitives(x, s):
+def _primitives(x: float, s: float) -> tuple[float, float, float, float, float, float]:
     """(1/r, x^2/r^3, s^2/r^3, x s/r^3, x/r^2, s/r^2), each integrated over x and over s."""
     along_x = s * asinh(x / abs(s)) if s != 0.0 else 0.0
     along_s = x * asinh(s / abs(x)) if x != 0.0 else 0.0
@@ -45,7 +46,7 @@ def _primitives(x, s):
 
 
 @kernel
-def fill_integrals(x0, dx, s0, ds, out):
+def fill_integrals(x0: float, dx: float, s0: float, ds: float, out: Array) -> None:
     """Integrals at the points (x0 + i dx, s0 + j ds) from the centre of an element dx x ds.
 
     out: (INTEGRALS, n + 1, m + 1), in the order NN (1/r), XX, SS, XS, XN, SN. Its last row and column are scratch;

@@ -11,6 +11,7 @@ The convolutions A p are done by wrsim.contact.half_space.normal; everything her
 
 from typing import Any, NamedTuple
 
+from wrsim.core.jit.arena import Array
 from wrsim.core.jit.compiling import kernel
 
 
@@ -29,7 +30,7 @@ class Descent(NamedTuple):
 
 
 @kernel
-def errors(d):
+def errors(d: Descent) -> tuple[float, float]:
     """Write the residual. Returns its largest size and the deepest overlap outside contact [m]."""
     largest = 0.0
     overlap = 0.0
@@ -44,7 +45,7 @@ def errors(d):
 
 
 @kernel
-def turn(d, z, rho_last):
+def turn(d: Descent, z: Array, rho_last: float) -> float:
     """Next direction t = z + beta t on the contact (Polak and Ribiere); z: preconditioned residual.
 
     rho_last: z r of the last step, not positive for a fresh start. Returns z r.
@@ -63,7 +64,7 @@ def turn(d, z, rho_last):
 
 
 @kernel
-def advance(d, at):
+def advance(d: Descent, at: Array) -> int:
     """Step to the minimum along t; at: A t. Elements that would pull leave the contact with p = 0.
 
     The gap changes by the unclipped step. Returns the number of elements that left; then it must be computed anew.
@@ -90,7 +91,7 @@ def advance(d, at):
 
 
 @kernel
-def admit(d, tolerance):
+def admit(d: Descent, tolerance: float) -> None:
     """Elements that overlap by more than the tolerance [m] enter the contact."""
     for i in range(d.p.size):
         if d.gap[i] < -tolerance:

@@ -6,6 +6,7 @@ elements of a row vanishes at the edge, within the two elements' width.
 
 from typing import NamedTuple
 
+from wrsim.core.jit.arena import Array
 from wrsim.core.jit.compiling import kernel
 
 
@@ -19,7 +20,7 @@ class Figures(NamedTuple):
 
 
 @kernel
-def measure(p, dx, ds, starts, ends):
+def measure(p: Array, dx: float, ds: float, starts: Array, ends: Array) -> Figures:
     """Figures of the pressures p (rows, columns) on elements dx x ds.
 
     Writes the edges of every row's longest run, in elements from the first column's outer side, zero without contact.
@@ -54,7 +55,7 @@ def measure(p, dx, ds, starts, ends):
 
 
 @kernel
-def _to_edge(outer, inner):
+def _to_edge(outer: float, inner: float) -> float:
     """Distance from the outermost centre to the edge, in elements."""
     rise = inner * inner - outer * outer
     if rise <= 0.0:

@@ -23,6 +23,7 @@ Vectors are (2, rows, columns) along x and s, scalars (rows, columns), x rising 
 from math import sqrt
 from typing import Any, NamedTuple
 
+from wrsim.core.jit.arena import Array
 from wrsim.core.jit.compiling import kernel
 
 OUTSIDE, ADHESION, SLIP = 0.0, 1.0, 2.0
@@ -46,7 +47,7 @@ class Equations(NamedTuple):
 
 
 @kernel
-def evaluate(eq, q, slip, rhs):
+def evaluate(eq: Equations, q: Array, slip: Array, rhs: Array) -> float:
     """State of every element and the right hand side -F of Newton's equations.
 
     rhs: in adhesion the sum of -s from the leading end of the run times ``scale``, in slip g n - q.
@@ -91,7 +92,7 @@ def evaluate(eq, q, slip, rhs):
 
 
 @kernel
-def derivative(eq, d, r, out):
+def derivative(eq: Equations, d: Array, r: Array, out: Array) -> None:
     """out = F' d, d a change of q and r that of the slip."""
     rows, columns = eq.bound.shape
     for j in range(rows):
@@ -120,7 +121,7 @@ def derivative(eq, d, r, out):
 
 
 @kernel
-def move(q, d, share, bound):
+def move(q: Array, d: Array, share: float, bound: Array) -> None:
     """q += share d, brought back into the disc |q| <= g where it has left it."""
     for j in range(bound.shape[0]):
         for i in range(bound.shape[1]):
@@ -133,7 +134,7 @@ def move(q, d, share, bound):
 
 
 @kernel
-def march(w, bound, flexibility, step, forward, q):
+def march(w: Array, bound: Array, flexibility: float, step: float, forward: float, q: Array) -> None:
     """A first guess: rigid slip w summed up from the leading end with one flexibility [m/Pa]; step: dx [m].
 
     The simplified theory of rolling contact (Kalker 1982).
@@ -156,7 +157,7 @@ def march(w, bound, flexibility, step, forward, q):
 
 
 @kernel
-def extend(z, w, k, x, r):
+def extend(z: Array, w: Array, k: int, x: Array, r: Array) -> float:
     """A step of GMRES (Saad and Schultz 1986) without rotations (Walker and Zhou, Numer. Linear Algebra Appl. 1, 1994):
     vector k and its image join the space, both (steps, n), in which the residual is least. Plain loops: a threaded
     library would wait for busy cores.
@@ -182,7 +183,7 @@ def extend(z, w, k, x, r):
 
 
 @kernel
-def _product(a, b):
+def _product(a: Array, b: Array) -> float:
     """a . b."""
     total = 0.0
     for i in range(a.size):

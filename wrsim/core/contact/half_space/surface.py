@@ -16,13 +16,14 @@ itself, which is the distance of the inclined surfaces.
 """
 
 from math import inf, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from wrsim.core.contact.patch import pair
 from wrsim.core.contact.profile import profile_point
 from wrsim.core.contact.rail import rail_point
+from wrsim.core.contact.records import Pose, Rail, Wheel
 from wrsim.core.contact.search.locus import locus_point
-from wrsim.core.jit.arena import record
+from wrsim.core.jit.arena import Array, Ints, Record, Records, record
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import Vec, add, cross, dot, norm, shifted, sub
 
@@ -39,7 +40,7 @@ LONGEST_STEP = 2.5e-4  # of the walk along the axis [m]
 
 
 @inlined
-def _offset(wheel, rail, arc_wheel, arc_rail):
+def _offset(wheel: Wheel, rail: Rail, arc_wheel: float, arc_rail: float) -> tuple[float, float]:
     """How far the wheel's point lies ahead of the rail's, along the mean tangent [m], and the wheel's shrink."""
     w, r = locus_point(wheel, arc_wheel), rail_point(rail, arc_rail)
     to = 0.5 * (r.tu - w.nb)
@@ -49,7 +50,7 @@ def _offset(wheel, rail, arc_wheel, arc_rail):
 
 
 @kernel
-def _beside(wheel, rail, arc_wheel, arc_rail):
+def _beside(wheel: Wheel, rail: Rail, arc_wheel: float, arc_rail: float) -> float:
     """Arclength on the wheel of the outline's point at the same lateral place as the rail's."""
     u = rail_point(rail, arc_rail).u
     for _ in range(20):
@@ -59,7 +60,9 @@ def _beside(wheel, rail, arc_wheel, arc_rail):
 
 
 @kernel
-def lay_axis(wheel, rail, arc_wheel, arc_rail, level, start, step, axis):
+def lay_axis(
+    wheel: Wheel, rail: Rail, arc_wheel: float, arc_rail: float, level: bool, start: float, step: float, axis: Records
+) -> None:
     """Rows at s = start, start + step, ... from a pair of opposite points at s = 0.
 
     level: pair as CONTACT does, see above; start may lie on either side of zero; axis: (rows,) of AXIS.
@@ -91,7 +94,7 @@ def lay_axis(wheel, rail, arc_wheel, arc_rail, level, start, step, axis):
 
 
 @inlined
-def _foot(profile, u, w, arc):
+def _foot(profile: Any, u: float, w: float, arc: float) -> tuple[float, float, float, float]:
     """One Newton step to the foot of the point (u, w): its arclength, the tangent there, the height over it [m]."""
     p = profile_point(profile, arc)
     height = p.tu * (w - p.w) - p.tw * (u - p.u)
@@ -101,7 +104,7 @@ def _foot(profile, u, w, arc):
 
 
 @inlined
-def _meet_rail(rail, row):
+def _meet_rail(rail: Rail, row: Record) -> tuple[float, bool]:
     """Distance along a row's normal from its centre to the rail; and whether it gets there."""
     t = -0.5 * row.gap
     arc = row.arc_rail
@@ -117,7 +120,7 @@ def _meet_rail(rail, row):
 
 
 @inlined
-def _meet_wheel(wheel, point, normal, arc, t):
+def _meet_wheel(wheel: Wheel, point: Vec, normal: Vec, arc: float, t: float) -> tuple[float, float, bool]:
     """Distance along a normal from a point, relative to the wheel's origin, to the surface of revolution.
 
     Returns it, the arclength on the profile, and whether the normal gets there.
@@ -147,14 +150,14 @@ class Incline(NamedTuple):
 
 
 @inlined
-def centre_at(row, incline, x):
+def centre_at(row: Record, incline: Incline, x: float) -> Vec:
     """Centre of a row in the section at x."""
     rise = (x - row.x) * incline.slope
     return Vec(x, row.o + rise * incline.no, row.b + rise * incline.nb)
 
 
 @inlined
-def _meet_section(section, parts, centre, no, nb, near):
+def _meet_section(section: Array, parts: Ints, centre: Vec, no: float, nb: float, near: float) -> tuple[float, bool]:
     """Distance along a normal from a centre to a section, of several the one nearest to ``near``; whether it gets
     there. section: (n, 4) points and tangents of any length; parts: first row of every piece, and n."""
     best, found = 0.0, False
@@ -173,7 +176,7 @@ def _meet_section(section, parts, centre, no, nb, near):
 
 
 @inlined
-def _within(section, i, centre, no, nb, share):
+def _within(section: Array, i: int, centre: Vec, no: float, nb: float, share: float) -> tuple[float, bool]:
     """Distance along a normal to the cubic between two rows, which it meets near ``share`` of the way."""
     du, dw = section[i + 1, 0] - section[i, 0], section[i + 1, 1] - section[i, 1]
     chord = sqrt(du * du + dw * dw)
@@ -194,7 +197,7 @@ def _within(section, i, centre, no, nb, share):
 
 
 @inlined
-def _meet_along(wheel, row, incline, x0, dx, place):
+def _meet_along(wheel: Wheel, row: Record, incline: Incline, x0: float, dx: float, place: Array) -> None:
     """Distance along a row's normal from the reference to the wheel at columns x0 + i dx, to ``place``; infinite where
     the normal does not get there."""
     normal = Vec(0.0, row.no, row.nb)
@@ -221,7 +224,17 @@ def _meet_along(wheel, row, incline, x0, dx, place):
 
 
 @kernel
-def fill_gap_along(wheel, sections, parts, incline, axis, x0, dx, pen, place):
+def fill_gap_along(
+    wheel: Wheel,
+    sections: Array,
+    parts: Ints,
+    incline: Incline,
+    axis: Records,
+    x0: float,
+    dx: float,
+    pen: Array,
+    place: Array,
+) -> None:
     """As ``fill_gap`` on a rail that changes along the track.
 
     sections: (columns, n, 4), see ``_meet_section``; the reference is inclined, see ``Incline``.
@@ -242,7 +255,7 @@ def fill_gap_along(wheel, sections, parts, incline, axis, x0, dx, pen, place):
 
 
 @kernel
-def fill_gap(wheel, rail, axis, x0, dx, pen, place):
+def fill_gap(wheel: Wheel, rail: Rail, axis: Records, x0: float, dx: float, pen: Array, place: Array) -> None:
     """Interpenetration of the undeformed bodies along the rows' normals.
 
     axis: from lay_axis; columns at x0 + i dx; pen: (rows, columns) [m], negative where a gap is open; place: the same
@@ -261,7 +274,9 @@ def fill_gap(wheel, rail, axis, x0, dx, pen, place):
 
 
 @kernel
-def rigid_slip(pose, least_speed, axis, incline, x0, dx, place, w):
+def rigid_slip(
+    pose: Pose, least_speed: float, axis: Records, incline: Incline, x0: float, dx: float, place: Array, w: Array
+) -> None:
     """Write the rigid slip w (2, rows, columns) at x0 + i dx on the surface that ``fill_gap`` has found.
 
     It is the velocity of the wheel's material against the rail's, over the rolling speed.

@@ -6,7 +6,7 @@ from wrsim.core.jit.compiling import inlined
 
 
 @inlined
-def twice_k_minus_e(p, b, c2):
+def twice_k_minus_e(p: float, b: float, c2: float) -> float:
     """2 p (K - E) of the parameter m = c2 / p^2, with b = p sqrt(1 - m) > 0 [the unit of p].
 
     K = pi / (2 AGM(1, sqrt(1 - m))) and K - E = K sum_n 2^(n-1) c_n^2 (Abramowitz and Stegun 17.6.4), c_0^2 = m, so
@@ -30,7 +30,7 @@ def twice_k_minus_e(p, b, c2):
 
 
 @inlined
-def strip_potential(a, s):
+def strip_potential(a: float, s: float) -> float:
     """Integral of sqrt((a^2 - x^2) / (x^2 + s^2)) dx over -a < x < a [m].
 
     The displacement (times pi E*) at distance s beside a strip of unit width that carries the semi-ellipse

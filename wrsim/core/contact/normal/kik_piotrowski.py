@@ -23,14 +23,17 @@ from math import ceil, log, pi, sqrt
 
 from wrsim.core.contact.normal.elliptic import strip_potential
 from wrsim.core.contact.patch import find_edge, first_step, lay_strips
-from wrsim.core.contact.records import STATUS_PROFILE_END
+from wrsim.core.contact.records import STATUS_PROFILE_END, Pose, Rail, Wheel
 from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.dense import factorise, solve_factorised
+from wrsim.core.jit.arena import Array, Record, Records
 from wrsim.core.jit.compiling import kernel
 
 
 @kernel
-def bound_lobe(wheel, rail, settings, found, i, left, right, lobes):
+def bound_lobe(
+    wheel: Wheel, rail: Rail, settings: Record, found: Records, i: int, left: float, right: float, lobes: Records
+) -> int:
     """Recess and edges of lobe i, at most ``left`` and ``right`` of the main point.
 
     Returns status bits; without contact the width is zero.
@@ -50,7 +53,7 @@ def bound_lobe(wheel, rail, settings, found, i, left, right, lobes):
 
 
 @kernel
-def lay_lobe(wheel, rail, settings, lobes, count, i, strips):
+def lay_lobe(wheel: Wheel, rail: Rail, settings: Record, lobes: Records, count: int, i: int, strips: Records) -> None:
     """Strips of one lobe: by their width, or by their number.
 
     Where the model's patches are joint the lobes of a patch share the number by their widths; else every lobe has all
@@ -82,7 +85,7 @@ def lay_lobe(wheel, rail, settings, lobes, count, i, strips):
 
 
 @kernel
-def press(settings, pose, lobes, strips, count, work):
+def press(settings: Record, pose: Pose, lobes: Records, strips: Records, count: int, work: Array) -> None:
     """Pressures of all lobes from the displacements at their main points, with damping. work: (12, >= 8) scratch."""
     matrix = work[:3]
     rows = work[3:6]
@@ -132,7 +135,7 @@ def press(settings, pose, lobes, strips, count, work):
 
 
 @kernel
-def own_influence(strips, n, half_length):
+def own_influence(strips: Records, n: int, half_length: float) -> float:
     """The double integral I of [S 29] over n strips that include s = 0 [m2]; half_length: x_L(0)."""
     total = 0.0
     width = strips[0].ds
@@ -150,7 +153,7 @@ def own_influence(strips, n, half_length):
 
 
 @kernel
-def far_influence(strips, n, o, b):
+def far_influence(strips: Records, n: int, o: float, b: float) -> float:
     """The same integral over the strips of another lobe, seen from the point (o, b) [m2]."""
     total = 0.0
     for i in range(n):
@@ -161,7 +164,7 @@ def far_influence(strips, n, o, b):
 
 
 @kernel
-def solve_amplitudes(matrix, count, rows, amplitude, pivot):
+def solve_amplitudes(matrix: Array, count: int, rows: Array, amplitude: Array, pivot: Array) -> None:
     """Amplitudes Q of all lobes. A lobe that would have to pull is lifted off by the others: its Q is zero.
 
     matrix: (count, count + 1), the right-hand side in the last column; rows: scratch of the same shape; amplitude:

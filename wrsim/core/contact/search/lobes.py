@@ -13,13 +13,14 @@ delta the lobe's penetration, sigma the penetration at the saddle. c > 0 says ex
 makes both equal when the two are equally deep and vanishes when the shallower one does.
 """
 
+from wrsim.core.jit.arena import Records
 from wrsim.core.jit.compiling import inlined, kernel
 
 WIDEST = 0.08  # half width at which the search for an edge is given up [m]
 
 
 @kernel
-def room_beside(found, i, count):
+def room_beside(found: Records, i: int, count: int) -> tuple[float, float]:
     """Distances from a lobe's main point to the saddles beside it, where its neighbours begin."""
     left = right = WIDEST
     if i > 0 and found[i - 1].saddle >= 0.0:
@@ -30,7 +31,7 @@ def room_beside(found, i, count):
 
 
 @kernel
-def select_deepest(found, count, most):
+def select_deepest(found: Records, count: int, most: int) -> int:
     """Keep the ``most`` deepest of the contacts, in their order along the profile; saddles are carried over.
 
     Returns their number.
@@ -54,7 +55,7 @@ def select_deepest(found, count, most):
 
 
 @kernel
-def couple(found, count, eps, lobes):
+def couple(found: Records, count: int, eps: float, lobes: Records) -> None:
     """Write the coupling of each lobe, 0 .. 1, and the partner that it is coupled to, -1 where there is none."""
     for i in range(count):
         lobe = lobes[i]
@@ -99,7 +100,7 @@ def couple(found, count, eps, lobes):
 
 
 @kernel
-def _deepest_of(i, found, count, lobes):
+def _deepest_of(i: int, found: Records, count: int, lobes: Records) -> int:
     """The deepest of the lobes that couple to lobe i, or -1."""
     best = -1
     for j in range(count):
@@ -109,6 +110,6 @@ def _deepest_of(i, found, count, lobes):
 
 
 @inlined
-def _share(depth, saddle, eps):
+def _share(depth: float, saddle: float, eps: float) -> float:
     """1 where the saddle reaches the lobe's top, 0 where it has left its virtual penetration."""
     return min(max(1.0 - (depth - saddle) / (eps * depth), 0.0), 1.0)

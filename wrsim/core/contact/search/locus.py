@@ -21,8 +21,9 @@ the outline has a cusp. k_t is held at ``LEAST_ROLLING_CURVATURE`` k1 there; no 
 from math import sqrt
 from typing import NamedTuple
 
-from wrsim.core.contact.profile import profile_point
-from wrsim.core.contact.records import Profile, Wheel, read_pose
+from wrsim.core.contact.profile import Point, profile_point
+from wrsim.core.contact.records import Pose, Profile, Wheel, read_pose
+from wrsim.core.jit.arena import Array
 from wrsim.core.jit.compiling import inlined, kernel
 
 LEAST_ROLLING_CURVATURE = 0.1
@@ -57,20 +58,20 @@ class Node(NamedTuple):
 
 
 @inlined
-def placed(profile, radius, pose):
+def placed(profile: Profile, radius: float, pose: Pose) -> Wheel:
     """The wheel of that profile and radius in that pose."""
     e_t = pose.axle.x
     return Wheel(profile, radius, pose.origin, pose.axle, sqrt(1.0 - e_t * e_t))
 
 
 @inlined
-def _cosine(s2):
+def _cosine(s2: float) -> float:
     """Cosine of the angle whose sine has this square; the series is exact to 1e-15 where it is used."""
     return 1.0 - s2 * (0.5 + s2 * (0.125 + s2 * 0.0625)) if s2 < 4e-4 else sqrt(1.0 - s2)
 
 
 @inlined
-def locus_point(wheel, arc):
+def locus_point(wheel: Wheel, arc: float) -> Locus:
     """Point of the locus at profile arclength ``arc``."""
     origin, e, q = wheel.origin, wheel.axle, wheel.q
     at = profile_point(wheel.profile, arc)
@@ -119,7 +120,7 @@ def locus_point(wheel, arc):
 
 
 @inlined
-def locus_node(wheel, at, largest):
+def locus_node(wheel: Wheel, at: Point, largest: float) -> Node:
     """The outline at a point of the profile, without its curvature.
 
     Where abs(sine) is not below ``largest`` the locus has no point (a nearly vertical flank of a yawed wheel touches
@@ -143,7 +144,7 @@ def locus_node(wheel, at, largest):
 
 
 @kernel
-def outline(table, step, radius, pose, arc, out):
+def outline(table: Array, step: float, radius: float, pose: Array, arc: Array, out: Array) -> None:
     """Outline of a wheel seen along its rail, for drawing: (o, b) at the arclengths ``arc`` to ``out`` (2, m).
 
     pose: (POSE,).

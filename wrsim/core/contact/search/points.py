@@ -13,7 +13,9 @@ from typing import NamedTuple
 
 from wrsim.core.contact.profile import node
 from wrsim.core.contact.rail import rail_chord, rail_length, rail_point
+from wrsim.core.contact.records import Field, Rail, Wheel
 from wrsim.core.contact.search.locus import LARGEST_SINE, locus_node, locus_point
+from wrsim.core.jit.arena import Record, Records
 from wrsim.core.jit.compiling import inlined, kernel
 
 FIELD_ERROR = 1e-5  # of the field's interpolation, generously [m]
@@ -55,7 +57,7 @@ class Stationary(NamedTuple):
 
 
 @inlined
-def field_distance(field, o, b):
+def field_distance(field: Field, o: float, b: float) -> tuple[float, float]:
     """(signed distance, arclength of the nearest rail point) by bilinear interpolation of the field.
 
     Outside the grid a lower bound stands for the distance. The arclength is 0 there, and where the distance is of no
@@ -65,7 +67,7 @@ def field_distance(field, o, b):
     inverse = 1.0 / field.spacing
     x = (o - field.o) * inverse
     y = (b - field.b) * inverse
-    nx = field.count - 1
+    nx = field.rows - 1
     ny = values.shape[1] - 1
     if x < 0.0 or y < 0.0 or x >= nx or y >= ny:
         outside = max(max(-x, x - nx), max(-y, y - ny))
@@ -89,7 +91,7 @@ def field_distance(field, o, b):
 
 
 @inlined
-def project(rail, o, b, arc, steps):
+def project(rail: Rail, o: float, b: float, arc: float, steps: int) -> Foot:
     """Foot of the perpendicular from (o, b) on the rail by ``steps`` Newton steps from ``arc``."""
     for i in range(steps + 1):
         at = rail_point(rail, arc)
@@ -104,7 +106,7 @@ def project(rail, o, b, arc, steps):
 
 
 @inlined
-def _near(rail, o, b, foot, no, nb):
+def _near(rail: Rail, o: float, b: float, foot: float, no: float, nb: float) -> tuple[float, float, float]:
     """Distance of (o, b) from a rail that changes along the track, arclength of its foot, and slope of the distance
     along a wheel outline with normal (no, nb); foot: about where it is.
 
@@ -125,7 +127,7 @@ def _near(rail, o, b, foot, no, nb):
 
 
 @kernel
-def refine(wheel, rail, lo, hi, arc, foot, kind):
+def refine(wheel: Wheel, rail: Rail, lo: float, hi: float, arc: float, foot: float, kind: float) -> Stationary:
     """A stationary point of the distance between two wheel arclengths: safeguarded Newton on its slope.
 
     Where curvatures jump, at joins of arcs, they tell the rate of the slope wrongly: where a step has not brought it
@@ -178,7 +180,7 @@ def refine(wheel, rail, lo, hi, arc, foot, kind):
 
 
 @inlined
-def _rail_slope(rail, foot, no, nb):
+def _rail_slope(rail: Rail, foot: float, no: float, nb: float) -> float:
     """Slope of the distance along a wheel outline with normal (no, nb) over the point ``foot`` of a plain rail."""
     table = rail.table
     x = foot / rail.step
@@ -190,7 +192,7 @@ def _rail_slope(rail, foot, no, nb):
 
 
 @inlined
-def _set_saddle(wheel, rail, before, met, top):
+def _set_saddle(wheel: Wheel, rail: Rail, before: Record, met: Stationary, top: float) -> None:
     """The place between two contacts where the distance is largest, if it is in the rail; top: about where on the
     wheel."""
     span = met.arc_wheel - before.arc_wheel
@@ -204,7 +206,9 @@ def _set_saddle(wheel, rail, before, met, top):
 
 
 @kernel
-def find_contacts(wheel, rail, field, stride, hollow, found):
+def find_contacts(
+    wheel: Wheel, rail: Rail, field: Field, stride: int, hollow: float, found: Records
+) -> tuple[int, float, int]:
     """All local maxima of the interpenetration, in order along the wheel profile.
 
     stride: nodes between two samples near the rail; hollow: largest concave curvatures of both bodies together [1/m].

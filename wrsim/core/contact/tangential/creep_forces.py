@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from wrsim.core.contact.records import FASTRIP, FASTSIM, POLACH, SHEN_HEDRICK_ELKINS
+from wrsim.core.contact.strips.shifts import Ellipse
 from wrsim.core.contact.tangential.fastrip import fastrip
 from wrsim.core.contact.tangential.fastsim import PARABOLA_PEAK, fastsim, fastsim_blended
 from wrsim.core.contact.tangential.flexibility import (
@@ -15,6 +16,7 @@ from wrsim.core.contact.tangential.flexibility import (
 from wrsim.core.contact.tangential.friction import set_friction
 from wrsim.core.contact.tangential.linear import linear_creep
 from wrsim.core.contact.tangential.polach import polach
+from wrsim.core.jit.arena import Array, Record, Records
 from wrsim.core.jit.compiling import inlined, kernel
 
 GAP = 1e-6  # of a strip's width: more apart are other stretches
@@ -22,7 +24,17 @@ FIRM = 4.0  # from a quarter of the wheel's largest pressure amplitude on a lobe
 
 
 @kernel
-def creep_forces(creep, shape, settings, speed, lobes, strips, count, i, work):
+def creep_forces(
+    creep: Array,
+    shape: Array,
+    settings: Record,
+    speed: float,
+    lobes: Records,
+    strips: Records,
+    count: int,
+    i: int,
+    work: Array,
+) -> None:
     """Write Fx, Fy, Mz of the strips of lobe i; speed: of the wheel along the rail [m/s].
 
     Coupled lobes share the ellipse and the mean creepages by their coupling. The ellipse has the area of the patch and
@@ -70,7 +82,7 @@ class Stretch(NamedTuple):
 
 
 @inlined
-def _stretch(strips, first, n):
+def _stretch(strips: Records, first: int, n: int) -> Stretch:
     """The stretch that begins with a strip."""
     longest = pressure = 0.0
     j = first
@@ -84,7 +96,7 @@ def _stretch(strips, first, n):
 
 
 @kernel
-def _joint(lobes, strips, count, i):
+def _joint(lobes: Records, strips: Records, count: int, i: int) -> tuple[Ellipse, Creepages, float]:
     """Ellipse, mean creepages and normal force of lobe i and its share of those that it is coupled to.
 
     A lobe may touch in several stretches, with gaps between. Each counts by its own length and width; one that is about
@@ -126,7 +138,16 @@ def _joint(lobes, strips, count, i):
 
 
 @kernel
-def _spread_polach(creep, settings, strips, n, normal, mean, ellipse, direction):
+def _spread_polach(
+    creep: Array,
+    settings: Record,
+    strips: Records,
+    n: int,
+    normal: float,
+    mean: Creepages,
+    ellipse: Ellipse,
+    direction: float,
+) -> None:
     """Polach's forces, over the strips in proportion to their mu N; normal: force on the ellipse [N]."""
     friction = own = 0.0
     for i in range(n):

@@ -34,6 +34,7 @@ works through L1 like the rest of it.
 
 from math import pi, sqrt
 
+from wrsim.core.contact.tangential.flexibility import Flexibilities
 from wrsim.core.contact.tangential.march import (
     BOUND,
     FX,
@@ -46,13 +47,16 @@ from wrsim.core.contact.tangential.march import (
     largest_traction,
     march,
 )
+from wrsim.core.jit.arena import Array, Records
 from wrsim.core.jit.compiling import kernel
 
 FADING = 0.85  # |psi| from which on the adhesion zone of strip theory is taken back
 
 
 @kernel
-def fastrip(strips, n, half_length, soft, direction, shape, work):
+def fastrip(
+    strips: Records, n: int, half_length: float, soft: Flexibilities, direction: float, shape: Array, work: Array
+) -> None:
     """Tangential forces of n strips; arguments as in `fastsim`, bound elliptic.
 
     half_length: a_0 of the equivalent ellipse [m]; work: (12, >= n) scratch. Writes Fx, Fy, Mz of each strip.
@@ -84,7 +88,7 @@ def fastrip(strips, n, half_length, soft, direction, shape, work):
 
 
 @kernel
-def _adhesion(x, y, psi):
+def _adhesion(x: float, y: float, psi: float) -> tuple[float, float, float]:
     """alpha and half length d of the adhesion zone over a; x, y: xi'/a, eta'/a."""
     size2 = x * x + y * y
     e = 1.0

@@ -21,6 +21,7 @@ the edges to the middle; here every strip keeps its mu N, because friction is a 
 
 from math import pi, sqrt
 
+from wrsim.core.contact.tangential.flexibility import Creepages, Flexibilities
 from wrsim.core.contact.tangential.march import (
     BOUND,
     FX,
@@ -33,13 +34,23 @@ from wrsim.core.contact.tangential.march import (
     largest_traction,
     march,
 )
+from wrsim.core.jit.arena import Array, Records
 from wrsim.core.jit.compiling import kernel
 
 PARABOLA_PEAK = 0.375 * pi  # of the parabola over that of the semi-ellipse of equal force
 
 
 @kernel
-def fastsim(strips, n, peak, mean, soft, direction, shape, work):
+def fastsim(
+    strips: Records,
+    n: int,
+    peak: float,
+    mean: Creepages,
+    soft: Flexibilities,
+    direction: float,
+    shape: Array,
+    work: Array,
+) -> None:
     """Tangential tractions of n strips.
 
     peak: of the bound over that of the semi-ellipse of equal force, 1 for the elliptic bound, PARABOLA_PEAK for the
@@ -91,7 +102,9 @@ def fastsim(strips, n, peak, mean, soft, direction, shape, work):
 
 
 @kernel
-def fastsim_blended(strips, n, peak, soft, direction, shape, work):
+def fastsim_blended(
+    strips: Records, n: int, peak: float, soft: Flexibilities, direction: float, shape: Array, work: Array
+) -> None:
     """The same with three flexibilities where the surfaces stick and one where they slide.
 
     Arguments as in `fastsim`; work: (12, >= n) scratch.

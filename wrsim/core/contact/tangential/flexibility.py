@@ -6,6 +6,7 @@ L1 = 8 a / (3 C11 G),   L2 = 8 a / (3 C22 G),   L3 = pi a sqrt(a/b) / (4 C23 G).
 from math import pi, sqrt
 from typing import NamedTuple
 
+from wrsim.core.jit.arena import Array
 from wrsim.core.jit.compiling import inlined, kernel
 
 
@@ -42,14 +43,14 @@ class Flexibilities(NamedTuple):
 
 
 @inlined
-def ellipse_of(area, aspect):
+def ellipse_of(area: float, aspect: float) -> Ellipse:
     """The ellipse of this area [m2] and aspect a/b."""
     a = sqrt(area * aspect / pi)
     return Ellipse(a, a / aspect, aspect)
 
 
 @kernel
-def kalker_coefficients(creep, aspect):
+def kalker_coefficients(creep: Array, aspect: float) -> Coefficients:
     """C11, C22, C23 for a patch of aspect a/b.
 
     creep: (20, 3) rows at min(a/b, b/a) = .1 ... 1, first a < b, then a > b in the same order. Beyond 0.1 the
@@ -76,7 +77,7 @@ def kalker_coefficients(creep, aspect):
 
 
 @kernel
-def flexibilities(creep, ellipse, shear_modulus):
+def flexibilities(creep: Array, ellipse: Ellipse, shear_modulus: float) -> Flexibilities:
     """L1, L2, L3 on an ellipse."""
     c = kalker_coefficients(creep, ellipse.aspect)
     return Flexibilities(

@@ -14,12 +14,13 @@ SETTINGS in their order. Between two rows each number changes by 3 x^2 - 2 x^3, 
 
 from math import exp, sqrt
 
+from wrsim.core.jit.arena import Array, Record, Records
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.root import between
 
 
 @inlined
-def set_law(table, place, settings):
+def set_law(table: Array, place: float, settings: Record) -> None:
     """Write the numbers that hold at a place [m] into the settings."""
     low, high, x = between(table[:, 0], place)
     part = x * x * (3.0 - 2.0 * x)
@@ -32,7 +33,7 @@ def set_law(table, place, settings):
 
 
 @kernel
-def set_friction(speed, settings, strips, n):
+def set_friction(speed: float, settings: Record, strips: Records, n: int) -> float:
     """Write mu of n strips, whose creepages, half lengths and normals are set; speed: of rolling [m/s].
 
     Returns the largest.

@@ -18,11 +18,15 @@ but not below what keeps the power of the strip from being positive.
 
 from math import sqrt
 
+from wrsim.core.contact.tangential.flexibility import Creepages, Flexibilities
+from wrsim.core.jit.arena import Records
 from wrsim.core.jit.compiling import kernel
 
 
 @kernel
-def linear_creep(strips, n, mean, soft, direction, saturated):
+def linear_creep(
+    strips: Records, n: int, mean: Creepages, soft: Flexibilities, direction: float, saturated: float
+) -> None:
     """Forces of n strips; mean, soft: mean creepages and flexibilities; direction: +1 rolling along +x, -1 backwards.
 
     Reads a, ds, N, mu, xi, eta, phi of each strip and writes Fx, Fy, Mz.
@@ -51,6 +55,6 @@ def linear_creep(strips, n, mean, soft, direction, saturated):
 
 
 @kernel
-def restrain(power, phi, moment):
+def restrain(power: float, phi: float, moment: float) -> float:
     """The moment, or the one that makes up for the power of the forces where both together would be positive."""
     return -power / phi if power + moment * phi > 0.0 and phi != 0.0 else moment

@@ -21,6 +21,8 @@ which are nearly the same, would decide on sticking by chance.
 
 from math import pi, sqrt
 
+from wrsim.core.contact.tangential.flexibility import Flexibilities
+from wrsim.core.jit.arena import Array, Record, Records
 from wrsim.core.jit.compiling import inlined, kernel
 
 STEP_X, STEP_Y, TURN, BOUND, START_X, START_Y, STUCK, TRACTION_X, TRACTION_Y, FX, FY, MZ = range(12)
@@ -30,13 +32,15 @@ NOTHING = 1e-30  # a bound [Pa] below which strips only slide; also a rest in R,
 
 
 @inlined
-def largest_traction(strip):
+def largest_traction(strip: Record) -> float:
     """Peak of the semi-ellipse along a strip that holds its mu N [Pa]: mu p where the pressure is one itself."""
     return 2.0 * strip.mu * strip.N / (pi * max(strip.a * strip.ds, 1e-300))
 
 
 @kernel
-def march(strips, n, soft, rising, direction, shape, work):
+def march(
+    strips: Records, n: int, soft: Flexibilities, rising: float, direction: float, shape: Array, work: Array
+) -> None:
     """Tangential forces of n strips.
 
     soft: L1, L2, L3; rising: 1 where tractions rise with the bound, else 0; direction, shape: as in `fastsim`; work:
@@ -111,7 +115,7 @@ def march(strips, n, soft, rising, direction, shape, work):
 
 
 @kernel
-def hold_power(strips, n):
+def hold_power(strips: Records, n: int) -> None:
     """Moments as near to the ones given as keeps the creep's power over all strips from being positive.
 
     C22 makes the moment of eta, C23 the lateral force of phi. In slender patches (a/b above some 10) with next to no

@@ -15,6 +15,8 @@ as it takes that creep does no positive work.
 
 from math import atan, exp, pi, sqrt
 
+from wrsim.core.contact.strips.shifts import Ellipse
+from wrsim.core.contact.tangential.flexibility import Coefficients, Creepages
 from wrsim.core.contact.tangential.linear import restrain
 from wrsim.core.jit.compiling import kernel
 
@@ -22,7 +24,9 @@ LARGE = 1e60  # creepages beyond are full sliding; their powers are still number
 
 
 @kernel
-def polach(creepages, ellipse, coefficients, stiffness, adhesion, slip):
+def polach(
+    creepages: Creepages, ellipse: Ellipse, coefficients: Coefficients, stiffness: float, adhesion: float, slip: float
+) -> tuple[float, float, float]:
     """Fx, Fy over mu N and the moment over mu N [m], on the wheel, rolling along +x.
 
     stiffness: G / (mu N) [1/m2]; adhesion, slip: kA, kS.
