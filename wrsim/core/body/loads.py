@@ -124,6 +124,13 @@ class Asked(NamedTuple):
     acceleration: float
 
 
+class Efforts(NamedTuple):
+    """Efforts, records EFFORT, and the tables (., 2) of all of them."""
+
+    rows: Records
+    tables: Array
+
+
 @inlined
 def _between(tables: Array, start: int, count: int, x: float) -> tuple[int, int, float]:
     """The rows of a table between which x lies, and the part of the way from one to the other."""
@@ -205,30 +212,21 @@ def add_drive(
 
 @kernel
 def add_efforts(
-    t: float,
-    q_t: Array,
-    vehicle: Record,
-    origin: float,
-    parts: Records,
-    bodies: Records,
-    efforts: Records,
-    tables: Array,
-    axles: Records,
-    wrenches: Records,
-    out: Array,
-) -> None:
-    """Add the moments on the axles: what the drive asks of them and the efforts; tables: (., 2) of all efforts.
+    t: float, q_t: Array, vehicle: Record, origin: float, parts: Records, bodies: Records, efforts: Efforts,
+    axles: Records, wrenches: Records, out: Array,
+) -> None:  # fmt: skip
+    """Add the moments on the axles: what the drive asks of them and the efforts.
 
     vehicle: a record VEHICLE of core.body.vehicle_forces; origin: distance of the (first) vehicle's origin [m].
     out: where the rates of the unknowns of geared motors go.
     """
     for j in range(axles.shape[0]):
         axles[j].twisting = 0.0
-    for j in range(efforts.shape[0]):
-        effort = efforts[j]
+    for j in range(efforts.rows.shape[0]):
+        effort = efforts.rows[j]
         x = origin if effort.over == OVER_DISTANCE else t
-        low, high, part = _between(tables, effort.start, effort.rows, x)
-        moment = (1.0 - part) * tables[low, 1] + part * tables[high, 1]
+        low, high, part = _between(efforts.tables, effort.start, effort.rows, x)
+        moment = (1.0 - part) * efforts.tables[low, 1] + part * efforts.tables[high, 1]
         axle = axles[effort.axle]
         twist = parts[axle.body].twist
         if moment < 0.0:

@@ -27,7 +27,7 @@ across one axis of the first body. The bound of a slider's force is constant, or
 (its normal force): those that ask another one come last.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from wrsim.core.body.friction import MOVING, NO_SLIDER, settled, slide, slider_force
 from wrsim.core.jit.arena import Array, Record, Records, record
@@ -117,6 +117,37 @@ def own_components(body: Body, a: Vec) -> Vec:
     return components(a, body.forward, body.left, body.up)
 
 
+class Suspension(NamedTuple):
+    """What elements compute in, of a whole vehicle.
+
+    bodies: records BODY, the frames last; tables: (., 2); inner, inner_t: extensions of the damping parts in series
+    with a spring [m] and unknowns of sliders, and their rates, to be filled; wrenches: a record WRENCH per body, added
+    to; readings: a record READING per element, to be filled.
+    """
+
+    bodies: Records
+    tables: Array
+    inner: Array
+    inner_t: Array
+    wrenches: Records
+    readings: Records
+
+
+@inlined
+def _ends(on: Suspension, element: Record) -> tuple[Body, Body, Vec]:
+    """The two bodies of an element, and its point on the second one."""
+    second = get_body(on.bodies[element.second])
+    return get_body(on.bodies[element.first]), second, material_point(second, element.point_2)
+
+
+@inlined
+def _act(on: Suspension, element: Record, first: Body, second: Body, at: Vec, along: Vec) -> None:
+    """A force in the axes of the first body, at the second one's point: on the second body, and back on the first."""
+    force = combined(along, first.forward, first.left, first.up)
+    apply(on.wrenches[element.second], second, at, force)
+    apply(on.wrenches[element.first], first, at, scale(-1.0, force))
+
+
 @inlined
 def _seen_from(first: Body, second: Body, at: Vec, point: Any) -> tuple[Vec, Vec]:
     """Vector from a point of the first body to the second body's point ``at``, and the velocity of the second body's
@@ -128,40 +159,37 @@ def _seen_from(first: Body, second: Body, at: Vec, point: Any) -> tuple[Vec, Vec
 
 
 @kernel
-def _one_direction(element: Record, tables: Array, travel: float, rate: float, inner: Array, inner_t: Array) -> float:
-    """Restoring force of a spring and damper in one direction; travel [m], rate [m/s].
-
-    inner, inner_t: extension of the damping parts and where its rates go; only those of this element are touched.
-    """
+def _one_direction(on: Suspension, element: Record, travel: float, rate: float) -> float:
+    """Restoring force of a spring and damper in one direction; travel [m], rate [m/s]."""
     force = element.k * travel
     if element.spring_rows > 0:
-        force = interpolate(tables, element.spring_start, element.spring_rows, travel)
+        force = interpolate(on.tables, element.spring_start, element.spring_rows, travel)
     start, count = element.damper_start, element.damper_rows
     if element.state < 0:
-        damper = interpolate(tables, start, count, rate) if count > 0 else element.c * rate
+        damper = interpolate(on.tables, start, count, rate) if count > 0 else element.c * rate
         element.loss = damper * rate
         force += damper
     elif element.settled != MOVING:
-        inner_t[element.state] = travel
+        on.inner_t[element.state] = travel
     else:
-        damper = element.series * (travel - inner[element.state])
-        slow = interpolate(tables, start, count, damper) if count > 0 else damper / element.c
-        inner_t[element.state] = slow
+        damper = element.series * (travel - on.inner[element.state])
+        slow = interpolate(on.tables, start, count, damper) if count > 0 else damper / element.c
+        on.inner_t[element.state] = slow
         element.loss = damper * slow
         force += damper
     return force
 
 
 @inlined
-def _bound(element: Record, readings: Records) -> float:
+def _bound(on: Suspension, element: Record) -> float:
     """Bound of a slider's force [N]."""
     if element.normal < 0:
         return element.bound
-    return element.bound + max(0.0, dot(vec(element.load), vec(readings[element.normal].force)))
+    return element.bound + max(0.0, dot(vec(element.load), vec(on.readings[element.normal].force)))
 
 
 @kernel
-def _field(bodies: Records, element: Record, sign: float, share: float, wrenches: Records, reading: Record) -> None:
+def _field(on: Suspension, element: Record, sign: float, share: float, reading: Record) -> None:
     """A field of the first body that acts on the second one (sign +1), or the other way round (sign -1).
 
     share: of the element. Adds force and travel to the reading, in the axes of the body whose field it is.
@@ -170,7 +198,7 @@ def _field(bodies: Records, element: Record, sign: float, share: float, wrenches
     point_a, point_b = vec(element.point_1), vec(element.point_2)
     if sign < 0.0:
         a, b, point_a, point_b = b, a, point_b, point_a
-    first, second = get_body(bodies[a]), get_body(bodies[b])
+    first, second = get_body(on.bodies[a]), get_body(on.bodies[b])
     at = material_point(second, point_b)
     d, u = _seen_from(first, second, at, point_a)
     f0, k, c = element.preload, element.stiffness, element.damping
@@ -183,109 +211,77 @@ def _field(bodies: Records, element: Record, sign: float, share: float, wrenches
     accumulate(reading.force, scale(sign, f))
     accumulate(reading.travel, scale(sign * share, d))
     force = combined(f, first.forward, first.left, first.up)
-    apply(wrenches[b], second, at, force)
-    apply(wrenches[a], first, at, scale(-1.0, force))
+    apply(on.wrenches[b], second, at, force)
+    apply(on.wrenches[a], first, at, scale(-1.0, force))
 
 
 @kernel
-def _axis(
-    bodies: Records,
-    element: Record,
-    tables: Array,
-    inner: Array,
-    inner_t: Array,
-    wrenches: Records,
-    readings: Records,
-    reading: Record,
-) -> None:
+def _axis(on: Suspension, element: Record, reading: Record) -> None:
     """A spring and damper along one axis of the first body."""
-    first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
-    at = material_point(second, element.point_2)
+    first, second, at = _ends(on, element)
     d, u = _seen_from(first, second, at, element.point_1)
     ex, ey, ez = 1.0 * (element.direction == 0), 1.0 * (element.direction == 1), 1.0 * (element.direction == 2)
     along = Vec(ex, ey, ez)
     travel = dot(d, along)
-    f = element.force_0 - _one_direction(element, tables, travel, dot(u, along), inner, inner_t)
+    f = element.force_0 - _one_direction(on, element, travel, dot(u, along))
     put(reading.force, scale(f, along))
     if element.slider != NO_SLIDER:
-        f -= slider_force(element, _bound(element, readings), travel, dot(u, along), inner, inner_t)
+        f -= slider_force(element, _bound(on, element), travel, dot(u, along), on.inner, on.inner_t)
         put(reading.force, scale(f, along))
     put(reading.travel, scale(travel, along))
-    force = combined(scale(f, along), first.forward, first.left, first.up)
-    apply(wrenches[element.second], second, at, force)
-    apply(wrenches[element.first], first, at, scale(-1.0, force))
+    _act(on, element, first, second, at, scale(f, along))
 
 
 @kernel
-def _line(
-    bodies: Records,
-    element: Record,
-    tables: Array,
-    inner: Array,
-    inner_t: Array,
-    wrenches: Records,
-    readings: Records,
-    reading: Record,
-) -> None:
+def _line(on: Suspension, element: Record, reading: Record) -> None:
     """A spring and damper along the line between its two points; reading: tension and extension."""
-    first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
-    start, end = material_point(first, element.point_1), material_point(second, element.point_2)
+    first, second, end = _ends(on, element)
+    start = material_point(first, element.point_1)
     d = sub(end, start)
     length = norm(d)
     along = scale(1.0 / length, d)
     rate = dot(along, sub(point_velocity(second, end), point_velocity(first, start)))
     extension = length - element.length
-    tension = _one_direction(element, tables, extension, rate, inner, inner_t) - element.force_0
+    tension = _one_direction(on, element, extension, rate) - element.force_0
     put(reading.force, Vec(tension, 0.0, 0.0))
     if element.slider != NO_SLIDER:
-        tension += slider_force(element, _bound(element, readings), extension, rate, inner, inner_t)
+        tension += slider_force(element, _bound(on, element), extension, rate, on.inner, on.inner_t)
         put(reading.force, Vec(tension, 0.0, 0.0))
     put(reading.travel, Vec(extension, 0.0, 0.0))
-    apply(wrenches[element.first], first, start, scale(tension, along))
-    apply(wrenches[element.second], second, end, scale(-tension, along))
+    apply(on.wrenches[element.first], first, start, scale(tension, along))
+    apply(on.wrenches[element.second], second, end, scale(-tension, along))
 
 
 @kernel
-def _plane(
-    bodies: Records,
-    element: Record,
-    inner: Array,
-    inner_t: Array,
-    wrenches: Records,
-    readings: Records,
-    reading: Record,
-) -> None:
+def _plane(on: Suspension, element: Record, reading: Record) -> None:
     """A slider in the plane across one axis of the first body."""
-    first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
-    at = material_point(second, element.point_2)
+    first, second, at = _ends(on, element)
     d, u = _seen_from(first, second, at, element.point_1)
     a = Vec(0.0, 1.0, 0.0) if element.direction == 0 else Vec(1.0, 0.0, 0.0)
     b = Vec(0.0, 1.0, 0.0) if element.direction == 2 else Vec(0.0, 0.0, 1.0)
     e, v = Vec(dot(d, a), dot(d, b), 0.0), Vec(dot(u, a), dot(u, b), 0.0)
-    bound, i = _bound(element, readings), element.slip
-    z = sub(e, Vec(inner[i], inner[i + 1], 0.0))
+    bound, i = _bound(on, element), element.slip
+    z = sub(e, Vec(on.inner[i], on.inner[i + 1], 0.0))
     if element.settled != MOVING:
         pull = settled(element, bound, z)
         slip = shifted(e, -1.0 / element.stick, pull)
     else:
         pull, slip = slide(element, bound, z, v)
         element.loss = dot(pull, v) - element.stick * dot(z, sub(v, slip))
-    inner_t[i], inner_t[i + 1] = slip.x, slip.y
+    on.inner_t[i], on.inner_t[i + 1] = slip.x, slip.y
     f = mixed(-pull.x, a, -pull.y, b)
     put(reading.force, f)
     put(reading.travel, mixed(e.x, a, e.y, b))
-    force = combined(f, first.forward, first.left, first.up)
-    apply(wrenches[element.second], second, at, force)
-    apply(wrenches[element.first], first, at, scale(-1.0, force))
+    _act(on, element, first, second, at, f)
 
 
 @kernel
-def _turning(bodies: Records, element: Record, wrenches: Records) -> None:
+def _turning(on: Suspension, element: Record) -> None:
     """Rotational springs and dampers about the axes of the first body, if the element has any."""
     k, c = element.turning, element.turning_damping
     if k.x + k.y + k.z + (c.x + c.y + c.z) == 0.0:
         return
-    first, second = get_body(bodies[element.first]), get_body(bodies[element.second])
+    first, second = get_body(on.bodies[element.first]), get_body(on.bodies[element.second])
     half = 0.5 * (k.x + k.y + k.z)
     # on the second body: sum of w e' x e
     moment = scale(half - k.x, cross(second.forward, first.forward))
@@ -299,26 +295,13 @@ def _turning(bodies: Records, element: Record, wrenches: Records) -> None:
     damping = Vec(c.x * rate.x, c.y * rate.y, c.z * rate.z)
     element.loss += dot(damping, rate)
     moment = sub(moment, combined(damping, first.forward, first.left, first.up))
-    accumulate(wrenches[element.second].moment, moment)
-    accumulate(wrenches[element.first].moment, scale(-1.0, moment))
+    accumulate(on.wrenches[element.second].moment, moment)
+    accumulate(on.wrenches[element.first].moment, scale(-1.0, moment))
 
 
 @kernel
-def suspension_forces(
-    bodies: Records,
-    elements: Records,
-    tables: Array,
-    inner: Array,
-    inner_t: Array,
-    wrenches: Records,
-    readings: Records,
-) -> None:
-    """Add the forces and moments of all elements at the centres of mass to ``wrenches``.
-
-    bodies: records BODY, the frames last; elements: records ELEMENT; tables: (., 2); inner, inner_t: extensions of the
-    damping parts in series with a spring [m] and unknowns of sliders, and their rates, to be filled; wrenches: a record
-    WRENCH per body; readings: a record READING per element, to be filled.
-    """
+def suspension_forces(on: Suspension, elements: Records) -> None:
+    """Add the forces and moments of all elements, records ELEMENT, at the centres of mass to the wrenches."""
     for late in range(2):
         waiting = 0
         for i in range(elements.shape[0]):
@@ -326,24 +309,22 @@ def suspension_forces(
             if (late == 1) != (element.normal >= 0 and element.normal != i):
                 waiting += 1
                 continue
-            reading = readings[i]
+            reading = on.readings[i]
             element.loss = 0.0
             put(reading.force, ZERO)
             put(reading.travel, ZERO)
             if element.kind == LINE:
-                _line(bodies, element, tables, inner, inner_t, wrenches, readings, reading)
-                continue
-            if element.kind == AXIS:
-                _axis(bodies, element, tables, inner, inner_t, wrenches, readings, reading)
-                continue
-            if element.kind == PLANE:
-                _plane(bodies, element, inner, inner_t, wrenches, readings, reading)
-                continue
-            if element.kind == SHEAR:
-                _field(bodies, element, 1.0, 0.5, wrenches, reading)
-                _field(bodies, element, -1.0, 0.5, wrenches, reading)
+                _line(on, element, reading)
+            elif element.kind == AXIS:
+                _axis(on, element, reading)
+            elif element.kind == PLANE:
+                _plane(on, element, reading)
+            elif element.kind == SHEAR:
+                _field(on, element, 1.0, 0.5, reading)
+                _field(on, element, -1.0, 0.5, reading)
+                _turning(on, element)
             else:
-                _field(bodies, element, 1.0, 1.0, wrenches, reading)
-            _turning(bodies, element, wrenches)
+                _field(on, element, 1.0, 1.0, reading)
+                _turning(on, element)
         if waiting == 0:
             break

@@ -43,13 +43,14 @@ from wrsim.core.body.loads import (
     LOAD,
     UNIT,
     Asked,
+    Efforts,
     add_carried,
     add_drive,
     add_efforts,
     add_loads,
 )
 from wrsim.core.body.rigid_body import PITCH, pitched
-from wrsim.core.body.suspension import ELEMENT, READING, WRENCH, suspension_forces
+from wrsim.core.body.suspension import ELEMENT, READING, WRENCH, Suspension, suspension_forces
 from wrsim.core.body.wheel_forces import ARRAYS, OFF_TRACK, wheel_record, wheel_total
 from wrsim.core.jit import stages
 from wrsim.core.jit.arena import Array, Ints, Record, Records, matrix, record, records
@@ -143,10 +144,9 @@ def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Arr
     for i in range(n, wrenches.shape[0]):
         put(wrenches[i].force, ZERO)
         put(wrenches[i].moment, ZERO)
-    elements = records(buffer, index, ELEMENTS, ELEMENT)
-    readings = records(buffer, index, READINGS, READING)
-    tables = matrix(buffer, index, TABLES)
-    suspension_forces(bodies, elements, tables, q_t[6 * n :], out[6 * n :], wrenches, readings)
+    tables, readings = matrix(buffer, index, TABLES), records(buffer, index, READINGS, READING)
+    on = Suspension(bodies, tables, q_t[6 * n :], out[6 * n :], wrenches, readings)
+    suspension_forces(on, records(buffer, index, ELEMENTS, ELEMENT))
     for j in range(boxes.shape[0]):
         box, w = boxes[j], boxes[j].wheelset
         out[box.coordinate] = hand_over(box, get_body(bodies[w]), wrenches[n + FRAMES + j], wrenches[w])
@@ -155,9 +155,9 @@ def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Arr
     lost = add_loads(t, bodies, loads, load_tables, centre, wrenches)
     axles, units = records(buffer, index, AXLES, AXLE), records(buffer, index, UNITS, UNIT)
     lost |= add_drive(Asked(s, speed, acceleration), vehicle.drive, units, bodies, axles, centre, wrenches)
-    efforts, effort_tables = records(buffer, index, EFFORTS, EFFORT), matrix(buffer, index, EFFORT_TABLES)
+    efforts = Efforts(records(buffer, index, EFFORTS, EFFORT), matrix(buffer, index, EFFORT_TABLES))
     origin = units[0].s - units[0].ahead
-    add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, effort_tables, axles, wrenches, out)
+    add_efforts(t, q_t, vehicle, origin, parts, bodies, efforts, axles, wrenches, out)
     for j in range(axles.shape[0]):
         part = parts[axles[j].body]
         if part.twist >= 0:

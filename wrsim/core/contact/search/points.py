@@ -205,6 +205,60 @@ def _set_saddle(wheel: Wheel, rail: Rail, before: Record, met: Stationary, top: 
         before.saddle_arc = saddle.arc_rail
 
 
+class Sample(NamedTuple):
+    """What is known at a node of the outline: its point, sine of theta, distance of the rail, arclength of the foot on
+    it (0: none), slope of the distance along the outline."""
+
+    node: int
+    o: float
+    b: float
+    sine: float
+    distance: float
+    foot: float
+    slope: float
+
+
+@inlined
+def _sample(wheel: Wheel, rail: Rail, field: Field, i: int, last: Sample, near: bool) -> Sample:
+    """The sample at node i; last: the one before, one stride ago if ``near``."""
+    at = locus_node(wheel, node(wheel.profile, i), LARGEST_SINE)
+    if abs(at.sine) >= LARGEST_SINE:
+        return Sample(i, at.o, at.b, at.sine, inf, 0.0, 0.0)
+    distance, foot = field_distance(field, at.o, at.b)
+    slope = 0.0
+    if field.slack == 0.0:
+        if distance <= FAR and foot > 0.0:
+            slope = _rail_slope(rail, foot, at.no, at.nb)
+    elif distance < FAR + field.slack:
+        # the field is that of a station nearby
+        if near and last.foot > 0.0:
+            # nearer to the foot than the field, where curvatures change within a millimetre
+            foot = last.foot + sqrt((at.o - last.o) ** 2 + (at.b - last.b) ** 2)
+        distance, foot, slope = _near(rail, at.o, at.b, foot, at.no, at.nb)
+    else:
+        distance -= field.slack
+    return Sample(i, at.o, at.b, at.sine, distance, foot, slope)
+
+
+@inlined
+def _turns(last: Sample, at: Sample) -> bool:
+    """Whether the slope changes its sign between two samples, near the rail.
+
+    The parabola's vertex between them says whether a closer look is worth it; where the locus climbs around a yawed
+    wheel, its outline is many times as long as the profile.
+    """
+    if (at.slope < 0.0) == (last.slope < 0.0):
+        return False
+    between = sqrt((at.o - last.o) ** 2 + (at.b - last.b) ** 2)
+    return last.distance - 0.5 * between * last.slope * last.slope / (at.slope - last.slope) < NEAR
+
+
+@inlined
+def _passed(last: Sample, i: int) -> Sample:
+    """The last sample, moved on to a node that is out of reach of the rail."""
+    return Sample(i, last.o, last.b, last.sine, last.distance, 0.0, last.slope)
+
+
 @kernel
 def find_contacts(
     wheel: Wheel, rail: Rail, field: Field, stride: int, hollow: float, found: Records
@@ -215,102 +269,69 @@ def find_contacts(
     found: (n,) FOUND records. Returns (number found, smallest distance met, status): status bit 1 says a point was not
     refined to round-off.
     """
-    e_t = wheel.axle.x
     step = wheel.profile.step
-    n = wheel.profile.table.shape[0]
-    count = 0
-    closest = 1.0
-    status = 0
-    near = False  # whether the last sample was one stride ago
-    linked = False  # whether the outline stayed in the rail since the last contact found
-    last_node = -stride
-    last_slope = 0.0
-    last_distance = last_foot = last_o = last_b = 0.0
-    top = 0.0  # about where the distance was largest since then
     rail_end = rail_length(rail)
     per_node = 1.0 / (STRETCH * step)
-    hollow *= 1.0 + (e_t / YAW_HOLLOWS) ** 2
+    hollow *= 1.0 + (wheel.axle.x / YAW_HOLLOWS) ** 2
+    count, closest, status = 0, 1.0, 0
+    last = Sample(-stride, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    near = False  # whether the last sample was one stride ago
+    linked = False  # whether the outline stayed in the rail since the last contact found
+    top = 0.0  # about where the distance was largest since then
     wary = 0  # no skips before this node
     i = 0
-    while i < n:
-        at = locus_node(wheel, node(wheel.profile, i), LARGEST_SINE)
-        if abs(at.sine) >= LARGEST_SINE:
-            near = linked = False
-            last_foot = 0.0
-            last_node = i
-            i += stride
-            continue
-        distance, foot = field_distance(field, at.o, at.b)
-        slope = 0.0
-        if field.slack > 0.0:
-            # the field is that of a station nearby
-            if distance < FAR + field.slack:
-                if near and last_foot > 0.0:
-                    # nearer to the foot than the field, where curvatures change within a millimetre
-                    foot = last_foot + sqrt((at.o - last_o) ** 2 + (at.b - last_b) ** 2)
-                distance, foot, slope = _near(rail, at.o, at.b, foot, at.no, at.nb)
-            else:
-                distance -= field.slack
-        if distance < FIELD_ERROR and not near and i - stride > last_node:
+    while i < wheel.profile.table.shape[0]:
+        at = _sample(wheel, rail, field, i, last, near)
+        if at.distance < FIELD_ERROR and not near and i - stride > last.node:
             # a skip has ended inside the rail: the outline was longer than thought; back, and step by step
-            wary = i
-            i = last_node + stride
-            near = True
+            wary, i, near = i, last.node + stride, True
             continue
-        closest = min(closest, distance)
+        steep = abs(at.sine) >= LARGEST_SINE
         calm = i >= wary and abs(at.sine) < STEEP
-        if distance > FAR or foot <= 0.0 or foot >= rail_end:
+        if not steep:
+            closest = min(closest, at.distance)
+        if at.distance > FAR or at.foot <= 0.0 or at.foot >= rail_end:
             # far away, or beside an end of the rail, where the distance bends as it likes: no more than the way
             near = linked = False
-            last_foot = 0.0
-            last_node = i
-            skip = int((distance - FIELD_ERROR) * per_node)
+            last = _passed(last, i)
+            skip = stride if steep else int((at.distance - FIELD_ERROR) * per_node)
             i += skip if calm and skip > stride else stride
             continue
-        if field.slack == 0.0:
-            slope = _rail_slope(rail, foot, at.no, at.nb)
-        turns = near and (slope < 0.0) != (last_slope < 0.0)
-        if turns:
-            # the parabola's vertex between the two samples says whether a closer look is worth it; where the locus
-            # climbs around a yawed wheel, its outline is many times as long as the profile
-            between = sqrt((at.o - last_o) ** 2 + (at.b - last_b) ** 2)
-            turns = last_distance - 0.5 * between * last_slope * last_slope / (slope - last_slope) < NEAR
-        if turns:
-            guess = (i - stride * slope / (slope - last_slope)) * step
-            if last_slope >= 0.0:
+        if near and _turns(last, at):
+            guess = (i - stride * at.slope / (at.slope - last.slope)) * step
+            if last.slope >= 0.0:
                 top = guess
             else:
-                met = refine(wheel, rail, (last_node - stride) * step, (i + stride) * step, guess, foot, MINIMUM)
+                met = refine(wheel, rail, (last.node - stride) * step, (i + stride) * step, guess, at.foot, MINIMUM)
                 # else the slopes of samples were wrong, here or at the last turn
                 if met.status != NONE and (count == 0 or met.arc_wheel > found[count - 1].arc_wheel + SAME):
                     closest = min(closest, met.distance)
                     if met.distance < 0.0 and 0.0 < met.arc_rail < rail_end and count < found.shape[0]:
-                        status |= met.status
                         if linked:
                             _set_saddle(wheel, rail, found[count - 1], met, top)
-                        row = found[count]
-                        row.arc_wheel = met.arc_wheel
-                        row.arc_rail = met.arc_rail
-                        row.depth = -met.distance
-                        row.curvature = met.curvature
-                        row.saddle = -1.0
+                        _set_found(found[count], met)
+                        status |= met.status
                         count += 1
                         linked = True
-        last_node = i
-        last_slope = slope
-        last_distance = distance
-        last_foot = foot
-        last_o = at.o
-        last_b = at.b
-        near = True
-        clear = distance - FIELD_ERROR
+        last, near = at, True
+        clear = at.distance - FIELD_ERROR
         if clear > 0.0:
             # the distance bends down by no more than both bodies are hollow: the first place where it can vanish
             linked = False
-            skip = int((slope + sqrt(slope * slope + 2.0 * hollow * clear)) / hollow * per_node)
+            skip = int((at.slope + sqrt(at.slope * at.slope + 2.0 * hollow * clear)) / hollow * per_node)
             if calm and skip > stride:
                 near = False
                 i += skip
                 continue
         i += stride
     return count, closest, status
+
+
+@inlined
+def _set_found(row: Record, met: Stationary) -> None:
+    """Write a place of contact that the distance has no saddle behind, yet."""
+    row.arc_wheel = met.arc_wheel
+    row.arc_rail = met.arc_rail
+    row.depth = -met.distance
+    row.curvature = met.curvature
+    row.saddle = -1.0
