@@ -82,6 +82,7 @@ from wrsim.core.track.path import NODE, frame, frame_rates
 FIRST_WHEEL = 17
 
 RAIL = record("mass stiffness damping")
+"""A piece of rail under a wheel, in one direction [kg, N/m, N s/m]."""
 
 VEHICLE = record(
     "gravity step guide_ahead slip_speed slip_creepage",
@@ -89,10 +90,10 @@ VEHICLE = record(
     rail_n=RAIL,
     rail_b=RAIL,
 )
-"""Acceleration of gravity; step of the centre line; how far the axle in the guide frame sits ahead of the bogie's
-centre; limits of the slip control, both 0 without. Kind of drive, place of the rails' first coordinate or -1 on rigid
-ones; which of the stages that ask all wheels; whether geared motors have settled; the pieces of rail under the wheels,
-along n and b."""
+"""Acceleration of gravity [m/s2]; step of the centre line [m]; how far the axle in the guide frame sits ahead of the
+bogie's centre [m]; limits of the slip control, speed [m/s] and creepage, both 0 without. Kind of drive, place of the
+rails' first coordinate or -1 on rigid ones; which of the stages that ask all wheels; whether geared motors have
+settled; the pieces of rail under the wheels, along n and b."""
 
 PART = record("mass twist_inertia twist_stiffness twist_damping", "wheelset twist")
 """Mass of a body [kg]; of the twist of its axle inertia [kg m2], stiffness [N m/rad] and damping [N m s/rad]; number of

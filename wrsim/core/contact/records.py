@@ -11,24 +11,24 @@ from wrsim.core.jit.compiling import inlined
 from wrsim.core.linalg import Vec, read
 
 SETTINGS = record(
-    "E G eps recess damping kA kS strip_width least_speed"
-    # friction: on the top and on the gauge corner, the zone's ends, the fall with slip
-    " mu mu_gauge zone_start zone_end fall_ratio fall_decay"
-    # geometry: steps of the tables, wheel radius, grid of the rail's distances, largest hollows of both bodies
-    " wheel_step radius rail_step field_o field_b field_spacing hollow"
-    # distances of two places of contact that press each other down fully, and not at all (strip model)
-    " together apart"
-    # distance along the rail, how it turns and bends there; how far the field of a rail of sections may be off
-    " place twist bow_o bow_b slack",
-    # nodes between two samples of the search
-    "tangential parabolic blended stride"
-    # normal model and the strips that it gets
-    " normal projected joint strips fewest start"
-    # rows of a section of the rail, its last station
-    " rows station field_rows",
+    "E G eps recess damping kA kS strip_width least_speed mu mu_gauge zone_start zone_end fall_ratio fall_decay"
+    " wheel_step radius rail_step field_o field_b field_spacing hollow together apart place twist bow_o bow_b slack",
+    "tangential parabolic blended stride normal projected joint strips fewest start rows station field_rows",
 )
-"""Numbers of a contact model. E, G: of the pair of bodies; eps, kA, kS: Kik-Piotrowski's and Polach's; recess: of the
-depth, where strips begin; joint: lobes of a patch share recess and strips; projected, parabolic, blended: 0 or 1."""
+"""Numbers of a contact model.
+
+E, G: of the pair of bodies [Pa]; eps: Kik-Piotrowski's [1]; recess: of the depth, where strips begin [1]; damping
+[s/m]; kA, kS: Polach's [1]; strip_width: 0 where their number rules [m]; least_speed [m/s].
+mu, mu_gauge: friction on the top and on the gauge corner [1]; zone_start, zone_end: tangents of half the angles of the
+ramp between them; fall_ratio, fall_decay: of its fall with the slip [1, s/m].
+wheel_step, rail_step: of the tables [m]; radius: of the wheel [m]; field_o, field_b, field_spacing: grid of the rail's
+distances [m]; slack: how far these may be off [m]; hollow: largest hollows of both bodies [1/m]; together, apart:
+distances of two places of contact that press each other down fully, and not at all (strip model) [m].
+place: distance along the rail [m]; twist, bow_o, bow_b: how it turns [rad/m] and bends [1/m] there.
+tangential, normal, start: see below; projected, parabolic, blended: 0 or 1; joint: whether lobes of a patch share
+recess and strips; stride: nodes between two samples of the search; strips, fewest: their number on a lobe; rows: of a
+section of the rail; station: its last one; field_rows: of the distances of a section.
+"""
 
 NO_CREEP_FORCES, FASTSIM, FASTRIP, POLACH, LINEAR, SHEN_HEDRICK_ELKINS = range(6)
 """SETTINGS.tangential."""
@@ -40,28 +40,30 @@ AFRESH, FROM_LAST = range(2)
 """SETTINGS.start of the strip model: afresh or from the last contact."""
 
 FOUND = record("arc_wheel arc_rail depth curvature saddle saddle_arc")
-"""A contact that the search found: arclengths on wheel and rail, penetration, relative curvature; least penetration
-between this one and the next, with its rail arclength (-1 where the profiles separate in between)."""
+"""A contact that the search found: arclengths on wheel and rail [m], penetration [m], relative curvature [1/m]; least
+penetration between this one and the next, with its rail arclength (-1 where the profiles separate in between) [m]."""
 
 STRIP = record("s ds x a p no nb slope o b N Fx Fy Mz xi eta phi r_t mu penetration")
-"""A strip: centre s and width ds across, middle x and half length a along the rail, largest pressure p; unit normal
-(no, nb) from rail to wheel, slope of the rail along the track there, and centre (o, b); normal force, creep forces,
-moment about the centre; creepages; radius of curvature along the rail; coefficient of friction; penetration."""
+"""A strip: centre s and width ds across, middle x and half length a along the rail [m], largest pressure p [Pa]; unit
+normal (no, nb) from rail to wheel, slope of the rail along the track there, and centre (o, b) [m]; normal force, creep
+forces [N], moment about the centre [N m]; creepages [1], spin [1/m]; radius of curvature along the rail [m];
+coefficient of friction; penetration [m]."""
 
 LOBE = record(
     "N Fx Fy Mz p0 area length width approach angle angle_min angle_max angle_mean xi eta phi closing wear"
-    # the main point
-    " arc_wheel arc_rail x o b no nb slope"
-    # edges along s, what the strips are laid over, pressure
-    " start end recess half_length coupling amplitude",
-    # number of the patch, lobe that this one is coupled to or -1, strips
+    " arc_wheel arc_rail x o b no nb slope start end recess half_length coupling amplitude",
     "group partner n_strips",
 )
-"""A lobe of a patch. Forces act on the wheel; Mz is about the main point; wear is what creep dissipates [N]."""
+"""A lobe of a patch. Forces on the wheel [N], Mz about the main point [N m]; largest pressure [Pa], area [m2], length,
+width and approach [m]; contact angles [rad]; creepages [1], spin [1/m], rate of approach [m/s]; wear: what creep
+dissipates [N].
+The main point: arclengths, place (x, o, b) [m], normal (no, nb), slope along the track. Edges along s and the recess
+that the strips are laid over, half length at the main point [m]; coupling to ``partner`` [1], amplitude p / a of the
+pressure [Pa/m]. Number of the patch, lobe that this one is coupled to or -1, number of strips."""
 
 TOTAL = record("Ft Fo Fb Mt Mo Mb wear closest", "lobes patches status")
-"""Force and moment on the wheel about its profile origin, wear number, closest distance; numbers of lobes and of
-patches (lobes that share a patch count once); sum of the STATUS bits."""
+"""Force [N] and moment [N m] on the wheel about its profile origin, wear number [N], closest distance [m]; numbers of
+lobes and of patches (lobes that share a patch count once); sum of the STATUS bits."""
 
 STATUS_NOT_REFINED = 1  # a main point was not found to round-off
 STATUS_PROFILE_END = 2  # contact reaches the end of a profile

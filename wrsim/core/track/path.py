@@ -8,12 +8,8 @@ three are continuous; roll is the cubic Hermite polynomial, continuous with its 
 behind the last node the curve continues straight along the end tangent, with the roll of that end. A heading
 is never computed, so the curve may turn by any angle and pass over itself.
 
-Why quintic and not cubic, *measured* at 0.25 m rows on straight - clothoid - arc: in the cubic the curvature
-jumps at rows by up to 1e-4 1/m (R = 25 m) and 4e-6 1/m (R = 300 m), and a frame costs 40 ns; in the quintic
-it does not jump (1e-12 and below), position errors at joints are four times smaller (5e-8 m, R = 25 m), and a
-frame costs 46 ns. On arcs and clothoids away from joints the quintic is exact to rounding. Where the
-curvature itself jumps (no transition), it is blended over the one row distance that holds the joint, with 5 %
-overshoot.
+On arcs and clothoids away from joints the quintic is exact to rounding. Where the curvature itself jumps (no
+transition), it is blended over the one row distance that holds the joint, with 5 % overshoot.
 
 Frame: t is the unit tangent; with h = (z x t)/|z x t|, the horizontal direction to the left, and v = t x h,
 n = cos(roll) h + sin(roll) v and b = -sin(roll) h + cos(roll) v. The curve must not be vertical.
@@ -29,6 +25,7 @@ from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import VECTOR, Curve, Frame, Vec, add, cross, dot, mixed, norm, scale, shifted, sub, write
 
 NODE = record(position=VECTOR, tangent=VECTOR, roll="f8", roll_slope="f8", curvature=VECTOR)
+"""A node of a curve, see above [m, 1, rad, rad/m, 1/m]."""
 
 LOCATE_OK = 0
 LOCATE_NOT_CONVERGED = 1  # no convergence within MAX_ITERATIONS

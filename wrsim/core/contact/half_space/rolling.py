@@ -14,8 +14,7 @@ by GMRES with convolutions in Fourier space (wrsim.contact.half_space.rolling). 
 summed up from the leading end of each run, which turns differences into displacements and lets the inverse symbol of A
 precondition them.
 
-The difference over one element is of first order. One of second order over three elements was tried: the longitudinal
-force under creepage and spin errs ten times less, everything else as before, for half as many products again.
+The difference over one element is of first order.
 
 Vectors are (2, rows, columns) along x and s, scalars (rows, columns), x rising with the column.
 """
