@@ -276,7 +276,7 @@ def run_into(
             compiling = COUNT.seconds - before
             wall = time.perf_counter() - started - compiling
             files = write(result, directory, pictures)
-            took = {} if resume else {"wall": wall, "compiling": compiling}
+            took: dict[str, Any] = {} if resume else {"wall": wall, "compiling": compiling}
             return Written(result, files, keeper.clear(files), **took)
         except KeyboardInterrupt:
             if record.exists():
