@@ -5,7 +5,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.contacts import HALF_SPACING, PAIRS, RADIUS, finite, pair_model, rail_origin, strips_of
 
-from wrsim.contact.pose import Pose
 from wrsim.contact.settings import Friction
 from wrsim.core.contact import records as k
 
