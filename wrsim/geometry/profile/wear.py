@@ -33,7 +33,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter1d
 
 from wrsim.errors import InputError
 from wrsim.geometry.piecewise import arclengths
@@ -246,6 +245,8 @@ def bin_edges(profile: Profile, step: float) -> Array:
 
 def smoothed_table(values: Array, width: float, cutoff: float) -> Array:
     """Values at places a width apart, smoothed; cutoff: wavelength that passes with half its amplitude [m]."""
+    from scipy.ndimage import gaussian_filter1d  # runs that wear nothing do not wait for it
+
     return np.asarray(gaussian_filter1d(values, HALVING * cutoff / width, mode="reflect", truncate=REACH))
 
 
