@@ -70,6 +70,18 @@ def test_initial_slopes_are_kalker_s_coefficients(ratio):
     assert slopes == pytest.approx(expected, rel=0.01)
 
 
+def test_a_solution_that_ends_too_soon_says_so_with_its_last_error(monkeypatch):
+    grid = EllipseGrid(PATCH, 24)
+    known = grid.operator(), MU * grid.pressure(), grid.rigid_slip(*MIXED)
+    errors = []
+    for steps in (1, 5):
+        monkeypatch.setattr("wrsim.contact.half_space.rolling.NEWTON_STEPS", steps)
+        traction = solve_rolling(*known, tolerance=1e-12)
+        assert not traction.converged
+        errors.append(traction.error)
+    assert 0.0 < errors[1] < 0.5 * errors[0]
+
+
 def test_full_sliding_is_mu_n_against_the_slip():
     traction, grid = roll(0.03, -0.04, 0.0)
     force = grid.resultants(traction.q)
