@@ -38,7 +38,7 @@ from wrsim.cli import main as wrsim
 from wrsim.errors import InputError
 from wrsim.report.output_folder import read
 from wrsim.results import Result
-from wrsim.results.sealed import write_sealed
+from wrsim.results.netcdf import write_netcdf
 from wrsim.scenario.loading import load
 from wrsim.simulation.integrate import recorded_motion
 from wrsim.study.service.record import COLUMNS
@@ -227,7 +227,7 @@ def _study(path: Path) -> Path:
     numbers = {n: ("speed", np.array([1.0, 2.0, np.nan]), {"units": "kN"}) for n in ("Y_max", "Q_max")}
     coords = {"speed": ("speed", np.array([10.0, 20.0, 30.0]), {"key": "vehicle.speed_kmh"})}
     about = {"format": "wrsim study", "title": "a study", "analysis": "curving", "study_text": "", "scenario_text": ""}
-    return write_sealed(path, xr.Dataset(numbers | texts, coords, about))
+    return write_netcdf(path, xr.Dataset(numbers | texts, coords, about))
 
 
 def _service(path: Path) -> Path:
@@ -245,7 +245,7 @@ def _service(path: Path) -> Path:
         "conicity_amplitude_m": 0.003,
     }
     about |= {"service_text": "", "cases_text": "", "scenario_text": ""}
-    return write_sealed(
+    return write_netcdf(
         path, xr.Dataset(own | of_profile | {"unworn_u": ("place", np.arange(5.0), {"units": "m"})}, attrs=about)
     )
 

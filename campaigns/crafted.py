@@ -19,11 +19,10 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-from wrsim.results.run_file import SIGNATURE
-from wrsim.results.sealed import _fill, write_sealed
+from wrsim.results.netcdf import _fill, write_netcdf
+from wrsim.results.run_file import FRAME, SIGNATURE
 
 SEAL = b"wrsim CRC-32"
-FRAME = struct.Struct("<4sQI")
 ODD: tuple[Any, ...] = (
     None, True, -1,
     0, 3.5, 2**40, 2**70, 1e308, float("nan"), float("inf"), "", "x", "\0", "\x1b[31m\u202e", "9" * 5000,
@@ -53,7 +52,7 @@ def numbers(content: bytes, rng: random.Random) -> bytes:
             return _by_hand(dataset, Path(name) / "by_hand.nc", rng)
         while True:
             try:
-                return write_sealed(path, rng.choice(CHANGES)(dataset, rng)).read_bytes()
+                return write_netcdf(path, rng.choice(CHANGES)(dataset, rng)).read_bytes()
             except (
                 IndexError,
                 ValueError,
@@ -239,26 +238,27 @@ def declared(path: Path, samples: int) -> Path:
 
 
 def records(content: bytes) -> list[tuple[bytes, bytes]]:
-    """Kinds and contents of all records of a run file."""
+    """What all records of a run file say (JSON) and hold."""
     place, found = len(SIGNATURE), []
     while place + FRAME.size <= len(content):
-        kind, size, _ = FRAME.unpack_from(content, place)
+        size, _ = FRAME.unpack_from(content, place)
         place += FRAME.size + size
-        found.append((kind, content[place - size : place]))
+        about, _, numbers = content[place - size : place].partition(b"\n")
+        found.append((about, numbers))
     return found
 
 
 def run_file(parts: list[tuple[bytes, bytes]]) -> bytes:
     """The file of these records, each with a right checksum."""
-    framed = (FRAME.pack(kind, len(own), zlib.crc32(own, zlib.crc32(kind))) + own for kind, own in parts)
-    return SIGNATURE + b"".join(framed)
+    contents = (about + b"\n" + numbers for about, numbers in parts)
+    return SIGNATURE + b"".join(FRAME.pack(len(own), zlib.crc32(own)) + own for own in contents)
 
 
 def part(content: bytes, rng: random.Random) -> bytes:
     """A run file with an odd header, or with an odd record; the checksums are right."""
     parts = records(content)
     if rng.random() < 0.5:
-        parts[0] = parts[0][0], _header(parts[0][1], rng)
+        parts[0] = _header(parts[0][0], rng), parts[0][1]
     else:
         at = rng.randrange(1, len(parts))
         parts[at] = _record(*parts[at], rng)
@@ -287,23 +287,24 @@ def _header(content: bytes, rng: random.Random) -> bytes:
     return json.dumps(header).encode()
 
 
-def _record(kind: bytes, content: bytes, rng: random.Random) -> tuple[bytes, bytes]:
+def _record(about: bytes, numbers: bytes, rng: random.Random) -> tuple[bytes, bytes]:
     action = rng.randrange(7)
+    known = json.loads(about)
     if action == 0:
-        return kind, content[: rng.randrange(len(content) + 1)]
+        return about, numbers[: rng.randrange(len(numbers) + 1)]
     if action == 1:
-        return rng.choice((b"HEAD", b"FLSH", b"STOP", b"END.", b"ODD.")), content
+        return rng.choice((b"", b"\0", b"\xff\0\xfe", b"x" * 24, b"null", b"[]", b"[" * 100000, b"{}")), numbers
     if action == 2:
-        return kind, rng.choice((b"", b"\0", b"\xff\0\xfe", b"x" * 24, bytes(1000)))
-    if action in (3, 4) and kind in (b"FLSH", b"STOP"):
-        counts = list(struct.unpack_from("<qqq", content))
-        counts[rng.randrange(3)] = rng.choice((-(2**63), -5, -1, 0, 1, 2**31, 2**40, 2**62, 2**63 - 1))
-        return kind, struct.pack("<qqq", *counts) + content[24:]
-    if kind == b"END.":
-        return kind, rng.choice((b"magic\0why", b"\0", b"monitor\0\x1b[31m", b"interrupt", b"forces\0" + b"x" * 100000))
-    data = bytearray(content)
-    places = (len(data) - 24) // 8
+        return about, rng.choice((b"", bytes(8), bytes(1000), bytes(1003)))
+    if action in (3, 4):
+        name = rng.choice(list(known))
+        known[name] = rng.choice((-(2**63), -5, -1, 0, 1, 2**31, 2**40, 2**62, 2**63 - 1, *ODD))
+        return json.dumps(known).encode(), numbers
+    if "cause" in known:
+        ends = (("magic", "why"), ("monitor", "\x1b[31m"), ("interrupt", ""), ("forces", "x" * 100000))
+        return json.dumps(dict(zip(("cause", "reason"), rng.choice(ends), strict=True))).encode(), numbers
+    data = bytearray(numbers)
     for _ in range(rng.choice((1, 3, 30))):
-        if places > 0:
-            struct.pack_into("<d", data, 24 + 8 * rng.randrange(places), rng.choice((*NUMBERS, 2.0**40, 3.0)))
-    return kind, bytes(data)
+        if data:
+            struct.pack_into("<d", data, 8 * rng.randrange(len(data) // 8), rng.choice((*NUMBERS, 2.0**40, 3.0)))
+    return about, bytes(data)

@@ -185,9 +185,7 @@ def test_the_target_of_a_link_in_the_place_of_a_run_file_is_left_alone(tmp_path:
     target.write_bytes(content)
     link.symlink_to(target)
     with pytest.raises(InputError, match="is a symbolic link"):
-        RunFile.create(link, {})
-    with pytest.raises(InputError, match="is a symbolic link"):
-        RunFile.opened(link)
+        RunFile(link)
     assert target.read_bytes() == content
 
 
@@ -195,10 +193,10 @@ def test_only_what_carries_our_signature_is_cut(tmp_path: Path) -> None:
     path = tmp_path / "result.nc.part"
     path.write_bytes(b"a letter of mine")
     with pytest.raises(InputError, match="not the file of a run of wrsim"):
-        RunFile.create(path, {})
+        RunFile(path)
     assert path.read_bytes() == b"a letter of mine"
     path.write_bytes(b"wrsim r")  # a run that was killed at its start
-    RunFile.create(path, {}).close()
+    RunFile(path).close()
 
 
 def test_a_ledger_that_is_a_link_is_not_written_through(scenario: Path, tmp_path: Path) -> None:

@@ -23,8 +23,8 @@ from wrsim.report.output_folder import read
 from wrsim.results import CHANNELS, Result, assemble, channel, sealed, summarise, tables, write_atomically, write_run
 from wrsim.results.files import as_csv
 from wrsim.results.ledger import Ledger
+from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.run_file import RunFile
-from wrsim.results.sealed import read_sealed, write_sealed
 
 ROOT = Path(__file__).parents[2]
 ATTRIBUTES = {"title": "t", "analysis": "curving", "status": "completed", "scenario_text": "x = 1\n"}
@@ -511,19 +511,19 @@ def test_a_large_file_keeps_labels_that_no_channel_has(tmp_path, monkeypatch):
     coords = {"x": np.arange(50.0), "lonely": ("y", np.array(["p", "q"]))}
     channels = {name: ("x", i + np.arange(50.0)) for i, name in enumerate("abc")}
     dataset = xr.Dataset(channels, coords=coords, attrs={"title": "three groups"})
-    read = read_sealed(write_sealed(tmp_path / "a.nc", dataset), "result")
+    read = read_netcdf(write_netcdf(tmp_path / "a.nc", dataset), "result")
     xr.testing.assert_identical(read.load(), dataset)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.9, 0.9999])
 def test_the_numbers_of_a_study_are_sealed_too(share, tmp_path):
-    path = write_sealed(tmp_path / "study.nc", xr.Dataset({"Q": ("case", [1.0, 2.0])}))
-    assert read_sealed(path, "study")["Q"].values.tolist() == [1.0, 2.0]
+    path = write_netcdf(tmp_path / "study.nc", xr.Dataset({"Q": ("case", [1.0, 2.0])}))
+    assert read_netcdf(path, "study")["Q"].values.tolist() == [1.0, 2.0]
     content = bytearray(path.read_bytes())
     content[int(share * len(content))] ^= 1
     path.write_bytes(bytes(content))
     with pytest.raises(InputError, match=r"study\.nc: .*run the study again|study\.nc: not a wrsim study"):
-        read_sealed(path, "study")
+        read_netcdf(path, "study")
 
 
 def test_no_cell_of_a_table_is_a_formula_to_a_spreadsheet():
@@ -541,7 +541,7 @@ def test_a_pipe_in_place_of_a_result_is_refused(name, tmp_path):
     with pytest.raises(InputError, match=rf"{name}: is a pipe"):
         read(tmp_path)
     with pytest.raises(InputError, match="is a pipe"):
-        RunFile.opened(tmp_path / name)
+        RunFile(tmp_path / name)
 
 
 @pytest.mark.parametrize("entry", [b'{"file": "../x"}', b'{"file": 3}', b'{"files": ["/x"]}', b"[" * 100000, b"{"])

@@ -22,7 +22,7 @@ from wrsim.geometry.profile.wear import smoothed_table
 from wrsim.results import write_atomically
 from wrsim.results.files import as_json
 from wrsim.results.ledger import digest_of
-from wrsim.results.sealed import write_sealed
+from wrsim.results.netcdf import write_netcdf
 from wrsim.study.plan import PLAN, Plan
 from wrsim.study.service.history import history, write_history
 from wrsim.study.service.record import is_service, read_record
@@ -209,7 +209,7 @@ def test_a_page_takes_one_service_alone(service: Service, steps: list[Step], tmp
     view = forked("report", tmp_path, "--view")
     assert view.returncode == 2 and "it is for results of runs" in view.stderr
     dataset = read_record(tmp_path)
-    write_sealed(tmp_path / "wear.nc", dataset.drop_vars("depth"))
+    write_netcdf(tmp_path / "wear.nc", dataset.drop_vars("depth"))
     lacking = forked("report", tmp_path)
     assert lacking.returncode == 2 and "but has no depth; run it again" in lacking.stderr
 

@@ -102,6 +102,11 @@ class Channel:
             words += f" ${self.symbol}$"
         return words if self.shown is PLAIN else f"{words} [{self.shown.symbol}]"
 
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Of the variable of a dataset."""
+        return {"units": self.unit, "long_name": self.long_name}
+
     def dims_in(self, sample: str) -> tuple[str, ...]:
         """Dimensions in a dataset whose sample dimension is ``"time"`` or ``"pose"``."""
         moment = "snapshot" if sample == "time" else "pose"

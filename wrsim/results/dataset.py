@@ -10,13 +10,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from xarray.core import indexing
 
 from wrsim import __version__
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.toml_files import parse_toml
 from wrsim.results.channels import CHANNELS, WHEELS, Channel
-from wrsim.results.room import OnDisk
 
 FORMAT = "wrsim result"
 FORMAT_VERSION = 3
@@ -70,7 +68,7 @@ def assemble(
     a single wheelset are derived when they are not given.
 
     copy: False gives the arrays away: they become those of the dataset, where their type is that of their channel.
-    Those on disk (`wrsim.results.room`) stay there.
+    Those that are variables of a file (`wrsim.results.netcdf`) stay there.
 
     Raises ``ValueError`` for an unknown name, a wrong shape or a missing attribute: these are mistakes of the
     calling code, not of the user.
@@ -147,8 +145,8 @@ def typed(name: str, values: ArrayLike) -> NDArray[Any]:
 
 def _typed(channel: Channel, values: ArrayLike, copy: bool = True) -> NDArray[Any]:
     """The values in the channel's type, a private copy unless numbers of that type are given away."""
-    if isinstance(values, OnDisk):
-        return indexing.LazilyIndexedArray(values)  # type: ignore[return-value]
+    if isinstance(values, xr.Variable):
+        return values  # type: ignore[return-value]
     if channel.kind == "text":
         array: NDArray[Any] = np.array(values, dtype=str)
         return array if array.dtype.itemsize else array.astype("<U1")
@@ -169,7 +167,7 @@ def _variable(channel: Channel, sample: str, array: NDArray[Any], sizes: dict[st
         wanted = ", ".join(f"{d} {'any' if e is None else e}" for d, e in zip(dims, expected, strict=True))
         raise ValueError(f"channel '{channel.name}' has shape {array.shape}; expected ({wanted})")
     sizes.update(zip(dims, array.shape, strict=True))
-    return xr.Variable(dims, array, {"units": channel.unit, "long_name": channel.long_name})
+    return array if isinstance(array, xr.Variable) else xr.Variable(dims, array, channel.attributes)
 
 
 def with_derived(channels: Mapping[str, ArrayLike], wheels: ArrayLike = WHEELS) -> dict[str, ArrayLike]:

@@ -43,6 +43,8 @@ _REASONS = {
     errno.ENOTDIR: "a part of this path is a file, not a directory",
     errno.EEXIST: "a part of this path is a file, not a directory",
 }
+LARGE = 16_000_000
+"""Bytes of samples and of channels that are kept in memory at most; more are in a file."""
 _ROWS = 1000
 """Rows of a table that stand in memory as text at once."""
 
@@ -104,7 +106,7 @@ def write_atomically(path: str | Path, content: bytes | Iterable[bytes]) -> Path
 
 
 LEFT_OVER = re.compile(r"\..+\.(csv|json|nc|png|toml)\.[0-9a-z_]{8}\.part")
-"""Names that `write_atomically` and `sealed` give to what they have not finished."""
+"""Names that `write_atomically` and `wrsim.results.netcdf` give to what they have not finished."""
 
 
 def sweep(folder: Path) -> None:

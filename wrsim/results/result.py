@@ -11,8 +11,8 @@ import xarray as xr
 from wrsim.errors import InputError
 from wrsim.register import resolved
 from wrsim.results.dataset import FORMAT, FORMAT_VERSION
+from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.schema import fault_of_result
-from wrsim.results.sealed import read_sealed, write_sealed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,7 +26,7 @@ class Result:
     """What an analysis computed, with everything needed to redraw and to rerun it.
 
     A stopped run holds what was computed until it stopped. The numbers of a long run stay on disk
-    (`wrsim.results.room`) and are read as they are asked for; ``dataset.load()`` brings them all into memory.
+    (`wrsim.results.netcdf`) and are read as they are asked for; ``dataset.load()`` brings them all into memory.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ class Result:
         WrsimError
             When the disk is full or the place cannot be written to.
         """
-        return write_sealed(path, self.dataset)
+        return write_netcdf(path, self.dataset)
 
     @classmethod
     def load(cls, path: str | Path) -> Result:
@@ -245,7 +245,7 @@ class Result:
         path = Path(path)
         if path.is_dir():
             path = path / "result.nc"
-        dataset = _without_encoding(read_sealed(path, "result"))
+        dataset = _without_encoding(read_netcdf(path, "result"))
         attributes = dataset.attrs
         if attributes.get("format") != FORMAT:
             raise InputError(f"{path}: a NetCDF file, but not a wrsim result")

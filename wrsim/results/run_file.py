@@ -4,8 +4,9 @@ A process may die at any byte. Every record carries its length and a checksum, s
 whole and sees nothing of a torn one; who continues the run cuts the torn one off. What a record means is for its
 writer to say (``wrsim.simulation.recorder``).
 
-Layout, little-endian: the signature; then for each record its kind (4 bytes), the length of its content (uint64), the
-CRC-32 of kind and content (uint32), the content. The first record is the header, a JSON object.
+Layout, little-endian: the signature; then for each record the length of its content (uint64), the CRC-32 of the
+content (uint32), the content: a JSON object on one line, and behind it numbers (float64). The first record is the
+header.
 
 Data reach the operating system at every record, which is what the death of a process asks for. They reach the disk
 when the system sees fit: after a power failure the file ends earlier, at a whole record all the same.
@@ -18,113 +19,111 @@ import json
 import os
 import struct
 import zlib
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Generator
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Annotated, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import open_plain
-from wrsim.results.files import fcntl, from_json, lock, open_no_link, plain_disk_errors
+from wrsim.results.files import fcntl, lock, open_no_link, plain_disk_errors
 
-SIGNATURE = b"wrsim run\r\n\x1a\x02\x00\x00\x00"
+SIGNATURE = b"wrsim run\r\n\x1a\x03\x00\x00\x00"
 """Last four bytes: version of the layout."""
-
 _NAMED = 12
 """Bytes of the signature before the version."""
+FRAME = struct.Struct("<QI")
 
-_CHUNK = 1 << 30
-"""Bytes read at once; systems give at most 2 GiB."""
 
-HEADER = b"HEAD"
-_FRAME = struct.Struct("<4sQI")
+class _Known(BaseModel):
+    """Entries of a header, and what they may be."""
 
-_TEXTS = ("title", "analysis", "scenario_text", "numbers", "code", "integrator")
-_TEXTS_BY_NAME = ("files", "inputs")
-_LIMITS = {"size": (1, 10**6), "step_s": (1e-9, 1e3), "start_s": (-1e9, 1e9)}
+    model_config = ConfigDict(strict=True, extra="allow", allow_inf_nan=False)
+
+    title: str = ""
+    analysis: str = ""
+    scenario_text: str = ""
+    folders: Annotated[list[str], Field(min_length=1)] = []
+    files: dict[str, str] = {}
+    numbers: str = ""
+    inputs: dict[str, str] = {}
+    code: str = ""
+    wrsim_version: str = ""
+    python_version: str = ""
+    numpy_version: str = ""
+    numba_version: str = ""
+    exudyn_version: str = ""
+    scipy_version: str = ""
+    integrator: str = ""
+    size: Annotated[int, Field(ge=1, le=10**6)] = 1
+    step_s: Annotated[float, Field(ge=1e-9, le=1e3)] = 1.0
+    start_s: Annotated[float, Field(ge=-1e9, le=1e9)] = 0.0
 
 
 class Header(dict[str, Any]):
     """What a run file says of its run. Asking for what it lacks raises ``InputError``."""
 
-    def __init__(self, path: Path, content: bytes) -> None:
+    def __init__(self, path: Path, about: bytes) -> None:
         """Raises ``InputError`` for what is none, or holds values of another kind than runs write."""
         self.path = path
-        found = from_json(content)
-        if found is None:
-            raise InputError(f"{path}: its header is no JSON object; run the scenario again")
-        super().__init__(found)
-        for name, value in self.items():
-            if wanted := _unlike(name, value):
-                told = repr(value)[:40]
-                raise InputError(f"{path}: {name} in its header is {told}; must be {wanted}; run the scenario again")
+        try:
+            super().__init__(_Known.model_validate_json(about).model_dump(exclude_unset=True))
+        except ValidationError as problem:
+            first = problem.errors()[0]
+            place = f"{first['loc'][0]!s:.40} in its header is {first['input']!r:.40}" if first["loc"] else "its header"
+            raise InputError(f"{path}: {place}: {first['msg'].lower():.100}; run the scenario again") from None
 
     def __missing__(self, name: str) -> Any:
         raise InputError(f"{self.path}: its header has no {name}; run the scenario again")
 
 
-def _unlike(name: str, value: Any) -> str:
-    """What a value of the header would have to be; empty if it is."""
-    if name in _TEXTS or name.endswith("_version"):
-        return "" if isinstance(value, str) else "a text"
-    if name in _TEXTS_BY_NAME:
-        fits = isinstance(value, dict) and all(isinstance(own, str) for own in value.values())
-        return "" if fits else "texts by name"
-    if name == "folders":
-        texts = isinstance(value, list) and all(isinstance(own, str) and "\0" not in own for own in value)
-        return "" if texts and value else "a list of folders"
-    if name in _LIMITS:
-        (low, high), kind = _LIMITS[name], int if name == "size" else int | float
-        fits = isinstance(value, kind) and not isinstance(value, bool) and low <= value <= high
-        return "" if fits else f"a{' whole' if kind is int else ''} number from {low:g} to {high:g}"
-    return ""
+class Record(NamedTuple):
+    """What a record says (JSON) and holds, and the place in the file behind it."""
 
-
-@dataclass(frozen=True)
-class Record:
-    """Kind, content, and the place in the file behind it."""
-
-    kind: bytes
-    content: bytes
+    about: bytes
+    numbers: NDArray[np.float64]
     end: int
 
 
 class RunFile:
-    """A run file open for appending, locked against a second run. Close it, or use it in a ``with``."""
+    """A run file open for appending, locked against a second run."""
 
-    def __init__(self, path: Path, stream: IO[bytes]) -> None:
-        self.path = path
-        self._stream = stream
+    def __init__(self, path: str | Path) -> None:
+        """Open a file to go on with, or a new one; ``cut`` says where. Nobody else can write to it from now on.
 
-    @classmethod
-    def create(cls, path: str | Path, header: dict[str, Any]) -> RunFile:
-        """Start a file; an older one of that name is replaced, unless a run is writing to it (``InputError``)."""
-        path = Path(path)
+        Raises ``InputError`` for a file that is none of a run, and for one that a run is writing to.
+        """
+        self.path = path = Path(path)
         with plain_disk_errors(path):
             path.parent.mkdir(parents=True, exist_ok=True)
-            file = cls(path, _locked(path))
-            file.cut(0)
-            file._write(SIGNATURE)
-        file.append(HEADER, json.dumps(header, ensure_ascii=False).encode())
-        return file
+            self._stream: IO[bytes] = open_no_link(path, os.O_RDWR | os.O_CREAT)
+        fault = ""
+        if not lock(self._stream):
+            fault = "another run is writing to it; choose another directory with -o"
+        elif not SIGNATURE.startswith(self._stream.read(len(SIGNATURE))[:_NAMED]):
+            fault = "not the file of a run of wrsim; move it away, or choose another directory with -o"
+        if fault:
+            self.close()
+            raise InputError(f"{path}: {fault}")
 
-    @classmethod
-    def opened(cls, path: str | Path) -> RunFile:
-        """Open a file to go on with; ``cut`` says where. Nobody else can write to it from now on."""
-        path = Path(path)
-        with plain_disk_errors(path):
-            return cls(path, _locked(path))
+    def begin(self, header: dict[str, Any]) -> None:
+        """Start anew; whatever the file held is gone."""
+        self.cut(0)
+        with plain_disk_errors(self.path):
+            self._write(SIGNATURE)
+        self.append(header)
 
-    def append(self, kind: bytes, *parts: bytes) -> None:
+    def append(self, about: dict[str, Any], *numbers: NDArray[np.float64]) -> None:
         """Write one record. Raises ``WrsimError`` when the disk is full; what was written before stays readable."""
-        checksum = zlib.crc32(kind)
-        for part in parts:
-            checksum = zlib.crc32(part, checksum)
-        size = sum(len(part) for part in parts)
-        with plain_disk_errors(self.path, size):
+        head = json.dumps(about, ensure_ascii=False).encode() + b"\n"
+        content = b"".join((head, *(np.asarray(part, dtype="<f8").tobytes() for part in numbers)))
+        with plain_disk_errors(self.path, len(content)):
             begin = self._stream.tell()
             try:
-                self._write(b"".join((_FRAME.pack(kind, size, checksum), *parts)))
+                self._write(FRAME.pack(len(content), zlib.crc32(content)) + content)
             except BaseException:  # Ctrl-C as well: later records must not stand behind a torn one
                 with contextlib.suppress(OSError):
                     self.cut(begin)
@@ -137,36 +136,17 @@ class RunFile:
             rest = rest[self._stream.write(rest) :]
 
     def cut(self, end: int) -> None:
-        """Throw away what stands behind ``end``."""
+        """Throw away what is behind ``end``."""
         self._stream.truncate(end)
         self._stream.seek(end)
 
-    def read(self) -> tuple[dict[str, Any], Iterator[Record]]:
-        """Header and records written so far, also when the file has lost its name (a folder that was deleted)."""
-        return _header_and_records(self.path, self._stream.fileno())
+    def records(self) -> Generator[Record]:
+        """Records written so far, also when the file has lost its name (a folder that was deleted)."""
+        return _records(self.path, self._stream.fileno())
 
     def close(self) -> None:
-        """Close the file and let go of its lock."""
+        """Close the file and release its lock."""
         self._stream.close()
-
-    def __enter__(self) -> RunFile:
-        return self
-
-    def __exit__(self, *of: object) -> None:
-        self.close()
-
-
-def _locked(path: Path) -> IO[bytes]:
-    """The file, unbuffered and locked; it is made where it does not exist. Raises ``InputError`` for any other file."""
-    stream = open_no_link(path, os.O_RDWR | os.O_CREAT)
-    if not lock(stream):
-        stream.close()
-        raise InputError(f"{path}: another run is writing to it; choose another directory with -o")
-    begin = stream.read(len(SIGNATURE))
-    if begin[:_NAMED] != SIGNATURE[: min(len(begin), _NAMED)]:
-        stream.close()
-        raise InputError(f"{path}: not the file of a run of wrsim; move it away, or choose another directory with -o")
-    return stream
 
 
 def is_running(path: str | Path) -> bool:
@@ -181,57 +161,48 @@ def is_running(path: str | Path) -> bool:
     return False
 
 
-@contextlib.contextmanager
-def opened_run_file(path: str | Path) -> Iterator[tuple[dict[str, Any], Iterator[Record]]]:
-    """Header and whole records of a run file, in their order, read one by one; what is torn or damaged ends them.
+def records_of(path: str | Path) -> Generator[Record]:
+    """Whole records of a run file, the header first, read one by one; what is torn or damaged ends them.
 
     Raises ``InputError`` when the file is missing, is none of ours, or does not even hold a whole header.
     """
     path = Path(path)
     try:
-        stream = open(open_plain(path, "file of a run"), "rb")  # noqa: SIM115 - a fault while the records are used is not one of opening
+        file = open_plain(path, "file of a run")
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file of a run") from None
     except OSError as problem:
         raise InputError(f"{path}: cannot be read: {(problem.strerror or str(problem)).lower()}") from problem
-    with stream:
-        yield _header_and_records(path, stream.fileno())
+    try:
+        yield from _records(path, file)
+    finally:
+        os.close(file)
 
 
-def _header_and_records(path: Path, file: int) -> tuple[dict[str, Any], Iterator[Record]]:
-    """See `opened_run_file`; file: its descriptor."""
-    begin = _read(file, len(SIGNATURE), 0)
-    if begin[:_NAMED] != SIGNATURE[:_NAMED]:
-        if SIGNATURE.startswith(begin):
-            raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
-        raise InputError(f"{path}: not the file of a run of wrsim")
-    if begin[_NAMED:] != SIGNATURE[_NAMED:]:
-        raise InputError(f"{path}: written by another version of wrsim, in a layout that this one does not read")
-    records = _whole_records(file)
-    first = next(records, None)
-    if first is None or first.kind != HEADER:
-        raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
-    return Header(path, first.content), records
+def header_of(path: Path) -> Header:
+    """What a run file says of its run. Raises ``InputError`` as ``records_of`` does."""
+    with contextlib.closing(records_of(path)) as records:
+        return Header(path, next(records).about)
 
 
-def _read(file: int, size: int, place: int) -> bytes:
-    """So many bytes of a file from a place on, or what there is of them."""
-    parts = []
-    while size > 0 and (part := os.pread(file, min(size, _CHUNK), place)):
-        parts.append(part)
-        size, place = size - len(part), place + len(part)
-    return b"".join(parts)
-
-
-def _whole_records(file: int) -> Iterator[Record]:
+def _records(path: Path, file: int) -> Generator[Record]:
+    """See `records_of`; file: its descriptor."""
+    begin = os.pread(file, len(SIGNATURE), 0)
+    cut_off = f"{path}: the run was cut off before its start; run the scenario again"
+    if begin != SIGNATURE:
+        if begin[:_NAMED] == SIGNATURE[:_NAMED] and len(begin) == len(SIGNATURE):
+            raise InputError(f"{path}: written by another version of wrsim, in a layout that this one does not read")
+        raise InputError(cut_off if SIGNATURE.startswith(begin) else f"{path}: not the file of a run of wrsim")
     place, length = len(SIGNATURE), os.fstat(file).st_size
-    while place + _FRAME.size <= length:
-        kind, size, checksum = _FRAME.unpack(_read(file, _FRAME.size, place))
-        start = place + _FRAME.size
-        if size > length - start:
+    while len(frame := os.pread(file, FRAME.size, place)) == FRAME.size:
+        size, checksum = FRAME.unpack(frame)
+        content = os.pread(file, size, place + FRAME.size) if size <= length - place else b""
+        if not content or len(content) < size or zlib.crc32(content) != checksum:
             break
-        content = _read(file, size, start)
-        if len(content) < size or zlib.crc32(content, zlib.crc32(kind)) != checksum:
-            break
-        place = start + size
-        yield Record(kind, content, place)
+        place += FRAME.size + size
+        about, _, numbers = content.partition(b"\n")
+        if len(numbers) % 8:
+            raise InputError(f"{path}: holds a record that no run writes ({about!r:.40}); run the scenario again")
+        yield Record(about, np.frombuffer(numbers, dtype="<f8"), place)
+    if place == len(SIGNATURE):
+        raise InputError(cut_off)

@@ -14,20 +14,22 @@ complete, and whatever survives a call of the law or the monitor is kept if they
 
 from __future__ import annotations
 
-import struct
+import tempfile
 import time
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from os import W_OK, access
 from pathlib import Path
-from typing import Any, Literal, Protocol, get_args, runtime_checkable
+from typing import Annotated, Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, TypeAdapter, ValidationError
 
 from wrsim.errors import InputError
-from wrsim.results.files import plain_disk_errors
-from wrsim.results.room import below_each_other
-from wrsim.results.run_file import Record, RunFile, opened_run_file
+from wrsim.results.files import LARGE, plain_disk_errors
+from wrsim.results.run_file import Header, Record, RunFile, header_of, records_of
 
 Array = NDArray[np.float64]
 Cause = Literal["", "monitor", "interrupt", "not-finite", "forces", "cut-off"]
@@ -37,9 +39,6 @@ FLUSH_INTERVAL = 0.5
 
 BLOCK = 256
 """Samples that wait in memory for the next flush, at most."""
-
-_FLUSH, _STOP, _END = b"FLSH", b"STOP", b"END."
-_COUNTS = struct.Struct("<qqq")  # step of the checkpoint (-1: there is none), rows, length of the memory
 
 
 @runtime_checkable
@@ -158,7 +157,9 @@ class FileRecorder(Recorder):
     @classmethod
     def create(cls, path: str | Path, header: dict[str, Any], size: int) -> FileRecorder:
         """Start the file of a new run; header: what the reader needs to know of it."""
-        return cls(RunFile.create(path, header | {"size": size}), size)
+        file = RunFile(path)
+        file.begin(header | {"size": size})
+        return cls(file, size)
 
     @classmethod
     def continued(cls, path: str | Path) -> FileRecorder:
@@ -166,11 +167,10 @@ class FileRecorder(Recorder):
 
         A run that the user has interrupted goes on. Raises ``InputError`` when there is nothing to go on from.
         """
-        with opened_run_file(path):  # a file that is not there, or none of a run's, is told as for reading
-            pass
-        file = RunFile.opened(path)
+        header_of(Path(path))  # a file that is not there, or none of a run's, is refused as for reading
+        file = RunFile(path)
         try:  # read while nobody else can write
-            recorded = Recording.of(Path(path), *file.read())
+            recorded = Recording.of(file.path, file.records())
             over = recorded.ending is not None and recorded.ending.cause != "interrupt"
             if recorded.checkpoint is None:
                 raise InputError(f"{path}: the run was cut off before its start; run the scenario again")
@@ -189,31 +189,40 @@ class FileRecorder(Recorder):
 
     def flush(self, checkpoint: Checkpoint | None, goes_on: bool = True) -> None:
         """Write the waiting rows and the checkpoint as one record."""
-        rows = self._block[: self._used].tobytes()
-        if checkpoint is None:
-            if self._used:
-                self._file.append(_FLUSH, _COUNTS.pack(-1, self._used, 0), rows)
-        else:
-            counts = _COUNTS.pack(checkpoint.step, self._used, len(checkpoint.memory))
-            state = (checkpoint.q, checkpoint.q_t, checkpoint.memory)
-            kind = _FLUSH if goes_on else _STOP
-            self._file.append(kind, counts, rows, *(np.asarray(a, dtype=float).tobytes() for a in state))
+        rows, self._flushed = self._block[: self._used], time.perf_counter()
+        if checkpoint is not None:
+            about = {"rows": self._used, "step": checkpoint.step, "goes_on": goes_on}
+            self._file.append(about, rows, checkpoint.q, checkpoint.q_t, checkpoint.memory)
+        elif self._used:
+            self._file.append({"rows": self._used}, rows)
         self._used = 0
-        self._flushed = time.perf_counter()
 
     def end(self, ending: Ending) -> None:
         """See ``Recorder``."""
         self.flush(None)
-        self._file.append(_END, ending.cause.encode() + b"\0" + ending.reason.encode())
+        self._file.append(asdict(ending))
 
     def rows(self) -> Array:
         """See ``Recorder``."""
         self.flush(None)
-        return Recording.of(self._file.path, *self._file.read()).rows
+        return Recording.of(self._file.path, self._file.records()).rows
 
     def close(self) -> None:
         """Close the file; it stays."""
         self._file.close()
+
+
+@dataclass(frozen=True)
+class _Flush:
+    """What a record of samples says: how many rows it begins with, the step of the checkpoint behind them if there is
+    one, and whether a run may go on from that."""
+
+    rows: Annotated[int, Field(ge=0)]
+    step: Annotated[int, Field(ge=0, lt=2**53)] | None = None
+    goes_on: bool = False
+
+
+_ABOUT: TypeAdapter[_Flush | Ending] = TypeAdapter(_Flush | Ending)
 
 
 @dataclass(frozen=True)
@@ -236,65 +245,67 @@ class Recording:
     @classmethod
     def read(cls, path: str | Path) -> Recording:
         """Read a file as far as it is whole. Raises ``InputError`` when there is no such file, or none of a run."""
-        with opened_run_file(path) as (header, records):
-            return cls.of(Path(path), header, records)
+        with closing(records_of(path)) as records:
+            return cls.of(Path(path), records)
 
     @classmethod
-    def of(cls, path: Path, header: dict[str, Any], records: Iterable[Record]) -> Recording:
-        """From the header and the records of a file."""
+    def of(cls, path: Path, records: Iterator[Record]) -> Recording:
+        """From the records of a file. Many rows are mapped from a file without a name."""
+        header = Header(path, next(records).about)
         size = header["size"]
         width = 1 + 2 * size
         checkpoint: Checkpoint | None = None
         last: Checkpoint | None = None
         ending: Ending | None = None
-        checkpoint_end, end = 0, 0
-
-        def blocks() -> Iterator[Array]:
-            nonlocal checkpoint, checkpoint_end, last, ending, end
-            time = -np.inf
+        checkpoint_end, end, time = 0, 0, -np.inf
+        folder = str(path.parent) if access(path.parent, W_OK) else None
+        with plain_disk_errors(path), tempfile.SpooledTemporaryFile(LARGE, dir=folder) as spool:
             for record in records:
-                end = record.end
-                if record.kind == _END:
-                    cause, _, reason = record.content.decode(errors="replace").partition("\0")
-                    if cause not in get_args(Cause):
-                        raise InputError(
-                            f"{path}: ends with {cause!r:.40}; must be one of {', '.join(get_args(Cause)[1:])}"
-                        )
-                    ending = Ending(cause, reason)  # type: ignore[arg-type]
+                about, end = _about(path, record, width), record.end
+                if isinstance(about, Ending):
+                    ending = about
                     continue
-                step, count, memory = _counts(path, record, size)
-                values = np.frombuffer(record.content, dtype="<f8", offset=_COUNTS.size)
-                samples = values[: count * width].reshape(count, width).copy()  # without its checkpoint
-                times = np.append(time, samples[:, 0])
-                state = values[count * width : len(values) - memory]
-                if not (np.isfinite(samples).all() and np.isfinite(state).all() and (np.diff(times) > 0.0).all()):
+                rows, state = np.split(record.numbers, [about.rows * width])
+                times = np.append(time, rows[::width])
+                finite = np.isfinite(rows).all() and np.isfinite(state[: 2 * size]).all()
+                if not (finite and (np.diff(times) > 0.0).all()):
                     raise InputError(
                         f"{path}: holds samples that are not finite or do not follow each other in time; "
                         "run the scenario again"
                     )
                 time = times[-1]
-                yield samples
-                if step >= 0:
-                    q, q_t, kept = np.split(values[count * width :], [size, 2 * size])
-                    last = Checkpoint(step, q.copy(), q_t.copy(), kept.copy())
-                    if record.kind == _FLUSH:
+                spool.write(rows.tobytes())
+                if about.step is not None:
+                    last = Checkpoint(about.step, *(part.copy() for part in np.split(state, [size, 2 * size])))
+                    if about.goes_on:
                         checkpoint, checkpoint_end = last, end
-
-        with plain_disk_errors(path):
-            rows = below_each_other(blocks(), width, path.parent)
-        return cls(header, size, rows, checkpoint, checkpoint_end, last, ending, end)
+            all_rows = _array_of(spool).reshape(-1, width)
+        return cls(header, size, all_rows, checkpoint, checkpoint_end, last, ending, end)
 
 
-def _counts(path: Path, record: Record, size: int) -> tuple[int, int, int]:
-    """Step, rows and length of the memory of a record, which go with the length that it has."""
-    if record.kind in (_FLUSH, _STOP) and len(record.content) >= _COUNTS.size:
-        step, count, memory = _COUNTS.unpack_from(record.content)
-        state = 2 * size + memory if step >= 0 else 0
-        numbers = count * (1 + 2 * size) + state
-        if count >= 0 and memory >= 0 and len(record.content) == _COUNTS.size + 8 * numbers and step < 2**53:
-            return step, count, memory
+def _about(path: Path, record: Record, width: int) -> _Flush | Ending:
+    """What a record says, which goes with the numbers that it holds."""
+    count = record.numbers.size
+    try:
+        about = _ABOUT.validate_json(record.about, strict=True)
+    except ValidationError:
         raise InputError(
-            f"{path}: a record of {len(record.content)} bytes says that it holds {count} samples and {memory} numbers "
-            "beside them; run the scenario again"
-        )
-    raise InputError(f"{path}: holds a record that no run writes ({record.kind!r:.20}); run the scenario again")
+            f"{path}: holds a record that no run writes ({record.about!r:.60}); run the scenario again"
+        ) from None
+    if isinstance(about, Ending):
+        fits = count == 0
+    else:
+        beside = count - about.rows * width
+        fits = beside == 0 if about.step is None else beside >= width - 1
+    if not fits:
+        raise InputError(f"{path}: a record of {count} numbers says {record.about!r:.60}; run the scenario again")
+    return about
+
+
+def _array_of(spool: tempfile.SpooledTemporaryFile[bytes]) -> Array:
+    """All numbers of a file; many are mapped from it."""
+    if spool.tell() > LARGE:
+        spool.flush()
+        return np.memmap(spool, np.float64, "c")  # type: ignore[call-overload]  # "c": kernels take arrays to write to
+    spool.seek(0)
+    return np.frombuffer(bytearray(spool.read()))

@@ -16,9 +16,9 @@ from wrsim.results import write_atomically
 from wrsim.results.channels import Kind
 from wrsim.results.dataset import versions
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.rows import Row
 from wrsim.results.schema import faults_of_attributes, faults_of_variable
-from wrsim.results.sealed import read_sealed, write_sealed
 from wrsim.results.table import Column, Table, with_unit
 from wrsim.study.axes import Points
 from wrsim.study.plan import Plan, in_words
@@ -139,7 +139,7 @@ def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) ->
     folder = Path(plan.folder)
     dataset = collected(plan, markers)
     files = [
-        write_sealed(folder / NUMBERS, dataset),
+        write_netcdf(folder / NUMBERS, dataset),
         write_atomically(folder / "study.csv", as_csv(rows_of_cases(plan, markers))),
         write_atomically(folder / "times.csv", as_csv(times_of_cases(plan, markers))),
         write_atomically(folder / "study.json", as_json(report_of(plan, markers))),
@@ -154,7 +154,7 @@ def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) ->
 def read_study(path: Path) -> xr.Dataset:
     """The dataset of a study, from its folder or its ``study.nc``. Raises InputError for anything else."""
     file = path / NUMBERS if path.is_dir() else path
-    dataset = read_sealed(file, "study")
+    dataset = read_netcdf(file, "study")
     if dataset.attrs.get("format") != FORMAT:
         raise InputError(f"{file}: a wrsim file, but no study")
     for fault in _faults(dataset):

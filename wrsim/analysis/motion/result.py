@@ -31,7 +31,7 @@ from wrsim.contact.wear.losses import ZONES, Losses, ways
 from wrsim.errors import SimulationError
 from wrsim.results import Result, assemble
 from wrsim.results.dataset import typed, with_derived
-from wrsim.results.room import Channels, let_go
+from wrsim.results.netcdf import Channels
 from wrsim.simulation.placement import TrackPoses, poses_as_far
 from wrsim.vehicle.bogies import bogie_mass, level_of
 
@@ -79,9 +79,8 @@ def result_of(
         block = slice(begin, min(begin + BLOCK, n))
         found = with_derived(_block(setup, law, motion, poses, places, bodies, block, losses))
         kept.put(block, {name: typed(name, values) for name, values in found.items()})
-        let_go(motion.q)
     law.follow(False)
-    channels: dict[str, Any] = dict(kept.arrays)
+    channels: dict[str, Any] = dict(kept.filled())
     channels["distance"] = reference = np.asarray(channels["distance"])
     if law.driven:
         from scipy.integrate import cumulative_trapezoid  # some 40 ms to import, for drives alone

@@ -17,8 +17,8 @@ from wrsim.geometry.profile.profile import Profile
 from wrsim.results import write_atomically
 from wrsim.results.dataset import versions
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.netcdf import write_netcdf
 from wrsim.results.render import as_rows
-from wrsim.results.sealed import write_sealed
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.study.service.record import COLUMNS, FORMAT, NUMBERS, report_of, table_of
 from wrsim.study.service.service import Service
@@ -107,7 +107,7 @@ def write_history(
     """Write the history, the worn wheel as a model file, and pictures into the folder of a service."""
     dataset = history(service, steps)
     files = [
-        write_sealed(directory / NUMBERS, dataset),
+        write_netcdf(directory / NUMBERS, dataset),
         write_atomically(directory / TABLE, as_csv(as_rows(table_of(dataset)))),
         write_atomically(directory / REPORT, as_json(report_of(dataset))),
     ]

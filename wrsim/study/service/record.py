@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from wrsim.errors import InputError
+from wrsim.results.netcdf import read_netcdf
 from wrsim.results.render import as_records
 from wrsim.results.schema import faults_of_attributes, faults_of_variable
-from wrsim.results.sealed import read_sealed
 from wrsim.results.table import Column, Table
 
 NUMBERS = "wear.nc"
@@ -40,7 +40,7 @@ def is_service(path: Path) -> bool:
 def read_record(path: Path) -> xr.Dataset:
     """The dataset of a service, from its folder or its ``wear.nc``. Raises InputError for anything else."""
     file = path / NUMBERS if path.is_dir() else path
-    dataset = read_sealed(file, "service")
+    dataset = read_netcdf(file, "service")
     if dataset.attrs.get("format") != FORMAT:
         raise InputError(f"{file}: a wrsim file, but no service")
     for fault in _faults(dataset):

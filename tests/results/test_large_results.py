@@ -15,9 +15,10 @@ from wrsim.analysis.motion import result as motion_result
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.run import recorded_run
-from wrsim.results import Result, room, sealed, write_run
+from wrsim.results import Result, netcdf, write_run
 from wrsim.results.tables import write_table
 from wrsim.scenario.build import Setup
+from wrsim.simulation import recorder
 from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import Motion, integrate, recorded_motion
 from wrsim.simulation.recorder import FileRecorder
@@ -25,9 +26,9 @@ from wrsim.simulation.system import System
 
 
 def at_most(monkeypatch: pytest.MonkeyPatch, size: int) -> None:
-    """So many bytes may stand in memory; files are written and read in larger pieces."""
-    monkeypatch.setattr(room, "LARGE", size)
-    monkeypatch.setattr(sealed, "LARGE", max(size, 200_000))
+    """So many bytes may stand in memory."""
+    monkeypatch.setattr(netcdf, "LARGE", size)
+    monkeypatch.setattr(recorder, "LARGE", size)
 
 
 @pytest.fixture(scope="module")
@@ -41,11 +42,11 @@ def record(setup: Setup, tmp_path: Path) -> Path:
     law = force_law(setup)
     q, q_t = design_state(law, lateral=1e-3)
     path = tmp_path / "result.nc.part"
-    recorder = FileRecorder.create(path, {"step_s": 1e-3, "start_s": 0.0, "integrator": "generalised-alpha"}, law.size)
+    file = FileRecorder.create(path, {"step_s": 1e-3, "start_s": 0.0, "integrator": "generalised-alpha"}, law.size)
     system = System(law.bodies, law, law.dampers)
     monitor = Monitor(law, 20.0, system.work)
-    integrate(system, q, q_t, duration=0.1, step=1e-3, recorder=recorder, monitor=monitor)
-    recorder.close()
+    integrate(system, q, q_t, duration=0.1, step=1e-3, recorder=file, monitor=monitor)
+    file.close()
     return path
 
 

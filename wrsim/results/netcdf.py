@@ -1,6 +1,7 @@
-"""NetCDF files with a seal: a checksum of every byte stands behind the HDF5 data, where other readers do not look.
+"""NetCDF files with a checksum of every byte behind the HDF5 data, where other readers do not look.
 
-Nothing is read from a file whose seal is missing or broken: the library can read damage without end.
+Nothing is read from a file whose checksum is missing or wrong: the library can read damage without end. Many numbers
+stay in their file until they are asked for, so the memory that a run needs does not grow with its length.
 """
 
 from __future__ import annotations
@@ -12,25 +13,27 @@ import shutil
 import sys
 import tempfile
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
+import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 from xarray.conventions import encode_dataset_coordinates
 
 from wrsim.errors import InputError
 from wrsim.inputs.toml_files import open_plain
-from wrsim.results.files import plain_disk_errors, write_atomically
-from wrsim.results.room import LARGE
+from wrsim.results.channels import CHANNELS
+from wrsim.results.files import LARGE, plain_disk_errors, write_atomically
 
 if TYPE_CHECKING:
     import netCDF4
 
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _CHECKED = b"wrsim CRC-32"
-"""Stands before the checksum of all that comes before."""
+"""Bytes before the checksum of all that comes before."""
 _PIECE = 1 << 20
 """Bytes of a file that are read at once."""
 PACKED = 250
@@ -38,7 +41,7 @@ PACKED = 250
 distance changes by 150 with four wheelsets; holes and blocks of zeros without end, or by 1030."""
 
 
-def write_sealed(path: str | Path, dataset: xr.Dataset) -> Path:
+def write_netcdf(path: str | Path, dataset: xr.Dataset) -> Path:
     """Write a dataset as NetCDF 4; the file appears whole or not at all.
 
     Raises WrsimError when the disk is full or the place cannot be written to.
@@ -53,8 +56,8 @@ def write_sealed(path: str | Path, dataset: xr.Dataset) -> Path:
             return write_atomically(path, _sealed(iter(lambda: stream.read(_PIECE), b"")))
 
 
-def read_sealed(path: Path, what: str) -> xr.Dataset:
-    """The dataset in a file that `write_sealed` wrote; what: it should be, in words for errors.
+def read_netcdf(path: Path, what: str) -> xr.Dataset:
+    """The dataset in a file that `write_netcdf` wrote; what: it should be, in words for errors.
 
     Many numbers stay in the file until they are asked for. Raises InputError when it is missing, damaged or not ours.
     """
@@ -78,6 +81,51 @@ def read_sealed(path: Path, what: str) -> xr.Dataset:
     if opened is None:
         raise InputError(f"{path}: the file is damaged or incomplete; {again}")
     return opened
+
+
+class Channels:
+    """Channels of n samples of a run, filled block by block; many are kept in a file of ``folder``, if there is one."""
+
+    def __init__(self, n: int, folder: Path | None) -> None:
+        self.n, self.folder = n, folder
+        self._arrays: dict[str, Any] = {}
+        self._file: netCDF4.Dataset | None = None
+
+    def put(self, block: slice, values: Mapping[str, NDArray[Any]]) -> None:
+        """Channels of the samples of a block; the first one says which channels there are."""
+        if not self._arrays:
+            self._make({name: ((self.n, *own.shape[1:]), own.dtype) for name, own in values.items()})
+        for name, own in values.items():
+            self._arrays[name][block] = own
+
+    def _make(self, layout: Mapping[str, tuple[tuple[int, ...], np.dtype[Any]]]) -> None:
+        size = sum(kind.itemsize * int(np.prod(shape)) for shape, kind in layout.values())
+        folder = self.folder
+        if folder is None or size <= LARGE or not os.access(folder, os.W_OK) or shutil.disk_usage(folder).free < size:
+            self._arrays = {name: np.zeros(shape, kind) for name, (shape, kind) in layout.items()}
+            return
+        import netCDF4
+
+        self._name = tempfile.NamedTemporaryFile(prefix=".result.nc.", suffix=".part", dir=folder)  # noqa: SIM115
+        self._file = netCDF4.Dataset(self._name.name, "w")
+        self._file.set_fill_off()
+        for name, (shape, kind) in layout.items():
+            dims = CHANNELS[name].dims_in("time")
+            for dim, count in zip(dims, shape, strict=True):
+                if dim not in self._file.dimensions:
+                    self._file.createDimension(dim, count)
+            self._arrays[name] = own = self._file.createVariable(name, kind, dims)
+            own.setncatts(CHANNELS[name].attributes)
+            own.set_auto_maskandscale(False)
+
+    def filled(self) -> dict[str, Any]:
+        """All channels: arrays, or variables of a file whose name is gone, so that it goes with this process."""
+        if self._file is None:
+            return self._arrays
+        self._file.close()
+        with self._name:
+            opened = xr.open_dataset(self._name.name, engine="netcdf4", decode_cf=False, cache=False)
+            return {str(name): own for name, own in opened.variables.items()}
 
 
 def _as_file(dataset: xr.Dataset) -> bytes:
