@@ -20,7 +20,7 @@ from support.synthetic_result import curve_run, static_poses
 
 from wrsim.errors import InputError, WrsimError
 from wrsim.report.output_folder import read
-from wrsim.results import CHANNELS, Result, assemble, channel, sealed, summarise, tables, write_atomically, write_run
+from wrsim.results import CHANNELS, Result, assemble, channel, netcdf, summarise, tables, write_atomically, write_run
 from wrsim.results.files import as_csv
 from wrsim.results.ledger import Ledger
 from wrsim.results.netcdf import read_netcdf, write_netcdf
@@ -507,7 +507,7 @@ def test_unsolved_poses_are_counted():
 
 
 def test_a_large_file_keeps_labels_that_no_channel_has(tmp_path, monkeypatch):
-    monkeypatch.setattr(sealed, "LARGE", 500)
+    monkeypatch.setattr(netcdf, "LARGE", 500)
     coords = {"x": np.arange(50.0), "lonely": ("y", np.array(["p", "q"]))}
     channels = {name: ("x", i + np.arange(50.0)) for i, name in enumerate("abc")}
     dataset = xr.Dataset(channels, coords=coords, attrs={"title": "three groups"})

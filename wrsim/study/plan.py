@@ -18,6 +18,8 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check, fault_line, opened
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
@@ -103,15 +105,7 @@ def plan_in(folder: str, digest: str) -> Plan:
     content = (Path(folder) / PLAN).read_bytes()
     if digest_of(content) != digest:
         raise InputError(f"{folder}: the plan of the study has changed while it was running")
-    data = json.loads(content)
-    data["axes"] = tuple(Points(**_tuples(axis)) for axis in data["axes"])
-    data["cases"] = tuple(Case(**case | {"place": tuple(case["place"])}) for case in data["cases"])
-    return Plan(**data | {"folders": tuple(data["folders"]), "files": tuple(data["files"]), "folder": folder})
-
-
-def _tuples(axis: dict[str, Any]) -> dict[str, Any]:
-    listed = {"keys": tuple(tuple(group) for group in axis["keys"]), "values": tuple(tuple(v) for v in axis["values"])}
-    return axis | listed | {name: tuple(axis[name]) for name in ("places", "labels")}
+    return replace(TypeAdapter(Plan).validate_json(content), folder=folder)
 
 
 def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tuple[Plan, tuple[Path, ...]]:

@@ -15,11 +15,13 @@ import os
 import platform
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass, field, fields
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated
 
 import dask
+from pydantic import Field, TypeAdapter, ValidationError
 
 from wrsim import __version__
 from wrsim.analysis import run
@@ -28,7 +30,7 @@ from wrsim.errors import InputError, SimulationError, WrsimError
 from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import Result, write_atomically
-from wrsim.results.files import as_json, from_json
+from wrsim.results.files import as_json
 from wrsim.results.ledger import Ledger
 from wrsim.scenario.loading import Scenario
 from wrsim.study.outputs import Outputs, outputs_of
@@ -63,7 +65,7 @@ class Marker:
 
     name: str
     label: str
-    status: str
+    status: Annotated[str, Field(pattern=f"^({'|'.join(STATUSES)})$")]
     message: str
     numbers: dict[str, float | None] = field(default_factory=dict)
     units: dict[str, str] = field(default_factory=dict)
@@ -91,24 +93,14 @@ class Marker:
         self.message = self.message or "; ".join(found.faults)
 
 
+_MARKER = TypeAdapter(Marker)
+
+
 def read_marker(folder: Path) -> Marker | None:
     """The marker of a case; None where there is none."""
-    try:
-        marker = Marker(**(from_json(read_bytes(folder / MARKER, "marker")) or {}))
-    except (InputError, TypeError):
-        return None
-    return marker if _is_whole(marker) else None
-
-
-def _is_whole(marker: Marker) -> bool:
-    """True if everything in a marker is of the kind that is written."""
-    kinds = {"str": str, "float": int | float, "int": int, "bool": bool, "list[str]": list}
-    return (
-        all(isinstance(getattr(marker, f.name), kinds.get(str(f.type), dict)) for f in fields(marker))
-        and marker.status in STATUSES
-        and all(isinstance(text, str) for text in [*marker.units.values(), *marker.faults])
-        and all(number is None or isinstance(number, int | float) for number in marker.numbers.values())
-    )
+    with suppress(InputError, ValidationError):
+        return _MARKER.validate_json(read_bytes(folder / MARKER, "marker"), strict=True)
+    return None
 
 
 def write_marker(folder: Path, marker: Marker) -> None:

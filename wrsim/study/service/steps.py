@@ -24,16 +24,18 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from datetime import date
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError
 
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.models import write_depths
 from wrsim.geometry.profile.wear import on_unworn, smoothed_table
 from wrsim.inputs.toml_files import read_bytes, write_toml
 from wrsim.results import Result, write_atomically
-from wrsim.results.files import as_json, from_json
+from wrsim.results.files import as_json
 from wrsim.results.table import formatted, quantity
 from wrsim.study.engine import missing
 from wrsim.study.plan import Plan
@@ -57,12 +59,12 @@ class Step:
     by the end of the step, over the bins' widths [m]; service: digest."""
 
     number: int
-    start: float
-    way: float
-    deepest: float
-    tread: float
-    flange: float
-    areas: tuple[float, ...]
+    start: FiniteFloat
+    way: Annotated[FiniteFloat, Field(gt=0.0)]
+    deepest: FiniteFloat
+    tread: FiniteFloat
+    flange: FiniteFloat
+    areas: tuple[FiniteFloat, ...]
     service: str
 
     @property
@@ -89,14 +91,10 @@ def folder_of(directory: Path, number: int) -> Path:
 def read_step(service: Service, folder: Path) -> Step | None:
     """The step that was done in a folder; None where there is none. Raises InputError for one of another service."""
     try:
-        data = from_json(read_bytes(folder / STEP, "step")) or {}
-        step = Step(**data | {"areas": tuple(data["areas"])})
-        numbers = np.array([step.number, step.start, step.way, step.deepest, step.tread, step.flange, *step.areas])
-    except (InputError, ValueError, TypeError, KeyError):
+        step = TypeAdapter(Step).validate_json(read_bytes(folder / STEP, "step"), strict=True)
+    except (InputError, ValidationError):
         return None
-    if numbers.dtype.kind not in "fi" or len(step.areas) != service.places.size - 1:
-        return None
-    if not np.isfinite(numbers).all() or step.way <= 0.0:
+    if len(step.areas) != service.places.size - 1:
         return None
     if step.service != service.digest:
         raise InputError(
