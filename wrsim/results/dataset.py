@@ -1,9 +1,9 @@
-"""From plain arrays to the labelled dataset of a Result."""
+"""The labelled dataset of a Result: built from plain arrays, and checked against the register of channels."""
 
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from wrsim import __version__
 from wrsim.errors import InputError, suggest
 from wrsim.inputs.toml_files import parse_toml
-from wrsim.results.channels import CHANNELS, WHEELS, Channel
+from wrsim.register import ANALYSES
+from wrsim.results.channels import CHANNELS, WHEELS, Channel, Kind
 
 FORMAT = "wrsim result"
 FORMAT_VERSION = 3
@@ -25,6 +26,8 @@ OF_VEHICLE = ("body", "point", "suspension", "coupling", "external_load")
 OF_WEAR = ("wear_law", "wear_zone")
 NAMED = ("wheelset", *OF_VEHICLE, *OF_WEAR)
 """Dimensions labelled by names: those of a vehicle and of its wear."""
+LABELLED = ("time", "pose", "wheel", "snapshot", *NAMED)
+"""Dimensions with labels, of which no file has none."""
 SINGLE = "wheelset"
 """Name of a wheelset that runs alone."""
 STATUSES = ("completed", "stopped")
@@ -48,7 +51,7 @@ def assemble(
     *,
     copy: bool = True,
 ) -> xr.Dataset:
-    """Build the dataset of a Result; names and shapes are checked against the register.
+    """Build the dataset of a Result; names, shapes and types are checked against the register.
 
     coords: either ``time`` (n,) in seconds for a run or ``pose`` (n,) names for a static analysis; ``wheel`` (default
     ``("left", "right")``) names the wheels present; ``amplitude`` (m,) in metres goes with poses; ``wheelset``,
@@ -79,63 +82,27 @@ def assemble(
     arrays = with_derived(channels, coords.get("wheel", WHEELS))
     if isinstance(coords.get("wheelset", SINGLE), str):
         arrays = _of_single_wheelset(arrays)
-    sizes, labels = _labels(sample, coords)
-    variables: dict[str, xr.Variable] = {}
-    scalars: list[tuple[Channel, NDArray[Any]]] = []
-    for name, values in arrays.items():
-        channel = _registered(name)
-        array = _typed(channel, values, copy)
-        if array.ndim == 0 and channel.dims:
-            scalars.append((channel, array))
-            continue
-        variables[name] = _variable(channel, sample, array, sizes)
-    for channel, array in scalars:
-        dims = channel.dims_in(sample)
-        unknown = [d for d in dims if d not in sizes]
-        if unknown:
-            raise ValueError(f"channel '{channel.name}': the size of '{unknown[0]}' is unknown")
-        filled = np.full(tuple(sizes[d] for d in dims), array[()])
-        variables[channel.name] = _variable(channel, sample, filled, sizes)
-    for name in ("patch", "snapshot"):
-        if name in sizes:
-            labels[name] = np.arange(sizes[name])
-    coordinates = {name: _variable(CHANNELS[name], sample, values, sizes) for name, values in labels.items()}
-    for name in [n for n in variables if CHANNELS[n].coordinate]:
-        coordinates[name] = variables.pop(name)
-    ordered = {name: variables[name] for name in CHANNELS if name in variables}
-    return xr.Dataset(ordered, coords=coordinates, attrs=_attributes(attributes, sample))
-
-
-def _labels(sample: str, coords: Mapping[str, ArrayLike]) -> tuple[dict[str, int], dict[str, NDArray[Any]]]:
-    """Sizes and labels of the dimensions that the caller names: sample, wheel, parts of the vehicle."""
-    for name in coords:
-        if name not in (sample, "wheel", "amplitude", *NAMED):
-            raise ValueError(f"coords: '{name}' is not a dimension that the caller labels")
-    wheels = tuple(str(w) for w in np.atleast_1d(np.asarray(coords.get("wheel", WHEELS))))
-    if len(set(wheels)) != len(wheels) or not wheels or not set(wheels) <= set(WHEELS):
-        raise ValueError(f"coords: wheel is {wheels}; allowed are 'left', 'right' or both")
-    labels = {sample: _typed(CHANNELS[sample], coords[sample]), "wheel": np.array(wheels)}
-    if "amplitude" in coords:
-        labels["amplitude"] = _typed(CHANNELS["amplitude"], coords["amplitude"])
-    for name in [n for n in NAMED if n in coords or n == "wheelset"]:
-        labels[name] = np.atleast_1d(_typed(CHANNELS[name], coords.get(name, SINGLE)))
-        if labels[name].ndim != 1 or np.unique(labels[name]).size != labels[name].size:
-            raise ValueError(f"coords: '{name}' must be a row of names, each once")
-    if labels[sample].ndim != 1:
-        raise ValueError(f"coords: '{sample}' must be one-dimensional, not {labels[sample].shape}")
-    if sample == "pose" and np.unique(labels["pose"]).size != labels["pose"].size:
-        raise ValueError("coords: every pose needs a name of its own")
-    return {name: values.size for name, values in labels.items()}, labels
+    labels: dict[str, ArrayLike] = {sample: coords[sample], "wheel": WHEELS, "wheelset": SINGLE, **coords}
+    found = {name: np.atleast_1d(_typed(_registered(name), values)) for name, values in labels.items()}
+    found |= {name: _typed(_registered(name), values, copy) for name, values in arrays.items()}
+    sizes: dict[str, int] = {}
+    for name, values in found.items():
+        for dim, size in zip(CHANNELS[name].dims_in(sample), values.shape, strict=False):
+            sizes.setdefault(dim, size)
+    found |= {name: np.arange(sizes[name]) for name in ("patch", "snapshot") if name in sizes}
+    variables = {name: _variable(CHANNELS[name], sample, found[name], sizes) for name in CHANNELS if name in found}
+    coordinates = {name: own for name, own in variables.items() if CHANNELS[name].coordinate}
+    ordered = {name: own for name, own in variables.items() if name not in coordinates}
+    dataset = xr.Dataset(ordered, coordinates, _attributes(attributes, sample))
+    for fault in _faults_of_layout(dataset):
+        raise ValueError(f"the dataset {fault}")
+    return dataset
 
 
 def _registered(name: str) -> Channel:
-    """Channel of that name that an array may be given for."""
     if name not in CHANNELS:
         raise ValueError(f"no channel is called '{name}'{suggest(name, list(CHANNELS))}")
-    channel = CHANNELS[name]
-    if channel.coordinate and name != "distance":
-        raise ValueError(f"'{name}' labels a dimension; it belongs in coords")
-    return channel
+    return CHANNELS[name]
 
 
 def typed(name: str, values: ArrayLike) -> NDArray[Any]:
@@ -155,19 +122,18 @@ def _typed(channel: Channel, values: ArrayLike, copy: bool = True) -> NDArray[An
     return np.array(values, dtype=np.float64, copy=True if copy else None)
 
 
-def _variable(channel: Channel, sample: str, array: NDArray[Any], sizes: dict[str, int]) -> xr.Variable:
-    """Variable with its dimensions and attributes; ``sizes`` learns the dimensions met for the first time."""
+def _variable(channel: Channel, sample: str, array: NDArray[Any], sizes: Mapping[str, int]) -> xr.Variable:
+    """Variable with its dimensions and attributes; a scalar fills it."""
+    if isinstance(array, xr.Variable):
+        return array
     dims = channel.dims_in(sample)
-    if sample not in dims and sample == "pose" and {"time", "snapshot"} & set(dims):
-        raise ValueError(f"channel '{channel.name}' belongs to runs over time, not to poses")
-    if sample == "time" and "pose" in dims:
-        raise ValueError(f"channel '{channel.name}' belongs to static poses, not to runs")
-    expected = [sizes.get(d) for d in dims]
-    if array.ndim != len(dims) or any(e not in (None, n) for e, n in zip(expected, array.shape, strict=True)):
-        wanted = ", ".join(f"{d} {'any' if e is None else e}" for d, e in zip(dims, expected, strict=True))
+    shape = tuple(sizes.get(dim, 0) for dim in dims)
+    if array.ndim == 0:
+        array = np.full(shape, array[()])
+    if array.shape != shape:
+        wanted = ", ".join(f"{dim} {size}" for dim, size in zip(dims, shape, strict=True))
         raise ValueError(f"channel '{channel.name}' has shape {array.shape}; expected ({wanted})")
-    sizes.update(zip(dims, array.shape, strict=True))
-    return array if isinstance(array, xr.Variable) else xr.Variable(dims, array, channel.attributes)
+    return xr.Variable(dims, array, channel.attributes)
 
 
 def with_derived(channels: Mapping[str, ArrayLike], wheels: ArrayLike = WHEELS) -> dict[str, ArrayLike]:
@@ -202,24 +168,12 @@ def _of_single_wheelset(channels: Mapping[str, ArrayLike]) -> dict[str, ArrayLik
 
 def _attributes(given: Mapping[str, str | float | int], sample: str) -> dict[str, str | float | int]:
     """Attributes in a fixed order: what it is, what the caller said, the versions."""
-    for name in REQUIRED_ATTRIBUTES:
+    stop = ("stop_reason", "stop_time_s", "stop_distance_m") if sample == "time" else ("stop_reason",)
+    for name in REQUIRED_ATTRIBUTES + (stop if given.get("status") == "stopped" else ()):
         if name not in given:
             raise ValueError(f"attributes: '{name}' is missing")
-    if given["status"] not in STATUSES:
-        raise ValueError(f"attributes: status is {given['status']!r}; allowed are {STATUSES}")
-    if given["status"] == "stopped":
-        needed = ("stop_reason", "stop_time_s", "stop_distance_m") if sample == "time" else ("stop_reason",)
-        for name in needed:
-            if name not in given:
-                raise ValueError(f"attributes: a stopped analysis needs '{name}'")
-    attributes: dict[str, str | float | int] = {"format": FORMAT, "format_version": FORMAT_VERSION}
-    for name, value in given.items():
-        if isinstance(value, bool) or not isinstance(value, str | float | int | np.floating | np.integer):
-            raise ValueError(f"attributes: '{name}' must be a text or a number, not {type(value).__name__}")
-        attributes[name] = value
-    for name, text in versions().items():
-        attributes.setdefault(name, text)
-    return attributes
+    plain = {name: value.item() if isinstance(value, np.generic) else value for name, value in given.items()}
+    return {"format": FORMAT, "format_version": FORMAT_VERSION, **plain} | {**versions(), **plain}
 
 
 def table_of_scenario(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
@@ -229,3 +183,105 @@ def table_of_scenario(dataset: xr.Dataset, name: str) -> dict[str, Any] | None:
     except InputError:
         return None
     return found if isinstance(found, dict) else None
+
+
+_TYPES = {"number": ("f", "float64"), "count": ("i", "int64"), "text": ("UOT", "text")}
+
+_TOGETHER = (
+    "snapshot_time snapshot_distance snapshot_label",
+    "event_time event_distance event_label",
+    "strip_s strip_ds strip_x strip_a strip_p strip_angle strip_y strip_z strip_N strip_Fx strip_Fy",
+    "element_x element_p element_qx element_qs",
+    "wheel_origin wheel_axle wheel_velocity wheel_rotation",
+    "rail_profile_y rail_profile_z wheel_profile_y wheel_profile_z",
+    "point_ax point_ay point_az point_level",
+    "body_lateral body_vertical body_yaw body_pitch body_roll",
+    "suspension_fx suspension_fy suspension_fz suspension_dx suspension_dy suspension_dz",
+    "suspension_stop_min suspension_stop_max",
+    "external_fx external_fy external_fz",
+    "N Fx Fy p0 area approach",
+    "Y Q",
+)
+"""Channels that are written together, and read together: where one of them stands, the others do."""
+
+
+def fault_of_result(dataset: xr.Dataset) -> str:
+    """What is wrong with a dataset that says it is a result, in words; empty if nothing is.
+
+    A right checksum says that a file is as it was written, not that wrsim wrote it: what readers of results rely on is
+    checked once, where a file is loaded.
+    """
+    return next(_faults(dataset), "")
+
+
+def _faults(dataset: xr.Dataset) -> Iterator[str]:
+    yield from _faults_of_layout(dataset)
+    needed = ("wheel", "distance") if "time" in dataset.dims else ()
+    yield from (f"has no {name}" for name in needed if name not in dataset.variables)
+    yield from (f"its {name} is empty" for name, size in dataset.sizes.items() if name in LABELLED and not size)
+    for group in map(str.split, _TOGETHER):
+        there = [name for name in group if name in dataset.variables]
+        yield from (f"has {there[0]} and no {name}" for name in group if there and name not in there)
+
+
+def _faults_of_layout(dataset: xr.Dataset) -> Iterator[str]:
+    """Attributes, dimensions, types and labels."""
+    yield from faults_of_attributes(dataset.attrs, REQUIRED_ATTRIBUTES)
+    for name, allowed in (("analysis", tuple(ANALYSES)), ("status", STATUSES)):
+        if dataset.attrs[name] not in allowed:
+            yield f"its {name} is {dataset.attrs[name]!r:.40}, none of {', '.join(allowed)}"
+    sample = "time" if "time" in dataset.dims else "pose"
+    labels = [name for name in (*LABELLED, "patch") if name in dataset.dims]
+    yield from (f"has no {name}" for name in (sample, *labels, "wheelset") if name not in dataset.variables)
+    for name in map(str, dataset.variables):
+        channel = CHANNELS.get(name)
+        if channel is None:
+            yield f"has {name!r:.40}, which is no channel"
+        else:
+            yield from faults_of_variable(dataset, name, channel.dims_in(sample), channel.kind)
+    yield from _faults_of_labels(dataset, sample, labels)
+
+
+def _faults_of_labels(dataset: xr.Dataset, sample: str, labels: Sequence[str]) -> Iterator[str]:
+    for name in labels:
+        values = dataset[name].values
+        if len(np.unique(values)) < values.size:
+            yield f"its {name} has a value twice"
+    wheels = tuple(map(str, dataset["wheel"].values)) if "wheel" in labels else WHEELS
+    if wheels not in (WHEELS, *((wheel,) for wheel in WHEELS)):
+        yield f"its wheel is {', '.join(wheels)!r:.40}, must be {', '.join(WHEELS)} or one of them"
+    for name in ("time", "distance", "speed", "wheelset_distance", "snapshot_time", "snapshot_distance"):
+        if name in dataset.variables and not np.isfinite(dataset[name].values).all():
+            yield f"its {name} is not finite everywhere"
+    if sample == "time" and (np.diff(dataset["time"].values) <= 0.0).any():
+        yield "its time does not increase from sample to sample"
+
+
+LISTS = ("curve_radii_m",)
+"""Attributes that are numbers with blanks between."""
+
+
+def faults_of_attributes(attributes: Mapping[str, Any], texts: Sequence[str]) -> Iterator[str]:
+    """What is wrong with the attributes of a file of results, of which some have to be texts."""
+    yield from (f"has no {name}" for name in texts if not isinstance(attributes.get(name), str))
+    for name, value in attributes.items():
+        whole, number = name in COUNTS, name.endswith(("_m", "_s", "_rad", "_Hz")) and name not in LISTS
+        if not isinstance(value, int if whole else int | float if number else int | float | str):
+            words = "a whole number" if whole else "a number" if number else "a number or a text"
+            yield f"its {name!s:.40} is {value!r:.40}, must be {words}"
+
+
+def faults_of_variable(dataset: xr.Dataset, name: str, dims: Sequence[Hashable], kind: Kind) -> Iterator[str]:
+    """What is wrong with a variable, of which layout and type are known."""
+    if name not in dataset.variables:
+        yield f"has no {name}"
+        return
+    own = dataset.variables[name]
+    letters, words = _TYPES[kind]
+    if own.dims != tuple(dims):
+        there, wanted = (", ".join(map(str, names)) for names in (own.dims, dims))
+        yield f"its {name} is laid out along ({there}), must be along ({wanted})"
+    if own.dtype.kind not in letters or (kind != "text" and own.dtype.itemsize != 8):
+        yield f"its {name} holds {own.dtype}, must be {words}"
+    if not isinstance(own.attrs.get("units", ""), str):
+        yield f"its {name} has units that are no text"

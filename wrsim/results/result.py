@@ -10,9 +10,8 @@ import xarray as xr
 
 from wrsim.errors import InputError
 from wrsim.register import resolved
-from wrsim.results.dataset import FORMAT, FORMAT_VERSION
+from wrsim.results.dataset import FORMAT, FORMAT_VERSION, fault_of_result
 from wrsim.results.netcdf import read_netcdf, write_netcdf
-from wrsim.results.schema import fault_of_result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

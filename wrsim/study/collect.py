@@ -14,11 +14,10 @@ from wrsim.analysis.motion.record import code_digest
 from wrsim.errors import InputError
 from wrsim.results import write_atomically
 from wrsim.results.channels import Kind
-from wrsim.results.dataset import versions
+from wrsim.results.dataset import faults_of_attributes, faults_of_variable, versions
 from wrsim.results.files import as_csv, as_json
 from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.rows import Row
-from wrsim.results.schema import faults_of_attributes, faults_of_variable
 from wrsim.results.table import Column, Table, with_unit
 from wrsim.study.axes import Points
 from wrsim.study.plan import Plan, in_words

@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 
 from wrsim.errors import InputError
+from wrsim.results.dataset import faults_of_attributes, faults_of_variable
 from wrsim.results.netcdf import read_netcdf
 from wrsim.results.render import as_records
-from wrsim.results.schema import faults_of_attributes, faults_of_variable
 from wrsim.results.table import Column, Table
 
 NUMBERS = "wear.nc"
