@@ -9,9 +9,9 @@ import numpy as np
 
 from wrsim.analysis.compare import DIFFERENCES, OF_LOAD, PLAIN, Comparison, summary
 from wrsim.results import CHANNELS, Result
-from wrsim.results.rows import cells_of, number_cells, rows_of
 from wrsim.results.summary_tables import happened, listed, remarks
 from wrsim.results.table import MISSING, Cell, Column, Table, formatted
+from wrsim.results.tables import cells_of, number_cells, rows_of
 
 SHOWN = ("p0", "area", "approach", "N", "contact_angle", "X", "Y", "T_gamma")
 """Quantities in the table on the screen."""

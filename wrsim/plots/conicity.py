@@ -20,7 +20,7 @@ from wrsim.results.steering import steering_summary
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 if TYPE_CHECKING:
-    from wrsim.results.conicity_map import ConicityMap
+    from wrsim.results.conicity import ConicityMap
 
 LINES = 6
 """As many pairs of profiles are drawn as lines over the gauge."""

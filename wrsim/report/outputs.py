@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from wrsim.recording.restoring import Restored
     from wrsim.results import Result
     from wrsim.results.assessment import Assessment
-    from wrsim.results.conicity_map import ConicityMap
+    from wrsim.results.conicity import ConicityMap
     from wrsim.results.differences import Difference
     from wrsim.results.ride import Ride
     from wrsim.vehicle.vehicle import Vehicle

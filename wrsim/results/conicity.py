@@ -1,22 +1,26 @@
-"""Summary and tables of a conicity analysis."""
+"""Summary and tables of a conicity analysis, and the equivalent conicity over gauges and pairs of profiles."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from wrsim.results.rows import Row, wide
 from wrsim.results.steering import steering_summary
 from wrsim.results.summary import of_contacts as summary_of_contacts
 from wrsim.results.table import Column, Table, formatted, quantity
+from wrsim.results.tables import Row, wide
 from wrsim.results.tables import of_contacts as tables_of_contacts
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 if TYPE_CHECKING:
     from wrsim.results.result import Result
+
+Array = NDArray[np.float64]
 
 
 def summary(dataset: xr.Dataset) -> dict[str, Any]:
@@ -106,3 +110,33 @@ def conicity_numbers(result: Result) -> dict[str, Any]:
         "amplitude_mm": amplitudes,
         "tan_gamma_e": [v if v == v else None for v in values],
     }
+
+
+@dataclass(frozen=True)
+class ConicityMap:
+    """Over pairs of profiles, wheels before rails, and gauges [m]: equivalent conicity at 3 mm and Polach's
+    nonlinearity parameter [1/mm], both (pairs, gauges), not-a-number where the wheelset has none; ``reasons`` says
+    why."""
+
+    pairs: tuple[tuple[str, str], ...]
+    gauges: tuple[float, ...]
+    conicity: Array
+    nonlinearity: Array
+    reasons: tuple[str, ...]
+    title: str = ""
+
+    def table(self) -> Table:
+        """One row per pair and gauge; what has no conicity says why beneath."""
+        rows = [
+            (*pair, 1e3 * gauge, float(self.conicity[i, j]), float(self.nonlinearity[i, j]))
+            for i, pair in enumerate(self.pairs)
+            for j, gauge in enumerate(self.gauges)
+        ]
+        heads = (
+            Column("wheel", key="wheel"),
+            Column("rail", key="rail"),
+            Column("gauge", "mm", ".6g", "gauge_mm"),
+            Column("tan γe, 3 mm", "", ".3f", "equivalent_conicity_3_mm"),
+            Column("nonlinearity", "1/mm", ".3f", "nonlinearity_per_mm"),
+        )
+        return Table(self.title, heads, rows, self.reasons)

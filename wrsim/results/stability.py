@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from wrsim.results.rows import Row, long, wide
 from wrsim.results.table import Column, Table, quantity
+from wrsim.results.tables import Row, long, wide
 
 MODE = ("frequency", "damping", "growth", "name")
 MODES = ("pose_speed", "mode_branch", "mode_frequency", "mode_damping", "mode_growth", "mode_name")

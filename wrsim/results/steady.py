@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from wrsim.results.channels import CHANNELS
-from wrsim.results.rows import Row, long
 from wrsim.results.summary import extent
 from wrsim.results.table import Column, Table
+from wrsim.results.tables import Row, long
 
 COLUMNS = (
     "pose", "wheelset", "wheel", "pose_radius", "pose_cant", "pose_speed", "cant_deficiency", "unbalanced",

@@ -17,8 +17,8 @@ from wrsim.results.channels import Kind
 from wrsim.results.dataset import faults_of_attributes, faults_of_variable, versions
 from wrsim.results.files import as_csv, as_json
 from wrsim.results.netcdf import read_netcdf, write_netcdf
-from wrsim.results.rows import Row
 from wrsim.results.table import Column, Table, with_unit
+from wrsim.results.tables import Row
 from wrsim.study.axes import Points
 from wrsim.study.plan import Plan, in_words
 from wrsim.study.task import Marker, read_marker

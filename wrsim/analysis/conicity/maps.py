@@ -12,8 +12,7 @@ from wrsim.analysis.conicity.conicity import conicity
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import PROFILE_FILES
 from wrsim.geometry.profile.models import load_profile
-from wrsim.results.conicity import conicity_summary
-from wrsim.results.conicity_map import ConicityMap
+from wrsim.results.conicity import ConicityMap, conicity_summary
 from wrsim.scenario.sections.conicity import ConicityPlan, Roll
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 

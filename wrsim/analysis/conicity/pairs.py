@@ -16,7 +16,7 @@ from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.checking import check_value
 from wrsim.inputs.lookup import model_file
 from wrsim.inputs.values import number
-from wrsim.results.conicity_map import ConicityMap
+from wrsim.results.conicity import ConicityMap
 from wrsim.scenario.sections.conicity import AMPLITUDES, ConicityPlan, Roll
 from wrsim.scenario.sections.track import Inclination
 from wrsim.vehicle.wheelset import Wheel, Wheelset
