@@ -74,7 +74,7 @@ def refusal(path: Path) -> str:
     ("change", "words"),
     [
         ({"size": 2**40}, "size in its header is 1099511627776: input should be less than or equal to 1000000"),
-        ({"size": 7}, "numbers says"),
+        ({"size": 7}, "do not follow each other in time"),
         ({"step_s": "x"}, "step_s in its header is 'x': input should be a valid number"),
         ({"step_s": float("nan")}, "step_s in its header is nan"),
         ({"integrator": "magic"}, "integrator in its header is 'magic'; must be generalised-alpha or rk44"),
