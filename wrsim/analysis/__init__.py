@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from wrsim.analysis.motion.record import RunRecord, recorded_setup
 from wrsim.analysis.motion.run import StepTooLong, refuse_step
+from wrsim.analysis.progress import Progress
 from wrsim.errors import InputError
 from wrsim.register import ANALYSES, resolved
 from wrsim.results.table import duration
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
     from wrsim.results import Result
     from wrsim.scenario.build import Setup
     from wrsim.scenario.loading import Scenario
-
-Progress = Callable[[float, float], None]
-"""progress(fraction done, seconds left)"""
 
 
 def run(

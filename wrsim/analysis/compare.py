@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from wrsim.analysis import run
 from wrsim.analysis.contacts import contact_models, is_frictionless
+from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import POSE_CHANNELS
 from wrsim.errors import InputError, SimulationError, suggest
 from wrsim.register import ANALYSES
@@ -83,7 +84,7 @@ def compare(
     scenario: Scenario,
     names: Sequence[str],
     reference: str | None = None,
-    progress: Callable[[float, float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Comparison:
     """Analyse a scenario with several contact models (names as in `scenario.contact_choice`).
 
@@ -99,15 +100,12 @@ def compare(
         raise InputError(f'analysis = "{scenario.analysis}": contact models are compared in static poses and runs')
     scenarios = [with_contact_model(scenario, name) for name in names]
     setups = [build(s) for s in scenarios]
-    began = time.perf_counter()
-    models = []
+    report, models = Report(progress), []
     for i, (name, own, setup) in enumerate(zip(names, scenarios, setups, strict=True)):
 
         def share(done: float, left: float, before: int = i) -> None:
             """Progress of all models together; the time left as if the others took as long."""
-            if progress is not None:
-                part = (before + done) / len(names)
-                progress(part, (time.perf_counter() - began) * (1.0 - part) / part if part > 0.0 else left)
+            report((before + done) / len(names))
 
         start = time.perf_counter()
         try:
@@ -165,8 +163,7 @@ def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
     """Time of one contact of one wheel of the first wheelset [s]: median over some of the moments that the result
     keeps; nan without any."""
     dataset = of_wheelset(dataset, wheelsets(dataset)[0])
-    standing = is_frictionless(setup)
-    models = dict(zip(("left", "right"), contact_models(setup, frictionless=standing), strict=True))
+    models = dict(zip(("left", "right"), contact_models(setup, frictionless=is_frictionless(setup)), strict=True))
     if not all(name in dataset for name in POSE_CHANNELS):
         return float("nan")
     poses = np.concatenate([dataset[name].values for name in POSE_CHANNELS], axis=-1)

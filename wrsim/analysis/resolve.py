@@ -6,7 +6,7 @@ need different approaches for one force. With ``keep = "pose"`` the height stays
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from wrsim.analysis.contacts import contact_models, is_frictionless, wheels_on_rails
 from wrsim.analysis.poses.solver import Carried, LoadNotReached, height_for_load
+from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import (
     POSE_CHANNELS,
     ElementField,
@@ -52,7 +53,7 @@ def resolve(
     keep: str = "load",
     moments: Sequence[int] | None = None,
     wheelset: str | None = None,
-    progress: Callable[[float, float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Result:
     """Solve the contacts that a result keeps (poses, snapshots) with the contact model of that name.
 
@@ -87,7 +88,7 @@ def resolve(
         along = np.stack([setup.track.rail_distance("left" if w.side > 0 else "right", where) for w in wheels], axis=-1)
     raw = RawContacts.empty(len(chosen), len(wheels), setup.contact.patch_count)
     remarks = [""] * len(chosen)
-    strips = StripRecorder(wheels)
+    strips, report = StripRecorder(wheels), Report(progress)
     for row, moment in enumerate(chosen):
         elements = []
         for j, wheel in enumerate(wheels):
@@ -109,8 +110,7 @@ def resolve(
         if not np.isfinite(poses[moment]).all():
             raw.clear(row)
             strips.clear_last()
-        if progress is not None:
-            progress((row + 1) / len(chosen), 0.0)
+        report((row + 1) / len(chosen))
     widening = dataset["gauge"].values[samples] - setup.track.nominal_gauge if "gauge" in dataset else 0.0
     rails: NDArray[np.float64] | float = 0.0
     if "rail_lateral" in dataset:

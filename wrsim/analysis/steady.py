@@ -7,8 +7,7 @@ That a motion found is stable, too, is not proved by it.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -19,6 +18,7 @@ from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import check_upright, contact_words, resultant, wheels_of
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.start import enough, on_the_rails, start_state
+from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import RawContacts, patch_channels, remarks_channel, wheel_channels
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
@@ -55,21 +55,19 @@ MOST_ITERATIONS = 15
 """Of Newton's method on the way."""
 
 
-def run_steady(setup: Setup, progress: Callable[[float, float], None] | None = None) -> Result:
+def run_steady(setup: Setup, progress: Progress | None = None) -> Result:
     """Steady motion at every point of the scenario. Points without one carry a message; Ctrl-C keeps those solved.
 
     Raises SimulationError when no point has a steady motion.
     """
     vehicle, points = setup.vehicle, setup.plan.points
     table = _Table(setup, len(points))
-    began = time.perf_counter()
-    done = 0
+    report, done = Report(progress), 0
     try:
         for i, point in enumerate(points):
             table.solve(i, point)
             done = i + 1
-            if progress is not None:
-                progress(done / len(points), (time.perf_counter() - began) * (len(points) - done) / done)
+            report(done / len(points))
     except KeyboardInterrupt:
         if done == 0:
             raise

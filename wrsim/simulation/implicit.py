@@ -23,8 +23,7 @@ CONTRACTION = 0.5
 """Newton's method keeps its Jacobian as long as an iteration leaves less than this of the residual."""
 
 TREND = 0.5
-"""Part of the last change of the accelerations that is taken to go on in the next step. Tried 0, 0.5 and 1, coach with
-strips at 2 ms over a dip: 0.63, 0.44, 0.25 % of the largest Y are left; into a curve: 78, 78, 125 Jacobians."""
+"""Part of the last change of the accelerations that is taken to go on in the next step."""
 
 SCALE = np.array([SMALL[name] for name in COORDINATES]) ** -2.0
 """Weights of the coordinates of a body in Broyden's update."""

@@ -204,6 +204,11 @@ def relax(
 ) -> tuple[Array, float]:
     """The x (n,) to which the motion has come after at most so many steps, and the largest residual there.
 
+    Newton's method looks for less and less force. Wheels that turn on their own have next to none between their
+    flanges, and more on the way out of it. So every unknown moves as the force along it pushes, x_t = r / d, in
+    implicit steps of Euler that become longer as the motion dies away: (d / h - r') dx = r (Kelley and Keyes, SIAM J.
+    Numer. Anal. 35 (1998) 508).
+
     residual: what pushes along every unknown; small (n,): changes of the unknowns that change it by a few per cent;
     goal: largest residual that ends the search; settled: puts some unknowns where their own residuals vanish;
     while_deriving: what holds while derivatives are taken.

@@ -5,10 +5,8 @@ the slower, the smaller the step must be. On the negative real axis RK44 leaves 
 where its amplification is +1: beyond, a run neither blows up nor chatters. It settles at a wrong slip,
 because the creep forces saturate, and the results look like results. So the step is computed, not tried.
 
-*Measured* on the knife-edge law: the limit is 1.04 of 2.785/``creep_rate`` from 1 to 20 m/s. *Measured* on
-S1002 and 60E1 at 54.5 kN a wheel: a creep coefficient of 1.26e7 N at 50 kN; ``stable_step`` tells the limit
-within 1 %. In curves the limit is higher than on straight track, for there the creep forces are near
-saturation.
+On the knife-edge law the limit is 1.04 of 2.785/``creep_rate``; ``stable_step`` is within 1 % of it. In curves it is
+higher than on straight track: creep forces are near saturation there.
 """
 
 from __future__ import annotations

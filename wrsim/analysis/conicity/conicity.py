@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from wrsim.analysis.conicity.equivalent import equivalent_conicity
 from wrsim.analysis.conicity.rigid import RigidContact, rigid_contact
+from wrsim.analysis.progress import Progress, Report
 from wrsim.errors import InputError
 from wrsim.results import Result, assemble
 from wrsim.scenario.sections.conicity import ConicityPlan
@@ -29,12 +29,11 @@ KEPT = 4
 """One shift out of so many is kept in the result."""
 
 
-def run_conicity(setup: Setup[ConicityPlan], progress: Callable[[float, float], None] | None = None) -> Result:
+def run_conicity(setup: Setup[ConicityPlan], progress: Progress | None = None) -> Result:
     """The conicity of a scenario's wheelset on its track at nominal gauge."""
     gauge = setup.track.nominal_gauge
     result = conicity(setup.wheelset, setup.rails, gauge, setup.plan, setup.title, setup.text)
-    if progress is not None:
-        progress(1.0, 0.0)
+    Report(progress)(1.0)
     return result
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.start import EXACT, PLAY, on_the_rails, shifts
+from wrsim.analysis.progress import Progress, Report
 from wrsim.core.body.kinematics import X, Y
 from wrsim.errors import SimulationError
 from wrsim.simulation.design import design_state
@@ -35,7 +35,7 @@ ENOUGH = 1e-5
 """Force left over, as a part of the weight, that is accepted where patches that appear and vanish stop the search."""
 
 
-def run_equilibrium(setup: Setup[RunPlan], progress: Callable[[float, float], None] | None = None) -> Result:
+def run_equilibrium(setup: Setup[RunPlan], progress: Progress | None = None) -> Result:
     """Find the rest state; the result holds that one sample, at time 0. Raises SimulationError where there is none."""
     law = force_law(setup, drive=held_by(setup))
     near = replace(setup, contact=setup.contact.fast())
@@ -48,8 +48,7 @@ def run_equilibrium(setup: Setup[RunPlan], progress: Callable[[float, float], No
             found = steady_state(law, (first.q, first.q_t), tolerance=EXACT, near=fast)
     except NoSteadyMotion as problem:
         raise SimulationError(steady_words(problem, setup.vehicle)) from None
-    if progress is not None:
-        progress(1.0, 0.0)
+    Report(progress)(1.0)
     rest = Motion(np.zeros(1), found.q[None], found.q_t[None], 0.0, "completed")
     monitor = Monitor(law, 1.0)
     outcome = monitor.look(0.0, found.q, found.q_t)

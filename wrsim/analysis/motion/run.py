@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from contextlib import closing, nullcontext, suppress
 from dataclasses import replace
 from math import ceil
@@ -17,6 +16,7 @@ from wrsim.analysis.motion.messages import NoSteadyMotion, start_words
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
 from wrsim.analysis.motion.start import start_state
+from wrsim.analysis.progress import Progress
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.simulation.integrate import SEGMENT, integrate, recorded_motion
@@ -62,9 +62,7 @@ class StepTooLong(InputError):
         super().__init__(f"run.step_us = {1e6 * step:g}: {self.rule}")
 
 
-def run_in_time(
-    setup: Setup[RunPlan], progress: Callable[[float, float], None] | None = None, record: RunRecord | None = None
-) -> Result:
+def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record: RunRecord | None = None) -> Result:
     """Integrate from the start to the end of the run; a run that has to stop returns what it has.
 
     record: the file in which the run is kept while it lasts, and from which it may go on. Raises SimulationError when

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
@@ -12,6 +11,7 @@ import numpy as np
 from wrsim.analysis.contacts import contact_models, wheels_on_rails
 from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
 from wrsim.analysis.poses.solver import PoseSolver
+from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import (
     RawContacts,
     StripRecorder,
@@ -40,8 +40,6 @@ steeper flank takes a lateral force beyond what any rail vehicle has, and pressu
 REPORT_INTERVAL = 0.1  # between two calls of the progress function [s]
 STANDARD_SPACING = 1.5
 """Distance of the tape circles of wheelsets for standard gauge [m]."""
-
-Progress = Callable[[float, float], None]
 
 
 def run_static(setup: Setup[StaticPlan], progress: Progress | None = None) -> Result:
@@ -149,8 +147,7 @@ def _solved(
     raw = RawContacts.empty(n, len(wheels), settings.patch_count)
     strips = StripRecorder(wheels)
     heights, rolls, messages, remarks = np.full(n, np.nan), np.full(n, np.nan), [""] * n, [""] * n
-    began = reported = time.perf_counter()
-    done = 0
+    report, done = Report(progress, REPORT_INTERVAL), 0
     try:
         for i, pose in enumerate(poses):
             solved = solver.solve(pose)
@@ -162,15 +159,10 @@ def _solved(
                 raw.clear(i)
                 strips.clear_last()
             done = i + 1
-            now = time.perf_counter()
-            if progress is not None and now - reported > REPORT_INTERVAL:
-                reported = now
-                progress(done / n, (now - began) * (n - done) / done)
+            report(done / n)
     except KeyboardInterrupt:
         if done == 0:
             raise
-    if progress is not None and done == n:
-        progress(1.0, 0.0)
     if not np.isfinite(heights[:done]).any():
         raise SimulationError(f"none of the {done} poses has a solution; the first: {messages[0]}")
     poses = poses[:done]

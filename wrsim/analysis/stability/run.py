@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wrsim.analysis.progress import Progress, Report
 from wrsim.analysis.stability.cycles import Cycle, CycleSearch, Interrupted
 from wrsim.analysis.stability.modes import Modes, critical, follow, modes_of
 from wrsim.analysis.stability.rolling import RollingVehicle
@@ -27,19 +27,7 @@ SHARE_OF_MODES = 0.3
 """What the modes count for in the progress when limit cycles follow."""
 
 
-class _Report:
-    """Progress of a study whose length is not known beforehand."""
-
-    def __init__(self, progress: Callable[[float, float], None] | None) -> None:
-        self.progress, self.began = progress, time.perf_counter()
-
-    def __call__(self, fraction: float) -> None:
-        if self.progress is not None and fraction > 0.0:
-            spent = time.perf_counter() - self.began
-            self.progress(fraction, spent * (1.0 - fraction) / fraction)
-
-
-def run_stability(setup: Setup[StabilityPlan], progress: Callable[[float, float], None] | None = None) -> Result:
+def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None) -> Result:
     """Modes at every speed, the linear critical speed and, where asked for, limit cycles.
 
     Ctrl-C ends the study with what it has. Raises SimulationError when the vehicle does not even roll straight at the
@@ -48,7 +36,7 @@ def run_stability(setup: Setup[StabilityPlan], progress: Callable[[float, float]
     plan, vehicle = setup.plan, setup.vehicle
     if plan is None:
         raise ValueError("the set-up has no stability plan")
-    report = _Report(progress)
+    report = Report(progress)
     found: list[Modes] = []
     remarks: list[str] = []
     cycles: list[Cycle] = []
