@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Annotated
 
 import dask
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from wrsim import __version__
 from wrsim.analysis import run
@@ -62,6 +62,8 @@ class Marker:
     simulation: the part of it that the analysis took [s]; began, ended: by the clock [s]; resumed: it went on with a
     run that was cut off.
     """
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
 
     name: str
     label: str

@@ -28,7 +28,7 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError
+from pydantic import ConfigDict, Field, FiniteFloat, TypeAdapter, ValidationError
 
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.models import write_depths
@@ -57,6 +57,8 @@ class Step:
     """One step. start: mileage at which it begins, way: how far it goes [m]; deepest: depth for each metre run where it
     is largest [1]; tread, flange: mass lost by a wheel for each metre run [kg/m]; areas: lost from the unworn profile
     by the end of the step, over the bins' widths [m]; service: digest."""
+
+    __pydantic_config__ = ConfigDict(extra="forbid")
 
     number: int
     start: FiniteFloat
