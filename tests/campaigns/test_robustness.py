@@ -49,7 +49,8 @@ def test_accepted_mutants_keep_the_laws_of_contact() -> None:
 
 def test_corrupted_files_are_refused_or_hold_the_same_numbers(tmp_path: Path) -> None:
     answers = corrupted.counted(30, random.Random(2), tmp_path)
-    assert set(answers) == {"refused", "read, the same numbers"}, answers
+    good = {"refused", "read, the same numbers", "right checksum: refused", "right checksum: numbers"}
+    assert set(answers) <= good and answers["refused"] and answers["read, the same numbers"], answers
 
 
 @pytest.fixture(scope="module")
