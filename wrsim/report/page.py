@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import io
 import shlex
 from collections.abc import Callable, Sequence
 from functools import cache, partial
@@ -15,6 +16,7 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 from matplotlib.figure import Figure
+from PIL import Image
 
 from wrsim import __version__
 from wrsim.errors import InputError
@@ -103,7 +105,7 @@ def report_page(
             "viewers": list(zip(names, viewers, strict=False)),
             "histories": list(histories),
         }
-        page["drawn"] = {name: _address("png", content) for name, content in finish().items()}
+        page["drawn"] = {name: _address("webp", _as_webp(content)) for name, content in finish().items()}
     return template("report.html").render(page)
 
 
@@ -214,6 +216,13 @@ def _wear(result: Result, name: str) -> dict[str, Any]:
 def as_picture(name: str, figure: Figure) -> tuple[str, str]:
     """A figure for a page: its name in words, and its SVG as a data address."""
     return name.replace("_", " "), _address("svg+xml", rendered(figure, vector=True))
+
+
+def _as_webp(png: bytes) -> bytes:
+    """The same picture without loss, in a fraction of the bytes: a page is mailed."""
+    stream = io.BytesIO()
+    Image.open(io.BytesIO(png)).convert("RGB").save(stream, "webp", lossless=True, quality=40)
+    return stream.getvalue()
 
 
 def _address(kind: str, content: bytes) -> str:
