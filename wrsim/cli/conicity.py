@@ -41,13 +41,11 @@ def conicity(
     ] = "none",
     curve_m: Annotated[
         list[float] | None,
-        typer.Option(
-            metavar="RADIUS", min=10.0, max=100_000.0, help="Radial steering index in such a curve; may be repeated."
-        ),
+        typer.Option(metavar="RADIUS", help="Radial steering index in such a curve; may be repeated."),
     ] = None,
     flange_from_deg: Annotated[
         float,
-        typer.Option(min=1.0, max=89.0, help="Contact angle from which the outer wheel is on its flange, for that."),
+        typer.Option(help="Contact angle from which the outer wheel is on its flange, for that."),
     ] = 40.0,
     models: Models = None,
     output: Annotated[

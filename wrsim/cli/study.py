@@ -39,7 +39,8 @@ def study(
         from wrsim.study.estimate import estimate
         from wrsim.study.plan import planned
 
-        check_crew(workers, scheduler, slurm, tls)
+        for warning in check_crew(workers, scheduler, slurm, tls):
+            print_error(warning)
         silent = quiet or as_json
         directory = output if output is not None else Path("results") / file.stem
         plan, reads = planned(file, directory, models or ())
@@ -100,7 +101,8 @@ def wear(
         from wrsim.study.service.service import read_service
         from wrsim.study.service.steps import Step, steps_of
 
-        check_crew(workers, scheduler, slurm, tls)
+        for warning in check_crew(workers, scheduler, slurm, tls):
+            print_error(warning)
         directory = output if output is not None else Path("results") / file.stem
         service, reads = read_service(file, models or ())
         silent = quiet or as_json

@@ -25,18 +25,18 @@ Bar = Callable[[], AbstractContextManager[Callable[[float, float], None] | None]
 """Makes a progress bar, or none."""
 
 
-def check_crew(workers: int | None, scheduler: str | None, slurm: bool, tls: Path | None) -> None:
-    """Raises ``InputError`` for options that do not go together; warns of a scheduler that listens to everybody."""
+def check_crew(workers: int | None, scheduler: str | None, slurm: bool, tls: Path | None) -> list[str]:
+    """A warning of a scheduler that listens to everybody. Raises ``InputError`` for options that do not go together."""
     if scheduler is not None and (slurm or workers is not None):
         raise InputError("--scheduler: its workers are there already: leave out --workers and --slurm")
     open_to_all = scheduler is not None and address_of(scheduler).startswith("tcp://")
     if tls is not None and (open_to_all or not (scheduler or slurm)):
         raise InputError(f"--tls {tls}: is for --slurm and --scheduler tls://...")
-    if open_to_all:
-        LOGGER.warning(
-            f"warning: --scheduler {scheduler} is neither encrypted nor authenticated: whoever reaches it can execute "
-            "programs as you; start it with certificates and take tls:// (docs/security.md)"
-        )
+    warning = (
+        f"warning: --scheduler {scheduler} is neither encrypted nor authenticated: whoever reaches it can execute "
+        "programs as you; start it with certificates and take tls:// (docs/security.md)"
+    )
+    return [warning] if open_to_all else []
 
 
 @contextmanager

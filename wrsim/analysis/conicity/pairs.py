@@ -17,7 +17,7 @@ from wrsim.inputs.checking import check_value
 from wrsim.inputs.lookup import model_file
 from wrsim.inputs.values import number
 from wrsim.results.conicity import ConicityMap
-from wrsim.scenario.sections.conicity import AMPLITUDES, ConicityPlan, Roll
+from wrsim.scenario.sections.conicity import AMPLITUDES, ConicityPlan, CurveRadius, FlangeAngle, Roll
 from wrsim.scenario.sections.track import Inclination
 from wrsim.vehicle.wheelset import Wheel, Wheelset
 
@@ -55,6 +55,9 @@ class Pairing:
         """
         for diameter in diameters:
             check_value(Diameter, 1e3 * diameter, "--diameters-mm")
+        for radius in curves:
+            check_value(CurveRadius, radius, "--curve-m")
+        check_value(FlangeAngle, flange_from_deg, "--flange-from-deg")
         profiles = [self._profile(name, "wheel") for name in wheels]
         left, right = (self._profile(name, "rail").inclined(self._slope) for name in rails)
         mounted = [Wheel(profile, 0.5 * d) for profile, d in zip(profiles, diameters, strict=True)]

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wrsim.core.linalg import VECTOR, Curve
 from wrsim.core.track import path as core
+from wrsim.errors import InputError
 
 COLUMNS = ("x", "y", "z", "tx", "ty", "tz", "roll", "droll_ds", "kx", "ky", "kz")
 
@@ -24,6 +25,15 @@ class Path:
 
     table: NDArray[np.float64]
     step: float
+
+    def __post_init__(self) -> None:
+        if self.table.ndim != 2 or self.table.shape[0] < 2 or self.table.shape[1] != len(COLUMNS):
+            raise InputError(f"path table of shape {self.table.shape}; allowed: (n, {len(COLUMNS)}) with n >= 2")
+        if not self.step > 0.0:
+            raise InputError(f"path step = {self.step} m; allowed: above zero")
+        if not np.all(np.isfinite(self.table)):
+            row, column = np.argwhere(~np.isfinite(self.table))[0]
+            raise InputError(f"path table: {COLUMNS[column]} of row {row} is not a finite number")
 
     @cached_property
     def curve(self) -> Curve:
