@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from wrsim.contact.half_space.influence import NN, SS, XS, XX, Compliance, Operator
-from wrsim.contact.half_space.influence import integrals as integrals_at
+from wrsim.contact.half_space.influence import Compliance, Operator
 from wrsim.contact.settings import Material
+from wrsim.core.contact.half_space.influence import INTEGRALS, NN, SS, XS, XX, fill_integrals
 
 STEEL = Material(210e9, 0.28)
 EQUAL = Compliance.of(STEEL, STEEL)
@@ -21,7 +21,9 @@ KERNELS = (
 
 
 def integrals(x, s, dx, ds):
-    return integrals_at(x, dx, s, ds, (1, 1))[:, 0, 0]
+    out = np.zeros((INTEGRALS, 2, 2))
+    fill_integrals(x, dx, s, ds, out)
+    return out[:, 0, 0]
 
 
 @pytest.mark.parametrize(("x", "s"), [(2.0, 1.0), (-1.5, 0.0), (0.0, -2.0), (3.0, -2.0), (0.8, 0.7)])
@@ -56,10 +58,11 @@ def test_combined_constants_are_those_of_hertz():
 
 def dense(compliance, rows, columns, ds, dx, angles):
     """All nine influences (3, rows, columns, 3, rows, columns) by plain sums, in the order x, s, n."""
-    table = integrals_at((1 - columns) * dx, dx, (1 - rows) * ds, ds, (2 * columns - 1, 2 * rows - 1))
+    table = np.zeros((INTEGRALS, 2 * columns, 2 * rows))
+    fill_integrals((1 - columns) * dx, dx, (1 - rows) * ds, ds, table)
     j, i = np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij")
     at = (i[:, :, None, None] - i + columns - 1, j[:, :, None, None] - j + rows - 1)
-    nn, xx, ss, xs, xn, sn = (own[at] for own in table)
+    nn, xx, ss, xs, xn, sn = (table[k][at] for k in range(INTEGRALS))
     n, t, k = compliance.normal, compliance.tangential, compliance.coupling
     flat = np.array(
         [

@@ -7,14 +7,14 @@ from support.hertz import COMPLIANCE, Ellipse, EllipseGrid
 
 from wrsim.contact.half_space.influence import Operator
 from wrsim.contact.half_space.normal import solve_normal
-from wrsim.contact.half_space.patch import measure
+from wrsim.core.contact.half_space.patch import measure
 
 ELLIPSES = {"circle": Ellipse(4e-3, 4e-3), "wide": Ellipse(2e-3, 7e-3), "long": Ellipse(9e-3, 1.5e-3)}
 
 
 def figures(pressure, grid):
     """Area, p0 and force over Hertz'."""
-    found = measure(pressure.p, grid.dx, grid.ds)
+    found = measure(pressure.p, grid.dx, grid.ds, *np.zeros((2, grid.count)))
     e = grid.ellipse
     return found.area / e.area, found.p0 / e.p0, found.force / e.force
 

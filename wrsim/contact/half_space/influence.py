@@ -1,27 +1,7 @@
 """Tractions to displacements of a half-space on a grid, by convolution in Fourier space.
 
-Integrals over a rectangle dx x ds of the kernels of Boussinesq and Cerruti, seen from a point at (x, s) from its
-centre, are second differences of a primitive over the four corners:
-
-    1/r        x asinh(s/|x|) + s asinh(x/|s|)          Love 1929; Johnson, Contact Mechanics, 1985, eq. (3.25)
-    x^2/r^3    s asinh(x/|s|)                           Kalker, Three-Dimensional Elastic Bodies in Rolling Contact,
-    s^2/r^3    x asinh(s/|x|)                           1990, section 3.2.2; Ahmadi, Keer and Mura 1983
-    x s/r^3    -r
-    x/r^2      x atan(s/x) + s ln(r)                    coupling of normal and tangential loads
-    s/r^2      s atan(x/s) + x ln(r)
-
-With G and nu of each body, c_n = sum (1 - nu)/(2 pi G), c_t = sum nu/(2 pi G) over both bodies and
-c_k = ((1 - 2 nu_r)/G_r - (1 - 2 nu_w)/G_w)/(4 pi) (zero for equal materials), the displacement of the wheel's surface
-relative to the rail's under a unit traction on an element of the wheel is
-
-    normal from normal               A_nn = c_n I[1/r]
-    along x from along x             A_xx = c_n I[1/r] + c_t I[x^2/r^3]
-    along s from along s             A_ss = c_n I[1/r] + c_t I[s^2/r^3]
-    along x from along s, and back   A_xs = c_t I[x s/r^3]
-    along x from normal              A_xn = c_k I[x/r^2],   and A_nx = -A_xn; the same with s.
-
-c_n is 1/(pi E*). They are computed once for each shape of element and scaled; their transforms are kept for each size
-of grid. Displacements are those of the wheel relative to the rail, tractions act on
+Kernel coefficients (core.contact.half_space.influence) are computed once for each shape of element and scaled; their
+transforms are kept for each size of grid. Displacements are those of the wheel relative to the rail, tractions act on
 the wheel: p along the row's normal n (from rail to wheel), q_x along the rail, q_s along the row's tangent t.
 
 ``"angle-corrected"`` takes a traction in the frame of its own row J, with the influence of the half-space tangent
@@ -48,19 +28,18 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from wrsim.contact.settings import Material
+from wrsim.core.contact.half_space.influence import INTEGRALS, NN, SN, SS, XN, XS, XX, fill_integrals
 
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.complexfloating]
 
-NN, XX, SS, XS, XN, SN = range(6)
-"""Integrals, in the order above."""
 ODD_IN_S, ODD_IN_X = (XS, SN), (XS, XN)
 MARGIN = 6  # elements by which the period of the inverse is larger than the grid
 
 
 @dataclass(frozen=True)
 class Compliance:
-    """Constants of two bodies: c_n, c_t, c_k [1/Pa]; c_k is rail minus wheel."""
+    """Constants of two bodies: c_n, c_t, c_k of core.contact.half_space.influence [1/Pa]; c_k is rail minus wheel."""
 
     normal: float
     tangential: float
@@ -83,29 +62,12 @@ class Compliance:
         return 1.0 / (pi * self.normal)
 
 
-def integrals(x0: float, dx: float, s0: float, ds: float, shape: tuple[int, int]) -> Array:
-    """Integrals (6, *shape) at the points (x0 + i dx, s0 + j ds) from the centre of an element dx x ds.
-
-    All lengths in one unit.
-    """
-    x, s = (start + (np.arange(n + 1) - 0.5) * d for start, d, n in ((x0, dx, shape[0]), (s0, ds, shape[1])))
-    x, s = np.meshgrid(x, s, indexing="ij")
-    r = np.sqrt(x * x + s * s)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        along_x = np.where(s != 0.0, s * np.arcsinh(x / np.abs(s)), 0.0)
-        along_s = np.where(x != 0.0, x * np.arcsinh(s / np.abs(x)), 0.0)
-        ln = np.where(r > 0.0, np.log(r), 0.0)
-    # atan(s / x) as an odd function of both: no jump where x changes sign within an element
-    turn, other = np.abs(x) * np.arctan2(s, np.abs(x)), np.abs(s) * np.arctan2(x, np.abs(s))
-    corner = np.stack([along_x + along_s, along_x, along_s, -r, turn + s * ln, other + x * ln])
-    found: Array = corner[:, 1:, 1:] - corner[:, :-1, 1:] - corner[:, 1:, :-1] + corner[:, :-1, :-1]
-    return found
-
-
 @lru_cache(maxsize=16)
 def _integrals(ratio: float, size: int) -> Array:
-    """Integrals (6, x, s) at ``size`` non-negative offsets either way, for elements 1 x ratio."""
-    return integrals(0.0, 1.0, 0.0, ratio, (size, size))
+    """Integrals (INTEGRALS, x, s) at ``size`` non-negative offsets either way, for elements 1 x ratio."""
+    out = np.zeros((INTEGRALS, size + 1, size + 1))
+    fill_integrals(0.0, 1.0, 0.0, ratio, out)
+    return out[:, :size, :size]
 
 
 @lru_cache(maxsize=64)

@@ -1,11 +1,4 @@
-"""Pressures of half-spaces in contact at a given approach: a preconditioned conjugate gradient method with bounds.
-
-Wanted are pressures p >= 0 with deformed gaps e = A p - pen >= 0 and p e = 0 in every element: the minimum of
-1/2 p A p - pen p over p >= 0, A the influence matrix, pen the undeformed interpenetration at the prescribed approach.
-Conjugate gradients run on the elements in contact; elements that would pull leave, elements that would overlap enter
-(Polonsky and Keer, Wear 231, 1999). Preconditioned in Fourier space with the inverse symbol of A, |k| E*/2
-(Vollebregt, Tribology Transactions 57, 2014), six to ten iterations reach 1e-4.
-"""
+"""Pressures of half-spaces in contact at a given approach: the loop around core.contact.half_space.normal."""
 
 from __future__ import annotations
 
@@ -15,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.contact.half_space.influence import Operator
+from wrsim.core.contact.half_space import normal
 
 Array = NDArray[np.float64]
 
@@ -52,30 +46,18 @@ def solve_normal(operator: Operator, pen: Array, tolerance: float = 1e-4, start:
         scale = float((p * pen).sum() / (p * u).sum())
         p *= scale
         u *= scale
-    gap, contact = u - pen, p > 0.0
-    last, direction = np.zeros_like(pen), np.zeros_like(pen)
+    gap = u - pen
+    contact, residual = p > 0.0, np.zeros_like(pen)
+    fields = (p, gap, contact, residual, np.zeros_like(pen), np.zeros_like(pen))
+    descent = normal.Descent(*(field.reshape(-1) for field in fields))
+    direction = descent.direction.reshape(pen.shape)
     rho, error = 0.0, np.inf
     for step in range(MOST_STEPS):
-        residual = np.where(contact, gap, 0.0)
-        error = float(max(np.abs(residual).max(), -gap.min(where=~contact, initial=0.0))) / approach
+        error = max(normal.errors(descent)) / approach
         if error < tolerance:
             return Pressure(p, gap, step, error, True)
-        z = np.where(contact, operator.inverse.pressure(residual), 0.0)
-        # Polak and Ribiere
-        beta = max(float((z * (residual - last)).sum()) / rho, 0.0) if rho > 0.0 else 0.0
-        rho, last = float((z * residual).sum()), residual
-        direction = np.where(contact, z + beta * direction, 0.0)
-        change = operator.normal(direction)
-        curvature = float((direction * change).sum())
-        if curvature > 0.0:
-            # to the minimum along the direction; elements that would pull leave the contact
-            way = float((gap * direction).sum()) / curvature
-            gap -= way * change
-            p -= way * direction
-            pulling = p < 0.0
-            if pulling.any():
-                p[pulling] = 0.0
-                contact &= ~pulling
-                gap = operator.normal(p) - pen
-        contact |= gap < -0.5 * tolerance * approach
+        rho = normal.turn(descent, operator.inverse.pressure(residual).reshape(-1), rho)
+        if normal.advance(descent, operator.normal(direction).reshape(-1)):
+            np.subtract(operator.normal(p), pen, out=gap)
+        normal.admit(descent, 0.5 * tolerance * approach)
     return Pressure(p, gap, MOST_STEPS, error, False)

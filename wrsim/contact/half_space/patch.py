@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import scipy.ndimage
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from wrsim.contact.half_space.normal import Pressure
 from wrsim.contact.half_space.rolling import Traction
 from wrsim.contact.half_space.surface import Grid
+from wrsim.core.contact.half_space.patch import measure
 from wrsim.core.contact.half_space.rolling import OUTSIDE, SLIP
 
 Array = NDArray[np.float64]
@@ -171,52 +171,16 @@ def _islands(p: Array) -> Iterator[tuple[slice, slice, Array]]:
         yield rows, columns, np.where(labels[rows, columns] == number, p[rows, columns], 0.0)
 
 
-class Figures(NamedTuple):
-    """Of a pressure field: area [m2], largest pressure [Pa], sum of p dA [N], length of the longest row [m]; edges of
-    every row's longest run (rows,), in elements from the first column's outer side, zero without contact."""
-
-    area: float
-    p0: float
-    force: float
-    length: float
-    starts: Array
-    ends: Array
-
-
-def measure(p: Array, dx: float, ds: float) -> Figures:
-    """Figures of the pressures p (rows, columns) on elements dx x ds, better than by counting elements.
-
-    Near its edge a pressure rises with the root of the distance, so p^2 extrapolated linearly from the two outermost
-    elements of a row vanishes at the edge, within the two elements' width.
-    """
-    edges = np.diff(np.pad(p > 0.0, ((0, 0), (1, 1))).astype(np.int8), axis=1)
-    row, first = np.nonzero(edges > 0)
-    last = np.nonzero(edges < 0)[1] - 1
-    start = first + 0.5 - _to_edge(p[row, first], p[row, np.minimum(first + 1, last)])
-    end = last + 0.5 + _to_edge(p[row, last], p[row, np.maximum(last - 1, first)])
-    starts, ends = np.zeros((2, len(p)))
-    # the longest run of a row is written last, the first of several
-    order = np.lexsort((-np.arange(row.size), end - start))
-    starts[row[order]], ends[row[order]] = start[order], end[order]
-    longest = float((ends - starts).max(initial=0.0))
-    area, force = float((end - start).sum()), float(p.sum())
-    return Figures(area * dx * ds, float(p.max(initial=0.0)), force * dx * ds, longest * dx, starts, ends)
-
-
-def _to_edge(outer: Array, inner: Array) -> Array:
-    """Distances from the outermost centres to the edges, in elements."""
-    rise = inner * inner - outer * outer
-    far = rise > 0.0
-    return np.where(far, np.minimum(outer * outer / np.where(far, rise, 1.0), 1.0), 0.5)
-
-
 def _region(grid: Grid, rows: slice, columns: slice, own: Array) -> Region:
     """A region from its own pressures."""
-    figures = measure(own, grid.length, grid.ds)
-    across = measure(own.max(axis=1)[None, :], grid.ds, grid.length)
-    s_from, s_to = (float(grid.s[rows.start] + grid.ds * (edge[0] - 0.5)) for edge in (across.starts, across.ends))
+    starts, ends = np.zeros((2, len(own)))
+    figures = measure(own, grid.length, grid.ds, starts, ends)
+    first, last = np.zeros((2, 1))
+    measure(own.max(axis=1)[None, :], grid.ds, grid.length, first, last)
+    s_from = float(grid.s[rows.start] + grid.ds * (first[0] - 0.5))
+    s_to = float(grid.s[rows.start] + grid.ds * (last[0] - 0.5))
     outer = float(grid.x[columns.start]) - 0.5 * grid.dx
-    starts, ends = outer + grid.dx * figures.starts, outer + grid.dx * figures.ends
+    starts, ends = outer + grid.dx * starts, outer + grid.dx * ends
     angle_from, angle_to = np.interp([s_from, s_to], grid.s, grid.angle)
     weight = own / own.sum()
     o, b = weight.sum(axis=1) @ grid.centre[rows]
