@@ -30,9 +30,17 @@ class Browser:
         self.driver.set_window_size(width, height)
         self.driver.get_log("browser")
         self.driver.get(page.resolve().as_uri())
-        self.wait(f"innerWidth === {width}")
+        wait_until(lambda: self._is_wide(width, height))
         # what listens to the change of width has been called before the second frame
         self.run("return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")
+
+    def _is_wide(self, width: int, height: int) -> bool:
+        """Whether the page has its width; a change of size that the browser has lost is asked for again."""
+        if self.run(f"return innerWidth === {width}"):
+            return True
+        self.driver.set_window_size(width + 1, height)
+        self.driver.set_window_size(width, height)
+        return False
 
     def wait(self, condition: str) -> None:
         """Wait until an expression in JavaScript is true."""
