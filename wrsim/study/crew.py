@@ -79,7 +79,7 @@ def crew(
             client = here = opened(plan, first)
             if not local:
                 if slurm:
-                    LOGGER.info("waiting for the first job of SLURM")
+                    LOGGER.warning("waiting for the first job of SLURM")
                 here.wait_for_workers(1)
                 warm_remotely(here, plan, digest_of(content), first)
         with progress() as advance:
