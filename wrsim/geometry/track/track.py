@@ -17,8 +17,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -87,8 +87,8 @@ class Feature:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Centre line and two rails as path tables, and the laws behind them over the distance s along the centre
-    line.
+    """Centre line and two rails as path tables, made when they are asked for, and the laws behind them over the
+    distance s along the centre line.
 
     Build it with `Track.build`. All functions of s are vectorised; outside of [0, length] the track is
     continued straight with the cant and the gauge of its end.
@@ -99,12 +99,12 @@ class Track:
     cant_base: float
     jumps: tuple[CurvatureJump, ...]
     """Joints where the curvature jumps (no transition)."""
-    centre: Path
-    left: Path
-    right: Path
     centre_line: CentreLine
     left_curve: SweptCurve
     right_curve: SweptCurve
+    centre_rows: float
+    rail_rows: float
+    """Largest distances of the rows of path tables [m]."""
     elasticity: RailElasticity | None = None
     """None: rigid rails."""
 
@@ -203,18 +203,16 @@ class Track:
         pitch = pitch_law(grades, length) if grades or law.pitch is None else law.pitch
         line = CentreLine(law.curvature, pitch, start, heading)
         swept = partial(SweptCurve, line, law.cant, law.widening, gauge, base)
-        left, right = swept(1, *left_offset, uneven[1]), swept(-1, *right_offset, uneven[-1])
         return cls(
             segments=segments,
             nominal_gauge=gauge,
             cant_base=base,
             jumps=law.jumps,
-            centre=swept(0).path(ROWS if step is None else step),
-            left=left.path(rows),
-            right=right.path(rows),
             centre_line=line,
-            left_curve=left,
-            right_curve=right,
+            left_curve=swept(1, *left_offset, uneven[1]),
+            right_curve=swept(-1, *right_offset, uneven[-1]),
+            centre_rows=ROWS if step is None else step,
+            rail_rows=rows,
             elasticity=elasticity,
         )
 
@@ -222,6 +220,22 @@ class Track:
         pieces = ", ".join(f"{f.label} {f.start:g}..{f.end:g} m" for f in self.features())
         uneven = ", with irregularities" if self.is_uneven else ""
         return f"Track({self.length:g} m, gauge {1e3 * self.nominal_gauge:g} mm: {pieces}{uneven})"
+
+    @cached_property
+    def centre(self) -> Path:
+        """The centre line as a table, with the roll of the track."""
+        flat = replace(self.left_curve, side=0, outward=0.0, height=0.0, irregularity=SMOOTH)
+        return flat.path(self.centre_rows)
+
+    @cached_property
+    def left(self) -> Path:
+        """The left rail as a table, made when it is first asked for: a long track takes seconds."""
+        return self.left_curve.path(self.rail_rows)
+
+    @cached_property
+    def right(self) -> Path:
+        """The right rail as a table."""
+        return self.right_curve.path(self.rail_rows)
 
     @property
     def length(self) -> float:
