@@ -27,7 +27,7 @@ from hostile import until_ctrl_c
 from wrsim.cli import main as command
 from wrsim.errors import InputError
 from wrsim.results import Result
-from wrsim.results.ledger import LEDGER
+from wrsim.results.manifest import MANIFEST
 from wrsim.scenario.loading import load
 from wrsim.simulation.recorder import Recording
 
@@ -88,9 +88,9 @@ def run_for(arguments: list[str], fresh: bool, seconds: float) -> int | None:
 
 
 def contents(folder: Path) -> dict[str, object]:
-    """All files of a run but the ledger, which tells its story; of the result what it holds: netCDF-C writes the time
+    """All files of a run but the manifest, which tells its story; of the result what it holds: netCDF-C writes the time
     of the clock into its file."""
-    files = [p for p in folder.iterdir() if p.name != LEDGER]
+    files = [p for p in folder.iterdir() if p.name != MANIFEST]
     return {p.name: Result.load(p).dataset.load() if p.name == "result.nc" else p.read_bytes() for p in files}
 
 

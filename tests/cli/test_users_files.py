@@ -18,7 +18,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.output_folder import OUTPUTS
 from wrsim.results import Result, write_atomically, write_run
-from wrsim.results.ledger import LEDGER, Keeper, Ledger, keeping
+from wrsim.results.manifest import MANIFEST, Keeper, Manifest, keeping
 from wrsim.results.run_file import RunFile
 
 runner = CliRunner()
@@ -51,7 +51,7 @@ def analysed(monkeypatch: pytest.MonkeyPatch, unpainted: None) -> list[str]:
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {p.name: p.read_bytes() for p in folder.iterdir() if p.name != LEDGER}
+    return {p.name: p.read_bytes() for p in folder.iterdir() if p.name != MANIFEST}
 
 
 # --- the user's files ----------------------------------------------------------------------------------
@@ -147,13 +147,13 @@ def test_force_does_not_replace_what_is_no_plain_file(kind: str, tmp_path: Path)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["wheel.png"]
 
 
-def test_a_pipe_in_place_of_the_ledger_is_refused(scenario: Path, tmp_path: Path) -> None:
+def test_a_pipe_in_place_of_the_manifest_is_refused(scenario: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     out.mkdir()
-    os.mkfifo(out / LEDGER)
+    os.mkfifo(out / MANIFEST)
     for words in (("run", scenario, "-o", out), ("profile", "wheels/S1002.toml", "-o", out / "wheel.png")):
         refused = call(*words)
-        assert refused.exit_code == 2 and f"{out / LEDGER}: is a pipe" in refused.stderr
+        assert refused.exit_code == 2 and f"{out / MANIFEST}: is a pipe" in refused.stderr
 
 
 def test_a_late_picture_of_the_users_costs_no_numbers(scenario: Path, tmp_path: Path) -> None:
@@ -199,10 +199,10 @@ def test_only_what_carries_our_signature_is_cut(tmp_path: Path) -> None:
     RunFile(path).close()
 
 
-def test_a_ledger_that_is_a_link_is_not_written_through(scenario: Path, tmp_path: Path) -> None:
+def test_a_manifest_that_is_a_link_is_not_written_through(scenario: Path, tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     target = _written(tmp_path / "letter.txt", "mine")
-    (tmp_path / "out" / LEDGER).symlink_to(target)
+    (tmp_path / "out" / MANIFEST).symlink_to(target)
     refused = call("run", scenario, "-o", tmp_path / "out")
     assert refused.exit_code == 2
     assert "is a symbolic link" in refused.stderr
@@ -217,7 +217,7 @@ def test_a_second_run_into_a_folder_in_use_changes_nothing_there(scenario: Path,
     assert call("run", scenario, "-o", out, "--no-pictures").exit_code == 0
     before = contents(out)
     other = _written(tmp_path / "other.toml", CURVE.replace("a curve", "another"))
-    with Ledger(out).locked():
+    with Manifest(out).locked():
         refused = call("run", other, "-o", out, "--no-pictures")
     assert refused.exit_code == 2
     assert "another run is writing into it" in refused.stderr
@@ -294,13 +294,13 @@ def test_a_folder_deleted_during_a_run_is_made_anew(
     assert {"scenario.toml", "result.nc", "history.csv", "overview.png"} <= set(contents(out))
 
 
-# --- the ledger itself ---------------------------------------------------------------------------------
+# --- the manifest itself ---------------------------------------------------------------------------------
 
 
-def test_a_torn_line_of_the_ledger_hides_no_other(tmp_path: Path) -> None:
+def test_a_torn_line_of_the_manifest_hides_no_other(tmp_path: Path) -> None:
     with keeping(Keeper()):
         write_atomically(tmp_path / "a.csv", b"1")
-    with open(tmp_path / LEDGER, "ab") as stream:
+    with open(tmp_path / MANIFEST, "ab") as stream:
         stream.write(b'{"file": "b.csv", "sha')
     with keeping(Keeper()):
         write_atomically(tmp_path / "c.csv", b"2")
@@ -323,7 +323,7 @@ def test_a_file_noted_but_not_written_before_a_kill_is_still_ours(
 
 
 def test_python_writes_where_it_is_told(tmp_path: Path) -> None:
-    """Only commands keep a ledger: who names a file in a program of their own means it."""
+    """Only commands keep a manifest: who names a file in a program of their own means it."""
     (tmp_path / "a.csv").write_bytes(b"mine")
     write_atomically(tmp_path / "a.csv", b"new")
-    assert not (tmp_path / LEDGER).exists()
+    assert not (tmp_path / MANIFEST).exists()

@@ -22,7 +22,7 @@ from wrsim.errors import InputError, WrsimError
 from wrsim.report.output_folder import read
 from wrsim.results import CHANNELS, Result, assemble, channel, netcdf, summarise, tables, write_atomically, write_run
 from wrsim.results.files import as_csv
-from wrsim.results.ledger import Ledger
+from wrsim.results.manifest import Manifest
 from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.run_file import RunFile
 
@@ -544,6 +544,6 @@ def test_a_pipe_in_place_of_a_result_is_refused(name, tmp_path):
 
 
 @pytest.mark.parametrize("entry", [b'{"file": "../x"}', b'{"file": 3}', b'{"files": ["/x"]}', b"[" * 100000, b"{"])
-def test_a_ledger_names_files_of_its_own_folder_alone(entry, tmp_path):
+def test_a_manifest_names_files_of_its_own_folder_alone(entry, tmp_path):
     (tmp_path / ".wrsim").write_bytes(entry + b'\n{"file": "a.csv"}\n')
-    assert Ledger(tmp_path).entries() == [{"file": "a.csv"}]
+    assert Manifest(tmp_path).entries() == [{"file": "a.csv"}]

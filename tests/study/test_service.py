@@ -21,7 +21,7 @@ from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.profile.wear import smoothed_table
 from wrsim.results import write_atomically
 from wrsim.results.files import as_json
-from wrsim.results.ledger import digest_of
+from wrsim.results.manifest import digest_of
 from wrsim.results.netcdf import write_netcdf
 from wrsim.study.plan import PLAN, Plan
 from wrsim.study.service.history import history, write_history

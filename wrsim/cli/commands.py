@@ -50,8 +50,6 @@ def main() -> None:
     any_output()
     # a hundred thousand lasting objects of libraries are looked through again and again otherwise: a second of a run
     gc.set_threshold(50_000, 20, 100)
-    # no array here is one of dask's; xarray imports dask.array to see that, which takes a tenth of a second
-    sys.modules.setdefault("dask.array", None)  # type: ignore[arg-type]
     show_progress()
     try:
         with usage_as_json("--json" in sys.argv[1:]) as standalone:

@@ -17,7 +17,7 @@ from wrsim.results.summary_tables import wall_time
 if TYPE_CHECKING:
     from wrsim.plots.drawing import Finish
     from wrsim.results import Result
-    from wrsim.results.ledger import Keeper
+    from wrsim.results.manifest import Keeper
     from wrsim.scenario.build import Setup
     from wrsim.scenario.loading import Scenario
 
@@ -41,11 +41,11 @@ def beside(result: Path) -> Path:
 
 @contextmanager
 def writing(force: bool, *reads: Path, of: Path | None = None) -> Iterator[None]:
-    """While this lasts, no file of the user's is written over, none of ``reads`` above all (`wrsim.results.ledger`).
+    """While this lasts, no file of the user's is written over, none of ``reads`` above all (`wrsim.results.manifest`).
 
     of: the result that is reported on.
     """
-    from wrsim.results.ledger import Keeper, keeping
+    from wrsim.results.manifest import Keeper, keeping
 
     with keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else beside(of))):
         yield
@@ -58,10 +58,10 @@ def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path 
     reads: files of its input; scenario: the file that is run. Raises ``InputError`` before anything is changed there.
     """
     from wrsim.results.files import sweep
-    from wrsim.results.ledger import Keeper, Ledger, keeping
+    from wrsim.results.manifest import Keeper, Manifest, keeping
 
     keeper = Keeper(tuple(reads), force, directory)
-    with Ledger(directory).locked(), keeping(keeper):
+    with Manifest(directory).locked(), keeping(keeper):
         kept = (RECORD,) if _is_record(directory, scenario) else ()
         sweep(directory)
         keeper.check_folder(directory, [name for name in OUTPUTS if name not in kept])
@@ -74,9 +74,9 @@ def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path 
 def begin(directory: Path, scenario: Scenario) -> None:
     """Put the scenario's text into the folder: the record of the run, and proof that it may be written to."""
     from wrsim.results import write_atomically
-    from wrsim.results.ledger import Ledger, digest_of
+    from wrsim.results.manifest import Manifest, digest_of
 
-    Ledger(directory).note(begin=digest_of(scenario.text.encode()))
+    Manifest(directory).note(begin=digest_of(scenario.text.encode()))
     if not _is_record(directory, scenario.path):
         write_atomically(directory / RECORD, scenario.text.encode())
 
@@ -93,7 +93,7 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
     Only when all files stand has the run's own file done its work, unless the user may want to go on with it.
     """
     from wrsim.results import write_atomically, write_run
-    from wrsim.results.ledger import Ledger
+    from wrsim.results.manifest import Manifest
 
     record = directory / RECORD
     if not record.exists():  # somebody has deleted the folder of a run: it is made anew
@@ -106,7 +106,7 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
     if not can_go_on(result):
         (directory / PART).unlink(missing_ok=True)
         names = [path.relative_to(directory).as_posix() for path in files]
-        Ledger(directory).note(done=result.status, pictures=pictures, files=names)
+        Manifest(directory).note(done=result.status, pictures=pictures, files=names)
     return files
 
 
@@ -176,9 +176,9 @@ def whole_result(directory: Path, scenario: Scenario) -> Result | None:
 
 def has_all_files(directory: Path, scenario: Scenario, pictures: bool) -> bool:
     """True when everything that the last analysis in the folder had to write stands there."""
-    from wrsim.results.ledger import Ledger
+    from wrsim.results.manifest import Manifest
 
-    return Ledger(directory).is_done(scenario.text, pictures)
+    return Manifest(directory).is_done(scenario.text, pictures)
 
 
 def write_ride_of(result: Result, directory: Path, pictures: bool) -> list[Path]:

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from itertools import islice
 from pathlib import Path
-from typing import IO, Any, Protocol
+from typing import IO, Any
 
 from wrsim.errors import InputError, WrsimError
 from wrsim.inputs.toml_files import open_plain, other_kind
@@ -27,14 +27,8 @@ except ImportError:  # no such locks on this system: two runs into one folder go
     fcntl = None  # type: ignore[assignment]
 
 
-class _Keeper(Protocol):
-    def check(self, path: Path) -> None: ...
-
-    def note(self, path: Path, sha256: str) -> None: ...
-
-
-KEEPER: ContextVar[_Keeper | None] = ContextVar("KEEPER", default=None)
-"""Whom every file goes past before it is written (``wrsim.results.ledger``); commands set one."""
+KEEPER: ContextVar[Any] = ContextVar("KEEPER", default=None)
+"""The ``wrsim.results.manifest.Keeper`` that checks and notes every file before it is written; commands set one."""
 
 _REASONS = {
     errno.EACCES: "this place may not be written to",
@@ -74,12 +68,13 @@ def check_place(path: Path) -> None:
             raise InputError(f"{path}: is {kind}; a file of that name is written: move it away, or choose another")
 
 
-def write_atomically(path: str | Path, content: bytes | Iterable[bytes]) -> Path:
+def write_atomically(path: str | Path, content: bytes | Iterable[bytes], size: int | None = None) -> Path:
     """Write ``content``, whole or in parts, to a neighbour of ``path``, bring it to the disk, then give it its name.
 
+    size: of what comes in parts [bytes], for messages.
     An older file of that name stays whole until the new one is. Directories are made. Raises ``WrsimError``
     with one sentence when the disk is full or the place cannot be written; nothing half-written remains; ``InputError``
-    when no plain file stands there (`check_place`), in a command also one of the user's (``wrsim.results.ledger``).
+    when no plain file stands there (`check_place`), in a command also one of the user's (``wrsim.results.manifest``).
     """
     path = Path(path)
     check_place(path)
@@ -87,7 +82,7 @@ def write_atomically(path: str | Path, content: bytes | Iterable[bytes]) -> Path
         keeper.check(path)
     digest = hashlib.sha256()
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    with plain_disk_errors(path, len(content) if isinstance(content, bytes) else None):
+    with plain_disk_errors(path, len(content) if isinstance(content, bytes) else size):
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             with open(temporary, "xb") as stream:

@@ -46,14 +46,20 @@ def write_netcdf(path: str | Path, dataset: xr.Dataset) -> Path:
 
     Raises WrsimError when the disk is full or the place cannot be written to.
     """
-    if dataset.nbytes <= LARGE:
-        return write_atomically(path, b"".join(_sealed((_as_file(dataset),))))
+    import netCDF4
+
     path = Path(path)
     with plain_disk_errors(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(prefix=f".{path.name}.", suffix=".part", dir=path.parent) as stream:
-            _write_large(dataset, stream.name)
-            return write_atomically(path, _sealed(iter(lambda: stream.read(_PIECE), b"")))
+            try:
+                with netCDF4.Dataset(stream.name, "w", format="NETCDF4") as file:
+                    _fill(file, dataset)
+            except RuntimeError as problem:  # netCDF-C says "HDF error", whatever it was
+                full = shutil.disk_usage(path.parent).free < LARGE
+                raise OSError(errno.ENOSPC if full else errno.EIO, str(problem)) from problem
+            size = os.fstat(stream.fileno()).st_size
+            return write_atomically(path, _sealed(iter(lambda: stream.read(_PIECE), b"")), size)
 
 
 def read_netcdf(path: Path, what: str) -> xr.Dataset:
@@ -126,27 +132,6 @@ class Channels:
         with self._name:
             opened = xr.open_dataset(self._name.name, engine="netcdf4", decode_cf=False, cache=False)
             return {str(name): own for name, own in opened.variables.items()}
-
-
-def _as_file(dataset: xr.Dataset) -> bytes:
-    """The bytes of a NetCDF 4 file of few numbers."""
-    import netCDF4
-
-    file = netCDF4.Dataset("in memory", "w", format="NETCDF4", memory=dataset.nbytes)
-    _fill(file, dataset)
-    return bytes(file.close())
-
-
-def _write_large(dataset: xr.Dataset, path: str) -> None:
-    """Write a NetCDF 4 file of many numbers, channel by channel."""
-    import netCDF4
-
-    try:
-        with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
-            _fill(file, dataset)
-    except RuntimeError as problem:  # netCDF-C says "HDF error", whatever it was
-        full = shutil.disk_usage(Path(path).parent).free < LARGE
-        raise OSError(errno.ENOSPC if full else errno.EIO, str(problem)) from problem
 
 
 def _fill(file: netCDF4.Dataset, dataset: xr.Dataset) -> None:

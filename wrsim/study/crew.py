@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from wrsim.errors import InputError
 from wrsim.results import write_atomically
-from wrsim.results.ledger import Keeper, Ledger, digest_of, keeping
+from wrsim.results.manifest import Keeper, Manifest, digest_of, keeping
 from wrsim.study import cluster
 from wrsim.study.cluster import address_of
 from wrsim.study.engine import execute, kinds, warm_remotely
@@ -43,7 +43,7 @@ def check_crew(workers: int | None, scheduler: str | None, slurm: bool, tls: Pat
 def kept_folder(directory: Path, reads: Sequence[Path], force: bool, outputs: Sequence[str]) -> Iterator[None]:
     """The folder of a study or service, for one process alone; nothing of the user's in it is written over."""
     keeper = Keeper(tuple(reads), force)
-    with Ledger(directory).locked(), keeping(keeper):
+    with Manifest(directory).locked(), keeping(keeper):
         keeper.check_folder(directory, outputs)
         yield
 

@@ -9,7 +9,7 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 from wrsim.errors import InputError, WrsimError
-from wrsim.results.ledger import digest_of
+from wrsim.results.manifest import digest_of
 from wrsim.study.cluster import ATTEMPTS, check_threads
 from wrsim.study.plan import Plan
 from wrsim.study.task import COMPLETED, DERAILED, FAILED, MARKER, Marker, read_marker, run_case, warm, write_marker

@@ -24,7 +24,7 @@ from wrsim.errors import InputError
 from wrsim.inputs.checking import check, fault_line, opened
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.toml_files import noting_reads, shown
-from wrsim.results.ledger import digest_of
+from wrsim.results.manifest import digest_of
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load, load_text
 from wrsim.study.axes import Points, points_of

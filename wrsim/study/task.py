@@ -31,7 +31,7 @@ from wrsim.inputs.toml_files import read_bytes
 from wrsim.register import ANALYSES
 from wrsim.results import Result, write_atomically
 from wrsim.results.files import as_json
-from wrsim.results.ledger import Ledger
+from wrsim.results.manifest import Manifest
 from wrsim.scenario.loading import Scenario
 from wrsim.study.outputs import Outputs, outputs_of
 from wrsim.study.plan import Case, Plan, changed_file, plan_in
@@ -137,7 +137,7 @@ def _alone_in(folder: Path, patience: float) -> Iterator[None]:
     with ExitStack() as stack:
         while True:
             try:
-                stack.enter_context(Ledger(folder).locked())
+                stack.enter_context(Manifest(folder).locked())
                 break
             except InputError:
                 if time.monotonic() > until:

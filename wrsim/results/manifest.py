@@ -1,11 +1,11 @@
 """What wrsim may write over: nothing of the user's.
 
-Every folder that a command writes into holds a ledger (``.wrsim``), one JSON object a line: names and digests of the
-files that wrsim wrote there, when an analysis began and when all of its files stood. A file that is not in the ledger,
-or that has changed since, belongs to the user; so does every file that the scenario reads.
+Every folder that a command writes into holds a manifest (``.wrsim``), one JSON object a line: names and digests of the
+files that wrsim wrote there, when an analysis began and when all of its files were complete. A file that is not in the
+manifest, or that has changed since, belongs to the user; so does every file that the scenario reads.
 
-Lines are only ever appended, and stand there before their file does: a process that is killed leaves a ledger that
-knows the old and the new file. While an analysis writes into a folder, it holds a lock on the ledger.
+Lines are only ever appended, each before its file gets its name: a process that is killed leaves a manifest that names
+the old and the new file. While an analysis writes into a folder, it holds a lock on the manifest.
 """
 
 from __future__ import annotations
@@ -24,20 +24,18 @@ from wrsim.errors import InputError
 from wrsim.results import files
 from wrsim.results.files import from_json, lock, open_no_link, plain_disk_errors
 
-LEDGER = ".wrsim"
-
-
+MANIFEST = ".wrsim"
 _KEPT = 32
 """Characters of a digest that are kept."""
 
 
 def digest_of(content: bytes) -> str:
-    """What the ledger keeps of a file, or of a scenario's text."""
+    """What the manifest keeps of a file, or of a scenario's text."""
     return hashlib.sha256(content).hexdigest()[:_KEPT]
 
 
 def _is_entry(entry: dict[str, Any]) -> bool:
-    """True for a line as `Ledger.note` writes them: its files lie in the folder of the ledger, or below it."""
+    """True for a line as `Manifest.note` writes them: its files lie in the folder of the manifest, or below it."""
     own, further = entry.get("file", "x"), entry.get("files", [])
     texts = [own, entry.get("sha256", ""), entry.get("begin", ""), *(further if isinstance(further, list) else [None])]
     return (
@@ -48,30 +46,36 @@ def _is_entry(entry: dict[str, Any]) -> bool:
 
 
 @dataclass(frozen=True)
-class Ledger:
-    """The ledger of one folder; see the module."""
+class Manifest:
+    """The manifest of one folder; see the module."""
 
     folder: Path
 
+    @property
+    def path(self) -> Path:
+        """Its file."""
+        return self.folder / MANIFEST
+
     def entries(self) -> list[dict[str, Any]]:
-        """All lines that are whole, oldest first; none where there is no ledger."""
+        """All lines that are whole, oldest first; none where there is no manifest."""
         try:
-            with open_no_link(self.folder / LEDGER, os.O_RDONLY) as stream:
+            with open_no_link(self.path, os.O_RDONLY) as stream:
                 lines = stream.read().split(b"\n")
         except OSError:
             return []
         found = (from_json(line) for line in lines)  # one is torn when its process was killed
         return [entry for entry in found if entry is not None and _is_entry(entry)]
 
+    def _open(self) -> IO[bytes]:
+        self.folder.mkdir(parents=True, exist_ok=True)
+        return open_no_link(self.path, os.O_RDWR | os.O_APPEND | os.O_CREAT)
+
     def note(self, **entry: Any) -> None:
         """Append a line. Raises ``WrsimError`` when the folder cannot be written."""
-        path = self.folder / LEDGER
-        with plain_disk_errors(path):
-            self.folder.mkdir(parents=True, exist_ok=True)
-            with open_no_link(path, os.O_RDWR | os.O_APPEND | os.O_CREAT) as stream:
-                end = stream.seek(0, os.SEEK_END)
-                torn = end > 0 and os.pread(stream.fileno(), 1, end - 1) != b"\n"
-                stream.write(b"\n" * torn + json.dumps(entry, ensure_ascii=False).encode() + b"\n")
+        with plain_disk_errors(self.path), self._open() as stream:
+            end = stream.seek(0, os.SEEK_END)
+            torn = end > 0 and os.pread(stream.fileno(), 1, end - 1) != b"\n"
+            stream.write(b"\n" * torn + json.dumps(entry, ensure_ascii=False).encode() + b"\n")
 
     def wrote(self, path: Path) -> bool:
         """True if the file is as wrsim wrote it."""
@@ -82,29 +86,22 @@ class Ledger:
             return hashlib.file_digest(stream, "sha256").hexdigest()[:_KEPT] in known
 
     def is_done(self, scenario_text: str, pictures: bool) -> bool:
-        """True if the last analysis that began here is that of this scenario, and all of its files stand.
+        """True if the last analysis that began here is that of this scenario, it ended, and all of its files exist.
 
         pictures: whether they have to be among them.
         """
-        entries = self.entries()
-        begins = [i for i, entry in enumerate(entries) if "begin" in entry]
-        if not begins:
+        begun, done = "", dict[str, Any]()
+        for entry in self.entries():
+            begun, done = (entry["begin"], {}) if "begin" in entry else (begun, entry if "done" in entry else done)
+        if not done or begun != digest_of(scenario_text.encode()) or pictures > bool(done.get("pictures")):
             return False
-        own = entries[begins[-1] :]
-        if own[0]["begin"] != digest_of(scenario_text.encode()):
-            return False
-        done = [entry for entry in own if "done" in entry]
-        names = [entry["file"] for entry in own if "file" in entry] + [n for e in done for n in e.get("files", ())]
-        drawn = not pictures or any(entry.get("pictures") for entry in done)
-        return bool(done) and drawn and all((self.folder / name).exists() for name in names)
+        return all((self.folder / name).exists() for name in done.get("files", ()))
 
     @contextmanager
     def locked(self) -> Iterator[None]:
         """Keep a second analysis out of the folder; raises ``InputError`` when there is one at work."""
-        path = self.folder / LEDGER
-        with plain_disk_errors(path):
-            self.folder.mkdir(parents=True, exist_ok=True)
-            stream: IO[bytes] = open_no_link(path, os.O_RDWR | os.O_APPEND | os.O_CREAT)
+        with plain_disk_errors(self.path):
+            stream = self._open()
         with stream:
             if not lock(stream):
                 raise InputError(f"{self.folder}: another run is writing into it; choose another directory with -o")
@@ -126,7 +123,7 @@ class Keeper:
     def note(self, path: Path, sha256: str) -> None:
         """Note a file before it takes its place; sha256: of its content."""
         inside = self.of is not None and self.of.absolute() in list(path.absolute().parents)[:2]
-        Ledger(path.parent).note(file=path.name, sha256=sha256[:_KEPT], **({"of_result": True} if inside else {}))
+        Manifest(path.parent).note(file=path.name, sha256=sha256[:_KEPT], **({"of_result": True} if inside else {}))
 
     def check(self, path: Path) -> None:
         """Raises ``InputError`` when a file of the user's stands there."""
@@ -138,7 +135,7 @@ class Keeper:
                 f"{path}: would be written over, but the input is read from it; "
                 "choose another directory with -o, or write over it with --force"
             )
-        if not Ledger(path.parent).wrote(path):
+        if not Manifest(path.parent).wrote(path):
             raise InputError(
                 f"{path}: would be written over, but wrsim did not write it, or it has changed since; "
                 "move it away, choose another directory with -o, or write over it with --force"
@@ -153,14 +150,14 @@ class Keeper:
             return []
         stay, gone = {path.absolute() for path in kept}, []
         for folder in (*sorted(self.of.glob("wheelset_*/")), self.of):
-            ledger = Ledger(folder)
-            names = dict.fromkeys(str(e["file"]) for e in ledger.entries() if e.get("of_result"))
+            manifest = Manifest(folder)
+            names = dict.fromkeys(str(e["file"]) for e in manifest.entries() if e.get("of_result"))
             for path in (folder / name for name in names):
-                if path.absolute() not in stay and ledger.wrote(path):
+                if path.absolute() not in stay and manifest.wrote(path):
                     path.unlink()
                     gone.append(path)
-            if folder != self.of and [path.name for path in folder.iterdir()] == [LEDGER]:
-                (folder / LEDGER).unlink()
+            if folder != self.of and [path.name for path in folder.iterdir()] == [MANIFEST]:
+                (folder / MANIFEST).unlink()
                 folder.rmdir()
         return gone
 
