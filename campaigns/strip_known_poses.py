@@ -21,7 +21,7 @@ from strip_sweeps import worst_end
 
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.pose import Pose
-from wrsim.core.contact.records import STATUS_UNSETTLED
+from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 
 COMPARED = 10  # every so many steps of a sweep the half-space solver is asked
 
@@ -74,7 +74,7 @@ def measure(stand: Stand, known: Known) -> dict[str, object]:
     for i, y in enumerate(shifts):
         height = start + (end - start) * (y - known.start) / (known.end - known.start)
         stand.strips.evaluate(1e-3 * y, height, yaw, 0.0)
-        unsolved += bool(arrays.status & STATUS_UNSETTLED)
+        unsolved += bool(arrays.status & STATUS_NOT_CONVERGED)
         forces.append(stand.strips.force.copy())
         own = force(stand.strips)
         ends = max(ends, worst_end(arrays))

@@ -30,7 +30,7 @@ from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import ContactSettings
-from wrsim.core.contact.records import STATUS_UNSETTLED
+from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.core.contact.strips.solution import RETRIED, STRAIGHT, UNSOLVED
 from wrsim.geometry.profile.models import load_profile
 
@@ -122,7 +122,7 @@ def pose_block(stands: list[Stand], seed: tuple[int, int], wanted: int) -> dict[
             iterations.append(int(memo["iterations"]))
             ours, result = force(stand.strips), int(memo["result"])
             place = f"{stand.name} y {lateral:.9f} yaw {yaw:.9f} depth {depth:.9g}"
-            unsolved = bool(status & STATUS_UNSETTLED)
+            unsolved = bool(status & STATUS_NOT_CONVERGED)
             count += Counter(
                 poses=1, retried=result == RETRIED, straight=result == STRAIGHT, unsolved=unsolved,
                 without_any=result == UNSOLVED,
@@ -199,8 +199,8 @@ def walk(followed: Stand, afresh: Stand, random: np.random.Generator) -> Counter
         count += Counter(
             steps=1, residuals=int(memo["iterations"]), jacobians=int(memo["factorisations"]),
             retried=result == RETRIED, straight=result == STRAIGHT,
-            unsolved=bool(followed.arrays.status & STATUS_UNSETTLED),
-            unsolved_afresh=bool(afresh.arrays.status & STATUS_UNSETTLED),
+            unsolved=bool(followed.arrays.status & STATUS_NOT_CONVERGED),
+            unsolved_afresh=bool(afresh.arrays.status & STATUS_NOT_CONVERGED),
         )  # fmt: skip
     both = np.array(normal)
     load = np.maximum(both[:, 1], LEAST)

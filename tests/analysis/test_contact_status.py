@@ -20,7 +20,7 @@ from wrsim.analysis.resolve import resolve
 from wrsim.contact.kernel_arrays import KernelArrays
 from wrsim.contact.status import NOT_CONVERGED, WORDS
 from wrsim.core.contact import records
-from wrsim.core.contact.records import STATUS_PROFILE_END, STATUS_TOO_DEEP, STATUS_UNSETTLED
+from wrsim.core.contact.records import STATUS_PROFILE_END, STATUS_TOO_DEEP, STATUS_NOT_CONVERGED
 from wrsim.errors import SimulationError
 from wrsim.results import Result
 from wrsim.scenario.build import build
@@ -141,14 +141,14 @@ def watch() -> tuple[Monitor, Work, np.ndarray, np.ndarray]:
 def test_a_contact_s_event_says_where_and_how_long(monkeypatch: pytest.MonkeyPatch) -> None:
     monitor, _, q, q_t = watch()
     monitor(0.0, q, q_t)
-    monkeypatch.setattr(KernelArrays, "status", property(lambda self: STATUS_PROFILE_END | STATUS_UNSETTLED))
+    monkeypatch.setattr(KernelArrays, "status", property(lambda self: STATUS_PROFILE_END | STATUS_NOT_CONVERGED))
     for t in (0.1, 0.105):
         q[1] += 0.1
         monitor(t, q, q_t)
     words = [event_words(event, monitor.law.vehicle) for event in monitor.events()]
     assert f"the left wheel: {WORDS[STATUS_PROFILE_END]}, for 0.10 m, 5 ms" in words
-    assert f"the right wheel: {WORDS[STATUS_UNSETTLED]}, for 0.10 m, 5 ms" in words
-    assert list(monitor.said) == [STATUS_PROFILE_END | STATUS_UNSETTLED] * 2
+    assert f"the right wheel: {WORDS[STATUS_NOT_CONVERGED]}, for 0.10 m, 5 ms" in words
+    assert list(monitor.said) == [STATUS_PROFILE_END | STATUS_NOT_CONVERGED] * 2
 
 
 def test_steps_that_are_cut_are_an_event_and_told_at_once_when_there_are_many(caplog: pytest.LogCaptureFixture) -> None:

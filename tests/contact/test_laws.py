@@ -30,7 +30,7 @@ from wrsim.geometry.profile.wear import Removal, worn
 NORMALS = get_args(Normal)
 FAST = tuple(n for n in NORMALS if n != "half-space")
 KNOWN = (
-    k.STATUS_NOT_REFINED | k.STATUS_UNSETTLED | k.STATUS_PROFILE_END | k.STATUS_TOO_DEEP
+    k.STATUS_NOT_REFINED | k.STATUS_NOT_CONVERGED | k.STATUS_PROFILE_END | k.STATUS_TOO_DEEP
     | TOO_MANY | GRID_EDGE | NOT_CONVERGED
 )  # fmt: skip
 EXAMPLES = {"half-space": 6}

@@ -28,7 +28,7 @@ from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.tables import combined_modulus, influence_table
 from wrsim.contact.tables import potential as potential_of
 from wrsim.core.contact.arrays import bodies
-from wrsim.core.contact.records import STATUS_UNSETTLED
+from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.core.contact.strips.grid import opposite
 from wrsim.core.contact.strips.influence import potential, pressed_beside, primitives
 from wrsim.core.contact.strips.records import CURVE, FROM, INVERSE, MIDDLE, PUSH, TO, VECTORS
@@ -303,7 +303,7 @@ def test_random_poses_are_solved_afresh(pair):
         touching = settle(stand, lateral, yaw, 10.0)[0].height
         for depth in 1e-6 * 300.0 ** random.uniform(0.0, 1.0, 4):
             stand.evaluate(lateral, touching - depth, yaw, 0.0)
-            assert not model.arrays.call() & STATUS_UNSETTLED, (lateral, yaw, depth)
+            assert not model.arrays.call() & STATUS_NOT_CONVERGED, (lateral, yaw, depth)
 
 
 @pytest.mark.parametrize(("lateral", "yaw", "depth"), [
@@ -317,7 +317,7 @@ def test_a_shoulder_that_all_but_touches_beyond_a_gap_is_solved(lateral, yaw, de
     forces = []
     for share in np.linspace(0.97, 1.03, 13):
         stand.evaluate(lateral, touching - share * depth, yaw, 0.0)
-        assert not model.arrays.call() & STATUS_UNSETTLED
+        assert not model.arrays.call() & STATUS_NOT_CONVERGED
         forces.append(model.arrays.patches["N"][: model.arrays.total["lobes"]].sum())
     assert np.all(np.diff(forces) > 0.0)
 
@@ -334,7 +334,7 @@ def test_a_narrow_contact_with_an_end_as_long_as_can_be_is_solved(lateral, yaw, 
     stand = bench(model, rolling=False)
     for load in loads:
         _solved, contact = settle(stand, lateral, yaw, load)
-        assert not model.arrays.call() & STATUS_UNSETTLED and model.arrays.substitutes == 0
+        assert not model.arrays.call() & STATUS_NOT_CONVERGED and model.arrays.substitutes == 0
         assert contact.normal_force == pytest.approx(HalfSpace(resolution=12).solve_pose(model).normal_force, rel=wrong)
 
 
@@ -357,7 +357,7 @@ def test_what_cannot_be_solved_is_bounded_counted_and_told():
         stand.evaluate(lateral, height, 0.0, 0.0)
         a = model.arrays
         status = a.call()
-        unsettled += 2 * bool(status & STATUS_UNSETTLED)  # evaluated twice
+        unsettled += 2 * bool(status & STATUS_NOT_CONVERGED)  # evaluated twice
         assert a.substitutes == unsettled
         lobes = a.patches[: a.total.lobes]
         exact = HalfSpace(resolution=10).solve_pose(model).normal_force
@@ -366,8 +366,8 @@ def test_what_cannot_be_solved_is_bounded_counted_and_told():
             strips = a.strips[i, : lobe["n_strips"]]
             assert (strips["a"] ** 2 <= 2.0 * strips["r_t"] * np.maximum(strips["penetration"], 2e-8) * 1.1).all()
         stand._touch(0)
-        unsettled += bool(status & STATUS_UNSETTLED)
-        assert ("the strip model was not solved" in stand._problem(60e3)) == bool(status & STATUS_UNSETTLED)
+        unsettled += bool(status & STATUS_NOT_CONVERGED)
+        assert ("the strip model was not solved" in stand._problem(60e3)) == bool(status & STATUS_NOT_CONVERGED)
     assert unsettled > 0
 
 

@@ -22,7 +22,7 @@ from wrsim.analysis.moments_along import with_moments
 from wrsim.analysis.motion.derailment import Wheel
 from wrsim.cli import app
 from wrsim.contact.status import WORDS
-from wrsim.core.contact.records import STATUS_UNSETTLED
+from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.errors import InputError
 from wrsim.report.page import report_page
 from wrsim.report.view import setup_of, view_page
@@ -97,10 +97,12 @@ def test_what_contacts_solved_again_have_to_say_stands_among_the_notes(
     setup, _ = setup_of(coach, Path())
     assert setup is not None
     assert with_moments(coach.dataset, setup, [40]).attrs["contact_remark"] == ""
-    monkeypatch.setattr(Wheel, "status", property(lambda wheel: STATUS_UNSETTLED * (wheel.wheelset == "front.outer")))
+    monkeypatch.setattr(
+        Wheel, "status", property(lambda wheel: STATUS_NOT_CONVERGED * (wheel.wheelset == "front.outer"))
+    )
     monkeypatch.setattr("wrsim.report.view_data.SECTIONS", 2)
     (note,) = view_data(coach, setup)["notes"]
-    assert f"the left wheel of wheelset front.outer: {WORDS[STATUS_UNSETTLED]} (at " in note
+    assert f"the left wheel of wheelset front.outer: {WORDS[STATUS_NOT_CONVERGED]} (at " in note
     assert re.fullmatch(r"Contacts that are drawn: .* places\)", note)
     assert "rear" not in note
 

@@ -12,7 +12,7 @@ from wrsim.core.contact.records import (
     STATUS_NOT_REFINED,
     STATUS_PROFILE_END,
     STATUS_TOO_DEEP,
-    STATUS_UNSETTLED,
+    STATUS_NOT_CONVERGED,
 )
 from wrsim.core.contact.wheel_rail import DEEPEST
 
@@ -27,7 +27,7 @@ WORDS = {
     STATUS_NOT_REFINED: "a main point of contact was not found to round-off",
     STATUS_PROFILE_END: "contact reaches the end of a profile, which is continued straight there",
     STATUS_TOO_DEEP: f"wheel and rail overlap by more than {1e3 * DEEPEST:g} mm",
-    STATUS_UNSETTLED: "the strip model was not solved: the forces are those of a substitute",
+    STATUS_NOT_CONVERGED: "the strip model was not solved: the forces are those of a substitute",
     TOO_MANY: (
         f"contact needs more than {MOST_ELEMENTS} elements or {MOST_ROWS} rows of them: give larger ones "
         "(contact.half_space)"

@@ -17,7 +17,7 @@ from wrsim.analysis.motion.derailment import Wheel, overlap, wheels_of
 from wrsim.analysis.motion.intersample_peaks import Between
 from wrsim.analysis.motion.messages import Event, EventKind, OffRail, Overlap, stop_words
 from wrsim.contact.status import bits_of
-from wrsim.core.contact.records import STATUS_TOO_DEEP, STATUS_UNSETTLED
+from wrsim.core.contact.records import STATUS_TOO_DEEP, STATUS_NOT_CONVERGED
 from wrsim.simulation.integrate import EXPLICIT_PARTS
 from wrsim.simulation.system import Work
 
@@ -111,7 +111,7 @@ class Monitor:
             said = status & ~STATUS_TOO_DEEP
             if substitutes > self.substitutes.item(i):  # also between two looks
                 self.substitutes[i] = substitutes
-                said |= STATUS_UNSETTLED
+                said |= STATUS_NOT_CONVERGED
             for bit in bits_of(said):
                 self._note(bit, i, t, distance)
         for i, limits, place in self.stops:

@@ -2,14 +2,14 @@
 
 Each wheel touches its rail at a fixed distance ``half`` from the middle of the axle. Of the cone nothing enters but the
 rolling radius, r = r0 + lambda y on the left and r0 - lambda y on the right wheel (y: shift to the left against the
-track): normal forces stand on the track plane, so there is no gravitational stiffness and no roll of the cone on the
-rails. Creepages are those of the material point at the contact, over the speed V, along t and n of the track; small,
+track): normal forces are perpendicular to the track plane, so there is no gravitational stiffness and no roll of the cone
+on the rails. Creepages are those of the material point at the contact, over the speed V, along t and n of the track; small,
 they are
 
     xi = -+ a psi_t / V - (+-) lambda y / r0,    eta = y_t / V - psi.
 
 Creep force T = -(C_x xi, C_y eta), without spin; with friction its size is mu N (e - e^2/3 + e^3/27), e = |T|/(mu N)
-< 3 (Vermeulen and Johnson). Flanges are springs with free travel. In the place of rigid rails stand stiff springs and
+< 3 (Vermeulen and Johnson). Flanges are springs with free travel. Stiff springs replace rigid rails, and
 dampers under the wheels.
 """
 

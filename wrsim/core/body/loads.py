@@ -16,11 +16,11 @@ the run says, s_0(t): with the distance s of its reference body and e = s_0 - s,
 M the mass of the vehicle, J and r inertia about the axle and radius of its wheelsets: what accelerates it does not wait
 for a lag. Either it pulls the reference body along the track, as the coupler of a train does, or it comes as equal
 moments on the axles, with the reaction on the bodies that hold them. In a train each driven vehicle has a point of its
-own; those that are not driven have nothing, and their masses stand in M of the driven ones.
+own; those that are not driven have nothing, and their masses are in M of the driven ones.
 
 Efforts. Moments of motors and brakes on single axles by tables over the time or over the distance of the (first)
 vehicle's origin, positive forward, with the same reaction. A negative one is a brake: it is against the rotation, and
-fades as the wheelset stands, M omega / ``BRAKE_FADE`` below that rate.
+fades as the wheelset stops, M omega / ``BRAKE_FADE`` below that rate.
 
 Geared motors. A moment M asked of such an axle is what its motor gives, M / n, times the ratio n of the gear (negative
 where the rotor turns against the axle). Against the case of the gear, which pitches at p = e.omega_case about its
@@ -38,7 +38,7 @@ without a product of v and p: J v_t = M - T, and J_c counts with the inertia of 
 wheelset, -M / n e on the body of the motor, and on the case M / n e - T a - sigma (M - T) e. What turns also keeps its
 direction: the momentum J_r (n u + p) of the rotor times the rate of the motor's axis is a moment on the motor, that of
 the rest on the case; J_c has its own there. Where motor and case are one body, momentum and energy are kept exactly;
-else e stands for the direction of the motor's axis as well, but in its own gyroscopic moment. delta and v are unknowns
+else e is the direction of the motor's axis as well, but in its own gyroscopic moment. delta and v are unknowns
 of their own.
 
 Slip control. What is asked of an axle, drive and efforts together, is given in full while its slip speed in the

@@ -1,6 +1,6 @@
 """Forces of all suspension elements of a vehicle, in one loop over a table of elements.
 
-Each element joins a point of a first body to a point of a second one. Behind the bodies stand the track frame and the
+Each element joins a point of a first body to a point of a second one. After the bodies come the track frame and the
 guide frame (``core.body.vehicle_forces``).
 
 - FIELD: three springs and dampers along the axes of the first body, and rotational ones about them. With d the vector

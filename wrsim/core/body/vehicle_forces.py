@@ -8,7 +8,7 @@ on a mass of 1; the coordinate itself means nothing. So do twist and rate of the
 (core.body.loads). Then comes the pitch of every axle box (core.body.axle_boxes), on
 an inertia of 1.
 
-Behind these stands the twist of every axle whose wheels may turn against each other: theta_t is the spin of the left
+After these comes the twist of every axle whose wheels may turn against each other: theta_t is the spin of the left
 wheel less that of the right one. With half of the wheelset's inertia J about the axle at each of them, the body's spin
 is the mean of both, and with the moments M about the axle of what acts on left and right wheel
 
@@ -17,7 +17,7 @@ is the mean of both, and with the moments M about the axle of what acts on left 
 while the body takes their sum as ever. Without stiffness and damping the wheels are independent. The spin counts about
 the axle itself, heading_t sin(roll) and all, so that nothing is left out; also gyroscopic moments know the sum alone.
 
-Behind these, on elastic rails, stand the displacements of a piece of rail under every wheel, moving along with it: left
+After these, on elastic rails, come the displacements of a piece of rail under every wheel, moving along with it: left
 rail along n and b, right rail along n and b, wheelset after wheelset. Each follows
 
     m u_tt + c u_t + k u = force of the wheel on the rail along n or b,
@@ -25,9 +25,9 @@ rail along n and b, right rail along n and b, wheelset after wheelset. Each foll
 and is written with a mass of 1 (its "force" is the acceleration). The wheel meets the rail where it has moved to, with
 the velocity that is left between them. The pieces of two wheels know nothing of each other.
 
-Two frames stand behind the last body, and behind these the axle boxes; springs may be fixed to all of them. The track
-frame follows the centre line as the run's speed says (`motion_at`): it is evaluated, not integrated. The
-guide frame is the bogie that the vehicle's wheelset leads: it goes with the track frame, but stands along the chord of
+Two frames follow the last body, and behind these the axle boxes; springs may be fixed to all of them. The track
+frame follows the centre line at the run's speed (`motion_at`): it is evaluated, not integrated. The
+guide frame is the bogie that the vehicle's wheelset leads: it goes with the track frame, but lies along the chord of
 a curve, turned about b by -a kappa for an axle at a distance a ahead of the bogie's centre. Its springs turn with it;
 how fast the angle changes in a transition is left out of its velocity.
 """

@@ -76,7 +76,7 @@ def in_turn(buffer: Array, index: Ints) -> int:
 
 @parallel
 def side_by_side(buffer: Array, index: Ints) -> int:
-    """As `in_turn`, on as many threads as numba has been told."""
+    """As `in_turn`, on as many threads as numba is set to use."""
     for i in prange(index.shape[0] // ARRAYS):
         stages.run(ONE_WHEEL, buffer, index[i * ARRAYS : (i + 1) * ARRAYS])
     return OK

@@ -1,6 +1,6 @@
 """A profile as a table over its arclength.
 
-Rows stand at uniform arclength ``step`` from L = 0; columns: u (outward), w (height), du/dL, dw/dL, curvature
+Rows are at uniform arclength ``step`` from L = 0; columns: u (outward), w (height), du/dL, dw/dL, curvature
 (rate of the tangent angle, positive where the curve bends upwards). Position and tangent are read by cubic Hermite
 interpolation, the curvature linearly; an index costs a division, no search.
 """

@@ -37,7 +37,7 @@ KIK_PIOTROWSKI, FREE_STRIPS, CREEP_FORCES, CONTACT = range(4)
 """Stages (core.contact.stages). The first two are SETTINGS.normal; `wrsim.contact.models` lists the models."""
 
 AFRESH, FROM_LAST = range(2)
-"""SETTINGS.start of the strip model: afresh or from the last contact."""
+"""SETTINGS.start of the strip model: a cold start or from the last contact."""
 
 FOUND = record("arc_wheel arc_rail depth curvature saddle saddle_arc")
 """A contact that the search found: arclengths on wheel and rail [m], penetration [m], relative curvature [1/m]; least
@@ -68,8 +68,8 @@ lobes and of patches (lobes that share a patch count once); sum of the STATUS bi
 STATUS_NOT_REFINED = 1  # a main point was not found to round-off
 STATUS_PROFILE_END = 2  # contact reaches the end of a profile
 STATUS_TOO_DEEP = 4  # an overlap, not a contact
-STATUS_UNSETTLED = 8  # the strip model was not solved, a substitute stands for it
-"""`wrsim.contact.status` has the words for each, and every analysis says them."""
+STATUS_NOT_CONVERGED = 8  # the strip model was not solved, a substitute is used
+"""`wrsim.contact.status` has the text of each, and every analysis reports it."""
 
 
 class Pose(NamedTuple):
@@ -114,7 +114,7 @@ class Rail(NamedTuple):
     """A rail: one profile, or sections that change along the track (`wrsim.geometry.track.rolled_rail`).
 
     table: (stations * rows, 5 or 8); rates: of the same shape, (0, 0) for one profile; stations: their places (n,);
-    step: arclength between rows [m]; rows: of one section; share: between which stations the wheel stands; place:
+    step: arclength between rows [m]; rows: of one section; share: between which stations the wheel is; place:
     distance along the rail; twist: how the section turns along it, positive where its outer side rises [rad/m]; bow_o,
     bow_b: curvature of the rail outward and up [1/m]; yaw: axle's component along the rail; o, radius: of the wheel.
     """

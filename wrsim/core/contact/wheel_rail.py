@@ -1,7 +1,7 @@
 """One wheel on one rail: from a pose and a motion to forces, all stages in one call.
 
 On the right side the rail's axes (t, o, b) are left-handed; a mirrored angular velocity (sign changed once more) makes
-every formula hold as it stands, so the kernel knows no side.
+every formula hold unchanged, so the kernel knows no side.
 
 The normal model and the creep forces are stages (core.jit.stages), as is the whole of it for a vehicle;
 core.contact.stages lists them. What one leaves for the next is in the arrays; the number of lobes is in ``total``.
@@ -34,8 +34,8 @@ DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a co
 def wheel_rail(buffer: Array, index: Ints) -> int:
     """Contact of one wheel and one rail, the pose being set in the arena; see `core.contact.arrays.Arrays`.
 
-    Forces act on the wheel; a lobe with N = 0 is none. Returns a status, which stands in ``total``, too: 0, or a sum of
-    the STATUS bits.
+    Forces act on the wheel; a lobe with N = 0 is none. Returns a status, also written to ``total``: 0, or a sum of the STATUS
+    bits.
     """
     a = arrays(buffer, index)
     settings, lobes = a.settings[0], a.patches
@@ -59,7 +59,7 @@ def wheel_rail(buffer: Array, index: Ints) -> int:
 def search(buffer: Array, index: Ints) -> tuple[int, int]:
     """Contacts at the pose set in the arena, before any force, written to ``found``.
 
-    Returns their number and a status; the closest distance stands in ``total``.
+    Returns their number and a status; the closest distance is written to ``total``.
     """
     a = arrays(buffer, index)
     wheel, rail, _pose = bodies(a)

@@ -1,5 +1,5 @@
 """Many arrays in one: a numba call costs about 0.1 us for every array that it is handed, so all arrays of a
-wheelset lie in one buffer and an index says where.
+wheelset lie in one buffer and an index gives their places.
 
 index: (K, 4) int64 rows: offset, then up to three sizes (0 where there is no such dimension). Records (``record``) lie
 in the same buffer of doubles; the size of a record is their last dimension.

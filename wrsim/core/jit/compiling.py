@@ -160,7 +160,7 @@ class Kernel(CPUDispatcher):
         return template, pysig, args, {}
 
     def get_overload(self, sig: Any) -> Any:
-        """What stands for the part of these types in numba's registers."""
+        """The part of these types in numba's registers."""
         return self._part(tuple(sig)).fndesc
 
     def _part(self, args: Any) -> Any:

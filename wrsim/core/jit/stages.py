@@ -2,7 +2,7 @@
 
 What is called by its name is compiled into its caller. A stage is compiled once, by itself, and only when it is asked
 for (``make_ready``): the contact is not in the machine code of a vehicle, a normal model that nobody chose is in none.
-The table belongs to the process and compiled code knows it by the name of a symbol, so that numbers stand in the
+The table belongs to the process and compiled code knows it by the name of a symbol, so that numbers are kept in the
 arenas and in the cache, never addresses. A number that was not made ready must not be run: there is no address yet.
 """
 
@@ -45,7 +45,7 @@ def _run(number: int, buffer: Array, index: Ints) -> int:
 
 
 def _call(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-    """Code for a call of the address that stands in the table under a number."""
+    """Code for a call of the address in the table under a number."""
     number, *arena = args
     word = ir.IntType(64)
     table = builder.module.globals.get(SYMBOL)

@@ -202,7 +202,7 @@ def _meet_along(wheel: Wheel, row: Record, incline: Incline, x0: float, dx: floa
     the normal does not get there."""
     normal = Vec(0.0, row.no, row.nb)
     columns = place.size
-    # from the outline's column to either side, each point foretold by the two before it
+    # from the outline's column to either side, each point predicted from the two before it
     middle = min(max(int((row.x - x0) / dx + 0.5), 0), columns - 1)
     for side in range(2):
         step = 1 - 2 * side

@@ -16,7 +16,7 @@ times
 
 right to second order in x, because f_xx = -f/(a^2 + s^2) at x = 0, and far away, where it is 1/sqrt(x^2 + s^2). The h
 are a^2/(a^2 + s^2) times cubics of s/sqrt(a^2 + s^2), ``BESIDE``, fitted to the integral and its first two derivatives
-by x where x < 2.5 s (`benchmarks/fit_shifted_influence.py` says how well). It is taken at the middle of the strip's
+by x where x < 2.5 s (`campaigns/fit_shifted_influence.py` says how well). It is taken at the middle of the strip's
 width.
 """
 

@@ -24,7 +24,7 @@ grids are cut at the saddles, so every lobe has its strips and nothing that is r
 
 from math import pi, sqrt
 
-from wrsim.core.contact.records import AFRESH, STATUS_UNSETTLED
+from wrsim.core.contact.records import AFRESH, STATUS_NOT_CONVERGED
 from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.grid import opposite
@@ -75,7 +75,7 @@ def press_strips(a, wheel, rail, pose, count):
         _hand_out(system, memo.strips, g, a.found, lobes, a.strips)
     for i in range(count):
         _report(settings, pose, lobes[i], a.strips[i])
-    return status | (STATUS_UNSETTLED if result >= ROUGH else 0)
+    return status | (STATUS_NOT_CONVERGED if result >= ROUGH else 0)
 
 
 @kernel

@@ -8,7 +8,7 @@ and C = sqrt((C11 xi)^2 + (C22 eta)^2) / v,
     K = |e| (d^3/3 - d^2/2 + 1/6) - sqrt((1 - d^2)^3) / 3,   d = (e^2 - 1) / (e^2 + 1),
     e = (8/3) G b sqrt(ab) C23 eta_c / (mu N S).
 
-kA = kS = 1 is Kalker's linear slope; smaller ones (kS <= kA) stand for wet or contaminated rails. |(Fx, Fy)| is held
+kA = kS = 1 is Kalker's linear slope; smaller ones (kS <= kA) describe wet or contaminated rails. |(Fx, Fy)| is held
 below mu N. Polach gives no moment. Here there is one where the spin's share of Fy would push along the slip: as much
 as it takes that creep does no positive work.
 """
