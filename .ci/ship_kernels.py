@@ -20,7 +20,7 @@ from wrsim.analysis.warming import warm_up
 from wrsim.contact.models import NORMAL_MODELS, contact_model
 from wrsim.contact.settings import ContactSettings
 from wrsim.core.contact import records as k
-from wrsim.core.contact.stages import make_ready
+from wrsim.core.contact.stages import compile_stages
 from wrsim.core.contact.wheel_rail import wheel_rail
 from wrsim.core.jit.cache import ABOUT, CONTACT, SOURCES, made_with
 from wrsim.errors import WrsimError
@@ -78,7 +78,7 @@ def _contact(settings: ContactSettings) -> dict[str, Any]:
     speed = 10.0
     arrays.pose[:] = (0.0, 0.002, RADIUS - APPROACH, 0.002, 1.0, 0.0, speed, 0.0, 0.0, 0.0, speed / RADIUS, 0.0)
     stages = [k.CONTACT, NORMAL_MODELS[settings.normal].kernel, k.CREEP_FORCES]
-    make_ready(*stages)
+    compile_stages(*stages)
     before = arrays.buffer.copy()
     status = arrays.call()
     return {"before": before, "after": arrays.buffer, "index": arrays.index, "status": status, "stages": stages}

@@ -29,7 +29,7 @@ from wrsim.core.body.kinematics import add_generalised_forces, kinematics
 from wrsim.core.body.wheel_pose import wheel_wrench
 from wrsim.core.contact.tangential.flexibility import kalker_coefficients
 from wrsim.core.linalg import Vec
-from wrsim.core.track.path import frame
+from wrsim.core.track.path import frame_at
 from wrsim.scenario.build import build
 from wrsim.simulation.force_law import Block
 from wrsim.simulation.law import VehicleOnTrack
@@ -211,7 +211,7 @@ class EquivalentElasticOnTrack(VehicleOnTrack):
             values = np.zeros(6) if found is None else found[1]
             for name, value in zip(("Ft", "Fo", "Fb", "Mt", "Mo", "Mb"), values, strict=True):
                 more[name] = value - more[name]
-            change += wheel_wrench(body, frame(rail, place.s), place.side, wheel.half_spacing, more)
+            change += wheel_wrench(body, frame_at(rail, place.s), place.side, wheel.half_spacing, more)
             both.append(None if found is None else found[0])
         add_generalised_forces(body, Vec(*change[0]), Vec(*change[1]), out[own])
         self.found.append(both)

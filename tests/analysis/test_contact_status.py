@@ -20,7 +20,7 @@ from wrsim.analysis.resolve import resolve
 from wrsim.contact.kernel_arrays import KernelArrays
 from wrsim.contact.status import NOT_CONVERGED, WORDS
 from wrsim.core.contact import records
-from wrsim.core.contact.records import STATUS_PROFILE_END, STATUS_TOO_DEEP, STATUS_NOT_CONVERGED
+from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_PROFILE_END, STATUS_TOO_DEEP
 from wrsim.errors import SimulationError
 from wrsim.results import Result
 from wrsim.scenario.build import build

@@ -8,7 +8,7 @@ from support.contacts import HALF_SPACING, RADIUS, pair_model, rail_origin
 
 from wrsim.core.body.kinematics import kinematics
 from wrsim.core.body.wheel_pose import set_pose, wheel_wrench
-from wrsim.core.linalg import Body, Frame, Vec
+from wrsim.core.linalg import BodyMotion, Frame, Vec
 
 MIRROR = np.array([1.0, -1.0, 1.0])  # y -> -y for vectors; pseudovectors (moments, angular velocity) get the opposite
 
@@ -69,7 +69,7 @@ def left_wheel(model, pose):
 
 def wrench(model, body, frame, side):
     """Force and moment at the centre of mass, and the wheel's total."""
-    body, frame, side = tuple_of(Body, body), tuple_of(Frame, frame), float(side)
+    body, frame, side = tuple_of(BodyMotion, body), tuple_of(Frame, frame), float(side)
     set_pose(body, frame, side, HALF_SPACING, model.arrays.pose)
     model.arrays.call()
     force, moment = wheel_wrench(body, frame, side, HALF_SPACING, model.arrays.total)

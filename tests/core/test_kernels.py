@@ -15,7 +15,7 @@ from numba import njit
 from support import kernels
 from support.allocations import allocations
 
-from wrsim.core.contact.stages import STAGES, make_ready
+from wrsim.core.contact.stages import STAGES, compile_stages
 
 ROOT = Path(__file__).parents[1]
 
@@ -66,7 +66,7 @@ def test_no_kernel_that_python_calls_allocates(plain):
     # nor any that works within one of these: what is left is one note for each array at the door
     _, _, calls, _ = plain
     every = kernels.kernels()
-    make_ready(*STAGES)
+    compile_stages(*STAGES)
     for key in calls.keys() & every.keys():
         assert allocations(every[key], *calls[key]) == sum(arrays(a) for a in calls[key]), key
 

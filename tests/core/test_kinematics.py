@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from support.knife_edge import bare_wheelset
 
 from wrsim.core.body import kinematics as wheelset
-from wrsim.core.linalg import Body, Vec, point_velocity
+from wrsim.core.linalg import BodyMotion, Vec, point_velocity
 from wrsim.core.track import path
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc, Straight, Transition
@@ -28,7 +28,7 @@ vectors = st.tuples(*[st.floats(-5.0, 5.0)] * 3)
 
 def moving(q, q_t):
     """kinematics with arrays in the place of tuples."""
-    return Body(*map(np.array, wheelset.kinematics(q, q_t)))
+    return BodyMotion(*map(np.array, wheelset.kinematics(q, q_t)))
 
 
 def body_of(position, turn, velocity, rates):
@@ -136,7 +136,7 @@ def pushed(vehicle, track, distance, speed, q, q_t):
     law(0.0, q, q_t, out)
     body = wheelset.kinematics(q, q_t)
     s, _ = path.locate(track.centre.curve, body.position, distance)
-    axes = np.array(path.frame(track.centre.curve, s))[1:]
+    axes = np.array(path.frame_at(track.centre.curve, s))[1:]
     moment = np.linalg.solve([(0.0, 0.0, 1.0), body.forward, body.left], out[3:])
     return axes @ out[TO_GLOBAL], axes @ moment
 

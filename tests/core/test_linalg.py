@@ -5,7 +5,18 @@ import pytest
 
 from wrsim.core import linalg
 from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import BODY, VECTOR, Body, Vec, combined, components, get_body, point_velocity, put, put_body
+from wrsim.core.linalg import (
+    BODY,
+    VECTOR,
+    BodyMotion,
+    Vec,
+    components,
+    from_components,
+    get_body,
+    point_velocity,
+    put,
+    put_body,
+)
 
 A, B = (1.0, -2.0, 0.5), (0.3, 4.0, -1.5)
 
@@ -27,7 +38,7 @@ def test_vector_operations_are_those_of_numpy() -> None:
 
 def test_components_along_orthonormal_axes_give_the_vector_back() -> None:
     axes = [Vec(*column) for column in np.linalg.qr(np.array([A, B, (0.1, 0.2, 0.7)]))[0].T.tolist()]
-    assert combined(components(Vec(*A), *axes), *axes) == pytest.approx(A, rel=1e-14)
+    assert from_components(components(Vec(*A), *axes), *axes) == pytest.approx(A, rel=1e-14)
 
 
 @kernel
@@ -35,7 +46,7 @@ def _turn(bodies, point, out):
     """Turn the axes of a body in its place and write the velocity of a point of it."""
     rows = bodies.view(BODY)
     body = get_body(rows[1])
-    put_body(rows[1], Body(body.position, body.velocity, body.up, body.forward, body.left, body.omega))
+    put_body(rows[1], BodyMotion(body.position, body.velocity, body.up, body.forward, body.left, body.omega))
     put(out.view(VECTOR)[0], point_velocity(body, Vec(point[0], point[1], point[2])))
 
 

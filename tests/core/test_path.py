@@ -183,9 +183,9 @@ def test_kernels_are_plain_python_too(spiral: Path) -> None:
     )
     plain = np.array(done.stdout.split(), dtype=float)
     c = spiral.curve
-    at, (omega, droll) = core.frame(c, 77.7), core.frame_rates(c, 77.7)
+    at, (omega, droll) = core.frame_at(c, 77.7), core.frame_rates(c, 77.7)
     found = core.locate(c, at.origin, 75.0)[0]
-    compiled = [*np.ravel(at), core.curvature(c, 77.7), *omega, droll, found]
+    compiled = [*np.ravel(at), core.curvature_at(c, 77.7), *omega, droll, found]
     assert np.abs(plain - compiled).max() < 1e-12
 
 

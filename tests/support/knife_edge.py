@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from support.held import held_state
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
 from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import Vec, add, combined, components, cross, dot, mixed, point_velocity, sub
-from wrsim.core.track.path import frame, locate
+from wrsim.core.linalg import Vec, add, components, cross, dot, from_components, mixed, point_velocity, sub
+from wrsim.core.track.path import frame_at, locate
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
@@ -73,7 +73,7 @@ def edge_forces(body, own, side, speed, law):
     else:
         e = linear / bound
         factor = 1.0 - e / 3.0 + e * e / 27.0
-    force = combined(Vec(-stiffness * factor * v.x, -stiffness * factor * v.y, -normal), t, s, n)
+    force = from_components(Vec(-stiffness * factor * v.x, -stiffness * factor * v.y, -normal), t, s, n)
     return force, cross(sub(at, body.position), force), normal
 
 
@@ -85,7 +85,7 @@ def knife_edge_forces(q, q_t, curve, speed, law, memory, out):
     """
     body = kinematics(q, q_t)
     memory[0], status = locate(curve, body.position, memory[0])
-    own = frame(curve, memory[0])
+    own = frame_at(curve, memory[0])
     for i in range(2):
         force, moment, memory[1 + i] = edge_forces(body, own, 1.0 - 2.0 * i, speed, law)
         add_generalised_forces(body, force, moment, out[:6])

@@ -27,7 +27,7 @@ from wrsim.contact.tables import (
 )
 from wrsim.core.contact import records as k
 from wrsim.core.contact.arrays import Arrays
-from wrsim.core.contact.stages import make_ready
+from wrsim.core.contact.stages import compile_stages
 from wrsim.core.contact.strips.equations import block_of
 from wrsim.core.contact.strips.records import GRID, MEMO, PLACE, ROW, ROWS, VECTORS
 from wrsim.geometry.profile.profile import Profile
@@ -100,9 +100,9 @@ class ContactModel:
     @cached_property
     def inputs(self) -> Arrays:
         """What the kernel's arena is packed from. From now on its stages can be run."""
-        make_ready(k.CONTACT, self.normal.kernel)
+        compile_stages(k.CONTACT, self.normal.kernel)
         if TANGENTIAL[self.settings.creep_forces] != k.NO_CREEP_FORCES:
-            make_ready(k.CREEP_FORCES)
+            compile_stages(k.CREEP_FORCES)
         return _inputs(self)
 
     @cached_property

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from wrsim.contact.model import MOST_STRIPS
 from wrsim.core.contact.records import (
+    STATUS_NOT_CONVERGED,
     STATUS_NOT_REFINED,
     STATUS_PROFILE_END,
     STATUS_TOO_DEEP,
-    STATUS_NOT_CONVERGED,
 )
 from wrsim.core.contact.wheel_rail import DEEPEST
 

@@ -35,7 +35,7 @@ class Frame(NamedTuple):
     b: Vec
 
 
-class Body(NamedTuple):
+class BodyMotion(NamedTuple):
     """A rigid body in motion, in global axes: centre of mass [m], its velocity [m/s], axes, angular velocity [rad/s].
 
     left: towards the left side; of a wheelset along the axle.
@@ -49,7 +49,7 @@ class Body(NamedTuple):
     omega: Vec
 
 
-class Curve(NamedTuple):
+class CurveNodes(NamedTuple):
     """A space curve: its nodes, (n,) records NODE of ``core.track.path``, and the arclength between them [m]."""
 
     nodes: Any
@@ -105,7 +105,7 @@ def norm(a: Vec) -> float:
 
 
 @inlined
-def combined(c: Any, t: Vec, n: Vec, b: Vec) -> Vec:
+def from_components(c: Any, t: Vec, n: Vec, b: Vec) -> Vec:
     """c.x t + c.y n + c.z b: the vector that has the components c along three axes."""
     return Vec(
         c.x * t.x + c.y * n.x + c.z * b.x,
@@ -121,19 +121,19 @@ def components(a: Vec, t: Vec, n: Vec, b: Vec) -> Vec:
 
 
 @inlined
-def point_velocity(body: Body, point: Vec) -> Vec:
+def point_velocity(body: BodyMotion, point: Vec) -> Vec:
     """Velocity [m/s] of the body's material at a global point: v + omega x r."""
     return add(body.velocity, cross(body.omega, sub(point, body.position)))
 
 
 @inlined
-def read(row: Array, k: int) -> Vec:
+def vec_at(row: Array, k: int) -> Vec:
     """The vector in row[k : k + 3] of an array."""
     return Vec(row[k], row[k + 1], row[k + 2])
 
 
 @inlined
-def write(row: Array, k: int, a: Vec) -> None:
+def put_at(row: Array, k: int, a: Vec) -> None:
     """Write a vector to row[k : k + 3] of an array."""
     row[k] = a.x
     row[k + 1] = a.y
@@ -163,13 +163,15 @@ def accumulate(row: Record, a: Vec) -> None:
 
 
 @inlined
-def get_body(row: Record) -> Body:
+def get_body(row: Record) -> BodyMotion:
     """The body that a BODY record holds."""
-    return Body(vec(row.position), vec(row.velocity), vec(row.forward), vec(row.left), vec(row.up), vec(row.omega))
+    return BodyMotion(
+        vec(row.position), vec(row.velocity), vec(row.forward), vec(row.left), vec(row.up), vec(row.omega)
+    )
 
 
 @inlined
-def put_body(row: Record, body: Body) -> None:
+def put_body(row: Record, body: BodyMotion) -> None:
     """Write a body to a BODY record."""
     put(row.position, body.position)
     put(row.velocity, body.velocity)

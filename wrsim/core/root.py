@@ -46,7 +46,7 @@ def interval(knots: Array, s: float, guess: int) -> int:
 
 
 @inlined
-def between(knots: Array, x: float) -> tuple[int, int, float]:
+def neighbours(knots: Array, x: float) -> tuple[int, int, float]:
     """Numbers of the rising knots (n,) below and above x, by halves, and the part of the way from one to the other.
 
     At the ends and beyond them it is the end, twice.

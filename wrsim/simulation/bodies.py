@@ -119,5 +119,5 @@ def velocity_forces(bodies: Sequence[Solid], q: Array, q_t: Array) -> Array:
     whole = np.zeros(len(q))
     for i, body in enumerate(bodies):
         own = slice(6 * i, 6 * i + 6)
-        kernel.velocity_forces(q[own], q_t[own], *body.inertia, whole[own])
+        kernel.quadratic_forces(q[own], q_t[own], *body.inertia, whole[own])
     return whole

@@ -48,7 +48,7 @@ def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[
             track.centre, place, speed=law.speed, height=height, spin_rate=spin, lateral=across, yaw=yaw
         )
         if i >= wheelsets:  # on a grade it lies along the track
-            q[6 * i + SPIN] = -asin(path_kernels.frame(track.centre.curve, place).t.z)
+            q[6 * i + SPIN] = -asin(path_kernels.frame_at(track.centre.curve, place).t.z)
     turn_gears(law, q_t)
     return q, q_t
 
@@ -84,11 +84,11 @@ def _on_chord(law: VehicleOnTrack, x: float, wheelsets: tuple[int, ...]) -> tupl
     """How a body that lies x [m] ahead of the vehicle's origin lies on its wheelsets: ahead of and to the left of its
     own place along the track [m], yaw there [rad]; in plan, as near to where they are as a stiff body can."""
     curve = law.track.centre.curve
-    here = path_kernels.frame(curve, law.start + x)
+    here = path_kernels.frame_at(curve, law.start + x)
     if not wheelsets:
         return 0.0, 0.0, 0.0
     own = np.array([law.vehicle.wheelsets[i].x for i in wheelsets])
-    frames = [path_kernels.frame(curve, law.start + place).origin for place in own]
+    frames = [path_kernels.frame_at(curve, law.start + place).origin for place in own]
     ways = [(f.x - here.origin.x, f.y - here.origin.y) for f in frames]
     there = np.array([complex(dx * here.t.x + dy * here.t.y, dx * here.n.x + dy * here.n.y) for dx, dy in ways])
     middle = own.mean()

@@ -12,7 +12,7 @@ from wrsim.contact.half_space.strips import FORCE, MOMENT, element_fields, solve
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
 from wrsim.core.body.wheel_pose import wheel_wrench
 from wrsim.core.linalg import Vec
-from wrsim.core.track.path import frame
+from wrsim.core.track.path import frame_at
 from wrsim.simulation.law import RAIL_COORDINATES, VehicleOnTrack
 from wrsim.simulation.system import Array
 
@@ -44,7 +44,7 @@ class HalfSpaceOnTrack(VehicleOnTrack):
         found: list[HalfSpaceContact] = []
         rails = self.track.left.curve, self.track.right.curve
         for i, (wheel, rail, place) in enumerate(zip(self.wheels[w], rails, self.own(w), strict=True)):
-            total, at = wheel.model.arrays.total, frame(rail, place.s)
+            total, at = wheel.model.arrays.total, frame_at(rail, place.s)
             fast = total.copy()
             found.append(solve_into(wheel.model))
             more = total.copy()

@@ -32,12 +32,12 @@ def place_on_track(
     path: centre line; distance along it [m]; speed [m/s]; height of the axle above the track plane [m];
     spin_rate about the axle [rad/s]; lateral [m], yaw, roll [rad] against the track frame.
     """
-    track = path_kernels.frame(path.curve, distance)
+    track = path_kernels.frame_at(path.curve, distance)
     turning, _ = path_kernels.frame_rates(path.curve, distance)
     q = np.zeros(6)
     q_t = np.zeros(6)
-    pose = kernels.Pose(float(lateral), float(height), float(yaw), float(roll))
-    kernels.place(track, turning, float(speed), pose, float(spin_rate), q, q_t)
+    pose = kernels.TrackPose(float(lateral), float(height), float(yaw), float(roll))
+    kernels.place_on_track(track, turning, float(speed), pose, float(spin_rate), q, q_t)
     return q, q_t
 
 

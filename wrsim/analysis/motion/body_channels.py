@@ -42,7 +42,7 @@ def body_channels(law: VehicleOnTrack, q: Array, q_t: Array, near: Array) -> dic
         found["body_roll"][:, b] = poses.roll
         for i in range(n):
             forward = pitched(kinematics(q[i, own], q_t[i, own]), q[i, own][5]).forward
-            up = path_kernels.frame(path.curve, poses.distance[i]).b
+            up = path_kernels.frame_at(path.curve, poses.distance[i]).b
             found["body_pitch"][i, b] = -np.arcsin(np.clip(np.dot(forward, up), -1.0, 1.0))
     return found
 

@@ -17,7 +17,7 @@ from wrsim.analysis.motion.derailment import Wheel, overlap, wheels_of
 from wrsim.analysis.motion.intersample_peaks import Between
 from wrsim.analysis.motion.messages import Event, EventKind, OffRail, Overlap, stop_words
 from wrsim.contact.status import bits_of
-from wrsim.core.contact.records import STATUS_TOO_DEEP, STATUS_NOT_CONVERGED
+from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_TOO_DEEP
 from wrsim.simulation.integrate import EXPLICIT_PARTS
 from wrsim.simulation.system import Work
 

@@ -130,7 +130,7 @@ def _run(
 def _moved(law: VehicleOnTrack, distance: float, setup: Setup[RunPlan], q: Array, q_t: Array) -> State:
     """The state as if the vehicle's origin were at the start of the run, on another curve of equal shape."""
     frames = [
-        path_kernels.frame(path.curve, s)
+        path_kernels.frame_at(path.curve, s)
         for path, s in ((law.track.centre, distance), (setup.track.centre, setup.plan.start))
     ]
     old, new = (frame.origin for frame in frames)

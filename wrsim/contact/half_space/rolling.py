@@ -61,7 +61,7 @@ def solve_rolling(
     if start is not None and start.shape == shape:
         rolling.move(q, start, 1.0, bound)
     else:
-        rolling.march(rigid_slip, bound, _flexibility(operator, bound), operator.dx, forward, q)
+        rolling.march_columns(rigid_slip, bound, _flexibility(operator, bound), operator.dx, forward, q)
     products = 0
 
     def correction(v: Array) -> Array:

@@ -15,24 +15,24 @@ centre lies on the axle. What lies further out on an arm is to be shared between
 from wrsim.core.body.rigid_body import pitched
 from wrsim.core.jit.arena import Record, record
 from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import Body, accumulate, add, cross, dot, point_velocity, scale, shifted, vec
+from wrsim.core.linalg import BodyMotion, accumulate, add, cross, dot, point_velocity, scale, shifted, vec
 
 AXLE_BOX = record("inertia lateral", "wheelset coordinate")
 """Inertia about the axle [kg m2], place on the axle [m]; body it sits on, number of its pitch among the coordinates."""
 
 
 @kernel
-def on_axle(box: Record, wheelset: Body, pitch: float, rate: float) -> Body:
+def on_axle(box: Record, wheelset: BodyMotion, pitch: float, rate: float) -> BodyMotion:
     """The box as a body; wheelset: a body that does not spin; pitch [rad] and its rate."""
     arm = scale(box.lateral, wheelset.left)
     at = add(wheelset.position, arm)
     turning = shifted(wheelset.omega, rate, wheelset.left)
-    whole = Body(at, point_velocity(wheelset, at), wheelset.forward, wheelset.left, wheelset.up, turning)
+    whole = BodyMotion(at, point_velocity(wheelset, at), wheelset.forward, wheelset.left, wheelset.up, turning)
     return pitched(whole, pitch)
 
 
 @kernel
-def hand_over(box: Record, wheelset: Body, wrench: Record, onto: Record) -> float:
+def hand_over(box: Record, wheelset: BodyMotion, wrench: Record, onto: Record) -> float:
     """Add what acts on the box, but for the moment about the axle, to the wrench ``onto`` of its wheelset.
 
     Returns the acceleration of its pitch [rad/s2].

@@ -2,9 +2,9 @@
 
 Each wheel touches its rail at a fixed distance ``half`` from the middle of the axle. Of the cone nothing enters but the
 rolling radius, r = r0 + lambda y on the left and r0 - lambda y on the right wheel (y: shift to the left against the
-track): normal forces are perpendicular to the track plane, so there is no gravitational stiffness and no roll of the cone
-on the rails. Creepages are those of the material point at the contact, over the speed V, along t and n of the track; small,
-they are
+track): normal forces are perpendicular to the track plane, so there is no gravitational stiffness and no roll of the
+cone on the rails. Creepages are those of the material point at the contact, over the speed V, along t and n of the
+track; small, they are
 
     xi = -+ a psi_t / V - (+-) lambda y / r0,    eta = y_t / V - psi.
 
@@ -18,8 +18,21 @@ from math import sqrt
 from wrsim.core.body.kinematics import add_generalised_forces, kinematics
 from wrsim.core.jit.arena import Array, Record, Records, record
 from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import Body, Curve, Frame, Vec, add, combined, cross, dot, mixed, point_velocity, shifted, sub
-from wrsim.core.track.path import frame, locate
+from wrsim.core.linalg import (
+    BodyMotion,
+    CurveNodes,
+    Frame,
+    Vec,
+    add,
+    cross,
+    dot,
+    from_components,
+    mixed,
+    point_velocity,
+    shifted,
+    sub,
+)
+from wrsim.core.track.path import frame_at, locate
 
 CONICAL = record("conicity half creep_x creep_y friction clearance flange support support_damping")
 """Parameters of the law: slope of the cone, lever [m], creep coefficients [N], coefficient of friction (0: none), free
@@ -28,7 +41,7 @@ travel [m] and stiffness [N/m] of the flanges, stiffness [N/m] and damping [N s/
 
 @kernel
 def conical_forces(
-    q: Array, q_t: Array, radii: Array, places: Array, curve: Curve, speed: float, law: Records, out: Array
+    q: Array, q_t: Array, radii: Array, places: Array, curve: CurveNodes, speed: float, law: Records, out: Array
 ) -> int:
     """Add the generalised forces of all wheelsets' contacts to ``out``; returns 0 or 1, off the track.
 
@@ -41,7 +54,7 @@ def conical_forces(
         if bad != 0:
             return 1
         places[i] = s
-        track = frame(curve, s)
+        track = frame_at(curve, s)
         force = moment = Vec(0.0, 0.0, 0.0)
         for wheel in range(2):
             side = 1.0 - 2.0 * wheel
@@ -54,7 +67,7 @@ def conical_forces(
 
 
 @kernel
-def _wheel_force(body: Body, track: Frame, side: float, arm: Vec, speed: float, law: Record) -> Vec:
+def _wheel_force(body: BodyMotion, track: Frame, side: float, arm: Vec, speed: float, law: Record) -> Vec:
     """Force on one wheel; side: +1 left, -1 right; arm: its contact from the centre of the axle [m]."""
     contact = add(body.position, arm)
     depth = -dot(sub(contact, track.origin), track.b)
@@ -72,4 +85,4 @@ def _wheel_force(body: Body, track: Frame, side: float, arm: Vec, speed: float, 
         along *= part
         across *= part
     across -= side * law.flange * max(outward - law.clearance, 0.0)
-    return combined(Vec(along, across, normal), track.t, track.n, track.b)
+    return from_components(Vec(along, across, normal), track.t, track.n, track.b)

@@ -26,14 +26,27 @@ from typing import NamedTuple
 
 from wrsim.core.jit.arena import Array, Records, record
 from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import Body, Curve, Frame, Vec, add, combined, components, cross, dot, scale, shifted, sub
-from wrsim.core.track.path import frame, locate
+from wrsim.core.linalg import (
+    BodyMotion,
+    CurveNodes,
+    Frame,
+    Vec,
+    add,
+    components,
+    cross,
+    dot,
+    from_components,
+    scale,
+    shifted,
+    sub,
+)
+from wrsim.core.track.path import frame_at, locate
 
 Z, X, Y, HEADING, ROLL, SPIN = range(6)
 """Places in q and q_t."""
 
 
-class Pose(NamedTuple):
+class TrackPose(NamedTuple):
     """Pose against a track frame: shift along n, height along b [m], yaw, roll [rad]."""
 
     lateral: float
@@ -47,8 +60,8 @@ PLACED = record("distance lateral height yaw roll spin_rate")
 
 
 @kernel
-def kinematics(q: Array, q_t: Array) -> Body:
-    """Position, velocity and orientation of a wheelset: a ``Body``, whose axes do not spin and whose omega does.
+def kinematics(q: Array, q_t: Array) -> BodyMotion:
+    """Position, velocity and orientation of a wheelset: a ``BodyMotion``, whose axes do not spin and whose omega does.
 
     q, q_t: (6,) coordinates [m, rad] and their rates.
     """
@@ -58,7 +71,7 @@ def kinematics(q: Array, q_t: Array) -> Body:
     cb = cos(q[ROLL])
     forward = Vec(ca, sa, 0.0)
     axle = Vec(-sa * cb, ca * cb, sb)
-    return Body(
+    return BodyMotion(
         position=Vec(q[X], q[Y], q[Z]),
         velocity=Vec(q_t[X], q_t[Y], q_t[Z]),
         forward=forward,
@@ -75,7 +88,7 @@ def spin_rate(q: Array, q_t: Array) -> float:
 
 
 @kernel
-def add_generalised_forces(body: Body, force: Vec, moment: Vec, out: Array) -> None:
+def add_generalised_forces(body: BodyMotion, force: Vec, moment: Vec, out: Array) -> None:
     """Add the generalised forces (6,) of a force [N] and a moment [N m] at the centre of mass to ``out``.
 
     They are the forces along z, x, y, then the moment's components along the vertical, forward and the axle.
@@ -89,15 +102,17 @@ def add_generalised_forces(body: Body, force: Vec, moment: Vec, out: Array) -> N
 
 
 @kernel
-def pose_in_track(body: Body, track: Frame) -> Pose:
+def pose_in_track(body: BodyMotion, track: Frame) -> TrackPose:
     """Pose of a wheelset against the track frame at the projection of its centre of mass."""
     d = sub(body.position, track.origin)
     axle = components(body.left, track.t, track.n, track.b)
-    return Pose(dot(d, track.n), dot(d, track.b), atan2(-axle.x, axle.y), atan2(axle.z, hypot(axle.x, axle.y)))
+    return TrackPose(dot(d, track.n), dot(d, track.b), atan2(-axle.x, axle.y), atan2(axle.z, hypot(axle.x, axle.y)))
 
 
 @kernel
-def place(track: Frame, turning: Vec, speed: float, pose: Pose, spin: float, q: Array, q_t: Array) -> None:
+def place_on_track(
+    track: Frame, turning: Vec, speed: float, pose: TrackPose, spin: float, q: Array, q_t: Array
+) -> None:
     """Write the state of a wheelset that follows a track frame at a given pose: the inverse of
     ``pose_in_track``.
 
@@ -106,7 +121,7 @@ def place(track: Frame, turning: Vec, speed: float, pose: Pose, spin: float, q: 
     q, q_t: (6,) to fill; heading within +-pi, spin angle zero.
     """
     turned = Vec(-sin(pose.yaw) * cos(pose.roll), cos(pose.yaw) * cos(pose.roll), sin(pose.roll))
-    axle = combined(turned, track.t, track.n, track.b)
+    axle = from_components(turned, track.t, track.n, track.b)
     d = shifted(scale(pose.lateral, track.n), pose.height, track.b)
     omega = scale(speed, turning)
     position = add(track.origin, d)
@@ -124,7 +139,7 @@ def place(track: Frame, turning: Vec, speed: float, pose: Pose, spin: float, q: 
 
 
 @kernel
-def poses_along(q: Array, q_t: Array, curve: Curve, guess: float, out: Records) -> int:
+def poses_along(q: Array, q_t: Array, curve: CurveNodes, guess: float, out: Records) -> int:
     """Poses of a motion against a track.
 
     q, q_t: (n, 6); curve: centre line; guess: distance of the first row [m], each row starts from the last;
@@ -136,7 +151,7 @@ def poses_along(q: Array, q_t: Array, curve: Curve, guess: float, out: Records) 
         s, status = locate(curve, body.position, s)
         if status != 0:
             return i
-        pose = pose_in_track(body, frame(curve, s))
+        pose = pose_in_track(body, frame_at(curve, s))
         row = out[i]
         row.distance = s
         row.lateral, row.height, row.yaw, row.roll = pose.lateral, pose.height, pose.yaw, pose.roll

@@ -55,24 +55,24 @@ from wrsim.core.jit.arena import Array, Record, Records, record
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import (
     VECTOR,
-    Body,
-    Curve,
+    BodyMotion,
+    CurveNodes,
     Vec,
     accumulate,
-    combined,
     components,
     cross,
     dot,
+    from_components,
     get_body,
     mixed,
     put,
-    read,
     scale,
     sub,
     vec,
+    vec_at,
 )
-from wrsim.core.root import between
-from wrsim.core.track.path import frame, locate
+from wrsim.core.root import neighbours
+from wrsim.core.track.path import frame_at, locate
 
 LOAD = record("s", "body axes over start rows", at=VECTOR, force=VECTOR)
 """Distance of the point (a guess, updated) [m]; its body; axes of the force; what its table goes over; first row and
@@ -134,7 +134,7 @@ class Efforts(NamedTuple):
 @inlined
 def _between(tables: Array, start: int, count: int, x: float) -> tuple[int, int, float]:
     """The rows of a table between which x lies, and the part of the way from one to the other."""
-    low, high, part = between(tables[start : start + count, 0], x)
+    low, high, part = neighbours(tables[start : start + count, 0], x)
     return start + low, start + high, part
 
 
@@ -142,11 +142,11 @@ def _between(tables: Array, start: int, count: int, x: float) -> tuple[int, int,
 def _at(tables: Array, start: int, count: int, x: float) -> Vec:
     """The vector at x by the rows (x, vector) of a table; beyond its ends it stays."""
     low, high, part = _between(tables, start, count, x)
-    return mixed(1.0 - part, read(tables[low], 1), part, read(tables[high], 1))
+    return mixed(1.0 - part, vec_at(tables[low], 1), part, vec_at(tables[high], 1))
 
 
 @kernel
-def add_loads(t: float, bodies: Records, loads: Records, tables: Array, centre: Curve, wrenches: Records) -> int:
+def add_loads(t: float, bodies: Records, loads: Records, tables: Array, centre: CurveNodes, wrenches: Records) -> int:
     """Add the loads at time t; tables: (., 4) of all of them. Returns the status of ``locate``."""
     for j in range(loads.shape[0]):
         load = loads[j]
@@ -159,16 +159,16 @@ def add_loads(t: float, bodies: Records, loads: Records, tables: Array, centre: 
         along = _at(tables, load.start, load.rows, s if load.over == OVER_DISTANCE else t)
         put(load.force, along)
         if load.axes == BODY_AXES:
-            force = combined(along, body.forward, body.left, body.up)
+            force = from_components(along, body.forward, body.left, body.up)
         else:
-            track = frame(centre, s)
-            force = combined(along, track.t, track.n, track.b)
+            track = frame_at(centre, s)
+            force = from_components(along, track.t, track.n, track.b)
         apply(wrenches[load.body], body, point, force)
     return 0
 
 
 @kernel
-def add_carried(track: Body, carried: Records, gravity: float, wrenches: Records) -> None:
+def add_carried(track: BodyMotion, carried: Records, gravity: float, wrenches: Records) -> None:
     """Add what masses that follow the track frame press on their bodies with; track: its frame as a body."""
     pressing = sub(Vec(0.0, 0.0, -gravity), cross(track.omega, track.velocity))
     across = components(pressing, track.forward, track.left, track.up)
@@ -176,13 +176,13 @@ def add_carried(track: Body, carried: Records, gravity: float, wrenches: Records
         load = carried[j]
         force = scale(load.mass, Vec(0.0, across.y, across.z))
         wrench = wrenches[load.body]
-        accumulate(wrench.force, combined(force, track.forward, track.left, track.up))
+        accumulate(wrench.force, from_components(force, track.forward, track.left, track.up))
         accumulate(wrench.moment, scale(-load.height * force.y, track.forward))  # b x n = -t
 
 
 @kernel
 def add_drive(
-    asked: Asked, drive: int, units: Records, bodies: Records, axles: Records, centre: Curve, wrenches: Records
+    asked: Asked, drive: int, units: Records, bodies: Records, axles: Records, centre: CurveNodes, wrenches: Records
 ) -> int:
     """Add the pull that holds the speed of every vehicle, or ask its axles for it; returns the status of ``locate``.
 
@@ -197,7 +197,7 @@ def add_drive(
         unit.s = s
         pull = 0.0
         if drive != FREE and unit.driven != 0:
-            track = frame(centre, s)
+            track = frame_at(centre, s)
             slower = asked.speed - dot(body.velocity, track.t)
             pull = unit.mass * DRIVE_RATE * (DRIVE_RATE * (asked.distance + unit.ahead - s) + 2.0 * slower)
             pull += unit.inertia * asked.acceleration

@@ -17,7 +17,7 @@ from math import cos, sin
 from wrsim.core.body.kinematics import HEADING, ROLL, SPIN, X, Y, Z
 from wrsim.core.jit.arena import Array, Records, record
 from wrsim.core.jit.compiling import inlined, kernel
-from wrsim.core.linalg import Body, Vec, dot, mixed
+from wrsim.core.linalg import BodyMotion, Vec, dot, mixed
 
 PITCH = SPIN
 
@@ -26,13 +26,13 @@ INERTIA = record("mass xx yy zz")
 
 
 @inlined
-def pitched(body: Body, pitch: float) -> Body:
+def pitched(body: BodyMotion, pitch: float) -> BodyMotion:
     """A body whose axes are turned by the pitch; those of ``core.body.kinematics`` do not know the third angle."""
     c = cos(pitch)
     s = sin(pitch)
     forward = mixed(c, body.forward, -s, body.up)
     up = mixed(s, body.forward, c, body.up)
-    return Body(body.position, body.velocity, forward, body.left, up, body.omega)
+    return BodyMotion(body.position, body.velocity, forward, body.left, up, body.omega)
 
 
 @inlined
@@ -78,7 +78,7 @@ def mass_block(q: Array, mass: float, ixx: float, iyy: float, izz: float, out: A
 
 
 @kernel
-def velocity_forces(q: Array, q_t: Array, ixx: float, iyy: float, izz: float, out: Array) -> None:
+def quadratic_forces(q: Array, q_t: Array, ixx: float, iyy: float, izz: float, out: Array) -> None:
     """Quadratic velocity forces (6,): the generalised forces of a motion whose coordinates do not accelerate."""
     sr, cr = sin(q[ROLL]), cos(q[ROLL])
     sp, cp = sin(q[PITCH]), cos(q[PITCH])

@@ -9,13 +9,13 @@ from wrsim.core.body.kinematics import SPIN, X, Y, Z, add_generalised_forces, ki
 from wrsim.core.body.rigid_body import PITCH, pitched, rates_of
 from wrsim.core.jit.arena import Array, Records
 from wrsim.core.jit.compiling import kernel
-from wrsim.core.linalg import Curve, Vec, add, combined, components, cross, scale, sub
-from wrsim.core.track.path import frame, frame_rates, locate
+from wrsim.core.linalg import CurveNodes, Vec, add, components, cross, from_components, scale, sub
+from wrsim.core.track.path import frame_at, frame_rates, locate
 
 
 @kernel
 def follow_together(
-    q: Array, spins: Array, curve: Curve, reference: int, guess: float, speed: float, q_t: Array
+    q: Array, spins: Array, curve: CurveNodes, reference: int, guess: float, speed: float, q_t: Array
 ) -> tuple[Vec, float, int]:
     """Write the rates of all bodies in steady motion with the poses q.
 
@@ -25,7 +25,7 @@ def follow_together(
     """
     own = q[6 * reference : 6 * reference + 6]
     s, status = locate(curve, Vec(own[X], own[Y], own[Z]), guess)
-    track = frame(curve, s)
+    track = frame_at(curve, s)
     turning, _roll = frame_rates(curve, s)
     omega = scale(speed, turning)
     for k in range(q_t.shape[0] // 6):
@@ -54,7 +54,7 @@ def together_inertia(q: Array, q_t: Array, omega: Vec, inertia: Records, wheelse
         axes = pitched(body, own[PITCH] if k >= wheelsets else 0.0)
         turn = components(body.omega, axes.forward, axes.left, axes.up)
         about = inertia[k]
-        momentum = combined(
+        momentum = from_components(
             Vec(about.xx * turn.x, about.yy * turn.y, about.zz * turn.z), axes.forward, axes.left, axes.up
         )
         force = scale(about.mass, cross(omega, body.velocity))

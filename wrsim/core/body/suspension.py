@@ -35,14 +35,14 @@ from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import (
     VECTOR,
     ZERO,
-    Body,
+    BodyMotion,
     Vec,
     accumulate,
     add,
-    combined,
     components,
     cross,
     dot,
+    from_components,
     get_body,
     mixed,
     norm,
@@ -99,20 +99,20 @@ def interpolate(tables: Array, start: int, count: int, x: float) -> float:
 
 
 @inlined
-def material_point(body: Body, point: Any) -> Vec:
+def material_point(body: BodyMotion, point: Any) -> Vec:
     """Global place of a point given in the body's axes."""
-    return add(body.position, combined(point, body.forward, body.left, body.up))
+    return add(body.position, from_components(point, body.forward, body.left, body.up))
 
 
 @inlined
-def apply(wrench: Record, body: Body, at: Vec, force: Vec) -> None:
+def apply(wrench: Record, body: BodyMotion, at: Vec, force: Vec) -> None:
     """Add a force that acts on a body at a global point."""
     accumulate(wrench.force, force)
     accumulate(wrench.moment, cross(sub(at, body.position), force))
 
 
 @inlined
-def own_components(body: Body, a: Vec) -> Vec:
+def own_components(body: BodyMotion, a: Vec) -> Vec:
     """Components of a vector in the body's axes."""
     return components(a, body.forward, body.left, body.up)
 
@@ -134,22 +134,22 @@ class Suspension(NamedTuple):
 
 
 @inlined
-def _ends(on: Suspension, element: Record) -> tuple[Body, Body, Vec]:
+def _ends(on: Suspension, element: Record) -> tuple[BodyMotion, BodyMotion, Vec]:
     """The two bodies of an element, and its point on the second one."""
     second = get_body(on.bodies[element.second])
     return get_body(on.bodies[element.first]), second, material_point(second, element.point_2)
 
 
 @inlined
-def _act(on: Suspension, element: Record, first: Body, second: Body, at: Vec, along: Vec) -> None:
+def _act(on: Suspension, element: Record, first: BodyMotion, second: BodyMotion, at: Vec, along: Vec) -> None:
     """A force in the axes of the first body, at the second one's point: on the second body, and back on the first."""
-    force = combined(along, first.forward, first.left, first.up)
+    force = from_components(along, first.forward, first.left, first.up)
     apply(on.wrenches[element.second], second, at, force)
     apply(on.wrenches[element.first], first, at, scale(-1.0, force))
 
 
 @inlined
-def _seen_from(first: Body, second: Body, at: Vec, point: Any) -> tuple[Vec, Vec]:
+def _seen_from(first: BodyMotion, second: BodyMotion, at: Vec, point: Any) -> tuple[Vec, Vec]:
     """Vector from a point of the first body to the second body's point ``at``, and the velocity of the second body's
     material there against the first one's; in the first body's axes.
     """
@@ -210,7 +210,7 @@ def _field(on: Suspension, element: Record, sign: float, share: float, reading: 
     element.loss += share * (c.x * u.x * u.x + c.y * u.y * u.y + c.z * u.z * u.z)
     accumulate(reading.force, scale(sign, f))
     accumulate(reading.travel, scale(sign * share, d))
-    force = combined(f, first.forward, first.left, first.up)
+    force = from_components(f, first.forward, first.left, first.up)
     apply(on.wrenches[b], second, at, force)
     apply(on.wrenches[a], first, at, scale(-1.0, force))
 
@@ -294,7 +294,7 @@ def _turning(on: Suspension, element: Record) -> None:
     rate = own_components(first, sub(second.omega, first.omega))
     damping = Vec(c.x * rate.x, c.y * rate.y, c.z * rate.z)
     element.loss += dot(damping, rate)
-    moment = sub(moment, combined(damping, first.forward, first.left, first.up))
+    moment = sub(moment, from_components(damping, first.forward, first.left, first.up))
     accumulate(on.wrenches[element.second].moment, moment)
     accumulate(on.wrenches[element.first].moment, scale(-1.0, moment))
 

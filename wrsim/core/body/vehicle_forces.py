@@ -58,8 +58,8 @@ from wrsim.core.jit.compiling import kernel
 from wrsim.core.linalg import (
     BODY,
     ZERO,
-    Body,
-    Curve,
+    BodyMotion,
+    CurveNodes,
     Vec,
     add,
     dot,
@@ -71,8 +71,8 @@ from wrsim.core.linalg import (
     shifted,
     vec,
 )
-from wrsim.core.root import between
-from wrsim.core.track.path import NODE, frame, frame_rates
+from wrsim.core.root import neighbours
+from wrsim.core.track.path import NODE, frame_at, frame_rates
 
 # arrays of the arena before those of the wheels
 (
@@ -124,7 +124,7 @@ def add_forces_on_bodies(t: float, q: Array, q_t: Array, out: Array, buffer: Arr
     parts = records(buffer, index, PARTS, PART)
     bodies = records(buffer, index, BODIES, BODY)
     wrenches = records(buffer, index, WRENCHES, WRENCH)
-    centre = Curve(records(buffer, index, CENTRE, NODE), vehicle.step)
+    centre = CurveNodes(records(buffer, index, CENTRE, NODE), vehicle.step)
     n: int = parts.shape[0]
     for i in range(n):
         body = kinematics(q[6 * i : 6 * i + 6], q_t[6 * i : 6 * i + 6])
@@ -221,7 +221,7 @@ def motion_at(t: float, pieces: Records) -> tuple[float, float, float]:
 
     pieces: records PIECE in the order of time, each from its beginning to that of the next; the last has no end.
     """
-    low, _high, _part = between(pieces["time"], t)
+    low, _high, _part = neighbours(pieces["time"], t)
     piece = pieces[low]
     since = t - piece.time
     speed = piece.speed + piece.acceleration * since
@@ -229,23 +229,23 @@ def motion_at(t: float, pieces: Records) -> tuple[float, float, float]:
 
 
 @kernel
-def _turned(body: Body, spin: float) -> Body:
+def _turned(body: BodyMotion, spin: float) -> BodyMotion:
     """A body that turns faster about its axle [rad/s]."""
     omega = shifted(body.omega, spin, body.left)
-    return Body(body.position, body.velocity, body.forward, body.left, body.up, omega)
+    return BodyMotion(body.position, body.velocity, body.forward, body.left, body.up, omega)
 
 
 @kernel
-def _frames(s: float, speed: float, vehicle: Record, centre: Curve) -> tuple[Body, Body]:
+def _frames(s: float, speed: float, vehicle: Record, centre: CurveNodes) -> tuple[BodyMotion, BodyMotion]:
     """The track frame at the distance s [m] and the guide frame, as bodies; speed [m/s]."""
-    at = frame(centre, s)
+    at = frame_at(centre, s)
     turning, _roll = frame_rates(centre, s)
     velocity, omega = scale(speed, at.t), scale(speed, turning)
     attack = -vehicle.guide_ahead * dot(turning, at.b)
     forward = mixed(cos(attack), at.t, sin(attack), at.n)
     left = mixed(cos(attack), at.n, -sin(attack), at.t)
-    track = Body(at.origin, velocity, at.t, at.n, at.b, omega)
-    return track, Body(at.origin, velocity, forward, left, at.b, omega)
+    track = BodyMotion(at.origin, velocity, at.t, at.n, at.b, omega)
+    return track, BodyMotion(at.origin, velocity, forward, left, at.b, omega)
 
 
 @kernel

@@ -12,8 +12,8 @@ from wrsim.core.contact.records import CONTACT
 from wrsim.core.jit import stages
 from wrsim.core.jit.arena import Array, Ints, Record, record, records, vector
 from wrsim.core.jit.compiling import inlined, kernel, parallel, prange
-from wrsim.core.linalg import BODY, VECTOR, ZERO, Curve, get_body, put
-from wrsim.core.track.path import NODE, bends, frame, locate
+from wrsim.core.linalg import BODY, VECTOR, ZERO, CurveNodes, get_body, put
+from wrsim.core.track.path import NODE, bends, frame_at, locate
 
 # arrays of the arena of one wheel
 OWN, RAIL, IN_CONTACT = range(3)
@@ -37,7 +37,7 @@ ONE_WHEEL, IN_TURN, SIDE_BY_SIDE = 4, 5, 6
 def one_wheel(buffer: Array, index: Ints) -> int:
     """Force and moment of one wheel's contact, written to its record; a status. index: the part that is its own."""
     wheel = records(buffer, index, OWN, WHEEL)[0]
-    rail = Curve(records(buffer, index, RAIL, NODE), wheel.step)
+    rail = CurveNodes(records(buffer, index, RAIL, NODE), wheel.step)
     body = get_body(wheel.body)
     put(wheel.force, ZERO)
     put(wheel.moment, ZERO)
@@ -46,7 +46,7 @@ def one_wheel(buffer: Array, index: Ints) -> int:
         wheel.status = OFF_TRACK
         return OFF_TRACK
     wheel.s = s
-    at = frame(rail, s)
+    at = frame_at(rail, s)
     arrays = index[IN_CONTACT:]
     pose = vector(buffer, arrays, POSE)
     set_pose(body, at, wheel.side, wheel.half_spacing, pose)
@@ -75,14 +75,14 @@ def in_turn(buffer: Array, index: Ints) -> int:
 
 
 @parallel
-def side_by_side(buffer: Array, index: Ints) -> int:
+def in_parallel(buffer: Array, index: Ints) -> int:
     """As `in_turn`, on as many threads as numba is set to use."""
     for i in prange(index.shape[0] // ARRAYS):
         stages.run(ONE_WHEEL, buffer, index[i * ARRAYS : (i + 1) * ARRAYS])
     return OK
 
 
-STAGES = {ONE_WHEEL: one_wheel, IN_TURN: in_turn, SIDE_BY_SIDE: side_by_side}
+STAGES = {ONE_WHEEL: one_wheel, IN_TURN: in_turn, SIDE_BY_SIDE: in_parallel}
 
 
 @inlined

@@ -9,23 +9,23 @@ forces to round-off.
 from wrsim.core.jit.arena import Array, Record
 from wrsim.core.jit.compiling import inlined, kernel
 from wrsim.core.linalg import (
-    Body,
+    BodyMotion,
     Frame,
     Vec,
     add,
-    combined,
     components,
     cross,
+    from_components,
     point_velocity,
+    put_at,
     scale,
     shifted,
     sub,
-    write,
 )
 
 
 @inlined
-def wheel_origin(body: Body, side: float, half_spacing: float) -> Vec:
+def wheel_origin(body: BodyMotion, side: float, half_spacing: float) -> Vec:
     """Wheel profile origin on the axle, global. side: +1 left, -1 right; half_spacing: H/2 [m]."""
     return shifted(body.position, side * half_spacing, body.left)
 
@@ -45,23 +45,23 @@ def _turning_in_rail(a: Vec, rail: Frame, side: float) -> Vec:
 
 
 @kernel
-def set_pose(body: Body, rail: Frame, side: float, half_spacing: float, pose: Array) -> None:
+def set_pose(body: BodyMotion, rail: Frame, side: float, half_spacing: float, pose: Array) -> None:
     """Write the pose and motion of one wheel in its rail's axes to ``pose`` (POSE,), see core.contact.records.
 
     rail: frame of the rail at the section beside the wheel (core.track.path.frame).
     """
     origin = wheel_origin(body, side, half_spacing)
-    write(pose, 0, _in_rail(sub(origin, rail.origin), rail, side))
-    write(pose, 3, _in_rail(scale(side, body.left), rail, side))
-    write(pose, 6, _in_rail(point_velocity(body, origin), rail, side))
-    write(pose, 9, _turning_in_rail(body.omega, rail, side))
+    put_at(pose, 0, _in_rail(sub(origin, rail.origin), rail, side))
+    put_at(pose, 3, _in_rail(scale(side, body.left), rail, side))
+    put_at(pose, 6, _in_rail(point_velocity(body, origin), rail, side))
+    put_at(pose, 9, _turning_in_rail(body.omega, rail, side))
 
 
 @kernel
-def wheel_wrench(body: Body, rail: Frame, side: float, half_spacing: float, total: Record) -> tuple[Vec, Vec]:
+def wheel_wrench(body: BodyMotion, rail: Frame, side: float, half_spacing: float, total: Record) -> tuple[Vec, Vec]:
     """Force and moment at the centre of mass, in global axes, of one wheel's contact; total: a record TOTAL."""
     f = Vec(total.Ft, side * total.Fo, total.Fb)
     m = Vec(side * total.Mt, total.Mo, side * total.Mb)
-    force = combined(f, rail.t, rail.n, rail.b)
+    force = from_components(f, rail.t, rail.n, rail.b)
     arm = scale(side * half_spacing, body.left)
-    return force, add(combined(m, rail.t, rail.n, rail.b), cross(arm, force))
+    return force, add(from_components(m, rail.t, rail.n, rail.b), cross(arm, force))

@@ -141,7 +141,7 @@ def find_edge(
 
 
 @kernel
-def lay_strips(wheel: Wheel, rail: Rail, lobe: Record, projected: int, n: int, strips: Records) -> float:
+def fill_strips(wheel: Wheel, rail: Rail, lobe: Record, projected: int, n: int, strips: Records) -> float:
     """Fill ``n`` strips of equal width between the lobe's edges, start < 0 < end.
 
     Writes per strip s, ds, x, o, b, no, nb, r_t, penetration and, as a, the half length sqrt(2 h r_t) of [S 25] with

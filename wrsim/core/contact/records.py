@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from wrsim.core.jit.arena import Array, record
 from wrsim.core.jit.compiling import inlined
-from wrsim.core.linalg import Vec, read
+from wrsim.core.linalg import Vec, vec_at
 
 SETTINGS = record(
     "E G eps recess damping kA kS strip_width least_speed mu mu_gauge zone_start zone_end fall_ratio fall_decay"
@@ -88,7 +88,7 @@ POSE = 12
 @inlined
 def read_pose(row: Array) -> Pose:
     """The pose in a row of 12 numbers."""
-    return Pose(read(row, 0), read(row, 3), read(row, 6), read(row, 9))
+    return Pose(vec_at(row, 0), vec_at(row, 3), vec_at(row, 6), vec_at(row, 9))
 
 
 class Profile(NamedTuple):

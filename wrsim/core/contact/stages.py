@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from wrsim.core.contact.arrays import arrays, bodies
-from wrsim.core.contact.normal.kik_piotrowski import bound_lobe, lay_lobe, press
+from wrsim.core.contact.normal.kik_piotrowski import bound_lobe, lay_lobe, press_lobes
 from wrsim.core.contact.records import CONTACT, CREEP_FORCES, FREE_STRIPS, KIK_PIOTROWSKI, read_pose
 from wrsim.core.contact.search.lobes import room_beside
 from wrsim.core.contact.strips.model import press_strips
@@ -33,7 +33,7 @@ def kik_piotrowski(buffer: Array, index: Ints) -> int:
         status |= bound_lobe(wheel, rail, settings, a.found, i, left, right, lobes)
     for i in range(count):
         lay_lobe(wheel, rail, settings, lobes, count, i, a.strips[i])
-    press(settings, pose, lobes, a.strips, count, a.work)
+    press_lobes(settings, pose, lobes, a.strips, count, a.work)
     return status
 
 
@@ -63,7 +63,7 @@ STAGES = {
 }
 
 
-def make_ready(*numbers: int) -> None:
+def compile_stages(*numbers: int) -> None:
     """See `core.jit.stages.make_ready`."""
     for number in numbers:
         stages.make_ready(number, STAGES[number])
@@ -74,7 +74,7 @@ def repeat_contacts(folder: str) -> None:
     paths = sorted(Path(folder).glob(STORED.format("*")))
     for path in paths:
         with np.load(path) as stored:
-            make_ready(*stored["stages"].tolist())
+            compile_stages(*stored["stages"].tolist())
             buffer, index = stored["before"].copy(), stored["index"].copy()
             status = wheel_rail(buffer, index)
             if status != stored["status"] or buffer.tobytes() != stored["after"].tobytes():

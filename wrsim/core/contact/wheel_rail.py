@@ -34,8 +34,8 @@ DEEPEST = 3e-3  # approach beyond which the state is called an overlap, not a co
 def wheel_rail(buffer: Array, index: Ints) -> int:
     """Contact of one wheel and one rail, the pose being set in the arena; see `core.contact.arrays.Arrays`.
 
-    Forces act on the wheel; a lobe with N = 0 is none. Returns a status, also written to ``total``: 0, or a sum of the STATUS
-    bits.
+    Forces act on the wheel; a lobe with N = 0 is none. Returns a status, also written to ``total``: 0, or a sum of the
+    STATUS bits.
     """
     a = arrays(buffer, index)
     settings, lobes = a.settings[0], a.patches

@@ -1,6 +1,6 @@
 """A space curve with a frame on it: the centre line of a track, or one swept rail [S 7-9].
 
-A ``Curve`` has n >= 2 nodes at uniform arclength from s = 0, each with its position [m], unit tangent dr/ds, roll
+A ``CurveNodes`` has n >= 2 nodes at uniform arclength from s = 0, each with its position [m], unit tangent dr/ds, roll
 (angle of the cross-section about t, positive: left side up [rad]), droll/ds [rad/m] and curvature vector d2r/ds2 [1/m].
 
 Between nodes the curve is the quintic Hermite polynomial of position, tangent and curvature vector, so all
@@ -22,7 +22,7 @@ from typing import Any
 
 from wrsim.core.jit.arena import Array, Ints, Records, record
 from wrsim.core.jit.compiling import inlined, kernel
-from wrsim.core.linalg import VECTOR, Curve, Frame, Vec, add, cross, dot, mixed, norm, scale, shifted, sub, write
+from wrsim.core.linalg import VECTOR, CurveNodes, Frame, Vec, add, cross, dot, mixed, norm, put_at, scale, shifted, sub
 
 NODE = record(position=VECTOR, tangent=VECTOR, roll="f8", roll_slope="f8", curvature=VECTOR)
 """A node of a curve, see above [m, 1, rad, rad/m, 1/m]."""
@@ -38,7 +38,7 @@ MIN_SLOPE = 0.1  # smallest 1 - (p - r).k used: points near the centre of curvat
 
 
 @inlined
-def _cell(curve: Curve, s: float) -> tuple[int, float, float]:
+def _cell(curve: CurveNodes, s: float) -> tuple[int, float, float]:
     """First node i, local coordinate xi in [0, 1] and the distance outside of the curve (0 inside, NaN for NaN)."""
     last = curve.nodes.shape[0] - 1
     end = last * curve.step
@@ -93,7 +93,7 @@ def _quintic_bend(xi: float) -> tuple[float, float, float, float, float]:
 
 
 @inlined
-def _sum(curve: Curve, i: int, basis: tuple[float, float, float, float, float]) -> Vec:
+def _sum(curve: CurveNodes, i: int, basis: tuple[float, float, float, float, float]) -> Vec:
     """Sum of basis times data of cell i, a vector; the constant p0 is left out."""
     start, end, h = curve.nodes[i], curve.nodes[i + 1], curve.step
     a, b, c, d, e = basis
@@ -104,7 +104,7 @@ def _sum(curve: Curve, i: int, basis: tuple[float, float, float, float, float]) 
 
 
 @inlined
-def _roll(curve: Curve, i: int, xi: float) -> float:
+def _roll(curve: CurveNodes, i: int, xi: float) -> float:
     """Roll in cell i: cubic Hermite [rad]."""
     start, end = curve.nodes[i], curve.nodes[i + 1]
     x2 = xi * xi
@@ -114,7 +114,7 @@ def _roll(curve: Curve, i: int, xi: float) -> float:
 
 
 @inlined
-def _roll_slope(curve: Curve, i: int, xi: float) -> float:
+def _roll_slope(curve: CurveNodes, i: int, xi: float) -> float:
     """d(roll)/ds in cell i [rad/m]."""
     start, end = curve.nodes[i], curve.nodes[i + 1]
     return (
@@ -125,7 +125,7 @@ def _roll_slope(curve: Curve, i: int, xi: float) -> float:
 
 
 @kernel
-def frame(curve: Curve, s: float) -> Frame:
+def frame_at(curve: CurveNodes, s: float) -> Frame:
     """Position and orthonormal frame of the curve at arclength s [S 7-9]: a ``Frame``."""
     i, xi, beyond = _cell(curve, s)
     along = _sum(curve, i, _quintic_slope(xi))
@@ -141,7 +141,7 @@ def frame(curve: Curve, s: float) -> Frame:
 
 
 @kernel
-def locate(curve: Curve, p: Any, s_guess: float) -> tuple[float, int]:
+def locate(curve: CurveNodes, p: Any, s_guess: float) -> tuple[float, int]:
     """Arclength of the cross-section that holds the point p: the root of (p - r(s)).t(s) = 0 near
     ``s_guess``.
 
@@ -170,7 +170,7 @@ def locate(curve: Curve, p: Any, s_guess: float) -> tuple[float, int]:
 
 
 @kernel
-def curvature(curve: Curve, s: float) -> float:
+def curvature_at(curve: CurveNodes, s: float) -> float:
     """Curvature of the curve's horizontal projection at s, positive to the left [1/m]; zero outside."""
     i, xi, beyond = _cell(curve, s)
     if beyond != 0.0:
@@ -182,7 +182,7 @@ def curvature(curve: Curve, s: float) -> float:
 
 
 @kernel
-def frame_rates(curve: Curve, s: float) -> tuple[Vec, float]:
+def frame_rates(curve: CurveNodes, s: float) -> tuple[Vec, float]:
     """Rotation of the frame per metre: the vector w with dt/ds = w x t, dn/ds = w x n, db/ds = w x b.
 
     A frame that moves along the curve at speed V turns at V w. Returns (w, droll/ds), w in global axes [rad/m]:
@@ -204,7 +204,7 @@ def frame_rates(curve: Curve, s: float) -> tuple[Vec, float]:
 
 
 @kernel
-def bends(curve: Curve, s: float, own: Frame) -> tuple[float, float, float]:
+def bends(curve: CurveNodes, s: float, own: Frame) -> tuple[float, float, float]:
     """How the curve turns about itself at s, positive where its left side rises [rad/m], and how it bends to the left
     and up [1/m], all zero outside; own: its frame there."""
     turning, _roll = frame_rates(curve, s)
@@ -212,25 +212,25 @@ def bends(curve: Curve, s: float, own: Frame) -> tuple[float, float, float]:
 
 
 @kernel
-def frame_many(curve: Curve, s: Array, out: Array) -> None:
-    """`frame` for an array s of shape (m,); origin, t, n, b go to ``out`` of shape (m, 12)."""
+def frame_many(curve: CurveNodes, s: Array, out: Array) -> None:
+    """`frame_at` for an array s of shape (m,); origin, t, n, b go to ``out`` of shape (m, 12)."""
     for j in range(s.shape[0]):
-        own = frame(curve, s[j])
-        write(out[j], 0, own.origin)
-        write(out[j], 3, own.t)
-        write(out[j], 6, own.n)
-        write(out[j], 9, own.b)
+        own = frame_at(curve, s[j])
+        put_at(out[j], 0, own.origin)
+        put_at(out[j], 3, own.t)
+        put_at(out[j], 6, own.n)
+        put_at(out[j], 9, own.b)
 
 
 @kernel
-def curvature_many(curve: Curve, s: Array, out: Array) -> None:
-    """`curvature` for an array s of shape (m,); values go to ``out`` of shape (m,)."""
+def curvature_many(curve: CurveNodes, s: Array, out: Array) -> None:
+    """`curvature_at` for an array s of shape (m,); values go to ``out`` of shape (m,)."""
     for j in range(s.shape[0]):
-        out[j] = curvature(curve, s[j])
+        out[j] = curvature_at(curve, s[j])
 
 
 @kernel
-def locate_many(curve: Curve, points: Records, guess: Array, out: Array, status: Ints) -> None:
+def locate_many(curve: CurveNodes, points: Records, guess: Array, out: Array, status: Ints) -> None:
     """`locate` for points, (m,) records VECTOR, and guesses (m,); results go to ``out`` and ``status`` (m,)."""
     for j in range(points.shape[0]):
         out[j], status[j] = locate(curve, points[j], guess[j])

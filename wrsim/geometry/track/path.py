@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wrsim.core.linalg import VECTOR, Curve
+from wrsim.core.linalg import VECTOR, CurveNodes
 from wrsim.core.track import path as core
 from wrsim.errors import InputError
 
@@ -36,9 +36,9 @@ class Path:
             raise InputError(f"path table: {COLUMNS[column]} of row {row} is not a finite number")
 
     @cached_property
-    def curve(self) -> Curve:
+    def curve(self) -> CurveNodes:
         """The path as kernels take it."""
-        return Curve(np.ascontiguousarray(self.table).view(core.NODE).reshape(-1), self.step)
+        return CurveNodes(np.ascontiguousarray(self.table).view(core.NODE).reshape(-1), self.step)
 
     @property
     def length(self) -> float:
@@ -59,7 +59,7 @@ class Path:
     def turning(self, s: float) -> tuple[float, float, float]:
         """How the cross-section turns about the tangent, positive where its left side rises [rad/m], and how the path
         bends to the left and up [1/m]."""
-        twist, to_left, up = core.bends(self.curve, s, core.frame(self.curve, s))
+        twist, to_left, up = core.bends(self.curve, s, core.frame_at(self.curve, s))
         return float(twist), float(to_left), float(up)
 
     def curvature(self, s: ArrayLike) -> NDArray[np.float64]:

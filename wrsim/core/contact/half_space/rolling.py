@@ -133,7 +133,7 @@ def move(q: Array, d: Array, share: float, bound: Array) -> None:
 
 
 @kernel
-def march(w: Array, bound: Array, flexibility: float, step: float, forward: float, q: Array) -> None:
+def march_columns(w: Array, bound: Array, flexibility: float, step: float, forward: float, q: Array) -> None:
     """A first guess: rigid slip w summed up from the leading end with one flexibility [m/Pa]; step: dx [m].
 
     The simplified theory of rolling contact (Kalker 1982).

@@ -22,7 +22,7 @@ Yaw shifts the strips along x but is left out of I: each strip is taken centred 
 from math import ceil, log, pi, sqrt
 
 from wrsim.core.contact.normal.elliptic import strip_potential
-from wrsim.core.contact.patch import find_edge, first_step, lay_strips
+from wrsim.core.contact.patch import fill_strips, find_edge, first_step
 from wrsim.core.contact.records import STATUS_PROFILE_END, Pose, Rail, Wheel
 from wrsim.core.contact.resultants import set_creepages, set_pressures
 from wrsim.core.dense import factorise, solve_factorised
@@ -73,7 +73,7 @@ def lay_lobe(wheel: Wheel, rail: Rail, settings: Record, lobes: Records, count: 
     else:
         n = settings.strips
     n = min(max(n, settings.fewest), strips.shape[0])
-    lobe.half_length = lay_strips(wheel, rail, lobe, settings.projected, n, strips)
+    lobe.half_length = fill_strips(wheel, rail, lobe, settings.projected, n, strips)
     lobe.n_strips = n
     # the main point lies within its strip: its coordinates follow along the strip's tangent
     main = min(max(int(-lobe.start / (lobe.width / n)), 0), n - 1)
@@ -85,7 +85,7 @@ def lay_lobe(wheel: Wheel, rail: Rail, settings: Record, lobes: Records, count: 
 
 
 @kernel
-def press(settings: Record, pose: Pose, lobes: Records, strips: Records, count: int, work: Array) -> None:
+def press_lobes(settings: Record, pose: Pose, lobes: Records, strips: Records, count: int, work: Array) -> None:
     """Pressures of all lobes from the displacements at their main points, with damping. work: (12, >= 8) scratch."""
     matrix = work[:3]
     rows = work[3:6]

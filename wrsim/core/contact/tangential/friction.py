@@ -16,13 +16,13 @@ from math import exp, sqrt
 
 from wrsim.core.jit.arena import Array, Record, Records
 from wrsim.core.jit.compiling import inlined, kernel
-from wrsim.core.root import between
+from wrsim.core.root import neighbours
 
 
 @inlined
 def set_law(table: Array, place: float, settings: Record) -> None:
     """Write the numbers that hold at a place [m] into the settings."""
-    low, high, x = between(table[:, 0], place)
+    low, high, x = neighbours(table[:, 0], place)
     part = x * x * (3.0 - 2.0 * x)
     settings.mu = table[low, 1] + part * (table[high, 1] - table[low, 1])
     settings.mu_gauge = table[low, 2] + part * (table[high, 2] - table[low, 2])
