@@ -169,7 +169,7 @@ def test_kernels_are_plain_python_too(spiral: Path) -> None:
     code = (
         "from test_path import helix; from wrsim.core.track import path as core\n"
         "c = helix(30.0, 0.03, 2.0, 0.25, roll_rate=0.05).curve\n"
-        "assert type(core.frame).__name__ == 'function'\n"
+        "assert type(core.frame_at).__name__ == 'function'\n"
         "r, (w, d) = core.frame_at(c, 77.7), core.frame_rates(c, 77.7)\n"
         "print(*(x for v in r for x in v), core.curvature_at(c, 77.7), *w, d, core.locate(c, r.origin, 75.0)[0])"
     )
