@@ -63,7 +63,6 @@ def conicity(
 
     with reporting_errors(as_json), writing(force):
         from wrsim.analysis.conicity.pairs import Pairing
-        from wrsim.report.outputs import write_conicity, write_conicity_map
         from wrsim.results.conicity import conicity_numbers
         from wrsim.results.render import as_records
 
@@ -76,6 +75,8 @@ def conicity(
             tables, title = [over.table()], over.title
             numbers = {"map": as_records(over.table()), "gaps": list(over.reasons)}
             if output is not None:
+                from wrsim.report.outputs import write_conicity_map
+
                 files = write_conicity_map(over, output, pictures)
         else:
             left, right = diameters_mm or (2.0 * radius_mm, 2.0 * radius_mm)
@@ -84,6 +85,8 @@ def conicity(
             found = pairing.conicity(wheels, rails, gauge_mm / 1e3, diameters, curve_m or (), flange_from_deg)
             tables, title, numbers = found.numbers(), found.title, conicity_numbers(found)
             if output is not None:
+                from wrsim.report.outputs import write_conicity
+
                 files = write_conicity(found, output, pictures)
         if as_json:
             print_json({"title": title, **numbers, "files": [str(f) for f in files]})

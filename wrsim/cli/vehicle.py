@@ -54,7 +54,6 @@ def vehicle(
 
     with reporting_errors(as_json), writing(force):
         from wrsim.analysis.stationary import at_rest
-        from wrsim.report.outputs import draw_loops, draw_vehicle
         from wrsim.scenario.vehicle_build import vehicle_model
 
         check_ending("-o", output, ".png", ".svg")
@@ -70,10 +69,11 @@ def vehicle(
         twisted = at_rest.twist_loop(loaded, twists) if twist_test else None
         turned = at_rest.rotation_loops(loaded, rotation_radius_m) if rotation_test else ()
         found |= at_rest.test_facts(loaded, twisted, turned)
-        if output is not None:
-            found["picture"] = str(draw_vehicle(loaded, output))
-        if loops is not None:
-            found["loops"] = str(draw_loops(loaded, twisted, turned, loops))
+        if output is not None or loops is not None:
+            from wrsim.report.outputs import draw_loops, draw_vehicle
+
+            found |= {"picture": str(draw_vehicle(loaded, output))} if output else {}
+            found |= {"loops": str(draw_loops(loaded, twisted, turned, loops))} if loops else {}
         if as_json:
             print_json(found)
         else:

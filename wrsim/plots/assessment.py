@@ -3,10 +3,9 @@ that go by influences."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from math import ceil
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,6 @@ from matplotlib.lines import Line2D
 from wrsim.plots.colours import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.histories import mark_snapshots, track_layout
 from wrsim.plots.marks import mark_stop, note, note_above, panels, wheel_entries
-from wrsim.plots.style import save
 from wrsim.results.assessment import Assessment, Section, Value, ZoneValue
 from wrsim.results.regression import SHOWN
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
@@ -38,20 +36,17 @@ MOST = 1.5
 """Part of a limit at which bars and points are cut off."""
 
 
-def assessment_pictures(found: Assessment, directory: str | Path) -> list[Path]:
-    """Write ``assessment.png`` (limits), ``assessment_history.png`` (of several runs with their numbers) and where
-    values are estimated by influences ``assessment_estimates.png``; returns their paths.
-    """
-    directory = Path(directory)
-    files = []
-    for i, run in enumerate(found.signals, 1):
-        name = f"assessment_history_{i}.png" if run else "assessment_history.png"
-        files.append(save(history_figure(found, run), directory / name))
-    if estimated(found):
-        files.append(save(estimates_figure(found), directory / "assessment_estimates.png"))
+def assessment_figures(found: Assessment) -> dict[str, Callable[[], Figure]]:
+    """Makers of the pictures of an assessment by file name without ending: limits, histories (of several runs with
+    their numbers), values that are estimated by influences."""
+    figures: dict[str, Callable[[], Figure]] = {}
     if any(v.limit is not None for v in found.values):
-        files.insert(0, save(limits_figure(found), directory / "assessment.png"))
-    return files
+        figures["assessment"] = partial(limits_figure, found)
+    for i, run in enumerate(found.signals, 1):
+        figures[f"assessment_history_{i}" if run else "assessment_history"] = partial(history_figure, found, run)
+    if estimated(found):
+        figures["assessment_estimates"] = partial(estimates_figure, found)
+    return figures
 
 
 def limits_figure(found: Assessment) -> Figure:

@@ -15,11 +15,13 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
 
 from wrsim.plots.style import rendered
+from wrsim.results import write_atomically
 
 DIE_WITH_PARENT = 1
 """PR_SET_PDEATHSIG of Linux's prctl: the signal that a process gets when its parent has died."""
@@ -35,7 +37,7 @@ def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
     """Draw pictures while other work is done in the block, if there is a second processor. paint: what makes bytes of
     a figure."""
     if not _worth_a_process(len(figures)):
-        yield lambda: {name: _painted(make, paint) for name, make in figures.items()}
+        yield lambda: {name: paint(make()) for name, make in figures.items()}
         return
     context = multiprocessing.get_context("fork")
     taken = context.Value("i", 0)
@@ -51,7 +53,7 @@ def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
         drawn = _share(figures, paint, taken)
         with suppress(EOFError, OSError):  # it was killed, or has met an error
             drawn |= receiver.recv()
-        return {name: drawn[name] if name in drawn else _painted(make, paint) for name, make in figures.items()}
+        return {name: drawn[name] if name in drawn else paint(make()) for name, make in figures.items()}
 
     try:
         yield finish
@@ -61,9 +63,10 @@ def drawing(figures: Makers, paint: Paint = rendered) -> Iterator[Finish]:
         receiver.close()
 
 
-def _painted(make: Callable[[], Figure], paint: Paint) -> bytes:
-    """One picture."""
-    return paint(make())
+def save_all(figures: Makers, directory: str | Path) -> list[Path]:
+    """Write pictures as PNG by their names, when all are drawn; returns their paths. Raises ``WrsimError``."""
+    with drawing(figures) as finish:
+        return [write_atomically(Path(directory) / f"{name}.png", content) for name, content in finish().items()]
 
 
 def _worth_a_process(pictures: int) -> bool:
@@ -82,7 +85,7 @@ def _share(figures: Makers, paint: Paint, taken: Any) -> dict[str, bytes]:
             place, taken.value = taken.value, taken.value + 1
         if place >= len(names):
             return drawn
-        drawn[names[place]] = _painted(figures[names[place]], paint)
+        drawn[names[place]] = paint(figures[names[place]]())
 
 
 def _second(figures: Makers, paint: Paint, taken: Any, sender: Any, receiver: Any, first: int) -> None:

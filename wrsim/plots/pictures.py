@@ -12,14 +12,14 @@ from matplotlib.figure import Figure
 
 from wrsim.errors import InputError, suggest
 from wrsim.plots.cross_section import has_outlines, section_gallery
-from wrsim.plots.drawing import drawing
+from wrsim.plots.drawing import save_all
 from wrsim.plots.histories import ANGLES, channels_figure, overview_figure
 from wrsim.plots.patches import patch_gallery
 from wrsim.plots.static import PANELS, static_figure
 from wrsim.plots.vehicle_run import vehicle_figures
 from wrsim.plots.wear import fatigue_figure, wear_figure
 from wrsim.register import ANALYSES, resolved
-from wrsim.results import CHANNELS, Result, write_atomically
+from wrsim.results import CHANNELS, Result
 from wrsim.results.moments import has_patches
 from wrsim.results.wear import has_wear
 from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets, worst_wheelset
@@ -76,8 +76,7 @@ def wheelset_figures(one: xr.Dataset) -> dict[str, Callable[[], Figure]]:
 
 def standard_pictures(dataset: xr.Dataset, directory: str | Path) -> list[Path]:
     """Write the standard pictures as PNG into ``directory``; returns their paths. Raises ``WrsimError``."""
-    with drawing(standard_figures(dataset)) as finish:
-        return [write_atomically(Path(directory) / f"{name}.png", content) for name, content in finish().items()]
+    return save_all(standard_figures(dataset), directory)
 
 
 def picture(result: Result, names: Sequence[str], wheelset: str | None) -> Figure:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +11,6 @@ from matplotlib.figure import Figure
 
 from wrsim.plots.colours import GROUP_LINE, GROUP_MARK, SERIES_COLOURS
 from wrsim.plots.marks import panels
-from wrsim.plots.style import save
 from wrsim.results.ride import Ride
 
 DIRECTIONS = {"x": "longitudinal", "y": "lateral", "z": "vertical"}
@@ -28,10 +26,10 @@ Rides = Mapping[str, Ride]
 """By the names of their runs."""
 
 
-def ride_pictures(found: Ride, directory: str | Path) -> list[Path]:
-    """Write ``ride_spectra.png`` and ``ride_bands.png``; returns their paths."""
+def ride_figures(found: Ride) -> dict[str, Callable[[], Figure]]:
+    """Makers of the pictures of a ride, by file name without ending."""
     draws = {"ride_spectra": density} | ({"ride_bands": bands} if found.data.sizes["band"] else {})
-    return [save(ride_figure({"": found}, draw), Path(directory) / f"{name}.png") for name, draw in draws.items()]
+    return {name: partial(ride_figure, {"": found}, draw) for name, draw in draws.items()}
 
 
 def ride_figure(rides: Rides, draw: Callable[[Rides, str, Axes], Axes]) -> Figure:

@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import pairwise
 from math import ceil
-from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
@@ -24,7 +23,7 @@ from numpy.typing import NDArray
 from wrsim.inputs.section import UNITS
 from wrsim.plots.colours import GROUP_MARK, INK, QUIET, SERIES_COLOURS, STOP_COLOUR
 from wrsim.plots.marks import note, panels
-from wrsim.plots.style import pressure_map, save
+from wrsim.plots.style import pressure_map
 from wrsim.results.channels import SHOWN
 
 MOST_OUTPUTS, MOST_LINES, MOST_KEYS = 12, 8, 4
@@ -38,11 +37,6 @@ ENOUGH = 8
 """Completed cases from which a distribution says something."""
 PERCENTILES = (5, 50, 95)
 COMPLETED, DERAILED = "completed", "derailed"
-
-
-def study_pictures(dataset: xr.Dataset, directory: str | Path) -> list[Path]:
-    """Write the pictures that suit the axes of a study into a folder; returns their paths."""
-    return [save(make(), Path(directory) / f"{name}.png") for name, make in study_figures(dataset).items()]
 
 
 def study_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -16,84 +15,46 @@ from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 from wrsim.plots.colours import FAINT, INK, QUIET, RAIL_FILL, WHEEL_FILL
 from wrsim.plots.marks import panels
 from wrsim.plots.style import FULL_WIDTH, new_figure, place, style
-
-Triple = tuple[float, float, float]
+from wrsim.vehicle.couplings import GLYPHS
+from wrsim.vehicle.elements import KINDS, Element, Glyph
+from wrsim.vehicle.vehicle import Vehicle
 
 MARGIN, GAP, TITLE, FOOT = 14.0, 9.0, 12.0, 14.0
 """mm."""
-
-
-@dataclass(frozen=True)
-class BoxSketch:
-    """A body as a box: centre and edges [m]."""
-
-    name: str
-    centre: Triple
-    size: Triple
-
-
-@dataclass(frozen=True)
-class WheelSketch:
-    """A wheel: centre, radius, width [m]."""
-
-    centre: Triple
-    radius: float
-    width: float = 0.13
-
-
-@dataclass(frozen=True)
-class ElementSketch:
-    """A suspension element: kind, its two ends [m], mark and its colour, whether the mark is hollow."""
-
-    kind: str
-    ends: tuple[Triple, Triple]
-    mark: str
-    colour: str
-    hollow: bool = False
-
-
-@dataclass(frozen=True)
-class VehicleSketch:
-    """What is drawn of a vehicle, in its axes; points are marked with a cross."""
-
-    name: str
-    boxes: Sequence[BoxSketch]
-    wheels: Sequence[WheelSketch]
-    elements: Sequence[ElementSketch]
-    points: Sequence[Triple] = ()
+WHEEL_WIDTH = 0.13
+"""m."""
 
 
 VIEWS = {"from the side": (0, 2), "from behind": (1, 2), "from above": (0, 1)}
 """Horizontal and vertical axis of every view."""
 
 
-def vehicle_view(axes: Axes, sketch: VehicleSketch, view: str) -> Axes:
-    """Draw one of ``VIEWS``."""
+def vehicle_view(axes: Axes, vehicle: Vehicle, view: str) -> Axes:
+    """Draw one of ``VIEWS``: bodies as the boxes of equal mass and inertia, wheels, elements, points as crosses."""
     h, v = VIEWS[view]
     sign = -1.0 if view == "from behind" else 1.0  # y runs to the left
-    for box in sorted(sketch.boxes, key=lambda b: -b.size[h] * b.size[v]):
-        width, height = box.size[h], box.size[v]
-        corner = (sign * box.centre[h] - 0.5 * width, box.centre[v] - 0.5 * height)
+    for body in sorted(vehicle.bodies, key=lambda b: -b.box[h] * b.box[v]):
+        width, height = body.box[h], body.box[v]
+        corner = (sign * body.centre[h] - 0.5 * width, body.centre[v] - 0.5 * height)
         look: Any = {"facecolor": RAIL_FILL, "edgecolor": QUIET, "linewidth": 0.7, "alpha": 0.8}
         axes.add_patch(FancyBboxPatch(corner, width, height, "round,pad=0,rounding_size=0.06", **look))
-        axes.plot(sign * box.centre[h], box.centre[v], marker="+", color=INK, markersize=5.0, markeredgewidth=0.7)
-    for wheel in sketch.wheels:
-        x, y = sign * wheel.centre[h], wheel.centre[v]
+        axes.plot(sign * body.centre[h], body.centre[v], marker="+", color=INK, markersize=5.0, markeredgewidth=0.7)
+    for centre, radius in _wheels(vehicle):
+        x, y = sign * centre[h], centre[v]
+        look = {"facecolor": WHEEL_FILL, "edgecolor": INK, "linewidth": 0.6}
         if view == "from the side":
-            axes.add_patch(Circle((x, y), wheel.radius, facecolor=WHEEL_FILL, edgecolor=INK, linewidth=0.6))
+            axes.add_patch(Circle((x, y), radius, **look))
         else:
-            width = wheel.width if h == 1 else 2.0 * wheel.radius
-            height = wheel.width if v == 1 else 2.0 * wheel.radius
-            corner = (x - 0.5 * width, y - 0.5 * height)
-            axes.add_patch(Rectangle(corner, width, height, facecolor=WHEEL_FILL, edgecolor=INK, linewidth=0.6))
-    for element in sketch.elements:
-        ends = np.array(element.ends)
-        axes.plot(sign * ends[:, h], ends[:, v], color=element.colour, linewidth=1.0, solid_capstyle="round")
+            width, height = (WHEEL_WIDTH if axis == 1 else 2.0 * radius for axis in (h, v))
+            axes.add_patch(Rectangle((x - 0.5 * width, y - 0.5 * height), width, height, **look))
+    for element, glyph in _drawn_elements(vehicle):
+        ends = np.array(element.points)
+        axes.plot(sign * ends[:, h], ends[:, v], color=glyph.colour, linewidth=1.0, solid_capstyle="round")
         middle = ends.mean(axis=0)
-        size = 4.6 if element.hollow else 2.2
-        axes.plot(sign * middle[h], middle[v], markersize=size, markeredgewidth=0.7, **_mark(element))
-    for point in sketch.points:
-        axes.plot(sign * point[h], point[v], marker="x", color=QUIET, markersize=3.5, markeredgewidth=0.7)
+        size = 4.6 if glyph.hollow else 2.2
+        axes.plot(sign * middle[h], middle[v], markersize=size, markeredgewidth=0.7, **_mark(glyph))
+    for point in vehicle.points:
+        axes.plot(sign * point.at[h], point.at[v], marker="x", color=QUIET, markersize=3.5, markeredgewidth=0.7)
     if v == 2:
         axes.axhline(0.0, color=INK, linewidth=0.8)
     axes.set_aspect("equal")
@@ -104,9 +65,9 @@ def vehicle_view(axes: Axes, sketch: VehicleSketch, view: str) -> Axes:
 
 
 @style()
-def vehicle_figure(sketch: VehicleSketch) -> Figure:
+def vehicle_figure(vehicle: Vehicle) -> Figure:
     """All three views on one scale."""
-    low, high = _extent(sketch)
+    low, high = _extent(vehicle)
     length, width, height = high - low
     scale = (FULL_WIDTH - 2.0 * MARGIN - GAP - 8.0) / (length + width)
     rows = (height * scale, width * scale)
@@ -119,7 +80,7 @@ def vehicle_figure(sketch: VehicleSketch) -> Figure:
     for view, where in places.items():
         h, v = VIEWS[view]
         axes = place(figure, *where)
-        vehicle_view(axes, sketch, view)
+        vehicle_view(axes, vehicle, view)
         ends = (-high[1], -low[1]) if h == 1 else (low[h], high[h])
         axes.set_xlim(*ends)
         axes.set_ylim(low[v], high[v])
@@ -127,44 +88,54 @@ def vehicle_figure(sketch: VehicleSketch) -> Figure:
             ticks = np.arange(np.ceil(low[1]), np.floor(high[1]) + 0.5)
             axes.set_xticks(-ticks, [f"{t:g}" for t in ticks])
             axes.set(xlabel="y [m]", ylabel="")
-    kinds = {element.kind: element for element in reversed(sketch.elements)}
-    handles = [Line2D([], [], markersize=4.0, label=kind, **_mark(e)) for kind, e in reversed(kinds.items())]
+    kinds = {element.kind: glyph for element, glyph in _drawn_elements(vehicle)}
+    handles = [Line2D([], [], markersize=4.0, label=kind, **_mark(glyph)) for kind, glyph in kinds.items()]
     figure.legend(handles=handles, loc="lower right", ncols=1, frameon=False, fontsize=7.0)
-    figure.suptitle(sketch.name, x=MARGIN / FULL_WIDTH, ha="left", fontsize=9.0)
+    figure.suptitle(vehicle.name, x=MARGIN / FULL_WIDTH, ha="left", fontsize=9.0)
     return figure
 
 
-def _mark(element: ElementSketch) -> dict[str, Any]:
-    face = "none" if element.hollow else element.colour
-    return {"marker": element.mark, "color": element.colour, "linestyle": "none", "markerfacecolor": face}
+def _wheels(vehicle: Vehicle) -> list[tuple[tuple[float, float, float], float]]:
+    """Centre and radius of every wheel [m]."""
+    return [
+        ((mounted.x, side * 0.5 * mounted.wheelset.profile_spacing, mounted.height), wheel.radius)
+        for mounted in vehicle.wheelsets
+        for side, wheel in ((1.0, mounted.wheelset.left), (-1.0, mounted.wheelset.right))
+    ]
 
 
-def _extent(sketch: VehicleSketch) -> tuple[np.ndarray, np.ndarray]:
+def _drawn_elements(vehicle: Vehicle) -> list[tuple[Element, Glyph]]:
+    known = {kind: table.glyph for kind, table in KINDS.items()} | GLYPHS
+    pairs = ((element, known[element.kind]) for element in vehicle.elements)
+    return [(element, glyph) for element, glyph in pairs if glyph is not None]
+
+
+def _mark(glyph: Glyph) -> dict[str, Any]:
+    face = "none" if glyph.hollow else glyph.colour
+    return {"marker": glyph.mark, "color": glyph.colour, "linestyle": "none", "markerfacecolor": face}
+
+
+def _extent(vehicle: Vehicle) -> tuple[np.ndarray, np.ndarray]:
     """Least and largest coordinates of everything, with a margin."""
-    corners = [np.array(b.centre) + s * 0.5 * np.array(b.size) for b in sketch.boxes for s in (-1.0, 1.0)]
-    corners += [np.array(w.centre) + s * w.radius for w in sketch.wheels for s in (-1.0, 1.0)]
-    corners += [np.array(end) for e in sketch.elements for end in e.ends]
+    corners = [np.array(b.centre) + s * 0.5 * np.array(b.box) for b in vehicle.bodies for s in (-1.0, 1.0)]
+    corners += [np.array(centre) + s * radius for centre, radius in _wheels(vehicle) for s in (-1.0, 1.0)]
+    corners += [np.array(end) for element, _ in _drawn_elements(vehicle) for end in element.points]
     low, high = np.min(corners, axis=0) - 0.3, np.max(corners, axis=0) + 0.3
     low[2] = -0.15
     return low, high
 
 
-@dataclass(frozen=True)
-class Loop:
-    """Lines (label, x, y) of one panel, and what stands at its axes."""
+def loops_figure(title: str, loops: Sequence[tuple[str, str, Sequence[tuple[str, Any, Any]]]]) -> Figure:
+    """Loops of stationary tests beside each other: wheel loads over the twist, moment over the angle of a bogie.
 
-    x: str
-    y: str
-    lines: Sequence[tuple[str, Any, Any]]
+    loops: labels of both axes and lines (label, x, y) of every panel.
+    """
 
-
-def loops_figure(title: str, loops: Sequence[Loop]) -> Figure:
-    """Loops of stationary tests beside each other: wheel loads over the twist, moment over the angle of a bogie."""
-
-    def draw(axes: Axes, loop: Loop) -> None:
-        for label, x, y in loop.lines:
+    def draw(axes: Axes, xlabel: str, ylabel: str, lines: Sequence[tuple[str, Any, Any]]) -> None:
+        for label, x, y in lines:
             axes.plot(x, y, label=label)
-        axes.set(xlabel=loop.x, ylabel=loop.y)
+        axes.set(xlabel=xlabel, ylabel=ylabel)
         axes.legend(fontsize=6.5)
 
-    return panels(title, [partial(draw, loop=loop) for loop in loops], 80.0, columns=len(loops), share=False)
+    draws = [partial(draw, xlabel=x, ylabel=y, lines=lines) for x, y, lines in loops]
+    return panels(title, draws, 80.0, columns=len(loops), share=False)

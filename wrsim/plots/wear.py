@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from wrsim.plots.colours import GROUP_LINE, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.marks import panels
-from wrsim.plots.style import FULL_WIDTH, new_figure, save, shown, style
+from wrsim.plots.style import FULL_WIDTH, new_figure, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.wear import worst_worn
 from wrsim.results.wheelsets import numbered, wheelsets
@@ -128,9 +128,9 @@ def _legend(laws: list[str]) -> list[Line2D]:
     return sides + [Line2D([], [], color=INK, linestyle=line, label=LAW_WORDS[law]) for law, line in lines]
 
 
-def service_pictures(dataset: xr.Dataset, directory: Path) -> list[Path]:
-    """Write ``wear_profiles.png`` and ``wear_mileage.png``; returns their paths."""
-    return [save(make(dataset), directory / f"{name}.png") for name, make in FIGURES.items()]
+def service_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Makers of the pictures of profile evolution, by file name without ending."""
+    return {"wear_profiles": partial(profiles_figure, dataset), "wear_mileage": partial(mileage_figure, dataset)}
 
 
 def profiles_figure(dataset: xr.Dataset) -> Figure:
@@ -204,7 +204,3 @@ def _mileage(dataset: xr.Dataset, key: str, axes: Axes) -> None:
         if key == "conicity":
             axes.set_ylim(0.0, 1.15 * float(np.nanmax(values, initial=0.1)))
             axes.set_ylabel(f"{MILEAGE[key]}, {1e3 * dataset.attrs['conicity_amplitude_m']:g} mm")
-
-
-FIGURES = {"wear_profiles": profiles_figure, "wear_mileage": mileage_figure}
-"""Pictures of a service, by file name without ending."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wrsim import __version__
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, of_cases, outputs_of, study_figures
-from wrsim.plots.wear import FIGURES
+from wrsim.plots.wear import service_figures
 from wrsim.report.page import as_picture, template
 from wrsim.report.tables import BAD, OPEN, Verdict
 from wrsim.results.table import Column, Table, formatted, quantity
@@ -157,7 +157,7 @@ def service_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
         "verdict": f"{mileage} in {steps} steps; {deepest} worn off at the deepest place.",
         "identity": identity + [(key.removesuffix("_version"), str(about[key])) for key in versions],
         "numbers": numbers,
-        "pictures": [as_picture(name, make(dataset)) for name, make in FIGURES.items()],
+        "pictures": [as_picture(name, make()) for name, make in service_figures(dataset).items()],
         "command": f"wrsim wear service.toml -o {shlex.quote(source.rstrip('/').rsplit('/', 1)[-1] or 'service')}",
         "texts": {words: str(about[key]) for key, words in OF_SERVICE.items() if about.get(key)},
     }

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from wrsim.analysis.motion.record import code_digest
 from wrsim.errors import InputError
+from wrsim.plots.drawing import save_all
+from wrsim.plots.study import study_figures
 from wrsim.results import write_atomically
 from wrsim.results.channels import Kind
 from wrsim.results.dataset import faults_of_attributes, faults_of_variable, versions
@@ -144,9 +146,7 @@ def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) ->
         write_atomically(folder / "study.json", as_json(report_of(plan, markers))),
     ]
     if pictures:
-        from wrsim.plots.study import study_pictures
-
-        files += study_pictures(dataset, folder)
+        files += save_all(study_figures(dataset), folder)
     return files
 
 

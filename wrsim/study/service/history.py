@@ -14,6 +14,8 @@ from wrsim.analysis.conicity.conicity import conicity
 from wrsim.errors import InputError
 from wrsim.geometry.profile.flange import flange_dimensions
 from wrsim.geometry.profile.profile import Profile
+from wrsim.plots.drawing import save_all
+from wrsim.plots.wear import service_figures
 from wrsim.results import write_atomically
 from wrsim.results.dataset import versions
 from wrsim.results.files import as_csv, as_json
@@ -116,7 +118,5 @@ def write_history(
         wheel = write_wheel(service, directory, areas, label, WORN)
         files += [wheel] if wheel != service.wheel else []
     if pictures:
-        from wrsim.plots.wear import service_pictures
-
-        files += service_pictures(dataset, directory)
+        files += save_all(service_figures(dataset), directory)
     return dataset, files
