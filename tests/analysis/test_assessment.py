@@ -295,7 +295,7 @@ def test_every_wheelset_is_assessed_for_itself():
     one, two = (run(250.0, y=lambda s, f=f: (f + 0.0 * s, 0.0 * s)) for f in (4e3, 9e3))
     found = assess(with_wheelsets([one, two]), NADAL)
     assert [(v.wheelset, round(v.value)) for v in found.of("sum_Y")] == [("1", 4000), ("2", 9000)]
-    (zone,) = [z for z in found.zones() if z.worst.quantity.key == "sum_Y"]
+    (zone,) = [z for z in found.zones if z.worst.quantity.key == "sum_Y"]
     assert (zone.worst.wheelset, zone.sections) == ("2", 1)
 
 
@@ -339,7 +339,7 @@ def test_accelerations_of_a_car_body_and_of_a_bogie_frame():
     assert of("body_az") == pytest.approx([0.6] * 3, rel=0.02)
     assert of("body_az_rms") == pytest.approx([0.6 / sqrt(2.0)] * 3, rel=0.02)
     assert of("body_ay_qst") == pytest.approx([1.1] * 3, rel=0.02)
-    assert [z.passed for z in found.zones() if z.worst.quantity.key == "body_ay_rms"] == [False] * 3  # 0.57 > 0.5
+    assert [z.passed for z in found.zones if z.worst.quantity.key == "body_ay_rms"] == [False] * 3  # 0.57 > 0.5
     (limit,) = {v.limit for v in found.of("frame_instability")}
     assert limit is not None and limit.value == pytest.approx(0.5 * (12.0 - 6.0 / 5.0))
     band = (1.0 + (sqrt(2.0) - 1.0) * (5.0 / 7.0) ** 8) * (1.0 + (sqrt(2.0) - 1.0) * (3.0 / 5.0) ** 8)  # 3 to 7 Hz at 5
@@ -358,7 +358,7 @@ def test_bodies_of_the_manchester_vehicle_are_told_apart():
 
 def test_an_estimated_maximum_is_mean_plus_three_deviations_over_the_sections():
     found = assess(run(3000.0, y=lambda s: (1e3 * np.floor(s / 250.0 + 1e-9), 0.0 * s)), NADAL)
-    (zone,) = [z for z in found.zones() if z.worst.quantity.key == "sum_Y"]
+    (zone,) = [z for z in found.zones if z.worst.quantity.key == "sum_Y"]
     values = np.array([v.value for v in found.of("sum_Y")])
     assert zone.sections == 12
     assert zone.estimate == pytest.approx(values.mean() + 3.0 * values.std(ddof=1))
@@ -481,7 +481,7 @@ def test_sections_of_several_runs_count_together():
     assert [s.number for s in found.sections] == list(range(1, sum(len(a.sections) for a in alone) + 1))
     assert [s.run for s in found.sections] == [name for name, a in zip("123", alone, strict=True) for _ in a.sections]
     assert [v.value for v in found.of("Q")] == [v.value for a in alone for v in a.of("Q")]
-    (zone,) = [z for z in found.zones() if z.worst.quantity.key == "Y_qst"]
+    (zone,) = [z for z in found.zones if z.worst.quantity.key == "Y_qst"]
     assert zone.sections == 6
     # the limit goes by the mean radius of all sections of the class, not by that of each run
     assert [v.limit.value for v in found.of("Y_qst")] == pytest.approx([30e3 + 10500e3 / 340.0] * 6, rel=1e-3)
@@ -490,11 +490,11 @@ def test_sections_of_several_runs_count_together():
 
 def test_estimated_maxima_need_fewer_runs_when_these_count_together():
     runs = [run(1000.0, y=lambda s, k=k: (k * 2e3 + 0.0 * s, 0.0 * s)) for k in range(3)]
-    (zone,) = [z for z in assess(runs).zones() if z.worst.quantity.key == "sum_Y"]
+    (zone,) = [z for z in assess(runs).zones if z.worst.quantity.key == "sum_Y"]
     per_section = np.repeat([0.0, 2e3, 4e3], 4)
     assert zone.sections == 12 and zone.mean == pytest.approx(per_section.mean(), abs=1.0)
     assert zone.estimate == pytest.approx(per_section.mean() + 3.0 * per_section.std(ddof=1), rel=1e-3)
-    assert all(z.estimate is None for one in runs for z in assess(one).zones())
+    assert all(z.estimate is None for one in runs for z in assess(one).zones)
 
 
 def test_curves_count_at_cant_deficiencies_of_a_test_only():
@@ -504,12 +504,12 @@ def test_curves_count_at_cant_deficiencies_of_a_test_only():
     curves = [s for s in found.sections if s.zone == "very small radius"]
     assert [s.counts for s in curves] == [False, False, True, True, True, True]
     assert all(s.counts for s in found.sections if s.zone != "very small radius")
-    (zone,) = [z for z in found.zones() if z.worst.quantity.key == "Y_qst"]
+    (zone,) = [z for z in found.zones if z.worst.quantity.key == "Y_qst"]
     assert (zone.sections, zone.counted, zone.number) == (6, 4, "4 of 6")
     assert zone.mean == pytest.approx(30e3, rel=1e-3)  # of 40 and 20 kN
     assert zone.worst.limit.value == pytest.approx(30e3 + 10500e3 / 360.5, rel=1e-3)
     none = assess(several[:1], AssessmentSettings(admissible_deficiency=0.1))
-    (zone,) = [z for z in none.zones() if z.worst.quantity.key == "Y_qst"]
+    (zone,) = [z for z in none.zones if z.worst.quantity.key == "Y_qst"]
     assert (zone.counted, zone.estimate) == (0, None) and zone.worst.value == pytest.approx(30e3, rel=1e-3)
     assert json.loads(assessment_json(none))["zones"]
 

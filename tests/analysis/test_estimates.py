@@ -12,9 +12,9 @@ from support.synthetic_run import run
 from typer.testing import CliRunner
 
 from wrsim.analysis.assessment import assess
+from wrsim.analysis.assessment.estimates import regression
 from wrsim.cli import app
 from wrsim.results.assessment_tables import assessment_json
-from wrsim.results.regression import regression
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
 SEED = np.random.SeedSequence(20261123)
@@ -106,7 +106,7 @@ SETTINGS = AssessmentSettings(estimate_over=("cant_deficiency", "speed"), estima
 
 def test_an_assessment_estimates_at_a_cant_deficiency_beyond_that_of_the_run():
     found = assess(run(3000.0, **CANTED), SETTINGS)
-    (zone,) = [z for z in found.zones() if z.worst.quantity.key == "sum_Y"]
+    (zone,) = [z for z in found.zones if z.worst.quantity.key == "sum_Y"]
     fitted = zone.regression
     assert fitted.over == ("cant_deficiency",)  # the speed stays
     # neighbours reach into a section by half a window and what the filter swings over

@@ -18,8 +18,7 @@ from matplotlib.lines import Line2D
 from wrsim.plots.colours import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.histories import mark_snapshots, track_layout
 from wrsim.plots.marks import mark_stop, note, note_above, panels, wheel_entries
-from wrsim.results.assessment import Assessment, Section, Value, ZoneValue
-from wrsim.results.regression import SHOWN
+from wrsim.results.assessment import INFLUENCES, Assessment, Section, Value, ZoneValue
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 ZONE_SHADE = {
@@ -80,7 +79,7 @@ def used_of(axes: Axes, rows: Sequence[tuple[str, Sequence[Value]]]) -> Axes:
 def _rows(found: Assessment) -> list[tuple[str, list[Value]]]:
     """Label at the bar and all values of every quantity with a limit in every class of track."""
     rows = []
-    for zone in found.zones():
+    for zone in found.zones:
         worst = zone.worst
         if worst.limit is None:
             continue
@@ -210,7 +209,7 @@ ESTIMATES, COLUMNS = 12, 3
 
 def estimated(found: Assessment) -> list[ZoneValue]:
     """What is estimated by influences: quantities with a limit whose sections differ in one, tightest first."""
-    rows = [z for z in found.zones() if z.worst.limit is not None and z.regression is not None and z.regression.over]
+    rows = [z for z in found.zones if z.worst.limit is not None and z.regression is not None and z.regression.over]
     return sorted(rows, key=lambda z: z.margin or 0.0)[:ESTIMATES]
 
 
@@ -228,7 +227,7 @@ def fit_of(axes: Axes, row: ZoneValue) -> Axes:
     r, quantity, limit = row.regression, row.worst.quantity, row.worst.limit
     if r is None or limit is None:
         return axes
-    unit, factor = SHOWN[r.over[0]]
+    unit, factor = INFLUENCES[r.over[0]].symbol, INFLUENCES[r.over[0]].factor
     x, y = factor * r.places, quantity.shown.factor * r.moved
     axes.plot(x, y, ".", color=INK)
     ends = [min(x.min(), factor * r.at[0]), max(x.max(), factor * r.at[0])]

@@ -151,14 +151,14 @@ def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, 
     quantities: dict[str, dict[str, dict[str, Any]]] = {}
     letters: dict[str, str] = {}
     for i, each in enumerate(found):
-        for row in each.zones() if each is not None else ():
+        for row in each.zones if each is not None else ():
             of, zone, limit = row.worst.quantity, row.worst.section.zone, row.worst.limit
             words = {"symbol": of.symbol, "words": of.words, "unit": "" if of.shown.symbol == "1" else of.shown.symbol}
             zones = quantities.setdefault(of.key, {})
             own = zones.setdefault(zone, words | {"zone": zone, "cells": [None] * len(found), "first": 0})
             letter = ""
             if limit is not None:
-                letter = letters.setdefault(f"{limit.source} [{limit.mark}]", snapshot_letter(len(letters)))
+                letter = letters.setdefault(limit.words, snapshot_letter(len(letters)))
             own["cells"][i] = {**row.cells(), "passed": row.passed, "letter": letter}
     for zones in quantities.values():
         next(iter(zones.values()))["first"] = len(zones)

@@ -6,28 +6,33 @@ Values are in SI units; ``Quantity.shown`` says in which unit people read them.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.results.channels import Shown
-from wrsim.results.regression import Influence, Regression, regression
+from wrsim.results.channels import SHOWN, Shown
 from wrsim.results.table import formatted, quantity
+
+Array = NDArray[np.float64]
+
+Influence = Literal["cant_deficiency", "curvature", "speed"]
+"""What the sections of a class differ in, by which values are estimated."""
+
+INFLUENCES: dict[Influence, Shown] = {
+    "cant_deficiency": SHOWN["mm"],
+    "curvature": SHOWN["1/km"],
+    "speed": SHOWN["km/h"],
+}
+"""In which unit people read them."""
 
 TRANSITION = "transition"
 """Class of what lies between curves."""
 
 SAFETY, LOADING, RIDE, INFORMATION = "running safety", "track loading", "ride characteristics", "information"
-
-ENOUGH_SECTIONS = 10
-"""Sections of a zone from which an estimated maximum is given. The standard asks for more [mem]."""
-
-ESTIMATE = {SAFETY: 3.0, LOADING: 2.2, RIDE: 2.2, INFORMATION: 2.2}
-"""Estimated maximum: mean plus this times the standard deviation over the sections (EN 14363, one dimension [mem])."""
-
 
 DERAILMENT_LIMIT, DERAILMENT_RADIUS = 0.8, 250.0
 """Limit of Y/Q by EN 14363, from memory of the standard, and the radius [m] below which it sets none."""
@@ -54,10 +59,9 @@ class Section:
     run: str = ""
     counts: bool = True
 
-    @property
-    def length(self) -> float:
-        """[m]"""
-        return self.end - self.start
+    def holds(self, places: Array) -> NDArray[np.bool_]:
+        """Which places along the track lie in it."""
+        return (places >= self.start) & (places <= self.end)
 
     @property
     def label(self) -> str:
@@ -106,6 +110,11 @@ class Limit:
     source: str
     mark: str
 
+    @property
+    def words(self) -> str:
+        """Source and mark."""
+        return f"{self.source} [{self.mark}]"
+
 
 @dataclass(frozen=True)
 class Value:
@@ -137,6 +146,23 @@ class Value:
     def place(self) -> str:
         """Wheelset and wheel, or the point, in words; empty where there is only one."""
         return " ".join(part for part in (self.label, self.wheel, self.point) if part)
+
+
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """over: influences that the sections differ in; at: where the value is estimated; slope: of the value, for each of
+    them; fit: value there; deviation: s; estimate: the upper bound. For pictures: places (n,) of the sections along the
+    first influence, and their values (n,) moved to where the others are when estimated. SI units.
+    """
+
+    over: tuple[Influence, ...]
+    at: tuple[float, ...]
+    slope: tuple[float, ...]
+    fit: float
+    deviation: float
+    estimate: float
+    places: Array
+    moved: Array
 
 
 @dataclass(frozen=True)
@@ -195,69 +221,33 @@ class ZoneValue:
 class Assessment:
     """Everything that an assessment found.
 
-    notes: what could not be assessed, and why; settings: numbers it rests on, in units for readers; signals: what was
-    evaluated in each run, by its name, against distance, for pictures (dimensions ``place``, ``wheelset``, ``wheel``);
-    the name of a lone run is empty; track: how uneven it is,
-    nothing on smooth track; estimate_over: influences by which values are estimated, none for the one-dimensional
-    method; estimate_at: where, the largest of the sections unless given [SI].
+    zones: every quantity over every zone, in the order of ``values``; notes: what could not be assessed, and why;
+    settings: numbers it rests on, in units for readers; signals: what was evaluated in each run, by its name, against
+    distance, for pictures (dimensions ``place``, ``wheelset``, ``wheel``); the name of a lone run is empty; track: how
+    uneven it is, nothing on smooth track; estimate_over: influences by which values are estimated, none for the
+    one-dimensional method.
     """
 
     title: str
     sections: tuple[Section, ...]
     values: tuple[Value, ...]
+    zones: tuple[ZoneValue, ...]
     notes: tuple[str, ...]
     settings: Mapping[str, float | str]
     signals: Mapping[str, xr.Dataset] = field(repr=False)
     track: tuple[TrackQuality, ...] = ()
     estimate_over: tuple[Influence, ...] = ()
-    estimate_at: Mapping[Influence, float] = field(default_factory=dict)
 
     @property
     def passed(self) -> bool:
         """True when no value and no estimated maximum is beyond its limit."""
-        return all(row.passed is not False for row in self.zones())
+        return all(row.passed is not False for row in self.zones)
 
     def tightest(self) -> ZoneValue | None:
         """Where least is left to a limit; None where there are no limits."""
-        limited = [row for row in self.zones() if row.margin is not None]
+        limited = [row for row in self.zones if row.margin is not None]
         return min(limited, key=lambda row: row.margin or 0.0, default=None)
 
     def of(self, key: str) -> list[Value]:
         """Values of one quantity."""
         return [value for value in self.values if value.quantity.key == key]
-
-    def zones(self) -> list[ZoneValue]:
-        """Every quantity over every zone, in the order in which they were found."""
-        groups: dict[tuple[str, str], list[Value]] = {}
-        for value in self.values:
-            groups.setdefault((value.quantity.key, value.section.zone), []).append(value)
-        return [self._zone(values) for values in groups.values()]
-
-    def _zone(self, values: list[Value]) -> ZoneValue:
-        worst = min(values, key=lambda v: -v.value if v.margin is None else v.margin)
-        largest: dict[Section, float] = {}
-        for v in values:
-            if v.section.counts:
-                largest[v.section] = max(largest.get(v.section, -math.inf), v.value)
-        per_section = np.array(list(largest.values()))
-        mean = float(per_section.mean()) if per_section.size > 0 else math.nan
-        deviation = float(per_section.std(ddof=1)) if per_section.size > 1 else 0.0
-        k = 0.0 if worst.quantity.quasi_static else ESTIMATE[worst.quantity.group]
-        estimate, fitted = None, None
-        if per_section.size >= ENOUGH_SECTIONS and np.isfinite(per_section).all():
-            if self.estimate_over and worst.section.zone != TRANSITION:
-                fitted = regression(per_section, _influences(list(largest)), self.estimate_over, self.estimate_at, k)
-                estimate = None if fitted is None else fitted.estimate
-            elif k:
-                estimate = mean + k * deviation
-        count = len({v.section for v in values})
-        return ZoneValue(worst, count, per_section.size, mean, deviation, estimate, fitted)
-
-
-def _influences(sections: Sequence[Section]) -> dict[Influence, NDArray[np.float64]]:
-    """What sections differ in: cant deficiency [m], curvature without its hand [1/m], speed [m/s]."""
-    return {
-        "cant_deficiency": np.array([s.cant_deficiency for s in sections]),
-        "curvature": np.array([abs(1.0 / s.radius) for s in sections]),
-        "speed": np.array([s.speed for s in sections]),
-    }

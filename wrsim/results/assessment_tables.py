@@ -6,9 +6,18 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from wrsim.results.assessment import Assessment, Quantity, Section, TrackQuality, Value, ZoneValue
+from wrsim.results.assessment import (
+    INFLUENCES,
+    Assessment,
+    Influence,
+    Quantity,
+    Regression,
+    Section,
+    TrackQuality,
+    Value,
+    ZoneValue,
+)
 from wrsim.results.files import as_csv, as_json
-from wrsim.results.regression import SHOWN, Influence, Regression
 from wrsim.results.table import Cell, Column, Table, formatted, quantity
 
 
@@ -23,7 +32,7 @@ def assessment_rows(found: Assessment) -> dict[str, Any]:
         "quantities": [_quantity(q) for q in dict.fromkeys(v.quantity for v in found.values)],
         "sections": [_section(s) for s in found.sections],
         "track_quality": [_track_row(t) for t in found.track],
-        "zones": [_zone_row(z) for z in found.zones()],
+        "zones": [_zone_row(z) for z in found.zones],
         "values": [_value(v) for v in found.values],
     }
 
@@ -73,7 +82,7 @@ def _value(v: Value) -> dict[str, Any]:
         "point": v.point,
         "value": _number(v.value, factor),
         "limit": None if v.limit is None else _number(v.limit.value, factor),
-        "limit_source": "" if v.limit is None else f"{v.limit.source} [{v.limit.mark}]",
+        "limit_source": "" if v.limit is None else v.limit.words,
         "margin": _number(v.margin),
         "passed": v.passed,
     }
@@ -99,8 +108,9 @@ def _regression_row(r: Regression, factor: float) -> dict[str, Any]:
         "fit": r.fit * factor,
         "deviation": r.deviation * factor,
         "over": [
-            {"influence": name, "unit": SHOWN[name][0], "at": at * SHOWN[name][1], "slope": b * factor / SHOWN[name][1]}
+            {"influence": name, "unit": own.symbol, "at": at * own.factor, "slope": b * factor / own.factor}
             for name, at, b in zip(r.over, r.at, r.slope, strict=True)
+            for own in (INFLUENCES[name],)
         ],
     }
 
@@ -142,9 +152,9 @@ def assessment_numbers(found: Assessment) -> list[Table]:
     letters: dict[str, str] = {}
     rows: list[list[Cell]] = []
     last = ""
-    for row in found.zones():
+    for row in found.zones:
         limit, own, cells = row.worst.limit, row.worst.quantity, row.cells()
-        source = "" if limit is None else f"{limit.source} [{limit.mark}]"
+        source = "" if limit is None else limit.words
         letter = letters.setdefault(source, chr(ord("a") + len(letters) % 26)) if source else ""
         head = [own.symbol, "" if own.shown.symbol == "1" else own.shown.symbol] if own.key != last else ["", ""]
         numbers = [cells[key] for key in ("worst", "estimate", "limit", "margin", "verdict")]
@@ -175,7 +185,7 @@ def _regressions_table(found: Assessment) -> list[Table]:
     """How quantities with a limit depend on what the sections differ in, and which of them have no regression."""
     rows: list[Sequence[Cell]] = []
     short = set()
-    for row in found.zones():
+    for row in found.zones:
         r, own = row.regression, row.worst.quantity
         if r is None:
             short |= {row.worst.section.zone} if found.estimate_over else set()
@@ -187,7 +197,7 @@ def _regressions_table(found: Assessment) -> list[Table]:
             rows.append((own.symbol, zone, *(slopes.get(name, "") for name in found.estimate_over), *numbers))
     none = f"no regression, too few sections or influences that go together: {', '.join(sorted(short))}"
     notes = (none,) if short else ()
-    over = (Column(f"per {SHOWN[name][0]} of {name}") for name in found.estimate_over)
+    over = (Column(f"per {INFLUENCES[name].symbol} of {name}") for name in found.estimate_over)
     heads = (Column("quantity"), Column("class (sections)"), *over, Column("fit"), Column("s"), Column("estimate"))
     title = "estimated values by regression [mem]"
     return [Table(title, heads, rows, notes)] if rows else [Table("", notes=notes)] if notes else []
@@ -195,9 +205,8 @@ def _regressions_table(found: Assessment) -> list[Table]:
 
 def _slope(r: Regression, name: Influence, factor: float) -> str:
     """What a quantity changes by with an influence, and where that stands in the section of the estimate."""
-    unit, own = SHOWN[name]
-    i = r.over.index(name)
-    return f"{formatted(r.slope[i] * factor / own, '.3g')} at {quantity(r.at[i] * own, unit)}"
+    own, i = INFLUENCES[name], r.over.index(name)
+    return f"{formatted(r.slope[i] * factor / own.factor, '.3g')} at {quantity(r.at[i] * own.factor, own.symbol)}"
 
 
 def _track_table(found: Assessment) -> list[Table]:

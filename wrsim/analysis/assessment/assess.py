@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -11,15 +11,16 @@ from numpy.typing import NDArray
 
 from wrsim.analysis.assessment import limits
 from wrsim.analysis.assessment.axles import Axle, quasi_static
+from wrsim.analysis.assessment.estimates import zones_of
 from wrsim.analysis.assessment.filters import on_raster, sampling_rate
 from wrsim.analysis.assessment.nadal import limit_of
-from wrsim.analysis.assessment.points import Point, points_of
+from wrsim.analysis.assessment.points import points_of
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, counts, sections_of
 from wrsim.analysis.assessment.track_quality import track_quality
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result
-from wrsim.results.assessment import Assessment, Limit, Section, TrackQuality, Value
+from wrsim.results.assessment import Assessment, Limit, Section, Value
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 from wrsim.scenario.loading import load_text
 from wrsim.scenario.sections.assessment import AssessmentSection, AssessmentSettings
@@ -56,13 +57,13 @@ def assess(
     for label, result in zip(labels, several, strict=True):
         try:
             before = sum(len(run.sections) for run in runs)
-            runs.append(_run_of(result, settings, label if len(several) > 1 else "", before))
+            runs.append(_Run(result, settings, label if len(several) > 1 else "", before))
         except InputError as problem:
             raise (InputError(f"run {label}: {problem}") if len(several) > 1 else problem) from None
     _check_alike(runs)
     if settings.axle_load is None:
-        runs = _with_common_loads(runs)
-    values = [v for run in runs for v in run.values(settings)]
+        _share_loads(runs)
+    values = [v for run in runs for v in run.values()]
     radii = _mean_radii([s for run in runs for s in run.sections])
     for i in range(len(runs[0].axles)):
         values += quasi_static([(run.axles[i], run.sections) for run in runs], radii)
@@ -71,45 +72,75 @@ def assess(
     notes = [f"run {run.name}: {words}" if run.name else words for run in runs for words in run.notes]
     if settings.axle_load is None:
         notes.append("static loads: the mean of Q over the run; [assessment] axle_load_kN sets them")
+    known: dict[str, float | str] = {"vehicle_kind": settings.kind}
+    known |= {f"axle_load{f'_{a.name}' if a.name else ''}_kN": a.load / 1e3 for a in runs[0].axles}
     return Assessment(
         title=_title(several),
         sections=tuple(s for run in runs for s in run.sections),
         values=tuple(values),
+        zones=tuple(zones_of(values, settings)),
         notes=tuple(notes),
-        settings=_known(runs, settings),
+        settings=known | dict(pair for run in runs for pair in run.known()),
         signals={run.name: _signals(run.axles) for run in runs},
         track=tuple(t for run in runs for t in run.track),
         estimate_over=settings.estimate_over,
-        estimate_at=settings.estimate_at,
     )
 
 
-@dataclass(frozen=True, eq=False)
 class _Run:
-    """A run and what its filters leave of it; name: empty for the only one."""
+    """A run and what its filters leave of it.
 
-    name: str
-    dataset: xr.Dataset
-    sections: tuple[Section, ...]
-    axles: tuple[Axle, ...]
-    points: tuple[Point, ...]
-    nadal: Limit | None
-    track: tuple[TrackQuality, ...]
-    notes: tuple[str, ...]
+    name: empty for the only one; notes: what is missing, events; sections are numbered on from those of other runs.
+    """
 
-    def values(self, settings: AssessmentSettings) -> Iterator[Value]:
+    def __init__(self, result: Result, settings: AssessmentSettings, name: str, before: int) -> None:
+        """Filter a run; before: how many sections other runs have."""
+        self.name, self.settings = name, settings
+        self.dataset = dataset = _checked(result)
+        self.notes: list[str] = []
+        self.sections = [
+            replace(s, number=before + s.number, run=name, counts=counts(s, settings.admissible_deficiency))
+            for s in sections_of(dataset, settings.section_length, settings.straight_deficiency)
+        ]
+        labels = numbered(wheelsets(dataset))
+        several = len(labels) > 1
+        self.axles = [
+            Axle(axle if several else "", label if several else "", of_wheelset(dataset, axle), settings)
+            for axle, label in labels.items()
+        ]
+        self.nadal = limit_of(dataset, settings, self.notes)
+        if not any(axle.hunting.rms.size for axle in self.axles):
+            self.notes.append(f"instability: the run is shorter than the window of {limits.STABILITY_WINDOW:g} m")
+        if "event_label" in dataset:
+            places = zip(dataset["event_distance"].values, dataset["event_label"].values, strict=True)
+            self.notes += [f"event at {place:.1f} m: {label}" for place, label in places]
+        self.track = track_quality(dataset, self.sections, self.notes)
+        self.points = list(points_of(dataset, settings))
+
+    def values(self) -> Iterator[Value]:
         """All but the quasi-static values, which go by classes."""
         for axle in self.axles:
             for section in self.sections:
-                yield from axle.values(section, settings, self.nadal)
+                yield from axle.values(section, self.settings, self.nadal)
         for point in self.points:
             for section in self.sections:
-                yield from point.values(section, settings)
+                yield from point.values(section, self.settings)
         yield from stop_values(self.dataset, self.sections)
 
+    def known(self) -> Iterator[tuple[str, float]]:
+        """Numbers of this run that the assessment rests on."""
+        ahead = f"run_{self.name}_" if self.name else ""
+        for axle in self.axles:
+            yield f"{ahead}instability_frequency{f'_{axle.name}' if axle.name else ''}_Hz", axle.hunting.frequency
+        for point in self.points:
+            if point.is_frame:
+                yield f"{ahead}instability_frequency_{point.name}_Hz", point.hunting.frequency
+        if self.nadal is not None:
+            yield f"{ahead}nadal_limit", self.nadal.value
 
-def _run_of(result: Result, settings: AssessmentSettings, name: str, before: int) -> _Run:
-    """Filter a run; before: how many sections other runs have."""
+
+def _checked(result: Result) -> xr.Dataset:
+    """The dataset of a run that can be assessed. Raises InputError for any other."""
     dataset = result.dataset
     if "time" not in dataset.dims:
         raise InputError(f'a result of analysis = "{result.analysis}" has no history; only runs can be assessed')
@@ -123,50 +154,28 @@ def _run_of(result: Result, settings: AssessmentSettings, name: str, before: int
     passed = float(np.ptp(dataset["distance"].values))
     if passed < limits.WINDOW:
         raise InputError(f"the run is {passed:.2f} m long; sliding means are taken over {limits.WINDOW:g} m")
-    own = sections_of(dataset, settings.section_length, settings.straight_deficiency)
-    sections = tuple(
-        replace(s, number=before + s.number, run=name, counts=counts(s, settings.admissible_deficiency)) for s in own
-    )
-    notes: list[str] = []
-    names = wheelsets(dataset)
-    several, labels = len(names) > 1, numbered(names)
-    axles = tuple(
-        Axle.of(axle if several else "", labels[axle] if several else "", of_wheelset(dataset, axle), settings)
-        for axle in names
-    )
-    nadal = limit_of(dataset, settings, notes)
-    if not any(axle.rms.size for axle in axles):
-        notes.append(f"instability: the run is shorter than the window of {limits.STABILITY_WINDOW:g} m")
-    if "event_label" in dataset:
-        places = zip(dataset["event_distance"].values, dataset["event_label"].values, strict=True)
-        notes += [f"event at {place:.1f} m: {label}" for place, label in places]
-    quality = track_quality(dataset, sections, notes)
-    points = tuple(points_of(dataset, settings))
-    return _Run(name, dataset, sections, axles, points, nadal, tuple(quality), tuple(notes))
+    return dataset
 
 
 def _check_alike(runs: Sequence[_Run]) -> None:
     """Raises InputError for runs whose wheelsets or points are not the same."""
     for run in runs[1:]:
-        for what, own, first in (
-            ("wheelsets", [a.name for a in run.axles], [a.name for a in runs[0].axles]),
-            ("points", [p.name for p in run.points], [p.name for p in runs[0].points]),
-        ):
+        for what in ("axles", "points"):
+            own, first = ([part.name for part in getattr(each, what)] for each in (run, runs[0]))
             if own != first:
                 raise InputError(
-                    f"the runs {runs[0].name} and {run.name} are not of one vehicle: the first has the {what} "
-                    f"{', '.join(first) or 'none'}, the other {', '.join(own) or 'none'}"
+                    f"the runs {runs[0].name} and {run.name} are not of one vehicle: the first has the "
+                    f"{what.replace('axles', 'wheelsets')} {', '.join(first) or 'none'}, the other "
+                    f"{', '.join(own) or 'none'}"
                 )
 
 
-def _with_common_loads(runs: Sequence[_Run]) -> list[_Run]:
+def _share_loads(runs: Sequence[_Run]) -> None:
     """The static load of each wheelset is the mean over all runs, which have the same vehicle."""
-    count = [axle.distance.size for axle in (run.axles[0] for run in runs)]
-    loads = [np.average([run.axles[i].load for run in runs], weights=count) for i in range(len(runs[0].axles))]
-    return [
-        replace(run, axles=tuple(replace(a, load=float(load)) for a, load in zip(run.axles, loads, strict=True)))
-        for run in runs
-    ]
+    for axles in zip(*(run.axles for run in runs), strict=True):
+        load = float(np.average([axle.load for axle in axles], weights=[axle.distance.size for axle in axles]))
+        for axle in axles:
+            axle.load = load
 
 
 def _title(results: Sequence[Result]) -> str:
@@ -174,21 +183,6 @@ def _title(results: Sequence[Result]) -> str:
     if len(results) == 1:
         return titles[0]
     return f"{len(results)} runs: {'; '.join(titles[:3])}{' and others' if len(titles) > 3 else ''}"
-
-
-def _known(runs: Sequence[_Run], settings: AssessmentSettings) -> dict[str, float | str]:
-    """Numbers that the assessment rests on, in units for readers."""
-    known: dict[str, float | str] = {"vehicle_kind": settings.kind}
-    for axle in runs[0].axles:
-        known[f"axle_load{f'_{axle.name}' if axle.name else ''}_kN"] = axle.load / 1e3
-    for run in runs:
-        ahead = f"run_{run.name}_" if run.name else ""
-        for axle in run.axles:
-            known[f"{ahead}instability_frequency{f'_{axle.name}' if axle.name else ''}_Hz"] = axle.frequency
-        known |= {f"{ahead}instability_frequency_{p.name}_Hz": p.frequency for p in run.points if p.is_frame}
-        if run.nadal is not None:
-            known[f"{ahead}nadal_limit"] = run.nadal.value
-    return known
 
 
 def _settings_of(dataset: xr.Dataset) -> AssessmentSettings:
@@ -236,28 +230,25 @@ def stop_values(dataset: xr.Dataset, sections: Sequence[Section]) -> Iterator[Va
     """Largest travel of every bump stop in every section, by the distance of the vehicle's reference body."""
     if "suspension_stop_max" not in dataset:
         return
-    distance = dataset["distance"].values
-    names = dataset["suspension"].values
-    ends = np.column_stack([dataset[f"suspension_stop_{end}"].values for end in ("min", "max")])
-    for i in np.flatnonzero(~np.isnan(ends).any(axis=1)):
+    for i, name in enumerate(dataset["suspension"].values):
+        own = dataset.isel(suspension=i)
+        ends = [float(own[f"suspension_stop_{end}"]) for end in ("min", "max")]
+        if np.isnan(ends).any():
+            continue
         # a stop works along one axis; its travel along the others is zero
-        travel = np.sum([dataset[f"suspension_d{axis}"].isel(suspension=i).values for axis in "xyz"], axis=0)
+        travel = np.sum([own[f"suspension_d{axis}"].values for axis in "xyz"], axis=0)
         for section in sections:
-            inside = (distance >= section.start) & (distance <= section.end)
+            inside = section.holds(own["distance"].values)
             if not inside.any():
                 continue
-            used = [(extreme / end, abs(extreme), abs(end)) for extreme, end in _extremes(travel[inside], ends[i])]
+            # travel to the other side of the design position is none; an end at infinity is never reached
+            extremes = zip((travel[inside].min(), travel[inside].max()), ends, strict=True)
+            used = [
+                (t / end, abs(t), abs(end)) if t * end > 0.0 else (0.0, 0.0, abs(end))
+                for t, end in extremes
+                if end != 0.0 and np.isfinite(end)
+            ]
             if used:
                 _, value, end = max(used)
                 limit = Limit(end, "vehicle file: end of the bump stop's table", "file")
-                yield Value(limits.QUANTITIES["bump_stop"], section, "", "", float(value), limit, str(names[i]))
-
-
-def _extremes(travel: np.ndarray, ends: np.ndarray) -> list[tuple[float, float]]:
-    """Extreme travel towards either end that lies on its side of the design position; an end at infinity is none."""
-    pairs = ((float(travel.min()), float(ends[0])), (float(travel.max()), float(ends[1])))
-    return [
-        (min(extreme, 0.0) if end < 0.0 else max(extreme, 0.0), end)
-        for extreme, end in pairs
-        if end != 0.0 and np.isfinite(end)
-    ]
+                yield Value(limits.QUANTITIES["bump_stop"], section, "", "", float(value), limit, str(name))

@@ -20,6 +20,7 @@ from scipy.signal import butter, sosfiltfilt, welch
 
 from wrsim.analysis.assessment import limits
 from wrsim.errors import InputError
+from wrsim.results.assessment import Section
 
 Array = NDArray[np.float64]
 
@@ -74,14 +75,12 @@ def _filtered(signal: Array, rate: float, kind: str, cut_off: float, order: int)
     return np.asarray(sosfiltfilt(butter(order, corner, kind, fs=rate, output="sos"), signal, axis=0, padlen=pad))
 
 
-def windows(distance: Array, length: float, step: float, start: float | None = None, end: float | None = None) -> Array:
-    """Middles of windows of ``length`` every ``step`` [m] that lie within the distances, or from start to end."""
-    first = distance[0] if start is None else max(start, distance[0])
-    last = distance[-1] if end is None else min(end, distance[-1])
-    room = last - first - length
+def windows(distance: Array, length: float, step: float) -> Array:
+    """Middles of windows of ``length`` every ``step`` [m] that lie within the distances."""
+    room = distance[-1] - distance[0] - length
     if room < -1e-9:
         return np.zeros(0)
-    return np.asarray(first + 0.5 * length + step * np.arange(int(room / step + 1e-6) + 1))
+    return np.asarray(distance[0] + 0.5 * length + step * np.arange(int(room / step + 1e-6) + 1))
 
 
 def sliding_mean(distance: Array, signal: Array, middles: Array, length: float) -> Array:
@@ -115,8 +114,29 @@ LOWEST = 0.4
 """Least lower edge of the band [Hz]."""
 
 
-def hunting_frequency(signal: Array, rate: float) -> float:
-    """Frequency of the highest peak of the power spectrum in ``BAND`` [Hz]; rate: samples a second."""
+class Hunting:
+    """A lateral signal about the frequency f0 of an instability.
+
+    frequency: f0 [Hz], that of the highest peak of the power spectrum in ``BAND`` unless given; middles (k,) of the
+    windows [m], rms (k,) over them of the signal in f0 - 2 Hz to f0 + 2 Hz.
+    """
+
+    def __init__(self, distance: Array, signal: Array, rate: float, frequency: float | None) -> None:
+        """rate: samples a second."""
+        self.frequency = frequency or _highest_peak(signal, rate)
+        low = max(self.frequency - limits.STABILITY_HALF_BAND, LOWEST)
+        narrow = band_pass(signal, rate, low, self.frequency + limits.STABILITY_HALF_BAND)
+        self.middles = windows(distance, limits.STABILITY_WINDOW, limits.STABILITY_STEP)
+        self.rms = sliding_rms(distance, narrow, self.middles, limits.STABILITY_WINDOW)
+
+    def largest(self, section: Section) -> float | None:
+        """Largest rms in a section; None without a window there."""
+        inside = section.holds(self.middles)
+        return float(self.rms[inside].max()) if inside.any() else None
+
+
+def _highest_peak(signal: Array, rate: float) -> float:
+    """Its frequency in the power spectrum, in ``BAND`` [Hz]."""
     length = min(signal.size, max(256, int(4.0 * rate)))
     frequencies, power = welch(signal, rate, nperseg=length, detrend="linear")
     inside = (frequencies >= BAND[0]) & (frequencies <= BAND[1])
@@ -125,9 +145,6 @@ def hunting_frequency(signal: Array, rate: float) -> float:
     return float(frequencies[inside][np.argmax(power[inside])])
 
 
-def hunting_rms(distance: Array, signal: Array, rate: float, frequency: float) -> tuple[Array, Array]:
-    """Middles of the windows [m] and the rms of the signal in f0 - 2 Hz to f0 + 2 Hz over them."""
-    low = max(frequency - limits.STABILITY_HALF_BAND, LOWEST)
-    narrow = band_pass(signal, rate, low, frequency + limits.STABILITY_HALF_BAND)
-    middles = windows(distance, limits.STABILITY_WINDOW, limits.STABILITY_STEP)
-    return middles, sliding_rms(distance, narrow, middles, limits.STABILITY_WINDOW)
+def extreme(values: Array) -> float:
+    """The larger magnitude of both percentiles of a signal."""
+    return float(np.abs(np.percentile(values, [limits.LOW, limits.HIGH])).max())

@@ -29,14 +29,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.results.assessment import Section
+from wrsim.results.assessment import TRANSITION, Section
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 
 STRAIGHT = "straight"
 LARGE = "large radius"
-TRANSITION = "transition"
 CURVES: tuple[tuple[str, float], ...] = (
     (STRAIGHT, 2500.0),
     (LARGE, 600.0),

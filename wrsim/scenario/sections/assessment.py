@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Literal, get_args
 
 from wrsim.inputs.section import Fault
 from wrsim.inputs.values import List, number
-from wrsim.results.regression import Influence
+from wrsim.results.assessment import Influence
 from wrsim.scenario.sections.table import Table
 
 Kind = Literal["passenger", "locomotive", "freight"]
@@ -22,7 +22,8 @@ class AssessmentSettings:
     kind of vehicle; axle_load 2Q0 of every wheelset [N]; friction: coefficient for Nadal's limit; flange_angle [rad];
     instability_frequency f0 [Hz]; section_length of every class of track [m]; straight_deficiency: cant deficiency [m]
     up to which curves of large radius belong to straight track; admissible_deficiency: of the vehicle [m];
-    estimate_over, estimate_at: see ``wrsim.results.assessment.Assessment``.
+    estimate_over: influences by which values are estimated; estimate_at: where, the largest of the sections unless
+    given.
     """
 
     kind: Kind = "passenger"

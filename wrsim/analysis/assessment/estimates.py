@@ -1,5 +1,7 @@
-"""Estimated values by regression over the sections of a class of track: the two-dimensional method of EN 14363 and
-UIC 518 [mem], with one influence or several.
+"""Every quantity over the sections of a class of track: its worst value, and its estimated maximum.
+
+That is the mean plus k standard deviations, or comes by regression: the two-dimensional method of EN 14363 and UIC 518
+[mem], with one influence or several.
 
 The values y of n sections are fitted by y = b_0 + sum b_j (x_j - x_j0) over influences x (cant deficiency, curvature,
 speed), with x_0 the place at which the value is estimated. With X the matrix of 1 and x - x_0, p columns, and s^2 the
@@ -16,24 +18,33 @@ Analysis (1998), section 3.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Literal
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr, stdtrit
 
-Array = NDArray[np.float64]
+from wrsim.results.assessment import (
+    INFORMATION,
+    LOADING,
+    RIDE,
+    SAFETY,
+    TRANSITION,
+    Array,
+    Influence,
+    Regression,
+    Section,
+    Value,
+    ZoneValue,
+)
+from wrsim.scenario.sections.assessment import AssessmentSettings
 
-Influence = Literal["cant_deficiency", "curvature", "speed"]
+ENOUGH_SECTIONS = 10
+"""Sections of a zone from which an estimated maximum is given. The standard asks for more [mem]."""
 
-SHOWN: dict[Influence, tuple[str, float]] = {
-    "cant_deficiency": ("mm", 1e3),
-    "curvature": ("1/km", 1e3),
-    "speed": ("km/h", 3.6),
-}
-"""Unit and factor in which people read an influence."""
+K = {SAFETY: 3.0, LOADING: 2.2, RIDE: 2.2, INFORMATION: 2.2}
+"""Estimated maximum: mean plus this times the standard deviation over the sections (EN 14363, one dimension [mem])."""
 
 SPREAD = 1e-6
 """An influence that varies by less, as a part of its size, is none."""
@@ -42,21 +53,38 @@ SPARE = 3
 """So many sections more than coefficients are needed."""
 
 
-@dataclass(frozen=True, eq=False)
-class Regression:
-    """over: influences that the sections differ in; at: where the value is estimated; slope: of the value, for each of
-    them; fit: value there; deviation: s; estimate: the upper bound. For pictures: places (n,) of the sections along the
-    first influence, and their values (n,) moved to where the others are when estimated. SI units.
-    """
+def zones_of(values: Sequence[Value], settings: AssessmentSettings) -> list[ZoneValue]:
+    """Every quantity over every zone, in the order in which they come."""
+    groups: dict[tuple[str, str], list[Value]] = {}
+    for value in values:
+        groups.setdefault((value.quantity.key, value.section.zone), []).append(value)
+    return [_zone(own, settings) for own in groups.values()]
 
-    over: tuple[Influence, ...]
-    at: tuple[float, ...]
-    slope: tuple[float, ...]
-    fit: float
-    deviation: float
-    estimate: float
-    places: Array
-    moved: Array
+
+def _zone(values: Sequence[Value], settings: AssessmentSettings) -> ZoneValue:
+    worst = min(values, key=lambda v: -v.value if v.margin is None else v.margin)
+    largest: dict[Section, float] = {}
+    for v in values:
+        if v.section.counts:
+            largest[v.section] = max(largest.get(v.section, -math.inf), v.value)
+    per_section = np.array(list(largest.values()))
+    mean = float(per_section.mean()) if per_section.size > 0 else math.nan
+    deviation = float(per_section.std(ddof=1)) if per_section.size > 1 else 0.0
+    k = 0.0 if worst.quantity.quasi_static else K[worst.quantity.group]
+    estimate, fitted = None, None
+    if per_section.size >= ENOUGH_SECTIONS and np.isfinite(per_section).all():
+        if settings.estimate_over and worst.section.zone != TRANSITION:
+            fitted = regression(per_section, _influences(largest), settings.estimate_over, settings.estimate_at, k)
+            estimate = None if fitted is None else fitted.estimate
+        elif k:
+            estimate = mean + k * deviation
+    return ZoneValue(worst, len({v.section for v in values}), per_section.size, mean, deviation, estimate, fitted)
+
+
+def _influences(sections: Iterable[Section]) -> dict[Influence, Array]:
+    """What sections differ in: cant deficiency [m], curvature without its hand [1/m], speed [m/s]."""
+    each = [(s.cant_deficiency, abs(1.0 / s.radius), s.speed) for s in sections]
+    return dict(zip(get_args(Influence), np.array(each).T, strict=True))
 
 
 def regression(
