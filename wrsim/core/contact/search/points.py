@@ -28,7 +28,7 @@ MARGIN = 5.5e-3  # the field reaches at least this far beyond the rail [m]
 LARGEST_TURN, FARTHEST_FOOT = 0.02, 2e-3  # of the rail between a foot and where it is guessed: angle, arclength [m]
 FALL = 0.02  # of the slope in a good step of Newton's
 MINIMUM, MAXIMUM = 1.0, -1.0  # of the distance
-DOUBTFUL = 0.02  # slope that samples may have told with the wrong sign
+DOUBTFUL = 0.02  # slope whose sign samples may give wrongly
 DEEP = 1e-3  # overlap beyond which the nearest point of the rail may leap to another place [m]
 CLOSE = 1e-11  # last step to a stationary point [m]
 SAME = 1e-6  # distance of two stationary points that are one [m]
@@ -130,8 +130,8 @@ def _near(rail: Rail, o: float, b: float, foot: float, no: float, nb: float) -> 
 def refine(wheel: Wheel, rail: Rail, lo: float, hi: float, arc: float, foot: float, kind: float) -> Stationary:
     """A stationary point of the distance between two wheel arclengths: safeguarded Newton on its slope.
 
-    Where curvatures jump, at joins of arcs, they tell the rate of the slope wrongly: where a step has not brought it
-    down by far the next one is the secant's. Samples tell the slope of a nearly straight distance by chords, perhaps
+    Where curvatures jump, at joins of arcs, they give the rate of the slope wrongly: where a step has not brought it
+    down by far the next one is the secant's. Samples give the slope of a nearly straight distance by chords, perhaps
     with a wrong sign: then there is no such point, and the search ends at one of the ends. It ends there, too, where
     the distance has a bend far inside the rail, which counts.
 
@@ -141,7 +141,7 @@ def refine(wheel: Wheel, rail: Rail, lo: float, hi: float, arc: float, foot: flo
     curvature = 0.0
     status = ROUGH
     ends = lo, hi
-    projections = 3  # the first guess of the foot may be far off; later ones are foretold
+    projections = 3  # the first guess of the foot may be far off; later ones are predicted
     last = 1.0  # length of the last step
     before, slope_before = arc, inf
     for _ in range(60):
@@ -206,38 +206,15 @@ def _set_saddle(wheel: Wheel, rail: Rail, before: Record, met: Stationary, top: 
 
 
 class Sample(NamedTuple):
-    """What is known at a node of the outline: its point, sine of theta, distance of the rail, arclength of the foot on
+    """What is known at a node of the outline near the rail: its point, distance of the rail, arclength of the foot on
     it (0: none), slope of the distance along the outline."""
 
     node: int
     o: float
     b: float
-    sine: float
     distance: float
     foot: float
     slope: float
-
-
-@inlined
-def _sample(wheel: Wheel, rail: Rail, field: Field, i: int, last: Sample, near: bool) -> Sample:
-    """The sample at node i; last: the one before, one stride ago if ``near``."""
-    at = locus_node(wheel, node(wheel.profile, i), LARGEST_SINE)
-    if abs(at.sine) >= LARGEST_SINE:
-        return Sample(i, at.o, at.b, at.sine, inf, 0.0, 0.0)
-    distance, foot = field_distance(field, at.o, at.b)
-    slope = 0.0
-    if field.slack == 0.0:
-        if distance <= FAR and foot > 0.0:
-            slope = _rail_slope(rail, foot, at.no, at.nb)
-    elif distance < FAR + field.slack:
-        # the field is that of a station nearby
-        if near and last.foot > 0.0:
-            # nearer to the foot than the field, where curvatures change within a millimetre
-            foot = last.foot + sqrt((at.o - last.o) ** 2 + (at.b - last.b) ** 2)
-        distance, foot, slope = _near(rail, at.o, at.b, foot, at.no, at.nb)
-    else:
-        distance -= field.slack
-    return Sample(i, at.o, at.b, at.sine, distance, foot, slope)
 
 
 @inlined
@@ -256,7 +233,7 @@ def _turns(last: Sample, at: Sample) -> bool:
 @inlined
 def _passed(last: Sample, i: int) -> Sample:
     """The last sample, moved on to a node that is out of reach of the rail."""
-    return Sample(i, last.o, last.b, last.sine, last.distance, 0.0, last.slope)
+    return Sample(i, last.o, last.b, last.distance, 0.0, last.slope)
 
 
 @kernel
@@ -274,29 +251,46 @@ def find_contacts(
     per_node = 1.0 / (STRETCH * step)
     hollow *= 1.0 + (wheel.axle.x / YAW_HOLLOWS) ** 2
     count, closest, status = 0, 1.0, 0
-    last = Sample(-stride, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    last = Sample(-stride, 0.0, 0.0, 0.0, 0.0, 0.0)
     near = False  # whether the last sample was one stride ago
     linked = False  # whether the outline stayed in the rail since the last contact found
     top = 0.0  # about where the distance was largest since then
     wary = 0  # no skips before this node
     i = 0
     while i < wheel.profile.table.shape[0]:
-        at = _sample(wheel, rail, field, i, last, near)
-        if at.distance < FIELD_ERROR and not near and i - stride > last.node:
+        point = locus_node(wheel, node(wheel.profile, i), LARGEST_SINE)
+        if abs(point.sine) >= LARGEST_SINE:
+            near = linked = False
+            last = _passed(last, i)
+            i += stride
+            continue
+        # measured here: a function that gives all three back costs a tenth of the search
+        distance, foot = field_distance(field, point.o, point.b)
+        slope = 0.0
+        if field.slack > 0.0:  # the field is that of a station nearby
+            if distance < FAR + field.slack:
+                if near and last.foot > 0.0:
+                    # nearer to the foot than the field, where curvatures change within a millimetre
+                    foot = last.foot + sqrt((point.o - last.o) ** 2 + (point.b - last.b) ** 2)
+                distance, foot, slope = _near(rail, point.o, point.b, foot, point.no, point.nb)
+            else:
+                distance -= field.slack
+        if distance < FIELD_ERROR and not near and i - stride > last.node:
             # a skip has ended inside the rail: the outline was longer than thought; back, and step by step
             wary, i, near = i, last.node + stride, True
             continue
-        steep = abs(at.sine) >= LARGEST_SINE
-        calm = i >= wary and abs(at.sine) < STEEP
-        if not steep:
-            closest = min(closest, at.distance)
-        if at.distance > FAR or at.foot <= 0.0 or at.foot >= rail_end:
+        closest = min(closest, distance)
+        calm = i >= wary and abs(point.sine) < STEEP
+        if distance > FAR or foot <= 0.0 or foot >= rail_end:
             # far away, or beside an end of the rail, where the distance bends as it likes: no more than the way
             near = linked = False
             last = _passed(last, i)
-            skip = stride if steep else int((at.distance - FIELD_ERROR) * per_node)
+            skip = int((distance - FIELD_ERROR) * per_node)
             i += skip if calm and skip > stride else stride
             continue
+        if field.slack == 0.0:
+            slope = _rail_slope(rail, foot, point.no, point.nb)
+        at = Sample(i, point.o, point.b, distance, foot, slope)
         if near and _turns(last, at):
             guess = (i - stride * at.slope / (at.slope - last.slope)) * step
             if last.slope >= 0.0:
