@@ -16,11 +16,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wrsim.plots.colours import GROUP_LINE, INK, QUIET, SERIES_COLOURS, WHEEL_COLOUR
-from wrsim.plots.gallery import colour_bar
+from wrsim.plots.gallery import GalleryColumn, GalleryRow, Page, draw_gallery
 from wrsim.plots.marks import draw_line, few_ticks, panels, wheel_entries
-from wrsim.plots.moments import PatchAt, choose_moments, moment_title, patches_of, pose_abscissa, pose_groups, select
-from wrsim.plots.patches import contact_patch, extent
-from wrsim.plots.style import FULL_WIDTH, abscissa, headline, new_figure, place, shown, style, write
+from wrsim.plots.moments import PatchAt, choose_moments, patches_of, pose_abscissa, pose_groups, select
+from wrsim.plots.patches import contact_patch, extent_of_patches
+from wrsim.plots.style import abscissa, shown
 from wrsim.results import CHANNELS
 from wrsim.results.moments import moment_dim
 from wrsim.results.table import with_unit
@@ -34,10 +34,8 @@ NEAR = 1.0
 """Distance within which snapshots of two runs are the same place [m]."""
 LEAST_DIFFERENCE = 0.2
 """Least span of an axis of differences [%, degrees]."""
-LEFT, GAP, TITLES, BENEATH, FOOT = 24.0, 5.0, 8.0, 11.0, 17.0
 
 
-@style()
 def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Sequence[int] | None = None) -> Figure:
     """Patches of every model (rows, by wheel) at the same moments (columns), to one scale.
 
@@ -46,50 +44,37 @@ def patches_figure(results: Mapping[str, xr.Dataset], title: str, moments: Seque
     """
     names = list(results)
     first = results[names[0]]
-    chosen = list(moments) if moments is not None else choose_moments(first, MOST_MOMENTS)
+    columns = [GalleryColumn(m, i) for i, m in enumerate(moments or choose_moments(first, MOST_MOMENTS))]
+    page = Page(len(columns), left=24.0, gap=6.0, widest=42.0, upright=False)
     wheels = [str(w) for w in first["wheel"].values]
-    rows = [(wheel, name) for wheel in wheels for name in names]
-    same = {(n, m): _same_moment(results[n], first, m) for n in names for m in chosen}
-    drawn = {(w, n, m): _placed(results[n], first, m, same[n, m], w) for w, n in rows for m in chosen}
-    drawn = {key: patches for key, patches in drawn.items() if patches}
-    reach_s, reach_x = {}, {}
+    drawn = {(w, n, c.order): _placed(results[n], first, c.moment, w) for w in wheels for n in names for c in columns}
+    reaches = {}
     for wheel in wheels:
-        found = extent((results[n], *patch) for (w, n, _), p in drawn.items() if w == wheel for patch in p)
-        s, x = found or ((-5.0, 5.0), (-5.0, 5.0))
-        reach_s[wheel], reach_x[wheel] = (s[0] - 1.0, s[1] + 1.0), (x[0] - 1.0, x[1] + 1.0)
-    across = max(high - low for low, high in reach_s.values())
-    panel = min((FULL_WIDTH - LEFT - 4.0) / len(chosen) - GAP, 42.0)
-    per_mm = min(panel / across, 60.0 / max(high - low for low, high in reach_x.values()))
-    heights = {w: per_mm * (high - low) for w, (low, high) in reach_x.items()}
-    total = 8.0 + sum(heights[w] + BENEATH for w, _ in rows) + TITLES * len(wheels) + FOOT
+        found = extent_of_patches((results[n], *patch) for (w, n, _), p in drawn.items() if w == wheel for patch in p)
+        reaches[wheel] = np.add(found or ((-5.0, 5.0), (-5.0, 5.0)), (-1.0, 1.0))
+    wide, tall = np.max([np.ptp(reach, axis=1) for reach in reaches.values()], axis=0)
+    per_mm = min(page.panel / wide, 60.0 / tall)
     shapes = [shown(select(results[n], where), "strip_p") for (_, n, _), p in drawn.items() for where, _ in p]
     scale = Normalize(0.0, max((float(p.max()) for p in shapes), default=1.0))
-    figure = new_figure(FULL_WIDTH, total, constrained=False)
-    headline(figure, title)
-    top = 8.0
-    for i, (wheel, name) in enumerate(rows):
-        if i % len(names) == 0:
-            for j, moment in enumerate(chosen):
-                write(figure, LEFT + j * (panel + GAP), top, moment_title(first, moment, j), fontsize=6.2)
-            top += TITLES
+
+    def draw(axes: Axes, wheel: str, name: str, column: int) -> None:
+        patches = drawn[wheel, name, column]
+        for where, shift in patches:
+            contact_patch(axes, results[name], where, scale, shift=shift)
+        middle, half = np.mean(reaches[wheel][0]), 0.5 * page.panel / per_mm
+        axes.set(xlim=(middle - half, middle + half), ylim=reaches[wheel][1])
+        few_ticks(axes, 4, 5.6, 1.2)
+        axes.set_xlabel(_note(results[name], patches), fontsize=5.8, color=QUIET, labelpad=1.0)
+
+    def row(wheel: str, name: str, colour: str) -> GalleryRow:
         label = name.replace("+", "\n+") + (f"\n{wheel} wheel" if len(wheels) > 1 else "")
-        colour = MODEL_COLOUR[names.index(name) % len(MODEL_COLOUR)]
-        write(figure, 1.5, top + 0.3 * heights[wheel], label, fontsize=6.0, color=colour)
-        for j, moment in enumerate(chosen):
-            patches = drawn.get((wheel, name, moment))
-            if patches is None:
-                continue
-            axes = place(figure, LEFT + j * (panel + GAP), top, panel, heights[wheel])
-            for where, shift in patches:
-                contact_patch(axes, results[name], where, scale, shift=shift)
-            middle, half = sum(reach_s[wheel]) / 2.0, 0.5 * panel / per_mm
-            axes.set(xlim=(middle - half, middle + half), ylim=reach_x[wheel])
-            few_ticks(axes, 4, 5.6, 1.2)
-            axes.set_xlabel(_note(results[name], patches), fontsize=5.8, color=QUIET, labelpad=1.0)
-        top += heights[wheel] + BENEATH
+        own = [c.order for c in columns if drawn[wheel, name, c.order]]
+        cells = {j: partial(draw, wheel=wheel, name=name, column=j) for j in own}
+        return GalleryRow(label, colour, per_mm * float(np.ptp(reaches[wheel][1])), 11.0, cells)
+
+    rows = [(columns, [row(wheel, *pair) for pair in zip(names, cycle(MODEL_COLOUR))]) for wheel in wheels]
     reading = "Across: arclength on the rail from the reference's\nmain point [mm]. Up: rolling direction $x$ [mm]."
-    colour_bar(figure, scale, top + 1.0, reading)
-    return figure
+    return draw_gallery(title, "", first, page, rows, scale, reading)
 
 
 def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
@@ -157,14 +142,12 @@ def _same_moment(dataset: xr.Dataset, first: xr.Dataset, moment: int) -> int | N
     return int(np.argmin(offsets)) if offsets.size and offsets.min() <= NEAR else None
 
 
-def _placed(
-    dataset: xr.Dataset, first: xr.Dataset, reference: int, moment: int | None, wheel: str
-) -> list[tuple[PatchAt, float]]:
+def _placed(dataset: xr.Dataset, first: xr.Dataset, reference: int, wheel: str) -> list[tuple[PatchAt, float]]:
     """Patches of a wheel and what to add to their s, so that all lie on the arclength of the rail [mm].
 
     reference: the moment in the dataset of the reference, whose main point is zero.
     """
-    if moment is None:
+    if (moment := _same_moment(dataset, first, reference)) is None:
         return []
     origin = patches_of(first, reference, wheel)
     zero = _arc(first, origin[0]) if origin else 0.0

@@ -6,6 +6,7 @@ Axes are o (outward) and b (up) from the rail's profile origin; the field side i
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,21 +19,18 @@ from matplotlib.patches import Polygon, Rectangle
 
 from wrsim.plots.colours import INK, QUIET, RAIL_FILL, WHEEL_COLOUR, WHEEL_FILL
 from wrsim.plots.gallery import (
-    FOOT,
     PATCH_NAMES,
+    GalleryRow,
     Page,
-    colour_bar,
     columns_of,
-    draw_label,
-    draw_titles,
-    rows_of,
+    draw_gallery,
+    patches_in,
     selection_words,
-    titles_height,
 )
 from wrsim.plots.marks import few_ticks, stop_note
 from wrsim.plots.moments import PatchAt, choose_moments, patches_of, select, touching_runs
 from wrsim.plots.patches import NEAR_EDGE, Array, patch_note, pressure_scale, rounded
-from wrsim.plots.style import headline, new_figure, pressure_map, shown, style
+from wrsim.plots.style import pressure_map, shown
 from wrsim.results import CHANNELS
 from wrsim.results.moments import moment_dim
 
@@ -137,7 +135,6 @@ def zoom_window(dataset: xr.Dataset, where: PatchAt) -> tuple[float, float, floa
     return o, b, half
 
 
-@style()
 def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Figure:
     """Cross-sections of the chosen moments (default: up to six): overviews of wheels, close views of patches."""
     chosen = choose_moments(dataset, MOST_MOMENTS) if moments is None else list(moments)
@@ -145,45 +142,39 @@ def section_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -
     page = Page(max(len(columns), 1))
     scale = pressure_scale(dataset, chosen)
     flat = page.panel * (OVERVIEW[3] - OVERVIEW[2]) / (OVERVIEW[1] - OVERVIEW[0])
-    wheels = [""] if any(c.wheel for c in columns) else [str(w) for w in dataset["wheel"].values]
-    rows = rows_of(dataset, columns)
-    start = 11.0 if stop_note(dataset) else 7.0
-    top = start + titles_height(page, dataset, columns)
-    total = top + len(wheels) * (flat + _UNDER_OVERVIEW) + len(rows) * (page.panel + _UNDER_ZOOM) + FOOT
-    figure = new_figure(page.width, total, constrained=False)
-    headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
-    draw_titles(figure, page, dataset, columns, start + 0.8)
-    for wheel in wheels:
-        draw_label(figure, f"{wheel} wheel" if wheel else "", WHEEL_COLOUR.get(wheel, INK), top + 0.5 * flat)
-        for j, column in enumerate(columns):
-            axes = _framed(page.axes(figure, j, top, flat), 3)
-            if j == 0:
-                _label_axes(axes, first=True)
-            else:  # the window of the first one
-                axes.set(xticks=(), yticks=())
-            cross_section(axes, dataset, column.moment, wheel or column.wheel, scale)
-            _mark_windows(axes, dataset, column.moment, wheel or column.wheel)
-        top += flat + _UNDER_OVERVIEW
-        for row in rows:
-            if row.wheel != wheel:
-                continue
-            draw_label(figure, PATCH_NAMES[row.patch], row.colour, top + 0.5 * page.panel)
-            for j, where in row.used:
-                axes = _framed(page.axes(figure, j, top, page.panel), 4)
-                cross_section_zoom(axes, dataset, where, scale)
-                note = patch_note(dataset, where, force=page.panel > 28.0)
-                _label_axes(axes, first=j == row.used[0][0], beneath=note)
-            top += page.panel + _UNDER_ZOOM
+
+    def overview(axes: Axes, moment: int, wheel: str, first: bool) -> None:
+        _framed(axes, 3)
+        if first:
+            _label_axes(axes, first=True)
+        else:  # the window of the first one
+            axes.set(xticks=(), yticks=())
+        cross_section(axes, dataset, moment, wheel, scale)
+        _mark_windows(axes, dataset, moment, wheel)
+
+    def close(axes: Axes, where: PatchAt, first: bool) -> None:
+        cross_section_zoom(_framed(axes, 4), dataset, where, scale)
+        _label_axes(axes, first=first, beneath=patch_note(dataset, where, force=page.panel > 28.0))
+
+    rows = []
+    found = patches_in(dataset, columns)
+    for wheel in [""] if any(c.wheel for c in columns) else [str(w) for w in dataset["wheel"].values]:
+        colour = WHEEL_COLOUR.get(wheel, INK)
+        wheels = {
+            j: partial(overview, moment=c.moment, wheel=wheel or c.wheel, first=j == 0) for j, c in enumerate(columns)
+        }
+        rows.append(GalleryRow(f"{wheel} wheel" if wheel else "", colour, flat, 8.5, wheels))
+        for (own, patch), places in found.items():
+            if own == wheel:
+                cells = {j: partial(close, where=where, first=j == min(places)) for j, where in places.items()}
+                rows.append(GalleryRow(PATCH_NAMES[patch], colour, page.panel, 15.0, cells))
     reading = (
         "Axes: outward o (field side to the right) and up b\n"
         "from the rail's profile origin.\n"
         "Thin lines: pressure along the normals." + selection_words(dataset, chosen)
     )
-    colour_bar(figure, scale, top + 1.0, reading)
-    return figure
-
-
-_UNDER_OVERVIEW, _UNDER_ZOOM = 8.5, 15.0
+    title = dataset.attrs.get("title", "")
+    return draw_gallery(title, stop_note(dataset), dataset, page, [(columns, rows)], scale, reading)
 
 
 def _label_axes(axes: Axes, *, first: bool, beneath: str = "") -> None:

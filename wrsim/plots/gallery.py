@@ -1,11 +1,11 @@
-"""Layout of galleries: columns of moments, rows of wheels and patches, sizes in mm.
+"""Galleries: columns of moments, rows of wheels and patches, sizes in mm, one scale of pressure beneath.
 
-With one or two moments and both wheels, every wheel gets a column of its own and the rows tell the patches.
+With one or two moments and both wheels, every wheel gets a column of its own and the rows are for the patches.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import fill
 
@@ -18,14 +18,11 @@ from matplotlib.figure import Figure
 
 from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
 from wrsim.plots.moments import PatchAt, moment_title
-from wrsim.plots.style import FULL_WIDTH, place, pressure_map, write
+from wrsim.plots.style import FULL_WIDTH, headline, mm_axes, new_figure, pressure_map, style, write_words
 from wrsim.results.channels import PATCHES
 from wrsim.results.moments import moment_dim, with_patches
 
 PATCH_NAMES = tuple(f"{name} patch" for name in PATCHES)
-LEFT, RIGHT, GAP = 16.0, 3.0, 7.0
-"""Margins and the space between panels, mm."""
-WIDEST_PANEL = 46.0
 FOOT = 14.0
 """Height of the colour bar with its label, mm."""
 _NARROWEST = 142.0
@@ -33,8 +30,8 @@ _LETTER = 1.35  # mean width of a letter of the titles, mm
 
 
 @dataclass(frozen=True)
-class Column:
-    """A moment (index and order in the picture) and its wheel; no wheel when the rows tell the wheels."""
+class GalleryColumn:
+    """A moment (index and order in the picture) and its wheel; no wheel where the rows are for wheels."""
 
     moment: int
     order: int
@@ -42,72 +39,62 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Row:
-    """A wheel (none when the columns tell the wheels), a patch, and where that is in every column."""
+class GalleryRow:
+    """Words at the left edge and their colour, height of the panels and of the room beneath them, mm; what draws the
+    panels, by column."""
 
-    wheel: str
-    patch: int
-    places: tuple[PatchAt | None, ...]
-
-    @property
-    def label(self) -> str:
-        """Words for the left edge."""
-        if not self.wheel:
-            return PATCH_NAMES[self.patch]
-        return f"{self.wheel} wheel" + (f"\n{PATCH_NAMES[self.patch]}" if self.patch else "")
-
-    @property
-    def used(self) -> list[tuple[int, PatchAt]]:
-        """Numbers of the columns in which the patch is, and where it is there."""
-        return [(j, where) for j, where in enumerate(self.places) if where is not None]
-
-    @property
-    def colour(self) -> str:
-        """Colour of the label."""
-        return WHEEL_COLOUR.get(self.wheel, INK)
-
-
-def columns_of(dataset: xr.Dataset, moments: Sequence[int]) -> list[Column]:
-    """Columns for the moments, in their order."""
-    wheels = [str(w) for w in dataset["wheel"].values]
-    if len(moments) <= 2 and len(wheels) == 2:
-        return [Column(moment, i, wheel) for i, moment in enumerate(moments) for wheel in wheels]
-    return [Column(moment, i) for i, moment in enumerate(moments)]
-
-
-def rows_of(dataset: xr.Dataset, columns: Sequence[Column]) -> list[Row]:
-    """Rows that have a patch in some column."""
-    finite = np.isfinite(dataset["strip_p"].values).any(axis=-1)
-    wheels = [str(w) for w in dataset["wheel"].values]
-    rows = []
-    for wheel in [""] if any(c.wheel for c in columns) else wheels:
-        for patch in range(finite.shape[2]):
-            wanted = [PatchAt(c.moment, wheel or c.wheel, patch) for c in columns]
-            places = tuple(w if finite[w.moment, wheels.index(w.wheel), patch] else None for w in wanted)
-            if any(places):
-                rows.append(Row(wheel, patch, places))
-    return rows
+    label: str
+    colour: str
+    height: float
+    beneath: float
+    cells: Mapping[int, Callable[[Axes], object]]
 
 
 @dataclass(frozen=True)
 class Page:
-    """Width of a gallery and of its panels, mm, for a number of columns."""
+    """Width of a gallery and of its panels, mm, for a number of columns; upright: labels are at the left edge."""
 
     columns: int
+    left: float = 16.0
+    right: float = 3.0
+    gap: float = 7.0
+    widest: float = 46.0
+    upright: bool = True
 
     @property
     def panel(self) -> float:
         """Width of a panel."""
-        return min(WIDEST_PANEL, (FULL_WIDTH - LEFT - RIGHT - (self.columns - 1) * GAP) / self.columns)
+        return min(self.widest, (FULL_WIDTH - self.left - self.right - (self.columns - 1) * self.gap) / self.columns)
 
     @property
     def width(self) -> float:
         """Width of the figure."""
-        return max(_NARROWEST, LEFT + RIGHT + self.columns * self.panel + (self.columns - 1) * GAP)
+        return max(_NARROWEST, self.place_of(self.columns) - self.gap + self.right)
 
-    def axes(self, figure: Figure, column: int, top: float, height: float) -> Axes:
-        """Axes of a column at a distance from the upper edge."""
-        return place(figure, LEFT + column * (self.panel + GAP), top, self.panel, height)
+    def place_of(self, column: int) -> float:
+        """Distance of a column from the left edge."""
+        return self.left + column * (self.panel + self.gap)
+
+
+def columns_of(dataset: xr.Dataset, moments: Sequence[int]) -> list[GalleryColumn]:
+    """Columns for the moments, in their order."""
+    wheels = [str(w) for w in dataset["wheel"].values]
+    if len(moments) <= 2 and len(wheels) == 2:
+        return [GalleryColumn(moment, i, wheel) for i, moment in enumerate(moments) for wheel in wheels]
+    return [GalleryColumn(moment, i) for i, moment in enumerate(moments)]
+
+
+def patches_in(dataset: xr.Dataset, columns: Sequence[GalleryColumn]) -> dict[tuple[str, int], dict[int, PatchAt]]:
+    """Patches of each row by column. Rows: wheel (none where the columns have one) and number of the patch."""
+    finite = np.isfinite(dataset["strip_p"].values).any(axis=-1)
+    wheels = [str(w) for w in dataset["wheel"].values]
+    rows = {}
+    for wheel in [""] if any(c.wheel for c in columns) else wheels:
+        for patch in range(finite.shape[2]):
+            wanted = [PatchAt(c.moment, wheel or c.wheel, patch) for c in columns]
+            if own := {j: w for j, w in enumerate(wanted) if finite[w.moment, wheels.index(w.wheel), patch]}:
+                rows[wheel, patch] = own
+    return rows
 
 
 def selection_words(dataset: xr.Dataset, chosen: Sequence[int]) -> str:
@@ -117,35 +104,52 @@ def selection_words(dataset: xr.Dataset, chosen: Sequence[int]) -> str:
     return f"\n{len(chosen)} of {there} {what}; any other: wrsim plot --at." if len(chosen) < there else ""
 
 
-def titles_height(page: Page, dataset: xr.Dataset, columns: Sequence[Column]) -> float:
-    """Height of the columns' titles, mm."""
-    return 5.0 + 3.0 * max((_title(page, dataset, c).count("\n") for c in columns), default=0)
+@style()
+def draw_gallery(
+    title: str,
+    note: str,
+    dataset: xr.Dataset,
+    page: Page,
+    blocks: Sequence[tuple[Sequence[GalleryColumn], Sequence[GalleryRow]]],
+    scale: Normalize,
+    reading: str,
+) -> Figure:
+    """Blocks of rows beneath the titles of their columns.
 
-
-def draw_titles(figure: Figure, page: Page, dataset: xr.Dataset, columns: Sequence[Column], top: float) -> None:
-    """Titles of the columns, hanging from ``top`` (mm from the upper edge)."""
-    for j, column in enumerate(columns):
-        colour = WHEEL_COLOUR.get(column.wheel, INK)
-        write(figure, LEFT + j * (page.panel + GAP), top, _title(page, dataset, column), fontsize=6.8, color=colour)
-
-
-def _title(page: Page, dataset: xr.Dataset, column: Column) -> str:
-    """Title of a column, its lines wrapped to the panel."""
-    text = moment_title(dataset, column.moment, column.order)
-    lines = [*text.split("\n"), f"{column.wheel} wheel"] if column.wheel else text.split("\n")
-    widest = int((page.panel + 0.5 * GAP) / _LETTER)
-    return "\n".join(line if "$" in line else fill(line, widest) for line in lines)
-
-
-def draw_label(figure: Figure, text: str, colour: str, middle: float) -> None:
-    """Upright words at the left edge, centred on ``middle`` (mm from the upper edge)."""
-    write(figure, 2.0, middle, text, rotation=90, va="center", color=colour, fontsize=7.0)
-
-
-def colour_bar(figure: Figure, scale: Normalize, top: float, reading: str) -> None:
-    """Pressure scale beneath the panels, with a few words on how to read the picture beside it."""
-    axes = place(figure, LEFT, top, 55.0, 2.2)
-    bar = figure.colorbar(ScalarMappable(scale, pressure_map()), cax=axes, orientation="horizontal")
+    note: in red, of a stopped analysis; dataset: of the moments in the columns; reading: how to read the picture.
+    """
+    titles = [[_title(page, dataset, column) for column in columns] for columns, _ in blocks]
+    above = 5.0 + 3.0 * max((text.count("\n") for own in titles for text in own), default=0)
+    top = 11.0 if note else 7.0
+    heights = sum(row.height + row.beneath for _, rows in blocks for row in rows)
+    figure = new_figure(page.width, top + heights + len(blocks) * above + FOOT, constrained=False)
+    headline(figure, title, note)
+    for (columns, rows), words in zip(blocks, titles, strict=True):
+        for j, (column, text) in enumerate(zip(columns, words, strict=True)):
+            colour = WHEEL_COLOUR.get(column.wheel, INK)
+            write_words(figure, page.place_of(j), top + 0.8, text, fontsize=6.8, color=colour)
+        top += above
+        for row in rows:
+            if page.upright:
+                middle = {"rotation": 90, "va": "center", "fontsize": 7.0}
+                write_words(figure, 2.0, top + 0.5 * row.height, row.label, color=row.colour, **middle)
+            else:
+                write_words(figure, 1.5, top + 0.3 * row.height, row.label, color=row.colour, fontsize=6.0)
+            for j, draw in row.cells.items():
+                draw(mm_axes(figure, page.place_of(j), top, page.panel, row.height))
+            top += row.height + row.beneath
+    bar = figure.colorbar(
+        ScalarMappable(scale, pressure_map()), cax=mm_axes(figure, 16.0, top + 1.0, 55.0, 2.2), orientation="horizontal"
+    )
     bar.set_label("Contact pressure p [MPa]", labelpad=1.0)
     bar.ax.tick_params(width=0.4)
-    write(figure, LEFT + 60.0, top, reading, fontsize=6.8, color=QUIET)
+    write_words(figure, 76.0, top + 1.0, reading, fontsize=6.8, color=QUIET)
+    return figure
+
+
+def _title(page: Page, dataset: xr.Dataset, column: GalleryColumn) -> str:
+    """Title of a column, its lines wrapped to the panel."""
+    lines = moment_title(dataset, column.moment, column.order).split("\n")
+    lines += [f"{column.wheel} wheel"] if column.wheel else []
+    widest = int((page.panel + 0.5 * page.gap) / _LETTER)
+    return "\n".join(line if "$" in line else fill(line, widest) for line in lines)

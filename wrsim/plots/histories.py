@@ -33,7 +33,7 @@ from wrsim.plots.marks import (
     without_neighbours,
 )
 from wrsim.plots.moments import snapshot_letter
-from wrsim.plots.style import FULL_WIDTH, abscissa, headline, new_figure, place, shown, style, write
+from wrsim.plots.style import FULL_WIDTH, abscissa, headline, mm_axes, new_figure, shown, style, write_words
 from wrsim.results import CHANNELS
 from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS
 
@@ -215,10 +215,10 @@ def stacked(
     figure = new_figure(FULL_WIDTH, total, constrained=False)
     figure.suptitle(dataset.attrs.get("title", ""), x=0.012, y=1.0 - 2.0 / total, ha="left", va="top", fontsize=8.5)
     if note:
-        write(figure, 2.0, 6.5, note, color=STOP_COLOUR)
+        write_words(figure, 2.0, 6.5, note, color=STOP_COLOUR)
     rows: list[Axes] = []
     for height in heights:
-        axes = place(figure, LEFT, top, FULL_WIDTH - LEFT - RIGHT, height)
+        axes = mm_axes(figure, LEFT, top, FULL_WIDTH - LEFT - RIGHT, height)
         if rows:
             axes.sharex(rows[0])
         axes.tick_params(labelbottom=len(rows) == len(heights) - 1)

@@ -17,7 +17,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from wrsim.plots.colours import QUIET, STOP_COLOUR, WHEEL_COLOUR
-from wrsim.plots.style import FULL_WIDTH, abscissa, new_figure, style, write
+from wrsim.plots.style import FULL_WIDTH, abscissa, new_figure, style, write_words
 from wrsim.results import CHANNELS
 
 ONE_LINE = 124
@@ -67,7 +67,7 @@ def panels(
             axes.tick_params(labelbottom=False)
             axes.set_xlabel("")
     figure.suptitle(title + "\n" * bool(note), x=0.012, ha="left", fontsize=8.5)
-    write(figure, 2.0, 5.5 + 3.6 * title.count("\n"), note, color=STOP_COLOUR)
+    write_words(figure, 2.0, 5.5 + 3.6 * title.count("\n"), note, color=STOP_COLOUR)
     if entries := drawn[0].get_legend_handles_labels()[0] if legend is None else legend:
         legend_beneath(figure, entries, across)
     figure.align_ylabels(drawn)

@@ -6,6 +6,7 @@ As Fig. 9 of the paper. Every patch is drawn with the field side to the right an
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -15,21 +16,19 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from wrsim.plots.colours import INK, QUIET
+from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
 from wrsim.plots.gallery import (
-    FOOT,
+    PATCH_NAMES,
+    GalleryRow,
     Page,
-    colour_bar,
     columns_of,
-    draw_label,
-    draw_titles,
-    rows_of,
+    draw_gallery,
+    patches_in,
     selection_words,
-    titles_height,
 )
 from wrsim.plots.marks import few_ticks, minus, stop_note
 from wrsim.plots.moments import PatchAt, choose_moments, select, select_elements, touching_runs
-from wrsim.plots.style import headline, new_figure, pressure_map, shown, style
+from wrsim.plots.style import pressure_map, shown
 from wrsim.results import CHANNELS
 from wrsim.results.moments import sample_of
 
@@ -125,7 +124,6 @@ def patch_note(dataset: xr.Dataset, where: PatchAt, *, force: bool = True) -> st
     return minus("\n".join(", ".join(line) for line in lines if line))
 
 
-@style()
 def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> Figure:
     """Patches of the chosen moments (default: up to twelve, evenly spread), to one scale.
 
@@ -133,48 +131,38 @@ def patch_gallery(dataset: xr.Dataset, moments: Sequence[int] | None = None) -> 
     """
     chosen = choose_moments(dataset, MOST_MOMENTS) if moments is None else list(moments)
     columns = columns_of(dataset, chosen)
-    page = Page(_columns(len(columns), len(rows_of(dataset, columns))))
-    blocks = [columns[i : i + page.columns] for i in range(0, len(columns), page.columns)]
-    rows = [(number, row) for number, block in enumerate(blocks) for row in rows_of(dataset, block)]
+    page = Page(_columns(len(columns), len(patches_in(dataset, columns))))
+    parts = [columns[i : i + page.columns] for i in range(0, len(columns), page.columns)]
+    blocks = [(part, patches_in(dataset, part)) for part in parts]
+    reaches = {where: _reach(dataset, where) for _, rows in blocks for own in rows.values() for where in own.values()}
+    sizes = [np.ptp(reach, axis=1) for reach in reaches.values()] or [np.ones(2)]
+    wide = max(float(size[0]) for size in sizes)
+    wide = max(wide, max(float(size[1]) for size in sizes) * page.panel / TALLEST_PANEL)
     scale = pressure_scale(dataset, chosen)
-    reaches = {where: _reach(dataset, where) for _, row in rows for where in row.places if where is not None}
-    spans = [[np.ptp(reaches[where], axis=1) for _, where in row.used] for _, row in rows]
-    tall = [max(float(span[1]) for span in own) for own in spans]
-    wide = max([float(span[0]) for own in spans for span in own], default=1.0)
-    wide = max(wide, max(tall, default=1.0) * page.panel / TALLEST_PANEL)
-    heights = [page.panel / wide * one for one in tall]
-    top = 11.0 if stop_note(dataset) else 7.0
-    titles = titles_height(page, dataset, columns)
-    total = top + sum(heights) + len(rows) * _BENEATH + len(blocks) * titles + FOOT
-    figure = new_figure(page.width, total, constrained=False)
-    headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
-    before = -1
-    for (number, row), height, up in zip(rows, heights, tall, strict=True):
-        if number != before:
-            draw_titles(figure, page, dataset, blocks[number], top + 0.8)
-            top += titles
-            before = number
-        draw_label(figure, row.label, row.colour, top + 0.5 * height)
-        for j, where in row.used:
-            axes = page.axes(figure, j, top, height)
-            contact_patch(axes, dataset, where, scale)
-            (s, x), (half, long) = np.mean(reaches[where], axis=1), (0.5 * wide, 0.5 * up)
-            axes.set(xlim=(s - half, s + half), ylim=(x - long, x + long))
-            few_ticks(axes, 4, 6.2)
-            note = patch_note(dataset, where, force=page.panel > 28.0)
-            axes.set_xlabel(f"s [mm]\n{note}", fontsize=6.0, color=QUIET, labelpad=1.0)
-            if j == row.used[0][0]:
-                axes.set_ylabel("x [mm]", labelpad=1.0, fontsize=6.8)
-        top += height + _BENEATH
+
+    def draw(axes: Axes, where: PatchAt, up: float, first: bool) -> None:
+        contact_patch(axes, dataset, where, scale)
+        (s, x), (half, long) = np.mean(reaches[where], axis=1), (0.5 * wide, 0.5 * up)
+        axes.set(xlim=(s - half, s + half), ylim=(x - long, x + long))
+        few_ticks(axes, 4, 6.2)
+        note = patch_note(dataset, where, force=page.panel > 28.0)
+        axes.set_xlabel(f"s [mm]\n{note}", fontsize=6.0, color=QUIET, labelpad=1.0)
+        if first:
+            axes.set_ylabel("x [mm]", labelpad=1.0, fontsize=6.8)
+
+    def row(wheel: str, patch: int, own: dict[int, PatchAt]) -> GalleryRow:
+        up = max(float(np.ptp(reaches[where][1])) for where in own.values())
+        cells = {j: partial(draw, where=where, up=up, first=j == min(own)) for j, where in own.items()}
+        label = f"{wheel} wheel" * bool(wheel) + "\n" * bool(wheel and patch)
+        label += PATCH_NAMES[patch] if patch or not wheel else ""
+        return GalleryRow(label, WHEEL_COLOUR.get(wheel, INK), page.panel / wide * up, 15.0, cells)
+
+    rows = [(part, [row(*key, own) for key, own in found.items()]) for part, found in blocks]
     reading = (
         "Across: curved axis s, field side to the right. Up: rolling direction x.\n"
         "One scale everywhere; every panel is cut out around its patch." + selection_words(dataset, chosen)
     )
-    colour_bar(figure, scale, top + 1.0, reading)
-    return figure
-
-
-_BENEATH = 15.0
+    return draw_gallery(dataset.attrs.get("title", ""), stop_note(dataset), dataset, page, rows, scale, reading)
 
 
 def _columns(count: int, rows: int) -> int:
@@ -186,7 +174,7 @@ def _columns(count: int, rows: int) -> int:
 
 def _reach(dataset: xr.Dataset, where: PatchAt) -> tuple[tuple[float, float], tuple[float, float]]:
     """Limits in s and x of a patch with a margin, mm."""
-    found = extent([(dataset, where, 0.0)])
+    found = extent_of_patches([(dataset, where, 0.0)])
     if found is None:
         return (-1.0, 1.0), (-1.0, 1.0)
     (low, high), (back, front) = found
@@ -194,7 +182,7 @@ def _reach(dataset: xr.Dataset, where: PatchAt) -> tuple[tuple[float, float], tu
     return (low - margin, high + margin), (back - margin, front + margin)
 
 
-def extent(patches: Iterable[tuple[xr.Dataset, PatchAt, float]]) -> tuple[tuple[float, float], ...] | None:
+def extent_of_patches(patches: Iterable[tuple[xr.Dataset, PatchAt, float]]) -> tuple[tuple[float, float], ...] | None:
     """Smallest and largest s, smallest and largest x of patches (with what is added to s) of some datasets, mm."""
     drawn = [island for dataset, where, shift in patches for island in islands(dataset, where, shift)]
     if not drawn:

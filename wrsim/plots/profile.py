@@ -16,7 +16,7 @@ from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.smoothing_report import SmoothingReport
 from wrsim.plots.colours import INK, QUIET, RAIL_FILL, SERIES_COLOURS, WHEEL_FILL
 from wrsim.plots.marks import minus, note, remark, right_axis
-from wrsim.plots.style import FULL_WIDTH, headline, new_figure, place, style, write
+from wrsim.plots.style import FULL_WIDTH, headline, mm_axes, new_figure, style, write_words
 
 LINE = "#0072B2"
 LEFT, RIGHT, TOP, BOTTOM, GAP = 15.0, 15.0, 13.0, 10.0, 6.0
@@ -47,11 +47,11 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     figure = new_figure(FULL_WIDTH, TOP + height + rows * (PANEL + GAP) + BOTTOM, constrained=False)
     headline(figure, f"{profile.name} ({profile.kind})")
     note = shorten(profile.source, 130, placeholder=" ...")
-    write(figure, 0.012 * FULL_WIDTH, 6.5, note, fontsize=6.5, color=QUIET)
-    panels = [place(figure, LEFT, TOP, width, height)]
+    write_words(figure, 0.012 * FULL_WIDTH, 6.5, note, fontsize=6.5, color=QUIET)
+    panels = [mm_axes(figure, LEFT, TOP, width, height)]
     for row in range(rows):
         top = TOP + height + GAP + row * (PANEL + GAP)
-        panels.append(place(figure, LEFT, top, width, PANEL))
+        panels.append(mm_axes(figure, LEFT, top, width, PANEL))
         panels[-1].sharex(panels[0])
     for axes, draw in zip(panels, (draw_shape, draw_slope, draw_curvature), strict=False):
         draw(profile, axes)

@@ -96,13 +96,13 @@ def new_figure(width_mm: float, height_mm: float, *, constrained: bool = True) -
     return figure
 
 
-def place(figure: Figure, left: float, top: float, width: float, height: float) -> Axes:
+def mm_axes(figure: Figure, left: float, top: float, width: float, height: float) -> Axes:
     """Axes of a size in mm, ``top`` measured down from the upper edge of the figure."""
     across, down = figure.get_size_inches() / MM
     return figure.add_axes((left / across, 1.0 - (top + height) / down, width / across, height / down))
 
 
-def write(figure: Figure, left: float, top: float, words: str, **options: Any) -> None:
+def write_words(figure: Figure, left: float, top: float, words: str, **options: Any) -> None:
     """Words whose upper left corner is at a place in mm, ``top`` measured down from the upper edge of the figure."""
     across, down = figure.get_size_inches() / MM
     figure.text(left / across, 1.0 - top / down, words, **({"va": "top", "ha": "left"} | options))
@@ -111,9 +111,9 @@ def write(figure: Figure, left: float, top: float, words: str, **options: Any) -
 def headline(figure: Figure, title: str, note: str = "") -> None:
     """Title of a picture at its upper left; beneath it, in red, a note about a stopped analysis."""
     left = 0.012 * figure.get_figwidth() / MM
-    write(figure, left, 2.0, title, fontsize=8.5)
+    write_words(figure, left, 2.0, title, fontsize=8.5)
     if note:
-        write(figure, left, 6.5, note, color=STOP_COLOUR)
+        write_words(figure, left, 6.5, note, color=STOP_COLOUR)
 
 
 def save(figure: Figure, path: str | Path) -> Path:

@@ -14,7 +14,7 @@ from matplotlib.patches import Circle, FancyBboxPatch, Rectangle
 
 from wrsim.plots.colours import FAINT, INK, QUIET, RAIL_FILL, WHEEL_FILL
 from wrsim.plots.marks import panels
-from wrsim.plots.style import FULL_WIDTH, new_figure, place, style
+from wrsim.plots.style import FULL_WIDTH, mm_axes, new_figure, style
 from wrsim.vehicle.couplings import GLYPHS
 from wrsim.vehicle.elements import KINDS, Element, Glyph
 from wrsim.vehicle.vehicle import Vehicle
@@ -79,7 +79,7 @@ def vehicle_figure(vehicle: Vehicle) -> Figure:
     }
     for view, where in places.items():
         h, v = VIEWS[view]
-        axes = place(figure, *where)
+        axes = mm_axes(figure, *where)
         vehicle_view(axes, vehicle, view)
         ends = (-high[1], -low[1]) if h == 1 else (low[h], high[h])
         axes.set_xlim(*ends)
