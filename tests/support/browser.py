@@ -27,20 +27,14 @@ class Browser:
 
     def open(self, page: Path, width: int = 1280, height: int = 900) -> None:
         """Open a page at that size and wait until it has its width; messages of pages before are forgotten."""
-        self.driver.set_window_size(width, height)
+        # the size of the page itself: that of a window is only asked for, and an asked one may be lost
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
         self.driver.get_log("browser")
         self.driver.get(page.resolve().as_uri())
-        wait_until(lambda: self._is_wide(width, height))
+        wait_until(lambda: self.run(f"return innerWidth === {width}"))
         # what listens to the change of width has been called before the second frame
         self.run("return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")
-
-    def _is_wide(self, width: int, height: int) -> bool:
-        """Whether the page has its width; a change of size that the browser has lost is asked for again."""
-        if self.run(f"return innerWidth === {width}"):
-            return True
-        self.driver.set_window_size(width + 1, height)
-        self.driver.set_window_size(width, height)
-        return False
 
     def wait(self, condition: str) -> None:
         """Wait until an expression in JavaScript is true."""
