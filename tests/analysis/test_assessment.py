@@ -8,16 +8,15 @@ from math import pi, sqrt, tan
 
 import numpy as np
 import pytest
+from support.commands import call
 from support.scenario_texts import CURVE
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
-from typer.testing import CliRunner
 
 from wrsim.analysis.assessment import assess, limits
 from wrsim.analysis.assessment.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
 from wrsim.analysis.assessment.nadal import limit_of, longest_stretch, nadal_limit
 from wrsim.analysis.assessment.sections import sections_of, zone_of
 from wrsim.analysis.ride.evaluate import ride_section_of
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.results import Result
@@ -453,7 +452,7 @@ def test_the_command_leaves_tables_and_pictures(tmp_path):
         y=lambda s: (0.0 * s, 30e3 * curve(1.0, 100.0, 50.0, 100.0)(s)),
         attributes={"scenario_text": "no scenario of ours"},
     ).save(tmp_path / "result.nc")
-    done = CliRunner().invoke(app, ["assess", str(tmp_path)])
+    done = call("assess", tmp_path)
     assert done.exit_code == 0, done.output
     rows = list(csv.DictReader((tmp_path / "assessment.csv").read_text().splitlines()))
     found = json.loads((tmp_path / "assessment.json").read_text())
@@ -531,11 +530,11 @@ def test_the_command_assesses_several_runs_as_one(tmp_path):
         (tmp_path / name).mkdir()
         of_radius(radius, 30e3).save(tmp_path / name / "result.nc")
     folders = [str(tmp_path / "slow"), str(tmp_path / "fast" / "result.nc")]
-    refused = CliRunner().invoke(app, ["assess", *folders])
+    refused = call("assess", *folders)
     assert refused.exit_code == 2 and "-o DIR is missing" in refused.output
-    refused = CliRunner().invoke(app, ["assess", folders[0], str(tmp_path / "slow" / "result.nc"), "-o", str(tmp_path)])
+    refused = call("assess", folders[0], tmp_path / "slow" / "result.nc", "-o", tmp_path)
     assert refused.exit_code == 2 and "given twice" in refused.output
-    done = CliRunner().invoke(app, ["assess", *folders, "-o", str(tmp_path / "both")])
+    done = call("assess", *folders, "-o", tmp_path / "both")
     assert done.exit_code == 0, done.output
     found = json.loads((tmp_path / "both" / "assessment.json").read_text())
     assert found["runs"] == ["slow", "fast"] and {s["run"] for s in found["sections"]} == {"slow", "fast"}

@@ -6,12 +6,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from support.commands import call
 from support.scenario_texts import CURVE, STATIC
-from typer.testing import CliRunner
 
 from wrsim.analysis.compare import compare, of_wheels, summary
 from wrsim.analysis.resolve import resolve
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.scenario.contact_choice import split_names, with_contact_model
 from wrsim.scenario.loading import load_text
@@ -97,7 +96,7 @@ def test_wrong_names_are_one_clear_error(tmp_path, names, words):
         compare(load_text(STATIC), split_names(names))
     assert words in str(error.value)
     (tmp_path / "case.toml").write_text(STATIC)
-    ended = CliRunner().invoke(app, ["compare", str(tmp_path / "case.toml"), "--contact", names])
+    ended = call("compare", tmp_path / "case.toml", "--contact", names)
     assert ended.exit_code == 2
     assert words in ended.output + ended.stderr
     assert "Traceback" not in ended.output
@@ -106,9 +105,7 @@ def test_wrong_names_are_one_clear_error(tmp_path, names, words):
 def test_the_command_leaves_tables_and_pictures(tmp_path):
     (tmp_path / "case.toml").write_text(POSES.replace(", -100", ""))
     models = ["--contact", "half-space,kik-piotrowski", "--reference", "half-space"]
-    ended = CliRunner().invoke(
-        app, ["compare", str(tmp_path / "case.toml"), *models, "-o", str(tmp_path / "out"), "--json"]
-    )
+    ended = call("compare", tmp_path / "case.toml", *models, "-o", tmp_path / "out", "--json")
     assert ended.exit_code == 0, ended.output
     report = json.loads(ended.stdout)
     assert report["reference"] == "half-space"
@@ -123,19 +120,7 @@ def test_the_command_leaves_tables_and_pictures(tmp_path):
 
 def test_a_short_table_is_printed_whole(tmp_path):
     (tmp_path / "case.toml").write_text(STATIC)
-    ended = CliRunner().invoke(
-        app,
-        [
-            "compare",
-            str(tmp_path / "case.toml"),
-            "--contact",
-            "file,polach",
-            "-o",
-            str(tmp_path / "o"),
-            "--no-pictures",
-        ],
-        env={"COLUMNS": "200"},
-    )
+    ended = call("compare", tmp_path / "case.toml", "--contact", "file,polach", "-o", tmp_path / "o", "--no-pictures")
     assert ended.exit_code == 0, ended.output
 
 

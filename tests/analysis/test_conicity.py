@@ -9,14 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.special import ellipk
+from support.commands import call
 from support.runs import ROOT
-from typer.testing import CliRunner
 
 from wrsim.analysis import run
 from wrsim.analysis.conicity.conicity import conicity
 from wrsim.analysis.conicity.equivalent import equivalent_conicity
 from wrsim.analysis.conicity.rigid import rigid_contact
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import read_profile
 from wrsim.geometry.profile.models import load_profile
@@ -184,7 +183,7 @@ def test_the_scenario_and_the_command_tell_the_same(tmp_path):
     assert result.summary()["wheelsets"]["wheelset"]["equivalent_conicity"]["3_mm"] == pytest.approx(0.174, abs=2e-3)
     assert len(tables(result.dataset)["conicity"]) == 1 + result.dataset.sizes["amplitude"]
     picture, table = tmp_path / "conicity.png", tmp_path / "conicity.csv"
-    told = CliRunner().invoke(app, ["conicity", "wheels/S1002.toml", "rails/60E1.toml", "--json", "-o", str(tmp_path)])
+    told = call("conicity", "wheels/S1002.toml", "rails/60E1.toml", "--json", "-o", tmp_path)
     assert told.exit_code == 0, told.output
     answer = json.loads(told.output)
     values = result.wheelset()["equivalent_conicity"].values
@@ -207,6 +206,6 @@ def test_the_scenario_and_the_command_tell_the_same(tmp_path):
     ],
 )
 def test_the_command_refuses_what_it_cannot_use(arguments, message):
-    told = CliRunner().invoke(app, ["conicity", *arguments])
+    told = call("conicity", *arguments)
     assert told.exit_code == 2
     assert message in " ".join(told.output.split())

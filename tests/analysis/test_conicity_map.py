@@ -8,11 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.commands import call
 from support.runs import ROOT
-from typer.testing import CliRunner
 
 from wrsim.analysis.conicity.maps import conicity_map, profiles_of
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import cone
@@ -49,7 +48,7 @@ def test_a_folder_gives_its_profiles_of_a_kind(tmp_path):
 
 
 def command(*words: str) -> tuple[int, str]:
-    found = CliRunner().invoke(app, ["conicity", *words])
+    found = call("conicity", *words)
     return found.exit_code, found.output
 
 

@@ -7,12 +7,11 @@ from math import atan, degrees, inf
 
 import numpy as np
 import pytest
+from support.commands import call
 from support.runs import ROOT
-from typer.testing import CliRunner
 
 from wrsim.analysis import run
 from wrsim.analysis.conicity.conicity import conicity
-from wrsim.cli import app
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import circle, cone
 from wrsim.results.steering import FLANGE_FROM, radial_steering, steering_summary
@@ -70,7 +69,7 @@ def test_a_later_flange_makes_more_available_and_the_smallest_curve_follows():
     told = []
     for angle in ("6", "15", "40"):
         asked = ["conicity", "wheels/S1002.toml", "rails/60E1.toml", "--curve-m", "300", "--curve-m", "1200"]
-        told.append(json.loads(CliRunner().invoke(app, [*asked, "--flange-from-deg", angle, "--json"]).stdout))
+        told.append(json.loads(call(*asked, "--flange-from-deg", angle, "--json").stdout))
     available = [t["radial_steering"][0]["available_mm"] for t in told]
     assert available[0] < available[1] < available[2]
     for answer in told:
@@ -84,7 +83,7 @@ def test_the_scenario_and_the_command_tell_the_same():
     scenario = load(ROOT / "scenarios/conicity_s1002.toml").with_values({"conicity.curve_radius_m": [300.0]})
     own = run(scenario).summary()["wheelsets"]["wheelset"]["radial_steering"]
     asked = ["conicity", "wheels/S1002.toml", "rails/60E1.toml", "--curve-m", "300"]
-    assert json.loads(CliRunner().invoke(app, [*asked, "--json"]).stdout)["radial_steering"] == own
+    assert json.loads(call(*asked, "--json").stdout)["radial_steering"] == own
     assert degrees(ConicityPlan((3e-3,)).flange_from) == pytest.approx(40.0)
 
 
@@ -100,5 +99,5 @@ def test_the_scenario_and_the_command_tell_the_same():
     ],
 )
 def test_curves_that_cannot_be_are_refused(arguments, said):
-    told = CliRunner().invoke(app, ["conicity", "wheels/S1002.toml", "rails/60E1.toml", *arguments])
+    told = call("conicity", "wheels/S1002.toml", "rails/60E1.toml", *arguments)
     assert told.exit_code == 2 and said in " ".join(told.output.split())

@@ -4,12 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from support.commands import call
 from support.scenario_texts import CURVE, STATIC
-from typer.testing import CliRunner
 
 from wrsim import run
 from wrsim.analysis.resolve import resolve
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.scenario.loading import load_text
@@ -81,11 +80,11 @@ def test_a_result_without_poses_says_so():
 def test_the_command_writes_a_result_of_the_moments(tmp_path):
     ran(SHORT).save(tmp_path / "result.nc")
     command = ["resolve", str(tmp_path), "--contact", "half-space+fastsim", "--at"]
-    ended = CliRunner().invoke(app, [*command, "80.2"])
+    ended = call(*command, "80.2")
     assert ended.exit_code == 0, ended.output
     saved = Result.load(tmp_path / "half-space+fastsim").dataset
     assert saved.attrs["resolved_with"] == "half-space+fastsim"
     assert saved.sizes["time"] == 1
     assert (tmp_path / "half-space+fastsim/patches.png").exists()
-    assert CliRunner().invoke(app, [*command, "500"]).exit_code == 2
-    assert "must be load or pose" in CliRunner().invoke(app, [*command, "80.2", "--same", "N"]).output
+    assert call(*command, "500").exit_code == 2
+    assert "must be load or pose" in call(*command, "80.2", "--same", "N").output

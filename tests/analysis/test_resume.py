@@ -14,14 +14,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.commands import call
 from support.runs import SCENARIOS, straight
 from support.waiting import wait_until
-from typer.testing import CliRunner
 
 import wrsim.analysis.motion.record as record_module
 import wrsim.analysis.motion.run as run_module
 from wrsim.analysis import recorded, run
-from wrsim.cli import app
 from wrsim.errors import InputError, WrsimError
 from wrsim.results import Result
 from wrsim.results.run_file import RunFile, is_running, records_of
@@ -36,7 +35,6 @@ Q0 = np.array([0.46, 0.0, 0.01, 0.0, 0.0, 0.0])
 V0 = np.array([0.0, 10.0, 0.0, 0.0, 0.0, 21.0])
 STEP = 1.0 / 3000.0  # no binary fraction
 HEADER = {"integrator": "generalised-alpha", "step_s": STEP, "start_s": 0.0}
-runner = CliRunner()
 
 
 class Play:
@@ -290,14 +288,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of an uninterrupted run."""
     folder = tmp_path_factory.mktemp("whole")
     (folder / "short.toml").write_text(load(SCENARIOS / "curve_r300.toml").with_values(KEYS).text)
-    done = command("run", folder / "short.toml", "-o", folder, "-q", "--no-pictures")
+    done = call("run", folder / "short.toml", "-o", folder, "-q", "--no-pictures")
     assert done.exit_code == 0, done.output
     assert not (folder / "result.nc.part").exists()
     return folder
-
-
-def command(*arguments: Any) -> Any:
-    return runner.invoke(app, [str(a) for a in arguments])
 
 
 def test_kill_9_then_show_then_resume_gives_the_same_result(whole, tmp_path):
@@ -310,7 +304,7 @@ def test_kill_9_then_show_then_resume_gives_the_same_result(whole, tmp_path):
     child.wait()
     assert not (out / "result.nc").exists()
 
-    shown = command("show", out)
+    shown = call("show", out)
     assert shown.exit_code == 0, shown.output
     assert "stopped: the run was cut off, its process ended before it did; known up to t = 0." in shown.output
     part, there = recorded(record).dataset, Result.load(whole).dataset
@@ -318,7 +312,7 @@ def test_kill_9_then_show_then_resume_gives_the_same_result(whole, tmp_path):
     assert 10 < n < there.sizes["time"]
     assert np.array_equal(part["Q"].values[:n], there["Q"].values[:n])
 
-    again = command("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
+    again = call("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
     assert again.exit_code == 0, again.output
     assert Result.load(out).dataset.identical(there)
     assert not record.exists()
@@ -332,11 +326,11 @@ def test_ctrl_c_while_the_result_is_put_together_loses_nothing(whole, tmp_path, 
 
     with monkeypatch.context() as patch:
         patch.setattr(run_module, "result_of", interrupted)
-        done = command("run", whole / "short.toml", "-o", out, "-q", "--no-pictures")
+        done = call("run", whole / "short.toml", "-o", out, "-q", "--no-pictures")
     assert done.exit_code == 130
     assert f"interrupted; the run is safe in {out / 'result.nc.part'}: go on with --resume" in done.stderr
     monkeypatch.setattr(System, "solve", None)  # everything is there
-    again = command("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
+    again = call("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
     assert again.exit_code == 0, again.output
     assert Result.load(out).dataset.identical(Result.load(whole).dataset)
 
@@ -358,11 +352,11 @@ def test_an_interrupted_run_goes_on_and_one_that_is_whole_does_not(whole, tmp_pa
     assert stopped.dataset.attrs["stop_cause"] == "interrupt"
     before = (out / "result.nc.part").stat().st_size
     assert json.dumps(recorded(out / "result.nc.part").summary()) == json.dumps(stopped.summary())
-    again = command("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
+    again = call("run", whole / "short.toml", "-o", out, "-q", "--no-pictures", "--resume")
     assert again.exit_code == 0, again.output
     assert before > 1000
     assert Result.load(out).dataset.identical(Result.load(whole).dataset)
-    once_more = command("run", whole / "short.toml", "-o", out, "--no-pictures", "--resume")
+    once_more = call("run", whole / "short.toml", "-o", out, "--no-pictures", "--resume")
     assert once_more.exit_code == 0
     assert "holds the whole result of this scenario already" in once_more.stderr
 
@@ -377,11 +371,11 @@ def test_another_scenario_or_a_changed_model_does_not_go_on(whole, tmp_path, mon
     out = tmp_path / "out"
     with monkeypatch.context() as patch:
         patch.setattr(run_module, "result_of", lambda *a: (_ for _ in ()).throw(KeyboardInterrupt))
-        assert command("run", file, "-o", out, "-q").exit_code == 130
+        assert call("run", file, "-o", out, "-q").exit_code == 130
     arguments = ("-o", out, "-q", "--no-pictures", "--resume")
     faster = tmp_path / "faster.toml"
     faster.write_text(load(file).with_values({"vehicle.speed_kmh": 60}).text)
-    refused = command("run", faster, *arguments)
+    refused = call("run", faster, *arguments)
     assert refused.exit_code == 2
     assert "is the run of another scenario: vehicle.speed_kmh was 54, here it is 60; run it without" in refused.stderr
     commented = tmp_path / "commented.toml"
@@ -389,36 +383,36 @@ def test_another_scenario_or_a_changed_model_does_not_go_on(whole, tmp_path, mon
     text = rail.read_text()
     assert "[300.0, 80.0" in text
     rail.write_text(text.replace("[300.0, 80.0", "[301.0, 80.0", 1))
-    refused = command("run", file, *arguments)
+    refused = call("run", file, *arguments)
     assert refused.exit_code == 2
     assert f"{rail} has changed since the run began; run it without --resume" in refused.stderr
-    refused = command("show", out)  # the folders that a file names may be anybody's words
+    refused = call("show", out)  # the folders that a file names may be anybody's words
     assert refused.exit_code == 2
     assert f"not found in {out}, " in refused.stderr
     assert f'WRSIM_MODELS names more folders; the run had "{tmp_path}, ' in refused.stderr
     monkeypatch.setenv("WRSIM_MODELS", str(tmp_path))
-    refused = command("show", out)
+    refused = call("show", out)
     assert refused.exit_code == 2
     assert f"{rail} has changed since the run began; what is in the file can no longer be read" in refused.stderr
     rail.write_text(text)
-    assert command("run", commented, *arguments).exit_code == 0
+    assert call("run", commented, *arguments).exit_code == 0
 
 
 def test_other_code_does_not_go_on_but_can_be_shown(whole, tmp_path, monkeypatch):
     out = tmp_path / "out"
     with monkeypatch.context() as patch:
         patch.setattr(run_module, "result_of", lambda *a: (_ for _ in ()).throw(KeyboardInterrupt))
-        assert command("run", whole / "short.toml", "-o", out, "-q").exit_code == 130
+        assert call("run", whole / "short.toml", "-o", out, "-q").exit_code == 130
     monkeypatch.setattr(record_module, "code_digest", lambda: "tomorrow's")
     monkeypatch.setattr(record_module, "numbers_digest", lambda setup: "other numbers from the same files")
-    refused = command("run", whole / "short.toml", "-o", out, "-q", "--resume")
+    refused = call("run", whole / "short.toml", "-o", out, "-q", "--resume")
     assert refused.exit_code == 2
     assert "another state of wrsim's code: the numbers may differ; run it without --resume" in refused.stderr
-    assert command("show", out).exit_code == 0
+    assert call("show", out).exit_code == 0
 
 
 def test_a_static_analysis_has_nothing_to_resume(tmp_path):
     (tmp_path / "result.nc.part").write_bytes(b"")
-    refused = command("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path, "--resume")
+    refused = call("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path, "--resume")
     assert refused.exit_code == 2
     assert "nothing is kept of it to resume" in refused.stderr

@@ -9,14 +9,13 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 import xarray as xr
+from support.commands import call
 from support.runs import SCENARIOS
 from support.synthetic_run import run, with_points
-from typer.testing import CliRunner
 
 from wrsim.analysis.ride import evaluate_ride
 from wrsim.analysis.ride.comfort import WEIGHTINGS, comfort, weighted
 from wrsim.analysis.ride.spectra import spectrum, third_octaves
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.scenario.build import build
@@ -156,7 +155,7 @@ def test_the_stretch_and_the_resolution_come_from_the_scenario():
 
 def test_the_command_leaves_tables_and_pictures_of_the_ride(tmp_path):
     ridden().save(tmp_path / "result.nc")
-    done = CliRunner().invoke(app, ["ride", str(tmp_path)])
+    done = call("ride", tmp_path)
     assert done.exit_code == 0, done.output
     numbers = json.loads((tmp_path / "ride.json").read_text())
     assert numbers["points"]["rear"]["rms_m_s2"]["y"] == pytest.approx(1.0 / sqrt(2.0), rel=1e-3)

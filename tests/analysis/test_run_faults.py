@@ -13,14 +13,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.commands import call
 from support.runs import LEADING, SCENARIOS, STEERING, arc, ride, setup_of, straight, transition
-from typer.testing import CliRunner
 
 from wrsim.analysis import run
 from wrsim.analysis.motion.derailment import flange_tip, gauge_face
 from wrsim.analysis.motion.monitor import LIFT_DISTANCE, LIFT_TIME, Monitor
 from wrsim.analysis.motion.run import run_in_time
-from wrsim.cli import app
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import Result
 from wrsim.scenario.build import Setup
@@ -114,13 +113,12 @@ def test_a_derailed_run_can_be_saved_loaded_and_drawn_from_the_command_line(tmp_
     base = SCENARIOS / "curve_r300.toml"
     keys = CLIMB | {"output.patches_at_m": [5.0], "run.start_distance_m": 0.0}
     file.write_text(load(base).with_values(keys).text)
-    runner = CliRunner()
-    done = runner.invoke(app, ["run", str(file), "-o", str(tmp_path / "out"), "-q", "--no-pictures"])
+    done = call("run", file, "-o", tmp_path / "out", "-q", "--no-pictures")
     assert done.exit_code == 3
     assert f"{file}: stopped: {REASONS['climb']}" in done.stderr
     assert {"result.nc", "summary.json", "history.csv"} <= {path.name for path in (tmp_path / "out").iterdir()}
     assert Result.load(tmp_path / "out").stop_reason == derailed("climb").stop_reason
-    drawn = runner.invoke(app, ["plot", str(tmp_path / "out")])
+    drawn = call("plot", tmp_path / "out")
     assert drawn.exit_code == 0, drawn.output
     assert {"overview.png", "patches.png", "sections.png"} <= {path.name for path in (tmp_path / "out").iterdir()}
 
@@ -241,7 +239,7 @@ def test_the_complaint_about_a_long_step_names_file_and_line(tmp_path):
     message = r"long_step\.toml:4: run\.step_us = 4000: must be at most \d+, where"
     with pytest.raises(InputError, match=message):
         run(load(file))
-    checked = CliRunner().invoke(app, ["check", str(file)])  # what a run refuses, a check refuses
+    checked = call("check", file)  # what a run refuses, a check refuses
     assert checked.exit_code == 2
     assert re.search(message, checked.stderr.replace("\n", " "))
 
@@ -303,7 +301,7 @@ def test_a_full_disk_at_the_end_of_a_run_is_told_plainly(tmp_path, monkeypatch):
         sync(descriptor)
 
     monkeypatch.setattr(os, "fsync", full)
-    done = CliRunner().invoke(app, ["run", str(file), "-o", str(tmp_path / "out"), "-q"])
+    done = call("run", file, "-o", tmp_path / "out", "-q")
     assert done.exit_code == 1
     assert "result.nc: the disk is full (" in done.stderr
     assert "free some space or choose another directory" in done.stderr
@@ -311,6 +309,6 @@ def test_a_full_disk_at_the_end_of_a_run_is_told_plainly(tmp_path, monkeypatch):
     # nothing half-written, and the run itself is safe
     assert {path.name for path in (tmp_path / "out").iterdir()} == {".wrsim", "scenario.toml", "result.nc.part"}
     monkeypatch.undo()
-    again = CliRunner().invoke(app, ["run", str(file), "-o", str(tmp_path / "out"), "-q", "--no-pictures", "--resume"])
+    again = call("run", file, "-o", tmp_path / "out", "-q", "--no-pictures", "--resume")
     assert again.exit_code == 0, again.output
     assert Result.load(tmp_path / "out").status == "completed"

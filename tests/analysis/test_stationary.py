@@ -9,13 +9,12 @@ from math import radians
 
 import numpy as np
 import pytest
+from support.commands import call
 from support.vehicles import ROOT, manchester, on_track
-from typer.testing import CliRunner
 
 from wrsim.analysis.stationary import rotation_test as rotation
 from wrsim.analysis.stationary import twist_test as twist
 from wrsim.analysis.stationary.at_rest import tables_at_rest
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.vehicle.bogies import bogies_of
@@ -166,7 +165,7 @@ def test_an_axle_is_held_by_a_frame_and_not_by_its_own_bridge():
 def test_the_command_makes_both_tests_and_draws_their_loops(tmp_path):
     loops = tmp_path / "loops.png"
     linear = ["vehicle", "vehicles/manchester_1.toml", "--twist-test", "--rotation-test", "--loops", str(loops)]
-    found = json.loads(CliRunner().invoke(app, [*linear, "--twists", "0", "0", "--json"]).stdout)
+    found = json.loads(call(*linear, "--twists", "0", "0", "--json").stdout)
     assert found["twist_test"]["largest_unloading"] == pytest.approx(0.0, abs=1e-6)
     assert [t["bogie"] for t in found["rotation_test"]] == ["front.frame"] * 2 + ["rear.frame"] * 2
     assert loops.stat().st_size > 10_000
@@ -183,7 +182,7 @@ def test_the_command_makes_both_tests_and_draws_their_loops(tmp_path):
     ],
 )
 def test_options_without_their_test_are_refused(asked, said):
-    told = CliRunner().invoke(app, ["vehicle", "vehicles/manchester_1.toml", *asked])
+    told = call("vehicle", "vehicles/manchester_1.toml", *asked)
     assert told.exit_code != 0 and said in " ".join(told.output.split())
 
 

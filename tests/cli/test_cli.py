@@ -11,18 +11,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.commands import call
 from support.scenario_texts import CURVE, STATIC, edited
 from support.synthetic_result import curve_run, static_poses
-from typer.testing import CliRunner
 
 import wrsim.analysis
-from wrsim.cli import app
 from wrsim.cli.console import time_left
 from wrsim.errors import SimulationError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result
-
-runner = CliRunner()
 
 
 @pytest.fixture
@@ -50,10 +47,6 @@ def completed() -> Result:
 
 def stopped() -> Result:
     return Result(curve_run(samples=40, stopped=True))
-
-
-def call(*arguments: str | Path) -> Any:
-    return runner.invoke(app, [str(a) for a in arguments])
 
 
 # --- check ---------------------------------------------------------------------------------------------

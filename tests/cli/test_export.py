@@ -12,17 +12,14 @@ import pandas as pd
 import pytest
 import xarray as xr
 from scipy.io import loadmat
+from support.commands import call
 from support.runs import FAST, SCENARIOS
 from support.synthetic_result import static_poses
-from typer.testing import CliRunner
 
 from wrsim.analysis import run
-from wrsim.cli import app
 from wrsim.results import CHANNELS, Result
 from wrsim.results.exports import export
 from wrsim.scenario.loading import load
-
-runner = CliRunner()
 
 SHOWN = {
     "kN": ("N", 1e3), "mm": ("m", 1e-3), "mrad": ("rad", 1e-3), "°": ("rad", math.pi / 180.0), "MPa": ("Pa", 1e6),
@@ -51,7 +48,7 @@ def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     folder = tmp_path_factory.mktemp("run")
     Result(request.param()).save(folder / "result.nc")
     formats = "mat,csv,parquet" + ("" if request.param is static_poses else ",mdf")
-    answer = runner.invoke(app, ["export", str(folder), "--to", formats])
+    answer = call("export", folder, "--to", formats)
     assert answer.exit_code == 0, answer.output
     return folder
 
@@ -145,14 +142,14 @@ def test_mdf_holds_every_signal_over_time(folder: Path) -> None:
 
 def test_what_cannot_be_exported_is_one_sentence(tmp_path: Path) -> None:
     Result(static_poses()).save(tmp_path / "result.nc")
-    answer = runner.invoke(app, ["export", str(tmp_path), "--to", "matt"])
+    answer = call("export", tmp_path, "--to", "matt")
     assert answer.exit_code == 2 and "'matt' is none of mat, csv, parquet, mdf (did you mean 'mat'?)" in answer.output
-    answer = runner.invoke(app, ["export", str(tmp_path), "--to", "mdf"])
+    answer = call("export", tmp_path, "--to", "mdf")
     assert answer.exit_code == 2 and "MDF keeps signals over time" in answer.output
 
 
 def test_words_in_an_exported_table_are_no_formulas(tmp_path: Path) -> None:
-    dataset = static_poses()
+    dataset = static_poses().copy()  # it is kept for others
     dataset["pose"] = [f"=1+{i}" for i in range(dataset.sizes["pose"])]
     export(Result(dataset), "csv", tmp_path / "result.csv")
     assert list(pd.read_csv(tmp_path / "result.csv")["pose"])[:2] == ["'=1+0", "'=1+1"]

@@ -10,9 +10,8 @@ from typing import Any
 
 import pytest
 from jsonschema.validators import Draft7Validator, validator_for
-from typer.testing import CliRunner
+from support.commands import call
 
-from wrsim.cli import app
 from wrsim.inputs.reference import entries
 from wrsim.register import ANALYSES, FILES
 from wrsim.scenario.build import build
@@ -22,7 +21,6 @@ from wrsim.scenario.reference import schema_text, tables_of
 
 ROOT = Path(__file__).parents[2]
 SCENARIOS = sorted((ROOT / "scenarios").glob("*.toml"))
-runner = CliRunner()
 
 
 def test_the_generated_pages_are_not_stale() -> None:
@@ -109,38 +107,38 @@ def test_every_key_says_what_it_is_and_may_be_with_an_example(file: str) -> None
 @pytest.mark.parametrize("kind", ANALYSES)
 def test_a_new_scenario_can_be_run(kind: str, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
-    answer = runner.invoke(app, ["new", kind, "-o", str(file)])
+    answer = call("new", kind, "-o", file)
     assert answer.exit_code == 0, answer.output
     setup = build(load(file))
     assert setup.analysis == kind
     text = file.read_text()
     assert max(map(len, text.splitlines())) <= 120
-    again = runner.invoke(app, ["new", kind, "-o", str(file)])
+    again = call("new", kind, "-o", file)
     assert again.exit_code == 0  # its own file, unchanged
     file.write_text(text + "# mine\n")
-    refused = runner.invoke(app, ["new", kind, "-o", str(file)])
+    refused = call("new", kind, "-o", file)
     assert refused.exit_code == 2 and "has changed since" in refused.output
 
 
 def test_new_says_where_files_of_other_kinds_begin() -> None:
-    answer = runner.invoke(app, ["new", "train"])
+    answer = call("new", "train")
     said = " ".join(answer.output.split())
     assert answer.exit_code == 2 and "models/trains" in said.replace(" ", "") and "keys --file train" in said
 
 
 def test_keys_of_a_table_are_printed_and_a_slip_names_the_nearest() -> None:
-    answer = runner.invoke(app, ["keys", "contact"])
+    answer = call("keys", "contact")
     assert answer.exit_code == 0 and "tangential" in answer.output and "half-space" in answer.output
     # one sentence for the terminal, the schema of editors and new scenarios
     meaning = "Number of cells of a strip along the rolling direction"
     assert meaning in answer.output and meaning in schema_text("scenario")
-    answer = runner.invoke(app, ["keys", "track.elasticity"])
+    answer = call("keys", "track.elasticity")
     assert answer.exit_code == 0 and "rail sideways under one wheel" in answer.output
-    answer = runner.invoke(app, ["keys", "rail-head", "--file", "profile"])
+    answer = call("keys", "rail-head", "--file", "profile")
     assert answer.exit_code == 0 and "half_widths_mm" in answer.output and "conicity" not in answer.output
-    answer = runner.invoke(app, ["keys", "contcat"])
+    answer = call("keys", "contcat")
     assert answer.exit_code == 2 and "did you mean 'contact'?" in answer.output
-    answer = runner.invoke(app, ["keys", "--file", "stduy"])
+    answer = call("keys", "--file", "stduy")
     assert answer.exit_code == 2 and "did you mean 'study'?" in answer.output
-    found = json.loads(runner.invoke(app, ["keys", "run", "--json"]).output)
+    found = json.loads(call("keys", "run", "--json").output)
     assert {e["key"] for e in found["[run]"]} >= {"step_us", "output_interval_ms"}

@@ -8,24 +8,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.commands import call
 from support.scenario_texts import CURVE, STATIC, edited
 from support.synthetic_result import curve_run
-from typer.testing import CliRunner
 
 import wrsim.analysis
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.output_folder import OUTPUTS
 from wrsim.results import Result, write_atomically, write_run
 from wrsim.results.manifest import MANIFEST, Keeper, Manifest, keeping
 from wrsim.results.run_file import RunFile
-
-runner = CliRunner()
-
-
-def call(*arguments: str | Path) -> Any:
-    return runner.invoke(app, [str(a) for a in arguments])
 
 
 @pytest.fixture

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from support.commands import call
 from support.scenario_texts import CURVE, edited
 from support.synthetic_result import curve_run, static_poses
 from typer.main import get_command
@@ -27,10 +28,6 @@ from wrsim.simulation.recorder import FileRecorder
 
 runner = CliRunner()
 COMMANDS = get_command(app).commands  # type: ignore[attr-defined]
-
-
-def call(*arguments: str | Path) -> Any:
-    return runner.invoke(app, [str(a) for a in arguments], env={"COLUMNS": "160"})
 
 
 @pytest.fixture(scope="module")

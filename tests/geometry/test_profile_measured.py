@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from support.commands import call
 from support.contacts import bench, contact_model, rail_profile, settle, wheel_profile
-from typer.testing import CliRunner
 
-from wrsim.cli.commands import app
 from wrsim.errors import InputError
 from wrsim.geometry.profile.files import read_points, read_profile
 from wrsim.geometry.profile.models import load_profile
@@ -103,12 +102,10 @@ def test_the_change_is_the_distance_from_the_curve(tmp_path):
 # --- the command --------------------------------------------------------------------------------------
 
 
-def call(*words: object):
-    return CliRunner().invoke(app, ["profile", *map(str, words)])
-
-
 def test_the_command_compares_cutoffs(files, tmp_path):
-    result = call(files[1], "--kind", "rail", "--cutoff", 3.5, "--cutoff", 10, "-o", tmp_path / "rail.png", "--json")
+    result = call(
+        "profile", files[1], "--kind", "rail", "--cutoff", 3.5, "--cutoff", 10, "-o", tmp_path / "rail.png", "--json"
+    )
     assert result.exit_code == 0, result.output
     found = json.loads(result.stdout)
     assert Path(found["files"][0]).read_bytes().startswith(b"\x89PNG")
@@ -119,10 +116,10 @@ def test_the_command_compares_cutoffs(files, tmp_path):
 
 
 def test_a_scan_is_reported_without_being_asked(files, tmp_path):
-    result = call(files[0], "-o", tmp_path / "wheel.png")
+    result = call("profile", files[0], "-o", tmp_path / "wheel.png")
     assert result.exit_code == 0
     assert "scatter by 10" in result.stdout and "5 mm" in result.stdout
-    assert call(files[0], "-o", tmp_path / "wheel.jpg").exit_code == 2
+    assert call("profile", files[0], "-o", tmp_path / "wheel.jpg").exit_code == 2
 
 
 @pytest.mark.parametrize(
@@ -138,7 +135,7 @@ def test_a_scan_is_reported_without_being_asked(files, tmp_path):
 )
 def test_what_cannot_be_smoothed_is_answered(files, tmp_path, words, message):
     words = [files[1] if word == "rail" else word for word in words]
-    result = call(*words, "--kind", "rail", "-o", tmp_path / "out.png")
+    result = call("profile", *words, "--kind", "rail", "-o", tmp_path / "out.png")
     assert result.exit_code == 2
     assert message in " ".join(result.stderr.split())
     assert not (tmp_path / "out.png").exists()

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
+from support.commands import call
 from support.recording_car import Car, shipped_line
 from support.runs import FAST, SCENARIOS
 
@@ -415,13 +416,10 @@ def test_the_shipped_recording_is_that_of_the_car(tmp_path: Path) -> None:
 
 
 def test_one_command_leads_from_a_recording_to_a_run(car: Car, by_chord: Restored, tmp_path: Path) -> None:
-    from typer.testing import CliRunner
-
-    from wrsim.cli.commands import app
 
     folder, out = by_chord.recording.path, tmp_path / "out"
     asked = ["recording", str(folder), "-o", str(out), "--vehicle", "vehicles/wheelset_s1002.toml", "--no-pictures"]
-    ended = CliRunner().invoke(app, asked)
+    ended = call(*asked)
     assert ended.exit_code == 0, ended.output
     assert "3 to 57.9" in ended.output and "R 600" in ended.output
     scenario = load(out / "scenario.toml")
@@ -431,8 +429,8 @@ def test_one_command_leads_from_a_recording_to_a_run(car: Car, by_chord: Restore
     assert np.abs(in_band(track.irregularity("left", s)[0] - true, 0.5)[160:-160]).max() < 0.1e-3
     result = run(scenario.with_values(FAST | {"run.start_distance_m": 300.0, "run.distance_m": 2.0}))
     assert result.status == "completed"
-    assert CliRunner().invoke(app, asked).exit_code == 0  # its own files may be written anew
+    assert call(*asked).exit_code == 0  # its own files may be written anew
     (out / "track.toml").write_text("mine")
-    refused = CliRunner().invoke(app, asked)
+    refused = call(*asked)
     assert refused.exit_code == 2 and "would be written over" in refused.output
     assert (out / "track.toml").read_text() == "mine"

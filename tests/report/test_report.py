@@ -17,10 +17,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from markupsafe import escape
 from support.browser import Browser
+from support.commands import call
 from support.synthetic_result import curve_run, static_poses
-from typer.testing import CliRunner
 
-from wrsim.cli import app
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.charts import charts_of, envelope, pieces_of
 from wrsim.report.page import report_page, rerun
@@ -207,14 +206,13 @@ def test_the_bundles_can_stand_in_a_page() -> None:
 
 def test_the_command_writes_beside_the_result_and_over_nothing_of_the_users(tmp_path: Path) -> None:
     Result(curve_run(samples=40)).save(tmp_path / "run" / "result.nc")
-    runner = CliRunner()
-    assert runner.invoke(app, ["report", str(tmp_path / "run")]).exit_code == 0
-    assert runner.invoke(app, ["report", str(tmp_path / "run")]).exit_code == 0
+    assert call("report", tmp_path / "run").exit_code == 0
+    assert call("report", tmp_path / "run").exit_code == 0
     written = tmp_path / "run" / "report.html"
     written.write_text("mine")
-    refused = runner.invoke(app, ["report", str(tmp_path / "run")])
+    refused = call("report", tmp_path / "run")
     assert refused.exit_code == 2 and written.read_text() == "mine"
-    assert runner.invoke(app, ["report", str(tmp_path / "run"), "-o", str(tmp_path / "x.pdf")]).exit_code == 2
+    assert call("report", tmp_path / "run", "-o", tmp_path / "x.pdf").exit_code == 2
 
 
 # --- in a browser -------------------------------------------------------------------------------------------

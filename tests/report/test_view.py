@@ -13,14 +13,13 @@ from typing import Any
 import numpy as np
 import pytest
 from support.browser import Browser
+from support.commands import call
 from support.runs import SCENARIOS
 from support.synthetic_result import curve_run, static_poses
-from typer.testing import CliRunner
 
 from wrsim.analysis import run
 from wrsim.analysis.moments_along import with_moments
 from wrsim.analysis.motion.derailment import Wheel
-from wrsim.cli import app
 from wrsim.contact.status import WORDS
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.errors import InputError
@@ -163,11 +162,11 @@ def test_there_must_be_something_to_see() -> None:
 
 def test_the_command_writes_beside_the_result(tmp_path: Path) -> None:
     Result(static_poses(shifts_mm=(0.0, 5.0), yaws_mrad=(0.0,))).save(tmp_path / "result.nc")
-    called = CliRunner().invoke(app, ["view", str(tmp_path)])
+    called = call("view", tmp_path)
     assert called.exit_code == 0, called.output
     assert "</html>" in (tmp_path / "view.html").read_text()
     (tmp_path / "view.html").write_text("mine")
-    assert CliRunner().invoke(app, ["view", str(tmp_path)]).exit_code == 2
+    assert call("view", tmp_path).exit_code == 2
 
 
 # --- in a browser -------------------------------------------------------------------------------------------

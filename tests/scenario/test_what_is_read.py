@@ -6,15 +6,13 @@ import socket
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 import xarray as xr
+from support.commands import call
 from support.runs import SCENARIOS
 from support.scenario_texts import edited
-from typer.testing import CliRunner
 
-from wrsim.cli.commands import app
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.track import segments
@@ -33,10 +31,6 @@ from wrsim.vehicle.vehicle_files import load_vehicle
 
 CURVE = (SCENARIOS / "curve_r300.toml").read_text()
 POSES = (SCENARIOS / "static_s1002.toml").read_text()
-
-
-def command(*arguments: object) -> Any:
-    return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
 SECRET = "root:x:0:0 a line of somebody else's"
@@ -235,14 +229,14 @@ def test_quotes_in_the_middle_of_a_cell_are_refused_in_words_of_ours(tmp_path):
 def test_a_folder_in_the_place_of_the_result_is_told_before_the_run(tmp_path):
     (tmp_path / "out/result.nc").mkdir(parents=True)
     for force in ((), ("--force",)):
-        refused = command("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path / "out", *force)
+        refused = call("run", SCENARIOS / "static_s1002.toml", "-o", tmp_path / "out", *force)
         assert refused.exit_code == 2
         assert "result.nc: is a directory; a file of that name is written: move it away" in refused.stderr
         assert not (tmp_path / "out/scenario.toml").exists()
 
 
 def test_a_long_value_on_the_command_line_is_not_echoed_whole():
-    refused = command("check", SCENARIOS / "curve_r300.toml", "--set", f"vehicle.speed_kmh={'a' * 6000}")
+    refused = call("check", SCENARIOS / "curve_r300.toml", "--set", f"vehicle.speed_kmh={'a' * 6000}")
     assert refused.exit_code == 2
     assert len(refused.stderr) < 400
 

@@ -24,12 +24,11 @@ import xarray as xr
 from distributed import Client
 from distributed.security import Security
 from distributed.utils import get_mp_context
+from support.commands import call
 from support.runs import SCENARIOS
 from support.studies import AXES, study_file
 from support.waiting import wait_until
-from typer.testing import CliRunner
 
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.report.study import study_page
 from wrsim.results import Result, write_atomically
@@ -40,8 +39,6 @@ from wrsim.study.collect import collected, markers_of, rows_of_cases
 from wrsim.study.engine import _note_killed, execute, kinds, missing
 from wrsim.study.plan import PLAN, Plan, planned
 from wrsim.study.task import Marker, compile_for, run_case
-
-runner = CliRunner()
 
 
 def plan_of(file: Path, folder: Path) -> Plan:
@@ -131,7 +128,7 @@ def test_two_workers_one_of_which_is_killed_come_to_the_numbers_of_one_worker(
 def test_the_same_study_twice_runs_nothing(serial: Plan, unpainted: None) -> None:
     times = [m.began for m in markers(serial)]
     file = Path(serial.folder).parent / "study.toml"
-    answer = runner.invoke(app, ["study", str(file), "-o", serial.folder])
+    answer = call("study", file, "-o", serial.folder)
     assert answer.exit_code == 0, answer.output
     assert "6 cases, 6 of them known already" in answer.output
     assert [m.began for m in markers(serial)] == times
@@ -163,14 +160,14 @@ def test_the_report_of_a_study_says_how_every_case_ended_and_where_extremes_are(
 
 def test_the_report_takes_one_study_and_nothing_beside_it(serial: Plan, tmp_path: Path) -> None:
     study, file = str(Path(serial.folder).parent / "study.toml"), str(tmp_path / "page.html")
-    assert runner.invoke(app, ["study", study, "-o", serial.folder, "--no-pictures"]).exit_code == 0
-    assert runner.invoke(app, ["report", serial.folder, "-o", file]).exit_code == 0
+    assert call("study", study, "-o", serial.folder, "--no-pictures").exit_code == 0
+    assert call("report", serial.folder, "-o", file).exit_code == 0
     assert "6 cases: 6 completed." in Path(file).read_text()
     for more in ([serial.folder], ["--view"]):
-        refused = runner.invoke(app, ["report", serial.folder, *more, "-o", file])
+        refused = call("report", serial.folder, *more, "-o", file)
         assert refused.exit_code == 2 and "study" in refused.output
     (tmp_path / "study.nc").write_bytes(b"no dataset")
-    assert "not a wrsim study" in runner.invoke(app, ["report", str(tmp_path)]).output
+    assert "not a wrsim study" in call("report", tmp_path).output
 
 
 def test_outputs_of_a_case_are_those_of_its_result(serial: Plan) -> None:
@@ -268,7 +265,7 @@ def test_a_wheelset_that_derails_is_a_result_and_what_cannot_start_is_an_entry(t
     assert np.isfinite(fast["Y_over_Q_max"].item())
     assert start["status"].item() == "failed" and "no steady motion to start from" in start["message"].item()
     assert np.isnan(start["Y_over_Q_max"].item())
-    answer = runner.invoke(app, ["study", str(tmp_path / "study.toml"), "-o", plan.folder, "--no-pictures"])
+    answer = call("study", tmp_path / "study.toml", "-o", plan.folder, "--no-pictures")
     assert answer.exit_code == 3 and "1 derailed, 1 failed" in answer.output
 
 
@@ -346,7 +343,7 @@ def test_a_fault_of_a_hook_in_a_later_case_is_told(serial: Plan, tmp_path: Path,
     )
     plan = plan_of(study_file(tmp_path, AXES, '[outputs]\nhook = "h.py:numbers"\n'), tmp_path / "out")
     in_this_process(plan)
-    answer = runner.invoke(app, ["study", str(tmp_path / "study.toml"), "-o", str(tmp_path / "out")])
+    answer = call("study", tmp_path / "study.toml", "-o", tmp_path / "out")
     assert "3 cases lack outputs, study.csv says which: outputs.hook: " in answer.output
     table = (tmp_path / "out" / "study.csv").read_text()
     assert table.count("ZeroDivisionError") == 3
@@ -397,11 +394,11 @@ deviation = 0.5
 
 def test_a_dry_run_lists_cases_and_foretells_the_time(serial: Plan) -> None:
     file = Path(serial.folder).parent / "study.toml"
-    answer = runner.invoke(app, ["study", str(file), "-o", serial.folder, "--dry-run"])
+    answer = call("study", file, "-o", serial.folder, "--dry-run")
     assert answer.exit_code == 0, answer.output
     assert "friction 0.1, speed_kmh 40" in answer.output and "6 cases, 0 to run" in answer.output
     elsewhere = Path(serial.folder).parent / "elsewhere"
-    answer = runner.invoke(app, ["study", str(file), "-o", str(elsewhere), "--dry-run"])
+    answer = call("study", file, "-o", elsewhere, "--dry-run")
     assert answer.exit_code == 0, answer.output
     assert "6 cases, 6 to run" in answer.output and "one case takes" in answer.output
     assert not elsewhere.exists()
@@ -488,9 +485,9 @@ def test_workers_of_a_scheduler_that_stands_already_come_to_the_same_numbers(
     few = AXES.replace("[0.1, 0.3]", "[0.1]").replace("to = 50", "to = 45")
     out = tmp_path / "out"
     command = ["study", str(study_file(tmp_path, few)), "-o", str(out), "--scheduler", standing_scheduler]
-    refused = runner.invoke(app, command)
+    refused = call(*command)
     assert refused.exit_code == 2 and "needs certificates: give --tls DIR" in refused.output
-    told = runner.invoke(app, [*command, "--tls", str(certificates), "--no-pictures", "--json"])
+    told = call(*command, "--tls", certificates, "--no-pictures", "--json")
     assert told.exit_code == 0, told.output
     assert json.loads(told.stdout)["status"] == {"completed": 2}
     kept = {path.parent.name: Result.load(path).dataset for path in Path(serial.folder).rglob("result.nc")}

@@ -7,11 +7,10 @@ import os
 from pathlib import Path
 
 import pytest
+from support.commands import call
 from support.studies import AXES, study_file
 from support.synthetic_result import curve_run
-from typer.testing import CliRunner
 
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.results import Result
 from wrsim.study.outputs import outputs_of
@@ -19,7 +18,6 @@ from wrsim.study.plan import planned
 from wrsim.study.spec import OutputsSection
 from wrsim.study.task import COMPLETED, MARKER, Marker, read_marker, write_marker
 
-runner = CliRunner()
 GRID = '[[vary]]\nkind = "grid"\nkey = "{}"\nvalues = {}\n'
 OVER = '[[vary]]\nkind = "sobol"\nsamples = {}\n[[vary.over]]\nkey = "contact.friction"\n{}\n'
 
@@ -112,7 +110,7 @@ def test_files_of_the_user_are_not_written_over(tmp_path: Path) -> None:
     file = study_file(tmp_path)
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "study.csv").write_text("mine")
-    answer = runner.invoke(app, ["study", str(file), "-o", str(tmp_path / "out")])
+    answer = call("study", file, "-o", tmp_path / "out")
     assert answer.exit_code == 2 and "wrsim did not write it" in answer.output
     assert (tmp_path / "out" / "study.csv").read_text() == "mine"
 
@@ -125,7 +123,7 @@ def test_planning_executes_nothing_of_a_hook(binding: str, tmp_path: Path) -> No
     mine = tmp_path / "executed"
     (tmp_path / "h.py").write_text(f"open({str(mine)!r}, 'w')\n{binding}\nraise SystemExit\n")
     file = study_file(tmp_path, AXES + "[outputs]\nhook = 'h.py:numbers'\n")
-    answer = runner.invoke(app, ["study", str(file), "-o", str(tmp_path / "out"), "--dry-run"])
+    answer = call("study", file, "-o", tmp_path / "out", "--dry-run")
     assert answer.exit_code == 0 and "6 cases, 6 to run" in answer.output
     assert not mine.exists()
 

@@ -19,14 +19,11 @@ from distributed.protocol import dumps
 from distributed.protocol.pickle import dumps as pickled
 from distributed.protocol.utils import pack_frames
 from distributed.security import Security
-from typer.testing import CliRunner
+from support.commands import call
 
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.study.cluster import CA, LOOPBACK, local_workers, security_of
 from wrsim.study.nodes import QuietScheduler
-
-runner = CliRunner()
 
 
 def listening() -> set[tuple[str, int]]:
@@ -142,7 +139,7 @@ def test_modules_are_looked_up_in_no_folder_that_others_can_write(study: Client)
 def refused(*options: str, folder: Path) -> Iterator[str]:
     """What is said of options with which no study runs."""
     (folder / "study.toml").touch()
-    answer = runner.invoke(app, ["study", str(folder / "study.toml"), *options])
+    answer = call("study", folder / "study.toml", *options)
     assert answer.exit_code == 2
     yield answer.output
 

@@ -1,4 +1,4 @@
-"""The command in a process that is forked from this one: what it prints and how it ends, without importing all anew."""
+"""The command in this process, or in one that is forked from it, which imports nothing anew."""
 
 from __future__ import annotations
 
@@ -10,7 +10,15 @@ from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 
-from wrsim.cli import main
+from click.testing import Result
+from typer.testing import CliRunner
+
+from wrsim.cli import app, main
+
+
+def call(*arguments: str | Path) -> Result:
+    """Call ``wrsim`` with these arguments in this process."""
+    return CliRunner().invoke(app, [str(a) for a in arguments], env={"COLUMNS": "200"})
 
 
 def forked(*arguments: str | Path) -> subprocess.CompletedProcess[str]:

@@ -8,11 +8,10 @@ from math import asin, cos, degrees, sin
 
 import numpy as np
 import pytest
+from support.commands import call
 from support.vehicles import ROOT, manchester
-from typer.testing import CliRunner
 
 from wrsim.analysis.stationary.statics import canted, static_state
-from wrsim.cli import app
 from wrsim.errors import SimulationError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.vehicle.vehicle import Vehicle
@@ -86,7 +85,7 @@ def test_more_cant_than_the_weight_can_hold_overturns():
 def test_the_command_says_sway_and_unloading():
     file = "vehicles/manchester_1.toml"
     asked = ["vehicle", file, "--cant-deficiency", "150", "--twist", "5"]
-    found = json.loads(CliRunner().invoke(app, [*asked, "--json"]).stdout)
+    found = json.loads(call(*asked, "--json").stdout)
     lean = static_state(canted(manchester(), ANGLE))
     own = found["leaning"]
     assert own["roll_deg"]["carbody"] == pytest.approx(-degrees(lean.moved[0, 2]))
@@ -96,5 +95,5 @@ def test_the_command_says_sway_and_unloading():
     assert found["twisted"]["unloading"]["front.outer"]["right"] == pytest.approx(
         1.0 - 8.0 * twisted[0, 1] / manchester().weight
     )
-    bad = CliRunner().invoke(app, ["vehicle", file, "--cant-deficiency", "0"])
+    bad = call("vehicle", file, "--cant-deficiency", "0")
     assert bad.exit_code == 2 and "--cant-deficiency" in bad.output

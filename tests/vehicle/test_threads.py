@@ -5,13 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.commands import call
 from support.runs import FAST
 from support.vehicles import ROOT
-from typer.testing import CliRunner
 
 import wrsim
 from wrsim.analysis.contacts import force_law
-from wrsim.cli.commands import app
 from wrsim.errors import InputError
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
@@ -47,7 +46,7 @@ def test_a_run_on_two_threads_gives_the_same_numbers():
 def test_more_threads_than_cores_are_refused(monkeypatch):
     with pytest.raises(InputError, match=r"threads: must be a whole number from 1 to \d+.*not 100000"):
         force_law(replace(build(load(SCENARIO).with_values(FAST)), threads=100_000))
-    answer = CliRunner().invoke(app, ["run", str(SCENARIO), "--threads", "100000"])
+    answer = call("run", str(SCENARIO), "--threads", "100000")
     assert answer.exit_code == 2 and "threads: must be" in answer.output
     monkeypatch.setitem(sys.modules, "numba.np.ufunc.omppool", None)
     with pytest.raises(InputError, match="need OpenMP"):

@@ -6,12 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.commands import call
 from support.vehicle_texts import GOOD
 from support.vehicles import ROOT, manchester
-from typer.testing import CliRunner
 
 from wrsim.analysis.stationary.statics import static_state
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.build import build
@@ -156,6 +155,6 @@ def test_a_train_has_no_single_poses() -> None:
 
 
 def test_a_train_has_no_tests_at_rest() -> None:
-    outcome = CliRunner().invoke(app, ["vehicle", "trains/manchester_3.toml", "--twist", "3"])
+    outcome = call("vehicle", "trains/manchester_3.toml", "--twist", "3")
     assert outcome.exit_code == 2
     assert "is a train; tests at rest are for one vehicle" in outcome.output

@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from support.commands import call
 from support.vehicle_texts import GOOD, fault
 from support.vehicles import ROOT
-from typer.testing import CliRunner
 
-from wrsim.cli import app
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.build import build
@@ -300,9 +299,8 @@ def test_a_scenario_that_does_not_suit_its_vehicle_is_refused(values: dict[str, 
 
 
 def test_the_command_draws_a_vehicle(tmp_path: Path) -> None:
-    runner = CliRunner()
-    done = runner.invoke(app, ["vehicle", "vehicles/manchester_1.toml", "-o", str(tmp_path / "m.svg")])
+    done = call("vehicle", "vehicles/manchester_1.toml", "-o", tmp_path / "m.svg")
     assert done.exit_code == 0
     assert (tmp_path / "m.svg").read_text().startswith("<?xml")
-    again = runner.invoke(app, ["vehicle", "vehicles/manchester_1.toml", "-o", str(tmp_path / "m.jpg")])
+    again = call("vehicle", "vehicles/manchester_1.toml", "-o", tmp_path / "m.jpg")
     assert again.exit_code == 2
