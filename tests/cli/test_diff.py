@@ -6,25 +6,23 @@ import json
 from pathlib import Path
 
 import pytest
+from support.commands import call
 from support.runs import SCENARIOS
 from support.synthetic_result import curve_run, static_poses
-from typer.testing import CliRunner
 
-from wrsim.cli import app
 from wrsim.results import Result
 
-runner = CliRunner()
 EQUILIBRIUM = str(SCENARIOS / "equilibrium_s1002.toml")
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str, str]:
-    """A run, the same with Q of the left wheel 2 % larger, and one that stopped."""
+    """A run, the same with Q of the right wheel 2 % larger, and one that stopped."""
     folder = tmp_path_factory.mktemp("runs")
     run = curve_run()
     Result(run).save(folder / "a" / "result.nc")
     other = run.copy(deep=True)
-    other["Q"].loc[{"wheel": "left"}] *= 1.02
+    other["Q"].loc[{"wheel": "right"}] *= 1.02
     Result(other).save(folder / "b" / "result.nc")
     Result(curve_run(stopped=True)).save(folder / "c" / "result.nc")
     Result(static_poses()).save(folder / "d" / "result.nc")
@@ -32,30 +30,30 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str, str]:
 
 
 def test_a_result_is_like_itself(runs: tuple[str, str, str]) -> None:
-    answer = runner.invoke(app, ["diff", runs[0], runs[0], "--tolerance", "0"])
+    answer = call("diff", runs[0], runs[0], "--tolerance", "0")
     assert answer.exit_code == 0, answer.output
 
 
 def test_the_exit_code_says_whether_a_change_is_beyond_the_tolerance(runs: tuple[str, str, str]) -> None:
-    beyond = runner.invoke(app, ["diff", runs[0], runs[1], "--json"])
+    beyond = call("diff", runs[0], runs[1], "--json")
     assert beyond.exit_code == 4
     found = json.loads(beyond.output)
     changed = {(d["place"], d["quantity"]) for d in found["differences"] if d["difference"]}
-    assert all("left" in place and quantity.startswith("Q_") for place, quantity in changed)
-    assert ("wheelset left", "Q_max_kN") in changed
+    assert all("right" in place and quantity.startswith("Q_") for place, quantity in changed)
+    assert ("wheelset right", "Q_max_kN") in changed
     largest = max(d["relative"] for d in found["differences"])
     assert largest == pytest.approx(0.02 / 1.02, rel=1e-6)  # of the larger one
-    assert runner.invoke(app, ["diff", runs[0], runs[1], "--tolerance", "0.03"]).exit_code == 0
-    assert runner.invoke(app, ["diff", runs[0], runs[1], "--only", "Y_over_Q_max"]).exit_code == 0
+    assert call("diff", runs[0], runs[1], "--tolerance", "0.03").exit_code == 0
+    assert call("diff", runs[0], runs[1], "--only", "Y_over_Q_max").exit_code == 0
 
 
 def test_a_run_that_stopped_is_not_like_one_that_came_to_its_end(runs: tuple[str, str, str]) -> None:
-    answer = runner.invoke(app, ["diff", runs[0], runs[2], "--tolerance", "1e9"])
+    answer = call("diff", runs[0], runs[2], "--tolerance", "1e9")
     assert answer.exit_code == 4 and "B: stopped" in answer.output
 
 
 def test_a_table_and_an_overlay_are_left_on_demand(runs: tuple[str, str, str], tmp_path: Path) -> None:
-    answer = runner.invoke(app, ["diff", runs[0], runs[1], "-o", str(tmp_path / "d")])
+    answer = call("diff", runs[0], runs[1], "-o", tmp_path / "d")
     assert answer.exit_code == 4
     assert {p.name for p in (tmp_path / "d").iterdir()} == {"diff.csv", "diff.png", ".wrsim"}
 
@@ -68,18 +66,18 @@ def test_a_table_and_an_overlay_are_left_on_demand(runs: tuple[str, str, str], t
     ],
 )
 def test_faults_of_a_comparison_are_one_sentence(options: list[str], message: str, runs: tuple[str, str, str]) -> None:
-    answer = runner.invoke(app, ["diff", runs[0], runs[1], *options])
+    answer = call("diff", runs[0], runs[1], *options)
     assert answer.exit_code == 2 and message in answer.output
 
 
 def test_results_of_two_kinds_are_not_compared(runs: tuple[str, str, str]) -> None:
-    answer = runner.invoke(app, ["diff", runs[0], str(Path(runs[0]).with_name("d"))])
+    answer = call("diff", runs[0], str(Path(runs[0]).with_name("d")))
     assert answer.exit_code == 2 and "both must be of one kind" in answer.output
 
 
 def test_a_key_is_set_on_the_command_line() -> None:
     values = ["--set", "track.gauge_mm=1440", "-s", "contact.normal=strips", "--set", 'title="mine"']
-    answer = runner.invoke(app, ["check", EQUILIBRIUM, "--json", *values])
+    answer = call("check", EQUILIBRIUM, "--json", *values)
     assert answer.exit_code == 0, answer.output
     found = json.loads(answer.output)
     assert (found["gauge_mm"], found["normal"], found["title"]) == (pytest.approx(1440.0), "strips", "mine")
@@ -95,6 +93,6 @@ def test_a_key_is_set_on_the_command_line() -> None:
     ],
 )
 def test_a_wrong_key_on_the_command_line_is_one_sentence(value: str, message: str) -> None:
-    answer = runner.invoke(app, ["check", EQUILIBRIUM, "--set", value])
+    answer = call("check", EQUILIBRIUM, "--set", value)
     assert answer.exit_code == 2
     assert message in answer.output and "Traceback" not in answer.output

@@ -207,7 +207,7 @@ def test_all_patches_of_a_gallery_have_one_scale_of_colour_and_length():
 
 
 def test_a_gallery_shows_every_patch_in_contact_and_none_else():
-    dataset = static_poses((-4.0, 4.0, 7.0), (12.0,))
+    dataset = static_poses((-4.0, 5.0, 7.0), (12.0,))
     in_contact = int(np.isfinite(dataset["strip_p"]).any("strip").sum())
     figure = patch_gallery(dataset)
     assert (
