@@ -9,6 +9,7 @@ from pathlib import Path
 import numba
 import pytest
 
+from wrsim.core.jit import compiling
 from wrsim.core.jit.compiling import COUNT, kernel
 
 ROOT = Path(__file__).parents[2]
@@ -16,22 +17,24 @@ ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="there is nothing to compile")
 
 
-@kernel
-def power(x, n, inverse):
-    """x^n, or its inverse."""
-    total = 1.0
-    for _ in range(n):
-        total *= x
-    return 1.0 / total if inverse else total
+with pytest.MonkeyPatch.context() as patch:
+    patch.setattr(compiling, "CACHE", None)  # what an earlier run of these tests has kept would not be compiled
+
+    @kernel
+    def power(x, n, inverse):
+        """x^n, or its inverse."""
+        total = 1.0
+        for _ in range(n):
+            total *= x
+        return 1.0 / total if inverse else total
+
+    @kernel
+    def outer(x):
+        """Calls one kernel with several literal arguments."""
+        return power(x, 2, False) + power(x, 3, True)
 
 
-@kernel
-def outer(x):
-    """Calls one kernel with several literal arguments."""
-    return power(x, 2, False) + power(x, 3, True)
-
-
-def test_literal_arguments_make_no_kernels_of_their_own_and_how_far_it_is_is_told(caplog):
+def test_literal_arguments_make_no_kernels_of_their_own_and_how_far_it_is_is_reported(caplog):
     with caplog.at_level(logging.INFO, "wrsim.kernels"):
         assert outer(2.0) == 4.125
     assert len(power._parts) == 1 and not power.overloads
