@@ -3,6 +3,8 @@
 import importlib
 import os
 import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 
 import pytest
 from hypothesis import settings
@@ -20,9 +22,13 @@ settings.load_profile("wrsim")
 @pytest.fixture
 def unpainted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures are neither put together nor painted, for tests of what becomes of their files."""
-    drawing = importlib.import_module("wrsim.plots.drawing")
-    monkeypatch.setattr(drawing, "_painted", lambda make, paint: b"a picture")
-    monkeypatch.setattr(drawing, "_worth_a_process", lambda pictures: False)
+
+    @contextmanager
+    def drawing(figures: Mapping[str, object]) -> Iterator[object]:
+        yield lambda: dict.fromkeys(figures, b"a picture")
+
+    for module in ("wrsim.plots", "wrsim.plots.drawing"):
+        monkeypatch.setattr(importlib.import_module(module), "drawing", drawing)
 
 
 FIRST = (
