@@ -14,7 +14,7 @@ from wrsim.analysis import run
 from wrsim.analysis.conicity.conicity import conicity
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import circle, cone
-from wrsim.results.steering import FLANGE_FROM, radial_steering, steering_summary
+from wrsim.results.conicity import FLANGE_FROM, radial_steering, steering_summary
 from wrsim.scenario.loading import load
 from wrsim.scenario.sections.conicity import ConicityPlan
 from wrsim.vehicle.wheelset import Wheel, Wheelset

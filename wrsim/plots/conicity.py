@@ -16,7 +16,7 @@ from wrsim.plots.colours import INK, QUIET, WHEEL_COLOUR
 from wrsim.plots.marks import broken, minus, note, panels, remark
 from wrsim.plots.style import pressure_map, shown
 from wrsim.results import CHANNELS
-from wrsim.results.steering import steering_summary
+from wrsim.results.conicity import steering_summary
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from wrsim.results.steering import CONTACT_DISTANCE
+from wrsim.results.conicity import CONTACT_DISTANCE
 
 Array = NDArray[np.float64]
 

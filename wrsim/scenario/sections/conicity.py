@@ -7,7 +7,7 @@ from math import degrees, radians
 from typing import Annotated, Any, ClassVar, Literal
 
 from wrsim.inputs.values import Series, number, positive
-from wrsim.results.steering import FLANGE_FROM
+from wrsim.results.conicity import FLANGE_FROM
 from wrsim.scenario.sections.table import Given, PlanTable
 
 Roll = Literal["none", "rail-top", "centre"]
@@ -27,7 +27,7 @@ class ConicityPlan:
     roll = "none": the wheelset does not roll, as in EN 15302. "rail-top": it rolls until both wheels touch, the shift
     is that of its point at the height of the rail tops, which makes the kinematics of rolling exact. "centre": it
     rolls, the shift is that of its centre of mass, the ``lateral_shift`` of a run.
-    curves: radii [m] of which the radial steering index is told; flange_from: contact angle at which the flange begins
+    curves: radii [m] of which the radial steering index is given; flange_from: contact angle at which the flange begins
     there [rad].
     """
 
@@ -55,7 +55,7 @@ class ConicitySection(PlanTable, header="[conicity]"):
     """What the lateral shift is: without roll as in EN 15302, at the rail tops, or at the wheelset's centre."""
 
     curve_radius_m: Series[CurveRadius] = ()
-    """Radii of curves for which the radial steering index is told."""
+    """Radii of curves for which the radial steering index is given."""
     flange_from_deg: FlangeAngle = degrees(FLANGE_FROM)
     """Contact angle of the outer wheel from which it counts as on its flange, for the radial steering index."""
 
