@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from wrsim.errors import InputError, WrsimError, suggest
-from wrsim.results.columns import columns, frame
 from wrsim.results.files import as_text, write_atomically
 from wrsim.results.result import Result
+from wrsim.results.tables import columns, frame
 
 FORMATS = ("mat", "csv", "parquet", "mdf")
 ENDINGS = {"mdf": "mf4"}

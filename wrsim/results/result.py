@@ -160,7 +160,7 @@ class Result:
         InputError
             For a wheelset that is not there; says which there are.
         """
-        from wrsim.results.columns import frame
+        from wrsim.results.tables import frame
 
         return frame(self.dataset if wheelset is None else self.wheelset(wheelset))
 

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.register import ANALYSES, resolved
-from wrsim.results.channels import CHANNELS
+from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.dataset import OF_VEHICLE
 from wrsim.results.files import as_json, csv_parts, write_atomically
 from wrsim.results.result import Result
 from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 Row = list[str]
 
@@ -109,16 +113,40 @@ def _strip_table(one: xr.Dataset) -> list[Row]:
 def wide(dataset: xr.Dataset, dim: str, others: Iterable[str] = ()) -> list[Row]:
     """One row per label of a dimension; channels with another dimension as well have a column for each of its labels,
     such as ``Y_left_kN``."""
-    channels = [dim] if dim in CHANNELS else []
-    channels += present(dataset, (dim,))
-    columns = [(CHANNELS[name].column, cells_of(name, dataset[name].values)) for name in channels]
-    for other in others:
-        for name in present(dataset, (dim, other)):
-            for label in dataset[other].values:
-                words = [name, str(label), CHANNELS[name].shown.suffix]
-                header = "_".join(word for word in words if word).replace(" ", "_")
-                columns.append((header, cells_of(name, dataset[name].sel({other: label}).values)))
-    return rows_of(columns)
+    names = [dim] if dim in CHANNELS else []
+    names += present(dataset, (dim,))
+    names += [name for other in others for name in present(dataset, (dim, other))]
+    return rows_of([(head, cells_of(name, values)) for name in names for head, values in _flat(dataset, name)])
+
+
+def columns(dataset: xr.Dataset) -> Iterator[tuple[str, Channel, NDArray[Any]]]:
+    """One wide table of a result, a row a sample (instant or pose): names as in ``Y_front.outer_left_kN``, channels and
+    values in units for readers; strips and outlines are left out."""
+    sample = "time" if "time" in dataset.dims else "pose"
+    for name, channel in CHANNELS.items():
+        if name in dataset.variables and dataset[name].dims[:1] == (sample,) and "strip" not in dataset[name].dims:
+            for head, values in _flat(dataset, name):
+                yield head, channel, values * channel.shown.factor if channel.kind == "number" else values
+
+
+def frame(dataset: xr.Dataset) -> DataFrame:
+    """The same as a data frame; ``attrs["units"]`` holds the unit of every column."""
+    import pandas as pd
+
+    found = list(columns(dataset))
+    table = pd.DataFrame({name: values for name, _, values in found})
+    table.attrs["units"] = {name: channel.shown.symbol for name, channel, _ in found if channel.kind == "number"}
+    return table
+
+
+def _flat(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Columns of a channel with their names: one for each combination of the labels of its further dimensions."""
+    data = dataset[name]
+    labels = [dataset[dim].values if dim in dataset.coords else range(dataset.sizes[dim]) for dim in data.dims[1:]]
+    values = data.values.reshape(data.shape[0], -1)
+    for i, own in enumerate(product(*labels)):
+        words = (name, *map(str, own), CHANNELS[name].shown.suffix)
+        yield "_".join(word.replace(" ", "_") for word in words if word), values[:, i]
 
 
 def long(dataset: xr.Dataset, names: Iterable[str], chosen: NDArray[np.bool_], dims: tuple[str, ...]) -> list[Row]:
@@ -127,10 +155,8 @@ def long(dataset: xr.Dataset, names: Iterable[str], chosen: NDArray[np.bool_], d
     columns = []
     for name in names:
         if name in CHANNELS:
-            values = dataset[name]
-            columns.append(
-                (CHANNELS[name].column, cells_of(name, values.values[tuple(at[str(d)] for d in values.dims)]))
-            )
+            at_rows = dataset[name].values[tuple(at[str(d)] for d in dataset[name].dims)]
+            columns.append((CHANNELS[name].column, cells_of(name, at_rows)))
         else:
             columns.append((name, [str(i) for i in at[name]]))
     return rows_of(columns)
