@@ -8,7 +8,7 @@ them in time.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -118,33 +118,26 @@ def compare(
     return Comparison(tuple(models), reference, _values(models, main))
 
 
-def wheel_names(dataset: xr.Dataset) -> list[str]:
-    """Of all wheels that are compared: "left", or "front.outer left" where there are several wheelsets."""
-    sides = [str(side) for side in dataset["wheel"].values]
-    names = wheelsets(dataset)
-    return [f"{name} {side}" for name in names for side in sides] if len(names) > 1 else sides
+def of_wheels(dataset: xr.Dataset) -> xr.Dataset:
+    """The quantities of ``DIFFERENCES`` (sample, wheel) in SI units; not-a-number without contact.
 
-
-def of_wheels(dataset: xr.Dataset) -> dict[str, Array]:
-    """The quantities of ``DIFFERENCES`` (sample, wheel) in SI units, wheels as in ``wheel_names``; not-a-number
-    without contact."""
-    touching = np.isfinite(dataset["N"].values).any(axis=-1)
-
-    def over(name: str, fold: Callable[..., Array], empty: float) -> Array:
-        values = dataset[name].values
-        return np.where(touching, fold(np.where(np.isfinite(values), values, empty), axis=-1), np.nan)
-
-    values = {
-        "N": over("N", np.sum, 0.0),
-        "p0": over("p0", np.max, -np.inf),
-        "area": over("area", np.sum, 0.0),
-        "approach": over("approach", np.max, -np.inf),
-        "contact_angle": dataset["contact_angle"].values[..., 0],
-        "contact_angle_variation": over("contact_angle_max", np.max, -np.inf)
-        - over("contact_angle_min", np.min, np.inf),
+    Wheels are "left" and "right", or "front.outer left" where there are several wheelsets.
+    """
+    d, names = dataset, wheelsets(dataset)
+    found = {
+        "N": d["N"].sum("patch", min_count=1),
+        "p0": d["p0"].max("patch"),
+        "area": d["area"].sum("patch", min_count=1),
+        "approach": d["approach"].max("patch"),
+        "contact_angle": d["contact_angle"].isel(patch=0),
+        "contact_angle_variation": d["contact_angle_max"].max("patch") - d["contact_angle_min"].min("patch"),
     }
-    values |= {name: dataset[name].values for name in ("X", "Y", "Q", "T_gamma")}
-    return {name: array.reshape(len(array), -1) for name, array in values.items()}
+    found |= {name: d[name] for name in ("X", "Y", "Q", "T_gamma")}
+    sample = "time" if "time" in d.dims else "pose"
+    sides = [str(side) for side in d["wheel"].values]
+    labels = [f"{name} {side}" for name in names for side in sides] if len(names) > 1 else sides
+    arrays = {name: ((sample, "wheel"), own.values.reshape(d.sizes[sample], -1)) for name, own in found.items()}
+    return xr.Dataset(arrays, {sample: d[sample].values, "wheel": labels})
 
 
 def summary(comparison: Comparison, name: str) -> dict[str, dict[str, float]]:
@@ -185,39 +178,31 @@ def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
 def _values(models: Sequence[Compared], main: Compared) -> xr.Dataset:
     """Quantities and differences of all models at the samples of the reference."""
     base = main.result.dataset
+    own = of_wheels(base)
     sample = "time" if "time" in base.dims else "pose"
-    tables = {m.name: _at_samples(m.result.dataset, base, sample) for m in models}
-    own = tables[main.name]
-    variables: dict[str, tuple[tuple[str, ...], Array]] = {}
+    names = xr.Variable("model", [m.name for m in models])
+    values = xr.concat([_at_samples(m.result.dataset, own) for m in models], names, join="exact")
     for quantity, kind in DIFFERENCES.items():
-        values = np.stack([table[quantity] for table in tables.values()])
-        scale = {RELATIVE: own[quantity], OF_LOAD: own["N"], PLAIN: np.ones_like(own[quantity])}[kind]
-        difference = np.full_like(values, np.nan)
-        np.divide(values - own[quantity], scale, out=difference, where=np.abs(scale) > 0.0)
-        variables[quantity] = (("model", sample, "wheel"), values)
-        variables[f"{quantity}_difference"] = (("model", sample, "wheel"), difference)
-    labels = {"model": list(tables), sample: base[sample].values, "wheel": wheel_names(base)}
+        scale = {RELATIVE: own[quantity], OF_LOAD: own["N"], PLAIN: xr.ones_like(own[quantity])}[kind]
+        values[f"{quantity}_difference"] = (values[quantity] - own[quantity]) / scale.where(np.abs(scale) > 0.0)
     if len(wheelsets(base)) == 1:
         base = of_wheelset(base)
-    kept = [
-        n for n in ("distance", "lateral_shift", "yaw", "load") if n in base.variables and base[n].dims == (sample,)
-    ]
-    return xr.Dataset(variables, coords=labels | {n: ((sample,), base[n].values) for n in kept})
+    context = [n for n in ("distance", "lateral_shift", "yaw", "load") if n in base.variables]
+    return values.assign_coords({n: (sample, base[n].values) for n in context if base[n].dims == (sample,)})
 
 
-def _at_samples(dataset: xr.Dataset, base: xr.Dataset, sample: str) -> dict[str, Array]:
+def _at_samples(dataset: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
     """A model's quantities at the reference's samples; not-a-number beyond its end and where a pose is unsolved."""
     values = of_wheels(dataset)
-    if sample == "pose":
-        places = {str(name): i for i, name in enumerate(dataset["pose"].values)}
-        rows = np.array([places.get(str(name), -1) for name in base["pose"].values])
-        solved = (rows >= 0) & (dataset["pose_message"].values[rows] == "")
-        return {name: np.where(solved[:, None], v[rows], np.nan) for name, v in values.items()}
-    times, wanted = dataset["time"].values, base["time"].values
+    if "pose" in dataset.dims:
+        return values.where(dataset["pose_message"] == "").reindex(pose=reference["pose"].values)
+    times, wanted = dataset["time"].values, reference["time"].values
     if times.size == wanted.size and np.allclose(times, wanted, rtol=0.0, atol=1e-9):
-        return values
+        return values.assign_coords(time=wanted)
     beyond = wanted > times[-1] + 1e-9
-    return {
-        name: np.column_stack([np.where(beyond, np.nan, np.interp(wanted, times, column)) for column in v.T])
-        for name, v in values.items()
-    }
+
+    def at_wanted(column: Array) -> Array:
+        return np.where(beyond, np.nan, np.interp(wanted, times, column))
+
+    arrays = {name: (("time", "wheel"), np.apply_along_axis(at_wanted, 0, own.values)) for name, own in values.items()}
+    return xr.Dataset(arrays, reference.coords)
