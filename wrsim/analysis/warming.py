@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import time
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from wrsim.analysis import run
 from wrsim.contact.models import NORMAL_MODELS
 from wrsim.core.jit.cache import CACHE
 from wrsim.errors import WrsimError
+from wrsim.inputs.lookup import shipped_models
 from wrsim.results.table import quantity
-from wrsim.scenario.loading import load
+from wrsim.scenario.loading import load_text
 
 SCENARIO = """
 title = "what runs and poses need"
@@ -52,11 +51,7 @@ def warm_up() -> str:
         raise WrsimError("there is no place to keep compiled kernels in")
     begin = time.perf_counter()
     normals = [name for name, model in NORMAL_MODELS.items() if model.solve is None]
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "warm.toml"
-        for normal in normals:
-            for analysis, speed, rest in (("curving", "speed_kmh = 54", OF_RUN), ("static", "", OF_POSES)):
-                text = SCENARIO.format(analysis=analysis, speed=speed, rest=rest, normal=normal)
-                file.write_text(text, encoding="utf-8")
-                run(load(file))
+    for normal in normals:
+        for analysis, speed, rest in (("curving", "speed_kmh = 54", OF_RUN), ("static", "", OF_POSES)):
+            run(load_text(SCENARIO.format(analysis=analysis, speed=speed, rest=rest, normal=normal), shipped_models()))
     return f"kernels are compiled, in {CACHE} ({quantity(time.perf_counter() - begin, 's', '.0f')})"

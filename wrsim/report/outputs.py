@@ -60,8 +60,7 @@ def write_assessment(found: Assessment, directory: Path, pictures: bool) -> list
 
 def write_ride(found: Ride, directory: Path, pictures: bool) -> list[Path]:
     """``ride.json``, third-octaves, spectra and pictures."""
-    contents = {"ride.json": found.json(), "third_octaves.csv": found.bands_csv(), "spectra.csv": found.spectra_csv()}
-    return _written(directory, contents, ride_figures(found) if pictures else {})
+    return _written(directory, found.files(), ride_figures(found) if pictures else {})
 
 
 def write_comparison(

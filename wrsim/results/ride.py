@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,9 +10,12 @@ import numpy as np
 import xarray as xr
 
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.render import as_rows
 from wrsim.results.table import Column, Table, formatted, quantity
 
 AXES = ("x", "y", "z")
+OF_AXES = {"rms": "rms", "peak": "peak", "weighted_rms": "weighted rms", "comfort_95": "95 % of 5 s"}
+"""Numbers of every axis, and their headings."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,60 +53,49 @@ class Ride:
             "segments_of_spectra": self.segments,
             "blocks_of_5_s": int(self.data.attrs["blocks"]),
             "weightings": dict(zip(AXES, str(self.data.attrs["weightings"]).split(), strict=True)),
-            "points": {name: self._point(name) for name in self.points},
+            "points": {
+                point: {f"{name}_m_s2": dict(zip(AXES, _plain(own[name]), strict=True)) for name in OF_AXES}
+                | {"N_MV": _plain(own["N_MV"])[0]}
+                for point in self.points
+                for own in (self.data.sel(point=point),)
+            },
         }
-
-    def _point(self, name: str) -> dict[str, Any]:
-        own = self.data.sel(point=name)
-        found: dict[str, Any] = {
-            f"{name}_m_s2": {axis: _plain(own[name].sel(axis=axis).item()) for axis in AXES}
-            for name in ("rms", "peak", "weighted_rms", "comfort_95")
-        }
-        return found | {"N_MV": _plain(own["N_MV"].item())}
 
     def table(self, name: str = "") -> Table:
         """Rows by point and axis. name: of the run, where there are several."""
-        keys = ("rms_m_s2", "peak_m_s2", "weighted_rms_m_s2", "comfort_95_m_s2")
         rows = [
-            (f"{name}: {point}" if name else point, axis, *(of[key][axis] for key in keys), "" if i else of["N_MV"])
+            (
+                f"{name}: {point}" if name else point,
+                axis,
+                *(of[f"{key}_m_s2"][axis] for key in OF_AXES),
+                "" if i else of["N_MV"],
+            )
             for point, of in self.as_dict()["points"].items()
             for i, axis in enumerate(AXES)
         ]
-        words = ("rms", "peak", "weighted rms", "95 % of 5 s")
-        heads = (Column("point"), Column("axis"), *(Column(word, "m/s²") for word in words), Column("N_MV"))
+        heads = (Column("point"), Column("axis"), *(Column(word, "m/s²") for word in OF_AXES.values()), Column("N_MV"))
         stretch = f"{formatted(self.start, '.0f')} to {quantity(self.end, 'm', '.0f')}"
         title = f"{self.title}: {stretch}, {quantity(self.duration, 's', '.0f')}"
         blocks = int(self.data.attrs["blocks"])
         note = f"weighted: Wd along x and y, Wb along z; {blocks} blocks of 5 s (EN 12299 asks for 60)"
         return Table(title, heads, rows, (note,))
 
-    def json(self) -> bytes:
-        """Content of ``ride.json``."""
-        return as_json(self.as_dict(), indent=1)
+    def files(self) -> dict[str, bytes]:
+        """Contents of files by their names: numbers; rms in third-octaves [m/s2] and spectra [(m/s2)2/Hz], a column a
+        point and axis."""
+        bands = self._over({"band_Hz": "band", "low_Hz": "band_low", "high_Hz": "band_high"}, "band_rms", "m_s2")
+        spectra = self._over({"frequency_Hz": "frequency"}, "density", "m2_s4_per_Hz")
+        tables = {"third_octaves.csv": as_csv(as_rows(bands)), "spectra.csv": as_csv(as_rows(spectra))}
+        return {"ride.json": as_json(self.as_dict(), indent=1)} | tables
 
-    def bands_csv(self) -> bytes:
-        """Content of ``third_octaves.csv``: a row a band, a column a point and axis, rms in m/s2."""
-        low, high = self.data["band_low"].values, self.data["band_high"].values
-        head = ["band_Hz", "low_Hz", "high_Hz"]
-        rows = np.column_stack((self.data["band"].values, low, high, self._columns("band_rms")))
-        return _table([*head, *self._names("m_s2")], rows)
-
-    def spectra_csv(self) -> bytes:
-        """Content of ``spectra.csv``: a row a frequency, a column a point and axis, in (m/s2)2/Hz."""
-        rows = np.column_stack((self.data["frequency"].values, self._columns("density")))
-        return _table(["frequency_Hz", *self._names("m2_s4_per_Hz")], rows)
-
-    def _columns(self, name: str) -> np.ndarray:
-        values = self.data[name].values
-        return np.asarray(values.reshape(values.shape[0], -1))
-
-    def _names(self, unit: str) -> list[str]:
-        return [f"{point} a{axis}_{unit}" for point in self.points for axis in AXES]
+    def _over(self, heads: Mapping[str, str], name: str, unit: str) -> Table:
+        """A row a frequency, a column a point and axis. heads: columns before, and their variables."""
+        first = [self.data[variable].values for variable in heads.values()]
+        rows = np.column_stack((*first, self.data[name].values.reshape(first[0].size, -1))).tolist()
+        keys = (*heads, *(f"{point} a{axis}_{unit}" for point in self.points for axis in AXES))
+        return Table("", tuple(Column(key=key) for key in keys), rows)
 
 
-def _plain(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
-
-
-def _table(head: list[str], rows: np.ndarray) -> bytes:
-    return as_csv([head, *([f"{value:.6g}" for value in row] for row in rows)])
+def _plain(values: xr.DataArray) -> list[float | None]:
+    """Numbers that JSON knows."""
+    return [value if np.isfinite(value) else None for value in values.values.reshape(-1).tolist()]

@@ -6,8 +6,6 @@ before a result goes into an acceptance report.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS, Limit, Quantity
 from wrsim.results.channels import SHOWN, table
 from wrsim.scenario.sections.assessment import Kind
@@ -74,27 +72,17 @@ def frame_instability(bogie_mass: float) -> Limit:
     return Limit(0.5 * (12.0 - bogie_mass / 5e3), f"{EN}: (12 - m/5)/2, bogie of {bogie_mass / 1e3:.3g} t", "mem")
 
 
-@dataclass(frozen=True)
-class BodyLimits:
-    """Accelerations of the car body [m/s2]: largest in the ride band, rms, quasi-static; lateral and vertical."""
-
-    lateral: float
-    vertical: float
-    lateral_rms: float
-    vertical_rms: float
-    lateral_quasi_static: float
-
-
-_BODY: dict[Kind, BodyLimits] = {
-    "passenger": BodyLimits(2.5, 2.5, 0.5, 0.75, 1.5),
-    "locomotive": BodyLimits(2.5, 2.5, 0.5, 1.0, 1.5),
-    "freight": BodyLimits(3.0, 5.0, 1.3, 2.0, 1.3),
+_BODY: dict[Kind, dict[str, float]] = {
+    "passenger": {"ay": 2.5, "az": 2.5, "ay_rms": 0.5, "az_rms": 0.75, "ay_qst": 1.5},
+    "locomotive": {"ay": 2.5, "az": 2.5, "ay_rms": 0.5, "az_rms": 1.0, "ay_qst": 1.5},
+    "freight": {"ay": 3.0, "az": 5.0, "ay_rms": 1.3, "az_rms": 2.0, "ay_qst": 1.3},
 }
+"""Accelerations of the car body [m/s2]: largest in the ride band, rms, quasi-static; lateral (y) and vertical (z)."""
 
 
 def body(kind: Kind, what: str) -> Limit:
-    """Ride characteristics of a car body; what: a field of ``BodyLimits``."""
-    return Limit(getattr(_BODY[kind], what), f"{EN}: ride characteristics, {kind}", "mem")
+    """Ride characteristics of a car body; what: one of ``_BODY``."""
+    return Limit(_BODY[kind][what], f"{EN}: ride characteristics, {kind}", "mem")
 
 
 CUT_OFF = 20.0

@@ -35,25 +35,23 @@ class AssessedPoint:
 
     def values(self, section: Section, settings: AssessmentSettings) -> Iterator[Value]:
         """Everything in one section."""
-        found = self._frame(section) if self.is_frame else self._body(section, settings)
-        for key, value, limit in found:
-            yield Value(limits.QUANTITIES[key], section, "", "", float(value), limit, self.name)
-
-    def _frame(self, section: Section) -> Iterator[tuple[str, float, Limit]]:
-        if (largest := self.hunting.largest(section)) is not None:
-            yield "frame_instability", largest, limits.frame_instability(self.bogie_mass)
-
-    def _body(self, section: Section, settings: AssessmentSettings) -> Iterator[tuple[str, float, Limit]]:
+        if self.is_frame:
+            if (largest := self.hunting.largest(section)) is not None:
+                yield self._value("frame_instability", section, largest, limits.frame_instability(self.bogie_mass))
+            return
         inside = section.holds(self.distance)
         if inside.sum() < 2:
             return
-        for key, name in (("ay", "lateral"), ("az", "vertical")):
-            signal = self.ride[key][inside]
-            yield f"body_{key}", extreme(signal), limits.body(settings.kind, name)
-            yield f"body_{key}_rms", np.sqrt((signal**2).mean()), limits.body(settings.kind, f"{name}_rms")
+        found = {}
+        for key, signal in self.ride.items():
+            found |= {key: extreme(signal[inside]), f"{key}_rms": np.sqrt((signal[inside] ** 2).mean())}
         if section.zone not in (STRAIGHT, TRANSITION):
-            limit = limits.body(settings.kind, "lateral_quasi_static")
-            yield "body_ay_qst", abs(np.median(self.slow[inside])), limit
+            found["ay_qst"] = abs(np.median(self.slow[inside]))
+        for key, value in found.items():
+            yield self._value(f"body_{key}", section, float(value), limits.body(settings.kind, key))
+
+    def _value(self, key: str, section: Section, value: float, limit: Limit) -> Value:
+        return Value(limits.QUANTITIES[key], section, "", "", value, limit, self.name)
 
 
 def points_of(dataset: xr.Dataset, settings: AssessmentSettings) -> Iterator[AssessedPoint]:

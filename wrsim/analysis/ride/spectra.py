@@ -55,10 +55,9 @@ def spectrum(signal: Array, rate: float, resolution: float = RESOLUTION) -> Spec
 
 @dataclass(frozen=True, eq=False)
 class Bands:
-    """Third-octave bands: nominal and exact middle frequencies [Hz], edges [Hz], rms (bands, ...) [unit]."""
+    """Third-octave bands: nominal middle frequencies [Hz], edges [Hz], rms (bands, ...) [unit]."""
 
     nominal: tuple[float, ...]
-    middle: Array
     low: Array
     high: Array
     rms: Array
@@ -79,4 +78,4 @@ def third_octaves(spectrum: Spectrum, lowest: float = 0.4, highest: float | None
     kept = (middle >= lowest * 0.99) & (high <= top * 1.0001) & (high - low >= spectrum.frequency[1])
     rms = [spectrum.rms(a, b) for a, b in zip(low[kept], high[kept], strict=True)]
     nominal = tuple(float(f"{_NOMINAL[i % 10] * 10.0 ** (i // 10):.6g}") for i in k[kept])
-    return Bands(nominal, middle[kept], low[kept], high[kept], np.array(rms))
+    return Bands(nominal, low[kept], high[kept], np.array(rms))
