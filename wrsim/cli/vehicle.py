@@ -65,10 +65,10 @@ def vehicle(
         loaded = vehicle_model(file, models)
         if loaded.members and (cant_deficiency or twist or twist_test or rotation_test):
             raise InputError(f"{file}: is a train; tests at rest are for one vehicle: give the file of one of them")
-        found = at_rest.facts_at_rest(loaded, cant_deficiency, twist)
+        found = at_rest.numbers_at_rest(loaded, cant_deficiency, twist)
         twisted = at_rest.twist_loop(loaded, twists) if twist_test else None
         turned = at_rest.rotation_loops(loaded, rotation_radius_m) if rotation_test else ()
-        found |= at_rest.test_facts(loaded, twisted, turned)
+        found |= at_rest.numbers_of_tests(loaded, twisted, turned)
         if output is not None or loops is not None:
             from wrsim.report.outputs import draw_loops, draw_vehicle
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import asin, degrees
 from typing import Any
@@ -15,45 +15,53 @@ from wrsim.analysis.stationary.rotation_test import LIMIT, RATES, RotationTest, 
 from wrsim.analysis.stationary.statics import StaticState, canted, static_state
 from wrsim.analysis.stationary.twist_test import UNLOADING_LIMIT, TwistTest, twist_test
 from wrsim.errors import InputError, SimulationError
-from wrsim.results.table import Cell, Column, Table, formatted, quantity
+from wrsim.results.table import Column, Table, formatted, quantity
 from wrsim.simulation.modes import natural_modes
 from wrsim.vehicle.vehicle import Vehicle
 
-Facts = Mapping[str, Any]
+Numbers = Mapping[str, Any]
 
 
-def facts_at_rest(vehicle: Vehicle, cant_deficiency: float | None = None, twist: float | None = None) -> dict[str, Any]:
+def numbers_at_rest(
+    vehicle: Vehicle, cant_deficiency: float | None = None, twist: float | None = None
+) -> dict[str, Any]:
     """Numbers of a vehicle at rest; cant_deficiency [mm], twist [per mille]: of tests, none unless given."""
     trimmed = replace(vehicle, loads=())
-    rest = static_state(trimmed)
-    facts = {
+    level = static_state(trimmed)
+    found = {
         "name": vehicle.name,
         "source": vehicle.source,
         "mass_kg": vehicle.mass,
         "centre_mm": [1e3 * float(c) for c in vehicle.centre],
         "bodies": [b.name for b in vehicle.bodies],
         "elements": len(vehicle.elements),
-        **wheel_loads(vehicle, rest.wheel_loads),
+        **_wheel_loads(vehicle, level.wheel_loads),
         "modes": [
             {"frequency_Hz": mode.frequency, "damping": mode.damping, "motion": mode.name}
             for mode in natural_modes(trimmed)
         ],
     }
     if vehicle.loads:
-        facts["under_loads"] = _under_loads(vehicle)
+        found["under_loads"] = _or_problem(_under_loads, vehicle)
     if cant_deficiency is not None:
-        facts["leaning"] = leaning_facts(trimmed, rest, cant_deficiency)
+        angle = asin(cant_deficiency / 1e3 / CANT_BASE)
+        found["leaning"] = {"cant_deficiency_mm": cant_deficiency} | _or_problem(_leaning, trimmed, level, angle)
     if twist is not None:
-        facts["twisted"] = twisted_facts(trimmed, rest, twist)
-    return facts
+        found["twisted"] = {"twist_permille": twist} | _or_problem(_twisted, trimmed, level, twist / 1e3 / CANT_BASE)
+    return found
+
+
+def _or_problem(numbers: Callable[..., dict[str, Any]], *arguments: Any) -> dict[str, Any]:
+    """Numbers of a vehicle at rest, or why it does not come to rest."""
+    try:
+        return numbers(*arguments)
+    except SimulationError as error:
+        return {"problem": str(error)}
 
 
 def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
-    """How it stands under its loads; why not, where it does not."""
-    try:
-        rest = static_state(vehicle)
-    except SimulationError as error:
-        return {"problem": str(error)}
+    """How it stands under its loads."""
+    rest = static_state(vehicle)
     stops = [
         {"name": e.name, "travel_mm": 1e3 * reading[e.travel_place], "force_kN": 1e-3 * reading[e.travel_place - 3]}
         for e, reading in zip(vehicle.elements, rest.readings.tolist(), strict=True)
@@ -64,7 +72,41 @@ def _under_loads(vehicle: Vehicle) -> dict[str, Any]:
         for body, (y, z, roll) in zip(vehicle.bodies, rest.moved.tolist(), strict=True)
     }
     forces = {load.name: [1e-3 * f for f in load.largest] for load in vehicle.loads}
-    return {"loads_kN": forces, **wheel_loads(vehicle, rest.wheel_loads), "bodies": bodies, "bump_stops": stops}
+    return {"loads_kN": forces, **_wheel_loads(vehicle, rest.wheel_loads), "bodies": bodies, "bump_stops": stops}
+
+
+def _leaning(vehicle: Vehicle, level: StaticState, angle: float) -> dict[str, Any]:
+    """How a vehicle without loads stands on rails canted by this angle [rad]; level: how it does on level ones."""
+    rest = static_state(canted(vehicle, angle))
+    rolls = {b.name: -float(roll) for b, roll in zip(vehicle.bodies, rest.moved[:, 2], strict=True)}
+    sway = {
+        "flexibility_coefficient": {name: roll / angle for name, roll in rolls.items()},
+        "roll_deg": {name: degrees(roll) for name, roll in rolls.items()},
+    }
+    return _unloading(vehicle, level, rest) | sway
+
+
+def _twisted(vehicle: Vehicle, level: StaticState, twist: float) -> dict[str, Any]:
+    """How it stands on a track of this twist [rad/m]; see `_leaning`."""
+    return _unloading(vehicle, level, static_state(vehicle, twist))
+
+
+def _unloading(vehicle: Vehicle, level: StaticState, rest: StaticState) -> dict[str, Any]:
+    """Wheel loads, and the part of its load on level rails that every wheel has lost."""
+    lost = 1.0 - rest.wheel_loads / level.wheel_loads
+    loads = _wheel_loads(vehicle, rest.wheel_loads)
+    return loads | {"unloading": _by_wheel(vehicle, lost), "largest_unloading": float(lost.max())}
+
+
+def _wheel_loads(vehicle: Vehicle, loads: NDArray[np.float64]) -> dict[str, Any]:
+    """Wheel loads (wheelsets, 2) [N] and their sum."""
+    return {"wheel_loads_kN": _by_wheel(vehicle, loads / 1e3), "weight_kN": float(loads.sum()) / 1e3}
+
+
+def _by_wheel(vehicle: Vehicle, values: NDArray[np.float64]) -> dict[str, dict[str, float]]:
+    """Numbers of the wheels (wheelsets, 2) by the wheelsets' names."""
+    pairs = zip(vehicle.wheelsets, values.tolist(), strict=True)
+    return {m.name: {"left": left, "right": right} for m, (left, right) in pairs}
 
 
 def twist_loop(vehicle: Vehicle, twists: tuple[float, float] | None) -> TwistTest:
@@ -80,94 +122,45 @@ def rotation_loops(vehicle: Vehicle, radius: float) -> tuple[RotationTest, ...]:
     return tuple(rotation_test(vehicle, bogie, rate, radius) for bogie in turning_bogies(vehicle) for rate in RATES)
 
 
-def test_facts(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest]) -> dict[str, Any]:
+def numbers_of_tests(vehicle: Vehicle, twisted: TwistTest | None, turned: Sequence[RotationTest]) -> dict[str, Any]:
     """Numbers of the stationary tests that were done."""
-    found: dict[str, Any] = {} if twisted is None else {"twist_test": twist_facts(vehicle, twisted)}
-    return found | ({"rotation_test": rotation_facts(turned)} if turned else {})
-
-
-def twist_facts(vehicle: Vehicle, test: TwistTest) -> dict[str, Any]:
-    """Numbers of a twist test."""
-    return {
-        "body_twist_permille": 1e3 * test.body,
-        "bogie_twist_permille": 1e3 * test.bogie,
-        "static_kN": _by_wheel(vehicle, test.static / 1e3),
-        "unloading": _by_wheel(vehicle, test.unloading),
-        "of_friction": _by_wheel(vehicle, test.friction),
-        "largest_unloading": float(test.unloading.max()),
-        "limit": UNLOADING_LIMIT,
-    }
-
-
-def rotation_facts(tests: Sequence[RotationTest]) -> list[dict[str, Any]]:
-    """Numbers of rotation tests."""
-    return [
-        {
-            "bogie": test.bogie.frame,
-            "rate_deg_per_s": degrees(test.rate),
-            "angle_deg": degrees(float(test.angle.max())),
-            "moment_kNm": test.largest / 1e3,
-            "axle_load_kN": test.axle_load / 1e3,
-            "wheelbase_mm": 1e3 * test.bogie.wheelbase,
-            "X": test.factor,
-            "limit": LIMIT,
+    found: dict[str, Any] = {}
+    if twisted is not None:
+        found["twist_test"] = {
+            "body_twist_permille": 1e3 * twisted.body,
+            "bogie_twist_permille": 1e3 * twisted.bogie,
+            "static_kN": _by_wheel(vehicle, twisted.static / 1e3),
+            "unloading": _by_wheel(vehicle, twisted.unloading),
+            "of_friction": _by_wheel(vehicle, twisted.friction),
+            "largest_unloading": float(twisted.unloading.max()),
+            "limit": UNLOADING_LIMIT,
         }
-        for test in tests
-    ]
+    if turned:
+        found["rotation_test"] = [
+            {
+                "bogie": test.bogie.frame,
+                "rate_deg_per_s": degrees(test.rate),
+                "angle_deg": degrees(float(test.angle.max())),
+                "moment_kNm": test.largest / 1e3,
+                "axle_load_kN": test.axle_load / 1e3,
+                "wheelbase_mm": 1e3 * test.bogie.wheelbase,
+                "X": test.factor,
+                "limit": LIMIT,
+            }
+            for test in turned
+        ]
+    return found
 
 
-def leaning_facts(vehicle: Vehicle, level: StaticState, deficiency_mm: float) -> dict[str, Any]:
-    """How a vehicle without loads stands on rails canted by so much; level: how it does on level ones."""
-    angle = asin(deficiency_mm / 1e3 / CANT_BASE)
-    facts = {"cant_deficiency_mm": deficiency_mm}
-    try:
-        rest = static_state(canted(vehicle, angle))
-    except SimulationError as error:
-        return facts | {"problem": str(error)}
-    rolls = {b.name: -float(roll) for b, roll in zip(vehicle.bodies, rest.moved[:, 2], strict=True)}
-    sway = {
-        "flexibility_coefficient": {name: roll / angle for name, roll in rolls.items()},
-        "roll_deg": {name: degrees(roll) for name, roll in rolls.items()},
-    }
-    return facts | _unloading(vehicle, level, rest) | sway
-
-
-def twisted_facts(vehicle: Vehicle, level: StaticState, twist: float) -> dict[str, Any]:
-    """How it stands on a track of this twist, in parts of a thousand; see `leaning_facts`."""
-    facts = {"twist_permille": twist}
-    try:
-        rest = static_state(vehicle, twist / 1e3 / CANT_BASE)
-    except SimulationError as error:
-        return facts | {"problem": str(error)}
-    return facts | _unloading(vehicle, level, rest)
-
-
-def _unloading(vehicle: Vehicle, level: StaticState, rest: StaticState) -> dict[str, Any]:
-    """Wheel loads, and the part of its load on level rails that every wheel has lost."""
-    lost = 1.0 - rest.wheel_loads / level.wheel_loads
-    loads = wheel_loads(vehicle, rest.wheel_loads)
-    return loads | {"unloading": _by_wheel(vehicle, lost), "largest_unloading": float(lost.max())}
-
-
-def wheel_loads(vehicle: Vehicle, loads: NDArray[np.float64]) -> dict[str, Any]:
-    """Wheel loads (wheelsets, 2) [N] and their sum."""
-    return {"wheel_loads_kN": _by_wheel(vehicle, loads / 1e3), "weight_kN": float(loads.sum()) / 1e3}
-
-
-def _by_wheel(vehicle: Vehicle, values: NDArray[np.float64]) -> dict[str, dict[str, float]]:
-    """Numbers of the wheels (wheelsets, 2) by the wheelsets' names."""
-    pairs = zip(vehicle.wheelsets, values.tolist(), strict=True)
-    return {m.name: {"left": left, "right": right} for m, (left, right) in pairs}
-
-
-def tables_at_rest(found: Facts) -> list[Table]:
+def tables_at_rest(found: Numbers) -> list[Table]:
     """What people read of a vehicle at rest, of whatever was asked for."""
     centre = ", ".join(
         f"{axis} {formatted(round(c, 3) + 0.0, 'g')}" for axis, c in zip("xyz", found["centre_mm"], strict=True)
     )
     mass = f"mass {quantity(found['mass_kg'], 'kg', '.6g')}, centre at {centre} mm"
     tables = [Table(found["name"], notes=(found["source"], mass)), _loads_table(found, "static wheel loads")]
-    tables += _under_loads_tables(found.get("under_loads"))
+    if "under_loads" in found:
+        tables += _under_loads_tables(found["under_loads"])
     if "leaning" in found:
         tables += _leaning_tables(found["leaning"])
     if "twisted" in found:
@@ -182,16 +175,24 @@ def tables_at_rest(found: Facts) -> list[Table]:
     return [*tables, *([Table("modes on its springs, wheelsets held", heads, rows)] if rows else [])]
 
 
-def _loads_table(found: Facts, title: str) -> Table:
-    rows: list[Sequence[Cell]] = [(name, q["left"], q["right"]) for name, q in found["wheel_loads_kN"].items()]
-    heads = (Column("wheelset"), Column("left", "kN", ".3f"), Column("right", "kN", ".3f"))
-    return Table(title, heads, [*rows, ("together", found["weight_kN"], "")])
+def _wheels_table(
+    found: Numbers, title: str, columns: Mapping[str, tuple[str, str, str]], notes: tuple[str, ...] = ()
+) -> Table:
+    """Numbers of wheels, a row a wheelset; columns: by key, words of the left and the right wheel, unit."""
+    rows = [(name, *(v for key in columns for v in found[key][name].values())) for name in found[next(iter(columns))]]
+    heads = (Column(word, unit, ".3f") for left, right, unit in columns.values() for word in (left, right))
+    return Table(title, (Column("wheelset"), *heads), rows, notes)
 
 
-def _under_loads_tables(found: Facts | None) -> list[Table]:
+def _loads_table(found: Numbers, title: str) -> Table:
+    table = _wheels_table(found, title, {"wheel_loads_kN": ("left", "right", "kN")})
+    return replace(table, rows=[*table.rows, ("together", found["weight_kN"], "")])
+
+
+def _under_loads_tables(found: Numbers) -> list[Table]:
     """How a vehicle stands under its loads."""
-    if found is None or "problem" in found:
-        return [] if found is None else [Table("", notes=(found["problem"],))]
+    if "problem" in found:
+        return [Table("", notes=(found["problem"],))]
     heads = (Column("load"), *(Column(axis, "kN", ".3f") for axis in "xyz"))
     loads = Table("loads, at their largest", heads, [(name, *force) for name, force in found["loads_kN"].items()])
     tables = [loads, _loads_table(found, "under the loads")]
@@ -205,17 +206,16 @@ def _under_loads_tables(found: Facts | None) -> list[Table]:
     return tables
 
 
-def _unloading_table(found: Facts, title: str) -> Table:
+def _unloading_table(found: Numbers, title: str) -> Table:
     """Wheel loads and the part of them that is lost."""
     if "problem" in found:
         return Table("", notes=(f"{title}: {found['problem']}",))
-    rows = [(name, *q.values(), *found["unloading"][name].values()) for name, q in found["wheel_loads_kN"].items()]
-    words = (("left", "kN"), ("right", "kN"), ("left ΔQ/Q₀", ""), ("right ΔQ/Q₀", ""))
-    heads = (Column("wheelset"), *(Column(word, unit, ".3f") for word, unit in words))
-    return Table(f"{title}: unloading up to {formatted(found['largest_unloading'], '.3f')}", heads, rows)
+    title = f"{title}: unloading up to {formatted(found['largest_unloading'], '.3f')}"
+    columns = {"wheel_loads_kN": ("left", "right", "kN"), "unloading": ("left ΔQ/Q₀", "right ΔQ/Q₀", "")}
+    return _wheels_table(found, title, columns)
 
 
-def _leaning_tables(found: Facts) -> list[Table]:
+def _leaning_tables(found: Numbers) -> list[Table]:
     """Unloading and roll under cant deficiency."""
     title = f"at {quantity(found['cant_deficiency_mm'], 'mm', 'g')} of cant deficiency"
     if "problem" in found:
@@ -229,28 +229,22 @@ def _leaning_tables(found: Facts) -> list[Table]:
     ]
 
 
-def _twist_table(found: Facts) -> Table:
+def _twist_table(found: Numbers) -> Table:
     """The twist test of EN 14363."""
-    keys = ("static_kN", "unloading", "of_friction")
-    rows = [(name, *(q for key in keys for q in found[key][name].values())) for name in found["unloading"]]
-    words = (
-        ("Q₀ left", "kN"),
-        ("right", "kN"),
-        ("ΔQ/Q₀ left", ""),
-        ("right", ""),
-        ("of friction left", ""),
-        ("right", ""),
-    )
-    heads = (Column("wheelset"), *(Column(word, unit, ".3f") for word, unit in words))
     twists = f"{formatted(found['body_twist_permille'], '.3g')} per mille under the body"
     if found["bogie_twist_permille"]:
         twists += f" and {formatted(found['bogie_twist_permille'], '.3g')} under every bogie"
     most = found["largest_unloading"]
     title = f"twist test, {twists}, there and back: unloading up to {formatted(most, '.3f')}"
-    return Table(title, heads, rows, (_verdict(most, found["limit"]),))
+    columns = {
+        "static_kN": ("Q₀ left", "right", "kN"),
+        "unloading": ("ΔQ/Q₀ left", "right", ""),
+        "of_friction": ("of friction left", "right", ""),
+    }
+    return _wheels_table(found, title, columns, (_verdict(most, found["limit"]),))
 
 
-def _rotation_table(found: Sequence[Facts]) -> Table:
+def _rotation_table(found: Sequence[Numbers]) -> Table:
     """The rotation test of EN 14363."""
     heads = {
         "bogie": Column("bogie"), "rate_deg_per_s": Column("rate", "°/s"), "angle_deg": Column("angle", "°"),
