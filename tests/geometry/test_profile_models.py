@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from wrsim.errors import InputError
-from wrsim.geometry.profile.files import write_profile
 from wrsim.geometry.profile.models import load_profile
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -212,7 +211,8 @@ def test_points_beside_a_file_are_read_as_it_says(toml, tmp_path):
 
 
 def test_a_measured_file_is_smoothed_and_says_so(toml, tmp_path):
-    write_profile(load_profile(MODELS / "wheels/S1002.toml"), tmp_path / "w.csv")
+    wheel = load_profile(MODELS / "wheels/S1002.toml")
+    np.savetxt(tmp_path / "w.csv", 1e3 * np.column_stack((wheel.u, wheel.w)), "%.12f")
     profile = load_profile(toml('kind = "points"\nfile = "w.csv"\nmeasured = true\ncutoff_mm = 3.0\n'))
     assert profile.source == "made up; smoothed, cut-off 3 mm"
     assert profile.length == pytest.approx(0.15338, abs=1e-5)

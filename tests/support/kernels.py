@@ -23,10 +23,16 @@ import wrsim.core
 from support.contacts import bench, contact_of, numbers, pair_model
 from support.vehicles import ROOT, manchester, on_track
 from wrsim.contact.channels import WheelOnRail, wheel_outline
-from wrsim.contact.conical import ConicalWheels
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
-from wrsim.contact.settings import ContactSettings, Friction, FrictionAlong, HalfSpaceSettings, Material
+from wrsim.contact.settings import (
+    ConicalWheels,
+    ContactSettings,
+    Friction,
+    FrictionAlong,
+    HalfSpaceSettings,
+    Material,
+)
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.core.body.rigid_body import kinetic_energies
 from wrsim.core.contact.rail import unfold

@@ -258,3 +258,21 @@ class ContactSettings:
             raise ValueError('tangential = "half-space" needs normal = "half-space"')
         if self.strip_width is not None and self.normal == "strips":
             raise ValueError('strip_width is not for normal = "strips", which takes a number of strips')
+
+
+@dataclass(frozen=True)
+class ConicalWheels:
+    """The textbook contact of ``core.body.conical``, alike for all wheels of a vehicle.
+
+    conicity [1]; half_spacing: of the contacts from the middle of the axle [m]; creep_longitudinal, creep_lateral: of
+    Kalker, of one wheel [N]; friction: coefficient at which creep forces saturate, None for linear ones.
+    flange_clearance [m]: shift at which a flange touches, None without flanges; flange_stiffness [N/m].
+    """
+
+    conicity: float
+    half_spacing: float
+    creep_longitudinal: float
+    creep_lateral: float
+    friction: float | None = None
+    flange_clearance: float | None = None
+    flange_stiffness: float = 0.0

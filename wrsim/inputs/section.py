@@ -11,7 +11,9 @@ pydantic checks the fields; on top of it a Section
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import fields as fields_of
+from math import radians
 from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ModelWrapValidatorHandler, ValidationError, model_validator
@@ -33,6 +35,14 @@ UNITS = {
     "N_per_m": "N/m", "kN_per_m": "kN/m", "MN_per_m": "MN/m", "Ns_per_m": "N s/m", "kNs_per_m": "kN s/m",
 }  # fmt: skip
 """Unit endings of keys and how they are written in a sentence."""
+TO_SI: dict[str, Callable[[float], float]] = {
+    "_mm": lambda x: x / 1e3, "_kmh": lambda x: x / 3.6, "_deg": radians, "_kN": lambda x: 1e3 * x,
+    "_MPa": lambda x: 1e6 * x, "_GPa": lambda x: 1e9 * x, "_kN_per_m": lambda x: 1e3 * x,
+} | dict.fromkeys(("_m", "_s", "_s_per_m", "_Hz"), float)  # fmt: skip
+"""Unit endings of keys and what brings their numbers to SI units; see `Section.to_si`."""
+
+
+T = TypeVar("T")
 
 
 class Fault(NamedTuple):
@@ -108,6 +118,20 @@ class Section(BaseModel):
         """The key of one side and its value or, where that is not given, those of both sides; see both_or_sides."""
         own = side_key(key, side)
         return (key, getattr(self, key)) if getattr(self, own) is None else (own, getattr(self, own))
+
+    def to_si(self, target: type[T], /, **others: Any) -> T:
+        """A dataclass in SI units: its fields have the names of keys without their units, or are among the others.
+
+        A key that is not given leaves the field its default.
+        """
+        values: dict[str, Any] = {}
+        for key in type(self).model_fields:
+            unit = max((u for u in TO_SI if key.endswith(u)), key=len, default="")
+            value = getattr(self, key)
+            if value is not None:
+                values[key.removesuffix(unit)] = TO_SI[unit](value) if unit and isinstance(value, float) else value
+        named = {f.name for f in fields_of(target)} & values.keys()  # type: ignore[arg-type]
+        return target(**{name: values[name] for name in named} | others)
 
     @model_validator(mode="wrap")
     @classmethod
@@ -211,9 +235,6 @@ def kinds_in(union: Any) -> dict[str, Any]:
     """Kinds of tables of a union by their names."""
     members = get_args(unpacked(union).base)
     return {get_args(fields(member)[member.tag])[0]: member for member in members}
-
-
-T = TypeVar("T")
 
 
 def side_key(both: str, side: str) -> str:

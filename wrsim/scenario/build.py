@@ -12,8 +12,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from wrsim.contact.conical import ConicalWheels
-from wrsim.contact.settings import ContactSettings
+from wrsim.contact.settings import ConicalWheels, ContactSettings
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.contact.conical import SUPPORT, SUPPORT_DAMPING
 from wrsim.core.body import conical as kernel
 from wrsim.errors import SimulationError
 from wrsim.simulation.force_law import Block
@@ -14,10 +13,15 @@ from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import Array
 
 if TYPE_CHECKING:
-    from wrsim.contact.conical import ConicalWheels
+    from wrsim.contact.settings import ConicalWheels
     from wrsim.geometry.track.track import Track
     from wrsim.vehicle.loads import Drive
     from wrsim.vehicle.vehicle import Vehicle
+
+SUPPORT = 1e9
+"""Stiffness that stands for rigid rails under each wheel [N/m]."""
+SUPPORT_DAMPING = 1e5
+"""Damping of the same [N s/m]."""
 
 
 class ConicalVehicleOnTrack(VehicleOnTrack):
@@ -39,7 +43,7 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
         self.law = np.zeros(1, kernel.CONICAL)
         law = self.law[0]
         law.conicity, law.half = cones.conicity, cones.half_spacing
-        law.creep_x, law.creep_y = cones.creep_x, cones.creep_y
+        law.creep_x, law.creep_y = cones.creep_longitudinal, cones.creep_lateral
         law.friction = cones.friction or 0.0
         law.clearance = np.inf if cones.flange_clearance is None else cones.flange_clearance
         law.flange = 0.0 if cones.flange_clearance is None else cones.flange_stiffness

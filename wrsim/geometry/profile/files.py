@@ -1,4 +1,4 @@
-"""Files of profile points in and out: from any format and orientation to a `Profile`, and back.
+"""Files of profile points: from any format and orientation to a `Profile`.
 
 Exact points (designs, exported splines) are interpolated, measured ones smoothed. Nothing is repaired that
 could change the shape: steps back, zig-zags, gaps and crossings are refused with the line they stand on.
@@ -28,17 +28,16 @@ FARTHEST = 1e3
 
 @dataclass(frozen=True)
 class Format:
-    """A file format: its suffixes, reader, writer and, if it has one, the body that its suffix stands for."""
+    """A file format: its suffixes, each with the body that it stands for, if any, and its reader."""
 
     suffixes: dict[str, Kind | None]
     parse: Callable[[list[str], str], Scan]
-    format: Callable[[Profile], str]
 
 
 PROFILE_FILES = {
-    "columns": Format({".csv": None, ".txt": None, ".dat": None}, formats.parse_columns, formats.format_columns),
-    "simpack": Format({".prr": "rail", ".prw": "wheel"}, formats.parse_simpack, formats.format_simpack),
-    "miniprof": Format({".ban": "rail", ".whl": "wheel"}, formats.parse_miniprof, formats.format_miniprof),
+    "columns": Format({".csv": None, ".txt": None, ".dat": None}, formats.parse_columns),
+    "simpack": Format({".prr": "rail", ".prw": "wheel"}, formats.parse_simpack),
+    "miniprof": Format({".ban": "rail", ".whl": "wheel"}, formats.parse_miniprof),
 }
 """Formats by the name that files use in their key ``format``."""
 
@@ -134,23 +133,6 @@ def read_points(
         measured=bool(scan.measured) if measured is None else measured,
         cutoff=CUTOFF if cutoff is None else cutoff,
     )
-
-
-def write_profile(profile: Profile, path: str | Path, format: str | None = None) -> Path:
-    """Write the nodes of a profile; the format follows from the suffix. Read back, it is the same to 1e-9 m.
-
-    Raises InputError for an unknown suffix, one of the other body, or a path that cannot be written.
-    """
-    path = Path(path)
-    layout = _layout(path, format)
-    meant = layout.suffixes.get(path.suffix.lower())
-    if meant not in (None, profile.kind):
-        raise InputError(f"{path}: {path.suffix} is for a {meant}, profile '{profile.name}' is a {profile.kind}")
-    try:
-        path.write_text(layout.format(profile), encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot write this profile: {error.strerror or error}") from None
-    return path
 
 
 def _one_of(path: Path, key: str, value: str | None, allowed: Sequence[str]) -> None:

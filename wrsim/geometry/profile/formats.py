@@ -27,7 +27,7 @@ from typing import Any, Literal
 import numpy as np
 
 from wrsim.errors import InputError, suggest
-from wrsim.geometry.profile.profile import Array, Kind, Profile
+from wrsim.geometry.profile.profile import Array, Kind
 from wrsim.inputs.toml_files import read_bytes
 
 Direction = Literal["up", "down"]
@@ -159,13 +159,6 @@ def _columns_header(row: list[str], scan: Scan) -> None:
         scan.heights, scan.field_side = "up", "positive"
 
 
-def format_columns(profile: Profile) -> str:
-    """The profile's nodes in our axes, mm: outward and up."""
-    source = " ".join(profile.source.split())
-    head = f"# name: {profile.name}\n# kind: {profile.kind}\n# source: {source}\n"
-    return head + "u_mm,w_mm\n" + _rows(1e3 * profile.u, 1e3 * profile.w, ",")
-
-
 # --- SIMPACK ------------------------------------------------------------------------------------------
 
 SIMPACK_KEYS = {
@@ -255,20 +248,6 @@ def _simpack_values(scan: Scan, values: dict[str, Any]) -> None:
     scan.line = [n for n, k in zip(scan.line, keep, strict=True) if k]
 
 
-def format_simpack(profile: Profile) -> str:
-    """The profile's nodes as SIMPACK reads them: mm, y to the field side, z down."""
-    name, source = (" ".join(re.sub("['!]", " ", t).split()) for t in (profile.name, profile.source))
-    return (
-        f"! source: {source}\nheader.begin\n  version  = 1\n"
-        f"  type     = {1 if profile.kind == 'wheel' else 0}    ! 0 = rail, 1 = wheel\n"
-        "header.end\nspline.begin\n  approx.smooth = 0.0\n"
-        f"  comment       = '{name}'\n  mirror.y      = 0\n  mirror.z      = 0\n"
-        "  inversion     = 0\n  units.len.f   = 1000.0\n  units.ang.f   = 1.0\n  point.begin\n"
-        + _rows(1e3 * profile.u, -1e3 * profile.w, "  ")
-        + "  point.end\nspline.end\n"
-    )
-
-
 # --- MiniProf -----------------------------------------------------------------------------------------
 
 
@@ -310,16 +289,3 @@ def parse_miniprof(lines: list[str], file: str) -> Scan:
     if head.get("ProgramName", ("", 0))[0] == "wrsim":
         scan.measured, scan.heights = None, "up"
     return scan
-
-
-def format_miniprof(profile: Profile) -> str:
-    """The profile's nodes as a MiniProf file, mm: X outward, Y up."""
-    comment = " ".join(profile.source.split())
-    return (
-        f"ProgramName=wrsim\nID={profile.name}\nComment={comment}\nXYPoints={profile.u.size}\n"
-        "ColumnDef=X,Y\nXOffset=0.0\nYOffset=0.0\n\n" + _rows(1e3 * profile.u, 1e3 * profile.w, "\t")
-    )
-
-
-def _rows(lateral: Array, height: Array, between: str) -> str:
-    return "".join(f"{a:.12f}{between}{b:.12f}\n" for a, b in zip(lateral, height, strict=True))

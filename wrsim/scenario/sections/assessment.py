@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from math import radians
 from typing import Annotated, ClassVar, Literal, get_args
 
 from wrsim.inputs.section import Fault
@@ -94,17 +93,5 @@ class AssessmentSection(Table, header="[assessment]"):
 
     def settings(self) -> AssessmentSettings:
         """The same in SI units."""
-        return AssessmentSettings(
-            kind=self.vehicle_kind,
-            axle_load=None if self.axle_load_kN is None else self.axle_load_kN * 1e3,
-            friction=self.friction,
-            flange_angle=None if self.flange_angle_deg is None else radians(self.flange_angle_deg),
-            instability_frequency=self.instability_frequency_Hz,
-            section_length=self.section_length_m,
-            straight_deficiency=None if self.straight_deficiency_mm is None else 1e-3 * self.straight_deficiency_mm,
-            admissible_deficiency=None
-            if self.admissible_deficiency_mm is None
-            else 1e-3 * self.admissible_deficiency_mm,
-            estimate_over=self.estimate_over,
-            estimate_at={name: place for name, _, place in self._places()},
-        )
+        places = {name: place for name, _, place in self._places()}
+        return self.to_si(AssessmentSettings, kind=self.vehicle_kind, estimate_at=places)

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, get_args
 
-from wrsim.contact.conical import ConicalWheels
 from wrsim.contact.models import NORMAL_MODELS
 from wrsim.contact.settings import (
     DRY,
     Approach,
+    ConicalWheels,
     ContactSettings,
     Flexibility,
     HalfSpaceSettings,
@@ -54,16 +54,7 @@ class ConicalSection(Section, header="[contact.conical]"):
 
     def wheels(self) -> ConicalWheels:
         """The same in SI units."""
-        clearance = self.flange_clearance_mm
-        return ConicalWheels(
-            conicity=self.conicity,
-            half_spacing=self.half_spacing_mm / 1e3,
-            creep_x=1e3 * self.creep_longitudinal_kN,
-            creep_y=1e3 * self.creep_lateral_kN,
-            friction=self.friction,
-            flange_clearance=None if clearance is None else clearance / 1e3,
-            flange_stiffness=1e3 * (self.flange_stiffness_kN_per_m or 0.0),
-        )
+        return self.to_si(ConicalWheels)
 
 
 Modulus = Annotated[float, number(1, 1000, "GPa, steel 210")]
@@ -138,12 +129,8 @@ class HalfSpaceSection(Section, header="[contact.half_space]"):
     def settings(self) -> HalfSpaceSettings:
         """Return the same in SI units."""
         sized = self.element_x_mm is not None and self.element_s_mm is not None
-        return HalfSpaceSettings(
-            element=(self.element_x_mm / 1e3, self.element_s_mm / 1e3) if sized else None,  # type: ignore[operator]
-            resolution=self.resolution,
-            influence=self.influence,
-            pairing=self.pairing,
-        )
+        element = (self.element_x_mm / 1e3, self.element_s_mm / 1e3) if sized else None  # type: ignore[operator]
+        return self.to_si(HalfSpaceSettings, element=element)
 
 
 class ContactSection(Section, header="[contact]"):
@@ -246,20 +233,11 @@ class ContactSection(Section, header="[contact]"):
             value.law() if isinstance(value, FrictionSection) else value
             for _, value in (self.of_side("friction", side) for side in ("left", "right"))
         )
-        return ContactSettings(
-            normal=self.normal,
-            approach=self.approach,
-            tangential=self.tangential,
-            traction_bound=self.traction_bound,
-            flexibility=self.flexibility,
+        return self.to_si(
+            ContactSettings,
             polach_adhesion=self.polach_kA,
             polach_slip=self.polach_kS,
             friction=(left, right),
-            strips=self.strips,
-            strip_width=None if self.strip_width_mm is None else self.strip_width_mm / 1000.0,
-            cells=self.cells,
-            damping=self.damping_s_per_m,
-            max_patches=self.max_patches,
             wheel=self.material.of(self.material.wheel),
             rail=self.material.of(self.material.rail),
             half_space=self.half_space.settings(),

@@ -59,13 +59,7 @@ class FrictionSection(Section, header="[contact.friction]"):
 
     def law(self) -> Friction:
         """Return the same in SI units."""
-        return Friction(
-            static=self.static,
-            gauge_corner=self.gauge_corner,
-            ramp=(radians(self.gauge_corner_from_deg), radians(self.gauge_corner_full_deg)),
-            falling_ratio=self.falling_ratio,
-            falling_decay=self.falling_decay_s_per_m,
-        )
+        return self.to_si(Friction, ramp=(radians(self.gauge_corner_from_deg), radians(self.gauge_corner_full_deg)))
 
 
 FrictionValue = OrTable[Coefficient, FrictionSection]

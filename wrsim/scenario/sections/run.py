@@ -75,12 +75,10 @@ class WearSection(StretchTable, header="[wear]"):
         for key, place in (("from_m", self.from_m), ("to_m", self.to_m)):
             if place is not None and not start <= place <= end:
                 raise fault(("wear", key), f"must lie on the run, from {start:.6g} to {end:.6g} m")
-        return WearSettings(
-            laws=self.laws,
+        return self.to_si(
+            WearSettings,
             stretch=(self.from_m, self.to_m),
-            hardness=1e9 * self.hardness_GPa,
             coefficients=self.archard_coefficients,
-            shear_yield=1e6 * self.shear_yield_MPa,
             step=1e-3 * self.place_step_mm,
         )
 

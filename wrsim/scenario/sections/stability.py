@@ -100,16 +100,7 @@ class StabilitySection(PlanTable, header="[stability]"):
 
     def plan(self, given: Given) -> StabilityPlan:
         """The same in SI units."""
-        cycles = CyclePlan(
-            start=None if self.cycle_start_kmh is None else self.cycle_start_kmh / 3.6,
-            step=self.cycle_step_kmh / 3.6,
-            tolerance=self.tolerance_kmh / 3.6,
-            lowest=self.lowest_kmh / 3.6,
-            kick=self.kick_mm / 1e3,
-            small_kick=self.small_kick_mm / 1e3,
-            window=self.window_s,
-            longest=self.longest_s,
-            rest=self.rest_mm / 1e3,
-        )
+        start = None if self.cycle_start_kmh is None else self.cycle_start_kmh / 3.6
+        cycles = self.to_si(CyclePlan, start=start, step=self.cycle_step_kmh / 3.6)
         speeds = tuple(sorted({v / 3.6 for v in self.speed_kmh}))
         return StabilityPlan(speeds, self.highest_Hz, cycles if self.nonlinear else None)

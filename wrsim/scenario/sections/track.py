@@ -58,13 +58,20 @@ Radius = Annotated[
 class SegmentTable(Choice, header="[[track.segments]]"):
     """A piece of the track."""
 
+    geometry: ClassVar[type[segments.Segment]]
+
     kind: str
     """Kind of piece."""
+
+    def to_geometry(self) -> segments.Segment:
+        """The segment in SI units."""
+        return self.to_si(self.geometry)
 
 
 class Straight(SegmentTable, kind="straight"):
     """A straight piece; cant and gauge may run from one value to another along it."""
 
+    geometry: ClassVar[type[segments.Segment]] = segments.Straight
     also_called: ClassVar[str] = "tangent line"
     aliases: ClassVar[dict[str, str]] = {"length_m": "l L"}
 
@@ -79,17 +86,11 @@ class Straight(SegmentTable, kind="straight"):
     gauge_widening_end_mm: Widening = 0.0
     """By how much the gauge is wider than gauge_mm where the piece ends."""
 
-    def to_geometry(self) -> segments.Straight:
-        """Return the segment in SI units."""
-        return segments.Straight(
-            self.length_m, self.cant_start_mm / 1e3, self.cant_end_mm / 1e3,
-            self.gauge_widening_start_mm / 1e3, self.gauge_widening_end_mm / 1e3,
-        )  # fmt: skip
-
 
 class Transition(SegmentTable, kind="transition"):
     """From the curvature and cant of the segment before to those of the segment after."""
 
+    geometry: ClassVar[type[segments.Segment]] = segments.Transition
     also_called: ClassVar[str] = "spiral easement ramp"
     aliases: ClassVar[dict[str, str]] = {"length_m": "l L", "form": "type shape"}
 
@@ -97,10 +98,6 @@ class Transition(SegmentTable, kind="transition"):
     """Length along the centre line."""
     form: Literal["clothoid", "bloss"] = "clothoid"
     """How curvature, cant and gauge lead over: linearly, or by Bloss's polynomial."""
-
-    def to_geometry(self) -> segments.Transition:
-        """Return the segment in SI units."""
-        return segments.Transition(self.length_m, self.form)
 
 
 class Arc(SegmentTable, kind="arc"):
@@ -140,8 +137,8 @@ class Arc(SegmentTable, kind="arc"):
         return abs(self.radius_m) * math.radians(self.angle_deg or 0.0)
 
     def to_geometry(self) -> segments.Arc:
-        """Return the segment in SI units."""
-        return segments.Arc(self.length, self.radius_m, self.cant_mm / 1000.0, self.gauge_widening_mm / 1000.0)
+        """The segment in SI units."""
+        return self.to_si(segments.Arc, length=self.length)
 
 
 Segment = Straight | Transition | Arc
