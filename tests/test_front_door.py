@@ -61,18 +61,20 @@ def test_every_public_name_says_what_it_is(name: str) -> None:
         assert all(f"{part}\n    ----" in thing.__doc__ for part in ("Parameters", "Returns", "Raises")), name
 
 
-def test_importing_the_package_imports_nothing_heavy() -> None:
-    code = "import sys, wrsim; print([m for m in ('numpy', 'numba', 'xarray', 'matplotlib') if m in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
-
-
-def test_a_run_waits_for_no_library_that_it_does_not_need() -> None:
-    code = (
-        "import sys, wrsim, wrsim.scenario.build as b, wrsim.analysis.motion.run\n"
-        "b.build(wrsim.load('scenarios/curve_r300.toml'))\n"
-        "print([m for m in ('scipy.signal', 'scipy.stats', 'scipy.ndimage', 'matplotlib', 'dask') if m in sys.modules])"
-    )
+@pytest.mark.parametrize(
+    ("code", "heavy"),
+    [
+        ("import wrsim.cli", "numpy pydantic numba matplotlib xarray exudyn scipy rich.progress"),  # so --help is quick
+        (
+            "import wrsim, wrsim.scenario.build as b, wrsim.analysis.motion.run\n"
+            "b.build(wrsim.load('scenarios/curve_r300.toml'))",
+            "scipy.signal scipy.stats scipy.ndimage matplotlib dask",
+        ),
+    ],
+    ids=["the package and its commands", "a run"],
+)
+def test_nothing_heavy_is_imported_before_it_is_needed(code: str, heavy: str) -> None:
+    code += f"\nimport sys\nprint(sorted(set({heavy.split()}) & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
     assert done.stdout.strip() == "[]"
 
@@ -155,6 +157,11 @@ def test_what_is_not_there_is_told_in_one_line_with_what_there_is(asked, told: s
     with pytest.raises(InputError, match=told) as found:
         asked(curve)
     assert "\n" not in str(found.value)
+
+
+def test_a_name_that_there_is_not_is_told() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'rum'"):
+        wrsim.rum  # noqa: B018
 
 
 def test_poses_that_cannot_be_are_refused() -> None:

@@ -182,12 +182,6 @@ def test_a_leading_axle_attacks_the_outer_rail_and_spreads_the_track(case):
     assert np.degrees(np.nanmax(curve.both("contact_angle_variation")[1])) > 25.0
 
 
-def test_curves_of_either_hand_are_alike():
-    left, right = steady(*DEFICIENCY), steady(*RIGHT)
-    for name in ("Q", "Y", "X", "N", "p0", "contact_angle"):
-        assert right.both(name) == pytest.approx(left.both(name), rel=1e-6, nan_ok=True), name
-
-
 def test_a_run_through_a_transition_ends_in_the_steady_motion_found_directly():
     # Kik-Piotrowski with FaStrip damps the wave of the transition; with FASTSIM this speed is at the stability limit,
     # and a wave of 7 Hz stays, 0.07 mm wide with blended flexibilities; with strips 0.1 mm are left

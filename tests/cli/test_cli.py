@@ -88,7 +88,7 @@ def test_bad_input_is_a_json_object_for_machines(scenario: Path) -> None:
 
 @pytest.mark.parametrize("name", ["nothing.toml", "."])
 def test_a_file_that_cannot_be_read_is_bad_input(tmp_path: Path, name: str) -> None:
-    for command in ("check", "run", "profile"):
+    for command in ("check", "run", "profile", "plot"):
         result = call(command, tmp_path / name)
         assert result.exit_code == 2, command
         assert str(tmp_path) in result.stderr
@@ -263,26 +263,7 @@ def test_plot_draws_the_patches_of_a_pose(tmp_path: Path) -> None:
     assert "there is no such pose" in call("plot", tmp_path, "--at", "nowhere").stderr
 
 
-def test_plot_of_something_else_is_bad_input(scenario: Path, tmp_path: Path) -> None:
-    assert call("plot", scenario).exit_code == 2
-    assert call("plot", tmp_path / "nothing.nc").exit_code == 2
-
-
 # --- the command itself --------------------------------------------------------------------------------
-
-
-def test_a_wrong_option_is_bad_input(scenario: Path) -> None:
-    result = call("run", scenario, "--speed", "3")
-    assert result.exit_code == 2
-    assert "No such option" in result.stderr
-
-
-def test_help_imports_nothing_heavy() -> None:
-    """The command line answers --help without numpy, pydantic, numba, matplotlib, xarray or exudyn."""
-    heavy = ("numpy", "pydantic", "numba", "matplotlib", "xarray", "exudyn", "scipy", "rich.progress")
-    code = f"import sys, wrsim.cli; print([m for m in {heavy} if m in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
 
 
 def test_the_command_ends_quietly_when_the_reader_of_its_output_goes(scenario: Path) -> None:
@@ -301,16 +282,3 @@ def test_the_command_ends_quietly_when_the_reader_of_its_output_goes(scenario: P
 def test_the_time_left_is_told_in_few_words(seconds: float, words: str) -> None:
     assert time_left(seconds) == words
     assert time_left(float("nan")) == time_left(float("inf")) == ""
-
-
-def test_five_lines_of_python_do_the_same(scenario: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    analysis_that(monkeypatch, completed)
-    monkeypatch.delitem(vars(wrsim), "run", raising=False)
-    from wrsim import load, run
-
-    result = run(load(scenario))
-    assert result.summary()["status"] == "completed"
-    assert result.save(tmp_path / "curve.nc").is_file()
-    vars(wrsim).pop("run", None)  # the stand-in, which undoing would put back
-    with pytest.raises(AttributeError, match="no attribute 'rum'"):
-        wrsim.rum  # noqa: B018

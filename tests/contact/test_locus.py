@@ -159,21 +159,6 @@ def k1_k2_over_kt(profile, yaw, arc, r_t, k2):
     return k1 * k2 * r_t
 
 
-def test_without_yaw_the_locus_is_the_profile():
-    profile = WHEELS["S1002"]
-    table, step = profile.table(1e-4)
-    wheel = wheel_at(table, step, RADIUS, np.array([0.0, 0.0, RADIUS]), np.array([0.0, 1.0, 0.0]))
-    arc = 0.3 * profile.length
-    x, o, b, no, nb, shrink, r_t, _, _ = locus_point(wheel, arc)
-    u, w = profile.at(arc)
-    tu, tw = profile.tangent(arc)
-    assert (x, shrink) == (0.0, 1.0)
-    assert (o, b) == pytest.approx((float(u), float(w)), abs=1e-12)
-    assert (no, nb) == pytest.approx((float(tw), -float(tu)), abs=1e-9)
-    # [S 19]: R_w^x = f sqrt(1 + f'^2)
-    assert r_t == pytest.approx((RADIUS - w) * np.hypot(1.0, tw / tu), rel=1e-8)
-
-
 def test_opposite_yaw_mirrors_the_locus_along_the_rail():
     profile = WHEELS["S1002"]
     for arc in places(profile, 0.02):

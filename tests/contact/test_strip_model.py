@@ -190,25 +190,6 @@ def test_pressure_and_approach_are_those_of_contact(inclination, load):
     assert np.mean(np.abs(approaches)) < 0.006 and np.max(np.abs(approaches)) < 0.025
 
 
-def test_two_answers_from_two_first_guesses_are_the_same():
-    # a run starts from its last contact, a static pose afresh; the run's looser tolerance is all that may differ
-    model = pair_model("S1002/60E1 1:40", **STRIPS, **PLAIN)
-    stand = bench(model)
-    settle(stand, 4e-3, 0.004, 60e3)
-    pose = model.arrays.pose.copy()
-    model.arrays.follow(True)
-    force = []
-    for shift in np.linspace(-2e-4, 0.0, 21):
-        model.arrays.pose[:] = pose
-        model.arrays.pose[1] += shift
-        model.arrays.call()
-        force.append(model.arrays.force)
-    model.arrays.follow(False)
-    model.arrays.pose[:] = pose
-    model.arrays.call()
-    assert force[-1] == pytest.approx(model.arrays.force, rel=2e-3)
-
-
 def test_where_a_run_came_from_does_not_show():
     model = pair_model("S1002/60E1 1:40", **STRIPS, **PLAIN)
     stand = bench(model)

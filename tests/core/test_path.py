@@ -1,9 +1,5 @@
 """Laws of a path: the interpolated curve, its frame, and the search for a cross-section."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
@@ -44,13 +40,6 @@ def test_frame_is_orthonormal_right_handed_and_its_roll_is_the_tilt_of_n(spiral:
     cos_slope = np.hypot(axes[:, 0, 0], axes[:, 0, 1])
     # n.z = sin(roll) cos(slope); tolerance: cubic Hermite of a sine of 0.1 rad and 0.05 rad/m
     assert np.abs(axes[:, 1, 2] - np.sin(0.1 * np.sin(0.05 * inside)) * cos_slope).max() < 1e-10
-
-
-def test_path_passes_through_its_rows(spiral: Path) -> None:
-    s = np.arange(spiral.table.shape[0]) * spiral.step
-    frame = spiral.frame(s)
-    assert np.abs(frame[:, 0] - spiral.table[:, 0:3]).max() < 1e-12
-    assert np.abs(frame[:, 1] - spiral.table[:, 3:6]).max() < 1e-13
 
 
 def test_interpolation_converges_with_order_six_in_position_five_in_tangent_four_in_curvature() -> None:
@@ -162,31 +151,6 @@ def test_not_a_number_in_gives_not_a_number_out(spiral: Path) -> None:
     assert np.isnan(spiral.position(np.nan)).all()
     assert np.isnan(spiral.curvature(np.nan))
     assert np.isnan(core.frame_rates(spiral.curve, np.nan)[0]).all()
-
-
-def test_kernels_are_plain_python_too(spiral: Path) -> None:
-    """With the compiler off the same numbers come out, to the rounding of fused operations."""
-    code = (
-        "from test_path import helix; from wrsim.core.track import path as core\n"
-        "c = helix(30.0, 0.03, 2.0, 0.25, roll_rate=0.05).curve\n"
-        "assert type(core.frame_at).__name__ == 'function'\n"
-        "r, (w, d) = core.frame_at(c, 77.7), core.frame_rates(c, 77.7)\n"
-        "print(*(x for v in r for x in v), core.curvature_at(c, 77.7), *w, d, core.locate(c, r.origin, 75.0)[0])"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
-        cwd=os.path.dirname(os.path.abspath(__file__)),
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    plain = np.array(done.stdout.split(), dtype=float)
-    c = spiral.curve
-    at, (omega, droll) = core.frame_at(c, 77.7), core.frame_rates(c, 77.7)
-    found = core.locate(c, at.origin, 75.0)[0]
-    compiled = [*np.ravel(at), core.curvature_at(c, 77.7), *omega, droll, found]
-    assert np.abs(plain - compiled).max() < 1e-12
 
 
 def test_a_wrong_table_is_refused_with_its_shape_or_cell() -> None:

@@ -455,7 +455,6 @@ def test_the_shipped_line_is_five_kilometres_and_as_uneven_as_it_says() -> None:
             '[[track.irregularities]]\nkind = "table"\nfile = "none.csv"\n',
             "s.toml:16: track.irregularities[0].file = \"none.csv\": not found",
         ),
-        ('[[track.irregularities]]\nkind = "dipp"\n', 'did you mean "dip"'),
         ("[[track.grades]]\nfrom_m = 0\ngrade_permille = 300\n", "track.grades[0].grade_permille = 300: must be"),
         (
             "[[track.grades]]\nfrom_m = 9\ngrade_permille = 3\n[[track.grades]]\nfrom_m = 9\ngrade_permille = 4\n",
@@ -469,14 +468,6 @@ def test_the_shipped_line_is_five_kilometres_and_as_uneven_as_it_says() -> None:
 )  # fmt: skip
 def test_a_fault_in_a_track_is_told_where_it_stands(tmp_path: Path, text: str, message: str) -> None:
     assert message in told(tmp_path, text)
-
-
-def test_rows_asked_for_too_far_apart_are_refused(tmp_path: Path) -> None:
-    text = (SCENARIO + '[[track.irregularities]]\nkind = "dip"\nat_m = 90\nlength_m = 2\namplitude_mm = 4\n').replace(
-        "gauge_mm = 1435", "gauge_mm = 1435\nrow_distance_m = 0.5"
-    )
-    with pytest.raises(InputError, match=r"row_distance_m = 0\.5 is too coarse for the irregularities"):
-        build(load_text(text))
 
 
 def test_a_wheelset_follows_a_dip_and_tells_where_its_rails_were() -> None:

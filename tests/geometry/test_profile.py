@@ -37,12 +37,6 @@ def test_the_parameter_is_true_arclength(profile):
 
 
 @designed
-def test_length_is_the_limit_of_inscribed_polygons(profile):
-    u, w = profile.at(places(profile, 400_001))
-    assert np.hypot(np.diff(u), np.diff(w)).sum() == pytest.approx(profile.length, rel=1e-9)
-
-
-@designed
 def test_tangent_and_outward_normal_are_orthonormal(profile):
     (tu, tw), (nu, nw) = profile.tangent(places(profile)), profile.normal(places(profile))
     np.testing.assert_allclose(np.hypot(tu, tw), 1.0, atol=1e-15)

@@ -67,28 +67,6 @@ def test_s1002_follows_the_formulas_of_its_standard(first, last, formula):
     assert np.abs(across[(u > first + 2.1) & (u < last - 2.1)]).max(initial=0.0) < 1e-9
 
 
-def test_s1002_has_the_flange_of_its_name():
-    wheel = load_profile(MODELS / "wheels/S1002.toml")
-    u = np.linspace(-0.055, 0.0, 50_001)
-    w = wheel.at(wheel.arclength_of(u))[1]
-    assert -1e3 * w.min() == pytest.approx(28.0, abs=1e-9)  # flange height
-    # flange thickness: from the back (u = -70) to the flank, 10 mm below the tape circle
-    assert 1e3 * np.interp(-0.010, w, u) + 70.0 == pytest.approx(32.5, abs=0.01)
-    # flank of 70 degrees, back of the flange vertical, tread end 1:15
-    assert np.degrees(wheel.angle.max()) == pytest.approx(70.0, abs=1e-3)
-    assert np.degrees(wheel.angle[0]) == pytest.approx(-90.0, abs=1e-6)
-    assert np.tan(wheel.angle[-1]) == pytest.approx(1 / 15, abs=1e-8)
-
-
-def test_s1002_has_the_curvatures_of_its_arcs():
-    wheel = load_profile(MODELS / "wheels/S1002.toml")
-    for u, radius in ((-37.0, 13.0), (-45.0, -20.0), (-55.0, -12.0), (-68.0, -20.5)):
-        # flange parts turn upward: the tip is convex seen from the rail, its curvature positive in u, w
-        curvature = wheel.curvature(wheel.arclength_of(1e-3 * u))
-        assert abs(1e-3 * curvature) == pytest.approx(1 / abs(radius), rel=1e-5)
-        assert np.sign(curvature) == -np.sign(radius)
-
-
 # --- rails -------------------------------------------------------------------------------------------
 
 
@@ -225,7 +203,6 @@ SLIPS = [
     ('kind = "cones"\n', r'toml:5: kind = "cones": must be .*did you mean "cone"'),
     ("", "kind is missing"),
     ('kind = "cone"\nconicity = "0.05"\nfrom_mm = -1\nto_mm = 1\n', r'conicity = "0.05": must be a number'),
-    ('kind = "cone"\nconicity = nan\nfrom_mm = -1\nto_mm = 1\n', r"conicity = nan: must be a number"),
     ('kind = "cone"\nconicity = 0.05\nfrom_mm = 5\nto_mm = 1\n', r"to_mm = 1\S*: must be above from_mm = 5"),
     ('kind = "circle"\nradius_mm = 20\nhalf_width_mm = 30\n', r"half_width_mm = 30\S*: must be a number below"),
     (

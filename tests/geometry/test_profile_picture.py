@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 
 from wrsim.geometry.profile.models import load_profile
 from wrsim.plots.profile import draw_curvature, profile_figure
-from wrsim.plots.style import save
 
 MODELS = Path(__file__).parents[2] / "models"
 ALL = sorted(p for folder in ("wheels", "rails") for p in (MODELS / folder).glob("*.toml"))
@@ -43,8 +42,3 @@ def test_curvature_is_drawn_with_its_jumps():
     jump = np.flatnonzero((np.diff(u) == 0.0) & (np.abs(np.diff(k)) > 1.0))
     assert jump.size == 6  # three arcs on either side
     np.testing.assert_allclose(np.abs(u[jump]), [35.9998, 26.0265, 10.228, 10.228, 26.0265, 35.9998], atol=1e-3)
-
-
-def test_the_picture_is_written_whole(tmp_path):
-    path = save(profile_figure(load_profile(ALL[0])), tmp_path / "profile.png")
-    assert path.read_bytes().startswith(b"\x89PNG")

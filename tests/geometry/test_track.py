@@ -372,16 +372,12 @@ RAMP = Transition(20.0)
     [
         ([], ["track.segments", "empty"]),
         ([Straight(10.0), Straight(0.0)], ["segment 2 (straight)", "length_m = 0", "above 0"]),
-        ([Straight(10.0), Straight(-3.0)], ["segment 2 (straight)", "length_m = -3", "above 0"]),
         ([Transition(-1.0), Arc(1.0, 100.0)], ["segment 1 (transition)", "length_m = -1"]),
         ([Straight(NAN)], ["segment 1", "length_m = nan", "finite"]),
-        ([Straight(math.inf)], ["segment 1", "length_m = inf", "finite"]),
         ([Straight("30")], ["segment 1", "length_m = '30'", "finite number"]),
         ([Arc(10.0, 0.0)], ["segment 1 (arc)", "radius_m = 0", "straight"]),
         ([Arc(10.0, -1.2)], ["segment 1 (arc)", "radius_m = -1.2", "1.435", "inner rail"]),
-        ([Arc(10.0, NAN)], ["segment 1 (arc)", "radius_m = nan"]),
         ([RAMP, Arc(10.0, 300.0, 0.3), RAMP], ["segment 2 (arc)", "cant_mm = 300", "-250 to 250"]),
-        ([RAMP, Arc(10.0, 300.0, 60.0), RAMP], ["segment 2 (arc)", "cant_mm = 60000", "250"]),
         ([RAMP, Arc(10.0, 300.0, 0.0, 15.0)], ["segment 2 (arc)", "gauge_widening_mm = 15000", "100"]),
         ([Straight(10.0, cant_end=0.3)], ["segment 1", "cant_end_mm = 300"]),
         (
@@ -415,7 +411,6 @@ def test_a_wrong_segment_is_named_with_its_number_key_value_and_what_is_allowed(
     "arguments, words",
     [
         ({"gauge": 1435.0}, ["gauge_mm = 1.435e+06", "300 to 3000"]),
-        ({"gauge": NAN}, ["gauge_mm = nan"]),
         ({"cant_base": 1.0}, ["cant_base_mm = 1000", "1435 to 1935"]),
         ({"step": 0.0}, ["step_m = 0"]),
         ({"rounding": -1.0}, ["rounding_m = -1"]),

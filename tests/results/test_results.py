@@ -464,19 +464,6 @@ def test_quasi_static_values_are_medians_in_the_full_curve():
     assert curve["right"]["Q_kN"] == pytest.approx(expected, rel=1e-3)
 
 
-def test_medians_of_a_full_curve_belong_to_one_patch_each():
-    """Where the second patch has the larger pressure, its angle and its force stand beside that pressure."""
-    run = curve_run().copy(deep=True)
-    second = {"N": 26.5e3, "p0": 2233e6, "contact_angle": np.radians(17.3)}
-    for name, value in second.items():
-        run[name][{"patch": 1}] = value
-    curve = Result(run).summary()["wheelsets"]["wheelset"]["full_curves"][0]
-    main, other = curve["right"]["patches"]
-    assert [other[key] for key in ("N_kN", "p0_MPa", "contact_angle_deg")] == pytest.approx([26.5, 2233.0, 17.3])
-    (plain,) = Result(curve_run()).summary()["wheelsets"]["wheelset"]["full_curves"]
-    assert main == plain["right"]["patches"][0]
-
-
 def test_every_hand_of_an_s_curve_is_found_and_straight_track_has_none():
     distance = np.linspace(0.0, 400.0, 801)
     curvature = np.interp(distance, [50, 80, 150, 210, 300, 330], [0.0, 1 / 200, 1 / 200, -1 / 250, -1 / 250, 0.0])

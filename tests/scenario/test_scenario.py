@@ -24,18 +24,13 @@ ONE_FAULT = [
         "speed = 54",
         "case.toml:5: vehicle.speed = 54: unknown key; did you mean 'speed_kmh' (in km/h)?",
     ),
-    ("speed_kmh = 54", "speed_mps = 15", "vehicle.speed_mps = 15: unknown key; did you mean 'speed_kmh' (in km/h)?"),
     ("speed_kmh = 54", "spede_kmh = 54", "vehicle.spede_kmh = 54: unknown key; did you mean 'speed_kmh'?"),
     ("speed_kmh = 54", "", 'vehicle.speed_kmh is missing: analysis = "curving" needs a speed'),
     ("speed_kmh = 54", "speed_kmh = 0", "vehicle.speed_kmh = 0: must be a number from 1 to 500"),
     ("speed_kmh = 54", 'speed_kmh = "54"', 'vehicle.speed_kmh = "54": must be a number'),
     ("speed_kmh = 54", "speed_kmh = true", "vehicle.speed_kmh = true: must be a number"),
     ("speed_kmh = 54", "speed_kmh = nan", "vehicle.speed_kmh = nan: must be a number"),
-    ("speed_kmh = 54", "speed_kmh = inf", "vehicle.speed_kmh = inf: must be a number"),
-    ("speed_kmh = 54", "speed_kmh = [54]", "vehicle.speed_kmh = [54]: must be a number"),
     ("gauge_mm = 1435", "gauge_mm = -1435", "case.toml:7: track.gauge_mm = -1435: must be a number from 400 to 2000"),
-    ("gauge_mm = 1435", "gauge_m = 1.435", "track.gauge_m = 1.435: unknown key; did you mean 'gauge_mm' (in mm)?"),
-    ("gauge_mm = 1435", "", "track.gauge_mm is missing: must be a number from 400 to 2000"),
     ("gauge_mm = 1435", "gauge_mm = 1435\ncant_base_mm = 1000", "track.cant_base_mm = 1000: must be from the gauge"),
     (
         'inclination = "1:40"',
@@ -52,14 +47,11 @@ ONE_FAULT = [
     ),
     ('rail = "rails/60E1.toml"', "rail = 60", "track.rail = 60: must be a rail profile file"),
     ("radius_m = 300", "radius_m = 0", "case.toml:18: track.segments[2].radius_m = 0: must be a number of size 10 to"),
-    ("radius_m = 300", "radius_m = -5", "track.segments[2].radius_m = -5: must be a number of size 10 to"),
     (
         "radius_m = 300",
         "radius_mm = 300",
         "track.segments[2].radius_mm = 300: unknown key; did you mean 'radius_m' (in m)?",
     ),
-    ("radius_m = 300", "", "track.segments[2].radius_m is missing: must be a number of size"),
-    ("length_m = 120", "", "track.segments[2].length_m is missing: must be a number from 0.01"),
     (
         "length_m = 120",
         "length_m = 120\nangle_deg = 20",
@@ -71,7 +63,6 @@ ONE_FAULT = [
         'kind = "curve"',
         'case.toml:17: track.segments[2].kind = "curve": must be "straight", "transition" or "arc"',
     ),
-    ('kind = "arc"', "", 'track.segments[2].kind is missing: must be "straight", "transition" or "arc"'),
     ('kind = "straight"', 'kind = "transition"', "track.segments[1]: follows another transition"),
     (
         "length_m = 40",
@@ -80,12 +71,8 @@ ONE_FAULT = [
     ),
     ("length_m = 40", 'length_m = 40\nform = "klothoid"', 'must be "clothoid" or "bloss"; did you mean "clothoid"?'),
     ("friction = 0.35", "friction = 2.5", "contact.friction = 2.5: must be a number from 0 to 2"),
-    ("friction = 0.35", "friction = -0.1", "contact.friction = -0.1: must be a number from 0 to 2"),
     ("friction = 0.35", "mu = 0.35", "contact.mu = 0.35: unknown key; did you mean 'friction'?"),
-    ("friction = 0.35", "friction_left = 0.35", "contact.friction_right is missing"),
-    ("friction = 0.35", "friction = 0.35\nfriction_left = 0.2", "cannot stand next to friction_left"),
     ("friction = 0.35", 'normal = "hertz"', 'contact.normal = "hertz": must be "kik-piotrowski"'),
-    ("friction = 0.35", 'approach = "projektion"', 'did you mean "projected"?'),
     (
         "friction = 0.35",
         "strips = 40\nstrip_width_mm = 0.1",
@@ -97,14 +84,12 @@ ONE_FAULT = [
         "contact.strip_width_mm = 0.1: cannot stand next to strips",
     ),
     ("friction = 0.35", "strips = 40.0", "contact.strips = 40.0: must be a whole number from 5 to 1000"),
-    ("friction = 0.35", "max_patches = 7", "contact.max_patches = 7: must be a whole number from 1 to 6"),
     ("friction = 0.35", "cant_mm = 60", "contact.cant_mm = 60: unknown key; 'cant_mm' belongs in [[track.segments]]"),
     (
         "friction = 0.35",
         "[contact.material]\npoisson = 0.5",
         "contact.material.poisson = 0.5: must be a number from 0 to 0.49",
     ),
-    ("friction = 0.35", "[contact.material.wheel]\nE = 210", "did you mean 'youngs_modulus_GPa' (in GPa)?"),
     ("output_interval_ms = 5", "step_us = 6000", "run.step_us = 6000: must be at most the output interval (5 ms)"),
     ("output_interval_ms = 5", "distance_m = 10\ntime_s = 1", "run.time_s = 1: cannot stand next to distance_m"),
     (
@@ -132,14 +117,12 @@ ONE_FAULT = [
     ('title = "a curve"', 'title = ""', 'title = "": must be a title in quotes'),
     ("[vehicle]\n", "[[vehicle]]\n", "must be a table ([vehicle])"),
     ('"vehicles/wheelset_s1002.toml"', '"wheelset_s1002.toml"', 'did you mean "vehicles/wheelset_s1002.toml"?'),
-    ('"rails/60E1.toml"', '"rails/60e1.toml"', 'did you mean "rails/60E1.toml"?'),
     ('"rails/60E1.toml"', '"wheels/S1002.toml"', "a rail profile is needed here"),
     (
         '"vehicles/wheelset_s1002.toml"',
         '"rails/60E1.toml"',
         "is a profile file; a vehicle file with a table [wheelset]",
     ),
-    ("cant_mm = 60", "cant_mm = 600", "track.segments[2].cant_mm = 600: must be a number from -250 to 250"),
     ('kind = "transition"', 'kind = "straight"', "track: cant_mm jumps from 0 to 60"),
 ]
 
@@ -159,8 +142,6 @@ def test_one_fault_in_a_file_is_one_line_that_names_file_key_value_and_what_is_a
 STATIC_FAULTS = [
     ("load_kN = 60", "load_kN = 0", "static.load_kN = 0: must be a number above 0 and at most 1000"),
     ("load_kN = 60", "load_kN = [60, 0]", "static.load_kN = [60, 0]: entry [1] must be a number above 0"),
-    ("load_kN = 60", "load_N = 60000", "did you mean 'load_kN' (in kN)?"),
-    ("load_kN = 60", "", "static.load_kN is missing: must be a number above 0"),
     ("load_kN = 60", "load_kN = 60\nside = 'rihgt'", 'must be "left" or "right"; did you mean "right"?'),
     ("load_kN = 60", "load_kN = 60\nrolling = 'yes'", 'static.rolling = "yes": must be true or false'),
     ("lateral_mm = 0", "lateral_mm = []", "static.lateral_mm = []: the list is empty"),
@@ -168,11 +149,9 @@ STATIC_FAULTS = [
     ("lateral_mm = 0", "lateral_mm = {from = 0, to = 5}", "a range needs exactly the keys from, to and step"),
     ("lateral_mm = 0", "lateral_mm = {from = 0, to = 5, step = 0}", "a range needs a step above 0 and from <= to"),
     ("lateral_mm = 0", "lateral_mm = {from = 0, to = 5, step = 1e-9}", "more than 100000 values"),
-    ("lateral_mm = 0", "lateral_mm = 500", "static.lateral_mm = 500: must be a number from -100 to 100"),
     ("lateral_mm = 0", 'cases = "poses.csv"', 'static.cases = "poses.csv": cannot stand next to load_kN'),
     ('target = "wheel"', 'target = "wheelset"\nside = "left"', 'static.side = "left": is for target = "wheel" only'),
     ('target = "wheel"', 'target = "wheelset"\nroll_mrad = 1', "a wheelset finds its own roll"),
-    ('target = "wheel"', "", 'static.target is missing: must be "wheel" or "wheelset"'),
 ]
 
 

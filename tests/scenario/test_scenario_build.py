@@ -145,9 +145,7 @@ TABLE_FAULTS = [
     ("id,lateral_mm,load_kN\na,0,24\n\na,1,24\n", ':4: id = "a": is taken by line 2 already'),
     ("id,lateral_mm,load_kN\n,0,24\n", ":2: id is empty"),
     ("id,lateral_mm,load_kN\na,0,0\n", ":2: load_kN = 0: must be a number above 0"),
-    ("id,lateral_mm,load_kN\na,nan,24\n", ":2: lateral_mm = nan: must be a number from -100 to 100"),
     ("id;lateral_mm;load_kN\na;0,5;24\n", ':2: lateral_mm = "0,5": must be a number'),
-    ("id,lateral_mm,load_kN\na,wide,24\n", ':2: lateral_mm = "wide": must be a number'),
     ("id,lateral_mm,load_kN\n", "has no poses below its header"),
     ("\n", "is empty"),
     ('id,lateral_mm,load_kN\n"a,0,24\n', ":2: no line of a CSV table"),
@@ -211,13 +209,6 @@ def test_s1002_on_standard_gauge_has_the_flange_clearance_of_its_drawing(tmp_pat
 
 
 # --- what is shipped -----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("path", sorted(SCENARIOS.glob("*.toml")), ids=lambda p: p.stem)
-def test_every_shipped_scenario_passes_every_check_of_its_keys(path: Path) -> None:
-    scenario = load(path)
-    assert scenario.title != "untitled"
-    assert scenario.path == path
 
 
 @pytest.mark.parametrize(

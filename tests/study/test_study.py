@@ -438,11 +438,8 @@ def test_nobody_at_the_address_of_the_scheduler_is_one_sentence(monkeypatch: pyt
 def certificates(tmp_path: Path) -> Path:
     """A folder of certificates."""
     security = Security.temporary()
-    for name, text in (
-        (CA, security.tls_ca_file),
-        (CERT, security.tls_client_cert),
-        (KEY, security.tls_client_key),
-    ):
+    texts = {CA: security.tls_ca_file, CERT: security.tls_client_cert, KEY: security.tls_client_key}
+    for name, text in texts.items():
         (tmp_path / name).write_text(text)
     return tmp_path
 
@@ -457,17 +454,7 @@ def standing_scheduler(serial: Plan, certificates: Path, tmp_path: Path) -> Iter
     own = [f"--{option}={path}" for option, path in named.items()]
     commands = (
         [*program, "scheduler", "--host", "tls://127.0.0.1:0", "--no-dashboard", *own],
-        [
-            *program,
-            "worker",
-            "--nthreads",
-            "1",
-            "--no-nanny",
-            "--no-dashboard",
-            "--local-directory",
-            str(tmp_path),
-            *own,
-        ],
+        [*program, *["worker", "--nthreads=1", "--no-nanny", "--no-dashboard"], f"--local-directory={tmp_path}", *own],
     )
     processes = [subprocess.Popen(command, env=os.environ | ONE_THREAD, **quiet) for command in commands]  # type: ignore[call-overload]
     try:

@@ -49,9 +49,8 @@ damping_kNs_per_m = 8
 """
 
 
-def fault(folder: Path, *changes: tuple[str, str]) -> str:
-    """The message about the good file with the changes; no message if it loads."""
-    text = GOOD
+def fault(folder: Path, *changes: tuple[str, str], text: str = GOOD) -> str:
+    """The message about a file with the changes; no message if it loads."""
     for old, new in changes:
         assert old in text
         text = text.replace(old, new, 1)

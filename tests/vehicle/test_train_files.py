@@ -125,7 +125,6 @@ FAULTS: dict[str, tuple[tuple[tuple[str, str], ...], str]] = {
         (("pretension_kN = 20 ", "pretension_kN = 20\nslack_mm = 5 "),),
         "slack_mm = 5: must be 0 next to pretension_kN",
     ),
-    "hinges in one place": ((("hinge_mm = 395 ", "hinge_mm = 0 "),), "hinge_mm = 0: must be a number from 10 to 5000"),
     "no stroke": ((("stroke_mm = 55 ", "#"),), "stroke_mm is missing: goes with stiffness_kN_per_m"),
     "stiffness twice": (
         (("preload_kN = 15 ", "#"), ("stroke_mm = 55 ", TABLE.replace("5, 1", "0, 1") + "#")),
@@ -135,7 +134,6 @@ FAULTS: dict[str, tuple[tuple[tuple[str, str], ...], str]] = {
         (("stiffness_kN_per_m = 6000", TABLE), ("preload_kN = 15", "#"), ("stroke_mm = 55 ", "#")),
         "must begin with stroke 0",
     ),
-    "unknown kind": ((('kind = "screw"', 'kind = "screws"'),), 'must be "screw" or "centre"; did you mean "screw"'),
 }
 
 

@@ -73,6 +73,11 @@ def guide(*changes: tuple[str, str]) -> tuple[tuple[str, str], ...]:
     return (("[[elements]]", text + "[[elements]]"),)
 
 
+def before(text: str) -> tuple[tuple[str, str], ...]:
+    """More text, in front of the body."""
+    return (("[bodies.body]", text + "[bodies.body]"),)
+
+
 BAD = {
     "friction along and across": (
         guide(('plane = "yz"', 'plane = "yz"\ndirection = "z"')),
@@ -94,10 +99,6 @@ BAD = {
         guide(('"primary"', '"damper"')),
         "friction 'guide front left' has no normal force: 'damper front left' carries nothing along its direction",
     ),
-    "normal force below nothing": (
-        guide(('normal_spring = "primary"', "normal_force_kN = -3")),
-        "elements[0].normal_force_kN = -3: must be a number above 0",
-    ),
     "missing mass": (
         (("mass_kg = 8000\n", ""),),
         "car.toml:15: bodies.body.mass_kg is missing: must be a number above 0",
@@ -108,28 +109,17 @@ BAD = {
         "inertia_kg_m2 = [400, 900, 9500]: the one about z is larger",
     ),
     "misspelt key": ((("stiffness_kN", "stifness_kN"),), "did you mean 'stiffness_kN_per_m'?"),
-    "misspelt kind": ((('"damper"\nname', '"dampr"\nname'),), 'did you mean "damper"?'),
-    "another unit": ((("x_mm = 2000", "x_m = 2"),), "did you mean 'x_mm' (in mm)?"),
     "misspelt body": (
         (('body = "body"', 'body = "bdy"'),),
         'elements[0].body = "bdy": is no body; there is body, front',
     ),
-    "suggestion of a body": ((('body = "body"', 'body = "boddy"'),), "(did you mean 'body'?)"),
     "attached to itself": ((('to = ["front", "rear"]', 'to = "body"'),), "is the body that the element comes from"),
     "beside the axle": ((("at_mm = [0, 900, 0]", "at_mm = [300, 900, 0]"),), "beside its axle, which lies at x = 2000"),
     "wheelset first": (
         (('body = "body"\nto = ["front", "rear"]', 'body = "front"\nto = "body"'),),
         "is a wheelset: the axes of an element cannot turn with it; exchange body and to",
     ),
-    "loose body": (
-        (
-            (
-                "[bodies.body]",
-                LOOSE + "[bodies.body]",
-            ),
-        ),
-        "body box hang on nothing: no element joins them to a wheelset",
-    ),
+    "loose body": (before(LOOSE), "body box hang on nothing: no element joins them to a wheelset"),
     "no preload": (
         (("3000, 800]", "3000, 0]"),),
         "the preload cannot be found: nothing holds body 'body' vertically",
@@ -152,55 +142,30 @@ BAD = {
         "row [2] must not lie below the row before it",
     ),
     "load of old": (
-        (("[bodies.body]", PUSH.replace('axes = "track"\n', "") + "[bodies.body]"),),
+        before(PUSH.replace('axes = "track"\n', "")),
         'car.toml:15: loads[0].axes is missing: must be "track" or "body", the axes that the force keeps to. A load '
         "acts beside the preload: the vehicle tilts under it on its springs. A force that the vehicle is trimmed with, "
         "as [[loads]] once meant, stands in [[payloads]]",
     ),
     "load on nobody": (
-        (("[bodies.body]", PUSH.replace('"body"', '"bdoy"') + "[bodies.body]"),),
+        before(PUSH.replace('"body"', '"bdoy"')),
         "loads[0].on = \"bdoy\": is no body; there is body, front, rear (did you mean 'body'?)",
     ),
-    "load on the track": ((("[bodies.body]", PUSH.replace('"body"', '"track"') + "[bodies.body]"),), "is no body"),
     "load of two ways": (
         (("[bodies.body]", PUSH + "time_s_force_kN = [[0, 0, 0, 0]]\n[bodies.body]"),),
         "loads[0].time_s_force_kN = [[0, 0, 0, 0]]: cannot stand next to force_kN",
     ),
     "load of no way": (
-        (("[bodies.body]", PUSH.replace("force_kN = [0, 9, 0]\n", "") + "[bodies.body]"),),
+        before(PUSH.replace("force_kN = [0, 9, 0]\n", "")),
         "loads[0].force_kN is missing: must be three numbers",
     ),
-    "load of other axes": (
-        (("[bodies.body]", PUSH.replace('"track"', '"wheel"') + "[bodies.body]"),),
-        'loads[0].axes = "wheel": must be "track" or "body"',
-    ),
-    "load without a number": (
-        (("[bodies.body]", PUSH.replace("[0, 9, 0]", "[0, nan, 0]") + "[bodies.body]"),),
-        "loads[0].force_kN = [0, nan, 0]: ",
-    ),
-    "times that do not rise": (
-        (("[bodies.body]", PUSH.replace("force_kN = [0, 9, 0]", ROWS) + "[bodies.body]"),),
-        "loads[0].time_s_force_kN",
-    ),
+    "load without a number": (before(PUSH.replace("[0, 9, 0]", "[0, nan, 0]")), "loads[0].force_kN = [0, nan, 0]: "),
+    "times that do not rise": (before(PUSH.replace("force_kN = [0, 9, 0]", ROWS)), "loads[0].time_s_force_kN"),
     "rows of three": (
-        (
-            (
-                "[bodies.body]",
-                PUSH.replace("force_kN = [0, 9, 0]", "distance_m_force_kN = [[0, 1, 2]]") + "[bodies.body]",
-            ),
-        ),
+        before(PUSH.replace("force_kN = [0, 9, 0]", "distance_m_force_kN = [[0, 1, 2]]")),
         "four numbers [distance m, x kN, y kN, z kN]",
     ),
-    "a row that is not a number": (
-        (
-            (
-                "[bodies.body]",
-                PUSH.replace("force_kN = [0, 9, 0]", "time_s_force_kN = [[0, 1, 2, inf]]") + "[bodies.body]",
-            ),
-        ),
-        "loads[0].time_s_force_kN",
-    ),
-    "loads of one name": ((("[bodies.body]", PUSH + PUSH + "[bodies.body]"),), "stand for more than one: push"),
+    "loads of one name": (before(PUSH + PUSH), "stand for more than one: push"),
     "payload of nothing": (
         (
             (
@@ -210,16 +175,13 @@ BAD = {
         ),
         "payloads[0].force_kN = [0, 9, 0]: cannot stand next to mass_kg: give one of them",
     ),
-    "payload with axes": (
-        (("[bodies.body]", PUSH.replace("loads", "payloads") + "[bodies.body]"),),
-        "payloads[0].axes",
-    ),
+    "payload with axes": (before(PUSH.replace("loads", "payloads")), "payloads[0].axes"),
     "mass on a wheelset": (
-        (("[bodies.body]", BALLAST.replace('"body"', '"front"') + "[bodies.body]"),),
+        before(BALLAST.replace('"body"', '"front"')),
         'payloads[0].on = "front": is a wheelset, which spins',
     ),
     "mass far out": (
-        (("[bodies.body]", BALLAST.replace("[0, 0, 900]", "[3000, 0, 3000]") + "[bodies.body]"),),
+        before(BALLAST.replace("[0, 0, 900]", "[3000, 0, 3000]")),
         "the payload turns the principal axes of body 'body' about y",
     ),
     "missing wheel": ((("wheels/S1002", "wheels/S1003"),), 'did you mean "wheels/S1002.toml"?'),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from support.vehicle_texts import GOOD, fault
 
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import Finder, shipped_models
@@ -17,18 +18,7 @@ from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 MODELS = shipped_models()
 FIND = Finder((MODELS,))
 
-VEHICLE = """\
-name = "a wheelset"
-source = "made up"
-date = 2026-01-31
-[wheelset]
-mass_kg = 1000
-roll_inertia_kg_m2 = 600
-spin_inertia_kg_m2 = 100
-yaw_inertia_kg_m2 = 600
-flange_back_mm = 1360
-radius_mm = 450
-wheel = "wheels/S1002.toml"
+SPRUNG = """\
 [suspension]
 stiffness_kN_per_m = [1, 2, 3]
 damping_kNs_per_m = [4, 5, 6]
@@ -37,22 +27,15 @@ half_spacing_mm = 900
 mass_kg = 5000
 height_above_axle_mm = 1200
 """
-
-
-def faults(text: str, folder: Path) -> list[str]:
-    (folder / "vehicle.toml").write_text(text)
-    try:
-        load_vehicle(folder / "vehicle.toml", FIND)
-    except InputError as error:
-        return [line.removeprefix(f"{folder}/") for line in str(error).split("\n")]
-    return []
+VEHICLE = GOOD.partition("[wheelsets]")[0] + SPRUNG
+"""The wheelset of the good car, alone."""
 
 
 def test_a_vehicle_arrives_in_si_units(tmp_path: Path) -> None:
     (tmp_path / "vehicle.toml").write_text(VEHICLE)
     vehicle = load_vehicle(tmp_path / "vehicle.toml", FIND)
     w = vehicle.wheelsets[0].wheelset
-    assert (w.name, w.source, w.mass, w.inertia) == ("a wheelset", "made up", 1000.0, (600.0, 100.0, 600.0))
+    assert (w.name, w.source, w.mass, w.inertia) == ("a car", "made up", 1000.0, (600.0, 100.0, 600.0))
     assert w.profile_spacing == pytest.approx(1.5), "flange backs plus twice 70 mm"
     assert w.left.radius == w.right.radius == w.mean_radius == pytest.approx(0.45)
     assert w.left.profile.kind == "wheel"
@@ -132,10 +115,9 @@ ONE_FAULT = [
     (
         "mass_kg = 1000",
         "mass = 1000",
-        "vehicle.toml:5: wheelset.mass = 1000: unknown key; did you mean 'mass_kg' (in kg)?",
+        "car.toml:5: wheelset.mass = 1000: unknown key; did you mean 'mass_kg' (in kg)?",
     ),
     ("mass_kg = 1000", "mass_kg = 0", "wheelset.mass_kg = 0: must be a number above 0"),
-    ("mass_kg = 1000", "mass_t = 1", "did you mean 'mass_kg' (in kg)?"),
     ("roll_inertia_kg_m2 = 600", "ixx_kg_m2 = 600", "did you mean 'roll_inertia_kg_m2'?"),
     (
         "roll_inertia_kg_m2 = 600",
@@ -155,31 +137,25 @@ ONE_FAULT = [
         "profile_spacing_mm = 1500\nback_to_tape_circle_mm = 70",
         "goes with flange_back_mm",
     ),
-    ("radius_mm = 450", "radius_m = 0.45", "did you mean 'radius_mm' (in mm)?"),
     ("radius_mm = 450", "radius_mm = 0.45", "wheelset.radius_mm = 0.45: must be a number from 100 to 1500"),
     ("radius_mm = 450", "radius_left_mm = 450", "wheelset.radius_right_mm is missing: goes with radius_left_mm"),
     ('wheel = "wheels/S1002.toml"', "", "wheelset.wheel is missing: must be a wheel profile file"),
     (
         '"wheels/S1002.toml"',
         '"wheels/S1003.toml"',
-        'vehicle.toml:11: wheelset.wheel = "wheels/S1003.toml": not found in',
+        'car.toml:11: wheelset.wheel = "wheels/S1003.toml": not found in',
     ),
     ('"wheels/S1002.toml"', '"rails/60E1.toml"', "a wheel profile is needed here"),
     ("[1, 2, 3]", "[1, 2]", "suspension.stiffness_kN_per_m = [1, 2]: must be three numbers not below 0"),
-    ("[1, 2, 3]", "[1, -2, 3]", "suspension.stiffness_kN_per_m = [1, -2, 3]: "),
-    ("stiffness_kN_per_m", "stiffness_MN_per_m", "did you mean 'stiffness_kN_per_m' (in kN/m)?"),
     ("date = 2026-01-31", 'date = "2026-01-31"', "must be a date without quotes"),
     ("[sprung]", "[spring]", "spring: unknown key; did you mean 'sprung'?"),
-    ("[wheelset]", "[wheel_set]", "wheel_set: unknown key; did you mean 'wheelset'?"),
 ]
 
 
 @pytest.mark.parametrize(("old", "new", "message"), ONE_FAULT)
 def test_one_fault_in_a_vehicle_file_is_one_line(tmp_path: Path, old: str, new: str, message: str) -> None:
-    assert old in VEHICLE
-    lines = faults(VEHICLE.replace(old, new, 1), tmp_path)
-    assert len(lines) == 1, lines
-    assert message in lines[0]
+    said = fault(tmp_path, (old, new), text=VEHICLE)
+    assert "\n" not in said and message in said
 
 
 def test_a_profile_in_the_place_of_a_vehicle_is_told_as_such() -> None:
