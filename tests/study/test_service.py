@@ -192,7 +192,7 @@ def test_the_page_of_a_service_holds_numbers_pictures_and_files(
     assert found.returncode == 0, found.stderr
     page = (tmp_path / "report.html").read_text()
     for words in (
-        service.title,
+        service.given.title,
         "mm worn off at the deepest place",
         "Sd [mm]",
         "left,0.5,500,60",

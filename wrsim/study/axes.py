@@ -20,7 +20,7 @@ ID = "id"
 
 
 @dataclass(frozen=True)
-class Points:
+class AxisPoints:
     """The points of one axis.
 
     name: of its dimension; keys: groups of dotted keys, those of one group take the same value; columns: names of the
@@ -41,11 +41,11 @@ class Points:
         return (self.name,) if not self.listed else tuple(group[0] for group in self.keys)
 
 
-def points_of(axis: Axis, finder: Finder, where: str) -> Points:
+def axis_points(axis: Axis, finder: Finder, where: str) -> AxisPoints:
     """The points of an axis. where: file and line of its table. Raises InputError for a table that does not do."""
     if isinstance(axis, GridAxis):
         values = tuple((value,) for value in axis.values)
-        return Points(axis_name(axis), (axis.key,), values, (where,) * len(values))
+        return AxisPoints(axis_name(axis), (axis.key,), values, (where,) * len(values))
     if isinstance(axis, CsvAxis):
         try:
             path = finder.find(axis.file)
@@ -54,7 +54,7 @@ def points_of(axis: Axis, finder: Finder, where: str) -> Points:
         return _rows(path, axis.name)
     rows = _sampled(axis)
     found = tuple(tuple(_number(v, one) for v, one in zip(row, axis.over, strict=True)) for row in rows)
-    return Points(axis.name, tuple(one.key for one in axis.over), found, (where,) * len(found), listed=True)
+    return AxisPoints(axis.name, tuple(one.key for one in axis.over), found, (where,) * len(found), listed=True)
 
 
 def _number(value: float, one: SampledKey) -> float | int:
@@ -79,7 +79,7 @@ def _sampled(axis: SobolAxis | LatinHypercubeAxis) -> NDArray[np.float64]:
     return np.stack(columns, axis=1)
 
 
-def _rows(path: Path, name: str) -> Points:
+def _rows(path: Path, name: str) -> AxisPoints:
     """The rows of a table; cells are values as in TOML, and bare words are texts."""
     lines = table_lines(path)
     if len(lines) < 2:
@@ -92,7 +92,7 @@ def _rows(path: Path, name: str) -> Points:
         if not column:
             raise InputError(f"{path}:{first}: a column has no name; must be a dotted key such as vehicle.speed_kmh")
         if header.count(column) > 1:
-            raise InputError(f"{path}:{first}: column {column}: stands there twice")
+            raise InputError(f"{path}:{first}: column {column}: duplicate key")
     keys = [column for column in header if column != ID]
     if not keys:
         raise InputError(f"{path}:{first}: no column varies a key; must be dotted keys such as vehicle.speed_kmh")
@@ -112,4 +112,4 @@ def _rows(path: Path, name: str) -> Points:
             known.add(own[ID])
         values.append(tuple(parse_value(own[key]) for key in keys))
         places.append(f"{path}:{number}")
-    return Points(name, tuple((key,) for key in keys), tuple(values), tuple(places), tuple(labels), listed=True)
+    return AxisPoints(name, tuple((key,) for key in keys), tuple(values), tuple(places), tuple(labels), listed=True)

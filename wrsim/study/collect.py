@@ -21,7 +21,7 @@ from wrsim.results.files import as_csv, as_json
 from wrsim.results.netcdf import read_netcdf, write_netcdf
 from wrsim.results.table import Column, Table, with_unit
 from wrsim.results.tables import Row
-from wrsim.study.axes import Points
+from wrsim.study.axes import AxisPoints
 from wrsim.study.plan import Plan, in_words
 from wrsim.study.task import Marker, read_marker
 
@@ -76,7 +76,7 @@ def collected(plan: Plan, markers: Sequence[Marker | None]) -> xr.Dataset:
     return xr.Dataset(variables, coords, attributes | versions())
 
 
-def _coordinates(axis: Points) -> dict[str, Any]:
+def _coordinates(axis: AxisPoints) -> dict[str, Any]:
     """The labels of an axis, and of rows and samples the values of their keys."""
     if not axis.listed:
         return {axis.name: (axis.name, _labels([row[0] for row in axis.values]), {"key": ", ".join(axis.keys[0])})}

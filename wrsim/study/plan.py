@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
 from itertools import product
@@ -23,13 +24,14 @@ from pydantic import TypeAdapter
 from wrsim.errors import InputError
 from wrsim.inputs.checking import check, fault_line, opened
 from wrsim.inputs.lookup import Finder, shipped_models, user_folders
+from wrsim.inputs.section import Section
 from wrsim.inputs.toml_files import noting_reads, shown
 from wrsim.results.manifest import digest_of
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load, load_text
-from wrsim.study.axes import Points, points_of
+from wrsim.study.axes import AxisPoints, axis_points
 from wrsim.study.outputs import check_hook, outputs_digest
-from wrsim.study.spec import MOST_CASES, OutputsSection, StudyFile
+from wrsim.study.spec import MOST_CASES, CasesSection, OutputsSection, StudyFile
 
 CASES = "cases"
 PLAN = "plan.json"
@@ -63,7 +65,7 @@ class Plan:
     source: str
     text: str
     folders: tuple[str, ...]
-    axes: tuple[Points, ...]
+    axes: tuple[AxisPoints, ...]
     cases: tuple[Case, ...]
     files: tuple[dict[str, str], ...]
     outputs: dict[str, Any]
@@ -108,57 +110,89 @@ def plan_in(folder: str, digest: str) -> Plan:
     return replace(TypeAdapter(Plan).validate_json(content), folder=folder)
 
 
+class StudyInput:
+    """A study file or one of profile evolution, as it was read: its sections, the scenario its cases start from, and
+    where files are looked up."""
+
+    def __init__(self, file: Path, what: str, kind: type[Section], models: Sequence[str | Path]) -> None:
+        """Raises InputError with file, key and what is allowed."""
+        data, self.locate = opened(file, what)
+        self.file, self.text = file, file.read_text(encoding="utf-8")
+        self.spec: Any = check(kind, data, self.locate)
+        self.finder = Finder(tuple(dict.fromkeys((file.parent, *user_folders(tuple(models)), shipped_models()))))
+        self.base = load(self.found("base", self.spec.base), models)
+
+    @property
+    def title(self) -> str:
+        """That of the file, else of its scenario."""
+        return self.spec.title or self.base.title
+
+    @property
+    def folders(self) -> tuple[str, ...]:
+        """Where models of cases are looked up."""
+        return tuple(str(p.resolve()) for p in dict.fromkeys((*self.base.directories, *self.finder.folders)))
+
+    def found(self, key: str, name: str) -> Path:
+        """A file that is named by a key."""
+        with self.naming(key, value=name):
+            return self.finder.find(name)
+
+    @contextmanager
+    def naming(self, *key: str, value: Any = None) -> Iterator[None]:
+        """Give faults the place of a key."""
+        try:
+            yield
+        except InputError as error:
+            raise InputError(fault_line(key, str(error), self.locate, value)) from None
+
+    def plan(
+        self, folder: Path, axes: tuple[AxisPoints, ...], outputs: OutputsSection, cases: CasesSection, hook: str = ""
+    ) -> Plan:
+        """The plan of all cases on these axes, none of which is made yet."""
+        return Plan(
+            folder=str(folder.resolve()),
+            title=self.title,
+            analysis=self.base.analysis,
+            source=self.text,
+            text=self.base.text,
+            folders=self.folders,
+            axes=axes,
+            cases=(),
+            files=(),
+            outputs=outputs.model_dump(mode="json", exclude_none=True),
+            hook=hook,
+            outputs_digest=outputs_digest(outputs, Path(hook) if hook else None),
+            time_limit=cases.time_limit_s,
+            keep=cases.keep,
+        )
+
+
 def planned(file: Path, folder: Path, models: Sequence[str | Path] = ()) -> tuple[Plan, tuple[Path, ...]]:
     """The plan of a study file, every case checked, and all files that were read.
 
     Raises InputError with all faults, one line each.
     """
     with noting_reads() as seen:
-        data, locate = opened(file, "study file")
-        spec = check(StudyFile, data, locate)
-        finder = Finder(tuple(dict.fromkeys((file.parent, *user_folders(tuple(models)), shipped_models()))))
-        try:
-            base_file = finder.find(spec.base)
-        except InputError as error:
-            raise InputError(fault_line(("base",), str(error), locate, spec.base)) from None
-        base = load(base_file, models)
-        axes = tuple(points_of(axis, finder, locate(("vary", i))) for i, axis in enumerate(spec.vary))
+        own = StudyInput(file, "study file", StudyFile, models)
+        spec: StudyFile = own.spec
+        axes = tuple(axis_points(axis, own.finder, own.locate(("vary", i))) for i, axis in enumerate(spec.vary))
         _check_keys(axes)
         count = prod(len(axis.values) for axis in axes)
         if count > MOST_CASES:
-            message = f"describes {count} cases; must be at most {MOST_CASES}"
-            raise InputError(fault_line(("vary",), message, locate))
+            with own.naming("vary"):
+                raise InputError(f"describes {count} cases; must be at most {MOST_CASES}")
         hook = ""
         if spec.outputs.hook is not None:
             name, _, function = spec.outputs.hook.rpartition(":")
-            try:
-                hook = str(finder.find(name).resolve())
+            with own.naming("outputs", "hook", value=spec.outputs.hook):
+                hook = str(own.finder.find(name).resolve())
                 check_hook(Path(hook), function)
-            except InputError as error:
-                raise InputError(fault_line(("outputs", "hook"), str(error), locate, spec.outputs.hook)) from None
-        digest = outputs_digest(spec.outputs, Path(hook) if hook else None)
-    folders = tuple(str(part.resolve()) for part in dict.fromkeys((*base.directories, *finder.folders)))
-    plan = Plan(
-        folder=str(folder.resolve()),
-        title=spec.title or base.title,
-        analysis=base.analysis,
-        source=file.read_text(encoding="utf-8"),
-        text=base.text,
-        folders=folders,
-        axes=axes,
-        cases=(),
-        files=(),
-        outputs=spec.outputs.model_dump(mode="json", exclude_none=True),
-        hook=hook,
-        outputs_digest=digest,
-        time_limit=spec.cases.time_limit_s,
-        keep=spec.cases.keep,
-    )
-    plan, models_read = with_cases(plan, base)
+        plan = own.plan(folder, axes, spec.outputs, spec.cases, hook)
+    plan, models_read = with_cases(plan, own.base)
     return plan, tuple(dict.fromkeys((*seen, *models_read)))
 
 
-def _check_keys(axes: Sequence[Points]) -> None:
+def _check_keys(axes: Sequence[AxisPoints]) -> None:
     """No key twice, also where tables name keys."""
     seen: dict[str, str] = {}
     for axis in axes:
@@ -206,7 +240,7 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
     return replace(plan, cases=tuple(cases), files=tuple(files)), read
 
 
-def _values_at(axes: Sequence[Points], place: tuple[int, ...]) -> tuple[dict[str, Any], str]:
+def _values_at(axes: Sequence[AxisPoints], place: tuple[int, ...]) -> tuple[dict[str, Any], str]:
     """Values of a case by dotted key, and the place in the study's files that its faults are put down to."""
     values: dict[str, Any] = {}
     for axis, i in zip(axes, place, strict=True):
@@ -215,7 +249,7 @@ def _values_at(axes: Sequence[Points], place: tuple[int, ...]) -> tuple[dict[str
     return values, " and ".join(dict.fromkeys(axis.places[i] for axis, i in zip(axes, place, strict=True)))
 
 
-def _label(axes: Sequence[Points], place: tuple[int, ...]) -> str:
+def _label(axes: Sequence[AxisPoints], place: tuple[int, ...]) -> str:
     """The values of a case in words."""
     words = []
     for axis, i in zip(axes, place, strict=True):

@@ -59,8 +59,8 @@ def history(service: Service, steps: Sequence[Step]) -> xr.Dataset:
         "depth": (("point", "place"), np.stack(depths), {"units": "m", "long_name": "depth along the normal"}),
         "unworn_u": ("place", unworn[0], {"units": "m", "long_name": "outward coordinate of the unworn profile"}),
     }
-    about = {"format": FORMAT, "title": service.title, "law": service.law, "wheel": service.unworn.name}
-    about |= {"service_text": service.text, "cases_text": service.cases_text, "scenario_text": service.base.text}
+    about = {"format": FORMAT, "title": service.given.title, "law": service.law, "wheel": service.unworn.name}
+    about |= {"service_text": service.given.text, "cases_text": service.cases_text, "scenario_text": service.base.text}
     return xr.Dataset(
         variables, attrs=about | {"conicity_amplitude_m": 1e-3 * service.spec.conicity_amplitude_mm} | versions()
     )
@@ -97,7 +97,7 @@ def _conicity(service: Service, profile: Profile) -> float:
     wheelset = replace(own, left=replace(own.left, profile=profile), right=replace(own.right, profile=profile))
     plan = ConicityPlan(amplitudes=(1e-3 * service.spec.conicity_amplitude_mm,))
     try:
-        found = conicity(wheelset, setup.rails, setup.track.nominal_gauge, plan, service.title)
+        found = conicity(wheelset, setup.rails, setup.track.nominal_gauge, plan, service.given.title)
     except InputError:
         return float("nan")
     return float(found.dataset["equivalent_conicity"].values.ravel()[0])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,18 +17,15 @@ from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.profile import Profile
 from wrsim.geometry.profile.wear import DepthTable, bin_edges, depths_of, worn
-from wrsim.inputs.checking import Locate, check, fault_line, opened
-from wrsim.inputs.lookup import Finder, shipped_models, user_folders
 from wrsim.inputs.toml_files import noting_reads
 from wrsim.scenario.build import Setup, build
-from wrsim.scenario.loading import Scenario, load
+from wrsim.scenario.loading import Scenario
 from wrsim.scenario.sections.run import RunPlan
-from wrsim.study.axes import Points, points_of
-from wrsim.study.outputs import outputs_digest
-from wrsim.study.plan import Plan, with_cases
+from wrsim.study.axes import AxisPoints, axis_points
+from wrsim.study.plan import Plan, StudyInput, with_cases
 from wrsim.study.service.spec import ServiceFile
 from wrsim.study.service.stages import STAGES
-from wrsim.study.spec import CsvAxis, OutputsSection
+from wrsim.study.spec import CasesSection, CsvAxis, OutputsSection
 
 Array = NDArray[np.float64]
 
@@ -45,23 +43,25 @@ SHARPEST = 1000.0
 class Service:
     """A service in SI units.
 
-    text, spec: the file as it was read; base: the scenario with all that holds for every case; points, cases_text: the
-    cases and their table; shares: of the mileage, in their order; wheel: file of the unworn profile, which is
-    ``unworn``; digest: of everything that shapes the numbers.
+    given: the file as it was read, base: its scenario with all that holds for every case; points, cases_text: the cases
+    and their table; shares: of the mileage, in their order; wheel: file of the unworn profile, which is ``unworn``;
+    digest: of everything that shapes the numbers.
     """
 
-    file: Path
-    text: str
-    title: str
-    spec: ServiceFile
+    given: StudyInput
     base: Scenario
-    points: Points
+    points: AxisPoints
     cases_text: str
     shares: tuple[float, ...]
     wheel: Path
     unworn: Profile
-    folders: tuple[str, ...]
     digest: str
+
+    @property
+    def spec(self) -> ServiceFile:
+        """What the file holds."""
+        own: ServiceFile = self.given.spec
+        return own
 
     @property
     def law(self) -> LawName:
@@ -94,74 +94,38 @@ class Service:
 
     def plan(self, folder: Path, wheel: Path, label: str) -> Plan:
         """The study of one step: all cases with this wheel, in a folder. Raises InputError with all faults."""
-        base = self.base.with_values({"vehicle.wheel": str(wheel.resolve())}, str(self.file))
-        asked = OutputsSection()
-        plan = Plan(
-            folder=str(folder.resolve()),
-            title=f"{self.title}, {label}",
-            analysis=base.analysis,
-            source=self.text,
-            text=base.text,
-            folders=self.folders,
-            axes=(self.points,),
-            cases=(),
-            files=(),
-            outputs=asked.model_dump(mode="json", exclude_none=True),
-            hook="",
-            outputs_digest=outputs_digest(asked, None),
-            time_limit=self.spec.time_limit_s,
-            keep="results",
-        )
-        return with_cases(plan, base)[0]
+        given = copy(self.given)
+        given.base = self.base.with_values({"vehicle.wheel": str(wheel.resolve())}, str(given.file))
+        plan = given.plan(folder, (self.points,), OutputsSection(), CasesSection(time_limit_s=self.spec.time_limit_s))
+        return with_cases(replace(plan, title=f"{plan.title}, {label}"), given.base)[0]
 
 
 def read_service(file: Path, models: Sequence[str | Path] = ()) -> tuple[Service, tuple[Path, ...]]:
     """A service, and all files that were read. Raises InputError with file, key and what is allowed."""
     with noting_reads() as seen:
-        data, locate = opened(file, "service file")
-        spec = check(ServiceFile, data, locate)
-        _check_bend(spec, locate)
-        finder = Finder(tuple(dict.fromkeys((file.parent, *user_folders(tuple(models)), shipped_models()))))
-
-        def found(key: str, name: str) -> Path:
-            try:
-                return finder.find(name)
-            except InputError as error:
-                raise InputError(fault_line((key,), str(error), locate, name)) from None
-
-        base = load(found("base", spec.base), models)
+        given = StudyInput(file, "service file", ServiceFile, models)
+        spec, base = given.spec, given.base
+        with given.naming("largest_depth_mm", value=spec.largest_depth_mm):
+            _check_bend(spec)
         if base.analysis != "curving":
-            message = f'its analysis is "{base.analysis}"; must be a scenario with analysis = "curving"'
-            raise InputError(fault_line(("base",), message, locate, spec.base))
-        wheel = found("wheel", spec.wheel).resolve()
+            with given.naming("base", value=spec.base):
+                raise InputError(f'its analysis is "{base.analysis}"; must be a scenario with analysis = "curving"')
+        wheel = given.found("wheel", spec.wheel).resolve()
         unworn = load_profile(wheel, "wheel")
-        table = found("cases", spec.cases)
-        points, shares = _weighted(
-            points_of(CsvAxis(kind="csv", file=str(table.resolve())), finder, locate(("cases",)))
-        )
-        base = base.with_values({"wear.laws": [spec.law], "vehicle.wheel": str(wheel)}, locate(("base",)))
+        table = given.found("cases", spec.cases)
+        axis = CsvAxis(kind="csv", file=str(table.resolve()))
+        points, shares = _weighted(axis_points(axis, given.finder, given.locate(("cases",))))
+        own = {"wear.laws": [spec.law], "vehicle.wheel": str(wheel)}
+        base = base.with_values(own, given.locate(("base",)))
         setup = build(base)
     digest = hashlib.sha256(repr((spec, STAGES, base.text, sorted(setup.inputs.items()))).encode())
     for path, content in sorted((str(path), content) for path, content in seen.items()):
         digest.update(f"{path} {content}\n".encode())
-    service = Service(
-        file=file,
-        text=file.read_text(encoding="utf-8"),
-        title=spec.title or base.title,
-        spec=spec,
-        base=base,
-        points=points,
-        cases_text=table.read_text(encoding="utf-8"),
-        shares=shares,
-        wheel=wheel,
-        unworn=unworn,
-        folders=tuple(str(p.resolve()) for p in dict.fromkeys((*base.directories, *finder.folders))),
-        digest=digest.hexdigest()[:32],
-    )
-    return service, tuple(seen)
+    cases_text = table.read_text(encoding="utf-8")
+    return Service(given, base, points, cases_text, shares, wheel, unworn, digest.hexdigest()[:32]), tuple(seen)
 
 
-def _check_bend(spec: ServiceFile, locate: Locate) -> None:
+def _check_bend(spec: ServiceFile) -> None:
     """Refuse steps that dig waves too sharp for any contact: of smoothing_mm, between 0 and largest_depth_mm deep.
 
     Such a wave bends by depth / 2 (2 pi / length)^2. Raises InputError.
@@ -169,15 +133,14 @@ def _check_bend(spec: ServiceFile, locate: Locate) -> None:
     most = 1e3 * SHARPEST * 2.0 * (1e-3 * spec.smoothing_mm / (2.0 * np.pi)) ** 2
     if spec.largest_depth_mm > most:
         enough = np.ceil(2e4 * np.pi * np.sqrt(0.5e-3 * spec.largest_depth_mm / SHARPEST)) / 10.0
-        message = (
+        raise InputError(
             f"one step could leave waves of smoothing_mm = {spec.smoothing_mm:g} that bend by more than "
             f"{SHARPEST:g} 1/m; must be at most {np.floor(1e4 * most) / 1e4:g} with them, "
             f"or smoothing_mm at least {enough:g}"
         )
-        raise InputError(fault_line(("largest_depth_mm",), message, locate, spec.largest_depth_mm))
 
 
-def _weighted(points: Points) -> tuple[Points, tuple[float, ...]]:
+def _weighted(points: AxisPoints) -> tuple[AxisPoints, tuple[float, ...]]:
     """Cases without their shares, and the shares. Raises InputError."""
     columns = list(points.columns)
     if SHARE not in columns:

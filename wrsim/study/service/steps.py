@@ -156,7 +156,7 @@ def _taken(service: Service, folder: Path, number: int, start: float, areas: Arr
         service.profile(after)
     except InputError as error:
         place = f"step {number}, from {1e-3 * start:.6g} to {1e-3 * (start + way):.6g} km"
-        raise InputError(f"{service.file}: {place}: {error}") from None
+        raise InputError(f"{service.given.file}: {place}: {error}") from None
     lost = tuple(after.tolist())
     return Step(number, start, way, mean.deepest(service), mean.tread, mean.flange, lost, service.digest)
 
@@ -194,7 +194,7 @@ def write_wheel(service: Service, folder: Path, areas: Array, label: str, stem: 
         "name": f"{service.unworn.name} after {label}",
         "body": "wheel",
         "kind": "worn",
-        "source": f"computed: {service.title}",
+        "source": f"computed: {service.given.title}",
         "base": str(service.wheel),
         "depths": depths.name,
     }
