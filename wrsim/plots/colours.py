@@ -18,6 +18,7 @@ RAIL_FILL = "#e4e7eb"
 WHEEL_FILL = "#f4efe4"
 Dashes = tuple[float, tuple[float, ...]]
 
+DOTS: Dashes = (0, (1, 2))
 GROUP_LINE: tuple[Dashes | Literal["-"], ...] = (
     "-",
     (0, (4, 1.2)),

@@ -17,7 +17,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from wrsim.plots.colours import CANT_COLOUR, INK, PATCH_LINE, QUIET, STOP_COLOUR, WHEEL_COLOUR
+from wrsim.plots.colours import CANT_COLOUR, DOTS, INK, PATCH_LINE, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.gallery import PATCH_NAMES
 from wrsim.plots.marks import (
     broken,
@@ -33,7 +33,7 @@ from wrsim.plots.marks import (
     without_neighbours,
 )
 from wrsim.plots.moments import snapshot_letter
-from wrsim.plots.style import FULL_WIDTH, abscissa, headline, mm_axes, new_figure, shown, style, write_words
+from wrsim.plots.style import FULL_WIDTH, abscissa, headline, mm_axes, new_figure, shown, style
 from wrsim.results import CHANNELS
 from wrsim.results.assessment import DERAILMENT_LIMIT, DERAILMENT_RADIUS
 
@@ -43,6 +43,8 @@ CLOSE = 0.015
 """Share of the axis within which letters of snapshots are written together."""
 ANGLES = ("contact_angle", "contact_angle_min", "contact_angle_max", "contact_angle_mean")
 
+FINE: Any = {"color": INK, "linewidth": 0.6, "zorder": 3.1}
+SNAPSHOT: Any = {"color": QUIET, "linewidth": 0.5, "linestyle": DOTS, "zorder": 1.2}
 CROWDED = 60
 """How often a line goes through its whole range before it is drawn thin and lets lines behind it through."""
 SEEN = 2.5
@@ -78,7 +80,7 @@ def history(axes: Axes, dataset: xr.Dataset, name: str, *, largest: float | None
             look: dict[str, Any] = {"color": colour, "linestyle": PATCH_LINE[k]} | crowded(values[:, j, k])
             draw_line(axes, *line, **(look | options))
     if name == "Y_over_Q":
-        derailment_limit(axes, dataset, largest or float(np.nanmax(np.abs(values), initial=0.0)))
+        _derailment_limit(axes, dataset, largest or float(np.nanmax(np.abs(values), initial=0.0)))
     channel = CHANNELS[name]
     axes.set_ylabel(channel.label.replace(" $" if channel.symbol else " [", "\n$" if channel.symbol else "\n[", 1))
     return axes
@@ -91,20 +93,19 @@ def crowded(values: NDArray[Any]) -> dict[str, Any]:
     return {"linewidth": 0.45, "alpha": 0.6} if often else {}
 
 
-def derailment_limit(axes: Axes, dataset: xr.Dataset, largest: float) -> Axes:
+def _derailment_limit(axes: Axes, dataset: xr.Dataset, largest: float) -> None:
     """The limit of the filtered quotient where there is one: a red line, or words alone where that is far above."""
     x, _ = abscissa(dataset)
     curvature = dataset["curvature"].values if "curvature" in dataset else np.zeros(x.shape)
     limit = np.where(np.abs(curvature) * DERAILMENT_RADIUS <= 1.0 + 1e-6, DERAILMENT_LIMIT, np.nan)
     if not np.isfinite(limit).any():
-        return axes
-    words = f"limit {DERAILMENT_LIMIT:g} after 20 Hz\nand 2 m (EN 14363)"
+        return
     if largest * SEEN >= DERAILMENT_LIMIT:
         axes.plot(x, limit, color=STOP_COLOUR, linewidth=0.8, gid="limit")
         axes.set_ylim(top=max(axes.get_ylim()[1], 1.08 * DERAILMENT_LIMIT))
+    words = f"limit {DERAILMENT_LIMIT:g} after 20 Hz\nand 2 m (EN 14363)"
     beside: Any = {"xycoords": "axes fraction", "rotation": 90, "ha": "left", "va": "center", "color": STOP_COLOUR}
     note(axes, words, (1.0, 0.5), (2.5, 0.0), **beside)
-    return axes
 
 
 def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
@@ -116,14 +117,11 @@ def contact_angle(axes: Axes, dataset: xr.Dataset, wheel: str) -> Axes:
     colour = WHEEL_COLOUR[wheel]
     of_wheel = dataset[[*ANGLES]].sel(wheel=wheel)
     main, mean, low, high = (shown(of_wheel, f"contact_angle{end}") for end in ("", "_mean", "_min", "_max"))
-    for k in range(main.shape[1]):
-        if not np.isfinite(main[:, k]).any():
-            continue
-        line = PATCH_LINE[k]
-        thin: Any = crowded(main[:, k])
-        fine: Any = {"linewidth": 0.6} | crowded(mean[:, k])
-        draw_line(axes, *broken(x, main[:, k], ANGLE_JUMP), color=colour, linestyle=line, zorder=3.0, **thin)
-        draw_line(axes, *broken(x, mean[:, k], ANGLE_JUMP), color=INK, linestyle=line, zorder=3.1, **fine)
+    for k in np.flatnonzero(np.isfinite(main).any(axis=0)):
+        for values, look in ((main, {"color": colour, "zorder": 3.0}), (mean, FINE)):
+            line = broken(x, values[:, k], ANGLE_JUMP)
+            thin: Any = look | crowded(values[:, k])
+            draw_line(axes, *line, linestyle=PATCH_LINE[k], **thin)
         shade: Any = {"color": colour, "alpha": 0.28 if k == 0 else 0.16, "zorder": 2.0}
         band_x, least = broken(x, low[:, k], ANGLE_JUMP, by=main[:, k])
         _, largest = broken(x, high[:, k], ANGLE_JUMP, by=main[:, k])
@@ -175,7 +173,7 @@ def mark_snapshots(axes: Axes, dataset: xr.Dataset, *, letters: bool = True) -> 
     x, name = abscissa(dataset)
     places = shown(dataset, f"snapshot_{name}")
     for at in places:
-        axes.axvline(at, color=QUIET, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1.2)
+        axes.axvline(at, **SNAPSHOT)
     if letters:
         close = np.diff(places, prepend=-np.inf) <= CLOSE * np.ptp(x)
         for group in np.split(np.arange(places.size), np.flatnonzero(~close))[1:]:
@@ -198,88 +196,67 @@ def stacked(
     titled: panels have titles. Every panel has a place of its own in mm: a layout that measures all words first takes
     half of the drawing time.
     """
+    title, note = dataset.attrs.get("title", ""), stop_note(dataset)
     if dataset.sizes["time"] == 0:
         figure = new_figure(FULL_WIDTH, 24.0, constrained=False)
-        headline(figure, dataset.attrs.get("title", ""), stop_note(dataset))
+        headline(figure, title, note)
         figure.text(0.5, 0.2, "No samples to draw.", ha="center", color=QUIET)
         return figure
-    curved = any(np.nan_to_num(dataset[n].values).any() for n in ("curvature", "cant") if n in dataset)
     gap = GAP + (2.6 if titled else 0.0)
-    heights = [panel_height_mm - gap] * len(panels) + [17.0 - GAP] * curved
-    note = stop_note(dataset)
+    rows = [(panel, panel_height_mm - gap) for panel in panels]
+    if any(np.nan_to_num(dataset[n].values).any() for n in ("curvature", "cant") if n in dataset):
+        rows.append((track_layout, 17.0 - GAP))
     top = HEAD + (4.0 if note else 0.0) + gap - GAP
-    legend = [*legend, *_letters_entry(dataset)]
-    letters = sum(7 + len(str(entry.get_label())) for entry in legend)
-    lines = max(ceil(letters / LETTERS), 1 if len(legend) <= 5 else 2)
-    total = top + sum(heights) + gap * (len(heights) - 1) + FOOT + LINE * (lines - 1)
+    legend = list(legend)
+    if count := dataset.sizes.get("snapshot", 0):
+        letters = snapshot_letter(0) + (f" to {snapshot_letter(count - 1)}" if count > 1 else "")
+        legend.append(Line2D([], [], label=f"{letters}: see patches, sections", **(SNAPSHOT | {"linewidth": 0.8})))
+    needed = sum(7 + len(str(entry.get_label())) for entry in legend)
+    lines = max(ceil(needed / LETTERS), 1 if len(legend) <= 5 else 2)
+    total = top + sum(height for _, height in rows) + gap * (len(rows) - 1) + FOOT + LINE * (lines - 1)
     figure = new_figure(FULL_WIDTH, total, constrained=False)
-    figure.suptitle(dataset.attrs.get("title", ""), x=0.012, y=1.0 - 2.0 / total, ha="left", va="top", fontsize=8.5)
-    if note:
-        write_words(figure, 2.0, 6.5, note, color=STOP_COLOUR)
-    rows: list[Axes] = []
-    for height in heights:
-        axes = mm_axes(figure, LEFT, top, FULL_WIDTH - LEFT - RIGHT, height)
-        if rows:
-            axes.sharex(rows[0])
-        axes.tick_params(labelbottom=len(rows) == len(heights) - 1)
-        axes.yaxis.set_label_coords(-LABEL / (FULL_WIDTH - LEFT - RIGHT), 0.5)
-        rows.append(axes)
-        top += height + gap
-    track = rows.pop() if curved else None
-    for i, (panel, axes) in enumerate(zip(panels, rows, strict=True)):
+    headline(figure, title, note)
+    width = FULL_WIDTH - LEFT - RIGHT
+    for i, (panel, height) in enumerate(rows):
+        axes = mm_axes(figure, LEFT, top, width, height)
+        if i:
+            axes.sharex(figure.axes[0])
+        axes.tick_params(labelbottom=i == len(rows) - 1)
+        axes.yaxis.set_label_coords(-LABEL / width, 0.5)
         panel(axes, dataset)
         mark_snapshots(axes, dataset, letters=i == 0)
         mark_stop(axes, dataset)
-    if track is not None:
-        track_layout(track, dataset)
-        mark_snapshots(track, dataset, letters=False)
-        mark_stop(track, dataset)
+        top += height + gap
     x, name = abscissa(dataset)
-    lowest = track or rows[-1]
-    lowest.set_xlabel(CHANNELS[name].label)
+    axes.set_xlabel(CHANNELS[name].label)
     if x[-1] > x[0]:
-        lowest.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if is_stopped(dataset) else 0.0))
+        axes.set_xlim(x[0], x[-1] + (0.01 * (x[-1] - x[0]) if is_stopped(dataset) else 0.0))
     if legend:
         legend_beneath(figure, legend, ceil(len(legend) / lines))
     return figure
-
-
-def _letters_entry(dataset: xr.Dataset) -> list[Artist]:
-    """Legend entry that says what the letters above the panels are."""
-    count = dataset.sizes.get("snapshot", 0)
-    if count == 0:
-        return []
-    letters = snapshot_letter(0) + (f" to {snapshot_letter(count - 1)}" if count > 1 else "")
-    look: Any = {"color": QUIET, "linewidth": 0.8, "linestyle": (0, (1, 2))}
-    return [Line2D([], [], label=f"{letters}: see patches, sections", **look)]
 
 
 def overview_figure(dataset: xr.Dataset) -> Figure:
     """The run at a glance: contact angles of both wheels, Y/Q, lateral shift, yaw."""
     panels: list[Panel] = [partial(contact_angle, wheel=str(wheel)) for wheel in dataset["wheel"].values]
     panels += [partial(history, name=name) for name in ("Y_over_Q", "lateral_shift", "yaw") if name in dataset]
-    legend = wheel_entries(dataset["wheel"].values) + _angle_legend(dataset)
-    return stacked(dataset, panels, panel_height_mm=32.0, legend=legend)
-
-
-def _angle_legend(dataset: xr.Dataset) -> list[Artist]:
-    return [
+    legend = [
+        *wheel_entries(dataset["wheel"].values),
         Line2D([], [], color=QUIET, linewidth=1.6, label="main contact point"),
         Line2D([], [], color=INK, linewidth=0.6, label="mean over the strips"),
         Patch(facecolor=QUIET, alpha=0.3, label="smallest to largest"),
         *_later_patches(dataset["contact_angle"]),
     ]
+    return stacked(dataset, panels, panel_height_mm=32.0, legend=legend)
 
 
 def channels_figure(dataset: xr.Dataset, names: Sequence[str]) -> Figure:
     """Histories of the named channels above each other; channels that the dataset lacks are left out."""
     present = [name for name in names if name in dataset]
-    legend: list[Artist] = []
-    if any("wheel" in dataset[name].dims for name in present):
-        legend += wheel_entries(dataset["wheel"].values)
+    of_wheels = any("wheel" in dataset[name].dims for name in present)
+    legend = wheel_entries(dataset["wheel"].values) if of_wheels else []
     of_patches = [dataset[name] for name in present if "patch" in dataset[name].dims]
-    if of_patches:
-        legend += _later_patches(of_patches[0])
+    legend += _later_patches(of_patches[0]) if of_patches else []
     return stacked(dataset, [partial(history, name=name) for name in present], legend=legend)
 
 

@@ -74,6 +74,25 @@ def panels(
     return figure
 
 
+@style()
+def beside(
+    title: str, large: Callable[[Axes], object], small: Sequence[Callable[[Axes], object]], height: float, width: float
+) -> Figure:
+    """A figure of so many mm height with a large panel, so many times as wide as some small ones to its right, which
+    share their horizontal axis."""
+    figure = new_figure(FULL_WIDTH, height)
+    figure.suptitle(title, x=0.012, ha="left", fontsize=8.0)
+    grid = figure.add_gridspec(len(small), 2, width_ratios=(width, 1.0))
+    large(figure.add_subplot(grid[:, 0]))
+    for i, draw in enumerate(small):
+        axes = figure.add_subplot(grid[i, 1], sharex=figure.axes[-1] if i else None)
+        draw(axes)
+        if i + 1 < len(small):
+            axes.set_xlabel("")
+            axes.tick_params(labelbottom=False)
+    return figure
+
+
 def legend_beneath(figure: Figure, entries: Sequence[Artist], columns: int) -> None:
     """One legend beneath all panels, in so many columns, or in as many as the figure is wide enough for."""
     loc: Any = "lower center" if figure.get_layout_engine() is None else "outside lower center"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, MultipleLocator, NullLocator
+from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from wrsim.errors import InputError
 from wrsim.geometry.profile.profile import Profile
@@ -50,8 +50,7 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     write_words(figure, 0.012 * FULL_WIDTH, 6.5, note, fontsize=6.5, color=QUIET)
     panels = [mm_axes(figure, LEFT, TOP, width, height)]
     for row in range(rows):
-        top = TOP + height + GAP + row * (PANEL + GAP)
-        panels.append(mm_axes(figure, LEFT, top, width, PANEL))
+        panels.append(mm_axes(figure, LEFT, TOP + height + GAP + row * (PANEL + GAP), width, PANEL))
         panels[-1].sharex(panels[0])
     for axes, draw in zip(panels, (draw_shape, draw_slope, draw_curvature), strict=False):
         draw(profile, axes)
@@ -63,7 +62,7 @@ def profile_figure(profile: Profile, smoothing: Sequence[SmoothingReport] = ()) 
     panels[0].set_ylim(middle_w - 0.5 * up, middle_w + 0.5 * up)
     for axes in panels[:-1]:
         axes.tick_params(axis="x", labelbottom=False)
-        axes.set_xlabel("")
+    panels[-1].set_xlabel("Outward u [mm]")
     figure.align_ylabels(panels)
     return figure
 
@@ -89,7 +88,7 @@ def draw_changes(smoothing: Sequence[SmoothingReport], axes: Axes) -> Axes:
         axes.plot(1e3 * report.points.u, 1e6 * report.change, ".", color=colour, markersize=1.6, zorder=2.0)
     axes.axhline(0.0, color=INK, linewidth=0.5)
     remark(axes, "distance of the points from the smoothed curve")
-    axes.set(xlabel="Outward u [mm]", ylabel="Change [µm]")
+    axes.set_ylabel("Change [µm]")
     return axes
 
 
@@ -108,7 +107,7 @@ def draw_shape(profile: Profile, axes: Axes) -> Axes:
     axes.set_xlim(u.min(), u.max())
     axes.set_ylim(w.min(), w.max())
     axes.yaxis.set_major_locator(MaxNLocator(7, steps=[1, 2, 5, 10]))
-    axes.set(xlabel="Outward u [mm]", ylabel="Height w [mm]")
+    axes.set_ylabel("Height w [mm]")
     return axes
 
 
@@ -136,7 +135,7 @@ def draw_slope(profile: Profile, axes: Axes) -> Axes:
         axes.set_ylim(min(low, 0.0) - 6.0, max(high, 0.0) + 6.0)
     elif high - low < 1e-6:
         axes.set_ylim(min(low, 0.0) - 1.0, max(high, 0.0) + 1.0)
-    axes.set(xlabel="Outward u [mm]", ylabel="Slope angle [°]")
+    axes.set_ylabel("Slope angle [°]")
     remark(axes, "positive: rises outward")
     return axes
 
@@ -150,20 +149,17 @@ def draw_curvature(profile: Profile, axes: Axes) -> Axes:
     axes.set_yscale("asinh", linear_width=1.0)
     reach = [next((c for c in CURVATURES if c >= side), CURVATURES[-1]) for side in (-k.min(), k.max())]
     every = 1 if max(reach) <= 100.0 else 2  # thin out the ticks of a long scale
-    axes.set_ylim(-1.4 * reach[0], 1.4 * reach[1])
     curvatures = CURVATURES[::every]
     ticks = [-c for c in curvatures if c <= reach[0]] + [0.0] + [c for c in curvatures if c <= reach[1]]
-    axes.yaxis.set_major_locator(FixedLocator(ticks))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda c, _: minus(f"{c:g}")))
+    axes.set_yticks(ticks, [minus(f"{c:g}") for c in ticks])
     right = right_axis(axes)
     right.set_yscale("asinh", linear_width=1.0)
-    right.set_ylim(axes.get_ylim())
     radii = [sign * 1e3 / r for r in curvatures for sign in (-1.0, 1.0) if 1e3 / r <= max(reach)]
-    right.yaxis.set_major_locator(FixedLocator(radii))
-    right.yaxis.set_minor_locator(NullLocator())
-    right.yaxis.set_major_formatter(FuncFormatter(lambda c, _: f"{1e3 / abs(c):.0f}"))
+    right.set_yticks(radii, [f"{1e3 / abs(c):.0f}" for c in radii])
+    for one in (axes, right):
+        one.minorticks_off()
+        one.set_ylim(-1.4 * reach[0], 1.4 * reach[1])
     right.set_ylabel("Radius [mm]")
     remark(axes, "positive: turns upward")
-    axes.set(xlabel="Outward u [mm]", ylabel="Curvature [1/m]")
+    axes.set_ylabel("Curvature [1/m]")
     return axes

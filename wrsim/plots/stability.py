@@ -10,12 +10,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Colormap, Normalize
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from wrsim.plots.colours import INK, QUIET, SERIES_COLOURS, STOP_COLOUR
-from wrsim.plots.marks import note, panels
-from wrsim.plots.style import FULL_WIDTH, new_figure, pressure_map, shown, style
+from wrsim.plots.marks import beside, note, panels
+from wrsim.plots.style import pressure_map, shown, style
 from wrsim.results import CHANNELS
 
 DAMPED = 0.5
@@ -27,24 +27,17 @@ BRANCHES = {"from above": (STOP_COLOUR, "v"), "from below": ("#0072B2", "^")}
 
 def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures of a stability analysis, by file name without ending: modes, bifurcation."""
-    found: dict[str, Callable[[], Figure]] = {"modes": lambda: modes_figure(dataset)}
-    return found | ({"bifurcation": lambda: bifurcation_figure(dataset)} if "cycle" in dataset.dims else {})
+    makers = {"modes": modes_figure} | ({"bifurcation": bifurcation_figure} if "cycle" in dataset.dims else {})
+    return {name: partial(make, dataset) for name, make in makers.items()}
 
 
 @style()
 def modes_figure(dataset: xr.Dataset) -> Figure:
     """Root locus on the left; damping and frequency over speed on the right."""
-    figure = new_figure(FULL_WIDTH, 118.0)
-    figure.suptitle(_title(dataset), x=0.012, ha="left", fontsize=8.0)
-    grid = figure.add_gridspec(2, 2, width_ratios=(1.15, 1.0))
-    root_locus(figure.add_subplot(grid[:, 0]), dataset)
-    top = figure.add_subplot(grid[0, 1])
-    bottom = figure.add_subplot(grid[1, 1], sharex=top)
-    over_speed(top, dataset, "mode_damping")
-    over_speed(bottom, dataset, "mode_frequency")
-    top.set_xlabel("")
-    handles, labels = top.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower right", ncols=2, fontsize=6.5)
+    curves = [partial(over_speed, dataset=dataset, name=f"mode_{name}") for name in ("damping", "frequency")]
+    figure = beside(_title(dataset), partial(root_locus, dataset=dataset), curves, 118.0, 1.15)
+    named = figure.axes[-2].get_legend_handles_labels()
+    figure.legend(*named, loc="outside lower right", ncols=2, fontsize=6.5)
     return figure
 
 
@@ -53,7 +46,7 @@ def root_locus(axes: Axes, dataset: xr.Dataset) -> Axes:
     speed = shown(dataset, "pose_speed")
     damping = dataset["mode_damping"].values
     growth, frequency = dataset["mode_growth"].values, dataset["mode_frequency"].values
-    colours: Colormap = pressure_map()
+    colours = pressure_map()
     scale = Normalize(speed[0] - 0.15 * np.ptp(speed), speed[-1] if speed[-1] > speed[0] else speed[0] + 1.0)
     kept = np.isfinite(growth) & (damping < DAMPED)
     many = np.broadcast_to(speed[:, None], growth.shape)

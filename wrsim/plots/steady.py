@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from wrsim.plots.colours import GROUP_LINE, QUIET, SERIES_COLOURS, STOP_COLOUR
+from wrsim.plots.colours import DOTS, GROUP_LINE, QUIET, SERIES_COLOURS, STOP_COLOUR
 from wrsim.plots.marks import panels
 from wrsim.plots.style import shown
 from wrsim.results import CHANNELS
@@ -27,7 +27,7 @@ LINES = GROUP_LINE[:4]
 
 def figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Maker of the picture of a steady analysis, by file name without ending."""
-    return {"steady": lambda: steady_figure(dataset)}
+    return {"steady": partial(steady_figure, dataset)}
 
 
 def steady_figure(dataset: xr.Dataset) -> Figure:
@@ -62,7 +62,7 @@ def steady_figure(dataset: xr.Dataset) -> Figure:
         _panel(axes, dataset, name, x, which.ravel())
         axes.set_xlabel(label)
         for at in x[failed]:
-            axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=(0, (1, 2)))
+            axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=DOTS)
 
     return panels(
         str(dataset.attrs["title"]),

@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from wrsim.inputs.section import UNITS
-from wrsim.plots.colours import GROUP_MARK, INK, QUIET, SERIES_COLOURS, STOP_COLOUR
+from wrsim.plots.colours import DOTS, GROUP_MARK, INK, QUIET, SERIES_COLOURS, STOP_COLOUR
 from wrsim.plots.marks import note, panels
 from wrsim.plots.style import pressure_map
 from wrsim.results.channels import SHOWN
@@ -137,7 +137,7 @@ def curves_figure(dataset: xr.Dataset, outputs: Sequence[str], x: str) -> Figure
         if not numeric:
             axes.set_xticks(place, [str(v) for v in sorted_[x].values], fontsize=6.0, rotation=20, ha="right")
         for at in place[lost]:
-            axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=(0, (1, 2)))
+            axes.axvline(at, color=STOP_COLOUR, linewidth=0.5, linestyle=DOTS)
         axes.set_xlabel(axis_label(dataset, x))
         axes.set_title(label_of(dataset, name), fontsize=7.0)
 

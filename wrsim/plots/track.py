@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -41,23 +41,23 @@ def track_figure(track: Track) -> Figure:
 
     A level track has no panel of height, an even one none of irregularities.
     """
-    draws: list[Callable[[Axes, Track], Axes]] = [curvature, cant, gauge]
-    if not track.centre_line.pitch_law.is_zero:
-        draws.append(height)
-    if track.is_uneven:
-        draws += [partial(irregularity, way="vertical"), partial(irregularity, way="lateral")]
+    draws: list[Callable[[Axes, Track], object]] = [partial(_law, **law) for law in LAWS]
+    draws += [] if track.centre_line.pitch_law.is_zero else [height]
+    draws += [partial(irregularity, way=way) for way in ("vertical", "lateral")] if track.is_uneven else []
     figure = new_figure(FULL_WIDTH, 84.0 + 27.0 * len(draws))
     grid = figure.add_gridspec(1 + len(draws), 1, height_ratios=(2.6, *(1.0 for _ in draws)))
     plan_view(figure.add_subplot(grid[0]), track)
-    first = figure.add_subplot(grid[1])
-    panels = [first, *(figure.add_subplot(grid[k], sharex=first) for k in range(2, 1 + len(draws)))]
-    for axes, draw in zip(panels, draws, strict=True):
-        draw(axes, track)
-        if axes is not panels[-1]:
-            axes.tick_params(axis="x", labelbottom=False)
-    segment_labels(panels[0], track)
+    panels: list[Axes] = []
+    for k, draw in enumerate(draws, 1):
+        panels.append(figure.add_subplot(grid[k], sharex=panels[0] if panels else None))
+        draw(panels[-1], track)
+        panels[-1].tick_params(axis="x", labelbottom=k == len(draws))
+    for feature in track.features():
+        share = (feature.end - feature.start) / track.length
+        if share > 0.0085 * len(feature.label):  # a letter is about 0.85 % of the panel's width
+            note_above(panels[0], feature.label, 0.5 * (feature.start + feature.end), lift=3.0)
     panels[-1].set_xlabel("Distance along the centre line [m]")
-    first.set_xlim(0.0, track.length)
+    panels[0].set_xlim(0.0, track.length)
     figure.align_ylabels(panels)
     return figure
 
@@ -79,7 +79,8 @@ def plan_view(axes: Axes, track: Track) -> Axes:
         marker = MarkerStyle(shape, transform=Affine2D().rotate(float(track.heading(s))))
         axes.plot(x, y, marker=marker, color=INK, markersize=size, zorder=3.0)
 
-    ticks = _round_distances(track.length)
+    ticks = np.asarray(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]).tick_values(0.0, track.length))
+    ticks = ticks[(ticks >= 0.0) & (ticks <= track.length)]
     for s, (x, y, _), turn in zip(ticks, track.centre_line.position(ticks), track.heading(ticks), strict=True):
         across = np.array((-np.sin(turn), np.cos(turn)))
         words = f"{s:g} m" if s == 0.0 else f"{s:g}"
@@ -93,29 +94,21 @@ def plan_view(axes: Axes, track: Track) -> Axes:
     return axes
 
 
-def curvature(axes: Axes, track: Track) -> Axes:
-    """Curvature of the centre line, positive to the left; a jump is a vertical line."""
-    return _law(axes, track, lambda s: 1e3 * track.curvature(s), INK, 1.0, 0.0, "Curvature\n[1/km]")
+LAWS: tuple[dict[str, Any], ...] = (
+    {"law": "curvature", "colour": INK, "least": 1.0, "label": "Curvature\n[1/km]"},
+    {"law": "cant", "colour": CANT_COLOUR, "least": 20.0, "label": "Cant [mm]\n(+ right rail up)"},
+    {"law": "gauge", "colour": INK, "least": 10.0, "label": "Gauge\n[mm]"},
+)
+"""Laws of a track against distance; least: smallest span of the axis."""
 
 
-def cant(axes: Axes, track: Track) -> Axes:
-    """Cant, positive with the right rail higher."""
-    return _law(axes, track, lambda s: 1e3 * track.cant(s), CANT_COLOUR, 20.0, 0.0, "Cant [mm]\n(+ right rail up)")
-
-
-def gauge(axes: Axes, track: Track) -> Axes:
-    """Gauge with its widening; the nominal gauge is the thin line."""
-    return _law(axes, track, lambda s: 1e3 * track.gauge(s), INK, 10.0, 1e3 * track.nominal_gauge, "Gauge\n[mm]")
-
-
-def _law(axes: Axes, track: Track, law: Law, colour: str, least: float, usual: float, label: str) -> Axes:
-    """A law of the track against distance, a thin line at its usual value; least: smallest span of the axis."""
-    _against_distance(axes, track, law, colour)
+def _law(axes: Axes, track: Track, law: str, colour: str, least: float, label: str) -> None:
+    """One of ``LAWS``, a thin line at its usual value; a jump is a vertical line."""
+    _against_distance(axes, track, lambda s: 1e3 * getattr(track, law)(s), colour)
     _limits(axes, least)
-    axes.axhline(usual, color=QUIET, linewidth=0.5, zorder=1.5)
+    axes.axhline(1e3 * track.nominal_gauge if law == "gauge" else 0.0, color=QUIET, linewidth=0.5, zorder=1.5)
     axes.ticklabel_format(axis="y", useOffset=False)
     axes.set_ylabel(label)
-    return axes
 
 
 def height(axes: Axes, track: Track) -> Axes:
@@ -145,16 +138,6 @@ def irregularity(axes: Axes, track: Track, way: Literal["lateral", "vertical"]) 
     return axes
 
 
-def segment_labels(axes: Axes, track: Track) -> Axes:
-    """Names of the segments above a panel against distance, where they have room."""
-    for feature in track.features():
-        share = (feature.end - feature.start) / track.length
-        # a letter is about 0.85 % of the panel's width
-        if share > 0.0085 * len(feature.label):
-            note_above(axes, feature.label, 0.5 * (feature.start + feature.end), lift=3.0)
-    return axes
-
-
 _ARROW = Path([(-1.6, 0.6), (0.0, 0.0), (-1.6, -0.6), (-1.6, 0.6)])  # tip at the start of the track
 _TICK = {"arrowstyle": "-", "color": QUIET, "linewidth": 0.5, "shrinkA": 0.0, "shrinkB": 0.0}
 
@@ -164,12 +147,6 @@ def _samples(feature: Feature) -> NDArray[np.float64]:
     span = feature.end - feature.start
     count = SAMPLES if feature.kind != "table" else max(SAMPLES, int(span / TABLE_STEP))
     return feature.start + span * np.append(np.arange(count) / count, 1.0 - 1e-9)
-
-
-def _round_distances(length: float) -> NDArray[np.float64]:
-    """Five to ten round distances from 0."""
-    ticks = np.asarray(MaxNLocator(nbins=8, steps=[1, 2, 5, 10]).tick_values(0.0, length))
-    return np.asarray(ticks[(ticks >= 0.0) & (ticks <= length)])
 
 
 def _against_distance(axes: Axes, track: Track, function: Law, colour: str) -> None:

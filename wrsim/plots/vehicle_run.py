@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -17,41 +17,43 @@ from wrsim.plots.histories import crowded, history, stacked
 from wrsim.plots.marks import draw_line, wheel_entries
 from wrsim.plots.style import abscissa, shown
 from wrsim.results import CHANNELS
+from wrsim.results.table import with_unit
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 COLOURS = (INK, "#0072B2", "#D55E00", "#009E73", "#9467A9", "#B8860B")
 """Colours of wheelsets, bodies and points, in their order."""
 
 
-def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
-    """Makers of the pictures of a vehicle's run, by file name without ending.
+PICTURES = {
+    "vehicle_guiding": ("wheelset", "Y"),
+    "vehicle_shifting": ("wheelset", "sum_Y"),
+    "vehicle_loads": ("wheelset", "Q"),
+    "vehicle_derailment": ("wheelset", "Y_over_Q"),
+    "vehicle_steering": ("wheelset", "lateral_shift yaw"),
+    "vehicle_bodies": ("body", "body_roll body_yaw body_vertical"),
+    "vehicle_accelerations": ("point", "point_ay point_az"),
+    "vehicle_couplings": (
+        "coupling",
+        "coupling_force coupling_fy_ahead coupling_fy_behind coupling_offset coupling_yaw",
+    ),
+    "vehicle_external_loads": ("external_load", "external_fx external_fy external_fz"),
+}
+"""Dimension and channels of every picture, by file name without ending."""
 
-    Of several wheelsets: guiding, shifting, loads, derailment, steering; of bodies, points, couplings and loads:
-    bodies, accelerations, couplings, external_loads.
-    """
+
+def vehicle_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
+    """Makers of the ``PICTURES`` of a run of which there are data; those of wheelsets where there are several."""
     figures: dict[str, Callable[[], Figure]] = {}
     if dataset.sizes.get("time", 0) < 2 or "resolved_with" in dataset.attrs:
         return figures
-    if len(wheelsets(dataset)) > 1:
-        figures = {
-            "vehicle_guiding": lambda: wheelsets_figure(dataset, "Y"),
-            "vehicle_shifting": lambda: together_figure(dataset, "wheelset", ("sum_Y",)),
-            "vehicle_loads": lambda: wheelsets_figure(dataset, "Q"),
-            "vehicle_derailment": lambda: wheelsets_figure(dataset, "Y_over_Q"),
-            "vehicle_steering": lambda: together_figure(dataset, "wheelset", ("lateral_shift", "yaw")),
-        }
-    if "sum_Y" not in dataset:  # of a result from before there was this channel
-        figures.pop("vehicle_shifting", None)
-    if "body" in dataset.dims:
-        figures["vehicle_bodies"] = lambda: together_figure(dataset, "body", ("body_roll", "body_yaw", "body_vertical"))
-    if "point" in dataset.dims:
-        figures["vehicle_accelerations"] = lambda: together_figure(dataset, "point", ("point_ay", "point_az"))
-    if "coupling" in dataset.dims:
-        of_couplings = ("coupling_force", "coupling_fy_ahead", "coupling_fy_behind", "coupling_offset", "coupling_yaw")
-        figures["vehicle_couplings"] = lambda: together_figure(dataset, "coupling", of_couplings)
-    if "external_load" in dataset.dims:
-        forces = ("external_fx", "external_fy", "external_fz")
-        figures["vehicle_external_loads"] = lambda: together_figure(dataset, "external_load", forces)
+    for picture, (dim, words) in PICTURES.items():
+        if not (len(wheelsets(dataset)) > 1 if dim == "wheelset" else dim in dataset.dims):
+            continue
+        names = [name for name in words.split() if name in dataset]
+        if names and "wheel" in dataset[names[0]].dims:
+            figures[picture] = partial(wheelsets_figure, dataset, names[0])
+        elif names:
+            figures[picture] = partial(together_figure, dataset, dim, names)
     return figures
 
 
@@ -60,13 +62,13 @@ def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
     values, channel, names = shown(dataset, name), CHANNELS[name], numbered(wheelsets(dataset))
     low, high = (float(f(values, initial=0.0)) for f in (np.nanmin, np.nanmax))
     space = 0.05 * max(high - low, 1e-9)
-    unit = "" if channel.shown.symbol == "1" else f" [{channel.shown.symbol}]"
+    label = with_unit(f"${channel.symbol}$", channel.shown.symbol)
 
     def panel(axes: Axes, _: xr.Dataset, wheelset: str) -> Axes:
         history(axes, of_wheelset(dataset, wheelset), name, largest=max(-low, high))
         limited = any(line.get_gid() == "limit" for line in axes.lines)
         top = max(axes.get_ylim()[1], high + space) if limited else high + space
-        axes.set(ylim=(low - space, top), title=names[wheelset], ylabel=f"${channel.symbol}${unit}")
+        axes.set(ylim=(low - space, top), title=names[wheelset], ylabel=label)
         return axes
 
     panels = [partial(panel, wheelset=wheelset) for wheelset in names]
@@ -75,7 +77,7 @@ def wheelsets_figure(dataset: xr.Dataset, name: str) -> Figure:
     return stacked(track, panels, panel_height_mm=28.0, legend=wheel_entries(), titled=True)
 
 
-def together_figure(dataset: xr.Dataset, dim: str, channels: tuple[str, ...]) -> Figure:
+def together_figure(dataset: xr.Dataset, dim: str, channels: Sequence[str]) -> Figure:
     """Channels of wheelsets, bodies or points, a panel each, and a line for each of them, the smallest in front."""
     looks: list[dict[str, Any]] = [
         {"color": COLOURS[i % len(COLOURS)], "linestyle": GROUP_LINE[i % len(GROUP_LINE)]}
@@ -94,7 +96,7 @@ def together_figure(dataset: xr.Dataset, dim: str, channels: tuple[str, ...]) ->
     names = [str(n) for n in dataset[dim].values]
     labels = numbered(names).values() if dim == "wheelset" else names
     legend = [Line2D([], [], label=label, **look) for label, look in zip(labels, looks, strict=True)]
-    panels = [partial(panel, name=name) for name in channels if name in dataset]
+    panels = [partial(panel, name=name) for name in channels]
     return stacked(_track_of(dataset), panels, legend=legend)
 
 

@@ -15,9 +15,10 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from wrsim.plots.colours import GROUP_LINE, INK, QUIET, SERIES_COLOURS, STOP_COLOUR, WHEEL_COLOUR
-from wrsim.plots.marks import panels
-from wrsim.plots.style import FULL_WIDTH, new_figure, shown, style
+from wrsim.plots.marks import beside, panels
+from wrsim.plots.style import shown, style
 from wrsim.results import CHANNELS
+from wrsim.results.table import with_unit
 from wrsim.results.wear import worst_worn
 from wrsim.results.wheelsets import numbered, wheelsets
 
@@ -46,20 +47,22 @@ def wear_figure(dataset: xr.Dataset) -> Figure:
 @style()
 def fatigue_figure(dataset: xr.Dataset) -> Figure:
     """Shakedown map of all patches of the run; T-gamma and damage over the rails by one passage."""
-    figure = new_figure(FULL_WIDTH, 100.0)
-    left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(1.0, 1.15)))  # type: ignore[arg-type]
-    shakedown_map(left.subplots(), dataset)
-    for axes, name in zip(right.subplots(2, 1, sharex=True), ("wear_rail_energy", "rail_damage"), strict=True):
-        _over_profile(axes, dataset, name, "rail")
-        words = {
-            "wear_rail_energy": "T-gamma over the width of the rail [N/mm]",
-            "rail_damage": "Damage of the rail [1]",
-        }
-        axes.set_title(f"{words[name]}, one passage")
-    axes.set_xlabel(CHANNELS["wear_rail_u"].label)
-    figure.suptitle(dataset.attrs["title"], x=0.01, ha="left", fontsize=8.5)
+    small = [partial(_passage, dataset=dataset, name=name) for name in PASSAGE]
+    figure = beside(dataset.attrs["title"], partial(shakedown_map, dataset=dataset), small, 100.0, 0.87)
     figure.legend(handles=_legend([]), loc="outside lower center", ncols=2)
     return figure
+
+
+PASSAGE = {
+    "wear_rail_energy": "T-gamma over the width of the rail [N/mm]",
+    "rail_damage": "Damage of the rail [1]",
+}
+
+
+def _passage(axes: Axes, dataset: xr.Dataset, name: str) -> None:
+    _over_profile(axes, dataset, name, "rail")
+    axes.set_title(f"{PASSAGE[name]}, one passage")
+    axes.set_xlabel(CHANNELS["wear_rail_u"].label)
 
 
 def shakedown_map(axes: Axes, dataset: xr.Dataset) -> Axes:
@@ -73,40 +76,27 @@ def shakedown_map(axes: Axes, dataset: xr.Dataset) -> Axes:
         pressure = 1.0 / np.maximum((used - index)[known], 1e-9)
         if pressure.size:
             highest = max(highest, float(pressure.max()))
-        axes.plot(
-            used[known],
-            pressure,
-            ".",
-            markersize=1.6,
-            color=WHEEL_COLOUR[wheel],
-            alpha=0.5,
-            rasterized=True,
-            zorder=2 + i,
-        )
+        look: Any = {"markersize": 1.6, "color": WHEEL_COLOUR[wheel], "alpha": 0.5, "rasterized": True, "zorder": 2 + i}
+        axes.plot(used[known], pressure, ".", **look)
     highest = 1.1 * highest
     mu = np.linspace(1.0 / highest, LARGEST_FRICTION, 100)
     axes.plot(mu, 1.0 / mu, color=STOP_COLOUR, linewidth=0.9)
     axes.fill_between(mu, 1.0 / mu, highest, color=STOP_COLOUR, alpha=0.06, linewidth=0.0)
     axes.text(0.97, 0.97, "surface fatigue", transform=axes.transAxes, ha="right", va="top", color=STOP_COLOUR)
     axes.text(0.03, 0.03, "shakes down at the surface", transform=axes.transAxes, color=QUIET, zorder=1)
-    axes.set_xlim(0.0, LARGEST_FRICTION)
-    axes.set_ylim(0.0, highest)
-    axes.set_xlabel("Friction that is used $T/N$")
-    axes.set_ylabel("Pressure over yield stress in shear $3N/(2Ak)$")
-    axes.set_title("Shakedown map")
+    axes.set(xlim=(0.0, LARGEST_FRICTION), xlabel="Friction that is used $T/N$", title="Shakedown map")
+    axes.set(ylim=(0.0, highest), ylabel="Pressure over yield stress in shear $3N/(2Ak)$")
     return axes
 
 
 def _depths(axes: Axes, one: xr.Dataset, body: str, laws: list[str]) -> None:
     """Depths over one profile, a line a side and law."""
-    name = f"wear_{body}_depth"
+    channel = CHANNELS[f"wear_{body}_depth"]
     for law, line in zip(laws, GROUP_LINE, strict=False):
-        _over_profile(axes, one.sel(wear_law=law), name, body, linestyle=line)
-    axes.set_ylim(bottom=0.0)
-    channel = CHANNELS[name]
+        _over_profile(axes, one.sel(wear_law=law), channel.name, body, linestyle=line)
     per = "Depth worn off the wheel" if body == "wheel" else "Depth worn off the rail\nby one passage"
-    axes.set_ylabel(f"{per} [{channel.shown.symbol}]")
-    axes.set_xlabel(CHANNELS[f"wear_{body}_u"].label)
+    axes.set(ylabel=with_unit(per, channel.shown.symbol), xlabel=CHANNELS[f"wear_{body}_u"].label)
+    axes.set_ylim(bottom=0.0)
 
 
 def _over_profile(axes: Axes, dataset: xr.Dataset, name: str, body: str, **look: object) -> None:
@@ -163,24 +153,10 @@ LEAST_CHANGE = 0.05
 
 def mileage_figure(dataset: xr.Dataset) -> Figure:
     """Changes of the flange's dimensions, conicity, largest depth and mass lost against the mileage."""
-    return panels(dataset.attrs["title"], [partial(_mileage, dataset, key) for key in MILEAGE], 115.0, columns=2)
-
-
-MILEAGE = {
-    "flange": "Flange against the new one [mm]",
-    "conicity": "Equivalent conicity",
-    "deepest": "Largest depth [mm]",
-    "mass": "Mass lost [g/km]",
-}
-"""Panels against the mileage."""
-
-
-def _mileage(dataset: xr.Dataset, key: str, axes: Axes) -> None:
-    """One of ``MILEAGE``."""
     x = 1e-3 * dataset["mileage"].values
     line: Any = {"marker": "o", "markersize": 2.2, "linewidth": 0.9}
-    axes.set(xlabel="Mileage [km]", ylabel=MILEAGE[key])
-    if key == "flange":
+
+    def flange(axes: Axes) -> None:
         sizes = (("thickness", "Sd"), ("height", "Sh"), ("steepness", "qR"))
         for colour, dashes, (name, short) in zip(SERIES_COLOURS, GROUP_LINE, sizes, strict=False):
             values = 1e3 * dataset[f"flange_{name}"].values
@@ -191,16 +167,32 @@ def _mileage(dataset: xr.Dataset, key: str, axes: Axes) -> None:
             low, high = axes.get_ylim()
             axes.set_ylim(min(low, -LEAST_CHANGE), max(high, LEAST_CHANGE))
             axes.legend()
-    elif key == "mass":
+
+    def conicity(axes: Axes) -> None:
+        values = dataset["conicity"].values
+        axes.plot(x, values, color=INK, **line)
+        axes.set_ylim(0.0, 1.15 * float(np.nanmax(values, initial=0.1)))
+
+    def deepest(axes: Axes) -> None:
+        axes.plot(x, 1e3 * dataset["deepest"].values, color=INK, **line)
+
+    def mass(axes: Axes) -> None:
         for colour, zone in zip(SERIES_COLOURS, ("tread", "flange"), strict=False):
             values = 1e6 * dataset[zone].values
             values[-1:] = values[-2:-1]  # of the last step
             axes.step(x, values, where="post", color=colour, label=zone, linewidth=0.9)
         axes.set_ylim(bottom=0.0)
         axes.legend()
-    else:
-        values = dataset[key].values * (1e3 if key == "deepest" else 1.0)
-        axes.plot(x, values, color=INK, **line)
-        if key == "conicity":
-            axes.set_ylim(0.0, 1.15 * float(np.nanmax(values, initial=0.1)))
-            axes.set_ylabel(f"{MILEAGE[key]}, {1e3 * dataset.attrs['conicity_amplitude_m']:g} mm")
+
+    labels: dict[Callable[[Axes], None], str] = {
+        flange: "Flange against the new one [mm]",
+        conicity: f"Equivalent conicity, {1e3 * dataset.attrs['conicity_amplitude_m']:g} mm",
+        deepest: "Largest depth [mm]",
+        mass: "Mass lost [g/km]",
+    }
+
+    def panel(axes: Axes, draw: Callable[[Axes], None]) -> None:
+        axes.set(xlabel="Mileage [km]", ylabel=labels[draw])
+        draw(axes)
+
+    return panels(dataset.attrs["title"], [partial(panel, draw=draw) for draw in labels], 115.0, columns=2)

@@ -118,7 +118,8 @@ class StudyInput:
         """Raises InputError with file, key and what is allowed."""
         data, self.locate = opened(file, what)
         self.file, self.text = file, file.read_text(encoding="utf-8")
-        self.spec: Any = check(kind, data, self.locate)
+        self.spec: Any
+        self.spec = check(kind, data, self.locate)
         self.finder = Finder(tuple(dict.fromkeys((file.parent, *user_folders(tuple(models)), shipped_models()))))
         self.base = load(self.found("base", self.spec.base), models)
 
