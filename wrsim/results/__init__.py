@@ -5,10 +5,11 @@ The pipeline in one line: ``write_run(Result(assemble(coords, channels, attribut
 
 from wrsim.results.channels import CHANNELS, Channel, channel
 from wrsim.results.dataset import assemble, versions
+from wrsim.results.exports import write_run
 from wrsim.results.files import write_atomically
 from wrsim.results.result import Result
 from wrsim.results.summary import summarise
-from wrsim.results.tables import tables, write_run
+from wrsim.results.tables import tables
 
 __all__ = [
     "CHANNELS",

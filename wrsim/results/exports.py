@@ -1,4 +1,4 @@
-"""A result in the files of other programs: MATLAB, CSV, Parquet, MDF.
+"""A result in files: numbers and tables of a run, and what other programs read: MATLAB, CSV, Parquet, MDF.
 
 MATLAB gets every channel with its dimensions, in SI units. The others get one wide table: a row a sample (instant or
 pose), a column for every channel of every wheelset, wheel, patch, body, point, ..., in units for readers.
@@ -14,15 +14,34 @@ from typing import Any
 import numpy as np
 
 from wrsim.errors import InputError, WrsimError, suggest
-from wrsim.results.files import as_text, write_atomically
+from wrsim.results.files import as_json, as_text, csv_parts, write_atomically
 from wrsim.results.result import Result
-from wrsim.results.tables import columns, frame
+from wrsim.results.tables import columns, each_table, frame
 
 FORMATS = ("mat", "csv", "parquet", "mdf")
 ENDINGS = {"mdf": "mf4"}
 EXTRA = "install it with pip install 'wrsim[export]'"
 LONGEST_NAME = 63
 """Letters of a MATLAB name."""
+
+
+def write_run(result: Result, directory: str | Path) -> list[Path]:
+    """Write ``result.nc``, ``summary.json`` and the tables into ``directory``; returns what was written.
+
+    Runs get ``history.csv`` (one row per instant), ``patches.csv`` (one row per instant, wheel and patch in contact)
+    and ``strips.csv`` (the strips of the snapshots). Static analyses get ``patches.csv`` (one row per pose, wheel and
+    patch; a wheel without contact keeps one row) and ``strips.csv``. Where there are several wheelsets, each has tables
+    in a folder of its own, such as ``wheelset_1/history.csv``; bodies, points and suspension elements stand in
+    ``vehicle.csv``. Other analyses have tables of their own, as the register says. The dataset goes first, so that a
+    full disk costs the tables before the numbers. A stopped analysis is written like any other.
+    Raises ``WrsimError`` when something cannot be written.
+    """
+    directory = Path(directory)
+    written = [result.save(directory / "result.nc")]
+    written.append(write_atomically(directory / "summary.json", as_json(result.summary())))
+    for name, rows in each_table(result.dataset):
+        written.append(write_atomically(directory / f"{name}.csv", csv_parts(rows)))
+    return written
 
 
 def formats(asked: str) -> list[str]:

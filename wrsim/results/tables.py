@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.dataset import OF_VEHICLE
-from wrsim.results.files import as_json, csv_parts, write_atomically
-from wrsim.results.result import Result
+from wrsim.results.files import csv_parts, write_atomically
 from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets
 
 if TYPE_CHECKING:
@@ -27,36 +26,17 @@ BLOCK = 2000
 """Instants of a run that stand in memory as text at once."""
 
 
-def write_run(result: Result, directory: str | Path) -> list[Path]:
-    """Write ``result.nc``, ``summary.json`` and the tables into ``directory``; returns what was written.
-
-    Runs get ``history.csv`` (one row per instant), ``patches.csv`` (one row per instant, wheel and patch in contact)
-    and ``strips.csv`` (the strips of the snapshots). Static analyses get ``patches.csv`` (one row per pose, wheel and
-    patch; a wheel without contact keeps one row) and ``strips.csv``. Where there are several wheelsets, each has tables
-    in a folder of its own, such as ``wheelset_1/history.csv``; bodies, points and suspension elements stand in
-    ``vehicle.csv``. Other analyses have tables of their own, as the register says. The dataset goes first, so that a
-    full disk costs the tables before the numbers. A stopped analysis is written like any other.
-    Raises ``WrsimError`` when something cannot be written.
-    """
-    directory = Path(directory)
-    written = [result.save(directory / "result.nc")]
-    written.append(write_atomically(directory / "summary.json", as_json(result.summary())))
-    for name, rows in _each(result.dataset):
-        written.append(write_atomically(directory / f"{name}.csv", csv_parts(rows)))
-    return written
-
-
 def write_table(dataset: xr.Dataset, name: str, path: str | Path) -> Path:
     """Write one of the `tables` of a result. Raises ``WrsimError`` when it cannot be written."""
-    return write_atomically(path, csv_parts(dict(_each(dataset))[name]))
+    return write_atomically(path, csv_parts(dict(each_table(dataset))[name]))
 
 
 def tables(dataset: xr.Dataset) -> dict[str, list[Row]]:
     """All tables of a result by name; the first row of each is the header."""
-    return {name: list(rows) for name, rows in _each(dataset)}
+    return {name: list(rows) for name, rows in each_table(dataset)}
 
 
-def _each(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
+def each_table(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     """The tables one after the other; rows of runs are made while they are taken, as they outweigh the numbers."""
     tables: Iterator[tuple[str, Iterable[Row]]] = resolved(ANALYSES[str(dataset.attrs["analysis"])].csv_files)(dataset)
     return tables

@@ -42,7 +42,7 @@ class AssessedPoint:
         inside = section.holds(self.distance)
         if inside.sum() < 2:
             return
-        found = {}
+        found: dict[str, float] = {}
         for key, signal in self.ride.items():
             found |= {key: extreme(signal[inside]), f"{key}_rms": np.sqrt((signal[inside] ** 2).mean())}
         if section.zone not in (STRAIGHT, TRANSITION):
