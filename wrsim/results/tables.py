@@ -123,8 +123,9 @@ def _flat(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, NDArray[Any]]]:
     """Columns of a channel with their names: one for each combination of the labels of its further dimensions."""
     data = dataset[name]
     labels = [dataset[dim].values if dim in dataset.coords else range(dataset.sizes[dim]) for dim in data.dims[1:]]
-    values = data.values.reshape(data.shape[0], -1)
-    for i, own in enumerate(product(*labels)):
+    places = list(product(*labels))
+    values = data.values.reshape(data.shape[0], len(places))
+    for i, own in enumerate(places):
         words = (name, *map(str, own), CHANNELS[name].shown.suffix)
         yield "_".join(word.replace(" ", "_") for word in words if word), values[:, i]
 
