@@ -110,10 +110,10 @@ def write_words(figure: Figure, left: float, top: float, words: str, **options: 
 
 def headline(figure: Figure, title: str, note: str = "") -> None:
     """Title of a picture at its upper left; beneath it, in red, a note about a stopped analysis."""
-    left = 0.012 * figure.get_figwidth() / MM
-    write_words(figure, left, 2.0, title, fontsize=8.5)
+    across, down = figure.get_size_inches() / MM
+    figure.suptitle(title, x=0.012, y=1.0 - 2.0 / down, ha="left", va="top", fontsize=8.5)
     if note:
-        write_words(figure, left, 6.5, note, color=STOP_COLOUR)
+        write_words(figure, 0.012 * across, 6.5, note, color=STOP_COLOUR)
 
 
 def save(figure: Figure, path: str | Path) -> Path:
