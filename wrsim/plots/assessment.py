@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import product
 from math import ceil
 from typing import Any
 
@@ -19,6 +20,7 @@ from wrsim.plots.colours import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEE
 from wrsim.plots.histories import mark_snapshots, track_layout
 from wrsim.plots.marks import mark_stop, note, note_above, panels, wheel_entries
 from wrsim.results.assessment import INFLUENCES, Assessment, Section, Value, ZoneValue
+from wrsim.results.table import quantity, with_unit
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
 ZONE_SHADE = {
@@ -51,29 +53,24 @@ def assessment_figures(found: Assessment) -> dict[str, Callable[[], Figure]]:
 def limits_figure(found: Assessment) -> Figure:
     """For every quantity with a limit and every class of track: all sections as points, the worst as a bar."""
     rows = _rows(found)
+
+    def draw(axes: Axes) -> None:
+        for i, (label, values) in enumerate(rows):
+            used = np.array([v.value / v.limit.value for v in values if v.limit is not None])
+            worst = float(np.nanmax(used))
+            fill, words = (BEYOND, STOP_COLOUR) if worst > 1.0 else (WITHIN, QUIET)
+            axes.barh(i, min(worst, MOST), height=0.62, color=fill, alpha=0.35, linewidth=0.0, zorder=2.0)
+            axes.plot(np.clip(used, 0.0, MOST), np.full(used.size, i), ".", color=fill, markersize=3.0, zorder=3.0)
+            box = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
+            note(axes, label, (min(worst, MOST), i), (4.0, 0.0), va="center", fontsize=6.3, color=words, bbox=box)
+        names = [f"{values[0].quantity.symbol}   {values[0].section.zone}" for _, values in rows]
+        axes.set_yticks(range(len(rows)), names)
+        axes.axvline(1.0, color=INK, linewidth=0.9, zorder=2.5)
+        axes.set(xlim=(0.0, 1.75), ylim=(len(rows) - 0.4, -0.6), xlabel="Value over limit")
+        axes.grid(axis="y", visible=False)
+
     words = "Part of the limit that is used: bar: worst; points: every section, wheelset and wheel"
-    return panels(f"{found.title}\n{words}", [partial(used_of, rows=rows)], 26.0 + 4.6 * len(rows))
-
-
-def used_of(axes: Axes, rows: Sequence[tuple[str, Sequence[Value]]]) -> Axes:
-    """Horizontal bars of value over limit, one a row, with the limit as a line."""
-    for i, (label, values) in enumerate(rows):
-        used = np.array([v.value / v.limit.value for v in values if v.limit is not None])
-        worst = float(np.nanmax(used))
-        colour = BEYOND if worst > 1.0 else WITHIN
-        axes.barh(i, min(worst, MOST), height=0.62, color=colour, alpha=0.35, linewidth=0.0, zorder=2.0)
-        axes.plot(np.clip(used, 0.0, MOST), np.full(used.size, i), ".", color=colour, markersize=3.0, zorder=3.0)
-        box = {"facecolor": "white", "edgecolor": "none", "pad": 0.6}
-        colour = STOP_COLOUR if worst > 1.0 else QUIET
-        note(axes, label, (min(worst, MOST), i), (4.0, 0.0), va="center", fontsize=6.3, color=colour, bbox=box)
-    names = [f"{values[0].quantity.symbol}   {values[0].section.zone}" for _, values in rows]
-    axes.set_yticks(range(len(rows)), names)
-    axes.axvline(1.0, color=INK, linewidth=0.9, zorder=2.5)
-    axes.set_xlim(0.0, 1.75)
-    axes.set_ylim(len(rows) - 0.4, -0.6)
-    axes.set_xlabel("Value over limit")
-    axes.grid(axis="y", visible=False)
-    return axes
+    return panels(f"{found.title}\n{words}", [draw], 26.0 + 4.6 * len(rows))
 
 
 def _rows(found: Assessment) -> list[tuple[str, list[Value]]]:
@@ -83,12 +80,11 @@ def _rows(found: Assessment) -> list[tuple[str, list[Value]]]:
         worst = zone.worst
         if worst.limit is None:
             continue
-        factor, unit = worst.quantity.shown.factor, worst.quantity.shown.symbol
-        unit = "" if unit == "1" else f" {unit}"
-        label = f"{worst.value * factor:z.3g} of {worst.limit.value * factor:.3g}{unit}, section {worst.section.number}"
-        values = [
-            v for v in found.of(worst.quantity.key) if v.section.zone == worst.section.zone and v.limit is not None
-        ]
+        shown = worst.quantity.shown
+        limit = quantity(worst.limit.value * shown.factor, shown.unit, ".3g")
+        label = f"{worst.value * shown.factor:z.3g} of {limit}, section {worst.section.number}"
+        own = found.of(worst.quantity.key)
+        values = [v for v in own if v.section.zone == worst.section.zone and v.limit is not None]
         rows.append((label + (f": {worst.place}" if worst.place else ""), values))
     return rows
 
@@ -106,16 +102,22 @@ def history_figure(found: Assessment, run: str = "") -> Figure:
     """Sum Y, Y/Q, Q and Y of a run as they were evaluated, with their limits, over shaded sections."""
     signals, sections = found.signals[run], [s for s in found.sections if s.run == run]
     place = signals["place"].values
+    wheels: Any = ([(INK, None)], list(zip(WHEEL_COLOUR.values(), (0, 1), strict=True)))
 
     def draw(axes: Axes, name: str) -> None:
         label, factor, quantities = HISTORIES[name]
         shade_sections(axes, sections)
-        signal_of(axes, signals, name, factor)
+        for (i, own), (colour, j) in product(enumerate(signals[name].values), wheels[signals[name].ndim - 2]):
+            values = own if j is None else own[:, j]
+            values = np.where(np.isfinite(values), values, np.nan) * factor
+            axes.plot(place, values, color=colour, linestyle=GROUP_LINE[i % len(GROUP_LINE)], linewidth=0.9)
         limited = [v for quantity in quantities for v in found.of(quantity) if v.section.run == run]
-        limit_of(axes, limited, factor, both=name == "sum_Y")
+        _draw_limits(axes, limited, factor, both=name == "sum_Y")
         axes.set(xlabel="Distance along the track [m]", ylabel=label, xlim=(place[0], place[-1]))
-        if name == "sum_Y":
-            _number_sections(axes, sections)
+        last, whole = -np.inf, sections[-1].end - sections[0].start
+        for s in sections if name == "sum_Y" else ():
+            if (middle := 0.5 * (s.start + s.end)) - last >= 0.02 * whole:  # where they are narrow, every few only
+                note_above(axes, str(s.number), last := middle)
 
     draws = [partial(draw, name=name) for name in HISTORIES]
     title = f"{found.title}\nrun {run}" if run else found.title
@@ -144,20 +146,7 @@ def track_diagram(dataset: xr.Dataset, sections: Sequence[Section]) -> Figure:
     return panels("", [draw], 42.0)
 
 
-def signal_of(axes: Axes, signals: xr.Dataset, name: str, factor: float) -> Axes:
-    """One signal: a line a wheelset, or a wheelset and wheel."""
-    place = signals["place"].values
-    data = signals[name].values
-    for i in range(data.shape[0]):
-        line = GROUP_LINE[i % len(GROUP_LINE)]
-        own = [(INK, data[i])] if data.ndim == 2 else list(zip(WHEEL_COLOUR.values(), data[i].T, strict=True))
-        for colour, values in own:
-            values = np.where(np.isfinite(values), values, np.nan) * factor
-            axes.plot(place, values, color=colour, linestyle=line, linewidth=0.9)
-    return axes
-
-
-def limit_of(axes: Axes, values: Sequence[Value], factor: float, *, both: bool) -> Axes:
+def _draw_limits(axes: Axes, values: Sequence[Value], factor: float, *, both: bool) -> None:
     """Limits as red lines over their sections, where the picture stays readable with them; else in words."""
     limits = [(v.section, v.limit.value * factor) for v in values if v.limit is not None]
     reach = max(abs(y) for y in axes.get_ylim())
@@ -165,32 +154,18 @@ def limit_of(axes: Axes, values: Sequence[Value], factor: float, *, both: bool) 
     if least > 6.0 * reach:
         corner: Any = {"xycoords": "axes fraction", "ha": "right", "va": "bottom", "color": STOP_COLOUR}
         note(axes, f"limit {'±' if both else ''}{least:.3g}", (1.0, 1.0), (0.0, 1.5), **corner)
-        return axes
+        return
     for section, limit in limits:
         for y in (limit, -limit) if both else (limit,):
             axes.plot([section.start, section.end], [y, y], color=STOP_COLOUR, linewidth=0.9, zorder=2.2)
-    return axes
 
 
-def shade_sections(axes: Axes, sections: Sequence[Section]) -> Axes:
+def shade_sections(axes: Axes, sections: Sequence[Section]) -> None:
     """Background by class of track, a fine line between sections."""
     for s in sections:
         axes.axvspan(s.start, s.end, color=ZONE_SHADE[s.zone], linewidth=0.0, zorder=0.5)
         axes.axvline(s.end, color=FAINT, linewidth=0.5, zorder=0.6)
     axes.grid(axis="x", visible=False)
-    return axes
-
-
-def _number_sections(axes: Axes, sections: Sequence[Section]) -> None:
-    """Numbers above the sections; where they are narrow, of every few only."""
-    whole = sections[-1].end - sections[0].start
-    last = -np.inf
-    for s in sections:
-        middle = 0.5 * (s.start + s.end)
-        if middle - last < 0.02 * whole:
-            continue
-        last = middle
-        note_above(axes, str(s.number), middle)
 
 
 def _legend(signals: xr.Dataset) -> list[Artist]:
@@ -216,28 +191,27 @@ def estimated(found: Assessment) -> list[ZoneValue]:
 def estimates_figure(found: Assessment) -> Figure:
     """A panel for each: largest value of every section over the first influence, as if the others were where the value
     is estimated."""
-    draws = [partial(fit_of, row=row) for row in estimated(found)]
+    draws = [partial(_fit, row=row) for row in estimated(found)]
     words = "points: sections; line: fit; bar: from the fit to the estimated value; red: limit"
     height = 16.0 + 52.0 * ceil(len(draws) / COLUMNS)
     return panels(f"{found.title}\n{words}", draws, height, columns=COLUMNS, share=False)
 
 
-def fit_of(axes: Axes, row: ZoneValue) -> Axes:
+def _fit(axes: Axes, row: ZoneValue) -> None:
     """Sections, fit, estimated value and limit of one quantity in one class of track."""
-    r, quantity, limit = row.regression, row.worst.quantity, row.worst.limit
+    r, drawn, limit = row.regression, row.worst.quantity, row.worst.limit
     if r is None or limit is None:
-        return axes
+        return
     unit, factor = INFLUENCES[r.over[0]].symbol, INFLUENCES[r.over[0]].factor
-    x, y = factor * r.places, quantity.shown.factor * r.moved
+    x, y = factor * r.places, drawn.shown.factor * r.moved
     axes.plot(x, y, ".", color=INK)
     ends = [min(x.min(), factor * r.at[0]), max(x.max(), factor * r.at[0])]
     slope = r.slope[0] / factor
-    axes.plot(ends, [quantity.shown.factor * (r.fit + slope * (end - factor * r.at[0])) for end in ends], color=QUIET)
-    bounds = [quantity.shown.factor * value for value in (r.fit, r.estimate)]
+    axes.plot(ends, [drawn.shown.factor * (r.fit + slope * (end - factor * r.at[0])) for end in ends], color=QUIET)
+    bounds = [drawn.shown.factor * value for value in (r.fit, r.estimate)]
     axes.plot([factor * r.at[0]] * 2, bounds, "_-", color=INK, markersize=8.0)
-    axes.axhline(quantity.shown.factor * limit.value, color=STOP_COLOUR, linewidth=0.8)
-    symbol = "" if quantity.shown.symbol == "1" else f" [{quantity.shown.symbol}]"
-    axes.set(xlabel=f"{r.over[0].replace('_', ' ')} [{unit}]", ylabel=f"{quantity.symbol}{symbol}")
+    axes.axhline(drawn.shown.factor * limit.value, color=STOP_COLOUR, linewidth=0.8)
+    label = with_unit(drawn.symbol, drawn.shown.symbol)
+    axes.set(xlabel=f"{r.over[0].replace('_', ' ')} [{unit}]", ylabel=label)
     axes.set_title(f"{row.worst.section.zone} ({row.sections})", fontsize=7.0)
     axes.set_ylim(bottom=min(0.0, float(y.min())))
-    return axes

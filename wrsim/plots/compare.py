@@ -94,7 +94,10 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
     looks = dict(enumerate(islice(cycle(GROUP_LINE), len(lines))))
 
     def draw(axes: Axes, quantity: str, differences: bool) -> None:
-        channel, (factor, unit) = CHANNELS[quantity], _difference_unit(quantity)
+        channel, of_load = CHANNELS[quantity], quantity in ("X", "Y", "Q")
+        factor, unit = (100.0, "[% of $N$]" if of_load else "[%]")
+        if quantity.startswith("contact_angle"):
+            factor, unit = channel.shown.factor, "[°]"
         y = factor * values[f"{quantity}_difference"].values if differences else shown(values, quantity)
         for i, name in enumerate(names):
             if differences and name == reference:
@@ -109,7 +112,10 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
             axes.set_title(f'difference from "{reference}"' if quantity == quantities[0] else "", fontsize=7.0)
         else:
             axes.set_ylabel(f"${channel.symbol}$ [{channel.shown.symbol}]")
-        _widen(axes, LEAST_DIFFERENCE if differences else 0.02 * max(abs(end) for end in axes.get_ylim()))
+        low, high = axes.get_ylim()
+        span = LEAST_DIFFERENCE if differences else 0.02 * max(abs(low), abs(high))
+        if high - low < span:  # differences too small to matter look small
+            axes.set_ylim(0.5 * (low + high - span), 0.5 * (low + high + span))
 
     legend = [Line2D([], [], color=colour, label=name) for name, colour in colours.items()]
     for n, (label, _, _, wheel) in enumerate(lines if len(lines) > 1 else ()):
@@ -117,20 +123,6 @@ def values_figure(values: xr.Dataset, reference: str, title: str) -> Figure:
         legend.append(Line2D([], [], color=QUIET, linestyle=looks[n], label=", ".join(filter(None, words))))
     draws = [partial(draw, quantity=q, differences=d) for q in quantities for d in (False, True)]
     return panels(title, draws, 36.0 * len(quantities) + 24.0, columns=2, legend=legend)
-
-
-def _widen(axes: Axes, span: float) -> None:
-    """Let an axis show at least this span: differences too small to matter look small."""
-    low, high = axes.get_ylim()
-    if high - low < span:
-        axes.set_ylim(0.5 * (low + high - span), 0.5 * (low + high + span))
-
-
-def _difference_unit(quantity: str) -> tuple[float, str]:
-    """Factor and words of a difference."""
-    if quantity.startswith("contact_angle"):
-        return CHANNELS[quantity].shown.factor, "[°]"
-    return 100.0, "[% of $N$]" if quantity in ("X", "Y", "Q") else "[%]"
 
 
 def _same_moment(dataset: xr.Dataset, first: xr.Dataset, moment: int) -> int | None:

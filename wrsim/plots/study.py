@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from itertools import pairwise
 from math import ceil
 from textwrap import wrap
 from typing import Any
@@ -19,12 +18,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
+from scipy.stats import spearmanr
 
 from wrsim.inputs.section import UNITS
 from wrsim.plots.colours import DOTS, GROUP_MARK, INK, QUIET, SERIES_COLOURS, STOP_COLOUR
 from wrsim.plots.marks import note, panels
 from wrsim.plots.style import pressure_map
 from wrsim.results.channels import SHOWN
+from wrsim.results.table import with_unit
 
 MOST_OUTPUTS, MOST_LINES, MOST_KEYS = 12, 8, 4
 """Panels of a picture, lines of a panel, varied keys against which outputs are drawn."""
@@ -41,7 +42,7 @@ COMPLETED, DERAILED = "completed", "derailed"
 
 def study_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Makers of the pictures that suit the axes of a study, by name: maps, curves, samples, percentiles."""
-    outputs = outputs_of(dataset)
+    outputs = numbers_in(dataset)
     if not outputs:
         return {}
     makers: dict[str, Callable[[], Figure]] = {}
@@ -58,7 +59,7 @@ def study_figures(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     return makers
 
 
-def outputs_of(dataset: xr.Dataset) -> list[str]:
+def numbers_in(dataset: xr.Dataset) -> list[str]:
     """Names of the outputs that have a number in some completed case."""
     done = (dataset["status"] == COMPLETED).values
     numbers = [str(n) for n, v in dataset.data_vars.items() if v.dtype.kind == "f" and v.dims == dataset["status"].dims]
@@ -96,7 +97,7 @@ def maps_figure(dataset: xr.Dataset, outputs: Sequence[str], dims: Sequence[str]
 
     def draw(axes: Axes, name: str) -> None:
         values = np.ma.masked_invalid(_completed(sorted_, name).median(left).transpose(y, x).values)
-        mesh = axes.pcolormesh(_edges(across), _edges(up), values, cmap=pressure_map())
+        mesh = axes.pcolormesh(across, up, values, cmap=pressure_map(), shading="nearest")
         bar = axes.figure.colorbar(mesh, ax=axes, pad=0.02, aspect=18)
         bar.outline.set_linewidth(0.4)  # type: ignore[operator]
         bar.ax.tick_params(labelsize=6.0)
@@ -130,9 +131,8 @@ def curves_figure(dataset: xr.Dataset, outputs: Sequence[str], x: str) -> Figure
             if family is not None:
                 values = values.isel({family: int(i)})
             if rest:
-                axes.fill_between(
-                    place, values.min(rest), values.max(rest), color=look["color"], alpha=0.15, linewidth=0.0
-                )
+                band: Any = {"color": look["color"], "alpha": 0.15, "linewidth": 0.0}
+                axes.fill_between(place, values.min(rest), values.max(rest), **band)
             axes.plot(place, values.median(rest), linewidth=0.9, **look)
         if not numeric:
             axes.set_xticks(place, [str(v) for v in sorted_[x].values], fontsize=6.0, rotation=20, ha="right")
@@ -161,8 +161,9 @@ def samples_figure(dataset: xr.Dataset, outputs: Sequence[str], keys: Sequence[s
         axes.plot(x[good], values[good], ".", color=SERIES_COLOURS[0], markersize=2.4)
         for at in x[~done]:
             axes.axvline(at, ymax=0.05, color=STOP_COLOUR, linewidth=0.7)
-        words = f"rank correlation {_rank_correlation(x[good], values[good]):z.2f}"
-        axes.set_title(words, fontsize=6.0, color=QUIET)
+        constant = good.sum() < 3 or np.ptp(x[good]) == 0.0 or np.ptp(values[good]) == 0.0
+        rank = 0.0 if constant else spearmanr(x[good], values[good]).statistic
+        axes.set_title(f"rank correlation {rank:z.2f}", fontsize=6.0, color=QUIET)
         if key == keys[0]:
             axes.set_ylabel(label_of(dataset, name), fontsize=6.5)
         if name == shown[-1]:
@@ -197,14 +198,10 @@ def label_of(dataset: xr.Dataset, name: str) -> str:
     """Name of an output with its unit."""
     unit = str(dataset[name].attrs.get("units", "1"))
     ending = name.rpartition("_")
-    words = ending[0] if ending[2] and unit not in ("1", "") and _same_unit(ending[2], unit) else name
+    repeated = {shown.suffix for shown in SHOWN.values() if shown.symbol == unit and shown.suffix}
+    words = ending[0] if ending[2] in repeated else name
     words = words.replace("wheelsets_", "").replace("wheels_", "").replace("_", " ")
-    return "\n".join(wrap(words + (f" [{unit}]" if unit not in ("1", "") else ""), LETTERS))
-
-
-def _same_unit(suffix: str, unit: str) -> bool:
-    """True if the end of a name repeats the unit."""
-    return suffix in {shown.suffix for shown in SHOWN.values() if shown.symbol == unit}
+    return "\n".join(wrap(with_unit(words, unit), LETTERS))
 
 
 def axis_label(dataset: xr.Dataset, name: str) -> str:
@@ -212,7 +209,7 @@ def axis_label(dataset: xr.Dataset, name: str) -> str:
     last = name.rpartition(".")[2]
     unit = next((u for u in sorted(UNITS, key=len, reverse=True) if last.endswith(f"_{u}")), "")
     words = last.removesuffix(f"_{unit}") if unit else last
-    return words.replace("_", " ") + (f" [{UNITS[unit]}]" if unit else "")
+    return with_unit(words.replace("_", " "), UNITS[unit] if unit else "")
 
 
 def _completed(dataset: xr.Dataset, name: str) -> xr.DataArray:
@@ -245,22 +242,5 @@ def _figure(
 def _note(dataset: xr.Dataset, more: str) -> str:
     """How many cases are not among the curves, and why."""
     status, counts = np.unique(dataset["status"].values.astype(str), return_counts=True)
-    lost = [f"{n} {s}" for s, n in zip(status, counts, strict=True) if s != COMPLETED]
-    words = [f"of {dataset['status'].size} cases {', '.join(lost)} (red)"] if lost else []
-    return "; ".join((*words, *filter(None, (more,))))
-
-
-def _edges(centres: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Borders of the cells about the points of an axis."""
-    middles = [0.5 * (a + b) for a, b in pairwise(centres)]
-    first, last = centres[0] - (middles[0] - centres[0]), centres[-1] + (centres[-1] - middles[-1])
-    return np.array([first, *middles, last])
-
-
-def _rank_correlation(x: NDArray[np.float64], y: NDArray[np.float64]) -> float:
-    """Spearman's; 0 where one of both is constant."""
-    if x.size < 3:
-        return 0.0
-    ranks = [np.argsort(np.argsort(v)).astype(float) for v in (x, y)]
-    spread = float(np.std(ranks[0]) * np.std(ranks[1]))
-    return float(np.mean((ranks[0] - ranks[0].mean()) * (ranks[1] - ranks[1].mean())) / spread) if spread else 0.0
+    lost = ", ".join(f"{n} {s}" for s, n in zip(status, counts, strict=True) if s != COMPLETED)
+    return "; ".join(filter(None, (f"of {dataset['status'].size} cases {lost} (red)" if lost else "", more)))

@@ -98,7 +98,7 @@ def _chart(
 ) -> dict[str, Any]:
     channel = CHANNELS[key]
     title = channel.long_name[0].upper() + channel.long_name[1:].replace(" of the body", "")
-    unit = "" if channel.shown.symbol == "1" else channel.shown.symbol
+    unit = channel.shown.unit
     best = max(curves, key=lambda c: float(np.nanmax(np.abs(c.values), initial=0.0)))
     at = int(np.nanargmax(np.abs(best.values)))
     whose = f", {best.look['label']}" if len(curves) > 1 else ""

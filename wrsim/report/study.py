@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim import __version__
-from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, of_cases, outputs_of, study_figures
+from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, numbers_in, of_cases, study_figures
 from wrsim.plots.wear import service_figures
 from wrsim.report.page import as_picture, template
 from wrsim.report.tables import BAD, OPEN, Verdict
@@ -22,7 +22,7 @@ MOST_ROWS, FEW_ROWS = 500, 40
 
 def study_page(dataset: xr.Dataset, source: str) -> str:
     """The report of a study as HTML. dataset: ``study.nc``; source: where it was read from."""
-    outputs = outputs_of(dataset)
+    outputs = numbers_in(dataset)
     status = of_cases(dataset, "status").astype(str)
     rows = np.flatnonzero(status != COMPLETED)
     page = {

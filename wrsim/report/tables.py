@@ -85,7 +85,7 @@ def _tightest(row: ZoneValue) -> str:
     """The worst margin in words."""
     value, limit = row.worst, row.worst.limit
     shown, margin = value.quantity.shown, row.margin
-    unit = "" if shown.symbol == "1" else shown.symbol
+    unit = shown.unit
     at_most = quantity(limit.value * shown.factor, unit) if limit else ""
     number, kind = value.value, ""
     if margin is not None and value.margin is not None and margin < value.margin and row.estimate is not None:
@@ -153,7 +153,7 @@ def assessment_rows(found: Sequence[Assessment | None]) -> tuple[list[dict[str, 
     for i, each in enumerate(found):
         for row in each.zones if each is not None else ():
             of, zone, limit = row.worst.quantity, row.worst.section.zone, row.worst.limit
-            words = {"symbol": of.symbol, "words": of.words, "unit": "" if of.shown.symbol == "1" else of.shown.symbol}
+            words = {"symbol": of.symbol, "words": of.words, "unit": of.shown.unit}
             zones = quantities.setdefault(of.key, {})
             own = zones.setdefault(zone, words | {"zone": zone, "cells": [None] * len(found), "first": 0})
             letter = ""

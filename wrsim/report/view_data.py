@@ -154,7 +154,7 @@ def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
     for name, (data, channel, which) in channels.items():
         numbers = packed(data.values[keep] * channel.shown.factor, "f4")
         run["channels"][name] = numbers | {
-            "unit": "" if channel.shown.symbol == "1" else channel.shown.symbol,
+            "unit": channel.shown.unit,
             "factor": channel.shown.factor,
             "dims": [d for d in data.dims if d != "time"],
             "words": channel.long_name + which,

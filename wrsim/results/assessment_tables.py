@@ -156,7 +156,7 @@ def assessment_numbers(found: Assessment) -> list[Table]:
         limit, own, cells = row.worst.limit, row.worst.quantity, row.cells()
         source = "" if limit is None else limit.words
         letter = letters.setdefault(source, chr(ord("a") + len(letters) % 26)) if source else ""
-        head = [own.symbol, "" if own.shown.symbol == "1" else own.shown.symbol] if own.key != last else ["", ""]
+        head = [own.symbol, own.shown.unit] if own.key != last else ["", ""]
         numbers = [cells[key] for key in ("worst", "estimate", "limit", "margin", "verdict")]
         rows.append([*head, f"{row.worst.section.zone} ({row.number})", *numbers, letter, cells["worst in"]])
         last = own.key

@@ -38,6 +38,11 @@ class Shown:
     suffix: str
     factor: float
 
+    @property
+    def unit(self) -> str:
+        """The symbol behind a number; none of a plain one."""
+        return "" if self.symbol == "1" else self.symbol
+
 
 PLAIN = Shown("1", "", 1.0)
 SHOWN = {
