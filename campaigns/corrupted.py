@@ -14,7 +14,6 @@ in four is damaged, one in four is damaged and has a right checksum, two have od
 from __future__ import annotations
 
 import argparse
-import io
 import json
 import os
 import random
@@ -25,7 +24,7 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
+from contextlib import contextmanager
 from pathlib import Path
 
 import crafted
@@ -34,7 +33,6 @@ import xarray as xr
 from hostile import until_ctrl_c
 
 from wrsim.analysis import run
-from wrsim.cli import main as wrsim
 from wrsim.errors import InputError
 from wrsim.report.output_folder import read
 from wrsim.results import Result
@@ -44,6 +42,10 @@ from wrsim.simulation.integrate import recorded_motion
 from wrsim.study.service.record import COLUMNS
 
 ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from support.commands import call, forked  # noqa: E402
+
 VALUES = {
     "track.segments": [{"kind": "straight", "length_m": 8.0}],
     "run.distance_m": 6.0,
@@ -139,7 +141,7 @@ def counted(number: int, rng: random.Random, folder: Path) -> Counter[str]:
         copy = path.with_suffix(".nc.part" if part else ".nc")
         if i % 4 > 1:
             copy.write_bytes(checked_again(content, copy))
-            answer = answer_of(("show", str(copy)), copy, folder)
+            answer = answer_of(("show", str(copy)), copy)
             if answer not in GOOD:
                 print(f"{copy.name} {i}: {answer}", flush=True)
             answers["right checksum: " + (answer if answer in GOOD else "WRONG")] += 1
@@ -161,16 +163,10 @@ def counted(number: int, rng: random.Random, folder: Path) -> Counter[str]:
     return answers
 
 
-def answer_of(words: Sequence[str], file: Path, folder: Path) -> str:
+def answer_of(words: Sequence[str], file: Path) -> str:
     """How the command ends in a process that is forked from this one: a word, and what is wrong with it if anything."""
-    with open(folder / "out", "w+b") as out, open(folder / "err", "w+b") as err:
-        child = os.fork()
-        if child == 0:
-            _be_the_command(words, out.fileno(), err.fileno())
-        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-        err.seek(0)
-        told = err.read().decode(errors="replace")
-    lines = told.count("\n")
+    done = forked(*words, first=_bound)
+    code, told, lines = done.returncode, done.stderr, done.stderr.count("\n")
     if code == -signal.SIGALRM:
         return "HANGS"
     if code in (0, 3, 4) and not any(word in told for word in ("Traceback", "HDF5-DIAG")):
@@ -180,25 +176,12 @@ def answer_of(words: Sequence[str], file: Path, folder: Path) -> str:
     return f"EXIT {code}, {lines} LINES: {told[:300]!r}"
 
 
-def _be_the_command(words: Sequence[str], out: int, err: int) -> None:
-    code = 70
-    try:
-        for number, stream in ((1, out), (2, err)):
-            os.dup2(stream, number)
-        sys.stdout, sys.stderr = (open(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))  # noqa: SIM115
-        used = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
-        resource.setrlimit(resource.RLIMIT_AS, (used + ROOM, used + ROOM))
-        signal.signal(signal.SIGALRM, signal.SIG_DFL)
-        signal.alarm(LONGEST)
-        sys.argv = ["wrsim", *words]
-        wrsim()
-        code = 0
-    except SystemExit as end:
-        code = end.code if isinstance(end.code, int) else int(end.code is not None)
-    finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(code)
+def _bound() -> None:
+    """Give this process no more memory and time than a command may take."""
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+    resource.setrlimit(resource.RLIMIT_AS, (used + ROOM, used + ROOM))
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(LONGEST)
 
 
 def sources(folder: Path) -> list[Path]:
@@ -275,7 +258,7 @@ def by_command(number: int, rng: random.Random, folder: Path) -> dict[str, Count
         for name, words in COMMANDS.items():
             if path.stem in ("study", "wear") and name != "report":
                 continue
-            answer = answer_of(_filled(words, file, reference, own / "out"), file, folder)
+            answer = answer_of(_filled(words, file, reference, own / "out"), file)
             answers[name][answer.split(":")[0]] += 1
             if answer not in GOOD:
                 bad = True
@@ -292,12 +275,8 @@ def _filled(words: Sequence[str], file: Path, whole: Path, out: Path) -> list[st
 
 def _warmed_up(file: Path, whole: Path, out: Path) -> None:
     """Let every command come to its end once: the processes that fork from this one find modules and kernels there."""
-    before = sys.argv
     for words in COMMANDS.values():
-        sys.argv = ["wrsim", *_filled(words, file, whole, out)]
-        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()), suppress(SystemExit):
-            wrsim()
-    sys.argv = before
+        call(*_filled(words, file, whole, out))
 
 
 def checked_again(content: bytes, path: Path) -> bytes:

@@ -11,6 +11,7 @@ import pytest
 from support.commands import call
 from support.scenario_texts import CURVE
 from support.synthetic_run import Q0, curve, run, with_points, with_wheelsets
+from support.vehicles import shipped
 
 from wrsim.analysis.assessment import assess, limits
 from wrsim.analysis.assessment.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
@@ -18,14 +19,12 @@ from wrsim.analysis.assessment.nadal import limit_of, longest_stretch, nadal_lim
 from wrsim.analysis.assessment.sections import sections_of, zone_of
 from wrsim.analysis.ride.evaluate import ride_section_of
 from wrsim.errors import InputError
-from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.results import Result
 from wrsim.results.assessment import Assessment
 from wrsim.results.assessment_tables import assessment_json
 from wrsim.scenario.sections.assessment import AssessmentSettings
 from wrsim.scenario.sections.run import RideSection
 from wrsim.vehicle.bogies import bogie_mass, level_of
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 RATE = 500.0
 TIME = np.arange(0.0, 20.0, 1.0 / RATE)
@@ -347,7 +346,7 @@ def test_accelerations_of_a_car_body_and_of_a_bogie_frame():
 
 
 def test_bodies_of_the_manchester_vehicle_are_told_apart():
-    vehicle = load_vehicle(shipped_models() / "vehicles/manchester_1.toml", Finder((shipped_models(),)))
+    vehicle = shipped("manchester_1")
     assert level_of(vehicle, "carbody") == "car body"
     assert level_of(vehicle, "front.frame") == level_of(vehicle, "rear.frame") == "bogie frame"
     assert level_of(vehicle, vehicle.wheelsets[0].name) == "wheelset"

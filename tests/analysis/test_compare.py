@@ -118,12 +118,6 @@ def test_the_command_leaves_tables_and_pictures(tmp_path):
         assert (tmp_path / "out" / name).stat().st_size > 10_000
 
 
-def test_a_short_table_is_printed_whole(tmp_path):
-    (tmp_path / "case.toml").write_text(STATIC)
-    ended = call("compare", tmp_path / "case.toml", "--contact", "file,polach", "-o", tmp_path / "o", "--no-pictures")
-    assert ended.exit_code == 0, ended.output
-
-
 def test_every_wheel_of_a_vehicle_is_compared():
     keys = "[run]\noutput_interval_ms = 5\ntime_s = 0.01\n"
     text = CURVE[: CURVE.index("[run]")].replace("wheelset_s1002", "manchester_1").replace("friction = 0.35", "") + keys

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from scipy.linalg import eigh
 from support.energy import balance
-from support.vehicles import COARSE, ROOT, on_track
+from support.vehicles import COARSE, ROOT, on_track, read_vehicle, shipped
 
 from wrsim.analysis import run
 from wrsim.core.body.kinematics import kinematics
@@ -19,7 +19,6 @@ from wrsim.core.body.rigid_body import pitched
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
-from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
@@ -28,17 +27,10 @@ from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.state import steady_state
 from wrsim.simulation.system import System
 from wrsim.vehicle.loads import Effort, Load
-from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 FILE = ROOT / "models/vehicles/manchester_motor.toml"
 STIFFNESS, TURNING = 1.5e6, 12.0 + 4.5**2 * 1.2
 """Of the file: torsion of the hollow axle [N m/rad], inertia of all that turns there [kg m2]."""
-
-
-@cache
-def motor_coach() -> Vehicle:
-    return load_vehicle(FILE, Finder((shipped_models(),)))
 
 
 def scenario(**keys: object) -> Scenario:
@@ -57,7 +49,7 @@ def scenario(**keys: object) -> Scenario:
 
 
 def test_what_motor_gear_and_axle_take_from_each_other_is_the_rate_of_what_turns():
-    vehicle = motor_coach()
+    vehicle = shipped("manchester_motor")
     (drive, _), moment = vehicle.drives, 8e3
     driven = replace(vehicle, efforts=(Effort(drive.wheelset, ((0.0, moment),)),))
     out = {}
@@ -85,7 +77,7 @@ def test_what_motor_gear_and_axle_take_from_each_other_is_the_rate_of_what_turns
 
 def in_space(name: str, **drive: float) -> VehicleOnTrack:
     """The bodies of a vehicle with their geared motors, which nothing else holds or carries."""
-    vehicle = load_vehicle(ROOT / f"models/vehicles/{name}.toml", Finder((shipped_models(),)))
+    vehicle = shipped(name)
     drives = tuple(replace(each, damping=0.0, **drive) for each in vehicle.drives)
     floating = replace(vehicle, elements=(), drives=drives, gravity=0.0)
     track = Track.build([Straight(200.0)], 1.5)
@@ -160,7 +152,7 @@ def test_between_held_wheelsets_and_a_torque_arm_case_and_hollow_axle_swing_toge
     arm = 15e6 * 0.6**2
     stiff = np.array([[STIFFNESS + arm, STIFFNESS], [STIFFNESS, STIFFNESS]])
     by_hand = sqrt(eigh(stiff, mass, eigvals_only=True)[0]) / 2.0 / pi
-    held = [mode.frequency for mode in natural_modes(motor_coach()) if mode.name == "hollow axles twist"]
+    held = [mode.frequency for mode in natural_modes(shipped("manchester_motor")) if mode.name == "hollow axles twist"]
     assert held == pytest.approx([by_hand] * 2, rel=0.015)
 
 
@@ -171,7 +163,7 @@ def test_between_held_wheelsets_and_a_torque_arm_case_and_hollow_axle_swing_toge
 def pulling(moment: float) -> tuple[np.ndarray, dict[str, float]]:
     """Q of all wheels (4,) by wheelset and tension of the torque arms, at constant speed against a load at the
     height of the traction rods."""
-    vehicle = motor_coach()
+    vehicle = shipped("manchester_motor")
     force = 2.0 * moment / 0.46
     drawbar = Load.constant("drawbar", "carbody", (-force, 0.0, 0.0), (0.0, 0.0, 0.6))
     names = [drive.wheelset for drive in vehicle.drives]
@@ -216,7 +208,7 @@ def test_pulling_unloads_the_leading_axle_of_the_bogie_by_the_height_of_its_rod(
 
 def test_work_of_the_motors_is_kinetic_energy_or_lost_in_creep():
     efforts = [
-        {"on": [drive.wheelset for drive in motor_coach().drives],
+        {"on": [drive.wheelset for drive in shipped("manchester_motor").drives],
          "time_s_moment_kNm": [[0.1, 0], [0.4, 6], [1.4, 6], [1.7, 0]]}
     ]  # fmt: skip
 
@@ -268,7 +260,7 @@ def test_bad_drives_are_refused_with_file_and_key(tmp_path, line, said):
     assert line[0] in text
     (tmp_path / "bad.toml").write_text(text.replace(*line, 1))
     with pytest.raises(InputError) as told:
-        load_vehicle(tmp_path / "bad.toml", Finder((shipped_models(),)))
+        read_vehicle(tmp_path / "bad.toml")
     assert said in str(told.value) and "bad.toml" in str(told.value)
 
 

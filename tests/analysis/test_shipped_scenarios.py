@@ -66,8 +66,8 @@ def test_every_scenario_runs_in_short(file):
     values: dict[str, Any] = {}
     if scenario.analysis in ("curving", "ride"):
         start = scenario.spec.run.start_distance_m
-        short = {"run.distance_m": 1.2} if scenario.spec.run.time_s is None else {"run.time_s": 0.15}
-        values = short | {"output.patches_at_m": [start + 1.0]}
+        short = {"run.distance_m": 0.3} if scenario.spec.run.time_s is None else {"run.time_s": 0.04}
+        values = short | {"output.patches_at_m": [start + 0.2]}
     if scenario.analysis == "stability":
         values = {"stability.speed_kmh": 100, "stability.nonlinear": False}
     if scenario.analysis == "steady":

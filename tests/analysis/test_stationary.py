@@ -4,30 +4,22 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from functools import cache
 from math import radians
 
 import numpy as np
 import pytest
 from support.commands import call
-from support.vehicles import ROOT, manchester, on_track
+from support.vehicles import manchester, on_track, shipped
 
 from wrsim.analysis.stationary import rotation_test as rotation
 from wrsim.analysis.stationary import twist_test as twist
 from wrsim.analysis.stationary.at_rest import tables_at_rest
 from wrsim.errors import InputError
-from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.vehicle.bogies import bogies_of
 from wrsim.vehicle.elements import Slider, Strut
 from wrsim.vehicle.vehicle import Member, Vehicle
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 SLOW, FAST = rotation.RATES
-
-
-@cache
-def shipped(name: str) -> Vehicle:
-    return load_vehicle(ROOT / f"models/vehicles/{name}.toml", Finder((shipped_models(),)))
 
 
 def with_struts(kind: str, places: list[tuple[str, str, tuple[float, float, float]]], **keys: object) -> Vehicle:

@@ -6,46 +6,11 @@ the interval is halved until it is a few nanometres wide: what then remains of t
 
 import numpy as np
 import pytest
-from scipy.interpolate import PchipInterpolator
-from support.contacts import PLAIN, bench, contact_of, pair_model, settle
+from support.sweeps import jumps, normal_forces
 
-STEP = 10e-6
-HALVINGS = 12  # to 2.4 nm
 # Root of S1002 and gauge corner of 60E1 both have a radius of 13 mm: over some 10 mm the two are as far apart
 # everywhere, and the main point, which alone decides the pressure [S 29], runs along the corner within micrometres.
 EQUAL_RADII = (6.3e-3, 6.8e-3)
-
-
-def jumps(pair, yaw, load, span, most=15, **choices):
-    """(lateral shift, largest jump of a force component over the load) at the steepest places of a sweep."""
-    stand = bench(pair_model(pair, **choices))
-    knots = np.arange(span[0], span[1] + 1e-9, 2.5e-4)
-    path = PchipInterpolator(knots, [settle(stand, y, yaw, load)[0].height for y in knots])
-
-    def force(y):
-        stand.evaluate(y, float(path(y)), yaw, 0.0)
-        return stand.force / load
-
-    return steepest(force, np.arange(knots[0], knots[-1], STEP), most)
-
-
-def steepest(force, xs, most):
-    """(place, change) of a function of one number at its steepest places, halved until a jump is left."""
-    change = np.abs(np.diff([force(x) for x in xs], axis=0)).max(axis=1)
-    usual = np.array([np.median(change[max(0, i - 4) : i + 5]) for i in range(len(change))])
-    rows = []
-    for i in np.argsort(usual - change)[:most]:
-        left, right = xs[i], xs[i + 1]
-        at_left, at_right = force(left), force(right)
-        for _ in range(HALVINGS):
-            middle = 0.5 * (left + right)
-            between = force(middle)
-            if np.abs(between - at_left).max() > np.abs(at_right - between).max():
-                right, at_right = middle, between
-            else:
-                left, at_left = middle, between
-        rows.append((left, np.abs(at_right - at_left).max()))
-    return np.array(rows)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.012])
@@ -70,17 +35,6 @@ def test_a_light_load_sees_a_ripple_of_seven_permille():
 def test_forces_do_not_jump_between_equal_radii_at_yaw(pair, load):
     # the law wanted; measured 0.07 and 0.10 of the load (0.15 at the most, 1:20, 24 kN)
     assert jumps(pair, -0.012, load, (6e-3, 7e-3))[:, 1].max() < 2e-3
-
-
-def normal_forces(pair, lateral, yaw, depths, **choices):
-    """Sum of N over the wheel's descent below its touching height."""
-    stand = bench(pair_model(pair, **PLAIN, **choices), rolling=False)
-    touching = settle(stand, lateral, yaw, 10.0)[0].height
-    forces = []
-    for depth in depths:
-        stand.evaluate(lateral, touching - depth, yaw, 0.0)
-        forces.append(contact_of(stand).patches["N"].sum())
-    return np.array(forces)
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.012])

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
-from scipy.special import elliprd, elliprf
+from scipy.special import elliprf
 from support.contacts import HALF_SPACING, MODELS, PLAIN, contact_model, flat_rail, round_wheel, settle
+from support.hertz import Ellipse, hertz
 
 from wrsim.analysis.poses.solver import PoseSolver
 from wrsim.contact.channels import WheelOnRail
@@ -34,43 +34,10 @@ RATIOS = {
 TABLE = 0.002  # demanded: the table has three digits
 
 
-@dataclass(frozen=True)
-class Ellipse:
-    """Half axes along and across, approach, peak pressure; E* = 1."""
-
-    a: float
-    b: float
-    delta: float
-    p0: float
-
-    @property
-    def force(self) -> float:
-        return 2.0 / 3.0 * np.pi * self.a * self.b * self.p0
-
-    @property
-    def area(self) -> float:
-        return np.pi * self.a * self.b
-
-
-def hertz(ratio: float, delta: float = 1.0) -> Ellipse:
-    """Hertz' ellipse for A = ratio, B = 1."""
-
-    def excess(log: float) -> float:
-        q = np.exp(log)  # (b/a)^2
-        return float(np.log(elliprd(0.0, q, 1.0) / elliprd(0.0, 1.0, q)) - np.log(ratio))
-
-    shape = np.exp(0.5 * brentq(excess, -12.0, 12.0, xtol=1e-14))  # b/a
-    # with a = 1 and p0 = 1, then to the scale where B is 1
-    b_curvature = shape * elliprd(0.0, 1.0, shape**2) / 3.0
-    approach = shape * elliprf(0.0, 1.0, shape**2)
-    a = np.sqrt(delta * b_curvature / approach)
-    return Ellipse(a, a * shape, delta, delta / (a * approach))
-
-
 def kik_piotrowski(ratio: float, delta: float = 1.0) -> Ellipse:
-    """The model's ellipse for A = ratio, B = 1."""
+    """The model's ellipse for A = ratio, B = 1; E* = 1."""
     a, b = np.sqrt(EPSILON * delta / ratio), np.sqrt(EPSILON * delta)
-    return Ellipse(a, b, delta, delta / (a * b * elliprf(0.0, a * a, b * b)))
+    return Ellipse(a, b, delta / (a * b * elliprf(0.0, a * a, b * b)), 1.0)
 
 
 def over_hertz(ratio: float) -> tuple[float, ...]:

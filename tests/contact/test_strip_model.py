@@ -21,8 +21,8 @@ from support.contacts import (
     settle,
     wheel_profile,
 )
-from test_continuity import jumps, normal_forces, steepest
-from test_hertz import hertz
+from support.hertz import hertz
+from support.sweeps import jumps, normal_forces, steepest
 
 from wrsim.contact.half_space.solver import HalfSpace
 from wrsim.contact.tables import combined_modulus, influence_table

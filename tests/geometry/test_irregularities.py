@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support import scenario_texts as texts
 
 from wrsim.analysis import run
 from wrsim.errors import InputError
@@ -333,20 +334,8 @@ def test_a_band_finer_than_the_table_is_refused(tmp_path: Path) -> None:
 
 # --- in files -------------------------------------------------------------------------------------------------------
 
-SCENARIO = """
-title = "t"
-analysis = "curving"
-[vehicle]
-model = "vehicles/wheelset_s1002.toml"
-speed_kmh = 72
-[track]
-gauge_mm = 1435
-rail = "rails/60E1.toml"
-inclination = "1:40"
-[[track.segments]]
-kind = "straight"
-length_m = 200
-"""
+SCENARIO = "\n" + texts.CURVE.partition("kind")[0].replace("= 54", "= 72") + 'kind = "straight"\nlength_m = 200\n'
+"""Straight track, on which a wheelset runs at 20 m/s."""
 
 
 def told(tmp_path: Path, text: str) -> str:

@@ -274,38 +274,6 @@ def test_level_rails_differ_in_length_by_spacing_times_heading(shape: str) -> No
     assert 0.99 * turn < canted.right.length - canted.left.length < turn  # cos(roll): the rails are nearer
 
 
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("side, sign", [("left", 1.0), ("right", -1.0)])
-def test_rail_tangent_and_curvature_are_the_derivatives_of_its_position(shape: str, side: str, sign: float) -> None:
-    """Against p = r + d n + h b differentiated numerically: cant ramp, widening and curvature together."""
-    o, h = 0.043, 0.15
-    track = Track.build(s_curve(60.0, shape), left_offset=(o, h), right_offset=(o, h), rounding=5.0, heading=1.0)
-
-    def place(s: np.ndarray) -> np.ndarray:
-        roll, heading = track.roll(s)[:, None], track.heading(s)[:, None]
-        left = np.hstack((-np.sin(heading), np.cos(heading), 0.0 * heading))
-        up = np.array([0.0, 0.0, 1.0])
-        d = sign * (0.5 * track.gauge(s)[:, None] + o)
-        n, b = np.cos(roll) * left + np.sin(roll) * up, -np.sin(roll) * left + np.cos(roll) * up
-        return track.centre_line.position(s) + d * n + h * b
-
-    path = getattr(track, side)
-    rows = np.arange(path.table.shape[0]) * path.step
-    s = track.centre_distance(side, rows)
-    inner = (s > 1.0) & (s < track.length - 1.0)
-    e = 1e-3
-    p0, p1, p2 = place(s[inner] - e), place(s[inner]), place(s[inner] + e)
-    first, second = (p2 - p0) / (2 * e), (p2 - 2.0 * p1 + p0) / e**2
-    rate = np.linalg.norm(first, axis=1)[:, None]
-    tangent = first / rate
-    bend = (second - np.sum(second * tangent, axis=1)[:, None] * tangent) / rate**2
-    table = path.table[inner]
-    assert np.abs(table[:, 0:3] - p1).max() < 1e-12
-    assert np.abs(table[:, 3:6] - tangent).max() < 1e-9  # difference quotient: e^2 p''' / 6, 1e-13 / e
-    # 1e-13 / e^2 and half the slope of the curvature over e, where a Bloss ramp begins
-    assert np.abs(table[:, 8:11] - bend).max() < 2e-5
-
-
 def test_rail_distance_and_centre_distance_are_inverse_and_table_rows_are_evenly_spaced() -> None:
     track = Track.build(s_curve(60.0))
     s = np.linspace(-5.0, track.length + 5.0, 500)

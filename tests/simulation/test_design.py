@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.vehicles import ROOT
+from support.vehicles import shipped
 
 from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.geometry.track.track import Track
-from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.vehicle.bogies import wheelsets_beneath
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 START = 60.0
 
 
 def laid(track: Track) -> dict[str, tuple[float, float]]:
     """By body of the motor coach: how far to the left of the track it lies [m], and its yaw there [rad]."""
-    vehicle = load_vehicle(ROOT / "models/vehicles/manchester_motor.toml", Finder((shipped_models(),)))
+    vehicle = shipped("manchester_motor")
     law = VehicleOnTrack(vehicle, track, (), speed=10.0, start=START)
     q, q_t = design_state(law)
     found = {}
@@ -50,7 +48,7 @@ def test_on_straight_track_bodies_lie_where_their_file_has_them():
 
 
 def test_bodies_know_the_wheelsets_that_carry_them_through_others():
-    vehicle = load_vehicle(ROOT / "models/vehicles/manchester_motor.toml", Finder((shipped_models(),)))
+    vehicle = shipped("manchester_motor")
     beneath = wheelsets_beneath(vehicle)
     assert beneath["carbody"] == (0, 1, 2, 3)
     assert beneath["front.leading motor"] == beneath["front.leading case"] == beneath["front.bogie.frame"] == (0, 1)

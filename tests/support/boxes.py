@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from support.vehicles import manchester
+from wrsim.core.body import vehicle_forces
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
 from wrsim.simulation.design import design_state
@@ -64,6 +65,40 @@ def displaced(law: VehicleOnTrack, seed: int = 1) -> tuple[np.ndarray, np.ndarra
     q_t[: 6 * n] = rng.standard_normal(6 * n)
     q_t[6 * n :] = 0.01 * rng.standard_normal(law.dampers)
     return q, q_t
+
+
+def moment_kept(law: VehicleOnTrack, more: float = 0.0) -> None:
+    """At the state asked for last, all forces on bodies add up to nothing; so do their moments about the origin but
+    for what turns axle boxes, ``more`` about the first body's axle."""
+    bodies, wrenches = (law.arena.views[k] for k in (vehicle_forces.BODIES, vehicle_forces.WRENCHES))
+    n = len(law.bodies)
+    places, forces, moments = (rows(a[:n]) for a in (bodies["position"], wrenches["force"], wrenches["moment"]))
+    largest = np.abs(forces).max()
+    assert largest > 1e5
+    assert np.abs(forces.sum(axis=0)).max() < 1e-10 * largest
+    turning = (np.cross(places, forces) + moments).sum(axis=0) + more * rows(bodies["left"])[0]
+    assert np.abs(turning).max() < 1e-10 * largest * np.abs(places).max()
+
+
+def derivatives(law: VehicleOnTrack, q: np.ndarray, q_t: np.ndarray, size: int, change: Any = None) -> np.ndarray:
+    """Of the first generalised forces with respect to as many coordinates, by differences; change: made to the forces,
+    given them and the coordinates."""
+    out, columns, step = np.zeros(law.size), np.zeros((size, size)), 1e-5
+    for i in range(size):
+        for sign in (1.0, -1.0):
+            moved = q.copy()
+            moved[i] += sign * step
+            law(0.0, moved, q_t, out)
+            if change is not None:
+                change(out, moved)
+            columns[:, i] += 0.5 * sign / step * out[:size]
+    return columns
+
+
+def symmetric(matrix: np.ndarray, *without: int) -> bool:
+    """Whether a matrix of differences is, without these rows and columns."""
+    kept = np.delete(np.delete(matrix, without, axis=0), without, axis=1)
+    return bool(np.abs(kept - kept.T).max() < 1e-7 * np.abs(kept).max())
 
 
 AT: Triple = (0.0, 0.0, HEIGHT)

@@ -6,6 +6,7 @@ import os
 import pty
 import subprocess
 import sys
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -21,20 +22,20 @@ def call(*arguments: str | Path) -> Result:
     return CliRunner().invoke(app, [str(a) for a in arguments], env={"COLUMNS": "200"})
 
 
-def forked(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    """Run ``wrsim`` with these arguments."""
+def forked(*arguments: str | Path, first: Callable[[], object] = bool) -> subprocess.CompletedProcess[str]:
+    """Run ``wrsim`` with these arguments in a process of its own; first: what that does before."""
     words = [str(a) for a in arguments]
     with TemporaryFile() as out, TemporaryFile() as err:
         child = os.fork()
         if child == 0:
             for number, stream in ((1, out), (2, err)):
                 os.dup2(stream.fileno(), number)
-            _be_the_command(words)
+            _be_the_command(words, first)
         code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         told = []
         for stream in (out, err):
             stream.seek(0)
-            told.append(stream.read().decode())
+            told.append(stream.read().decode(errors="replace"))
     return subprocess.CompletedProcess(words, code, *told)
 
 
@@ -53,9 +54,10 @@ def on_a_terminal(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.CompletedProcess(words, code, told.decode(), "")
 
 
-def _be_the_command(words: list[str]) -> None:
+def _be_the_command(words: list[str], first: Callable[[], object] = bool) -> None:
     code = 70
     try:
+        first()
         sys.stdout, sys.stderr = (open(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))  # noqa: SIM115
         sys.argv = ["wrsim", *words]
         main()

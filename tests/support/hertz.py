@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 
 from support.contacts import STEEL
@@ -18,7 +19,7 @@ COMPLIANCE = Compliance.of(STEEL, STEEL)
 
 @dataclass(frozen=True)
 class Ellipse:
-    """Hertz' contact of half axes a (along x), b (along s) [m] and peak pressure p0 [Pa].
+    """Hertz' contact of half axes a (along x), b (along s) [m] and peak pressure p0 [Pa]; modulus: E* [Pa].
 
     With Carlson's integrals (Johnson, Contact Mechanics, 1985, sections 3.2 and 3.3): the surfaces part by
     A x^2 + B s^2, A = p0 a b R_D(0, b^2, a^2)/(3 E*), the approach is p0 a b R_F(0, a^2, b^2)/E*.
@@ -27,15 +28,16 @@ class Ellipse:
     a: float
     b: float
     p0: float = 1e9
+    modulus: float = COMPLIANCE.modulus
 
     @property
     def curvatures(self) -> tuple[float, float]:
-        scale = self.p0 * self.a * self.b / (3.0 * COMPLIANCE.modulus)
+        scale = self.p0 * self.a * self.b / (3.0 * self.modulus)
         return scale * elliprd(0.0, self.b**2, self.a**2), scale * elliprd(0.0, self.a**2, self.b**2)
 
     @property
     def approach(self) -> float:
-        return self.p0 * self.a * self.b * elliprf(0.0, self.a**2, self.b**2) / COMPLIANCE.modulus
+        return self.p0 * self.a * self.b * elliprf(0.0, self.a**2, self.b**2) / self.modulus
 
     @property
     def force(self) -> float:
@@ -44,6 +46,20 @@ class Ellipse:
     @property
     def area(self) -> float:
         return np.pi * self.a * self.b
+
+
+def hertz(ratio: float, approach: float = 1.0) -> Ellipse:
+    """The ellipse between paraboloids A = ratio, B = 1, for E* = 1."""
+
+    def excess(log: float) -> float:
+        return float(np.log(np.divide(*Ellipse(1.0, np.exp(log), 1.0, 1.0).curvatures) / ratio))
+
+    shape = np.exp(brentq(excess, -6.0, 6.0, xtol=1e-14))  # b/a
+    unit = Ellipse(1.0, shape, 1.0, 1.0)
+    # at the scale where B is 1
+    b = unit.curvatures[1]
+    a = np.sqrt(approach * b / unit.approach)
+    return Ellipse(a, a * shape, approach / (a * unit.approach), 1.0)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ import numpy as np
 
 import wrsim.core
 from support.contacts import bench, contact_of, numbers, pair_model
-from support.vehicles import ROOT, manchester, on_track
+from support.vehicles import manchester, on_track, shipped
 from wrsim.contact.channels import WheelOnRail, wheel_outline
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
@@ -43,7 +43,6 @@ from wrsim.geometry.profile.sections import circle
 from wrsim.geometry.track.rail_surface import RailSection, RailSurface
 from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import RailElasticity
-from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.bodies import inertia_table, mass_matrix, velocity_forces
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
 from wrsim.simulation.design import design_state
@@ -52,7 +51,6 @@ from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.state import SteadyMotion
 from wrsim.vehicle.elements import Element, Normal, PlaneFriction, Slider, Strut
 from wrsim.vehicle.loads import Effort, Load, SlipControl
-from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import Torsion
 
 PAIR = "S1002/60E1 1:40"
@@ -189,7 +187,7 @@ def vehicle_cases() -> dict[str, list[float]]:
         law(0.01, q, q_t, out)
         found[f"vehicle, {drive}"] = list(out)
         found[f"records, {drive}"] = list(law.records.ravel())
-    arms = load_vehicle(ROOT / "models/vehicles/gz18.toml", Finder((shipped_models(),)))
+    arms = shipped("gz18")
     hinged = VehicleOnTrack(arms, law.track, (), speed=20.0, start=60.0)
     boxes, boxes_t = design_state(hinged)
     boxes[-8:], boxes_t[-8:] = 0.01, 0.2
@@ -203,7 +201,7 @@ def vehicle_cases() -> dict[str, list[float]]:
     angles[-4:], rates[-4:] = 1e-3, 0.2
     apart(0.0, angles, rates, twist := np.zeros(apart.size))
     found["twist"] = list(twist)
-    motors = load_vehicle(ROOT / "models/vehicles/manchester_motor.toml", Finder((shipped_models(),)))
+    motors = shipped("manchester_motor")
     moment = Effort(motors.drives[0].wheelset, ((0.0, 5e3),))
     geared = VehicleOnTrack(replace(motors, efforts=(moment,)), law.track, (), speed=20.0, start=60.0)
     still, turning = design_state(geared)

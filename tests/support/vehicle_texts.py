@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from support.vehicles import read_vehicle
 from wrsim.errors import InputError
-from wrsim.inputs.lookup import Finder, shipped_models
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 GOOD = """\
 name = "a car"
@@ -57,7 +56,7 @@ def fault(folder: Path, *changes: tuple[str, str], text: str = GOOD) -> str:
     file = folder / "car.toml"
     file.write_text(text)
     try:
-        load_vehicle(file, Finder((shipped_models(),)))
+        read_vehicle(file)
     except InputError as error:
         return str(error).replace(f"{folder}/", "")
     return ""

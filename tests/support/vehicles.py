@@ -25,14 +25,23 @@ from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 ROOT = Path(__file__).parents[2]
-MANCHESTER = ROOT / "models/vehicles/manchester_1.toml"
 COARSE = FAST | {"contact.strips": 15, "contact.cells": 8}
 
 
+def read_vehicle(path: Path) -> Vehicle:
+    """The vehicle of a file; models are the shipped ones and those beside it."""
+    return load_vehicle(path, Finder((shipped_models(),)))
+
+
 @cache
+def shipped(name: str) -> Vehicle:
+    """A shipped vehicle."""
+    return read_vehicle(ROOT / f"models/vehicles/{name}.toml")
+
+
 def manchester() -> Vehicle:
-    """The shipped vehicle."""
-    return load_vehicle(MANCHESTER, Finder((shipped_models(),)))
+    """The coach of most tests."""
+    return shipped("manchester_1")
 
 
 @cache
@@ -43,7 +52,7 @@ def coaches(count: int, model: str = "manchester_1") -> Vehicle:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "train.toml"
         path.write_text(text.replace("count = 3", f"count = {count}"), encoding="utf-8")
-        return load_vehicle(path, Finder((shipped_models(),)))
+        return read_vehicle(path)
 
 
 @cache

@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.boxes import displaced, on_springs, rows
+from support.boxes import displaced, moment_kept, on_springs
 from support.vehicles import coaches, manchester
 
 from wrsim.analysis.motion.messages import Event, event_words
-from wrsim.core.body import vehicle_forces
 from wrsim.simulation.design import design_state
 from wrsim.simulation.force_law import Block, force_derivative
 from wrsim.simulation.integrate import Motion, integrate
@@ -172,13 +171,7 @@ def test_couplings_keep_momentum_and_angular_momentum() -> None:
     law(0.0, q, q_t, np.zeros(law.size))
     pushed = [r[0] for e, r in zip(law.vehicle.elements, law.records, strict=True) if e.kind == "buffer"]
     assert min(pushed) < -1e4  # they are in touch
-    bodies, wrenches = (law.arena.views[k] for k in (vehicle_forces.BODIES, vehicle_forces.WRENCHES))
-    n = len(law.bodies)
-    places, forces, moments = (rows(a[:n]) for a in (bodies["position"], wrenches["force"], wrenches["moment"]))
-    largest = np.abs(forces).max()
-    assert np.abs(forces.sum(axis=0)).max() < 1e-10 * largest
-    turning = np.cross(places, forces) + moments
-    assert np.abs(turning.sum(axis=0)).max() < 1e-10 * largest * np.abs(places).max()
+    moment_kept(law)
 
 
 @pytest.mark.parametrize("model", ["manchester_1", "manchester_motor"])

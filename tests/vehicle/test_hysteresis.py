@@ -10,16 +10,15 @@ import numpy as np
 import pytest
 from support.boxes import AT, FIXED, HEIGHT, MASS, box, motion, on_springs, spring
 from support.vehicle_texts import GOOD
+from support.vehicles import read_vehicle
 
 from wrsim.errors import InputError
-from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import natural_modes
 from wrsim.vehicle.elements import KINDS, TRACK, Slider, Strut
 from wrsim.vehicle.elements.bilinear_spring import BilinearSpring
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Joint
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 Z, X = 6, 7
 """Places of the box in the state."""
@@ -220,7 +219,7 @@ friction_force_kN = 2
     file = tmp_path / "car.toml"
     file.write_text(GOOD.replace("[[elements]]", rubber + "[[elements]]", 1))
     with pytest.raises(InputError, match="friction_travel_mm is missing: goes with friction_force_kN"):
-        load_vehicle(file, Finder((shipped_models(),)))
+        read_vehicle(file)
 
 
 def test_sliders_of_a_distance_come_to_their_limit_over_it() -> None:

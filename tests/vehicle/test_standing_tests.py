@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from math import asin, cos, degrees, sin
 
 import numpy as np
 import pytest
 from support.commands import call
-from support.vehicles import ROOT, manchester
+from support.vehicles import manchester, shipped
 
 from wrsim.analysis.stationary.statics import canted, static_state
 from wrsim.errors import SimulationError
-from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 ANGLE = asin(0.15 / 1.5)
 TWIST = 5e-3 / 1.5
-
-
-def shipped(name: str) -> Vehicle:
-    return replace(load_vehicle(ROOT / f"models/vehicles/{name}.toml", Finder((shipped_models(),))), loads=())
 
 
 def roll_moment(vehicle: Vehicle, loads: np.ndarray) -> float:

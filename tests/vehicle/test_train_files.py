@@ -8,17 +8,15 @@ import numpy as np
 import pytest
 from support.commands import call
 from support.vehicle_texts import GOOD
-from support.vehicles import ROOT, manchester
+from support.vehicles import ROOT, manchester, read_vehicle
 
 from wrsim.analysis.stationary.statics import static_state
 from wrsim.errors import InputError
-from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
 from wrsim.vehicle.bogies import level_of
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 TRAIN = (ROOT / "models/trains/manchester_3.toml").read_text(encoding="utf-8")
 SECOND = """
@@ -36,7 +34,7 @@ def loaded(text: str, folder: Path, car: str = GOOD) -> Vehicle:
     """The train of this text, with a car file beside it."""
     (folder / "train.toml").write_text(text, encoding="utf-8")
     (folder / "car.toml").write_text(car, encoding="utf-8")
-    return load_vehicle(folder / "train.toml", Finder((shipped_models(),)))
+    return read_vehicle(folder / "train.toml")
 
 
 def changed(*changes: tuple[str, str]) -> str:

@@ -7,13 +7,11 @@ from pathlib import Path
 import pytest
 from support.commands import call
 from support.vehicle_texts import GOOD, fault
-from support.vehicles import ROOT
+from support.vehicles import ROOT, read_vehicle
 
 from wrsim.errors import InputError
-from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 
 def test_the_good_file_loads(tmp_path: Path) -> None:
@@ -22,7 +20,7 @@ def test_the_good_file_loads(tmp_path: Path) -> None:
 
 def test_friction_takes_the_spring_on_its_own_side_that_leads_to_the_same_body(tmp_path: Path) -> None:
     assert fault(tmp_path, *guide()) == ""
-    elements = load_vehicle(tmp_path / "car.toml", Finder((shipped_models(),))).elements
+    elements = read_vehicle(tmp_path / "car.toml").elements
     pressed = {e.name: e.slider.normal.of for e in elements if e.slider and e.slider.normal}
     assert pressed == {
         f"guide {to} {side}": f"primary {to} {side}" for to in ("front", "rear") for side in ("left", "right")
@@ -232,7 +230,7 @@ def test_a_payload_is_part_of_its_body(tmp_path: Path) -> None:
     (tmp_path / "car.toml").write_text(
         GOOD.replace("[bodies.body]", BALLAST + "inertia_kg_m2 = [10, 20, 30]\n[bodies.body]")
     )
-    vehicle = load_vehicle(tmp_path / "car.toml", Finder((shipped_models(),)))
+    vehicle = read_vehicle(tmp_path / "car.toml")
     (body,) = vehicle.bodies
     assert (body.mass, body.centre) == (12e3, pytest.approx((0.0, 0.0, 1.1)))
     steiner = 8e3 * 0.1**2 + 4e3 * 0.2**2

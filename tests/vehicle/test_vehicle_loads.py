@@ -7,28 +7,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from support.vehicles import ROOT, manchester, on_track
+from support.vehicles import ROOT, manchester, on_track, shipped
 
 from wrsim.analysis.stationary.statics import static_state
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import Track
-from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.vehicle.loads import Load, Payload
 from wrsim.vehicle.vehicle import Vehicle
-from wrsim.vehicle.vehicle_files import load_vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 SHIPPED = sorted((ROOT / "models/vehicles").glob("*.toml"))
 HEIGHT = 2.2  # of the wind [m]
 HALF = 0.75  # half the distance of the wheel profiles [m]
-
-
-def shipped(file: object) -> Vehicle:
-    """A shipped vehicle."""
-    return load_vehicle(ROOT / f"models/vehicles/{file}", Finder((shipped_models(),)))
 
 
 def in_wind(force: float, height: float = HEIGHT, at: float = 0.0) -> Vehicle:
@@ -137,7 +130,7 @@ def test_a_small_load_tilts_a_car_by_its_lever_over_the_roll_stiffness() -> None
     assert static_state(car).moved[0, 2] == pytest.approx(expected, rel=2e-3)
 
 
-@pytest.mark.parametrize("file", [f.name for f in SHIPPED if "lrv" not in f.name])
+@pytest.mark.parametrize("file", [f.stem for f in SHIPPED if "lrv" not in f.stem])
 def test_a_payload_changes_wheel_loads_by_its_lever_and_leaves_the_vehicle_where_it_is(file: str) -> None:
     """10 kN a wheelset at 2.2 m: 10 x 2.2 / 2 b. Supports of the wheels give by some micrometres: 1e-5 m, rad."""
     vehicle = shipped(file)
@@ -161,7 +154,7 @@ def test_a_payload_changes_wheel_loads_by_its_lever_and_leaves_the_vehicle_where
     assert after.moved[:, [0, 2]] == pytest.approx(before.moved[:, [0, 2]], abs=1e-5)
 
 
-@pytest.mark.parametrize("file", [f.name for f in SHIPPED if "lrv" not in f.name])
+@pytest.mark.parametrize("file", [f.stem for f in SHIPPED if "lrv" not in f.stem])
 def test_a_lateral_load_on_an_axle_unloads_its_wheel_by_its_height(file: str) -> None:
     """F R / 2 b, wherever the wheelset belongs: the rails hold it below its axle."""
     vehicle = shipped(file)

@@ -6,11 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.boxes import HEIGHT, INERTIA, MASS, box, displaced, on_springs, rows, spring
-from support.vehicles import ROOT, manchester
+from support.boxes import (
+    HEIGHT,
+    INERTIA,
+    MASS,
+    box,
+    derivatives,
+    displaced,
+    moment_kept,
+    on_springs,
+    spring,
+    symmetric,
+)
+from support.vehicles import manchester, shipped
 
-from wrsim.core.body import vehicle_forces
-from wrsim.inputs.lookup import Finder, shipped_models
 from wrsim.simulation.bodies import SolidBody, mass_matrix, velocity_forces
 from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import integrate
@@ -18,43 +27,23 @@ from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.system import System
 from wrsim.vehicle.elements import TRACK, Strut
-from wrsim.vehicle.vehicle_files import load_vehicle
 
 
 @pytest.mark.parametrize("name", ["manchester_1", "cooperrider_bogie"])
 def test_springs_have_a_potential_at_any_displacement(name: str) -> None:
     """The derivative of the generalised forces with respect to the coordinates is symmetric where nothing moves."""
-    law = on_springs(load_vehicle(ROOT / f"models/vehicles/{name}.toml", Finder((shipped_models(),))))
+    law = on_springs(shipped(name))
     q, q_t = displaced(law)
     q_t[: 6 * len(law.bodies)] = 0.0
-    n = 6 * len(law.bodies)
-    out, columns = np.zeros(law.size), np.zeros((n, n))
-    step = 1e-5
-    for i in range(n):
-        for sign in (1.0, -1.0):
-            moved = q.copy()
-            moved[i] += sign * step
-            law(0.0, moved, q_t, out)
-            columns[:, i] += 0.5 * sign / step * out[:n]
-    kept = np.ones(n, dtype=bool)
-    kept[5 : 6 * len(law.vehicle.wheelsets) : 6] = False  # the spin of an axle moves no spring
-    columns = columns[np.ix_(kept, kept)]
-    assert np.abs(columns - columns.T).max() < 1e-7 * np.abs(columns).max()  # of the differences
+    spins = range(5, 6 * len(law.vehicle.wheelsets), 6)  # which move no spring
+    assert symmetric(derivatives(law, q, q_t, 6 * len(law.bodies)), *spins)
 
 
 def test_elements_between_bodies_keep_momentum_and_angular_momentum() -> None:
     law = on_springs(manchester())
     q, q_t = displaced(law)
     law(0.0, q, q_t, np.zeros(law.size))
-    bodies, wrenches = (law.arena.views[k] for k in (vehicle_forces.BODIES, vehicle_forces.WRENCHES))
-    places = rows(bodies["position"])
-    forces, moments = rows(wrenches["force"]), rows(wrenches["moment"])
-    n = len(law.bodies)
-    largest = np.abs(forces[:n]).max()
-    assert largest > 1e5
-    assert np.abs(forces[:n].sum(axis=0)).max() < 1e-10 * largest
-    turning = np.cross(places[:n], forces[:n]) + moments[:n]
-    assert np.abs(turning.sum(axis=0)).max() < 1e-10 * largest * np.abs(places[:n]).max()
+    moment_kept(law)
 
 
 def test_dampers_take_power_and_springs_in_series_store_it() -> None:
