@@ -11,7 +11,7 @@ import pytest
 from support.commands import call
 from support.runs import ROOT
 
-from wrsim.analysis.conicity.maps import conicity_map, profiles_of
+from wrsim.analysis.conicity.pairs import conicity_map, profiles_of
 from wrsim.errors import InputError
 from wrsim.geometry.profile.models import load_profile
 from wrsim.geometry.profile.sections import cone

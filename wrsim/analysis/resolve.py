@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,6 @@ from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import with_contact_model
 
 if TYPE_CHECKING:
-    import xarray as xr
 
     from wrsim.scenario.loading import Scenario
 
@@ -76,10 +75,10 @@ def resolve(
         raise InputError("the result keeps no moments whose contacts could be solved again; run its scenario anew")
     frictionless = is_frictionless(setup)
     both = wheels_on_rails(setup, contact_models(setup, frictionless, mounted), mounted)
-    wheels = [next(w for w in both if w.name == str(label)) for label in dataset["wheel"].values]
+    wheels = [next(w for w in both if w.name == str(side)) for side in dataset["wheel"].values]
     poses = np.concatenate([dataset[channel].values for channel in POSE_CHANNELS], axis=-1)
     chosen = list(range(len(poses))) if moments is None else list(moments)
-    samples = _samples(dataset, chosen)
+    samples = np.array([sample_of(dataset, m) for m in chosen], dtype=np.intp)
     loads = dataset["Q"].values[samples]
     # the places on the rails, which say what profile and friction there is and how the rail turns
     along = np.zeros((len(chosen), len(wheels)))
@@ -122,7 +121,21 @@ def resolve(
         **patch_channels(raw, wheels, widening, rails),
         **strips.channels(),
     }
-    return Result(assemble(*_kept(dataset, samples, chosen, new), _attributes(dataset, own.text, name, keep)))
+    sample = "time" if "time" in dataset.dims else "pose"
+    part = dataset.isel({sample: samples}).isel(snapshot=chosen, missing_dims="ignore")
+    kept = {
+        n: part[n].values
+        for n, channel in CHANNELS.items()
+        if n in part.variables
+        and part[n].dims in ((sample,), ("snapshot",))
+        and (n == "distance" or not channel.coordinate)
+    }
+    about = ("title", "analysis", "status", "step_s", "stop_reason", "stop_cause", "stop_time_s", "stop_distance_m")
+    attributes = {key: dataset.attrs[key] for key in about if key in dataset.attrs}
+    attributes |= {"scenario_text": own.text, "resolved_with": name, "resolved_at_same": keep}
+    return Result(
+        assemble({n: part[n].values for n in (sample, "wheel")} | {"wheelset": label}, kept | new, attributes)
+    )
 
 
 def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:
@@ -151,36 +164,3 @@ def _settle(wheel: WheelOnRail, load: float) -> tuple[list[ElementField], str]:
     else:
         carried(float(pose[2]))
     return found[0], ""
-
-
-def _samples(dataset: xr.Dataset, moments: Sequence[int]) -> NDArray[np.intp]:
-    """Samples that the moments belong to."""
-    return np.array([sample_of(dataset, m) for m in moments], dtype=np.intp)
-
-
-def _kept(
-    dataset: xr.Dataset, samples: NDArray[np.intp], moments: Sequence[int], new: dict[str, Any]
-) -> tuple[dict[str, Array], dict[str, Any]]:
-    """Coordinates and channels: those of the track and the wheelset at the samples, and the new ones."""
-    sample = "time" if "time" in dataset.dims else "pose"
-    channels: dict[str, Any] = {}
-    for name, channel in CHANNELS.items():
-        if name not in dataset.variables or (channel.coordinate and name != "distance"):
-            continue
-        if dataset[name].dims == (sample,):
-            channels[name] = dataset[name].values[samples]
-        elif dataset[name].dims == ("snapshot",):
-            channels[name] = dataset[name].values[list(moments)]
-    coords = {
-        sample: dataset[sample].values[samples],
-        "wheel": dataset["wheel"].values,
-        "wheelset": dataset["wheelset"].item(),
-    }
-    return coords, channels | new
-
-
-def _attributes(dataset: xr.Dataset, text: str, name: str, keep: str) -> dict[str, str | float | int]:
-    """Those of the result, with what was done to it."""
-    kept = ("title", "analysis", "status", "step_s", "stop_reason", "stop_cause", "stop_time_s", "stop_distance_m")
-    attributes = {key: dataset.attrs[key] for key in kept if key in dataset.attrs}
-    return attributes | {"scenario_text": text, "resolved_with": name, "resolved_at_same": keep}

@@ -1,4 +1,4 @@
-"""Tables of an assessment for files: ``assessment.json`` and ``assessment.csv``, in units for readers."""
+"""Tables of an assessment: for people, and for ``assessment.json`` and ``assessment.csv`` in units for readers."""
 
 from __future__ import annotations
 
@@ -6,33 +6,41 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from wrsim.results.assessment import (
-    INFLUENCES,
-    Assessment,
-    Influence,
-    Quantity,
-    Regression,
-    Section,
-    TrackQuality,
-    Value,
-    ZoneValue,
-)
+from wrsim.results.assessment import INFLUENCES, Assessment, Influence, Regression, Section, Value, ZoneValue
 from wrsim.results.files import as_csv, as_json
+from wrsim.results.render import as_rows
 from wrsim.results.table import Cell, Column, Table, formatted, quantity
 
 
 def assessment_rows(found: Assessment) -> dict[str, Any]:
     """What ``assessment.json`` holds."""
+    quantities = [
+        {"key": q.key, "symbol": q.symbol, "name": q.words, "group": q.group, "unit": q.shown.symbol}
+        | {"evaluation": q.evaluation, "source": q.source}
+        for q in dict.fromkeys(v.quantity for v in found.values)
+    ]
+    track = [
+        {
+            "section": t.section.number,
+            "direction": t.direction,
+            "deviation_mm": 1e3 * t.deviation,
+            "largest_mm": 1e3 * t.largest,
+            "step_by_deviation": t.by_deviation,
+            "step_by_largest": t.by_largest,
+            "TL90": t.tl90,
+        }
+        for t in found.track
+    ]
     return {
         "title": found.title,
         "passed": found.passed,
         "runs": [name for name in found.signals if name],
         "settings": dict(found.settings),
         "notes": list(found.notes),
-        "quantities": [_quantity(q) for q in dict.fromkeys(v.quantity for v in found.values)],
+        "quantities": quantities,
         "sections": [_section(s) for s in found.sections],
-        "track_quality": [_track_row(t) for t in found.track],
-        "zones": [_zone_row(z) for z in found.zones],
+        "track_quality": track,
+        "zones": [_zone(z) for z in found.zones],
         "values": [_value(v) for v in found.values],
     }
 
@@ -44,17 +52,19 @@ def assessment_json(found: Assessment) -> bytes:
 
 def assessment_csv(found: Assessment) -> bytes:
     """Content of ``assessment.csv``: one row per value."""
-    return as_csv([_COLUMNS, *(_flat(v) for v in found.values)])
+    columns = (
+        "quantity", "unit", "run", "section", "zone", "start_m", "end_m", "radius_m", "wheelset", "wheel", "point",
+        "value", "limit", "margin", "passed", "limit_source",
+    )  # fmt: skip
+    rows = [_section(v.section) | _value(v) | {"unit": v.quantity.shown.symbol} for v in found.values]
+    return as_csv(
+        as_rows(Table("", tuple(Column(key=c) for c in columns), [[row[c] for c in columns] for row in rows]))
+    )
 
 
 def _number(value: float | None, factor: float = 1.0) -> float | None:
     """A plain number that JSON knows; None for what is none."""
     return None if value is None or not math.isfinite(value) else float(value) * factor
-
-
-def _quantity(q: Quantity) -> dict[str, Any]:
-    named = {"key": q.key, "symbol": q.symbol, "name": q.words, "group": q.group, "unit": q.shown.symbol}
-    return named | {"evaluation": q.evaluation, "source": q.source}
 
 
 def _section(s: Section) -> dict[str, Any]:
@@ -88,8 +98,13 @@ def _value(v: Value) -> dict[str, Any]:
     }
 
 
-def _zone_row(z: ZoneValue) -> dict[str, Any]:
-    factor = z.worst.quantity.shown.factor
+def _zone(z: ZoneValue) -> dict[str, Any]:
+    factor, r = z.worst.quantity.shown.factor, z.regression
+    over = [
+        {"influence": name, "unit": own.symbol, "at": at * own.factor, "slope": b * factor / own.factor}
+        for name, at, b in (() if r is None else zip(r.over, r.at, r.slope, strict=True))
+        for own in (INFLUENCES[name],)
+    ]
     return {
         "zone": z.worst.section.zone,
         "sections": z.sections,
@@ -97,53 +112,10 @@ def _zone_row(z: ZoneValue) -> dict[str, Any]:
         "mean": _number(z.mean, factor),
         "deviation": _number(z.deviation, factor),
         "estimated_maximum": _number(z.estimate, factor),
-        "regression": None if z.regression is None else _regression_row(z.regression, factor),
+        "regression": r and {"fit": r.fit * factor, "deviation": r.deviation * factor, "over": over},
         "passed": z.passed,
         "worst": _value(z.worst),
     }
-
-
-def _regression_row(r: Regression, factor: float) -> dict[str, Any]:
-    return {
-        "fit": r.fit * factor,
-        "deviation": r.deviation * factor,
-        "over": [
-            {"influence": name, "unit": own.symbol, "at": at * own.factor, "slope": b * factor / own.factor}
-            for name, at, b in zip(r.over, r.at, r.slope, strict=True)
-            for own in (INFLUENCES[name],)
-        ],
-    }
-
-
-def _track_row(t: TrackQuality) -> dict[str, Any]:
-    return {
-        "section": t.section.number,
-        "direction": t.direction,
-        "deviation_mm": 1e3 * t.deviation,
-        "largest_mm": 1e3 * t.largest,
-        "step_by_deviation": t.by_deviation,
-        "step_by_largest": t.by_largest,
-        "TL90": t.tl90,
-    }
-
-
-_COLUMNS = (
-    "quantity", "unit", "run", "section", "zone", "start_m", "end_m", "radius_m", "wheelset", "wheel", "point", "value",
-    "limit", "margin", "passed", "limit_source",
-)  # fmt: skip
-
-
-def _flat(v: Value) -> list[str]:
-    row = _section(v.section) | _value(v) | {"unit": v.quantity.shown.symbol}
-    return [_cell(row[key]) for key in _COLUMNS]
-
-
-def _cell(value: Any) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def assessment_numbers(found: Assessment) -> list[Table]:

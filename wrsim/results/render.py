@@ -72,12 +72,14 @@ def as_html(table: Table, look: str = "") -> Markup:
 
 
 def as_rows(table: Table) -> list[list[str]]:
-    """Rows of a CSV file, the names of the columns first: ten digits, empty for not-a-number."""
+    """Rows of a CSV file, the names of the columns first: ten digits, yes or no, empty for not-a-number."""
 
     def text(cell: Any) -> str:
         value = cell.value if isinstance(cell, Placed) else cell
         if value is None or value != value:
             return ""
+        if isinstance(value, bool):
+            return "yes" if value else "no"
         return f"{value:z.10g}" if isinstance(value, float) else str(value)
 
     return [[column.key for column in table.columns], *([text(cell) for cell in row] for row in table.rows)]

@@ -41,10 +41,6 @@ class Solved:
     remark: str = ""
 
 
-class NoContact(Exception):
-    """The wheel cannot be brought onto its rail at this lateral shift."""
-
-
 class PoseSolver:
     """One wheel or two over their rails on straight track."""
 
@@ -84,7 +80,7 @@ class PoseSolver:
         try:
             roll = pose.roll if len(self.wheels) == 1 else self._balanced_roll(pose)
             height = self._height(pose, roll)
-        except (NoContact, LoadNotReached) as problem:
+        except LoadNotReached as problem:
             return Solved(float("nan"), float("nan"), str(problem))
         return Solved(height, roll, self._problem(pose.load), status_words(self._status() & REMARKS))
 
@@ -122,7 +118,9 @@ class PoseSolver:
             height -= max(clearance, 1e-6)
             if height < lowest:
                 break
-        raise NoContact(f"no contact: at a lateral shift of {1e3 * pose.lateral:g} mm the wheel is beside its rail")
+        raise LoadNotReached(
+            f"no contact: at a lateral shift of {1e3 * pose.lateral:g} mm the wheel is beside its rail"
+        )
 
     def _height(self, pose: Pose, roll: float) -> float:
         """Height at which the vertical force is the load. The models then hold the contact there."""
@@ -168,7 +166,7 @@ EVALUATIONS = 40
 
 
 class LoadNotReached(Exception):
-    """The load is not met within any sensible approach."""
+    """The load is not met within any sensible approach, or the wheel is beside its rail."""
 
 
 class Carried(NamedTuple):
