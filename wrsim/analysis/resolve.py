@@ -35,7 +35,6 @@ from wrsim.scenario.build import build
 from wrsim.scenario.contact_choice import with_contact_model
 
 if TYPE_CHECKING:
-
     from wrsim.scenario.loading import Scenario
 
 Array = NDArray[np.float64]

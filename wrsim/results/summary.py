@@ -5,6 +5,7 @@ Units stand in the keys. Nothing here is filtered: these are raw peaks, not the 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,10 +44,6 @@ class Peak:
         """For readers."""
         return CHANNELS[self.channel].shown.symbol
 
-    def of(self, dataset: xr.Dataset, wheel: str | None = None) -> dict[str, Any] | None:
-        """Value and place, see `peak`."""
-        return peak(dataset, self.channel, wheel, which=self.which)
-
 
 PEAKS = {
     "Y_max_kN": Peak("Y", "largest", "Y, largest", "Y max"),
@@ -72,6 +69,9 @@ OF_WHEELSET = {
     "guide_force_y_max_kN": Peak("guide_force_y", "magnitude", "lateral force of the guide frame"),
 }
 """Peaks of a wheelset: those largest either way, with their sign."""
+
+OF_POINT = {f"{name}_max_m_s2": Peak(name, "magnitude", CHANNELS[name].long_name) for name in ("point_ay", "point_az")}
+"""Peaks of a point of a vehicle."""
 
 _STEADY = 1e-4  # change of curvature over its largest value, per metre, below which a curve counts as full
 _SHORTEST = 5  # samples of a full curve that make a median worth reporting
@@ -102,19 +102,17 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
 
 def _remarks(dataset: xr.Dataset) -> dict[str, Any]:
     """What contacts of solved samples and limit cycles have to say, by the sample."""
-    found: dict[str, str] = {}
+    places: list[str] = []
+    remarks: list[str] = []
     if "contact_remark" in dataset:
         (sample,) = dataset["contact_remark"].dims
-        found |= {
-            f"{sample} {at}": str(w)
-            for at, w in zip(dataset[sample].values, dataset["contact_remark"].values, strict=True)
-        }
+        places += [f"{sample} {at}" for at in dataset[sample].values]
+        remarks += dataset["contact_remark"].values.tolist()
     if "cycle_remark" in dataset:
-        held = zip(
-            dataset["cycle_speed"].values, dataset["cycle_branch"].values, dataset["cycle_remark"].values, strict=True
-        )
-        found |= {f"{3.6 * speed:.5g} km/h {branch}": str(words) for speed, branch, words in held}
-    found = {place: words for place, words in found.items() if words}
+        held = zip(dataset["cycle_speed"].values, dataset["cycle_branch"].values, strict=True)
+        places += [f"{3.6 * speed:.5g} km/h {branch}" for speed, branch in held]
+        remarks += dataset["cycle_remark"].values.tolist()
+    found = {place: words for place, words in zip(places, remarks, strict=True) if words}
     return {"remarks": found} if found else {}
 
 
@@ -125,7 +123,10 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Any]:
         "wheelsets": {name: _of_wheelset(of_wheelset(dataset, name)) for name in wheelsets(dataset)},
     }
     if "point" in dataset.dims:
-        summary["points"] = {str(point): _of_point(dataset.sel(point=point)) for point in dataset["point"].values}
+        points = {str(point): dataset.sel(point=point) for point in dataset["point"].values}
+        summary["points"] = {
+            point: {key: peak(one, own) for key, own in OF_POINT.items()} for point, one in points.items()
+        }
     if "kinetic_energy" in dataset:
         summary["energy"] = energy(dataset)
     if wear.has_wear(dataset):
@@ -176,7 +177,9 @@ def energy(dataset: xr.Dataset) -> dict[str, float]:
 def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
     """Peaks of one wheelset and its wheels, values in full curves."""
     always = ("lateral_shift", "yaw")
-    found: dict[str, Any] = {k: p.of(one) for k, p in OF_WHEELSET.items() if p.channel in one or p.channel in always}
+    found: dict[str, Any] = {
+        key: peak(one, own) for key, own in OF_WHEELSET.items() if own.channel in one or own.channel in always
+    }
     found["wheels"] = wheel_peaks(one)
     if "time" in one.dims:
         found["full_curves"] = full_curves(one)
@@ -185,32 +188,28 @@ def _of_wheelset(one: xr.Dataset) -> dict[str, Any]:
 
 def wheel_peaks(one: xr.Dataset) -> dict[str, dict[str, Any]]:
     """Peaks of the wheels of one wheelset, by wheel and name."""
-    return {str(wheel): {key: p.of(one, str(wheel)) for key, p in PEAKS.items()} for wheel in one["wheel"].values}
+    return {
+        str(wheel): {key: peak(one, own, str(wheel)) for key, own in PEAKS.items()} for wheel in one["wheel"].values
+    }
 
 
-def _of_point(one: xr.Dataset) -> dict[str, Any]:
-    """Largest accelerations at one point."""
-    return {f"{name}_max_m_s2": peak(one, name, which="magnitude") for name in ("point_ay", "point_az")}
-
-
-def peak(dataset: xr.Dataset, name: str, wheel: str | None = None, *, which: str = "largest") -> dict[str, Any] | None:
-    """Largest value of a channel ("least", largest in "magnitude") in units for readers, and where it is: the sample,
-    of channels of patches the patch as well.
+def peak(dataset: xr.Dataset, of: Peak, wheel: str | None = None) -> dict[str, Any] | None:
+    """A peak in units for readers, and where it is: the sample, of channels of patches the patch as well.
 
     ``None`` when the channel is absent or has no finite value.
     """
-    if name not in dataset:
+    if of.channel not in dataset:
         return None
-    data = dataset.variables[name]  # its labels, carried along, take most of the time
+    data = dataset.variables[of.channel]  # its labels, carried along, take most of the time
     if wheel is not None:
         data = data.isel(wheel=int(np.flatnonzero(dataset.variables["wheel"].values == wheel)[0]))
     values = data.values.reshape(data.shape[0], int(np.prod(data.shape[1:])))
     finite = np.isfinite(values)
     if not finite.any():
         return None
-    rank = {"magnitude": np.abs, "least": np.negative, "largest": np.positive}[which](values)
+    rank = {"magnitude": np.abs, "least": np.negative, "largest": np.positive}[of.which](values)
     index = np.unravel_index(np.argmax(np.where(finite, rank, -np.inf)), values.shape)
-    found = {"value": shown(CHANNELS[name], float(values[index]))}
+    found = {"value": shown(CHANNELS[of.channel], float(values[index]))}
     patch = {"patch": int(index[1])} if data.dims[1:] == ("patch",) else {}
     return found | _place(dataset, int(index[0])) | patch
 
@@ -232,16 +231,13 @@ def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
         }
         if "cant" in part:
             curve["cant_mm"] = float(np.median(part["cant"])) * 1e3
-        for name in CURVE_CHANNELS:
-            if name in part and "wheel" not in part[name].dims:
-                curve[CHANNELS[name].column] = _median(part[name], CHANNELS[name])
+        of_wheels = [name for name in CURVE_CHANNELS if name in part and "wheel" in part[name].dims]
+        curve |= _medians(part, [name for name in CURVE_CHANNELS if name not in of_wheels])
         for wheel in dataset["wheel"].values:
             own = part.sel(wheel=wheel)
-            curve[str(wheel)] = {
-                CHANNELS[name].column: _median(own[name], CHANNELS[name])
-                for name in CURVE_CHANNELS
-                if name in part and "wheel" in part[name].dims
-            } | {"patches": _patches(own)}
+            often = np.isfinite(own["N"].values).mean(axis=0) > 0.5 if "N" in own else np.zeros(0)
+            patches = [_medians(own.isel(patch=int(k)), PATCH_CHANNELS) for k in np.flatnonzero(often)]
+            curve[str(wheel)] = _medians(own, of_wheels) | {"patches": patches}
         curves.append(curve)
     return curves
 
@@ -263,24 +259,13 @@ def _constant_stretches(distance: NDArray[Any], curvature: NDArray[Any]) -> list
     return [(int(first), int(last)) for first, last in pairs if last - first + 1 >= _SHORTEST]
 
 
-def _patches(part: xr.Dataset) -> list[dict[str, float | None]]:
-    """Medians of every patch of a wheel that is in contact at most of the samples."""
-    if "N" not in part:
-        return []
-    often = np.isfinite(part["N"].values).mean(axis=0) > 0.5
-    return [
-        {
-            CHANNELS[name].column: _median(part[name].isel(patch=int(k)), CHANNELS[name])
-            for name in PATCH_CHANNELS
-            if name in part
-        }
-        for k in np.flatnonzero(often)
-    ]
-
-
-def _median(data: xr.DataArray, channel: Channel) -> float | None:
-    values = data.values[np.isfinite(data.values)]
-    return shown(channel, float(np.median(values))) if values.size else None
+def _medians(part: xr.Dataset, names: Iterable[str]) -> dict[str, Any]:
+    """Medians of the channels that there are."""
+    values = {name: part[name].values[np.isfinite(part[name].values)] for name in names if name in part}
+    return {
+        CHANNELS[name].column: shown(CHANNELS[name], float(np.median(own))) if own.size else None
+        for name, own in values.items()
+    }
 
 
 def _place(dataset: xr.Dataset, index: int) -> dict[str, Any]:
