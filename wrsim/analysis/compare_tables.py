@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from wrsim.analysis.compare import DIFFERENCES, OF_LOAD, PLAIN, Comparison, summary
-from wrsim.results import CHANNELS, Result
+from wrsim.results import CHANNELS
 from wrsim.results.summary_tables import happened, listed, remarks
 from wrsim.results.table import MISSING, Cell, Column, Table, formatted
 from wrsim.results.tables import cells_of, number_cells, rows_of
@@ -34,18 +34,13 @@ def report_of(found: Comparison, scenario: str) -> dict[str, Any]:
         models[model.name] = {
             "status": model.result.status,
             "unsolved_poses": unsolved,
-            "remarks": _remarks(model.result),
+            "remarks": happened(model.result.summary()) + remarks(model.result.summary()),
             "evaluation_us": None if model.evaluation_time != model.evaluation_time else 1e6 * model.evaluation_time,
             "run_s": model.run_time,
             "differences": differences,
         }
     kinds = {quantity: kind for quantity, kind in DIFFERENCES.items() if kind != PLAIN}
     return {"scenario": scenario, "reference": found.reference, "relative_to": kinds, "models": models}
-
-
-def _remarks(result: Result) -> list[str]:
-    """Events of a run, and what the contacts of poses have to say."""
-    return happened(result.summary()) + remarks(result.summary())
 
 
 def rows_of_samples(found: Comparison) -> list[list[str]]:

@@ -45,9 +45,16 @@ def recording_tables(restored: Restored) -> list[Table]:
     rows: list[list[Cell]] = []
     for c in read.columns.channels:
         inverse = by_column.get(c.column)
-        bands = [] if inverse is None else [_range(*each) for each in inverse.kept().tolist()]
-        factors: list[Cell] = ["", ""] if inverse is None else [inverse.largest(), inverse.noise(read.step)]
-        rows.append([c.column, c.words(), "" if inverse is None else ", ".join(bands) or "none", *factors])
+        if inverse is None:
+            rows.append([c.column, c.words(), "", "", ""])
+            continue
+        bands = [
+            f"from {formatted(low, '.3g')}"
+            if high > LONGEST_BAND
+            else f"{formatted(low, '.3g')} to {formatted(high, '.3g')}"
+            for low, high in inverse.kept().tolist()
+        ]
+        rows.append([c.column, c.words(), ", ".join(bands) or "none", inverse.largest(), inverse.noise(read.step)])
     heads = (Column("column"), Column("is"), Column("waves that come back", "m"), Column("largest factor", "", ".2g"))
     title = "columns, told from their names" if read.guessed else "columns"
     unused = (f"not used: {', '.join(read.unused)}",) if read.unused else ()
@@ -64,11 +71,3 @@ def recording_tables(restored: Restored) -> list[Table]:
     heads = (Column("from", "m", ".1f"), Column("design"), Column("length", "m", ".1f"), Column())
     more = (Column("cant", "mm", ".1f"), Column("wider", "mm", ".1f"))
     return [columns, Table("", (*heads, *more), design, tuple(f"note: {note}" for note in restored.notes))]
-
-
-def _range(low: float, high: float) -> str:
-    return (
-        f"from {formatted(low, '.3g')}"
-        if high > LONGEST_BAND
-        else f"{formatted(low, '.3g')} to {formatted(high, '.3g')}"
-    )

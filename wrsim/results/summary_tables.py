@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import xarray as xr
@@ -41,8 +41,8 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
 def numbers_of(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     """What people read first of a result of any analysis, and what its contacts have to say."""
     tables: list[Table] = resolved(ANALYSES[str(dataset.attrs["analysis"])].numbers)(dataset, summary)
-    said = listed(remarks(summary), "remarks")
-    return [*tables, Table("", notes=said)] if said else tables
+    notes = listed(remarks(summary), "remarks")
+    return [*tables, Table("", notes=notes)] if notes else tables
 
 
 def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: str = "Peaks") -> list[Table]:
@@ -51,7 +51,11 @@ def wheelset_tables(own: Sequence[Summary | None], names: Sequence[str], title: 
     own: of every result; names: those of the results.
     """
     several = len(own) > 1
-    wheels = [(each, name, wheel) for each, name in zip(own, names, strict=True) for wheel in _wheels(each)]
+    wheels = [
+        (each, name, wheel)
+        for each, name in zip(own, names, strict=True)
+        for wheel in (each["wheels"] if each else WHEELS)
+    ]
     rows: list[Sequence[Cell]] = []
     for key, peak in PEAKS.items():
         cells = (_placed(each["wheels"][wheel].get(key) if each else None) for each, _, wheel in wheels)
@@ -95,7 +99,8 @@ def curve_tables(labels: Sequence[str], own: Sequence[Summary], most: int = MOST
     tables = []
     for k in range(min(count, most)):
         rows: list[list[Cell]] = []
-        known = {name for of in curves for part in _parts_of(of[k]) for name in part}
+        wheels = [part for of in curves for part in of[k].values() if isinstance(part, Mapping)]
+        known = {name for part in (*(of[k] for of in curves), *wheels) for name in part}
         channels = {name: words for name, words in CURVE_CHANNELS.items() if CHANNELS[name].column in known}
         for label, each, of in zip(labels, own, curves, strict=True):
             for j, wheel in enumerate(each["wheels"]):
@@ -111,12 +116,6 @@ def curve_tables(labels: Sequence[str], own: Sequence[Summary], most: int = MOST
         more = (f"and {count - most} more full curves: see summary.json",) if k == most - 1 and count > most else ()
         tables.append(Table(_curve_title(curves[0][k]), tuple(heads), rows, more))
     return tables
-
-
-def _parts_of(curve: Summary) -> Iterator[Summary]:
-    """Values of the wheelset, then those of its wheels."""
-    yield curve
-    yield from (part for part in curve.values() if isinstance(part, Mapping))
 
 
 def _curve_title(curve: Summary) -> str:
@@ -166,10 +165,6 @@ def wall_time(wall: float, run: float, compiling: float) -> str:
     more = f"; compiling kernels, once, took {quantity(compiling, 's', '.3g')} besides" if compiling >= 0.1 else ""
     took = f"{quantity(run, 's')} on the track in {quantity(wall, 's', '.3g')} of wall time"
     return f"{took}: {quantity(ratio, 'times', '.3g')} {words} than real time{more}"
-
-
-def _wheels(own: Summary | None) -> Sequence[str]:
-    return tuple(own["wheels"]) if own else WHEELS
 
 
 def _placed(found: Summary | None) -> Placed:

@@ -18,25 +18,24 @@ def has_wear(dataset: xr.Dataset) -> bool:
 
 def summary(dataset: xr.Dataset) -> dict[str, Any]:
     """By law what wheels lose and how deep, what rails lose by one passage; fatigue of the rails."""
-    found: dict[str, Any] = {}
-    for law in (str(name) for name in dataset["wear_law"].values):
-        of_law = dataset.sel(wear_law=law)
-        wheels = {
-            name: {str(wheel): _of_wheel(of_law.sel(wheelset=name, wheel=wheel)) for wheel in dataset["wheel"].values}
-            for name in wheelsets(dataset)
+    wheels = [str(wheel) for wheel in dataset["wheel"].values]
+    laws: dict[str, Any] = {}
+    for law in map(str, dataset["wear_law"].values):
+        own = dataset.sel(wear_law=law)
+        laws[law] = {
+            "wheelsets": {
+                name: {wheel: _of_wheel(own.sel(wheelset=name, wheel=wheel)) for wheel in wheels}
+                for name in wheelsets(dataset)
+            },
+            "rails": {wheel: _deepest(own.sel(wheel=wheel), "wear_rail_depth", "wear_rail_u") for wheel in wheels},
         }
-        rails = {
-            str(wheel): _deepest(of_law.sel(wheel=wheel), "wear_rail_depth", "wear_rail_u")
-            for wheel in dataset["wheel"].values
-        }
-        found[law] = {"wheelsets": wheels, "rails": rails}
     fatigue = {}
-    for wheel in (str(name) for name in dataset["wheel"].values):
+    for wheel in wheels:
         one = dataset.sel(wheel=wheel)
-        fatigue[wheel] = _deepest(one, "rail_damage", "wear_rail_u") | {
-            "fatigue_index_max": _most(one, "fatigue_index")
-        }
-    return {"laws": found, "fatigue": fatigue}
+        index = one["fatigue_index"].values
+        most = float(np.nanmax(index)) if np.isfinite(index).any() else None
+        fatigue[wheel] = _deepest(one, "rail_damage", "wear_rail_u") | {"fatigue_index_max": most}
+    return {"laws": laws, "fatigue": fatigue}
 
 
 def worst_worn(dataset: xr.Dataset) -> str:
@@ -47,14 +46,10 @@ def worst_worn(dataset: xr.Dataset) -> str:
 
 def _of_wheel(one: xr.Dataset) -> dict[str, Any]:
     """Mass by zone, and the deepest place."""
-    channel = CHANNELS["wear_wheel_mass"]
-    mass = {
-        f"{zone}_{channel.shown.suffix}": float(one["wear_wheel_mass"].sel(wear_zone=zone)) * channel.shown.factor
-        for zone in (str(name) for name in one["wear_zone"].values)
-    }
-    return {k: v if np.isfinite(v) else None for k, v in mass.items()} | _deepest(
-        one, "wear_wheel_depth", "wear_wheel_u"
-    )
+    unit = CHANNELS["wear_wheel_mass"].shown
+    zones = zip(one["wear_zone"].values, (one["wear_wheel_mass"].values * unit.factor).tolist(), strict=True)
+    mass = {f"{zone}_{unit.suffix}": value if np.isfinite(value) else None for zone, value in zones}
+    return mass | _deepest(one, "wear_wheel_depth", "wear_wheel_u")
 
 
 def _deepest(one: xr.Dataset, name: str, place: str) -> dict[str, Any]:
@@ -66,9 +61,3 @@ def _deepest(one: xr.Dataset, name: str, place: str) -> dict[str, Any]:
         return {key: None, f"{place}_mm": None}
     at = int(np.argmax(np.where(known, values, -np.inf)))
     return {key: float(values[at]) * channel.shown.factor, f"{place}_mm": 1e3 * float(one[place].values[at])}
-
-
-def _most(one: xr.Dataset, name: str) -> float | None:
-    """The largest value of a channel of patches."""
-    values = one[name].values
-    return float(np.nanmax(values)) if np.isfinite(values).any() else None
