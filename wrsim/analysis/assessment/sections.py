@@ -23,7 +23,8 @@ between two curves.
 
 from __future__ import annotations
 
-from itertools import pairwise
+from collections.abc import Mapping
+from itertools import groupby, pairwise
 
 import numpy as np
 import xarray as xr
@@ -36,15 +37,15 @@ Array = NDArray[np.float64]
 
 STRAIGHT = "straight"
 LARGE = "large radius"
-CURVES: tuple[tuple[str, float], ...] = (
-    (STRAIGHT, 2500.0),
-    (LARGE, 600.0),
-    ("small radius", 400.0),
-    ("very small radius", 250.0),
-    ("tight", 0.0),
-)
-"""Names of the classes and the radius [m] down to which each reaches; the limit belongs to the class of smaller radii
-for straight track and of larger radii else."""
+CLASSES: dict[str, tuple[float, Mapping[float, float]]] = {
+    STRAIGHT: (2500.0, {220.0: 250.0, np.inf: 500.0}),
+    LARGE: (600.0, {140.0: 100.0, 220.0: 200.0, np.inf: 500.0}),
+    "small radius": (400.0, {np.inf: 100.0}),
+    "very small radius": (250.0, {np.inf: 70.0}),
+    "tight": (0.0, {np.inf: 70.0}),
+}
+"""The radius [m] down to which each class reaches (the limit belongs to the class of smaller radii for straight track
+and of larger radii else), and the length of its sections [m] up to speeds [km/h]."""
 
 CHANGING = 1e-6
 """Change of curvature [1/m2] from which track counts as a transition: 1/R = 1/3000 m over 330 m."""
@@ -77,19 +78,15 @@ def counts(section: Section, admissible: float | None) -> bool:
 def zone_of(curvature: float) -> str:
     """Class of a curve or of straight track."""
     radius = 1.0 / max(abs(curvature), 1e-12)
-    if radius > CURVES[0][1]:
+    if radius > CLASSES[STRAIGHT][0]:
         return STRAIGHT
-    return next(name for name, least in CURVES[1:] if radius >= least - 1e-6 * least)
+    return next(n for n, (least, _) in CLASSES.items() if n != STRAIGHT and radius >= least - 1e-6 * least)
 
 
 def section_length(zone: str, speed: float) -> float:
     """Length of sections of a class [m] at a speed [m/s]; infinite for transitions."""
-    kmh = 3.6 * speed - 1e-6
-    if zone == STRAIGHT:
-        return 250.0 if kmh <= 220.0 else 500.0
-    if zone == LARGE:
-        return 100.0 if kmh <= 140.0 else 200.0 if kmh <= 220.0 else 500.0
-    return {"small radius": 100.0, "very small radius": 70.0, "tight": 70.0}.get(zone, np.inf)
+    lengths = {np.inf: np.inf} if zone == TRANSITION else CLASSES[zone][1]
+    return next(length for most, length in lengths.items() if 3.6 * speed - 1e-6 <= most)
 
 
 def sections_of(
@@ -163,16 +160,11 @@ def _stretches(
     if straight_deficiency is not None:
         little = np.abs(missing) <= straight_deficiency
         names = [STRAIGHT if n == LARGE and small else n for n, small in zip(names, little[1:], strict=True)]
-    found: list[tuple[str, int, int]] = []
-    for i, name in enumerate(names):
-        if found and found[-1][0] == name:
-            found[-1] = (name, found[-1][1], i + 1)
-        else:
-            found.append((name, i, i + 1))
     joined: list[tuple[str, int, int]] = []
-    for name, first, last in found:
-        short = distance[last] - distance[first] < LEAST
-        if joined and (short or joined[-1][0] == name):
+    for name, group in groupby(range(len(names)), key=names.__getitem__):
+        first = joined[-1][2] if joined else 0
+        last = first + len(list(group))
+        if joined and (distance[last] - distance[first] < LEAST or joined[-1][0] == name):
             joined[-1] = (joined[-1][0], joined[-1][1], last)
         else:
             joined.append((name, first, last))
