@@ -17,7 +17,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.analysis import run
-from wrsim.analysis.contacts import contact_models, is_frictionless
+from wrsim.analysis.contacts import contact_models
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import POSE_CHANNELS
 from wrsim.errors import InputError, SimulationError, suggest
@@ -156,7 +156,7 @@ def time_evaluation(setup: Setup, dataset: xr.Dataset) -> float:
     """Time of one contact of one wheel of the first wheelset [s]: median over some of the moments that the result
     keeps; nan without any."""
     dataset = of_wheelset(dataset, wheelsets(dataset)[0])
-    models = dict(zip(("left", "right"), contact_models(setup, frictionless=is_frictionless(setup)), strict=True))
+    models = dict(zip(("left", "right"), contact_models(setup), strict=True))
     if not all(name in dataset for name in POSE_CHANNELS):
         return float("nan")
     poses = np.concatenate([dataset[name].values for name in POSE_CHANNELS], axis=-1)

@@ -23,10 +23,12 @@ if TYPE_CHECKING:
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
-def contact_models(
-    setup: Setup, frictionless: bool = False, wheelset: Wheelset | None = None
-) -> tuple[ContactModel, ContactModel]:
-    """Models of the left and the right wheel on their rails, by default of the first wheelset."""
+def contact_models(setup: Setup, wheelset: Wheelset | None = None) -> tuple[ContactModel, ContactModel]:
+    """Models of the left and the right wheel on their rails, by default of the first wheelset.
+
+    Poses that are solved without rolling have no friction.
+    """
+    frictionless = isinstance(setup.plan, StaticPlan) and not setup.plan.rolling
     settings = replace(setup.contact, tangential="none") if frictionless else setup.contact
     wheelset = wheelset or setup.wheelset
     wheels = (wheelset.left, wheelset.right)
@@ -61,21 +63,14 @@ def friction_channels(setup: Setup, distance: Array) -> dict[str, Array]:
     return {"rail_friction": found[0], "rail_friction_corner": found[1]}
 
 
-def wheels_on_rails(
-    setup: Setup, models: tuple[ContactModel, ContactModel], wheelset: Wheelset | None = None
-) -> tuple[WheelOnRail, WheelOnRail]:
+def wheels_on_rails(setup: Setup, wheelset: Wheelset | None = None) -> tuple[WheelOnRail, WheelOnRail]:
     """The same with their places: on the wheelset and in the track's cross-section at nominal gauge."""
     wheelset = wheelset or setup.wheelset
     left, right = (
         WheelOnRail(model, side, 0.5 * wheelset.profile_spacing, origin)
-        for model, side, origin in zip(models, (1, -1), setup.track.rail_origins, strict=True)
+        for model, side, origin in zip(contact_models(setup, wheelset), (1, -1), setup.track.rail_origins, strict=True)
     )
     return left, right
-
-
-def is_frictionless(setup: Setup) -> bool:
-    """True for poses that are solved without rolling."""
-    return isinstance(setup.plan, StaticPlan) and not setup.plan.rolling
 
 
 def force_law(setup: Setup[RunPlan], speed: float | None = None, drive: Drive | None = None) -> VehicleOnTrack:

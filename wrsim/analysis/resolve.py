@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.analysis.contacts import contact_models, is_frictionless, wheels_on_rails
+from wrsim.analysis.contacts import wheels_on_rails
 from wrsim.analysis.poses.solver import Carried, LoadNotReached, height_for_load
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import (
@@ -72,9 +72,8 @@ def resolve(
     mounted = setup.vehicle.wheelsets[names.index(label) if label in names else 0].wheelset
     if not all(channel in dataset for channel in POSE_CHANNELS):
         raise InputError("the result keeps no moments whose contacts could be solved again; run its scenario anew")
-    frictionless = is_frictionless(setup)
-    both = wheels_on_rails(setup, contact_models(setup, frictionless, mounted), mounted)
-    wheels = [next(w for w in both if w.name == str(side)) for side in dataset["wheel"].values]
+    both = {wheel.name: wheel for wheel in wheels_on_rails(setup, mounted)}
+    wheels = [both[str(side)] for side in dataset["wheel"].values]
     poses = np.concatenate([dataset[channel].values for channel in POSE_CHANNELS], axis=-1)
     chosen = list(range(len(poses))) if moments is None else list(moments)
     samples = np.array([sample_of(dataset, m) for m in chosen], dtype=np.intp)

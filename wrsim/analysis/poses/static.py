@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from wrsim.analysis.contacts import contact_models, wheels_on_rails
+from wrsim.analysis.contacts import wheels_on_rails
 from wrsim.analysis.poses.half_space_solver import HalfSpacePoseSolver
-from wrsim.analysis.poses.solver import PoseSolver
+from wrsim.analysis.poses.solver import PoseSolver, Solved
 from wrsim.analysis.progress import Progress, Report
 from wrsim.contact.channels import (
     RawContacts,
@@ -45,11 +45,11 @@ STANDARD_SPACING = 1.5
 def run_static(setup: Setup[StaticPlan], progress: Progress | None = None) -> Result:
     """Solve every pose of the plan. Poses without a solution carry a message; Ctrl-C keeps those already solved."""
     plan = setup.plan
-    both = wheels_on_rails(setup, contact_models(setup, frictionless=not plan.rolling))
+    both = wheels_on_rails(setup)
     wheels = both if plan.target == "wheelset" else tuple(w for w in both if w.name == plan.side)
     wheelset = setup.wheelset
     radius = wheelset.mean_radius if len(wheels) == 2 else getattr(wheelset, plan.side).radius
-    return _solved(wheels, plan.poses, plan.rolling, radius, setup.attributes, progress)
+    return _solved(wheels, plan.poses, plan.rolling, radius, setup.attributes(), progress)
 
 
 def solve_poses(
@@ -117,17 +117,12 @@ def solve_poses(
         model = replace(model, settings=replace(model.settings, tangential="none"))
     outward, height = 0.5 * gauge - model.rail.gauge_point()[0], -model.rail.top[1]
     wheel = WheelOnRail(model, 1 if side == "left" else -1, 0.5 * profile_spacing, (outward, height))
-
-    def attributes(stop_reason: str) -> dict[str, str | float | int]:
-        more = {"stop_reason": stop_reason} if stop_reason else {}
-        return {
-            "title": title or f"{model.wheel.name} on {model.rail.name}",
-            "analysis": "static",
-            "status": "stopped" if stop_reason else "completed",
-            "scenario_text": "# poses that were solved from Python: there is no scenario file\n",
-            **more,
-        }
-
+    attributes: dict[str, str | float | int] = {
+        "title": title or f"{model.wheel.name} on {model.rail.name}",
+        "analysis": "static",
+        "status": "completed",
+        "scenario_text": "# poses that were solved from Python: there is no scenario file\n",
+    }
     return _solved((wheel,), named(poses), rolling, model.radius, attributes, progress)
 
 
@@ -136,57 +131,57 @@ def _solved(
     poses: Sequence[Pose],
     rolling: bool,
     radius: float,
-    attributes: Callable[[str], dict[str, str | float | int]],
+    attributes: dict[str, str | float | int],
     progress: Progress | None,
 ) -> Result:
-    """The result of poses; attributes: of the result, by the reason for which it has stopped."""
+    """The result of poses; attributes: of the result, where it is not interrupted."""
     settings = wheels[0].model.settings
     exact = settings.normal == "half-space"
     solver = (HalfSpacePoseSolver if exact else PoseSolver)(wheels, rolling, radius)
     n = len(poses)
     raw = RawContacts.empty(n, len(wheels), settings.patch_count)
     strips = StripRecorder(wheels)
-    heights, rolls, messages, remarks = np.full(n, np.nan), np.full(n, np.nan), [""] * n, [""] * n
-    report, done = Report(progress, REPORT_INTERVAL), 0
+    found: list[Solved] = []
+    report = Report(progress, REPORT_INTERVAL)
     try:
         for i, pose in enumerate(poses):
             solved = solver.solve(pose)
-            heights[i], rolls[i], messages[i], remarks[i] = solved.height, solved.roll, solved.message, solved.remark
             for j, wheel in enumerate(wheels):
                 raw.store(i, j, wheel.model)
             strips.store(solver.elements())
             if not np.isfinite(solved.height):
                 raw.clear(i)
                 strips.clear_last()
-            done = i + 1
-            report(done / n)
+            found.append(solved)
+            report(len(found) / n)
     except KeyboardInterrupt:
-        if done == 0:
+        if not found:
             raise
-    if not np.isfinite(heights[:done]).any():
-        raise SimulationError(f"none of the {done} poses has a solution; the first: {messages[0]}")
-    poses = poses[:done]
-    raw = raw.first(done)
-    forces, patches = wheel_channels(raw), patch_channels(raw, wheels)
+    if all(np.isnan(solved.height) for solved in found):
+        raise SimulationError(f"none of the {len(found)} poses has a solution; the first: {found[0].message}")
+    poses = poses[: len(found)]
+    raw = raw.first(len(found))
+    of_wheels = wheel_channels(raw) | patch_channels(raw, wheels)
     names = [w.name for w in wheels]
-    for i in range(done):
-        words = [_flank_words(names[j], {n: v[i, j] for n, v in (forces | patches).items()}) for j in range(len(names))]
-        remarks[i] = "; ".join(filter(None, [remarks[i], *words]))
+    remarks = []
+    for i, solved in enumerate(found):
+        words = [_flank_words(name, {n: v[i, j] for n, v in of_wheels.items()}) for j, name in enumerate(names)]
+        remarks.append("; ".join(filter(None, [solved.remark, *words])))
     channels = {
-        "load": np.array([p.load for p in poses]),
-        "pose_message": np.array(messages[:done]),
-        **remarks_channel(remarks[:done]),
-        "lateral_shift": np.array([p.lateral for p in poses]),
-        "vertical_shift": heights[:done] - radius,
-        "yaw": np.array([p.yaw for p in poses]),
-        "roll": rolls[:done],
-        **forces,
-        **patches,
+        "load": [p.load for p in poses],
+        "pose_message": [solved.message for solved in found],
+        **remarks_channel(remarks),
+        "lateral_shift": [p.lateral for p in poses],
+        "vertical_shift": [solved.height - radius for solved in found],
+        "yaw": [p.yaw for p in poses],
+        "roll": [solved.roll for solved in found],
+        **of_wheels,
         **strips.channels(),
     }
-    reason = f"interrupted by the user after {done} of {n} poses" if done < n else ""
-    coords = {"pose": [p.name for p in poses], "wheel": names}
-    return Result(assemble(coords, channels, attributes(reason)))
+    if len(found) < n:
+        reason = f"interrupted by the user after {len(found)} of {n} poses"
+        attributes = attributes | {"status": "stopped", "stop_reason": reason}
+    return Result(assemble({"pose": [p.name for p in poses], "wheel": names}, channels, attributes))
 
 
 def _flank_words(wheel: str, of: dict[str, NDArray[np.float64]]) -> str:
