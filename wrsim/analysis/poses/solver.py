@@ -149,16 +149,15 @@ class PoseSolver:
             return float(self.moment[0])
 
         # a wheelset rolled to the left (left wheel up) loads the right wheel, whose force turns it back
-        lo, hi = -1e-4, 1e-4
-        while moment(lo) < 0.0:
-            lo *= 2.0
-            if lo < -LARGEST_ROLL:
-                raise LoadNotReached("the wheelset finds no balance in roll")
-        while moment(hi) > 0.0:
-            hi *= 2.0
-            if hi > LARGEST_ROLL:
-                raise LoadNotReached("the wheelset finds no balance in roll")
-        return float(brentq(moment, lo, hi, xtol=1e-15, rtol=8.9e-16, maxiter=200))
+        ends = []
+        for sign in (-1.0, 1.0):
+            roll = 1e-4 * sign
+            while sign * moment(roll) > 0.0:
+                roll *= 2.0
+                if abs(roll) > LARGEST_ROLL:
+                    raise LoadNotReached("the wheelset finds no balance in roll")
+            ends.append(roll)
+        return float(brentq(moment, *ends, xtol=1e-15, rtol=8.9e-16, maxiter=200))
 
 
 LARGEST_MOVE = 0.3  # of the approach in one step
