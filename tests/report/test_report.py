@@ -22,7 +22,7 @@ from support.synthetic_result import curve_run, static_poses
 
 from wrsim.inputs.lookup import shipped_models
 from wrsim.report.charts import charts_of, envelope, pieces_of
-from wrsim.report.page import report_page, rerun
+from wrsim.report.page import report_page
 from wrsim.report.tables import cards, limits_of
 from wrsim.report.view_data import needed
 from wrsim.results import Result
@@ -33,7 +33,7 @@ EVIL = "</script><script>window.evil = 1</script><img src=x onerror='window.evil
 
 def page_of(*results: Result, sources: tuple[str, ...] = ()) -> str:
     names = sources or tuple(f"run{i}" for i in range(len(results)))
-    return report_page(results, names, commands=[rerun(r, n) for r, n in zip(results, names, strict=True)])
+    return report_page(results, names)
 
 
 @pytest.fixture(scope="module")

@@ -24,8 +24,7 @@ from wrsim.contact.status import WORDS
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.errors import InputError
 from wrsim.report.page import report_page
-from wrsim.report.view import setup_of, view_page
-from wrsim.report.view_data import PATH_STEP, packed, steps_of, view_data
+from wrsim.report.view_data import PATH_STEP, packed, setup_of, steps_of, view_data, view_page
 from wrsim.results import CHANNELS, Result
 from wrsim.results.moments import sample_of
 from wrsim.results.wheelsets import wheelsets

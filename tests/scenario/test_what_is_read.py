@@ -20,7 +20,7 @@ from wrsim.inputs.checking import check
 from wrsim.inputs.lines import key_lines
 from wrsim.inputs.section import MOST_FAULTS
 from wrsim.inputs.toml_files import LARGEST, read_bytes, read_text, shown, within
-from wrsim.report.view import setup_of
+from wrsim.report.view_data import setup_of
 from wrsim.results import Result
 from wrsim.scenario.build import build
 from wrsim.scenario.cases import read_cases

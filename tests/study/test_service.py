@@ -23,9 +23,9 @@ from wrsim.results import write_atomically
 from wrsim.results.files import as_json
 from wrsim.results.manifest import digest_of
 from wrsim.results.netcdf import write_netcdf
+from wrsim.study.collect import holds
 from wrsim.study.plan import PLAN, Plan
-from wrsim.study.service.history import history, write_history
-from wrsim.study.service.record import is_service, read_record
+from wrsim.study.service.history import NUMBERS, read_history, wear_history, write_history
 from wrsim.study.service.service import Service, read_service
 from wrsim.study.service.stages import STAGES, tableau
 from wrsim.study.service.steps import STEP, Step, folder_of, read_step, steps_of
@@ -187,7 +187,7 @@ def test_the_page_of_a_service_holds_numbers_pictures_and_files(
     service: Service, steps: list[Step], tmp_path: Path
 ) -> None:
     write_history(service, steps, tmp_path, pictures=False)
-    assert is_service(tmp_path) and not is_service(tmp_path.parent)
+    assert holds(tmp_path, NUMBERS) and not holds(tmp_path.parent, NUMBERS)
     found = forked("report", tmp_path, "--json")
     assert found.returncode == 0, found.stderr
     page = (tmp_path / "report.html").read_text()
@@ -208,7 +208,7 @@ def test_a_page_takes_one_service_alone(service: Service, steps: list[Step], tmp
     assert two.returncode == 2 and "is a service: a report takes one service" in two.stderr
     view = forked("report", tmp_path, "--view")
     assert view.returncode == 2 and "it is for results of runs" in view.stderr
-    dataset = read_record(tmp_path)
+    dataset = read_history(tmp_path)
     write_netcdf(tmp_path / "wear.nc", dataset.drop_vars("depth"))
     lacking = forked("report", tmp_path)
     assert lacking.returncode == 2 and "but has no depth; run it again" in lacking.stderr
@@ -225,7 +225,7 @@ def test_history_tells_the_flange_and_can_be_loaded(service: Service, steps: lis
     assert dataset["flange_height"].values[-1] > dataset["flange_height"].values[0] - 1e-9
     assert (np.diff(dataset["deepest"].values) > 0.0).all()
     assert np.isfinite(dataset["conicity"].values).all()
-    again = history(service, steps)
+    again = wear_history(service, steps)
     assert again.identical(dataset)
 
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_json, print_tables, say
+from wrsim.cli.console import print_found
 from wrsim.cli.errors import reporting_errors
 from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Pictures, SectionsOf
 
@@ -44,11 +44,7 @@ def assess(
             found = assessed(loaded, settings, names)
         directory = output or beside(results[0])
         files = write_assessment(found, directory, pictures)
-        if as_json:
-            print_json(assessment_rows(found) | {"files": [str(f) for f in files]})
-        else:
-            print_tables(assessment_numbers(found))
-            say(f"{len(files)} files in {directory}")
+        print_found(as_json, assessment_rows(found), assessment_numbers(found), files, directory)
 
 
 def ride(
@@ -74,8 +70,4 @@ def ride(
             found = evaluate_ride(loaded, section)
         directory = output or beside(result)
         files = write_ride(found, directory, pictures)
-        if as_json:
-            print_json(found.as_dict() | {"files": [str(f) for f in files]})
-        else:
-            print_tables([found.table()])
-            say(f"{len(files)} files in {directory}")
+        print_found(as_json, found.as_dict(), [found.table()], files, directory)

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_json, print_tables, progress_bar, say, warn_slow
+from wrsim.cli.console import print_found, progress_bar, warn_slow
 from wrsim.cli.errors import exit_code, reporting_errors
-from wrsim.cli.options import Force, Json, Models, Pictures, Quiet, ResultFile, ScenarioFile
+from wrsim.cli.options import Force, Json, Models, Pictures, Quiet, ResultFile, ScenarioFile, into
 
 
 def compare(
@@ -25,9 +25,7 @@ def compare(
     reference: Annotated[
         str | None, typer.Option(metavar="A", help="Whom the others are measured against; default: the first.")
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>_compared.")
-    ] = None,
+    output: Annotated[Path | None, into(metavar="DIR", help="Default: results/<name of FILE>_compared.")] = None,
     models: Models = None,
     pictures: Pictures = True,
     force: Force = False,
@@ -56,11 +54,8 @@ def compare(
         directory = output if output is not None else Path("results") / f"{file.stem}_compared"
         report = report_of(found, str(file))
         files = write_comparison(found, report, directory, pictures, scenario.title)
-        if as_json:
-            print_json({**report, "files": [str(f) for f in files]})
-        elif not quiet:
-            print_tables(tables_of(found, report))
-            say(f"{len(files)} files in {directory}")
+        if as_json or not quiet:
+            print_found(as_json, report, tables_of(found, report), files, directory)
         if code := max(exit_code(m.result) for m in found.models):
             raise typer.Exit(code)
 
@@ -82,9 +77,7 @@ def resolve(
     same: Annotated[
         str, typer.Option(metavar="load|pose", help="What every wheel keeps: its vertical force or its height.")
     ] = "load",
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")
-    ] = None,
+    output: Annotated[Path | None, into(metavar="DIR", help="Default: <folder of RESULT>/<NAME>.")] = None,
     models: Models = None,
     pictures: Pictures = True,
     force: Force = False,
@@ -109,8 +102,7 @@ def resolve(
         with claimed(directory, force, (result,)) as keeper:
             files = write_resolved(after, directory, pictures)
             keeper.clear(files)
-        if as_json:
-            print_json({"directory": str(directory), "files": [str(f) for f in files], "summary": after.summary()})
-        elif not quiet:
-            print_tables(resolved_tables(before.wheelset(wheelset), after.wheelset(), after.summary()))
-            say(f"{len(files)} files in {directory}")
+        if as_json or not quiet:
+            tables = resolved_tables(before.wheelset(wheelset), after.wheelset(), after.summary())
+            numbers = {"directory": str(directory), "summary": after.summary()}
+            print_found(as_json, numbers, tables, files, directory)

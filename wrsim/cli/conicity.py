@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_json, print_tables, say
+from wrsim.cli.console import print_found
 from wrsim.cli.errors import reporting_errors
-from wrsim.cli.options import Force, Json, Models, Pictures
+from wrsim.cli.options import Force, Json, Models, Pictures, into
 from wrsim.errors import InputError
 
 
@@ -49,10 +49,7 @@ def conicity(
     ] = 40.0,
     models: Models = None,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output", "-o", metavar="DIR", help="Leave there a table with a line every 0.1 mm, and a picture."
-        ),
+        Path | None, into(metavar="DIR", help="Leave there a table with a line every 0.1 mm, and a picture.")
     ] = None,
     pictures: Pictures = True,
     force: Force = False,
@@ -88,8 +85,4 @@ def conicity(
                 from wrsim.report.outputs import write_conicity
 
                 files = write_conicity(found, output, pictures)
-        if as_json:
-            print_json({"title": title, **numbers, "files": [str(f) for f in files]})
-        else:
-            print_tables(tables)
-            say(*map(str, files))
+        print_found(as_json, {"title": title, **numbers}, tables, files)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from shlex import quote
@@ -43,11 +43,15 @@ def print_tables(tables: Iterable[Table]) -> None:
     on_terminal(tables)
 
 
-def print_files(files: list[Path], as_json: bool) -> None:
+def print_found(
+    as_json: bool, numbers: dict[str, Any], tables: Iterable[Table], files: Sequence[Path], folder: Path | None = None
+) -> None:
+    """Numbers with the names of files as JSON; or tables, and the files: how many in a folder, or each."""
     if as_json:
-        print_json({"files": [str(f) for f in files]})
-    else:
-        say(*map(str, files))
+        print_json(numbers | {"files": [str(f) for f in files]})
+        return
+    print_tables(tables)
+    say(*(map(str, files) if folder is None else [f"{len(files)} files in {folder}"]))
 
 
 def print_json(content: dict[str, Any]) -> None:

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_json, print_tables, say
+from wrsim.cli.console import print_found
 from wrsim.cli.errors import DIFFERENT, reporting_errors
-from wrsim.cli.options import AnyResult, Force, Json
+from wrsim.cli.options import AnyResult, Force, Json, into
 
 
 def diff(
@@ -22,9 +22,7 @@ def diff(
     only: Annotated[
         list[str] | None, typer.Option("--only", metavar="QUANTITY", help="Such as Y_over_Q_max; may be given again.")
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Leave a table and an overlay picture there.")
-    ] = None,
+    output: Annotated[Path | None, into(metavar="DIR", help="Leave a table and an overlay picture there.")] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:
@@ -42,12 +40,7 @@ def diff(
         ends = other_ends(*results)
         files = [] if output is None else write_differences(found, results, names, output)
         alike = not beyond(found, tolerance) and not ends
-        if as_json:
-            told = {"alike": alike, "tolerance": tolerance, "ends": ends, "differences": as_records(table_of(found))}
-            print_json(told | {"files": [str(f) for f in files]})
-        else:
-            print_tables(compared_tables(found, ends, tolerance, names))
-            if files:
-                say(f"{len(files)} files in {output}")
+        numbers = {"alike": alike, "tolerance": tolerance, "ends": ends, "differences": as_records(table_of(found))}
+        print_found(as_json, numbers, compared_tables(found, ends, tolerance, names), files, output)
         if not alike:
             raise typer.Exit(DIFFERENT)

@@ -9,7 +9,7 @@ import typer
 
 from wrsim.cli.console import print_json, say
 from wrsim.cli.errors import reporting_errors
-from wrsim.cli.options import Force, Json
+from wrsim.cli.options import Force, Json, into
 from wrsim.register import ANALYSES, FILES
 
 
@@ -39,9 +39,7 @@ def keys(
 
 def new(
     kind: Annotated[str, typer.Argument(metavar="ANALYSIS", help=f"One of {', '.join(ANALYSES)}.")] = "curving",
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="FILE", help="Default: <ANALYSIS>.toml here.")
-    ] = None,
+    output: Annotated[Path | None, into(metavar="FILE", help="Default: <ANALYSIS>.toml here.")] = None,
     force: Force = False,
     as_json: Json = False,
 ) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -25,7 +26,6 @@ Force = Annotated[
 ]
 Pictures = Annotated[bool, typer.Option(help="Draw the pictures.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar, no table.")]
-Output = Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: results/<name of FILE>.")]
 Workers = Annotated[
     int | None,
     typer.Option(
@@ -52,7 +52,10 @@ ResultFile = Annotated[
 AnyResult = Annotated[
     Path, typer.Argument(metavar="RESULT", help="A result file, the folder of a run, or a run that was cut off.")
 ]
-BesideResult = Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: beside the result.")]
+into = partial(typer.Option, "--output", "-o")
+"""Where to write."""
+Output = Annotated[Path | None, into(metavar="DIR", help="Default: results/<name of FILE>.")]
+BesideResult = Annotated[Path | None, into(metavar="DIR", help="Default: beside the result.")]
 
 
 def check_ending(option: str, path: Path | None, *endings: str) -> None:

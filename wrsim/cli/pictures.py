@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_files, print_json, print_tables
+from wrsim.cli.console import print_found
 from wrsim.cli.errors import reporting_errors
-from wrsim.cli.options import BesideResult, Force, Json, Models, ResultFile, ScenarioFile, check_ending
+from wrsim.cli.options import BesideResult, Force, Json, Models, ResultFile, ScenarioFile, check_ending, into
 
 
 def plot(
@@ -42,16 +42,15 @@ def plot(
             dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
             if output is None:
                 directory /= folder_of(wheelsets(loaded.dataset), str(dataset["wheelset"].item()))
-        print_files(draw_patches(dataset, at, directory) if at else draw_result(dataset, directory), as_json)
+        files = draw_patches(dataset, at, directory) if at else draw_result(dataset, directory)
+        print_found(as_json, {}, [], files)
 
 
 def profile(
     file: Annotated[
         str, typer.Argument(metavar="FILE", help="Wheel or rail profile: TOML or points, such as wheels/S1002.toml.")
     ],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="PNG", help="Default: <name of FILE>.png here.")
-    ] = None,
+    output: Annotated[Path | None, into(metavar="PNG", help="Default: <name of FILE>.png here.")] = None,
     kind: Annotated[
         str | None, typer.Option(metavar="wheel|rail", help="Needed for a file of two columns only.")
     ] = None,
@@ -78,19 +77,13 @@ def profile(
         check_ending("-o", picture, ".png")
         loaded, reports = profile_and_reports(file, kind, cutoff or [], models)
         files = [draw_profile(loaded, picture, reports)]
-        if as_json:
-            smoothing = {"smoothing": [r.numbers() for r in reports]} if reports else {}
-            print_json({"files": [str(f) for f in files], **smoothing})
-        else:
-            print_tables([smoothing_table(reports)] if reports else [])
-            print_files(files, as_json)
+        numbers = {"smoothing": [r.numbers() for r in reports]} if reports else {}
+        print_found(as_json, numbers, [smoothing_table(reports)] if reports else [], files)
 
 
 def track(
     file: ScenarioFile,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="PNG", help="Default: <name of FILE>_track.png here.")
-    ] = None,
+    output: Annotated[Path | None, into(metavar="PNG", help="Default: <name of FILE>_track.png here.")] = None,
     models: Models = None,
     force: Force = False,
     as_json: Json = False,
@@ -105,4 +98,4 @@ def track(
 
         picture = output or Path(f"{file.stem}_track.png")
         check_ending("-o", picture, ".png")
-        print_files([draw_track(build(load(file, models or ())).track, picture)], as_json)
+        print_found(as_json, {}, [], [draw_track(build(load(file, models or ())).track, picture)])

@@ -7,16 +7,14 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_json, print_tables, say
+from wrsim.cli.console import print_found, say
 from wrsim.cli.errors import reporting_errors
-from wrsim.cli.options import Force, Json, Models, Pictures
+from wrsim.cli.options import Force, Json, Models, Pictures, into
 
 
 def recording(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="Table of a recording (CSV).")],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: <name of FILE> here.")
-    ] = None,
+    output: Annotated[Path | None, into(metavar="DIR", help="Default: <name of FILE> here.")] = None,
     columns: Annotated[
         Path | None,
         typer.Option(metavar="TOML", help="Column map; default: the TOML of FILE's name beside it, or columns' names."),
@@ -61,8 +59,6 @@ def recording(
         restored = restored_track(file, chosen, chord_m, band, (from_m, to_m), wavelength_m, amplification, transitions)
         directory = output or Path(file.stem)
         files = write_recording(restored, directory, vehicle, speed_kmh, models or (), pictures)
-        if as_json:
-            print_json({**recording_numbers(restored), "files": [str(f) for f in files]})
-            return
-        print_tables(recording_tables(restored))
-        say(f"{len(files)} files in {directory}; run it with: wrsim run {directory / 'scenario.toml'}")
+        print_found(as_json, recording_numbers(restored), recording_tables(restored), files, directory)
+        if not as_json:
+            say(f"run it with: wrsim run {directory / 'scenario.toml'}")

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_files
+from wrsim.cli.console import print_found
 from wrsim.cli.errors import reporting_errors
-from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Models, check_ending
+from wrsim.cli.options import AnyResult, BesideResult, Force, Json, Models, check_ending, into
+from wrsim.errors import InputError
 
 
 def report(
@@ -19,10 +21,7 @@ def report(
             metavar="RESULT...", help="Results: files, folders, runs that were cut off; one study or service."
         ),
     ],
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="HTML", help="Default: report.html beside the first result."),
-    ] = None,
+    output: Annotated[Path | None, into(metavar="HTML", help="Default: report.html beside the first result.")] = None,
     with_view: Annotated[bool, typer.Option("--view", help="With the viewer of each result inside.")] = False,
     models: Models = None,
     force: Force = False,
@@ -36,18 +35,43 @@ def report(
 
     with reporting_errors(as_json), writing(force, *results[1:], of=results[0]):
         from wrsim.results import write_atomically
-        from wrsim.study.pages import page_of
 
         check_ending("-o", output, ".html")
-        page = page_of(results, with_view, models or ())
-        print_files([write_atomically(output or beside(results[0]) / "report.html", page.encode())], as_json)
+        page = _page_of(results, with_view, models or ())
+        file = write_atomically(output or beside(results[0]) / "report.html", page.encode())
+        print_found(as_json, {}, [], [file])
+
+
+def _page_of(paths: Sequence[Path], with_view: bool, models: Sequence[Path]) -> str:
+    """The page about results of runs, one study, or one service; with_view: with the viewer of each result inside."""
+    from wrsim.report.output_folder import beside, read
+    from wrsim.report.page import report_page
+    from wrsim.report.study import service_page, study_page
+    from wrsim.report.view_data import view_page
+    from wrsim.study import collect
+    from wrsim.study.service import history
+
+    for path in paths:
+        kind = "study" if collect.holds(path, collect.NUMBERS) else ""
+        kind = "service" if collect.holds(path, history.NUMBERS) else kind
+        if kind and len(paths) > 1:
+            raise InputError(f"{path}: is a {kind}: a report takes one {kind}, or results of runs")
+        if kind and with_view:
+            raise InputError(f"--view: {path} is a {kind}; it is for results of runs, as each case of a {kind} is")
+        if kind == "study":
+            return study_page(collect.read_study(path), str(path))
+        if kind == "service":
+            dataset = history.read_history(path)
+            return service_page(dataset, str(path), history.mileage_table(dataset))
+    results = [read(path) for path in paths]
+    pairs = zip(results, paths, strict=True)
+    viewers = [view_page(result, beside(path), models) for result, path in pairs] if with_view else []
+    return report_page(results, list(map(str, paths)), viewers=viewers)
 
 
 def view(
     result: AnyResult,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="HTML", help="Default: view.html beside the result.")
-    ] = None,
+    output: Annotated[Path | None, into(metavar="HTML", help="Default: view.html beside the result.")] = None,
     models: Models = None,
     force: Force = False,
     as_json: Json = False,
@@ -56,12 +80,13 @@ def view(
     from wrsim.report.output_folder import beside, read, writing
 
     with reporting_errors(as_json), writing(force, of=result):
-        from wrsim.report.view import view_page
+        from wrsim.report.view_data import view_page
         from wrsim.results import write_atomically
 
         check_ending("-o", output, ".html")
         page = view_page(read(result), beside(result), models or ())
-        print_files([write_atomically(output or beside(result) / "view.html", page.encode())], as_json)
+        file = write_atomically(output or beside(result) / "view.html", page.encode())
+        print_found(as_json, {}, [], [file])
 
 
 def export(
@@ -83,4 +108,4 @@ def export(
         asked = formats(to)
         loaded, directory = read(result), output or beside(result)
         files = [exported(loaded, name, directory / f"result.{ENDINGS.get(name, name)}") for name in asked]
-        print_files(files, as_json)
+        print_found(as_json, {}, [], files)

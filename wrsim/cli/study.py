@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from wrsim.cli.console import print_error, print_json, print_tables, progress_bar, say, say_files
+from wrsim.cli.console import print_error, print_found, print_json, print_tables, progress_bar, say, say_files
 from wrsim.cli.errors import STOPPED, reporting_errors
 from wrsim.cli.options import Force, Json, Models, Output, Pictures, Quiet, Scheduler, Slurm, Tls, Workers
 
@@ -33,7 +33,7 @@ def study(
 ) -> None:
     """Run a scenario many times with some keys varied; start it again and only what is missing runs."""
     with reporting_errors(as_json):
-        from wrsim.study.collect import OUTPUTS, faults_of, markers_of, report_of, tables_of, write_study
+        from wrsim.study.collect import OUTPUTS, faults_of, markers_of, study_report, study_tables, write_study
         from wrsim.study.crew import check_crew, crew, kept_folder
         from wrsim.study.engine import missing
         from wrsim.study.estimate import estimate
@@ -67,12 +67,12 @@ def study(
                 raise KeyboardInterrupt(f"interrupted; what is done is safe in {directory}: {again}") from None
             markers = markers_of(plan)
             files = write_study(plan, markers, pictures)
-        report = report_of(plan, markers)
+        report = study_report(plan, markers)
         code = STOPPED if report["unfinished"] else 0
         if as_json:
             print_json(report | {"exit_code": code, "ran": len(todo), "files": [str(f) for f in files]})
         elif not quiet:
-            print_tables(tables_of(report))
+            print_tables(study_tables(report))
             say_files(len(files), directory)
         for words in [] if as_json else faults_of(report, markers, quiet):
             print_error(words)
@@ -96,8 +96,7 @@ def wear(
     """Wear wheels in service: cases by their shares, a new profile, again; started again, it goes on (docs/wear.md)."""
     with reporting_errors(as_json):
         from wrsim.study.crew import check_crew, crew, kept_folder
-        from wrsim.study.service.history import OUTPUTS, write_history
-        from wrsim.study.service.record import report_of, table_of
+        from wrsim.study.service.history import OUTPUTS, evolution_report, mileage_table, write_history
         from wrsim.study.service.service import read_service
         from wrsim.study.service.steps import Step, steps_of
 
@@ -121,8 +120,6 @@ def wear(
                 again = "start the same command again to go on"
                 raise KeyboardInterrupt(f"interrupted; what is done is safe in {directory}: {again}") from None
             dataset, files = write_history(service, steps, directory, pictures)
-        if as_json:
-            print_json(report_of(dataset) | {"directory": str(directory), "files": [str(f) for f in files]})
-        elif not quiet:
-            print_tables([table_of(dataset)])
-            say(f"{len(files)} files in {directory}")
+        if as_json or not quiet:
+            numbers = evolution_report(dataset) | {"directory": str(directory)}
+            print_found(as_json, numbers, [mileage_table(dataset)], files, directory)

@@ -9,15 +9,13 @@ import typer
 
 from wrsim.cli.console import print_json, print_tables, say
 from wrsim.cli.errors import reporting_errors
-from wrsim.cli.options import Force, Json, Models, check_ending
+from wrsim.cli.options import Force, Json, Models, check_ending, into
 from wrsim.errors import InputError
 
 
 def vehicle(
     file: Annotated[str, typer.Argument(metavar="FILE", help="Vehicle file, such as vehicles/manchester_1.toml.")],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="PNG|SVG", help="Draw it there, from three sides.")
-    ] = None,
+    output: Annotated[Path | None, into(metavar="PNG|SVG", help="Draw it there, from three sides.")] = None,
     cant_deficiency: Annotated[
         float | None,
         typer.Option(metavar="MM", min=1.0, max=400.0, help="Static roll and unloading at this cant deficiency."),

@@ -49,13 +49,11 @@ DOTS = 140
 """An inch of pictures that would be too large as drawings."""
 
 
-def report_page(
-    results: Sequence[Result], sources: Sequence[str], *, commands: Sequence[str] = (), viewers: Sequence[str] = ()
-) -> str:
+def report_page(results: Sequence[Result], sources: Sequence[str], *, viewers: Sequence[str] = ()) -> str:
     """The report as HTML.
 
-    sources: where the results were read from; commands: how each is made again; viewers: pages of their viewers, to be
-    had inside. Raises InputError for more results than a page can tell apart.
+    sources: where the results were read from; viewers: pages of their viewers, to be had inside. Raises InputError for
+    more results than a page can tell apart.
     """
     if len(results) > MOST_RESULTS:
         raise InputError(
@@ -81,7 +79,7 @@ def report_page(
             "identity": tables.identity(results, sources),
             "inputs": [tables.inputs(r) for r in results],
             "texts": [str(r.dataset.attrs.get("scenario_text", "")) for r in results],
-            "commands": list(commands),
+            "commands": [f"wrsim run scenario.toml -o {shlex.quote(last_part(source) or 'run')}" for source in sources],
             "assessment": rows,
             "limits_from": sources_of_limits,
             "estimated": any(cell and cell["estimate"] for row in rows for cell in row["cells"]),
@@ -141,14 +139,12 @@ def _names(sources: Sequence[str]) -> list[str]:
     """Short names that tell the results apart: A, B, ... with the last part of their paths."""
     if len(sources) == 1:
         return [""]
-    short = [source.rstrip("/").removesuffix("/result.nc").rsplit("/", 1)[-1] for source in sources]
-    return [f"{chr(ord('A') + i)} {name}" for i, name in enumerate(short)]
+    return [f"{chr(ord('A') + i)} {last_part(source)}" for i, source in enumerate(sources)]
 
 
-def rerun(result: Result, source: str) -> str:
-    """The command that makes a result again from the scenario that stands in the report."""
-    name = source.rstrip("/").removesuffix("/result.nc").rsplit("/", 1)[-1] or "run"
-    return f"wrsim run scenario.toml -o {shlex.quote(name)}"
+def last_part(source: str) -> str:
+    """The last part of the path of a result or its folder."""
+    return source.rstrip("/").removesuffix("/result.nc").rsplit("/", 1)[-1]
 
 
 def _track(dataset: xr.Dataset, found: Assessment | None) -> tuple[str, str] | None:

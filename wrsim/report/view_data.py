@@ -1,21 +1,25 @@
-"""What the viewer of a result shows, as numbers for its script."""
+"""The viewer of one result: wheels on their rails and the vehicle on its track, one page that needs nothing else."""
 
 from __future__ import annotations
 
 import base64
 import math
 import zlib
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.errors import InputError, SimulationError
+from wrsim import __version__
+from wrsim.errors import InputError, SimulationError, in_one_line
 from wrsim.plots.cross_section import has_outlines, pressed_curve
 from wrsim.plots.moments import patches_of, select, touching_runs
 from wrsim.plots.style import pressure_map
 from wrsim.plots.wear import LAW_WORDS
+from wrsim.report.page import template
 from wrsim.results import CHANNELS, Result
 from wrsim.results.channels import PATCHES
 from wrsim.results.moments import has_patches, moment_dim, sample_of
@@ -63,6 +67,30 @@ def steps_of(values: Array, unit: float) -> dict[str, Any]:
     whole = np.clip(np.rint(np.nan_to_num(values) / unit), -32767, 32767).astype(np.int32)
     steps = np.diff(whole, axis=0, prepend=np.zeros_like(whole[:1]))
     return packed(((steps + 32768) % 65536 - 32768).astype(np.int16), "i2") | {"unit": unit}
+
+
+def view_page(result: Result, folder: Path, models: Sequence[Path] = ()) -> str:
+    """The viewer as HTML.
+
+    folder, models: where the model files of the scenario are looked up; where they are missing, the page shows what the
+    result alone holds and says so. Raises InputError for a result with nothing to look at.
+    """
+    data = view_data(result, *setup_of(result, folder, models))
+    page = {"title": result.title, "version": __version__, "numbers": "run" in data, "data": data}
+    return template("view.html").render(page)
+
+
+def setup_of(result: Result, folder: Path, models: Sequence[Path] = ()) -> tuple[Setup[Any] | None, str]:
+    """The set-up of a result's scenario, or None and why it cannot be had."""
+    from wrsim.scenario.build import build
+    from wrsim.scenario.loading import load_text
+
+    try:
+        text = str(result.dataset.attrs.get("scenario_text", ""))
+        return build(load_text(text, folder, models, closed=True)), ""
+    except InputError as problem:
+        why = in_one_line(problem)
+        return None, f"The scenario of the result cannot be set up here, so there is no vehicle to show: {why}"
 
 
 def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[str, Any]:

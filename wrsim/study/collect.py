@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -128,11 +129,7 @@ def times_of_cases(plan: Plan, markers: Sequence[Marker | None]) -> list[Row]:
 
 def counts_of(markers: Sequence[Marker | None]) -> dict[str, int]:
     """How many cases came to which end."""
-    found: dict[str, int] = {}
-    for marker in markers:
-        status = MISSING if marker is None else marker.status
-        found[status] = found.get(status, 0) + 1
-    return found
+    return Counter(MISSING if m is None else m.status for m in markers)
 
 
 def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) -> list[Path]:
@@ -143,7 +140,7 @@ def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) ->
         write_netcdf(folder / NUMBERS, dataset),
         write_atomically(folder / "study.csv", as_csv(rows_of_cases(plan, markers))),
         write_atomically(folder / "times.csv", as_csv(times_of_cases(plan, markers))),
-        write_atomically(folder / "study.json", as_json(report_of(plan, markers))),
+        write_atomically(folder / "study.json", as_json(study_report(plan, markers))),
     ]
     if pictures:
         files += save_all(study_figures(dataset), folder)
@@ -152,13 +149,26 @@ def write_study(plan: Plan, markers: Sequence[Marker | None], pictures: bool) ->
 
 def read_study(path: Path) -> xr.Dataset:
     """The dataset of a study, from its folder or its ``study.nc``. Raises InputError for anything else."""
-    file = path / NUMBERS if path.is_dir() else path
-    dataset = read_netcdf(file, "study")
-    if dataset.attrs.get("format") != FORMAT:
-        raise InputError(f"{file}: a wrsim file, but no study")
-    for fault in _faults(dataset):
-        raise InputError(f"{file}: says that it is a study, but {fault}; run it again")
+    return read_numbers(path, NUMBERS, FORMAT, "study", _faults)
+
+
+def read_numbers(
+    path: Path, name: str, form: str, what: str, faults: Callable[[xr.Dataset], Iterator[str]]
+) -> xr.Dataset:
+    """The dataset in a file of that name, or in a folder that holds one. Raises InputError where it is of another
+    format or has a fault."""
+    file = path / name if path.is_dir() else path
+    dataset = read_netcdf(file, what)
+    if dataset.attrs.get("format") != form:
+        raise InputError(f"{file}: a wrsim file, but no {what}")
+    for fault in faults(dataset):
+        raise InputError(f"{file}: says that it is a {what}, but {fault}; run it again")
     return dataset
+
+
+def holds(path: Path, name: str) -> bool:
+    """True for the file of numbers of that name, and for a folder that holds it."""
+    return path.name == name or (path / name).is_file()
 
 
 def _faults(dataset: xr.Dataset) -> Iterator[str]:
@@ -178,12 +188,7 @@ def _faults(dataset: xr.Dataset) -> Iterator[str]:
             yield f"its {name!s:.40} has a key that is no text"
 
 
-def is_study(path: Path) -> bool:
-    """True for the folder of a study, and for its file of numbers."""
-    return path.name == NUMBERS or (path / NUMBERS).is_file()
-
-
-def report_of(plan: Plan, markers: Sequence[Marker | None]) -> dict[str, Any]:
+def study_report(plan: Plan, markers: Sequence[Marker | None]) -> dict[str, Any]:
     """A study in a few numbers: cases, how they ended, range of every output."""
     dataset = collected(plan, markers)
     ranges = {}
@@ -207,7 +212,7 @@ def report_of(plan: Plan, markers: Sequence[Marker | None]) -> dict[str, Any]:
     }
 
 
-def tables_of(report: dict[str, Any]) -> list[Table]:
+def study_tables(report: dict[str, Any]) -> list[Table]:
     """How the cases ended, and the range of every output."""
     counts = ", ".join(f"{count} {status}" for status, count in report["status"].items())
     rows = [

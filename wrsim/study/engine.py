@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from wrsim.errors import InputError, WrsimError
 from wrsim.results.manifest import digest_of
 from wrsim.study.cluster import ATTEMPTS, check_threads
-from wrsim.study.plan import Plan
+from wrsim.study.plan import Plan, texts_in
 from wrsim.study.task import COMPLETED, DERAILED, FAILED, MARKER, Marker, read_marker, run_case, warm, write_marker
 
 if TYPE_CHECKING:
@@ -51,18 +51,9 @@ def kinds(plan: Plan, cases: Sequence[int]) -> list[int]:
         seen.add(texts)
         tables = plan.scenario(plan.cases[i], base).tables
         own = {"analysis": tables["analysis"], "contact": tables.get("contact"), "run": tables.get("run", {})}
-        words = str([(name, sorted(map(str, _words(part)))) for name, part in own.items()])
+        words = str([(name, sorted(texts_in(part))) for name, part in own.items()])
         found.setdefault(words, i)
     return list(found.values())
-
-
-def _words(part: object) -> Iterator[str]:
-    """All texts in a tree of tables."""
-    if isinstance(part, dict):
-        for value in part.values():
-            yield from _words(value)
-    elif isinstance(part, str):
-        yield part
 
 
 def warm_remotely(client: Client, plan: Plan, digest: str, cases: Sequence[int]) -> None:

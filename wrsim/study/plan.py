@@ -220,7 +220,7 @@ def with_cases(plan: Plan, base: Scenario) -> tuple[Plan, list[Path]]:
         label = _label(plan.axes, place)
         try:
             scenario = base.with_values(values, owner)
-            group = tuple(_texts(scenario.tables))
+            group = tuple(texts_in(scenario.tables))
             if group not in groups:
                 with noting_reads() as seen:
                     build(scenario)
@@ -271,16 +271,16 @@ def in_words(value: Any) -> str:
     return value if isinstance(value, str) else shown(value, 40)
 
 
-def _texts(data: Any) -> Iterator[str]:
+def texts_in(data: Any) -> Iterator[str]:
     """All texts in a tree of tables, keys included: cases that share them read the same files."""
     if isinstance(data, dict):
         for key, value in data.items():
             if key != "title":
                 yield key
-                yield from _texts(value)
+                yield from texts_in(value)
     elif isinstance(data, list | tuple):
         for value in data:
-            yield from _texts(value)
+            yield from texts_in(value)
     elif isinstance(data, str):
         yield data
 

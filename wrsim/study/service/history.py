@@ -1,8 +1,8 @@
-"""How wheels have worn: profiles, flange and conicity against the mileage."""
+"""How wheels have worn: profiles, flange and conicity against the mileage, written and read again."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,20 +17,43 @@ from wrsim.geometry.profile.profile import Profile
 from wrsim.plots.drawing import save_all
 from wrsim.plots.wear import service_figures
 from wrsim.results import write_atomically
-from wrsim.results.dataset import versions
+from wrsim.results.dataset import faults_of_attributes, faults_of_variable, versions
 from wrsim.results.files import as_csv, as_json
 from wrsim.results.netcdf import write_netcdf
-from wrsim.results.render import as_rows
+from wrsim.results.render import as_records, as_rows
+from wrsim.results.table import Column, Table
 from wrsim.scenario.sections.conicity import ConicityPlan
-from wrsim.study.service.record import COLUMNS, FORMAT, NUMBERS, report_of, table_of
+from wrsim.study.collect import read_numbers
 from wrsim.study.service.service import Service
 from wrsim.study.service.steps import DEPTHS, WHEEL, Step, write_wheel
 
+NUMBERS = "wear.nc"
+"""File of a service's numbers."""
+FORMAT = "wrsim wear"
+COLUMNS = {
+    "mileage": ("mileage_km", 1e-3, "m", "mileage"),
+    "flange_thickness": ("Sd_mm", 1e3, "m", "flange thickness Sd"),
+    "flange_height": ("Sh_mm", 1e3, "m", "flange height Sh"),
+    "flange_steepness": ("qR_mm", 1e3, "m", "flange steepness qR"),
+    "conicity": ("conicity", 1.0, "1", "equivalent conicity"),
+    "deepest": ("depth_mm", 1e3, "m", "largest depth worn off"),
+    "deepest_u": ("depth_u_mm", 1e3, "m", "where that is"),
+    "tread": ("tread_g_per_km", 1e6, "kg/m", "mass lost on the tread in the step that begins here"),
+    "flange": ("flange_g_per_km", 1e6, "kg/m", "mass lost on the flange in the step that begins here"),
+}
+"""Numbers against the mileage: name in tables, factor, SI unit, meaning."""
+PROFILES = {
+    "u": (("point", "place"), "outward coordinate of the profile"),
+    "w": (("point", "place"), "height of the profile"),
+    "depth": (("point", "place"), "depth along the normal"),
+    "unworn_u": (("place",), "outward coordinate of the unworn profile"),
+}
+"""Profiles [m]: dimensions, meaning."""
 TABLE, REPORT, WORN = "wear.csv", "wear.json", "worn_"
 OUTPUTS = (NUMBERS, TABLE, REPORT, WORN + WHEEL, WORN + DEPTHS)
 
 
-def history(service: Service, steps: Sequence[Step]) -> xr.Dataset:
+def wear_history(service: Service, steps: Sequence[Step]) -> xr.Dataset:
     """Profiles and numbers at the start of every step and at the end of the last one; dimensions point, place."""
     points: list[tuple[float, np.ndarray, Step | None]] = []
     lost = np.zeros(service.places.size - 1)
@@ -53,12 +76,8 @@ def history(service: Service, steps: Sequence[Step]) -> xr.Dataset:
         name: ("point", np.array([row[name] for row in rows]), {"units": unit, "long_name": words})
         for name, (_, _, unit, words) in COLUMNS.items()
     }
-    variables |= {
-        "u": (("point", "place"), places[0], {"units": "m", "long_name": "outward coordinate of the profile"}),
-        "w": (("point", "place"), places[1], {"units": "m", "long_name": "height of the profile"}),
-        "depth": (("point", "place"), np.stack(depths), {"units": "m", "long_name": "depth along the normal"}),
-        "unworn_u": ("place", unworn[0], {"units": "m", "long_name": "outward coordinate of the unworn profile"}),
-    }
+    for (name, (dims, words)), values in zip(PROFILES.items(), (*places, np.stack(depths), unworn[0]), strict=True):
+        variables[name] = (dims, values, {"units": "m", "long_name": words})
     about = {"format": FORMAT, "title": service.given.title, "law": service.law, "wheel": service.unworn.name}
     about |= {"service_text": service.given.text, "cases_text": service.cases_text, "scenario_text": service.base.text}
     return xr.Dataset(
@@ -107,11 +126,11 @@ def write_history(
     service: Service, steps: Sequence[Step], directory: Path, pictures: bool
 ) -> tuple[xr.Dataset, list[Path]]:
     """Write the history, the worn wheel as a model file, and pictures into the folder of a service."""
-    dataset = history(service, steps)
+    dataset = wear_history(service, steps)
     files = [
         write_netcdf(directory / NUMBERS, dataset),
-        write_atomically(directory / TABLE, as_csv(as_rows(table_of(dataset)))),
-        write_atomically(directory / REPORT, as_json(report_of(dataset))),
+        write_atomically(directory / TABLE, as_csv(as_rows(mileage_table(dataset)))),
+        write_atomically(directory / REPORT, as_json(evolution_report(dataset))),
     ]
     if steps:
         areas, label = np.array(steps[-1].areas), f"{1e-3 * steps[-1].end:.6g} km"
@@ -120,3 +139,41 @@ def write_history(
     if pictures:
         files += save_all(service_figures(dataset), directory)
     return dataset, files
+
+
+def read_history(path: Path) -> xr.Dataset:
+    """The dataset of a service, from its folder or its ``wear.nc``. Raises InputError for anything else."""
+    return read_numbers(path, NUMBERS, FORMAT, "service", _faults)
+
+
+def _faults(dataset: xr.Dataset) -> Iterator[str]:
+    """What is wrong with the dataset of a service; see `history`."""
+    yield from faults_of_attributes(dataset.attrs, ("title", "law"))
+    layout: dict[str, tuple[str, ...]] = dict.fromkeys(COLUMNS, ("point",))
+    for name, dims in (layout | {name: dims for name, (dims, _) in PROFILES.items()}).items():
+        yield from faults_of_variable(dataset, name, dims, "number")
+    if 0 in dataset.sizes.values():
+        yield "holds no numbers"
+    for name in ("mileage", *PROFILES):
+        if not np.isfinite(dataset[name].values).all():
+            yield f"its {name} is not finite everywhere"
+
+
+def mileage_table(dataset: xr.Dataset) -> Table:
+    """Numbers against the mileage, in units for readers."""
+    columns = []
+    for column, _, _, _ in COLUMNS.values():
+        words, _, unit = column.partition("_")
+        columns.append(Column(words, unit.replace("_per_", "/").removeprefix("u_"), ".5g", column))
+    rows = [
+        [factor * float(dataset[name].values[i]) for name, (_, factor, _, _) in COLUMNS.items()]
+        for i in range(dataset.sizes["point"])
+    ]
+    return Table(str(dataset.attrs["title"]), tuple(columns), rows)
+
+
+def evolution_report(dataset: xr.Dataset) -> dict[str, Any]:
+    """What stands in ``wear.json``: title, law, the numbers at the start and at the end."""
+    records = as_records(mileage_table(dataset))
+    ends = {"new": records[0], "worn": records[-1]}
+    return {"title": dataset.attrs["title"], "law": dataset.attrs["law"], "steps": dataset.sizes["point"] - 1} | ends
