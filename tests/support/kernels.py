@@ -1,12 +1,13 @@
 """Work for every kernel of wrsim.core: small cases whose numbers are the same compiled and not.
 
-Run as a program without the compiler (NUMBA_DISABLE_JIT=1) it writes to a file what the cases gave, which kernels
-worked, and what each kernel that Python calls was called with first.
+Run as a program without the compiler (NUMBA_DISABLE_JIT=1) it writes to a file what the cases gave and which kernels
+worked.
 """
 
 from __future__ import annotations
 
 import copy
+import cProfile
 import importlib
 import pickle
 import pkgutil
@@ -14,10 +15,11 @@ import sys
 from dataclasses import replace
 from math import sqrt
 from pathlib import Path
-from types import CodeType, FrameType
 from typing import Any
 
 import numpy as np
+import pytest
+from numba.core.registry import CPUDispatcher
 
 import wrsim.core
 from support.contacts import bench, contact_of, numbers, pair_model
@@ -247,49 +249,29 @@ def cases(full: bool = False) -> dict[str, list[float]]:
     return contact_cases(full) | vehicle_cases()
 
 
-class Watcher:
-    """Notes which functions of the kernels' files run, and what those that others call are called with first.
+def cases_and_first_calls(full: bool) -> tuple[dict[str, list[float]], dict[tuple[str, str], tuple[Any, ...]]]:
+    """All cases, compiled, and what each kernel that Python calls was called with first."""
+    calls: dict[tuple[str, str], tuple[Any, ...]] = {}
+    plain = CPUDispatcher.__call__
 
-    It is asked at every call of a function, some ten million times: what it knows of a function it looks up by its
-    code's address.
-    """
+    def call(kernel: Any, *arguments: Any) -> Any:
+        code = kernel.py_func.__code__
+        if (key := (code.co_filename, code.co_name)) not in calls:
+            calls[key] = copy.deepcopy(arguments)
+        return plain(kernel, *arguments)
 
-    def __init__(self) -> None:
-        self.worked: set[tuple[str, str]] = set()
-        self.calls: dict[tuple[str, str], list[Any]] = {}
-        self._kernels: dict[int, tuple[CodeType, bool]] = {}
-        self._noted: set[int] = set()
-
-    def __call__(self, frame: FrameType, _event: str, _value: object) -> None:
-        code = frame.f_code
-        if id(code) in self._noted:
-            return
-        if not self._is_kernel(code):
-            self._noted.add(id(code))
-            return
-        outer = frame.f_back
-        if outer is not None and not self._is_kernel(outer.f_code):
-            names = code.co_varnames[: code.co_argcount]
-            self.calls[code.co_filename, code.co_name] = [copy.deepcopy(frame.f_locals[name]) for name in names]
-            self._noted.add(id(code))
-
-    def _is_kernel(self, code: CodeType) -> bool:
-        """Whether this is code of the kernels' files, which works then."""
-        known = self._kernels.get(id(code))
-        if known is None:  # it is kept, so that no other one gets its address
-            known = self._kernels[id(code)] = code, code.co_filename.startswith(CORE)
-            if known[1]:
-                self.worked.add((code.co_filename, code.co_name))
-        return known[1]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(CPUDispatcher, "__call__", call)
+        return cases(full), calls
 
 
 def main(file: str, full: bool) -> None:
-    """Do the cases without the compiler."""
-    watcher = Watcher()
-    sys.settrace(watcher)
-    found = cases(full)
-    sys.settrace(None)
-    Path(file).write_bytes(pickle.dumps((found, watcher.worked, watcher.calls)))
+    """Do the cases without the compiler, and note which functions of the kernels' files work."""
+    profiler = cProfile.Profile(builtins=False)
+    found = profiler.runcall(cases, full)
+    codes = [entry.code for entry in profiler.getstats()]
+    worked = {(code.co_filename, code.co_name) for code in codes if code.co_filename.startswith(CORE)}
+    Path(file).write_bytes(pickle.dumps((found, worked)))
 
 
 if __name__ == "__main__":
