@@ -36,8 +36,8 @@ class Analysis:
     tables: Mapping[str, str]
     run: str
     recorded: str = ""
-    summary: str = "wrsim.results.summary:of_contacts"
-    csv_files: str = "wrsim.results.tables:of_contacts"
+    summary: str = "wrsim.results.summary:summarise_contacts"
+    csv_files: str = "wrsim.results.tables:csv_of_contacts"
     pictures: str = "wrsim.plots.pictures:of_contacts"
     numbers: str = "wrsim.results.summary_tables:run_tables"
     further: str = ""
@@ -67,10 +67,10 @@ class Analysis:
 def _shown_by(room: str) -> dict[str, Any]:
     """Functions of an analysis whose results are no contacts of wheels in poses or along the track."""
     return {
-        "summary": f"wrsim.results.{room}:summary",
-        "csv_files": f"wrsim.results.{room}:tables",
+        "summary": f"wrsim.results.{room}:summarise_{room}",
+        "csv_files": f"wrsim.results.{room}:csv_of_{room}",
         "pictures": f"wrsim.plots.{room}:figures",
-        "numbers": f"wrsim.results.{room}:numbers",
+        "numbers": f"wrsim.results.{room}:{room}_tables",
     }
 
 

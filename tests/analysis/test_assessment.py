@@ -15,7 +15,7 @@ from support.vehicles import shipped
 
 from wrsim.analysis.assessment import assess, limits
 from wrsim.analysis.assessment.filters import band_pass, low_pass, sliding_mean, sliding_rms, windows
-from wrsim.analysis.assessment.nadal import limit_of, longest_stretch, nadal_limit
+from wrsim.analysis.assessment.nadal import limit_of_climbing, longest_stretch, nadal_limit
 from wrsim.analysis.assessment.sections import sections_of, zone_of
 from wrsim.analysis.ride.evaluate import ride_section_of
 from wrsim.errors import InputError
@@ -387,7 +387,7 @@ def test_nadals_limit_in_closed_form():
 )
 def test_a_result_whose_scenario_has_no_friction_gives_no_nadal_limit(text):
     dataset = run(250.0).dataset.assign_attrs(scenario_text=text)
-    assert limit_of(dataset, AssessmentSettings(flange_angle=np.radians(70.0)), []) is None
+    assert limit_of_climbing(dataset, AssessmentSettings(flange_angle=np.radians(70.0)), []) is None
     assert ride_section_of(Result(dataset)) == RideSection()
 
 

@@ -9,7 +9,7 @@ import pytest
 from support.commands import call
 from support.scenario_texts import CURVE, STATIC
 
-from wrsim.analysis.compare import compare, of_wheels, summary
+from wrsim.analysis.compare import compare, of_wheels, spread_of_differences
 from wrsim.analysis.resolve import resolve
 from wrsim.errors import InputError
 from wrsim.scenario.contact_choice import split_names, with_contact_model
@@ -37,8 +37,11 @@ def test_differences_are_those_of_the_results():
     # Kik-Piotrowski's peaks are too low and its patches too large (docs/contact.md)
     assert (told["p0_difference"].values[:2] < -0.05).all()
     assert (told["area_difference"].values[:2] > 0.03).all()
-    assert (summary(c, "half-space")["p0"]["max"], summary(c, "half-space")["Y"]["max"]) == (0.0, 0.0)
-    assert summary(c, "kik-piotrowski")["N"]["max"] < 0.02
+    assert (
+        spread_of_differences(c, "half-space")["p0"]["max"],
+        spread_of_differences(c, "half-space")["Y"]["max"],
+    ) == (0.0, 0.0)
+    assert spread_of_differences(c, "kik-piotrowski")["N"]["max"] < 0.02
 
 
 def test_what_has_no_solution_has_no_difference():
@@ -55,7 +58,7 @@ def test_runs_are_compared_at_the_reference_s_samples():
     text = SHORT.replace("[contact]\n", "[contact]\nstrips = 20\n")
     c = compare(load_text(text), ("file", "strips", "file+friction=0.2"))
     assert np.abs(c.values["Y_difference"].sel(model="strips").values).max() == 0.0
-    assert summary(c, "file+friction=0.2")["X"]["max"] > 0.01
+    assert spread_of_differences(c, "file+friction=0.2")["X"]["max"] > 0.01
     assert c.values["time"].values == pytest.approx(c.main.result.dataset["time"].values)
     assert (np.diff(c.values["distance"].values) > 0.0).all()
 

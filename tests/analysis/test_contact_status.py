@@ -11,7 +11,7 @@ from support.runs import SCENARIOS, STEERING
 
 from wrsim.analysis import run
 from wrsim.analysis.compare import compare
-from wrsim.analysis.compare_tables import report_of
+from wrsim.analysis.compare_tables import comparison_report
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion import monitor as monitors
 from wrsim.analysis.motion.messages import event_words
@@ -75,7 +75,7 @@ ANALYSES: dict[str, Callable[[], str]] = {
     ),
     "resolve": lambda: remarks(resolve(solved(), poses(), "kik-piotrowski")),
     "compare": lambda: " ".join(
-        report_of(
+        comparison_report(
             compare(
                 wheelset("curve_r300.toml", run__distance_m=0.5, output__patches_at_m=[]),
                 ["kik-piotrowski", "kik-piotrowski+polach"],

@@ -18,7 +18,7 @@ from support.synthetic_result import static_poses
 
 from wrsim.analysis import run
 from wrsim.results import CHANNELS, Result
-from wrsim.results.exports import export
+from wrsim.results.exports import export_result
 from wrsim.scenario.loading import load
 
 SHOWN = {
@@ -151,5 +151,5 @@ def test_what_cannot_be_exported_is_one_sentence(tmp_path: Path) -> None:
 def test_words_in_an_exported_table_are_no_formulas(tmp_path: Path) -> None:
     dataset = static_poses().copy()  # it is kept for others
     dataset["pose"] = [f"=1+{i}" for i in range(dataset.sizes["pose"])]
-    export(Result(dataset), "csv", tmp_path / "result.csv")
+    export_result(Result(dataset), "csv", tmp_path / "result.csv")
     assert list(pd.read_csv(tmp_path / "result.csv")["pose"])[:2] == ["'=1+0", "'=1+1"]

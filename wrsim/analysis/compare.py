@@ -140,7 +140,7 @@ def of_wheels(dataset: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(arrays, {sample: d[sample].values, "wheel": labels})
 
 
-def summary(comparison: Comparison, name: str) -> dict[str, dict[str, float]]:
+def spread_of_differences(comparison: Comparison, name: str) -> dict[str, dict[str, float]]:
     """Median, 95 % quantile and largest of abs(difference) of a model, by quantity."""
     found = {}
     for quantity in DIFFERENCES:

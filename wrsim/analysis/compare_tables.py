@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from wrsim.analysis.compare import DIFFERENCES, OF_LOAD, PLAIN, Comparison, summary
+from wrsim.analysis.compare import DIFFERENCES, OF_LOAD, PLAIN, Comparison, spread_of_differences
 from wrsim.results import CHANNELS
-from wrsim.results.summary_tables import happened, listed, remarks
+from wrsim.results.summary_tables import first_lines, happened, remarks
 from wrsim.results.table import MISSING, Cell, Column, Table, formatted
-from wrsim.results.tables import cells_of, number_cells, rows_of
+from wrsim.results.tables import channel_cells, number_cells, rows_of
 
 SHOWN = ("p0", "area", "approach", "N", "contact_angle", "X", "Y", "T_gamma")
 """Quantities in the table on the screen."""
@@ -21,12 +21,12 @@ FEW = 4
 """Poses and wheels of a small comparison, whose values are printed one by one."""
 
 
-def report_of(found: Comparison, scenario: str) -> dict[str, Any]:
+def comparison_report(found: Comparison, scenario: str) -> dict[str, Any]:
     """Everything in numbers: differences in per cent or degrees, times in microseconds and seconds."""
     models = {}
     for model in found.models:
         differences = {}
-        for quantity, numbers in summary(found, model.name).items():
+        for quantity, numbers in spread_of_differences(found, model.name).items():
             factor, unit = UNITS[DIFFERENCES[quantity]]
             differences[f"{quantity}_{unit}"] = {name: factor * value for name, value in numbers.items()}
         dataset = model.result.dataset
@@ -50,16 +50,16 @@ def rows_of_samples(found: Comparison) -> list[list[str]]:
     sample = "time" if "time" in values.dims else "pose"
     i, j, m = (index.ravel() for index in np.indices([values.sizes[d] for d in (sample, "wheel", "model")]))
     context = [n for n in (sample, "distance", "lateral_shift", "yaw", "load") if n in values.coords]
-    columns = [(CHANNELS[n].column, cells_of(n, values[n].values[i])) for n in context]
+    columns = [(CHANNELS[n].column, channel_cells(n, values[n].values[i])) for n in context]
     columns += [("wheel", list(values["wheel"].values[j])), ("model", list(values["model"].values[m]))]
-    columns += [(CHANNELS[q].column, cells_of(q, values[q].values[m, i, j])) for q in DIFFERENCES]
+    columns += [(CHANNELS[q].column, channel_cells(q, values[q].values[m, i, j])) for q in DIFFERENCES]
     for q, kind in DIFFERENCES.items():
         difference = values[f"{q}_difference"].values[m, i, j]
         columns.append((f"{q}_difference_{UNITS[kind][1]}", number_cells(UNITS[kind][0] * difference)))
     return rows_of(columns)
 
 
-def tables_of(found: Comparison, report: dict[str, Any]) -> list[Table]:
+def comparison_tables(found: Comparison, report: dict[str, Any]) -> list[Table]:
     """The values when they are few, differences and times; a column for every model."""
     values, models = found.values, report["models"]
     sample = "time" if "time" in values.dims else "pose"
@@ -85,7 +85,7 @@ def tables_of(found: Comparison, report: dict[str, Any]) -> list[Table]:
     for name, model in models.items():
         if model["unsolved_poses"]:
             notes.append(f"{name}: {model['unsolved_poses']} poses without a solution")
-        notes += listed([f"{name}: {words}" for words in model["remarks"]], "remarks")
+        notes += first_lines([f"{name}: {words}" for words in model["remarks"]], "remarks")
     return [Table("", (Column(), *(Column(name, "", ".5g") for name in models)), rows, tuple(notes))]
 
 

@@ -33,7 +33,7 @@ def assess(
         from wrsim.analysis.assessment import assess as assessed
         from wrsim.report.output_folder import names_apart, naming
         from wrsim.report.outputs import write_assessment
-        from wrsim.results.assessment_tables import assessment_numbers, assessment_rows
+        from wrsim.results.assessment_tables import assessment_dict, assessment_numbers
         from wrsim.scenario.loading import load
         from wrsim.scenario.sections.assessment import AssessmentSection
 
@@ -44,7 +44,7 @@ def assess(
             found = assessed(loaded, settings, names)
         directory = output or beside(results[0])
         files = write_assessment(found, directory, pictures)
-        print_found(as_json, assessment_rows(found), assessment_numbers(found), files, directory)
+        print_found(as_json, assessment_dict(found), assessment_numbers(found), files, directory)
 
 
 def ride(

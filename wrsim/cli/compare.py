@@ -37,7 +37,7 @@ def compare(
 
     with reporting_errors(as_json), writing(force, file):
         from wrsim.analysis.compare import compare as analyse
-        from wrsim.analysis.compare_tables import report_of, tables_of
+        from wrsim.analysis.compare_tables import comparison_report, comparison_tables
         from wrsim.report.outputs import write_comparison
         from wrsim.scenario.build import build
         from wrsim.scenario.contact_choice import split_names, with_contact_model
@@ -52,10 +52,10 @@ def compare(
         with progress_bar(not (quiet or as_json)) as progress:
             found = analyse(scenario, names, reference, progress)
         directory = output if output is not None else Path("results") / f"{file.stem}_compared"
-        report = report_of(found, str(file))
+        report = comparison_report(found, str(file))
         files = write_comparison(found, report, directory, pictures, scenario.title)
         if as_json or not quiet:
-            print_found(as_json, report, tables_of(found, report), files, directory)
+            print_found(as_json, report, comparison_tables(found, report), files, directory)
         if code := max(exit_code(m.result) for m in found.models):
             raise typer.Exit(code)
 

@@ -31,7 +31,7 @@ def diff(
 
     with reporting_errors(as_json), writing(force, first, second):
         from wrsim.report.outputs import write_differences
-        from wrsim.results.differences import beyond, compared_tables, differences, other_ends, table_of
+        from wrsim.results.differences import beyond, compared_tables, difference_table, differences, other_ends
         from wrsim.results.render import as_records
 
         names, results = (str(first), str(second)), (read(first), read(second))
@@ -40,7 +40,12 @@ def diff(
         ends = other_ends(*results)
         files = [] if output is None else write_differences(found, results, names, output)
         alike = not beyond(found, tolerance) and not ends
-        numbers = {"alike": alike, "tolerance": tolerance, "ends": ends, "differences": as_records(table_of(found))}
+        numbers = {
+            "alike": alike,
+            "tolerance": tolerance,
+            "ends": ends,
+            "differences": as_records(difference_table(found)),
+        }
         print_found(as_json, numbers, compared_tables(found, ends, tolerance, names), files, output)
         if not alike:
             raise typer.Exit(DIFFERENT)

@@ -34,14 +34,14 @@ def plot(
 
     with reporting_errors(as_json), writing(force, of=result):
         from wrsim.report.outputs import draw_patches, draw_result
-        from wrsim.results.wheelsets import folder_of, wheelsets, worst_wheelset
+        from wrsim.results.wheelsets import wheelset_folder, wheelsets, worst_wheelset
 
         loaded = read(result)
         dataset, directory = loaded.dataset, output or beside(result)
         if wheelset is not None or at:
             dataset = loaded.wheelset(wheelset or worst_wheelset(dataset))
             if output is None:
-                directory /= folder_of(wheelsets(loaded.dataset), str(dataset["wheelset"].item()))
+                directory /= wheelset_folder(wheelsets(loaded.dataset), str(dataset["wheelset"].item()))
         files = draw_patches(dataset, at, directory) if at else draw_result(dataset, directory)
         print_found(as_json, {}, [], files)
 

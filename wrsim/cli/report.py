@@ -102,10 +102,9 @@ def export(
     from wrsim.report.output_folder import beside, read, writing
 
     with reporting_errors(as_json), writing(force, of=result):
-        from wrsim.results.exports import ENDINGS, formats
-        from wrsim.results.exports import export as exported
+        from wrsim.results.exports import ENDINGS, export_result, formats
 
         asked = formats(to)
         loaded, directory = read(result), output or beside(result)
-        files = [exported(loaded, name, directory / f"result.{ENDINGS.get(name, name)}") for name in asked]
+        files = [export_result(loaded, name, directory / f"result.{ENDINGS.get(name, name)}") for name in asked]
         print_found(as_json, {}, [], files)

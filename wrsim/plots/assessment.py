@@ -19,7 +19,7 @@ from matplotlib.lines import Line2D
 from wrsim.plots.colours import FAINT, GROUP_LINE, INK, QUIET, STOP_COLOUR, WHEEL_COLOUR
 from wrsim.plots.histories import mark_snapshots, track_layout
 from wrsim.plots.marks import mark_stop, note, note_above, panels, wheel_entries
-from wrsim.results.assessment import INFLUENCES, Assessment, Section, Value, ZoneValue
+from wrsim.results.assessment import INFLUENCES, AssessedSection, Assessment, Value, ZoneValue
 from wrsim.results.table import quantity, with_unit
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 
@@ -124,7 +124,7 @@ def history_figure(found: Assessment, run: str = "") -> Figure:
     return panels(title, draws, 34.0 * len(draws) + 24.0, legend=_legend(signals))
 
 
-def track_diagram(dataset: xr.Dataset, sections: Sequence[Section]) -> Figure:
+def track_diagram(dataset: xr.Dataset, sections: Sequence[AssessedSection]) -> Figure:
     """Curvature and cant of a run over its sections; letters: its snapshots, red: events and where it stopped."""
     first = of_wheelset(dataset, wheelsets(dataset)[0])
     place = first["distance"].values
@@ -160,7 +160,7 @@ def _draw_limits(axes: Axes, values: Sequence[Value], factor: float, *, both: bo
             axes.plot([section.start, section.end], [y, y], color=STOP_COLOUR, linewidth=0.9, zorder=2.2)
 
 
-def shade_sections(axes: Axes, sections: Sequence[Section]) -> None:
+def shade_sections(axes: Axes, sections: Sequence[AssessedSection]) -> None:
     """Background by class of track, a fine line between sections."""
     for s in sections:
         axes.axvspan(s.start, s.end, color=ZONE_SHADE[s.zone], linewidth=0.0, zorder=0.5)

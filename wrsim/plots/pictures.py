@@ -22,7 +22,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results import CHANNELS, Result
 from wrsim.results.moments import has_patches
 from wrsim.results.wear import has_wear
-from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets, worst_wheelset
+from wrsim.results.wheelsets import of_wheelset, wheelset_folder, wheelsets, worst_wheelset
 
 HISTORIES: dict[str, tuple[str, ...]] = {
     "forces": ("Q", "Y", "sum_Y", "guide_force_y"),
@@ -44,7 +44,7 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Callable[[], Figure]]:
     """Pictures of the vehicle (``vehicle_figures``) and of the wheelset with the largest Y/Q (``wheelset_figures``),
     in a folder of its own where there are several."""
     worst = worst_wheelset(dataset)
-    own = folder_of(wheelsets(dataset), worst)
+    own = wheelset_folder(wheelsets(dataset), worst)
     of_worst = wheelset_figures(of_wheelset(dataset, worst))
     of_wear = {"wear": wear_figure, "fatigue": fatigue_figure} if has_wear(dataset) else {}
     of_vehicle = vehicle_figures(dataset) | {name: partial(make, dataset) for name, make in of_wear.items()}

@@ -18,7 +18,7 @@ from wrsim.plots.cross_section import has_outlines
 from wrsim.plots.drawing import Makers, save_all
 from wrsim.plots.ride import ride_figures
 from wrsim.results.assessment_tables import assessment_csv, assessment_json
-from wrsim.results.differences import table_of
+from wrsim.results.differences import difference_table
 from wrsim.results.files import KEEPER, as_csv, as_json, csv_parts, write_atomically
 from wrsim.results.moments import has_patches, moments_at
 from wrsim.results.render import as_rows
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from wrsim.results import Result
     from wrsim.results.assessment import Assessment
     from wrsim.results.conicity import ConicityMap
-    from wrsim.results.differences import Difference
+    from wrsim.results.differences import Deviation
     from wrsim.results.ride import Ride
     from wrsim.vehicle.vehicle import Vehicle
 
@@ -87,7 +87,7 @@ def write_comparison(
 
 
 def write_differences(
-    found: Sequence[Difference], results: Sequence[Result], names: Sequence[str], folder: Path
+    found: Sequence[Deviation], results: Sequence[Result], names: Sequence[str], folder: Path
 ) -> list[Path]:
     """``diff.csv`` and, of runs and poses, ``diff.png``."""
     figures: dict[str, Any] = {}
@@ -95,7 +95,7 @@ def write_differences(
     if has_curves(one) and has_curves(other) and (worst := worst_wheelset(one)) in wheelsets(other):
         pair = [of_wheelset(dataset, worst) for dataset in (one, other)]
         figures["diff"] = lambda: overlay_figure(pair, names)
-    return _written(folder, {"diff.csv": as_csv(as_rows(table_of(found)))}, figures)
+    return _written(folder, {"diff.csv": as_csv(as_rows(difference_table(found)))}, figures)
 
 
 def write_conicity(result: Result, directory: Path, pictures: bool) -> list[Path]:

@@ -20,7 +20,7 @@ from wrsim.results.moments import sample_of
 from wrsim.results.ride import Ride
 from wrsim.results.summary_tables import curve_tables, wheelset_tables
 from wrsim.results.table import Cell, Column, Table, formatted, quantity
-from wrsim.results.wear import summary as summary_of_wear
+from wrsim.results.wear import summarise_wear
 from wrsim.results.wheelsets import numbered, wheelsets
 
 Found = TypeVar("Found")
@@ -271,7 +271,7 @@ FATIGUE = {
 
 def wear_tables(dataset: xr.Dataset) -> list[Table]:
     """What wheels lose by every law, what rails lose, fatigue of the rails."""
-    found, called = summary_of_wear(dataset), numbered(wheelsets(dataset))
+    found, called = summarise_wear(dataset), numbered(wheelsets(dataset))
     tables = []
     for law, of in found["laws"].items():
         wheels = {f"{called[name]}, {w}": own for name, pair in of["wheelsets"].items() for w, own in pair.items()}

@@ -39,7 +39,7 @@ DERAILMENT_LIMIT, DERAILMENT_RADIUS = 0.8, 250.0
 
 
 @dataclass(frozen=True)
-class Section:
+class AssessedSection:
     """A piece of track that is assessed for itself.
 
     number: from 1; zone: its class; start, end [m]; radius [m]: of the mean curvature (of the sharpest one in a
@@ -79,7 +79,7 @@ class TrackQuality:
     518 that they keep; tl90: where the deviation lies beside the band TL90 of EN 14363: "below", "within" or "above".
     """
 
-    section: Section
+    section: AssessedSection
     direction: str
     deviation: float
     largest: float
@@ -124,7 +124,7 @@ class Value:
     """
 
     quantity: Quantity
-    section: Section
+    section: AssessedSection
     wheelset: str
     wheel: str
     value: float
@@ -229,7 +229,7 @@ class Assessment:
     """
 
     title: str
-    sections: tuple[Section, ...]
+    sections: tuple[AssessedSection, ...]
     values: tuple[Value, ...]
     zones: tuple[ZoneValue, ...]
     notes: tuple[str, ...]

@@ -6,13 +6,13 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from wrsim.results.assessment import INFLUENCES, Assessment, Influence, Regression, Section, Value, ZoneValue
+from wrsim.results.assessment import INFLUENCES, AssessedSection, Assessment, Influence, Regression, Value, ZoneValue
 from wrsim.results.files import as_csv, as_json
 from wrsim.results.render import as_rows
 from wrsim.results.table import Cell, Column, Table, formatted, quantity
 
 
-def assessment_rows(found: Assessment) -> dict[str, Any]:
+def assessment_dict(found: Assessment) -> dict[str, Any]:
     """What ``assessment.json`` holds."""
     quantities = [
         {"key": q.key, "symbol": q.symbol, "name": q.words, "group": q.group, "unit": q.shown.symbol}
@@ -47,7 +47,7 @@ def assessment_rows(found: Assessment) -> dict[str, Any]:
 
 def assessment_json(found: Assessment) -> bytes:
     """Content of ``assessment.json``."""
-    return as_json(assessment_rows(found), indent=1)
+    return as_json(assessment_dict(found), indent=1)
 
 
 def assessment_csv(found: Assessment) -> bytes:
@@ -67,7 +67,7 @@ def _number(value: float | None, factor: float = 1.0) -> float | None:
     return None if value is None or not math.isfinite(value) else float(value) * factor
 
 
-def _section(s: Section) -> dict[str, Any]:
+def _section(s: AssessedSection) -> dict[str, Any]:
     return {
         "section": s.number,
         "run": s.run,

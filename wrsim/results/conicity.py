@@ -19,10 +19,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.results.summary import of_contacts as summary_of_contacts
+from wrsim.results.summary import summarise_contacts
 from wrsim.results.table import Column, Table, formatted, quantity
-from wrsim.results.tables import Row, wide
-from wrsim.results.tables import of_contacts as tables_of_contacts
+from wrsim.results.tables import Row, csv_of_contacts, wide
 from wrsim.results.wheelsets import of_wheelset, wheelsets
 
 if TYPE_CHECKING:
@@ -37,17 +36,17 @@ FLANGE_FROM = radians(40.0)
 """Contact angle from which the outer wheel is on its flange unless given otherwise [rad]."""
 
 
-def summary(dataset: xr.Dataset) -> dict[str, Any]:
+def summarise_conicity(dataset: xr.Dataset) -> dict[str, Any]:
     """That of the poses, and the equivalent conicity of the wheelset."""
-    found = summary_of_contacts(dataset)
+    found = summarise_contacts(dataset)
     for name, own in found["wheelsets"].items():
         own |= conicity_summary(of_wheelset(dataset, name))
     return found
 
 
-def tables(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
+def csv_of_conicity(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     """Those of the poses, and one row per amplitude."""
-    yield from tables_of_contacts(dataset)
+    yield from csv_of_contacts(dataset)
     for name in wheelsets(dataset):
         yield "conicity", wide(of_wheelset(dataset, name), "amplitude")
 
@@ -75,7 +74,7 @@ def conicity_summary(dataset: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def numbers(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
+def conicity_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
     """Every half millimetre: conicity and wavelength over amplitude, and what lies at that shift; radial steering."""
     dataset = of_wheelset(dataset)
     found = conicity_summary(dataset)

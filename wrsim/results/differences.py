@@ -23,7 +23,7 @@ SMALLEST = 1e-6
 
 
 @dataclass(frozen=True)
-class Difference:
+class Deviation:
     """One number of two results; None where one of them does not have it.
 
     place: wheelset, wheel, curve; quantity: with its unit at the end; scale: the largest magnitude of that quantity
@@ -50,7 +50,7 @@ class Difference:
         return abs(self.absolute) / self.scale
 
 
-def differences(first: Result, second: Result, only: Sequence[str] = (), tolerance: float = 0.0) -> list[Difference]:
+def differences(first: Result, second: Result, only: Sequence[str] = (), tolerance: float = 0.0) -> list[Deviation]:
     """All numbers of the summaries of two results of one kind, the largest relative difference first.
 
     only: quantities, with or without the unit at the end. Raises ``InputError`` for results of two kinds of analysis,
@@ -77,11 +77,11 @@ def differences(first: Result, second: Result, only: Sequence[str] = (), toleran
         for values in (one, other):
             size = abs(values.get((place, name)) or 0.0)
             scales[name] = max(scales.get(name, SMALLEST), size)
-    found = [Difference(p, q, one.get((p, q)), other.get((p, q)), scales[q]) for p, q in keys]
+    found = [Deviation(p, q, one.get((p, q)), other.get((p, q)), scales[q]) for p, q in keys]
     return sorted(found, key=lambda d: -d.relative)
 
 
-def table_of(found: Sequence[Difference]) -> Table:
+def difference_table(found: Sequence[Deviation]) -> Table:
     """A row a number; differences without one of the numbers are missing."""
     heads = (
         Column("place", key="place"), Column("quantity", key="quantity"),
@@ -101,7 +101,7 @@ def table_of(found: Sequence[Difference]) -> Table:
     return Table("", heads, rows)
 
 
-def beyond(found: Sequence[Difference], tolerance: float) -> list[Difference]:
+def beyond(found: Sequence[Deviation], tolerance: float) -> list[Deviation]:
     """Differences above a part of the largest value."""
     return [d for d in found if d.relative > tolerance]
 
@@ -115,7 +115,7 @@ def other_ends(one: Result, other: Result) -> list[str]:
 
 
 def compared_tables(
-    found: Sequence[Difference], ends: Sequence[str], tolerance: float, names: Sequence[str]
+    found: Sequence[Deviation], ends: Sequence[str], tolerance: float, names: Sequence[str]
 ) -> list[Table]:
     """What is beyond the tolerance, or the largest differences where nothing is; the verdict."""
     wrong, percent = beyond(found, tolerance), quantity(100.0 * tolerance, "%", "g")
@@ -128,7 +128,7 @@ def compared_tables(
     else:
         verdict = f"alike: {len(found)} numbers, none differs by more than {percent}"
     head = Table("", notes=tuple(f"{letter}: {name}" for letter, name in zip("AB", names, strict=True)))
-    return [head, *([table_of(listed)] if listed else []), Table("", notes=(*more, *ends, verdict))]
+    return [head, *([difference_table(listed)] if listed else []), Table("", notes=(*more, *ends, verdict))]
 
 
 def _is_asked(name: str, asked: str) -> bool:

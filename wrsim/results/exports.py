@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from wrsim.errors import InputError, WrsimError, suggest
-from wrsim.results.files import as_json, as_text, csv_parts, write_atomically
+from wrsim.results.files import as_json, csv_parts, safe_cell, write_atomically
 from wrsim.results.result import Result
 from wrsim.results.tables import columns, each_table, frame
 
@@ -55,7 +55,7 @@ def formats(asked: str) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def export(result: Result, format: str, path: Path) -> Path:
+def export_result(result: Result, format: str, path: Path) -> Path:
     """Write a result in one of ``FORMATS``. Raises ``InputError`` where a library is missing, or MDF has no time."""
     content = {"mat": _mat, "csv": _csv, "parquet": _parquet, "mdf": _mdf}[format](result)
     return write_atomically(path, content)
@@ -65,7 +65,7 @@ def _csv(result: Result) -> bytes:
     table = frame(result.dataset)
     for name, channel, values in columns(result.dataset):
         if channel.kind == "text":
-            table[name] = [as_text(str(value)) for value in values]
+            table[name] = [safe_cell(str(value)) for value in values]
     return table.to_csv(index=False, float_format="%.10g", lineterminator="\n").encode()
 
 

@@ -134,7 +134,7 @@ def lock(stream: IO[bytes]) -> bool:
 
 
 def as_csv(rows: Iterable[Sequence[str]]) -> bytes:
-    """Rows as comma-separated values (RFC 4180 quoting, line feeds, UTF-8); no cell is a formula, see `as_text`."""
+    """Rows as comma-separated values (RFC 4180 quoting, line feeds, UTF-8); no cell is a formula, see `safe_cell`."""
     return b"".join(csv_parts(rows))
 
 
@@ -143,11 +143,11 @@ def csv_parts(rows: Iterable[Sequence[str]]) -> Iterator[bytes]:
     rest = iter(rows)
     while some := list(islice(rest, _ROWS)):
         stream = io.StringIO(newline="")
-        csv.writer(stream, lineterminator="\n").writerows([as_text(cell) for cell in row] for row in some)
+        csv.writer(stream, lineterminator="\n").writerows([safe_cell(cell) for cell in row] for row in some)
         yield stream.getvalue().replace("\r", " ").encode()  # many readers begin a row after it
 
 
-def as_text(cell: str) -> str:
+def safe_cell(cell: str) -> str:
     """An apostrophe before what a spreadsheet would execute as a formula; numbers and all else as they are."""
     if cell.lstrip()[:1] not in _FORMULA:
         return cell

@@ -85,9 +85,9 @@ RESOLVED = ("N", "p0", "area", "approach", "Fx", "Fy", "contact_angle")
 
 def resolved_tables(old: xr.Dataset, new: xr.Dataset, summary: Mapping[str, Any]) -> list[Table]:
     """One wheelset before and after its contacts were solved again, and what they have to say."""
-    from wrsim.results.summary_tables import listed, remarks
+    from wrsim.results.summary_tables import first_lines, remarks
 
-    return [side_by_side(old, new), Table("", notes=listed(remarks(summary), "remarks"))]
+    return [side_by_side(old, new), Table("", notes=first_lines(remarks(summary), "remarks"))]
 
 
 def side_by_side(old: xr.Dataset, new: xr.Dataset) -> Table:

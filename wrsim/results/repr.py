@@ -19,12 +19,12 @@ MOST = 8
 """Wheelsets and kept moments that are listed."""
 
 
-def as_text(dataset: xr.Dataset) -> str:
+def result_text(dataset: xr.Dataset) -> str:
     """A result in a few lines."""
     return "\n".join([f"<Result: {dataset.attrs['title']}>", render.as_text(_tables(dataset))])
 
 
-def as_html(dataset: xr.Dataset) -> str:
+def result_html(dataset: xr.Dataset) -> str:
     """The same as a card; every text of the user's is escaped."""
     title = Markup("<strong>{}</strong>").format(str(dataset.attrs["title"]))
     return Markup("<div>{}{}</div>").format(title, Markup("").join(map(render.as_html, _tables(dataset))))

@@ -44,9 +44,9 @@ class Result:
     dataset: xr.Dataset
 
     def __repr__(self) -> str:
-        from wrsim.results.repr import as_text
+        from wrsim.results.repr import result_text
 
-        return as_text(self.dataset)
+        return result_text(self.dataset)
 
     def numbers(self) -> list[Table]:
         """The tables that people read first: peaks, medians in full curves, critical speeds."""
@@ -55,9 +55,9 @@ class Result:
         return numbers_of(self.dataset, self.summary())
 
     def _repr_html_(self) -> str:
-        from wrsim.results.repr import as_html
+        from wrsim.results.repr import result_html
 
-        return as_html(self.dataset)
+        return result_html(self.dataset)
 
     @property
     def title(self) -> str:

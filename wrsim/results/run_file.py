@@ -179,7 +179,7 @@ def records_of(path: str | Path) -> Generator[Record]:
         os.close(file)
 
 
-def header_of(path: Path) -> Header:
+def run_header(path: Path) -> Header:
     """What a run file says of its run. Raises ``InputError`` as ``records_of`` does."""
     with contextlib.closing(records_of(path)) as records:
         return Header(path, next(records).about)

@@ -15,7 +15,7 @@ MODE = ("frequency", "damping", "growth", "name")
 MODES = ("pose_speed", "mode_branch", "mode_frequency", "mode_damping", "mode_growth", "mode_name")
 
 
-def summary(dataset: xr.Dataset) -> dict[str, Any]:
+def summarise_stability(dataset: xr.Dataset) -> dict[str, Any]:
     """Critical speeds with their frequency and mode; ``None`` where there are none, and a note that says why."""
     attributes = dataset.attrs
 
@@ -34,7 +34,7 @@ def summary(dataset: xr.Dataset) -> dict[str, Any]:
     return found | {name: str(attributes[name]) for name in words if name in attributes}
 
 
-def tables(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
+def csv_of_stability(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
     """One row per speed and mode; one row per held speed."""
     said = [name for name in ("contact_remark",) if name in dataset]
     yield "modes", long(dataset, [*MODES, *said], np.isfinite(dataset["mode_growth"].values), ("pose", "mode"))
@@ -42,7 +42,7 @@ def tables(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
         yield "cycles", wide(dataset, "cycle", ("wheelset",))
 
 
-def numbers(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
+def stability_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
     """Critical speeds, the least damped mode at every speed, limit cycles."""
     lines = []
     for kind, note in (("linear", "critical_note"), ("nonlinear", "nonlinear_note")):

@@ -28,7 +28,7 @@ SHOWN = {
 """Channels in the table for people, with headings and formats."""
 
 
-def summary(dataset: xr.Dataset) -> dict[str, Any]:
+def summarise_steady(dataset: xr.Dataset) -> dict[str, Any]:
     """How many curves have a steady motion, which have none, and the largest Y/Q with its place."""
     messages = zip(dataset["pose"].values, dataset["pose_message"].values, strict=True)
     quotient = dataset["Y_over_Q"]
@@ -41,7 +41,7 @@ def summary(dataset: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def tables(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
+def csv_of_steady(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
     """One row per curve, wheelset and wheel; a curve without a steady motion keeps one row, with its message."""
     solved = np.broadcast_to((dataset["pose_message"].values == "")[:, None, None], dataset["Y"].shape).copy()
     failed = ~solved[:, 0, 0]
@@ -55,7 +55,7 @@ def tables(dataset: xr.Dataset) -> Iterator[tuple[str, list[Row]]]:
     yield "steady", table
 
 
-def numbers(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
+def steady_tables(dataset: xr.Dataset, summary: dict[str, Any]) -> list[Table]:
     """One line a curve: the wheel with the largest Y/Q; curves without a steady motion with the reason."""
     rows = []
     for i in np.flatnonzero(dataset["pose_message"].values == ""):

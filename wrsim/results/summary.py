@@ -116,7 +116,7 @@ def _remarks(dataset: xr.Dataset) -> dict[str, Any]:
     return {"remarks": found} if found else {}
 
 
-def of_contacts(dataset: xr.Dataset) -> dict[str, Any]:
+def summarise_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     """The summary of a run or of poses: how much was computed, peaks of every wheelset and point, events."""
     summary: dict[str, Any] = {
         "extent": extent(dataset),
@@ -130,7 +130,7 @@ def of_contacts(dataset: xr.Dataset) -> dict[str, Any]:
     if "kinetic_energy" in dataset:
         summary["energy"] = energy(dataset)
     if wear.has_wear(dataset):
-        summary["wear"] = wear.summary(dataset)
+        summary["wear"] = wear.summarise_wear(dataset)
     if "event" in dataset.dims:
         values = (dataset[f"event_{name}"].values for name in ("time", "distance", "label"))
         summary["events"] = [
@@ -209,7 +209,7 @@ def peak(dataset: xr.Dataset, of: Peak, wheel: str | None = None) -> dict[str, A
         return None
     rank = {"magnitude": np.abs, "least": np.negative, "largest": np.positive}[of.which](values)
     index = np.unravel_index(np.argmax(np.where(finite, rank, -np.inf)), values.shape)
-    found = {"value": shown(CHANNELS[of.channel], float(values[index]))}
+    found = {"value": _shown(CHANNELS[of.channel], float(values[index]))}
     patch = {"patch": int(index[1])} if data.dims[1:] == ("patch",) else {}
     return found | _place(dataset, int(index[0])) | patch
 
@@ -242,7 +242,7 @@ def full_curves(dataset: xr.Dataset) -> list[dict[str, Any]]:
     return curves
 
 
-def shown(channel: Channel, value: float) -> float | None:
+def _shown(channel: Channel, value: float) -> float | None:
     """The value in the unit for readers; ``None`` for not-a-number."""
     return float(value) * channel.shown.factor if np.isfinite(value) else None
 
@@ -263,7 +263,7 @@ def _medians(part: xr.Dataset, names: Iterable[str]) -> dict[str, Any]:
     """Medians of the channels that there are."""
     values = {name: part[name].values[np.isfinite(part[name].values)] for name in names if name in part}
     return {
-        CHANNELS[name].column: shown(CHANNELS[name], float(np.median(own))) if own.size else None
+        CHANNELS[name].column: _shown(CHANNELS[name], float(np.median(own))) if own.size else None
         for name, own in values.items()
     }
 

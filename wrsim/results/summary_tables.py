@@ -34,14 +34,14 @@ def run_tables(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     tables += curve_tables(labels, own)
     if "energy" in summary:
         tables.append(energy_table(summary["energy"]))
-    notes = (*listed(happened(summary), "events"), *_integration(summary))
+    notes = (*first_lines(happened(summary), "events"), *_integration(summary))
     return [*tables, Table("", notes=notes)] if notes else tables
 
 
 def numbers_of(dataset: xr.Dataset, summary: Summary) -> list[Table]:
     """What people read first of a result of any analysis, and what its contacts have to say."""
     tables: list[Table] = resolved(ANALYSES[str(dataset.attrs["analysis"])].numbers)(dataset, summary)
-    notes = listed(remarks(summary), "remarks")
+    notes = first_lines(remarks(summary), "remarks")
     return [*tables, Table("", notes=notes)] if notes else tables
 
 
@@ -142,7 +142,7 @@ def remarks(summary: Summary) -> list[str]:
     return [f"{place}: {words}" for place, words in summary.get("remarks", {}).items()]
 
 
-def listed(lines: Sequence[str], what: str) -> tuple[str, ...]:
+def first_lines(lines: Sequence[str], what: str) -> tuple[str, ...]:
     """The first lines, and how many more there are."""
     more = (f"and {len(lines) - MOST_LINES} more {what}: see summary.json",) if len(lines) > MOST_LINES else ()
     return (*lines[:MOST_LINES], *more)

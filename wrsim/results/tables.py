@@ -15,7 +15,7 @@ from wrsim.register import ANALYSES, resolved
 from wrsim.results.channels import CHANNELS, Channel
 from wrsim.results.dataset import OF_VEHICLE
 from wrsim.results.files import csv_parts, write_atomically
-from wrsim.results.wheelsets import folder_of, of_wheelset, wheelsets
+from wrsim.results.wheelsets import of_wheelset, wheelset_folder, wheelsets
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -42,13 +42,13 @@ def each_table(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     return tables
 
 
-def of_contacts(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
+def csv_of_contacts(dataset: xr.Dataset) -> Iterator[tuple[str, Iterable[Row]]]:
     """The tables of a run or of poses: those of the vehicle, then those of every wheelset."""
     names = wheelsets(dataset)
     if "time" in dataset.dims and (len(names) > 1 or set(OF_VEHICLE) & set(dataset.dims)):
         yield "vehicle", _in_blocks(lambda part: wide(part, "time", OF_VEHICLE), dataset)
     for name in names:
-        own = folder_of(names, name)
+        own = wheelset_folder(names, name)
         yield from ((own + table, rows) for table, rows in _of_wheelset(of_wheelset(dataset, name)))
 
 
@@ -96,7 +96,7 @@ def wide(dataset: xr.Dataset, dim: str, others: Iterable[str] = ()) -> list[Row]
     names = [dim] if dim in CHANNELS else []
     names += present(dataset, (dim,))
     names += [name for other in others for name in present(dataset, (dim, other))]
-    return rows_of([(head, cells_of(name, values)) for name in names for head, values in _flat(dataset, name)])
+    return rows_of([(head, channel_cells(name, values)) for name in names for head, values in _flat(dataset, name)])
 
 
 def columns(dataset: xr.Dataset) -> Iterator[tuple[str, Channel, NDArray[Any]]]:
@@ -137,7 +137,7 @@ def long(dataset: xr.Dataset, names: Iterable[str], chosen: NDArray[np.bool_], d
     for name in names:
         if name in CHANNELS:
             at_rows = dataset[name].values[tuple(at[str(d)] for d in dataset[name].dims)]
-            columns.append((CHANNELS[name].column, cells_of(name, at_rows)))
+            columns.append((CHANNELS[name].column, channel_cells(name, at_rows)))
         else:
             columns.append((name, [str(i) for i in at[name]]))
     return rows_of(columns)
@@ -159,7 +159,7 @@ def chosen(dataset: xr.Dataset, channels: list[str]) -> NDArray[np.bool_]:
     return np.any([values > 0 if kind == "count" else np.isfinite(values) for kind, values in arrays], axis=0)
 
 
-def cells_of(name: str, values: NDArray[Any]) -> list[str]:
+def channel_cells(name: str, values: NDArray[Any]) -> list[str]:
     """Cells of a channel in the unit for readers."""
     if CHANNELS[name].kind != "number":
         return [str(v) for v in values]

@@ -16,7 +16,7 @@ def has_wear(dataset: xr.Dataset) -> bool:
     return "wear_wheel_depth" in dataset and "wear_law" in dataset.dims
 
 
-def summary(dataset: xr.Dataset) -> dict[str, Any]:
+def summarise_wear(dataset: xr.Dataset) -> dict[str, Any]:
     """By law what wheels lose and how deep, what rails lose by one passage; fatigue of the rails."""
     wheels = [str(wheel) for wheel in dataset["wheel"].values]
     laws: dict[str, Any] = {}

@@ -23,7 +23,7 @@ def numbered(names: Sequence[str]) -> dict[str, str]:
     return {name: name if name == str(i) else f"{i} {name}" for i, name in enumerate(names, 1)}
 
 
-def folder_of(names: Sequence[str], name: str) -> str:
+def wheelset_folder(names: Sequence[str], name: str) -> str:
     """Where files of one of several wheelsets are, with a stroke at the end: ``wheelset_1/``; empty for a lone one."""
     return f"wheelset_{names.index(name) + 1}/" if len(names) > 1 else ""
 

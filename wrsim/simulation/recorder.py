@@ -29,7 +29,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from wrsim.errors import InputError
 from wrsim.results.files import LARGE, plain_disk_errors
-from wrsim.results.run_file import Header, Record, RunFile, header_of, records_of
+from wrsim.results.run_file import Header, Record, RunFile, records_of, run_header
 
 Array = NDArray[np.float64]
 Cause = Literal["", "monitor", "interrupt", "not-finite", "forces", "cut-off"]
@@ -167,7 +167,7 @@ class FileRecorder(Recorder):
 
         A run that the user has interrupted goes on. Raises ``InputError`` when there is nothing to go on from.
         """
-        header_of(Path(path))  # a file that is not there, or none of a run's, is refused as for reading
+        run_header(Path(path))  # a file that is not there, or none of a run's, is refused as for reading
         file = RunFile(path)
         try:  # read while nobody else can write
             recorded = Recording.of(file.path, file.records())

@@ -13,14 +13,14 @@ from wrsim.analysis.assessment import limits
 from wrsim.analysis.assessment.axles import Axle, quasi_static
 from wrsim.analysis.assessment.estimates import zones_of
 from wrsim.analysis.assessment.filters import on_raster, sampling_rate
-from wrsim.analysis.assessment.nadal import limit_of
-from wrsim.analysis.assessment.points import points_of
+from wrsim.analysis.assessment.nadal import limit_of_climbing
+from wrsim.analysis.assessment.points import assessed_points
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION, counts, sections_of
 from wrsim.analysis.assessment.track_quality import track_quality
 from wrsim.errors import InputError
 from wrsim.inputs.lookup import shipped_models
 from wrsim.results import Result
-from wrsim.results.assessment import Assessment, Limit, Section, Value
+from wrsim.results.assessment import AssessedSection, Assessment, Limit, Value
 from wrsim.results.wheelsets import numbered, of_wheelset, wheelsets
 from wrsim.scenario.loading import load_text
 from wrsim.scenario.sections.assessment import AssessmentSection, AssessmentSettings
@@ -108,14 +108,14 @@ class _Run:
             Axle(axle if several else "", label if several else "", of_wheelset(dataset, axle), settings)
             for axle, label in labels.items()
         ]
-        self.nadal = limit_of(dataset, settings, self.notes)
+        self.nadal = limit_of_climbing(dataset, settings, self.notes)
         if not any(axle.hunting.rms.size for axle in self.axles):
             self.notes.append(f"instability: the run is shorter than the window of {limits.STABILITY_WINDOW:g} m")
         if "event_label" in dataset:
             places = zip(dataset["event_distance"].values, dataset["event_label"].values, strict=True)
             self.notes += [f"event at {place:.1f} m: {label}" for place, label in places]
         self.track = track_quality(dataset, self.sections, self.notes)
-        self.points = list(points_of(dataset, settings))
+        self.points = list(assessed_points(dataset, settings))
 
     def values(self) -> Iterator[Value]:
         """All but the quasi-static values, which go by classes."""
@@ -195,7 +195,7 @@ def _settings_of(dataset: xr.Dataset) -> AssessmentSettings:
     return section.settings()
 
 
-def _mean_radii(sections: Sequence[Section]) -> Mapping[str, float]:
+def _mean_radii(sections: Sequence[AssessedSection]) -> Mapping[str, float]:
     """Mean radius of the sections of every class of curves [m], of those that count where some do."""
     radii: dict[str, float] = {}
     for zone in dict.fromkeys(s.zone for s in sections if s.zone not in (STRAIGHT, TRANSITION)):
@@ -226,7 +226,7 @@ def _signals(axles: Sequence[Axle]) -> xr.Dataset:
     )
 
 
-def stop_values(dataset: xr.Dataset, sections: Sequence[Section]) -> Iterator[Value]:
+def stop_values(dataset: xr.Dataset, sections: Sequence[AssessedSection]) -> Iterator[Value]:
     """Largest travel of every bump stop in every section, by the distance of the vehicle's reference body."""
     if "suspension_stop_max" not in dataset:
         return

@@ -12,7 +12,7 @@ from wrsim.analysis.assessment import limits
 from wrsim.analysis.assessment.filters import Hunting, extreme, low_pass, sampling_rate, sliding_mean, windows
 from wrsim.analysis.assessment.nadal import longest_stretch
 from wrsim.errors import InputError
-from wrsim.results.assessment import Limit, Section, Value
+from wrsim.results.assessment import AssessedSection, Limit, Value
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
 Array = NDArray[np.float64]
@@ -56,7 +56,7 @@ class Axle:
         """Sliding mean over 2 m."""
         return sliding_mean(self.distance, signal, self.middles, limits.WINDOW)
 
-    def values(self, section: Section, settings: AssessmentSettings, nadal: Limit | None) -> Iterator[Value]:
+    def values(self, section: AssessedSection, settings: AssessmentSettings, nadal: Limit | None) -> Iterator[Value]:
         """Everything in one section but the quasi-static values."""
         inside = section.holds(self.distance)
         if inside.sum() < 2:
@@ -92,13 +92,13 @@ class Axle:
             yield self.value("lateral_shift", section, extreme(self.shift[inside]), None)
 
     def value(
-        self, key: str, section: Section, value: np.floating | float, limit: Limit | None, wheel: str = ""
+        self, key: str, section: AssessedSection, value: np.floating | float, limit: Limit | None, wheel: str = ""
     ) -> Value:
         """One value of this wheelset, or of a wheel of it."""
         return Value(limits.QUANTITIES[key], section, self.name, wheel, float(value), limit, label=self.label)
 
 
-def quasi_static(runs: Sequence[tuple[Axle, Sequence[Section]]], radii: Mapping[str, float]) -> Iterator[Value]:
+def quasi_static(runs: Sequence[tuple[Axle, Sequence[AssessedSection]]], radii: Mapping[str, float]) -> Iterator[Value]:
     """What the outer wheel bears in the full curves of each class.
 
     runs: a wheelset in every run, with the sections of that; radii: the mean one of each class [m].

@@ -32,9 +32,9 @@ from wrsim.results.assessment import (
     SAFETY,
     TRANSITION,
     Array,
+    AssessedSection,
     Influence,
     Regression,
-    Section,
     Value,
     ZoneValue,
 )
@@ -63,7 +63,7 @@ def zones_of(values: Sequence[Value], settings: AssessmentSettings) -> list[Zone
 
 def _zone(values: Sequence[Value], settings: AssessmentSettings) -> ZoneValue:
     worst = min(values, key=lambda v: -v.value if v.margin is None else v.margin)
-    largest: dict[Section, float] = {}
+    largest: dict[AssessedSection, float] = {}
     for v in values:
         if v.section.counts:
             largest[v.section] = max(largest.get(v.section, -math.inf), v.value)
@@ -81,7 +81,7 @@ def _zone(values: Sequence[Value], settings: AssessmentSettings) -> ZoneValue:
     return ZoneValue(worst, len({v.section for v in values}), per_section.size, mean, deviation, estimate, fitted)
 
 
-def _influences(sections: Iterable[Section]) -> dict[Influence, Array]:
+def _influences(sections: Iterable[AssessedSection]) -> dict[Influence, Array]:
     """What sections differ in: cant deficiency [m], curvature without its hand [1/m], speed [m/s]."""
     each = [(s.cant_deficiency, abs(1.0 / s.radius), s.speed) for s in sections]
     return dict(zip(get_args(Influence), np.array(each).T, strict=True))

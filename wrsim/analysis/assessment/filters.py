@@ -20,7 +20,7 @@ from scipy.signal import butter, sosfiltfilt, welch
 
 from wrsim.analysis.assessment import limits
 from wrsim.errors import InputError
-from wrsim.results.assessment import Section
+from wrsim.results.assessment import AssessedSection
 
 Array = NDArray[np.float64]
 
@@ -129,7 +129,7 @@ class Hunting:
         self.middles = windows(distance, limits.STABILITY_WINDOW, limits.STABILITY_STEP)
         self.rms = sliding_rms(distance, narrow, self.middles, limits.STABILITY_WINDOW)
 
-    def largest(self, section: Section) -> float | None:
+    def largest(self, section: AssessedSection) -> float | None:
         """Largest rms in a section; None without a window there."""
         inside = section.holds(self.middles)
         return float(self.rms[inside].max()) if inside.any() else None

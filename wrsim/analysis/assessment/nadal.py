@@ -43,7 +43,7 @@ def longest_stretch(distance: Array, above: Array) -> float:
     return float((ends[1::2] - ends[::2]).max(initial=0.0))
 
 
-def limit_of(dataset: xr.Dataset, settings: AssessmentSettings, notes: list[str]) -> Limit | None:
+def limit_of_climbing(dataset: xr.Dataset, settings: AssessmentSettings, notes: list[str]) -> Limit | None:
     """Nadal's limit of a run; a note where it is unknown."""
     friction = _friction_of(dataset) if settings.friction is None else settings.friction
     angle = _flange_angle_of(dataset) if settings.flange_angle is None else settings.flange_angle

@@ -13,7 +13,7 @@ import xarray as xr
 from wrsim.analysis.assessment import limits
 from wrsim.analysis.assessment.filters import Hunting, band_pass, extreme, low_pass, sampling_rate
 from wrsim.analysis.assessment.sections import STRAIGHT, TRANSITION
-from wrsim.results.assessment import Limit, Section, Value
+from wrsim.results.assessment import AssessedSection, Limit, Value
 from wrsim.results.channels import BOGIE_FRAME, CAR_BODY
 from wrsim.scenario.sections.assessment import AssessmentSettings
 
@@ -33,7 +33,7 @@ class AssessedPoint:
         }
         self.slow = low_pass(lateral, rate, limits.CUT_OFF)
 
-    def values(self, section: Section, settings: AssessmentSettings) -> Iterator[Value]:
+    def values(self, section: AssessedSection, settings: AssessmentSettings) -> Iterator[Value]:
         """Everything in one section."""
         if self.is_frame:
             if (largest := self.hunting.largest(section)) is not None:
@@ -50,11 +50,11 @@ class AssessedPoint:
         for key, value in found.items():
             yield self._value(f"body_{key}", section, float(value), limits.body(settings.kind, key))
 
-    def _value(self, key: str, section: Section, value: float, limit: Limit) -> Value:
+    def _value(self, key: str, section: AssessedSection, value: float, limit: Limit) -> Value:
         return Value(limits.QUANTITIES[key], section, "", "", value, limit, self.name)
 
 
-def points_of(dataset: xr.Dataset, settings: AssessmentSettings) -> Iterator[AssessedPoint]:
+def assessed_points(dataset: xr.Dataset, settings: AssessmentSettings) -> Iterator[AssessedPoint]:
     """Points on car bodies and bogie frames with their filtered accelerations; none where the result has none."""
     if "point_ay" not in dataset or "point_az" not in dataset:
         return

@@ -30,7 +30,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from wrsim.results.assessment import TRANSITION, Section
+from wrsim.results.assessment import TRANSITION, AssessedSection
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ TESTED = (0.75, 1.10)
 """Cant deficiency of full curves that count in a test, over the admissible one (UIC 518 [mem])."""
 
 
-def counts(section: Section, admissible: float | None) -> bool:
+def counts(section: AssessedSection, admissible: float | None) -> bool:
     """Whether a section counts in the statistics of its class; admissible: cant deficiency [m]."""
     if admissible is None or section.zone in (STRAIGHT, TRANSITION):
         return True
@@ -91,14 +91,14 @@ def section_length(zone: str, speed: float) -> float:
 
 def sections_of(
     dataset: xr.Dataset, length: float | None = None, straight_deficiency: float | None = None
-) -> tuple[Section, ...]:
+) -> tuple[AssessedSection, ...]:
     """Sections of the track that a run has passed; length [m]: of sections of every class, instead of the above;
     straight_deficiency [m]: cant deficiency up to which curves of large radius are straight track, none if not given.
     """
     distance, curvature, cant, speed = _track_passed(dataset)
     # positive to the outside of the curve, as a cant: lateral acceleration over gravity times the base
     missing = CANT_BASE * speed**2 * curvature / STANDARD_GRAVITY - cant
-    found: list[Section] = []
+    found: list[AssessedSection] = []
     for zone, first, last in _stretches(distance, curvature, missing, straight_deficiency):
         inside = slice(first, last + 1)
         start, end = float(distance[first]), float(distance[last])
@@ -111,7 +111,7 @@ def sections_of(
             bend = _bend(curvature[part] if part.stop > part.start else curvature[first : first + 1], zone)
             hand = np.sign(bend) if abs(bend) > 1e-9 else 1.0
             found.append(
-                Section(
+                AssessedSection(
                     number=len(found) + 1,
                     zone=zone,
                     start=float(a),

@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from wrsim.analysis.assessment.filters import band_pass
-from wrsim.results.assessment import Section, TrackQuality
+from wrsim.results.assessment import AssessedSection, TrackQuality
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,9 @@ TL90: dict[str, tuple[tuple[float, float], ...]] = {
 """By steps of speed [km/h]: lower and upper end of the band of the deviation [mm]."""
 
 
-def track_quality(dataset: xr.Dataset, sections: Sequence[Section], notes: list[str]) -> tuple[TrackQuality, ...]:
+def track_quality(
+    dataset: xr.Dataset, sections: Sequence[AssessedSection], notes: list[str]
+) -> tuple[TrackQuality, ...]:
     """Unevenness of the sections of a run, where it has any: under its first wheelset, of the worse rail.
 
     Adds to ``notes`` why there is nothing to say of an uneven track.
@@ -70,7 +72,7 @@ def _waves(dataset: xr.Dataset, place: Array, raster: Array) -> dict[str, Array]
     return found
 
 
-def _qualities(raster: Array, waves: dict[str, Array], sections: Sequence[Section]) -> Iterator[TrackQuality]:
+def _qualities(raster: Array, waves: dict[str, Array], sections: Sequence[AssessedSection]) -> Iterator[TrackQuality]:
     for section in sections:
         inside = (raster >= section.start) & (raster <= section.end)
         if inside.sum() * RASTER < SHORTEST:

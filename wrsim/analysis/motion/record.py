@@ -20,7 +20,7 @@ from wrsim.errors import InputError, in_one_line
 from wrsim.inputs.lookup import VARIABLE
 from wrsim.inputs.toml_files import parse_toml, read_bytes, shown
 from wrsim.results import versions
-from wrsim.results.run_file import header_of
+from wrsim.results.run_file import run_header
 from wrsim.scenario.loading import load_text
 from wrsim.simulation.recorder import FileRecorder
 
@@ -57,7 +57,7 @@ class RunRecord:
 
     def recorded_step(self) -> float:
         """Time step of the run that goes on [s]."""
-        return float(header_of(self.path)["step_s"])
+        return float(run_header(self.path)["step_s"])
 
     def recorder(self, integrator: str, step: float, size: int) -> FileRecorder:
         """The file, to be written on: from its last checkpoint, or anew. step [s]; size: number of coordinates."""
@@ -69,7 +69,7 @@ class RunRecord:
 
 def _same_run(path: Path, now: dict[str, Any]) -> None:
     """Raise ``InputError`` when a file holds a run that would not go on with the same numbers."""
-    then = header_of(path)
+    then = run_header(path)
     again = "run it without --resume to start from the beginning"
     before, after = (parse_toml(of["scenario_text"], f"{path}: its scenario") for of in (then, now))
     changed = _first_change(before, after)
@@ -122,7 +122,7 @@ def recorded_setup(path: Path) -> Setup:
     """
     from wrsim.scenario.build import build
 
-    header = header_of(path)
+    header = run_header(path)
     try:
         setup = build(load_text(header["scenario_text"], path.parent, closed=True))
     except InputError as error:

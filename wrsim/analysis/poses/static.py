@@ -28,7 +28,7 @@ from wrsim.results import Result, assemble
 from wrsim.scenario.cases import named
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from wrsim.scenario.build import Setup
     from wrsim.scenario.sections.static import StaticPlan
@@ -167,7 +167,7 @@ def _solved(
     for i, solved in enumerate(found):
         words = [_flank_words(name, {n: v[i, j] for n, v in of_wheels.items()}) for j, name in enumerate(names)]
         remarks.append("; ".join(filter(None, [solved.remark, *words])))
-    channels = {
+    channels: dict[str, ArrayLike] = {
         "load": [p.load for p in poses],
         "pose_message": [solved.message for solved in found],
         **remarks_channel(remarks),
