@@ -13,7 +13,7 @@ from support.synthetic_result import curve_run
 
 from wrsim.errors import InputError
 from wrsim.results import Result
-from wrsim.study.outputs import outputs_of
+from wrsim.study.outputs import case_outputs
 from wrsim.study.plan import planned
 from wrsim.study.spec import OutputsSection
 from wrsim.study.task import COMPLETED, MARKER, Marker, read_marker, write_marker
@@ -131,7 +131,7 @@ def test_planning_executes_nothing_of_a_hook(binding: str, tmp_path: Path) -> No
 @pytest.mark.parametrize("place", ["", "def numbers(result): "])
 def test_a_hook_that_wants_to_end_the_process_is_a_fault_of_the_case(place: str, ending: str, tmp_path: Path) -> None:
     (tmp_path / "h.py").write_text(place + ending)
-    found = outputs_of(Result(curve_run()), OutputsSection(hook="h.py:numbers"), tmp_path / "h.py")
+    found = case_outputs(Result(curve_run()), OutputsSection(hook="h.py:numbers"), tmp_path / "h.py")
     (fault,) = found.faults
     assert fault.startswith(f"outputs.hook: {tmp_path / 'h.py'}: numbers: ")
     assert "SystemExit" in fault or "KeyboardInterrupt" in fault

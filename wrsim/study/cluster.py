@@ -13,13 +13,15 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import dask
+from distributed import Client, Nanny, SpecCluster
+from distributed.security import Security
+from distributed.system import MEMORY_LIMIT
 
 from wrsim.errors import InputError, WrsimError
-
-if TYPE_CHECKING:
-    from distributed import Client
-    from distributed.security import Security
+from wrsim.study.nodes import QuietScheduler, QuietWorker
 
 ONE_THREAD = {name: "1" for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
 """Environment of a worker: it computes one case at a time, on one processor."""
@@ -40,8 +42,6 @@ def security_of(folder: Path | None, *roles: str) -> Security | None:
     Without a folder those of the user's configuration of dask (``distributed.comm.tls``), None where it has none.
     Raises ``InputError`` for files that cannot be used.
     """
-    from distributed.security import Security
-
     given: dict[str, Any] = {}
     if folder is not None:
         given["tls_ca_file"] = str(folder.resolve() / CA)
@@ -67,12 +67,6 @@ def local_workers(count: int) -> Iterator[Client]:
 
     They listen on the loopback interface, and answer who has the certificate that is made here and lies in no file.
     """
-    from distributed import Client, Nanny, SpecCluster
-    from distributed.security import Security
-    from distributed.system import MEMORY_LIMIT
-
-    from wrsim.study.nodes import QuietScheduler, QuietWorker
-
     security = Security.temporary()
     here: dict[str, Any] = {"host": LOOPBACK, "protocol": "tls://", "security": security, "dashboard": False}
     own = {"worker_class": QuietWorker, "nthreads": 1, "memory_limit": MEMORY_LIMIT // count}
@@ -109,8 +103,6 @@ def workers_at(address: str, certificates: Path | None) -> Iterator[Client]:
 
     Raises ``InputError`` when nobody answers there, or certificates are lacking.
     """
-    from distributed import Client
-
     with _settings():
         encrypted = address.startswith("tls://")
         security = security_of(certificates, "client") if encrypted else None
@@ -137,8 +129,6 @@ def slurm_workers(count: int, certificates: Path | None, folder: Path) -> Iterat
 
     Raises ``InputError`` where dask-jobqueue or SLURM are missing.
     """
-    from distributed import Client
-
     with _settings(), slurm_security(certificates, folder) as security, slurm_cluster(security) as cluster:
         try:
             cluster.scale(count)
@@ -155,8 +145,6 @@ def slurm_security(certificates: Path | None, folder: Path) -> Iterator[Security
     Where nothing names certificates, they are made: in files that the jobs find in a folder, that only this user may
     read, and that go when the cluster goes.
     """
-    from distributed.security import Security
-
     roles = ("client", "scheduler", "worker")
     if named := security_of(certificates, *roles):
         yield named
@@ -175,14 +163,12 @@ def slurm_cluster(security: Security) -> Any:
     """
     before = signal.getsignal(signal.SIGINT)
     try:
-        import dask
         from dask_jobqueue import SLURMCluster
     except ImportError:
         raise InputError("--slurm needs dask-jobqueue: install it with pip install 'wrsim[cluster]'") from None
     finally:  # importing it makes Ctrl-C end the process with 0 and without a word
         if signal.getsignal(signal.SIGINT) is not before:
             signal.signal(signal.SIGINT, before)
-    from wrsim.study.nodes import QuietScheduler, QuietWorker
 
     def configured(key: str, otherwise: Any) -> Any:
         return dask.config.get(f"jobqueue.slurm.{key}", None) or otherwise
@@ -216,10 +202,6 @@ def _settings() -> Iterator[None]:
 
     dask puts its folder of temporary files first where modules are looked up; the usual one belongs to who made it.
     """
-    try:
-        import dask
-    except ImportError:
-        raise InputError("wrsim study needs dask.distributed: install it with pip install distributed") from None
     logger = logging.getLogger("distributed")
     level = logger.level
     logger.setLevel(logging.CRITICAL)

@@ -103,17 +103,10 @@ def rows_of_cases(plan: Plan, markers: Sequence[Marker | None]) -> list[Row]:
     for case, marker in zip(plan.cases, markers, strict=True):
         values = [axis.values[i] for axis, i in zip(plan.axes, case.place, strict=True)]
         cells = [str(v) if isinstance(v, float) else in_words(v) for row in values for v in row]
-        status, message = (MISSING, "") if marker is None else (marker.status, marker.message)
-        numbers = [None if marker is None else marker.numbers.get(name) for name in units]
-        rows.append(
-            [
-                case.name,
-                *cells,
-                status,
-                message.replace("\n", "; "),
-                *("" if n is None else f"{n:.10g}" for n in numbers),
-            ]
-        )
+        status, message = (MISSING, "") if marker is None else (marker.status, marker.message.replace("\n", "; "))
+        numbers = (None if marker is None else marker.numbers.get(name) for name in units)
+        cells += [status, message, *("" if n is None else f"{n:.10g}" for n in numbers)]
+        rows.append([case.name, *cells])
     return rows
 
 
@@ -220,11 +213,10 @@ def study_tables(report: dict[str, Any]) -> list[Table]:
     ]
     heads = (Column("output"), *(Column(words, "", ".5g") for words in ("smallest", "median", "largest")))
     open_cases = tuple(f"{e['label']}: {e['status']}: {e['message']}" for e in report["unfinished"][:MOST_LISTED])
-    head = Table(report["title"], notes=(counts,))
-    return [
-        head,
-        *([Table("", heads, rows, open_cases)] if rows else [Table("", notes=open_cases)] if open_cases else []),
-    ]
+    found = [Table(report["title"], notes=(counts,))]
+    if rows or open_cases:
+        found.append(Table("", heads if rows else (), rows, open_cases))
+    return found
 
 
 def faults_of(report: dict[str, Any], markers: Sequence[Marker | None], briefly: bool) -> list[str]:

@@ -6,7 +6,8 @@ import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+from distributed import Client
 
 from wrsim.errors import InputError
 from wrsim.results import write_atomically
@@ -16,9 +17,6 @@ from wrsim.study.cluster import address_of
 from wrsim.study.engine import execute, kinds, warm_remotely
 from wrsim.study.plan import PLAN, Plan
 from wrsim.study.task import compile_for
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 LOGGER = logging.getLogger("wrsim.study")
 Bar = Callable[[], AbstractContextManager[Callable[[float, float], None] | None]]

@@ -6,16 +6,14 @@ import secrets
 import time
 from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
-from typing import TYPE_CHECKING
+
+from distributed import Client, Future, KilledWorker, as_completed
 
 from wrsim.errors import InputError, WrsimError
 from wrsim.results.manifest import digest_of
 from wrsim.study.cluster import ATTEMPTS, check_threads
 from wrsim.study.plan import Plan, texts_in
 from wrsim.study.task import COMPLETED, DERAILED, FAILED, MARKER, Marker, read_marker, run_case, warm, write_marker
-
-if TYPE_CHECKING:
-    from distributed import Client, Future
 
 AT_HAND = 2
 """Cases that a worker has: the one it runs, and the next."""
@@ -90,7 +88,11 @@ def execute(
         if died:  # or another case on the same worker: looked at again when nothing else runs
             suspects.append(index)
             continue
-        checked = checked or _check_outputs(plan, index)
+        marker = None if checked else read_marker(plan.folder_of(plan.cases[index]))
+        if marker is not None and marker.status == COMPLETED:  # it shows whether all outputs can be had
+            checked = True
+            if marker.faults:
+                raise InputError("\n".join(marker.faults))
         count += 1
         if progress is not None:
             fraction = count / len(cases)
@@ -106,8 +108,6 @@ def _handed_out(client: Client, plan: Plan, cases: Sequence[int], expected: int)
 
     A worker has one case and the next one at hand: the scheduler's memory does not grow with the study.
     """
-    from distributed import KilledWorker, as_completed
-
     digest, session = digest_of(plan.dumped()), secrets.token_hex(4)
     waiting = iter(cases)
     running: dict[str, int] = {}
@@ -139,19 +139,7 @@ def _note_killed(plan: Plan, index: int) -> None:
     marker = read_marker(folder)
     if marker is None or marker.outputs != plan.outputs_digest:
         hook = f", or {plan.hook} ends the process" if plan.hook else ""
-        message = (
-            f"{2 * ATTEMPTS} workers died at it one after the other: too little memory, a crash below Python{hook}"
-        )
-        write_marker(
-            folder, Marker(case.name, case.label, FAILED, message, outputs=plan.outputs_digest, ended=time.time())
-        )
-
-
-def _check_outputs(plan: Plan, index: int) -> bool:
-    """True once a completed case has shown that all outputs can be had. Raises ``InputError`` when one cannot."""
-    marker = read_marker(plan.folder_of(plan.cases[index]))
-    if marker is None or marker.status != COMPLETED:
-        return False
-    if marker.faults:
-        raise InputError("\n".join(marker.faults))
-    return True
+        deaths = f"{2 * ATTEMPTS} workers died at it one after the other"
+        message = f"{deaths}: too little memory, a crash below Python{hook}"
+        marker = Marker(case.name, case.label, FAILED, message, outputs=plan.outputs_digest, ended=time.time())
+        write_marker(folder, marker)

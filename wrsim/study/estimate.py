@@ -15,16 +15,12 @@ from wrsim.study.cluster import processors
 from wrsim.study.collect import MISSING, MOST_LISTED, markers_of
 from wrsim.study.engine import kinds, missing
 from wrsim.study.plan import Plan
-from wrsim.study.task import COMPLETED, Marker, compile_for
+from wrsim.study.task import COMPLETED, Enough, Marker, compile_for
 
 PROBES = 3
 """Cases that are tried, spread over the study."""
 PROBE = 2.0
 """How long each is tried [s]."""
-
-
-class _Seen(Exception):
-    """Enough of a case has been seen."""
 
 
 def time_of_cases(plan: Plan, todo: Sequence[int], markers: Sequence[Marker | None]) -> tuple[float, str]:
@@ -49,11 +45,11 @@ def time_of(scenario: Scenario) -> float:
     def progress(fraction: float, seconds_left: float) -> None:
         seen.append((fraction, time.perf_counter()))
         if seen[-1][1] - seen[0][1] > PROBE:
-            raise _Seen
+            raise Enough
 
     try:
         run(scenario, progress)
-    except _Seen:
+    except Enough:
         (first, start), (last, now) = seen[0], seen[-1]
         return now - begin + (1.0 - last) * (now - start) / max(last - first, 1e-9)
     except WrsimError:

@@ -48,7 +48,7 @@ class Outputs:
         self.units[name] = "" if unit == "1" else unit
 
 
-def outputs_of(result: Result, asked: OutputsSection, hook: Path | None) -> Outputs:
+def case_outputs(result: Result, asked: OutputsSection, hook: Path | None) -> Outputs:
     """What is asked for, of one result. hook: the file of the hook, if there is one."""
     found = Outputs()
     channels = asked.channels
@@ -62,10 +62,9 @@ def outputs_of(result: Result, asked: OutputsSection, hook: Path | None) -> Outp
                     found.take(name, value, _unit_in(name))
     for one in channels:
         _take_channel(found, result, one)
-    if asked.summary:
-        summary = result.summary()
-        for place in asked.summary:
-            _take_place(found, summary, place)
+    summary = result.summary() if asked.summary else {}
+    for place in asked.summary:
+        _take_place(found, summary, place)
     if asked.assessment:
         _take_assessment(found, result, asked.assessment)
     if asked.hook is not None and hook is not None:
@@ -93,8 +92,7 @@ def _take_channel(found: Outputs, result: Result, one: ChannelOutput) -> None:
         place = result.dataset["distance"].values
         low = -np.inf if one.from_m is None else one.from_m
         high = np.inf if one.to_m is None else one.to_m
-        along = data.dims[0]
-        if along != "time":
+        if data.dims[0] != "time":
             found.faults.append(f"{what}: from_m and to_m are for channels over time")
             return
         data = data.isel(time=np.flatnonzero((place >= low) & (place <= high)))
@@ -147,28 +145,23 @@ def _take_assessment(found: Outputs, result: Result, asked: tuple[str, ...]) -> 
     """The worst value of every quantity over all sections, and the least margin to its limit where it has one."""
     from wrsim.analysis.assessment import assess
 
-    for key in asked:
-        shown = QUANTITIES[key].shown
-        found.take(_column(key), None, shown.symbol)
+    columns = {key: "_".join(filter(None, ("assessment", key, QUANTITIES[key].shown.suffix))) for key in asked}
+    for key, column in columns.items():
+        found.take(column, None, QUANTITIES[key].shown.symbol)
     try:
         assessment = assess(result)
     except InputError as error:
         found.faults.append(f"outputs.assessment: {error}")
         return
-    for key in asked:
+    for key, column in columns.items():
         values = assessment.of(key)
         if not values:
             continue  # the notes of the assessment say why: too short a track, no vehicle
         shown = QUANTITIES[key].shown
-        found.take(_column(key), max(v.value for v in values) * shown.factor, shown.symbol)
+        found.take(column, max(v.value for v in values) * shown.factor, shown.symbol)
         margins = [v.margin for v in values if v.margin is not None]
         if margins:
             found.take(f"assessment_{key}_margin", min(margins), "1")
-
-
-def _column(key: str) -> str:
-    suffix = QUANTITIES[key].shown.suffix
-    return f"assessment_{key}_{suffix}" if suffix else f"assessment_{key}"
 
 
 def _take_hook(found: Outputs, result: Result, file: Path, function: str) -> None:

@@ -33,7 +33,7 @@ from wrsim.results import Result, write_atomically
 from wrsim.results.files import as_json
 from wrsim.results.manifest import Manifest
 from wrsim.scenario.loading import Scenario
-from wrsim.study.outputs import Outputs, outputs_of
+from wrsim.study.outputs import case_outputs
 from wrsim.study.plan import Case, Plan, changed_file, plan_in
 
 MARKER, RESULT, PART, RECORD, HUNG = "case.json", "result.nc", "result.nc.part", "scenario.toml", "hung.txt"
@@ -47,11 +47,7 @@ GRACE = 5.0
 
 
 class OutOfTime(Exception):
-    """A case has used up its time; ``fraction``: how much of it is done."""
-
-    def __init__(self, fraction: float) -> None:
-        super().__init__(fraction)
-        self.fraction = fraction
+    """A case has used up its time; its argument: how much of it is done."""
 
 
 @dataclass
@@ -88,8 +84,15 @@ class Marker:
         """True if nothing is left to run; a larger limit gives a case that ran out of time another chance."""
         return self.status != LATE or self.time_limit >= plan.time_limit
 
-    def take(self, found: Outputs) -> None:
-        """Note the outputs, numbers as JSON knows them; the message says what could not be found."""
+    def take(self, result: Result, plan: Plan) -> None:
+        """Note how a run ended and its outputs, numbers as JSON knows them; the message: what could not be found.
+
+        Derailing and overturning are results; all else that ends a run early has stopped it.
+        """
+        self.status, self.message = COMPLETED, result.stop_reason
+        if result.status != "completed":
+            self.status = DERAILED if result.dataset.attrs.get("stop_cause") == "monitor" else STOPPED
+        found = case_outputs(result, plan.asked(), Path(plan.hook) if plan.hook else None)
         self.numbers = {name: value if abs(value) < float("inf") else None for name, value in found.numbers.items()}
         self.units, self.faults = found.units, found.faults
         self.message = self.message or "; ".join(found.faults)
@@ -172,11 +175,11 @@ def _attempt(plan: Plan, case: Case, folder: Path) -> None:
     with _watched(folder / HUNG, plan.time_limit * 1.1 + GRACE):
         begin = time.perf_counter()
         try:
-            marker.take(_simulate(plan, case, folder, marker))
+            _simulate(plan, case, folder, marker)
         except OutOfTime as late:
             marker.status = LATE
             marker.message = (
-                f"not done after {plan.time_limit:g} s, at {100.0 * late.fraction:.0f} %; with a larger "
+                f"not done after {plan.time_limit:g} s, at {100.0 * late.args[0]:.0f} %; with a larger "
                 "[cases] time_limit_s it goes on from there"
             )
         except (InputError, SimulationError) as error:
@@ -205,7 +208,7 @@ def _watched(hung: Path, limit: float) -> Iterator[None]:
     hung.unlink(missing_ok=True)
 
 
-def _simulate(plan: Plan, case: Case, folder: Path, marker: Marker) -> Outputs:
+def _simulate(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
     """The run itself; what is kept of it is written, the marker learns its status."""
     if changed := changed_file(plan.files[case.files]):
         raise InputError(f"{changed}: has changed since the study was planned; start the study again")
@@ -214,18 +217,10 @@ def _simulate(plan: Plan, case: Case, folder: Path, marker: Marker) -> Outputs:
     begin = time.perf_counter()
     result = _run(scenario, folder / PART, plan.time_limit, marker)
     marker.simulation = time.perf_counter() - begin
-    marker.status, marker.message = status_of(result), result.stop_reason
     if plan.keep == "results":
         result.save(folder / RESULT)
         write_atomically(folder / "summary.json", as_json(result.summary()))
-    return outputs_of(result, plan.asked(), Path(plan.hook) if plan.hook else None)
-
-
-def status_of(result: Result) -> str:
-    """Derailing and overturning are results; all else that ends a run early has stopped it."""
-    if result.status == "completed":
-        return COMPLETED
-    return DERAILED if result.dataset.attrs.get("stop_cause") == "monitor" else STOPPED
+    marker.take(result, plan)
 
 
 def _run(scenario: Scenario, part: Path, limit: float, marker: Marker) -> Result:
@@ -249,9 +244,7 @@ def _reduce_again(plan: Plan, case: Case, folder: Path, marker: Marker) -> None:
     """Other outputs than before are asked for: from the result where it is kept, else from a new run."""
     if (folder / RESULT).exists():
         with _watched(folder / HUNG, plan.time_limit * 1.1 + GRACE):
-            result = Result.load(folder / RESULT)
-            marker.status, marker.message = status_of(result), result.stop_reason  # a hook may have spoiled them
-            marker.take(outputs_of(result, plan.asked(), Path(plan.hook) if plan.hook else None))
+            marker.take(Result.load(folder / RESULT), plan)
         marker.outputs = plan.outputs_digest
     elif marker.status in (LATE, FAILED):
         marker.outputs = plan.outputs_digest
@@ -270,25 +263,22 @@ def warm(study: str, digest: str, indices: list[int]) -> str:
     return platform.node()
 
 
-class _Enough(Exception):
+class Enough(Exception):
     """Whoever asks for the progress has seen enough."""
 
 
 def compile_for(scenario: Scenario) -> None:
-    """Compile what a scenario needs, by a short run; what fails in it fails again where it is told."""
-    analysis = ANALYSES[scenario.analysis]
+    """Compile what a scenario needs, by a short run; what fails in it fails again where it is reported."""
 
     def progress(fraction: float, seconds_left: float) -> None:
-        raise _Enough
+        raise Enough
 
-    try:
-        if not analysis.moves:
+    with suppress(Enough, WrsimError):
+        if not ANALYSES[scenario.analysis].moves:
             run(scenario, progress)
             return
         own = {key: value for key, value in scenario.tables.get("run", {}).items() if key != "distance_m"}
         run(scenario.with_values({"run": own | {"time_s": SHORT}, "output.patches_at_m": []}))
-    except (_Enough, WrsimError):
-        pass
 
 
 SHORT = 0.02
