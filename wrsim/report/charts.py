@@ -98,7 +98,6 @@ def _chart(
 ) -> dict[str, Any]:
     channel = CHANNELS[key]
     title = channel.long_name[0].upper() + channel.long_name[1:].replace(" of the body", "")
-    unit = channel.shown.unit
     best = max(curves, key=lambda c: float(np.nanmax(np.abs(c.values), initial=0.0)))
     at = int(np.nanargmax(np.abs(best.values)))
     whose = f", {best.look['label']}" if len(curves) > 1 else ""
@@ -106,9 +105,9 @@ def _chart(
     return {
         "key": key,
         "title": f"{title} {key}" if len(key) == 1 else title,
-        "unit": unit,
+        "unit": channel.shown.unit,
         "note": CHARTS[key],
-        "peak": f"largest magnitude {quantity(float(best.values[at]), unit)} at {place}{whose}",
+        "peak": f"largest magnitude {quantity(float(best.values[at]), channel.shown.unit)} at {place}{whose}",
         "limits": [{"label": words, "value": value} for words, value in across],
         "lines": [c.look | {"y": _numbers(envelope(c.places, c.values, pieces))} for c in curves],
     }

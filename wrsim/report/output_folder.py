@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 from wrsim.errors import InputError, in_one_line
 from wrsim.register import ANALYSES, resolved
+from wrsim.results import Result, write_atomically, write_run
+from wrsim.results.files import sweep
+from wrsim.results.manifest import Keeper, Manifest, digest_of, keeping
 from wrsim.results.summary_tables import wall_time
 
 if TYPE_CHECKING:
     from wrsim.plots.drawing import Finish
-    from wrsim.results import Result
-    from wrsim.results.manifest import Keeper
     from wrsim.scenario.build import Setup
     from wrsim.scenario.loading import Scenario
 
@@ -45,8 +46,6 @@ def writing(force: bool, *reads: Path, of: Path | None = None) -> Iterator[None]
 
     of: the result that is reported on.
     """
-    from wrsim.results.manifest import Keeper, keeping
-
     with keeping(Keeper(reads if of is None else (*reads, of), force, None if of is None else beside(of))):
         yield
 
@@ -57,9 +56,6 @@ def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path 
 
     reads: files of its input; scenario: the file that is run. Raises ``InputError`` before anything is changed there.
     """
-    from wrsim.results.files import sweep
-    from wrsim.results.manifest import Keeper, Manifest, keeping
-
     keeper = Keeper(tuple(reads), force, directory)
     with Manifest(directory).locked(), keeping(keeper):
         kept = (RECORD,) if _is_record(directory, scenario) else ()
@@ -73,9 +69,6 @@ def claimed(directory: Path, force: bool, reads: Sequence[Path], scenario: Path 
 
 def begin(directory: Path, scenario: Scenario) -> None:
     """Put the scenario's text into the folder: the record of the run, and proof that it may be written to."""
-    from wrsim.results import write_atomically
-    from wrsim.results.manifest import Manifest, digest_of
-
     Manifest(directory).note(begin=digest_of(scenario.text.encode()))
     if not _is_record(directory, scenario.path):
         write_atomically(directory / RECORD, scenario.text.encode())
@@ -92,9 +85,6 @@ def write(result: Result, directory: Path, pictures: bool) -> list[Path]:
 
     Only when all files stand has the run's own file done its work, unless the user may want to go on with it.
     """
-    from wrsim.results import write_atomically, write_run
-    from wrsim.results.manifest import Manifest
-
     record = directory / RECORD
     if not record.exists():  # somebody has deleted the folder of a run: it is made anew
         write_atomically(record, result.dataset.attrs["scenario_text"].encode())
@@ -124,8 +114,6 @@ def _pictures_of(result: Result, wanted: bool) -> Iterator[Finish]:
 
 def write_resolved(result: Result, directory: Path, pictures: bool) -> list[Path]:
     """A result whose contacts were solved again, with its scenario."""
-    from wrsim.results import write_atomically
-
     write_atomically(directory / RECORD, result.dataset.attrs["scenario_text"].encode())
     return write(result, directory, pictures)
 
@@ -149,8 +137,6 @@ def naming(*results: Path) -> Iterator[None]:
 
 def read(path: Path) -> Result:
     """A result, or what there is of a run that did not come to its end: a file, or the newer of both in a folder."""
-    from wrsim.results import Result
-
     if path.is_dir():
         part, whole = path / PART, path / RESULT
         path = whole
@@ -166,19 +152,10 @@ def read(path: Path) -> Result:
 
 def whole_result(directory: Path, scenario: Scenario) -> Result | None:
     """The whole result of this scenario in the folder, if there is one and no run that was cut off."""
-    from wrsim.results import Result
-
     if (directory / PART).exists() or not (directory / RESULT).exists():
         return None
     result = Result.load(directory / RESULT)
     return None if can_go_on(result) or result.dataset.attrs["scenario_text"] != scenario.text else result
-
-
-def has_all_files(directory: Path, scenario: Scenario, pictures: bool) -> bool:
-    """True when everything that the last analysis in the folder had to write stands there."""
-    from wrsim.results.manifest import Manifest
-
-    return Manifest(directory).is_done(scenario.text, pictures)
 
 
 def write_ride_of(result: Result, directory: Path, pictures: bool) -> list[Path]:
@@ -262,7 +239,7 @@ def run_into(
     record = directory / PART
     with claimed(directory, force, (*scenario.files, *setup.files), file) as keeper:
         result = whole_result(directory, scenario) if resume else None
-        if result is not None and has_all_files(directory, scenario, pictures):
+        if result is not None and Manifest(directory).is_done(scenario.text, pictures):
             return Written(result, note=f"{directory} holds the whole result of this scenario already")
         if resume and result is None and not record.exists():
             LOGGER.warning("there is no run in %s to resume; it starts from the beginning", directory)

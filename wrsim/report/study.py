@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from wrsim import __version__
 from wrsim.plots.study import COMPLETED, DERAILED, MOST_OUTPUTS, label_of, numbers_in, of_cases, study_figures
 from wrsim.plots.wear import service_figures
-from wrsim.report.page import as_picture, template
+from wrsim.report.page import as_picture, last_part, template
 from wrsim.report.tables import BAD, OPEN, Verdict
 from wrsim.results.table import Column, Table, formatted, quantity
 
@@ -24,49 +25,42 @@ def study_page(dataset: xr.Dataset, source: str) -> str:
     """The report of a study as HTML. dataset: ``study.nc``; source: where it was read from."""
     outputs = numbers_in(dataset)
     status = of_cases(dataset, "status").astype(str)
-    rows = np.flatnonzero(status != COMPLETED)
+    counts = dict(sorted(Counter(status).most_common(), key=lambda pair: pair[0] != COMPLETED))
+    verdict = f"{status.size} cases: {', '.join(f'{n} {name}' for name, n in counts.items())}."
+    rows = [("title", dataset.attrs["title"]), ("file", source), ("analysis", dataset.attrs.get("analysis", ""))]
+    for name in varied(dataset):
+        values = np.unique(dataset[name].values)
+        span = ", ".join(map(_text, values))
+        if values.size > 8:
+            span = f"{values.size} values, {_text(values[0])} to {_text(values[-1])}"
+        rows.append((f"varied: {dataset[name].attrs['key']}", span))
+    without = np.flatnonzero(status != COMPLETED)
+    folder = source.rstrip("/").removesuffix("/study.nc")
+    cases_more = [f"Case abcd… lies in {folder}/cases/ab/abcd…; study.csv has full names"]
+    if len(outputs) > MOST_OUTPUTS:
+        cases_more.append(f"{MOST_OUTPUTS} of {len(outputs)} outputs; study.csv has all")
     page = {
         "title": dataset.attrs["title"],
         "version": __version__,
-        "verdict": _verdict(status),
-        "identity": _identity(dataset, source),
+        "verdict": Verdict(OPEN if set(counts) <= {COMPLETED, DERAILED} else BAD, verdict),
+        "identity": [*rows, ("cases", str(status.size)), *_versions(dataset)],
         "outputs": _outputs(dataset, outputs),
         "pictures": [as_picture(name, make()) for name, make in study_figures(dataset).items()],
-        "without": _without(dataset, rows[:MOST_ROWS]),
-        "without_more": _more(len(rows)),
+        "without": _without(dataset, without[:MOST_ROWS]),
+        "without_more": _more(len(without)),
         "cases": _cases(dataset, outputs[:MOST_OUTPUTS]),
-        "cases_more": "; ".join(filter(None, (_folders(source), _left_out(outputs), _more(status.size)))),
+        "cases_more": "; ".join(filter(None, (*cases_more, _more(status.size)))),
         "few": status.size <= FEW_ROWS,
-        "command": f"wrsim study study.toml -o {shlex.quote(source.rstrip('/').rsplit('/', 1)[-1] or 'study')}",
+        "command": f"wrsim study study.toml -o {shlex.quote(last_part(source) or 'study')}",
         "study_text": dataset.attrs.get("study_text", ""),
         "scenario_text": dataset.attrs.get("scenario_text", ""),
     }
     return template("study.html").render(page)
 
 
-def _verdict(status: NDArray[np.str_]) -> Verdict:
-    """How the cases ended."""
-    counts = _counts(status)
-    words = f"{status.size} cases: {', '.join(f'{n} {name}' for name, n in counts.items())}."
-    return Verdict(OPEN if set(counts) <= {COMPLETED, DERAILED} else BAD, words)
-
-
-def _counts(status: NDArray[np.str_]) -> dict[str, int]:
-    names, counts = np.unique(status, return_counts=True)
-    found = {str(n): int(c) for n, c in zip(names, counts, strict=True)}
-    return dict(sorted(found.items(), key=lambda pair: (pair[0] != COMPLETED, -pair[1])))
-
-
-def _identity(dataset: xr.Dataset, source: str) -> list[tuple[str, str]]:
-    rows = [("title", dataset.attrs["title"]), ("file", source), ("analysis", dataset.attrs.get("analysis", ""))]
-    for name in varied(dataset):
-        values = np.unique(dataset[name].values)
-        ends = (_text(values[0]), _text(values[-1]))
-        span = ", ".join(map(_text, values)) if values.size <= 8 else f"{values.size} values, {' to '.join(ends)}"
-        rows.append((f"varied: {dataset[name].attrs['key']}", span))
-    rows.append(("cases", str(dataset["status"].size)))
-    versions = sorted(k for k in dataset.attrs if k.endswith("_version"))
-    return rows + [(k.removesuffix("_version"), str(dataset.attrs[k])) for k in versions]
+def _versions(dataset: xr.Dataset) -> list[tuple[str, str]]:
+    versions = sorted(key for key in dataset.attrs if key.endswith("_version"))
+    return [(key.removesuffix("_version"), str(dataset.attrs[key])) for key in versions]
 
 
 def varied(dataset: xr.Dataset) -> list[str]:
@@ -81,6 +75,10 @@ def _labels(dataset: xr.Dataset) -> list[str]:
     return [", ".join(f"{n} {_text(v)}" for n, v in zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Table | None:
+    return Table("", tuple(map(Column, heads)), rows) if rows else None
+
+
 def _outputs(dataset: xr.Dataset, outputs: Sequence[str]) -> Table | None:
     """Range and median of every output, with the cases of the ends."""
     done = of_cases(dataset, "status") == COMPLETED
@@ -90,35 +88,21 @@ def _outputs(dataset: xr.Dataset, outputs: Sequence[str]) -> Table | None:
         low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
         ends = (_text(values[low]), labels[low], _text(values[high]), labels[high])
         rows.append((_words(dataset, name), *ends[:2], _text(np.nanmedian(values)), *ends[2:]))
-    heads = ("output", "smallest", "in the case", "median", "largest", "in the case")
-    return Table("", tuple(map(Column, heads)), rows) if rows else None
+    return _table(("output", "smallest", "in the case", "median", "largest", "in the case"), rows)
 
 
 def _without(dataset: xr.Dataset, rows: NDArray[np.intp]) -> Table | None:
     """Cases that were not completed, with why."""
     labels, status, words = _labels(dataset), of_cases(dataset, "status"), of_cases(dataset, "message")
-    heads = ("case", "status", "message")
-    return (
-        Table("", tuple(map(Column, heads)), [(labels[i], str(status[i]), str(words[i])) for i in rows])
-        if len(rows)
-        else None
-    )
+    return _table(("case", "status", "message"), [(labels[i], str(status[i]), str(words[i])) for i in rows])
 
 
-def _cases(dataset: xr.Dataset, outputs: Sequence[str]) -> Table:
+def _cases(dataset: xr.Dataset, outputs: Sequence[str]) -> Table | None:
     """One row a case: its name, what is varied, status, outputs."""
     columns = [of_cases(dataset, name)[:MOST_ROWS] for name in ("name", *varied(dataset), "status", *outputs)]
     heads = ("case", *(dataset[n].attrs["key"] for n in varied(dataset)), "status")
-    rows = tuple((str(row[0])[:12], *map(_text, row[1:])) for row in zip(*columns, strict=True))
-    return Table("", tuple(map(Column, (*heads, *(_words(dataset, name) for name in outputs)))), rows)
-
-
-def _folders(source: str) -> str:
-    return f"Case abcd… lies in {source.rstrip('/').removesuffix('/study.nc')}/cases/ab/abcd…; study.csv has full names"
-
-
-def _left_out(outputs: Sequence[str]) -> str:
-    return f"{MOST_OUTPUTS} of {len(outputs)} outputs; study.csv has all" if len(outputs) > MOST_OUTPUTS else ""
+    rows = [(str(row[0])[:12], *map(_text, row[1:])) for row in zip(*columns, strict=True)]
+    return _table((*heads, *(_words(dataset, name) for name in outputs)), rows)
 
 
 def _more(count: int) -> str:
@@ -130,9 +114,7 @@ def _words(dataset: xr.Dataset, name: str) -> str:
 
 
 def _text(value: object) -> str:
-    if isinstance(value, float | np.floating):
-        return formatted(float(value), ".6g")
-    return str(value)
+    return formatted(float(value), ".6g") if isinstance(value, float | np.floating) else str(value)
 
 
 OF_SERVICE = {"service_text": "Service file", "cases_text": "Table of cases", "scenario_text": "Scenario"}
@@ -150,15 +132,14 @@ def service_page(dataset: xr.Dataset, source: str, numbers: Table) -> str:
     deepest = quantity(1e3 * float(dataset["deepest"].values[-1]), "mm", ".3g")
     identity = [(key, str(about[key])) for key in ("title", "law", "wheel") if key in about]
     identity += [("file", source), ("steps of wear", str(steps)), ("mileage", mileage)]
-    versions = sorted(key for key in about if key.endswith("_version"))
     page = {
         "title": about["title"],
         "version": __version__,
         "verdict": f"{mileage} in {steps} steps; {deepest} worn off at the deepest place.",
-        "identity": identity + [(key.removesuffix("_version"), str(about[key])) for key in versions],
+        "identity": identity + _versions(dataset),
         "numbers": numbers,
         "pictures": [as_picture(name, make()) for name, make in service_figures(dataset).items()],
-        "command": f"wrsim wear service.toml -o {shlex.quote(source.rstrip('/').rsplit('/', 1)[-1] or 'service')}",
+        "command": f"wrsim wear service.toml -o {shlex.quote(last_part(source) or 'service')}",
         "texts": {words: str(about[key]) for key, words in OF_SERVICE.items() if about.get(key)},
     }
     return template("service.html").render(page)

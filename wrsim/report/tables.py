@@ -85,15 +85,14 @@ def _tightest(row: ZoneValue) -> str:
     """The worst margin in words."""
     value, limit = row.worst, row.worst.limit
     shown, margin = value.quantity.shown, row.margin
-    unit = shown.unit
-    at_most = quantity(limit.value * shown.factor, unit) if limit else ""
+    at_most = quantity(limit.value * shown.factor, shown.unit) if limit else ""
     number, kind = value.value, ""
     if margin is not None and value.margin is not None and margin < value.margin and row.estimate is not None:
         number, kind = row.estimate, ", estimated maximum"
     place = f"{value.section.label}, section {value.section.number}" + (f": {value.place}" if value.place else "")
     return (
         f"worst margin {quantity(100.0 * (margin or 0.0), '%', '.0f')}: {value.quantity.symbol} = "
-        f"{quantity(number * shown.factor, unit)}{kind} of {at_most} ({value.quantity.words}; {place})"
+        f"{quantity(number * shown.factor, shown.unit)}{kind} of {at_most} ({value.quantity.words}; {place})"
     )
 
 

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
 from wrsim import __version__
 from wrsim.errors import InputError, SimulationError, in_one_line
+from wrsim.geometry.profile.profile import Profile
 from wrsim.plots.cross_section import has_outlines, pressed_curve
 from wrsim.plots.moments import patches_of, select, touching_runs
 from wrsim.plots.style import pressure_map
@@ -103,7 +105,7 @@ def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[s
     data: dict[str, Any] = {"title": result.title, "analysis": result.analysis, "notes": [why] if why else []}
     if result.stop_reason:
         data["notes"].append(f"Stopped: {result.stop_reason}")
-    data["colours"] = [_hex(c) for c in pressure_map()(np.linspace(0.0, 1.0, 32))]
+    data["colours"] = [to_hex(c) for c in pressure_map()(np.linspace(0.0, 1.0, 32))]
     names = [m.name for m in setup.vehicle.wheelsets] if setup is not None else wheelsets(dataset)
     data["called"] = numbered(names)
     if setup is not None:
@@ -113,7 +115,8 @@ def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[s
         return data
     runs = "time" in dataset.dims and dataset.sizes["time"] > 1 and "resolved_with" not in dataset.attrs
     if runs:
-        keep = np.unique(np.append(np.arange(0, dataset.sizes["time"], _every(dataset)), dataset.sizes["time"] - 1))
+        count = dataset.sizes["time"]
+        keep = np.unique(np.append(np.arange(0, count, -(-count // MOST_SAMPLES)), count - 1))
         data["run"] = _run(dataset, keep)
         dense = _dense(dataset, setup, keep, data["notes"])
     else:
@@ -123,14 +126,6 @@ def view_data(result: Result, setup: Setup[Any] | None, why: str = "") -> dict[s
     if "run" not in data and "sections" not in data:
         raise InputError(f'a result of analysis = "{result.analysis}" holds neither motion nor contacts to look at')
     return data
-
-
-def _hex(colour: Any) -> str:
-    return "#" + "".join(f"{round(255 * v):02x}" for v in colour[:3])
-
-
-def _every(dataset: xr.Dataset) -> int:
-    return -(-dataset.sizes["time"] // MOST_SAMPLES)
 
 
 def _dense(dataset: xr.Dataset, setup: Setup[Any] | None, keep: NDArray[np.intp], notes: list[str]) -> xr.Dataset:
@@ -202,12 +197,10 @@ def _run(dataset: xr.Dataset, keep: NDArray[np.intp]) -> dict[str, Any]:
 def _events(dataset: xr.Dataset) -> list[dict[str, Any]]:
     """Where to look: what happened, kept moments, the stop."""
     found: list[dict[str, Any]] = []
-    if "event" in dataset.dims:
-        for s, words in zip(dataset["event_distance"].values, dataset["event_label"].values, strict=True):
-            found.append({"s": float(s), "words": str(words)})
-    if "snapshot" in dataset.dims and "snapshot_label" in dataset:
-        for s, words in zip(dataset["snapshot_distance"].values, dataset["snapshot_label"].values, strict=True):
-            found.append({"s": float(s), "words": f"kept: {words}"})
+    for kind, before in (("event", ""), ("snapshot", "kept: ")):
+        if f"{kind}_label" in dataset:
+            places = zip(dataset[f"{kind}_distance"].values, dataset[f"{kind}_label"].values, strict=True)
+            found += [{"s": float(s), "words": f"{before}{words}"} for s, words in places]
     if "stop_distance_m" in dataset.attrs:
         found.append({"s": float(dataset.attrs["stop_distance_m"]), "words": "the stop"})
     return sorted((e for e in found if np.isfinite(e["s"])), key=lambda e: e["s"])
@@ -253,27 +246,18 @@ def _vehicle(setup: Setup[Any]) -> dict[str, Any]:
         own = mounted.wheelset
         sides = []
         for wheel in (own.left, own.right):
-            u, w = wheel.profile.at(np.linspace(0.0, wheel.profile.length, 400))[:2]
-            i = needed(1e3 * np.asarray(u), 1e3 * np.asarray(w), 0.3)
-            sides.append({"radius": wheel.radius, "u": _short(u[i]), "r": _short(wheel.radius - np.asarray(w)[i])})
-        wheels.append(
-            {
-                "name": mounted.name,
-                "x": mounted.x,
-                "height": mounted.height,
-                "spacing": own.profile_spacing,
-                "sides": sides,
-            }
-        )
+            u, w = _shape(wheel.profile, 400, 0.3)
+            sides.append({"radius": wheel.radius, "u": _short(u), "r": _short(wheel.radius - w)})
+        place = {"x": mounted.x, "height": mounted.height, "spacing": own.profile_spacing}
+        wheels.append({"name": mounted.name, **place, "sides": sides})
     elements = [
         {"name": e.name, "kind": e.kind, "first": e.first, "second": e.second, "ends": [list(p) for p in e.points]}
         for e in vehicle.elements
     ]
     rails = []
     for rail in setup.rails:
-        u, w = rail.at(np.linspace(0.0, rail.length, 300))[:2]
-        i = needed(1e3 * np.asarray(u), 1e3 * np.asarray(w), 0.5)
-        rails.append({"u": _short(np.asarray(u)[i]), "w": _short(np.asarray(w)[i])})
+        u, w = _shape(rail, 300, 0.5)
+        rails.append({"u": _short(u), "w": _short(w)})
     return {
         "name": vehicle.name,
         "wheelsets": wheels,
@@ -284,6 +268,13 @@ def _vehicle(setup: Setup[Any]) -> dict[str, Any]:
         "rails": rails,
         "rail_origins": [list(o) for o in setup.track.rail_origins],
     }
+
+
+def _shape(profile: Profile, count: int, off: float) -> tuple[Array, Array]:
+    """The points u, w [m] of so many along a profile that cannot be spared; off: see ``needed`` [mm]."""
+    u, w = (np.asarray(x) for x in profile.at(np.linspace(0.0, profile.length, count))[:2])
+    i = needed(1e3 * u, 1e3 * w, off)
+    return u[i], w[i]
 
 
 def _short(values: Any) -> list[float]:
@@ -305,15 +296,12 @@ def _modes(result: Result, setup: Setup[Any]) -> dict[str, Any]:
     for modes, names in mode_shapes(setup, sorted(set(asked))):
         rows = []
         for value, shape, name in zip(modes.values, modes.shapes, names, strict=True):
-            rows.append(
-                {
-                    "name": name,
-                    "frequency": float(value.imag / (2.0 * np.pi)),
-                    "damping": float(-value.real / abs(value)),
-                    "real": [[round(float(v), 6) for v in body] for body in shape.real / np.abs(shape).max()],
-                    "imag": [[round(float(v), 6) for v in body] for body in shape.imag / np.abs(shape).max()],
-                }
-            )
+            numbers = {"frequency": float(value.imag / (2.0 * np.pi)), "damping": float(-value.real / abs(value))}
+            parts = {
+                key: [[round(float(v), 6) for v in body] for body in part / np.abs(shape).max()]
+                for key, part in (("real", shape.real), ("imag", shape.imag))
+            }
+            rows.append({"name": name, **numbers, **parts})
         found.append({"speed": modes.speed * 3.6, "critical": bool(modes.speed == critical), "modes": rows})
     return {
         "speeds": found,
