@@ -17,9 +17,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from wrsim.results.ledger import digest_of
+
 from wrsim import load, run
 from wrsim.results import write_atomically
-from wrsim.results.ledger import digest_of
 from wrsim.study.plan import PLAN, Plan
 from wrsim.study.service.service import read_service
 from wrsim.study.service.stages import STAGES

@@ -16,8 +16,7 @@ from wrsim.errors import InputError
 from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import natural_modes
-from wrsim.vehicle.elements import KINDS, TRACK, Slider, Strut
-from wrsim.vehicle.elements.bilinear_spring import BilinearSpring
+from wrsim.vehicle.elements import KINDS, TRACK, BilinearSpring, Slider, Strut
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Joint
 
 Z, X = 6, 7

@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wrsim.errors import InputError, suggest
-from wrsim.vehicle.elements import Triple
-from wrsim.vehicle.elements.bilinear_spring import BilinearSpring
+from wrsim.vehicle.elements import BilinearSpring, Triple
 
 if TYPE_CHECKING:
     from wrsim.vehicle.elements import Element

@@ -1,0 +1,432 @@
+"""The kinds of elements that a vehicle file may name: the keys of each, how it is drawn, and its law in SI units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from wrsim.inputs.section import Fault, kinds_in
+from wrsim.inputs.values import Switch, Three, number, positive, text
+from wrsim.vehicle.elements.element import ZERO, Element, Normal, Slider, Table
+from wrsim.vehicle.elements.keys import (
+    AXIS,
+    Along,
+    Axes,
+    AxialTable,
+    Damping,
+    ElementTable,
+    ForceOfTravel,
+    ForceOfVelocity,
+    Glyph,
+    Joint,
+    Place,
+    Stiffness,
+    scaled,
+)
+from wrsim.vehicle.elements.laws import BilinearSpring, PlaneFriction, Spring, Strut
+
+BLUE = "#0072B2"
+
+SLOWEST, FASTEST, PER_DECADE = 1e-4, 3.0, 20
+"""Velocities between which an orifice's force is tabulated [m/s], and how densely: within 0.2 % of the power law."""
+FRICTION_PART = "friction_force_kN friction_travel_mm"
+"""Keys that go together."""
+
+ACROSS: dict[str, Literal[0, 1, 2]] = {"yz": 0, "xz": 1, "xy": 2}
+
+
+class SpringTable(ElementTable, kind="spring"):
+    """Springs and dampers along and about three axes at one point."""
+
+    glyph: ClassVar[Glyph | None] = Glyph("o", BLUE, hollow=True)
+
+    at_mm: Place
+    """Point at which it acts."""
+    stiffness_kN_per_m: Stiffness = ZERO
+    """Stiffness along the three axes."""
+    damping_kNs_per_m: Damping = ZERO
+    """Damping along the three axes."""
+    rotational_stiffness_kNm_per_rad: Three[Annotated[float, number(0, 1e8, "kN m/rad")]] = ZERO
+    """Stiffness about the three axes."""
+    rotational_damping_kNms_per_rad: Three[Annotated[float, number(0, 1e6, "kN m s/rad")]] = ZERO
+    """Damping about the three axes."""
+    preload_kN: Three[Annotated[float, number(-1e4, 1e4, "kN")]] | None = None
+    """Force on the body at rest; solved for unless given."""
+
+    def element(self, joint: Joint, axes: Axes) -> Spring:
+        return Spring(
+            *joint, axes.point(self.at_mm),
+            scaled(self.stiffness_kN_per_m), scaled(self.damping_kNs_per_m),
+            scaled(self.rotational_stiffness_kNm_per_rad), scaled(self.rotational_damping_kNms_per_rad),
+            preload=None if self.preload_kN is None else axes.vector(self.preload_kN),
+        )  # fmt: skip
+
+
+class ShearSpringTable(ElementTable, kind="shear-spring"):
+    """A flexible column between two heights, with shear and bending stiffness."""
+
+    glyph: ClassVar[Glyph | None] = Glyph("D", BLUE, hollow=True)
+
+    body_mm: Place
+    """Its end on the body."""
+    to_mm: Place
+    """Its end on the body that it leads to."""
+    stiffness_kN_per_m: Stiffness
+    """Stiffness along the three axes; across the column it is the shear stiffness."""
+    bending_stiffness_kNm_per_rad: Annotated[float, number(0, 1e6, "kN m/rad, of either axis")] = 0.0
+    """Stiffness against bending, about either axis across the column."""
+    torsional_stiffness_kNm_per_rad: Annotated[float, number(0, 1e6, "kN m/rad")] = 0.0
+    """Stiffness against twisting about the column."""
+    damping_kNs_per_m: Damping = ZERO
+    """Damping along the three axes."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """Its axis is vertical."""
+        if self.body_mm[:2] != self.to_mm[:2] or self.body_mm[2] == self.to_mm[2]:
+            yield Fault("to_mm", "must lie straight above or below body_mm: the column stands upright")
+
+    def element(self, joint: Joint, axes: Axes) -> Spring:
+        x, y, z = (0.5 * (a + b) for a, b in zip(self.body_mm, self.to_mm, strict=True))
+        bending, torsion = self.bending_stiffness_kNm_per_rad, self.torsional_stiffness_kNm_per_rad
+        return Spring(
+            *joint, axes.point((x, y, z)),
+            scaled(self.stiffness_kN_per_m), scaled(self.damping_kNs_per_m), scaled((bending, bending, torsion)),
+            column=True,
+        )  # fmt: skip
+
+
+class TabulatedSpringTable(AxialTable, kind="tabulated-spring"):
+    """Force against travel in one direction."""
+
+    glyph: ClassVar[Glyph | None] = Glyph("h", BLUE, hollow=True)
+
+    travel_mm_force_kN: ForceOfTravel
+    """Force over travel, row by row."""
+    damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
+    """Damping along the same axis."""
+
+    def element(self, joint: Joint, axes: Axes) -> Strut:
+        table = along_axis(self.travel_mm_force_kN, axes.signs[AXIS[self.direction]])
+        return Strut(*self.placed(joint, axes), damping=1e3 * self.damping_kNs_per_m, spring_table=table)
+
+
+class BumpStopTable(AxialTable, kind="bump-stop"):
+    """A stop of a given travel; force against travel, the same in both directions or in one."""
+
+    aliases: ClassVar[dict[str, str]] = {**AxialTable.aliases, "travel_mm_force_kN": "gap_mm_force_N"}
+    glyph: ClassVar[Glyph | None] = Glyph("X", "#B00020")
+
+    travel_mm_force_kN: ForceOfTravel
+    """Force over travel, row by row; the free travel has no force."""
+    both_ways: Switch = True
+    """Whether it stops both directions alike, or the positive one alone."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """The table begins where the stop is met."""
+        travel, force = self.travel_mm_force_kN[0]
+        if travel < 0.0 or force != 0.0:
+            yield Fault("travel_mm_force_kN", "must begin at a travel not below 0, with a force of 0")
+
+    def element(self, joint: Joint, axes: Axes) -> Strut:
+        sign, rows = axes.signs[AXIS[self.direction]], self.travel_mm_force_kN
+        free = ((rows[0][0] - 1.0, 0.0), *rows)  # nothing before the stop is met
+        table = along_axis(both_ways(rows) if self.both_ways else free, sign)
+        low, high = table[0][0], table[-1][0]
+        if not self.both_ways:  # the other way it is free as far as anything goes
+            low, high = (low, math.inf) if sign < 0.0 else (-math.inf, high)
+        return Strut(*self.placed(joint, axes), spring_table=table, limits=(low, high))
+
+
+class DamperTable(ElementTable, kind="damper"):
+    """Viscous, along an axis (at_mm, direction) or along its line (body_mm, to_mm)."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("damping_kNs_per_m velocity_m_per_s_force_kN",)
+    glyph: ClassVar[Glyph | None] = Glyph("s", "#D55E00")
+
+    at_mm: Place | None = None
+    """Point at which it acts along an axis."""
+    direction: Along | None = None
+    """Axis of the body along which it acts."""
+    body_mm: Place | None = None
+    """Its end on the body, where it acts along its own line."""
+    to_mm: Place | None = None
+    """Its end on the body that it leads to."""
+    damping_kNs_per_m: Annotated[float, positive(1e5, "kN s/m")] | None = None
+    """Force over velocity; or give a table."""
+    velocity_m_per_s_force_kN: ForceOfVelocity | None = None
+    """Force over velocity, row by row."""
+    series_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] | None = None
+    """Stiffness of its mounting, in series with it; rigid unless given."""
+
+    @classmethod
+    def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
+        """Where it is in one of two ways."""
+        line = [key for key in ("body_mm", "to_mm") if key in raw]
+        axis = [key for key in ("at_mm", "direction") if key in raw]
+        if line and axis:
+            yield Fault(line[0], f"cannot stand next to {' and '.join(axis)}: along a line or along an axis")
+        elif len(line) == 1 or len(axis) == 1 or not (line or axis):
+            needed = "goes with direction (along an axis); or give body_mm and to_mm (a line)"
+            yield Fault("at_mm", needed, missing=True)
+
+    def consistency(self) -> Iterator[Fault]:
+        """A line has a length; a table of a damper behind a spring is read backwards."""
+        if self.body_mm is not None and self.to_mm is not None and math.dist(self.body_mm, self.to_mm) < 1e-3:
+            yield Fault("to_mm", "is the same point as body_mm: a damper along a line needs a length")
+        table = self.velocity_m_per_s_force_kN or ()
+        flat = any(b[1] <= a[1] for a, b in pairwise(table))
+        if self.series_stiffness_kN_per_m is not None and flat:
+            yield Fault("velocity_m_per_s_force_kN", "must rise everywhere next to series_stiffness_kN_per_m")
+
+    def element(self, joint: Joint, axes: Axes) -> Strut:
+        points = [axes.point(point) for point in self.points()]  # one on an axis, two on a line
+        series = self.series_stiffness_kN_per_m
+        rows = tuple((v, 1e3 * f) for v, f in self.velocity_m_per_s_force_kN or ())
+        return Strut(
+            *joint, (points[0], points[-1]), None if self.direction is None else AXIS[self.direction],
+            damping=1e3 * (self.damping_kNs_per_m or 0.0),
+            series=None if series is None else 1e3 * series,
+            damper_table=both_ways(rows) if rows and rows[0][0] >= 0.0 else rows,
+        )  # fmt: skip
+
+
+class TractionRodTable(ElementTable, kind="traction-rod"):
+    """A spring and damper along the line between two points."""
+
+    glyph: ClassVar[Glyph | None] = Glyph("_", "#222222")
+
+    body_mm: Place
+    """Its end on the body."""
+    to_mm: Place
+    """Its end on the body that it leads to."""
+    stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
+    """Stiffness along its line."""
+    damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
+    """Damping along its line."""
+    clearance_mm: Annotated[float, number(0, 1000, "mm")] = 0.0
+    """Play of its ends: how far its line shortens or grows without a force of its stiffness."""
+
+    def consistency(self) -> Iterator[Fault]:
+        """A rod has a length."""
+        if math.dist(self.body_mm, self.to_mm) < 1e-3:
+            yield Fault("to_mm", "is the same point as body_mm: a rod needs a length")
+
+    def element(self, joint: Joint, axes: Axes) -> Strut:
+        ends = axes.point(self.body_mm), axes.point(self.to_mm)
+        stiffness, play = 1e3 * self.stiffness_kN_per_m, 1e-3 * self.clearance_mm
+        table = both_ways(((play, 0.0), (play + 1.0, stiffness))) if play else ()
+        return Strut(*joint, ends, None, 0.0 if play else stiffness, 1e3 * self.damping_kNs_per_m, spring_table=table)
+
+
+class AntiRollBarTable(ElementTable, kind="anti-roll-bar"):
+    """A torsion spring between two bodies about the x axis."""
+
+    stiffness_kNm_per_rad: Annotated[float, positive(1e6, "kN m/rad")]
+    """Moment over the difference of the roll of both bodies."""
+
+    def element(self, joint: Joint, axes: Axes) -> Spring:
+        stiffness = (1e3 * self.stiffness_kNm_per_rad, 0.0, 0.0)
+        return Spring(*joint, axes.point(ZERO), turning_stiffness=stiffness)
+
+
+class FrictionTable(ElementTable, kind="friction"):
+    """Coulomb friction along an axis (direction) or in a plane (plane), behind a stiffness where it sticks."""
+
+    aliases: ClassVar[dict[str, str]] = {**ElementTable.aliases, "friction": "mu", "normal_force_kN": "force_kN"}
+    one_of: ClassVar[tuple[str, ...]] = ("direction plane", "normal_force_kN normal_spring")
+    goes_with: ClassVar[dict[str, str]] = {"normal_spring_axis": "normal_spring", "normal_factor": "normal_spring"}
+    glyph: ClassVar[Glyph | None] = Glyph("D", "#CC79A7", hollow=True)
+
+    at_mm: Place
+    """Point at which it acts."""
+    direction: Along | None = None
+    """Axis of the body along which it slides; or give the plane."""
+    plane: Literal["xy", "xz", "yz"] | None = None
+    """Plane of the body's axes in which it slides; the force is bounded by a circle."""
+    friction: Annotated[float, positive(2, "")]
+    """Coefficient of friction, sliding and sticking."""
+    normal_force_kN: Annotated[float, positive(1e4, "kN")] | None = None
+    """Constant normal force; or name a spring that gives it."""
+    normal_spring: Annotated[str, text("the name of an element")] | None = None
+    """Element whose force presses the surfaces together, by its name in the file."""
+    normal_spring_axis: Along = "z"
+    """Component of that force where the element is a spring with three."""
+    normal_factor: Annotated[float, number(1e-3, 100)] = 1.0
+    """Normal force over that force: of a Lenoir link the tangent of its angle to the vertical."""
+    stick_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
+    """Stiffness where it sticks."""
+    stick_damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
+    """Damping where it sticks."""
+
+    def element(self, joint: Joint, axes: Axes) -> Element:
+        at = axes.point(self.at_mm)
+        normal = None
+        if self.normal_spring is not None:
+            normal = Normal(self.normal_spring, self.normal_factor, AXIS[self.normal_spring_axis])
+        slider = Slider(
+            "coulomb", 1e3 * self.stick_stiffness_kN_per_m, 1e3 * self.friction * (self.normal_force_kN or 0.0),
+            1e3 * self.stick_damping_kNs_per_m, self.friction, normal,
+        )  # fmt: skip
+        if self.plane is not None:
+            return PlaneFriction(*joint, at, ACROSS[self.plane], slider)
+        return Strut(*joint, (at, at), AXIS[self.direction or "x"], slider=slider)
+
+
+class LeafSpringTable(AxialTable, kind="leaf-spring"):
+    """An elastic spring and the friction of its leaves, which builds up over a distance (Fancher)."""
+
+    one_of: ClassVar[tuple[str, ...]] = ("friction_force_kN friction_share",)
+    glyph: ClassVar[Glyph | None] = Glyph("v", BLUE, hollow=True)
+
+    stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
+    """Stiffness of the middle line of its loop."""
+    friction_force_kN: Annotated[float, positive(1e4, "kN")] | None = None
+    """Half of the height of its loop; or give the share."""
+    friction_share: Annotated[float, positive(1, "")] | None = None
+    """The same over the force of its middle line: friction that follows the load."""
+    friction_travel_mm: Annotated[float, positive(1000, "mm")]
+    """Distance over which friction comes within 1/e of its limit after a return."""
+    damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
+    """Damping along the same axis."""
+
+    def element(self, joint: Joint, axes: Axes) -> Element:
+        distance, force = 1e-3 * self.friction_travel_mm, 1e3 * (self.friction_force_kN or 0.0)
+        normal = None if self.friction_share is None else Normal("")
+        slider = Slider("fancher", distance=distance, bound=force, friction=self.friction_share or 0.0, normal=normal)
+        stiffness, damping = 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m
+        return Strut(*self.placed(joint, axes), stiffness, damping, slider=slider)
+
+
+class RubberSpringTable(AxialTable, kind="rubber-spring"):
+    """Rubber in one direction: stiffer at small strokes (friction) and at high frequencies (viscous part)."""
+
+    together: ClassVar[tuple[str, ...]] = (FRICTION_PART, "series_stiffness_kN_per_m damping_kNs_per_m")
+    glyph: ClassVar[Glyph | None] = Glyph("H", BLUE)
+
+    stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
+    """Elastic part: stiffness of slow, large strokes."""
+    friction_force_kN: Annotated[float, positive(1e4, "kN")] | None = None
+    """Largest force of the friction part; goes with friction_travel_mm."""
+    friction_travel_mm: Annotated[float, positive(1000, "mm")] | None = None
+    """Travel from rest over which friction comes to half of its largest force (Berg's x2)."""
+    series_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] | None = None
+    """Viscous part: what it adds to the stiffness at high frequencies, in series with its damping."""
+    damping_kNs_per_m: Annotated[float, positive(1e5, "kN s/m")] | None = None
+    """Viscous part: its damping; goes with series_stiffness_kN_per_m."""
+
+    def element(self, joint: Joint, axes: Axes) -> Element:
+        series = self.series_stiffness_kN_per_m
+        return Strut(
+            *self.placed(joint, axes), 1e3 * self.stiffness_kN_per_m,
+            1e3 * (self.damping_kNs_per_m or 0.0),
+            series=None if series is None else 1e3 * series,
+            slider=friction_part(self.friction_force_kN, self.friction_travel_mm),
+        )  # fmt: skip
+
+
+class AirSpringTable(AxialTable, kind="air-spring"):
+    """An air spring with its reservoir in one direction; the mass of the air in the pipe is left out."""
+
+    together: ClassVar[tuple[str, ...]] = (FRICTION_PART, "series_stiffness_kN_per_m orifice_damping")
+    glyph: ClassVar[Glyph | None] = Glyph("8", BLUE)
+
+    stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
+    """Stiffness of slow strokes: bellows and reservoir together."""
+    series_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] | None = None
+    """What fast strokes add to it, the pipe as good as closed; goes with orifice_damping."""
+    orifice_damping: Annotated[float, positive(1e6, "kN (s/m)^n")] | None = None
+    """Force of pipe or orifice at 1 m/s [kN]; goes with series_stiffness_kN_per_m."""
+    orifice_exponent: Annotated[float, number(1, 2)] = 1.8
+    """Exponent n of the velocity in that force."""
+    friction_force_kN: Annotated[float, positive(1e4, "kN")] | None = None
+    """Largest friction of the bellows; goes with friction_travel_mm."""
+    friction_travel_mm: Annotated[float, positive(1000, "mm")] | None = None
+    """Travel from rest over which friction comes to half of its largest force (Berg's x2)."""
+
+    def element(self, joint: Joint, axes: Axes) -> Element:
+        series = self.series_stiffness_kN_per_m
+        table: Table = ()
+        if self.orifice_damping is not None:
+            table = orifice(1e3 * self.orifice_damping, self.orifice_exponent)
+        return Strut(
+            *self.placed(joint, axes), 1e3 * self.stiffness_kN_per_m,
+            series=None if series is None else 1e3 * series, damper_table=table,
+            slider=friction_part(self.friction_force_kN, self.friction_travel_mm),
+        )  # fmt: skip
+
+
+def friction_part(force_kN: float | None, travel_mm: float | None) -> Slider | None:
+    """Berg's friction."""
+    if force_kN is None or travel_mm is None:
+        return None
+    return Slider("berg", bound=1e3 * force_kN, distance=1e-3 * travel_mm)
+
+
+def orifice(force: float, exponent: float) -> Table:
+    """Rows (velocity [m/s], force [N]) of force |v|^exponent, both ways."""
+    count = int(np.ceil(PER_DECADE * np.log10(FASTEST / SLOWEST)))
+    velocities = np.geomspace(SLOWEST, FASTEST, count + 1)
+    return both_ways(tuple((float(v), float(force * v**exponent)) for v in velocities))
+
+
+class BilinearSpringTable(AxialTable, kind="bilinear-spring"):
+    """A nest of springs that only pushes, the inner one touched from a certain load on: of freight wagons."""
+
+    glyph: ClassVar[Glyph | None] = Glyph("p", BLUE, hollow=True)
+
+    direction: Along = "z"
+    """Axis of the body along which it acts."""
+    stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
+    """Stiffness of the outer spring."""
+    second_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")]
+    """Stiffness of the inner spring."""
+    second_from_kN: Annotated[float, positive(1e4, "kN")]
+    """Load from which on the inner spring carries as well."""
+    damping_kNs_per_m: Annotated[float, number(0, 1e5, "kN s/m")] = 0.0
+    """Damping along the same axis."""
+
+    def element(self, joint: Joint, axes: Axes) -> Element:
+        return BilinearSpring(
+            *self.placed(joint, axes), 1e3 * self.stiffness_kN_per_m, 1e3 * self.damping_kNs_per_m,
+            inner=1e3 * self.second_stiffness_kN_per_m, inner_from=1e3 * self.second_from_kN,
+        )  # fmt: skip
+
+
+def both_ways(rows: Table) -> Table:
+    """The odd continuation of a table that begins at or above 0."""
+    positive = tuple(row for row in rows if row[0] > 0.0)
+    middle: Table = ((0.0, 0.0),)
+    if rows[0][0] > 0.0 and rows[0][1] == 0.0:
+        middle = ()  # free travel between the two stops
+    return (*((-t, -f) for t, f in reversed(positive)), *middle, *positive)
+
+
+def along_axis(rows: Table, sign: float) -> Table:
+    """A table of force against travel, rows in mm and kN, along an axis that may be turned round; in SI units."""
+    if sign < 0.0:
+        return tuple((-t / 1e3, -1e3 * f) for t, f in reversed(rows))
+    return tuple((t / 1e3, 1e3 * f) for t, f in rows)
+
+
+AnyElementTable = Annotated[
+    SpringTable
+    | ShearSpringTable
+    | TabulatedSpringTable
+    | BumpStopTable
+    | DamperTable
+    | TractionRodTable
+    | AntiRollBarTable
+    | FrictionTable
+    | LeafSpringTable
+    | RubberSpringTable
+    | AirSpringTable
+    | BilinearSpringTable,
+    Field(discriminator="kind"),
+]
+"""The kinds that a vehicle file may name, in the order of messages."""
+KINDS: dict[str, type[ElementTable]] = kinds_in(AnyElementTable)
