@@ -36,7 +36,7 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.scenario.sections.run import RunPlan
-from wrsim.simulation.integrate import Motion, integrate
+from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import System
 
@@ -90,16 +90,16 @@ def timed(
     """Processor time of a run from a state [s], and its motion."""
     plan = setup.plan
     step = chosen_step(setup, law, q, q_t) if plan.step is None else plan.step
-    system = System(law.bodies, law, law.dampers)
+    system = System(law.bodies, law)
     best = np.inf
     for _ in range(repetitions):
         law.look_near(plan.start)
         monitor = Monitor(law, plan.speed)
         began = time.process_time()
-        motion = integrate(
-            system, q, q_t, duration=duration, step=step, integrator=plan.integrator, weight=law.vehicle.weight,
+        motion = Integration(
+            system, duration=duration, step=step, integrator=plan.integrator, weight=law.vehicle.weight,
             sample_interval=plan.output_interval, monitor=monitor, monitor_interval=monitor.interval,
-        )  # fmt: skip
+        ).run(q, q_t)  # fmt: skip
         best = min(best, time.process_time() - began)
     return best, motion
 

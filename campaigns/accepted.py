@@ -31,7 +31,7 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.errors import InputError, SimulationError
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
-from wrsim.simulation.integrate import Motion, integrate
+from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import System
 
@@ -84,17 +84,17 @@ def accepted(folder: Path, rng: random.Random) -> Setup | None:
 def went(setup: Setup) -> tuple[str, list[str]]:
     """How a run ended, and the laws that it broke."""
     law = force_law(setup)
-    system = System(law.bodies, law, law.dampers)
+    system = System(law.bodies, law)
     try:
         q, q_t = start_state(setup, law)
     except SimulationError:
         return "no steady start", []
     step, monitor = chosen_step(setup, law, q, q_t), Monitor(law, setup.plan.speed, system.work)
     duration = step * max(1, int(setup.plan.duration / step + 1e-6))
-    motion = integrate(
-        system, q, q_t, duration=duration, step=step, integrator=setup.plan.integrator, weight=law.vehicle.weight,
+    motion = Integration(
+        system, duration=duration, step=step, integrator=setup.plan.integrator, weight=law.vehicle.weight,
         monitor=monitor, monitor_interval=monitor.interval,
-    )  # fmt: skip
+    ).run(q, q_t)  # fmt: skip
     problems = broken_laws(setup, law, motion)
     dataset = result_of(setup, law, motion, monitor.events()).dataset
     for name in ("Y", "Q", "X", "lateral_shift", "yaw", "roll", "speed"):

@@ -27,7 +27,7 @@ from wrsim.analysis.motion.run import chosen_step
 from wrsim.analysis.motion.start import start_state
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.system import System
 
 ROOT = Path(__file__).parents[1]
@@ -141,14 +141,13 @@ def timed(folder: Path, values: Mapping[str, Any]) -> dict[str, float]:
     best, result = np.inf, {}
     for _ in range(REPETITIONS):
         law = force_law(setup)
-        system = System(law.bodies, law, law.dampers)
+        system = System(law.bodies, law)
         q, q_t = start_state(setup, law)
         step = chosen_step(setup, law, q, q_t)
         began = time.process_time()
-        motion = integrate(
-            system, q, q_t, duration=plan.duration, step=step, integrator=plan.integrator,
+        motion = Integration(system, duration=plan.duration, step=step, integrator=plan.integrator,
             sample_interval=plan.output_interval, weight=law.vehicle.weight,
-        )  # fmt: skip
+        ).run(q, q_t)  # fmt: skip
         spent = time.process_time() - began
         if motion.status != "completed":
             raise SystemExit(f"the run stopped: {motion.reason}")

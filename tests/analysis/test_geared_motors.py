@@ -122,7 +122,7 @@ def test_motors_in_space_keep_energy_and_angular_momentum(name, astray):
     for wheelset, twist in law.gears.items():
         rates[wheelset, 5], q_t[twist], q_t[twist + 1] = 40.0, 3e-3, 40.0
     energy, momentum = kept(law, q, q_t)
-    system = System(law.bodies, law, law.dampers)
+    system = System(law.bodies, law)
     system.solve(q, q_t, 0.0, 2e-4, 1000, lambda _t: True)
     after, turned = kept(law, system.q, system.q_t)
     assert after == pytest.approx(energy, rel=1e-7)

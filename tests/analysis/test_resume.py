@@ -26,18 +26,20 @@ from wrsim.results import Result
 from wrsim.results.run_file import RunFile, is_running, records_of
 from wrsim.scenario.loading import load
 from wrsim.simulation import recorder as recorders
-from wrsim.simulation.integrate import Motion, integrate, recorded_motion
-from wrsim.simulation.recorder import FileRecorder
-from wrsim.simulation.system import RigidBody, System
+from wrsim.simulation.bodies import Solid
+from wrsim.simulation.force_law import ForceLaw
+from wrsim.simulation.integrate import Integration, Motion, recorded_motion
+from wrsim.simulation.recorder import Recorder
+from wrsim.simulation.system import System
 
-BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
+BODY = Solid(1500.0, (900.0, 100.0, 900.0))
 Q0 = np.array([0.46, 0.0, 0.01, 0.0, 0.0, 0.0])
 V0 = np.array([0.0, 10.0, 0.0, 0.0, 0.0, 21.0])
 STEP = 1.0 / 3000.0  # no binary fraction
 HEADER = {"integrator": "generalised-alpha", "step_s": STEP, "start_s": 0.0}
 
 
-class Play:
+class Play(ForceLaw):
     """A lateral spring with 12 mm of play, pushed by a force that depends on the time: it remembers where it stands."""
 
     def __init__(self) -> None:
@@ -67,10 +69,9 @@ class Forgetful(Play):
 
 def play(recorder: recorders.Recorder | None = None, law: type[Play] = Play, seconds: float = 0.5) -> Motion:
     """A run of the body on that spring, with a checkpoint every 7 steps."""
-    return integrate(
-        System([BODY], law()), Q0, V0, duration=seconds, step=STEP, sample_interval=2 * STEP, segment=7,
+    return Integration(System([BODY], law()), duration=seconds, step=STEP, sample_interval=2 * STEP, segment=7,
         recorder=recorder,
-    )  # fmt: skip
+    ).run(Q0, V0)  # fmt: skip
 
 
 def same(a: Motion, b: Motion) -> bool:
@@ -89,13 +90,13 @@ def often(monkeypatch: pytest.MonkeyPatch) -> None:
 def kept(tmp_path: Path, often: None) -> Iterator[Path]:
     """The file of a whole run."""
     path = tmp_path / "x.part"
-    with closing(FileRecorder.create(path, HEADER, 6)) as recorder:
+    with closing(Recorder.create(path, HEADER, 6)) as recorder:
         assert same(play(recorder), play())
     yield path
 
 
 def resumed(path: Path, law: type[Play] = Play) -> Motion:
-    with closing(FileRecorder.continued(path)) as recorder:
+    with closing(Recorder.continued(path)) as recorder:
         return play(recorder, law)
 
 
@@ -150,25 +151,25 @@ def test_a_killed_process_loses_less_than_a_second_and_goes_on_to_the_bit(tmp_pa
     path = tmp_path / "x.part"
     child = os.fork()
     if child == 0:
-        play(FileRecorder.create(path, HEADER, 6), seconds=600.0)
+        play(Recorder.create(path, HEADER, 6), seconds=600.0)
         os._exit(0)
     try:
         wait_until(lambda: path.exists() and path.stat().st_size > size)
         assert is_running(path)
         with pytest.raises(InputError, match="another run is writing to it"):
-            FileRecorder.continued(path)
+            Recorder.continued(path)
     finally:
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
     assert not is_running(path)
     reached = recorded_motion(path).end
-    with closing(FileRecorder.continued(path)) as recorder:
+    with closing(Recorder.continued(path)) as recorder:
         motion = play(recorder, seconds=max(1.0, reached + 0.1))
     assert same(motion, play(seconds=max(1.0, reached + 0.1)))
 
 
 def test_the_memory_of_sampling_does_not_grow_with_the_run(tmp_path):
-    with closing(FileRecorder.create(tmp_path / "x.part", {}, 6)) as recorder:
+    with closing(Recorder.create(tmp_path / "x.part", {}, 6)) as recorder:
         for i in range(20_000):
             recorder.sample(1e-3 * i, Q0, V0)
             if recorder.due():
@@ -226,20 +227,20 @@ def test_what_the_monitor_has_noted_survives_a_death_in_the_run_and_behind_it(tm
     def watched(recorder: recorders.Recorder | None) -> tuple[Motion, list[float]]:
         watch = Crossings(most)
         system = System([BODY], Play())
-        motion = integrate(
-            system, Q0, V0, duration=1.0, step=STEP, sample_interval=STEP, segment=7, monitor=watch, recorder=recorder
-        )
+        motion = Integration(
+            system, duration=1.0, step=STEP, sample_interval=STEP, segment=7, monitor=watch, recorder=recorder
+        ).run(Q0, V0)
         return motion, watch.times
 
     whole, times = watched(None)
     assert 4 <= len(times) < 100
     path = tmp_path / "x.part"
-    with closing(FileRecorder.create(path, HEADER, 6)) as recorder:
+    with closing(Recorder.create(path, HEADER, 6)) as recorder:
         watched(recorder)
     data = path.read_bytes()
     for part in (0.3, 0.6, 1.0):
         path.write_bytes(data[: int(part * len(data))])
-        with closing(FileRecorder.continued(path)) as recorder:
+        with closing(Recorder.continued(path)) as recorder:
             again, noted = watched(recorder)
         assert same(again, whole)
         assert noted == times

@@ -19,7 +19,7 @@ from wrsim.results import Result
 from wrsim.results.tables import tables
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.step import SAFETY, stable_step
 from wrsim.simulation.system import System
@@ -85,11 +85,11 @@ def test_growth_in_time_is_the_eigenvalue_s_for_a_whole_bogie():
     shape = vectors[:, most] / np.abs(vectors[: 6 * len(law.bodies), most]).max()
     q += 2e-6 * shape[:n].real
     q_t += 2e-6 * shape[n:].real
-    system = System(law.bodies, law, law.dampers)
+    system = System(law.bodies, law)
     step = min(SAFETY * stable_step(system, q, q_t), 5e-4)
     rolling.law.look_near(200.0)
     period = 2.0 * np.pi / values[most].imag
-    motion = integrate(system, q, q_t, duration=4.0 * period, step=step, integrator="rk44", sample_interval=1e-3)
+    motion = Integration(system, duration=4.0 * period, step=step, integrator="rk44", sample_interval=1e-3).run(q, q_t)
     lateral = motion.q[:, 2] * np.exp(-values[most].real * motion.times)
     first, last = (lateral[(motion.times > a * period) & (motion.times <= (a + 1.0) * period)] for a in (0.0, 3.0))
     growth = values[most].real + np.log(np.ptp(last) / np.ptp(first)) / (3.0 * period)

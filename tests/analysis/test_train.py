@@ -23,7 +23,7 @@ from wrsim.plots.vehicle_run import vehicle_figures
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation import recorder as recorders
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.state import steady_state
 
 TRAIN = (SCENARIOS.parent / "models/trains/manchester_3.toml").read_text(encoding="utf-8")
@@ -57,8 +57,10 @@ def test_vehicles_that_nothing_couples_run_as_each_does_alone() -> None:
         one = on_track(manchester(), speed, segments, start + member.x)
         found = steady_state(one.law)
         q[places], q_t[places] = found.q, found.q_t
-        alone.append((places, integrate(one.system, found.q, found.q_t, duration=0.4, step=5e-4, integrator="rk44")))
-    together = integrate(both.system, q, q_t, duration=0.4, step=5e-4, integrator="rk44")
+        alone.append(
+            (places, Integration(one.system, duration=0.4, step=5e-4, integrator="rk44").run(found.q, found.q_t))
+        )
+    together = Integration(both.system, duration=0.4, step=5e-4, integrator="rk44").run(q, q_t)
     assert np.ptp(alone[0][1].q[:, 2]) > 1e-4  # the first one is in the curve, and steers
     bodies = 6 * 7
     for places, motion in alone:

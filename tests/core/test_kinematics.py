@@ -15,9 +15,10 @@ from wrsim.core.track import path
 from wrsim.errors import InputError
 from wrsim.geometry.track.segments import Arc, Straight, Transition
 from wrsim.geometry.track.track import Track
+from wrsim.simulation.bodies import Solid
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import place_on_track, poses_on_track
-from wrsim.simulation.system import RigidBody, System
+from wrsim.simulation.system import System
 from wrsim.vehicle.vehicle import single_wheelset
 
 TO_GLOBAL = [1, 2, 0]  # Exudyn's axes are (z, x, y)
@@ -41,7 +42,7 @@ def body_of(position, turn, velocity, rates):
 @given(turn=angles, rates=vectors)
 def test_orientation_and_angular_velocity_are_those_of_the_exudyn_node(turn, rates):
     q, q_t, body = body_of((1.0, 2.0, 3.0), turn, (4.0, 5.0, 6.0), rates)
-    system = System([RigidBody(1500.0, 100.0, 900.0)], lambda t, q, q_t, out: out.fill(0.0))
+    system = System([Solid(1500.0, (900.0, 100.0, 900.0))], lambda t, q, q_t, out: out.fill(0.0))
     system._mbs.systemData.SetODE2Coordinates(list(q))
     system._mbs.systemData.SetODE2Coordinates_t(list(q_t))
     output = exudyn.OutputVariableType
@@ -198,10 +199,11 @@ def test_at_the_balanced_speed_cant_takes_the_whole_lateral_force_of_the_carried
 
 def test_a_wheelset_with_unequal_roll_and_yaw_inertia_is_refused():
     with pytest.raises(InputError, match=r"'example': roll inertia 900 and yaw inertia 950"):
-        RigidBody.of(replace(bare_wheelset(), inertia=(900.0, 100.0, 950.0)))
+        Solid.of_wheelset(replace(bare_wheelset(), inertia=(900.0, 100.0, 950.0)))
 
 
 @pytest.mark.parametrize("numbers", [(0.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, np.nan), (1.0, 3.0, 1.0)])
 def test_a_body_that_cannot_exist_is_refused(numbers):
     with pytest.raises(InputError, match="body: "):
-        RigidBody(*numbers)
+        mass, spin, cross = numbers
+        Solid(mass, (cross, spin, cross))

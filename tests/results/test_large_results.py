@@ -20,8 +20,8 @@ from wrsim.results.tables import write_table
 from wrsim.scenario.build import Setup
 from wrsim.simulation import recorder
 from wrsim.simulation.design import design_state
-from wrsim.simulation.integrate import Motion, integrate, recorded_motion
-from wrsim.simulation.recorder import FileRecorder
+from wrsim.simulation.integrate import Integration, Motion, recorded_motion
+from wrsim.simulation.recorder import Recorder
 from wrsim.simulation.system import System
 
 
@@ -42,10 +42,10 @@ def record(setup: Setup, tmp_path: Path) -> Path:
     law = force_law(setup)
     q, q_t = design_state(law, lateral=1e-3)
     path = tmp_path / "result.nc.part"
-    file = FileRecorder.create(path, {"step_s": 1e-3, "start_s": 0.0, "integrator": "generalised-alpha"}, law.size)
-    system = System(law.bodies, law, law.dampers)
+    file = Recorder.create(path, {"step_s": 1e-3, "start_s": 0.0, "integrator": "generalised-alpha"}, law.size)
+    system = System(law.bodies, law)
     monitor = Monitor(law, 20.0, system.work)
-    integrate(system, q, q_t, duration=0.1, step=1e-3, recorder=file, monitor=monitor)
+    Integration(system, duration=0.1, step=1e-3, recorder=file, monitor=monitor).run(q, q_t)
     file.close()
     return path
 

@@ -18,7 +18,7 @@ from wrsim.contact.settings import ContactSettings
 from wrsim.geometry.track.segments import Straight
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.step import SAFETY, round_step, stable_step
 from wrsim.simulation.system import System
@@ -117,10 +117,9 @@ def test_a_ramp_of_cant_takes_no_energy(normal):
     setup = setup_of(segments, 15.0, start=15.0, values=values)
     law = force_law(setup)
     q, q_t = start_state(setup, law)
-    motion = integrate(
-        System(law.bodies, law, law.dampers), q, q_t, duration=2.0, step=1e-3, weight=law.vehicle.weight,
+    motion = Integration(System(law.bodies, law), duration=2.0, step=1e-3, weight=law.vehicle.weight,
         sample_interval=1e-3,
-    )  # fmt: skip
+    ).run(q, q_t)  # fmt: skip
     bare = VehicleOnTrack(law.vehicle, law.track, (), speed=law.speed, start=law.start, drive=law.drive)
     law.look_near(law.start)
     bare.look_near(bare.start)
@@ -186,7 +185,9 @@ def test_creep_forces_never_do_positive_work_on_a_patch(vehicle, radius):
 
     system = curve.system
     step = round_step(SAFETY * stable_step(system, q, q_t))
-    motion = integrate(system, q, q_t, duration=1.4, step=step, integrator="rk44", monitor=look, monitor_interval=1e-3)
+    motion = Integration(system, duration=1.4, step=step, integrator="rk44", monitor=look, monitor_interval=1e-3).run(
+        q, q_t
+    )
     assert motion.status == "completed"
     assert len(seen) > 2000
     assert min(seen) >= 0.0

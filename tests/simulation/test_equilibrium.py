@@ -5,7 +5,7 @@ import pytest
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 
 from wrsim.simulation.design import design_state
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.newton import newton
 from wrsim.simulation.state import NotCarried, Unbalanced, lower_on_rails, steady_state
 from wrsim.simulation.system import COORDINATES
@@ -67,8 +67,8 @@ def test_an_equilibrium_stays_at_rest_in_time():
     vehicle = example_wheelset(axle_load=84e3, carried_mass=2000.0, carried_height=1.0)
     forces = KnifeEdgeForces(vehicle, SPEED)
     found = steady_state(forces)
-    motion = integrate(
-        forces.system, found.q, found.q_t, duration=1.0, step=5e-4, integrator="rk44", sample_interval=0.01
+    motion = Integration(forces.system, duration=1.0, step=5e-4, integrator="rk44", sample_interval=0.01).run(
+        found.q, found.q_t
     )
     assert np.ptp(motion.q[:, 0]) < 1e-12
     assert np.abs(motion.q[:, 2:5]).max() < 1e-12

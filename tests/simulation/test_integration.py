@@ -9,10 +9,11 @@ import pytest
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 
 from wrsim.errors import SimulationError
-from wrsim.simulation.integrate import integrate
-from wrsim.simulation.system import RigidBody, System
+from wrsim.simulation.bodies import Solid
+from wrsim.simulation.integrate import Integration
+from wrsim.simulation.system import System
 
-BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
+BODY = Solid(1500.0, (900.0, 100.0, 900.0))
 Q0 = np.array([0.46, 0.0, 0.0, 0.0, 0.0, 0.0])
 V0 = np.array([0.0, 10.0, 0.0, 0.0, 0.0, 21.0])
 
@@ -31,7 +32,7 @@ def oscillator(t, q, q_t, out):
 def run(forces=free, *, duration=0.1, step=1e-3, bodies=(BODY,), **keys):
     """Integrate from rolling along x."""
     n = len(bodies)
-    return integrate(System(bodies, forces), np.tile(Q0, n), np.tile(V0, n), duration=duration, step=step, **keys)
+    return Integration(System(bodies, forces), duration=duration, step=step, **keys).run(np.tile(Q0, n), np.tile(V0, n))
 
 
 def test_samples_stand_at_the_start_at_each_interval_and_at_the_end():
@@ -46,9 +47,9 @@ def test_samples_stand_at_the_start_at_each_interval_and_at_the_end():
 def test_a_run_goes_on_where_another_ended():
     system = System([BODY], oscillator)
     start = np.add(Q0, [0.0, 0.0, 0.01, 0.0, 0.0, 0.0])
-    whole = integrate(system, start, V0, duration=0.2, step=1e-3)
-    first = integrate(system, start, V0, duration=0.1, step=1e-3)
-    second = integrate(system, first.q[-1], first.q_t[-1], duration=0.1, step=1e-3, start=first.end)
+    whole = Integration(system, duration=0.2, step=1e-3).run(start, V0)
+    first = Integration(system, duration=0.1, step=1e-3).run(start, V0)
+    second = Integration(system, duration=0.1, step=1e-3, start=first.end).run(first.q[-1], first.q_t[-1])
     assert second.times[-1] == pytest.approx(0.2)
     assert second.q[-1] == pytest.approx(whole.q[-1], abs=1e-14)
 
@@ -121,7 +122,7 @@ def test_the_body_whose_state_is_not_finite_is_named():
 
 def test_a_start_that_is_not_finite_is_refused():
     with pytest.raises(SimulationError, match="the rate of spin"):
-        integrate(System([BODY], free), Q0, V0 * np.nan ** np.array([0, 0, 0, 0, 0, 1]), duration=1.0, step=0.1)
+        Integration(System([BODY], free), duration=1.0, step=0.1).run(Q0, V0 * np.nan ** np.array([0, 0, 0, 0, 0, 1]))
 
 
 @pytest.mark.parametrize("keys", [{"step": 0.0}, {"duration": -1.0}, {"duration": np.inf}])
@@ -170,9 +171,9 @@ def test_a_system_is_as_good_as_new_after_a_run_that_broke():
 
     system = System([BODY], law)
     with pytest.raises(Broken):
-        integrate(system, Q0, V0, duration=0.1, step=1e-3)
+        Integration(system, duration=0.1, step=1e-3).run(Q0, V0)
     faulty[0] = False
-    assert integrate(system, Q0, V0, duration=0.1, step=1e-3).q[-1, 1] == pytest.approx(1.0)
+    assert Integration(system, duration=0.1, step=1e-3).run(Q0, V0).q[-1, 1] == pytest.approx(1.0)
 
 
 def test_ctrl_c_ends_the_run_after_the_step_and_keeps_what_was_computed():
@@ -238,7 +239,7 @@ def test_a_system_and_its_law_are_freed():
     law = Law()
     reference = weakref.ref(law)
     system = System([BODY], law)
-    integrate(system, Q0, V0, duration=0.01, step=1e-3)
+    Integration(system, duration=0.01, step=1e-3).run(Q0, V0)
     del law, system
     gc.collect()
     assert reference() is None
@@ -256,7 +257,7 @@ def test_rk44_converges_with_fourth_order_on_the_force_law(rolling):
     q_t = np.array([0.0, 30.0, 0.0, 0.0, 0.0, 30.0 / 0.46])
 
     def end(step):
-        return integrate(rolling, q, q_t, duration=0.1, step=step, integrator="rk44").q[-1]
+        return Integration(rolling, duration=0.1, step=step, integrator="rk44").run(q, q_t).q[-1]
 
     exact = end(1e-5)
     errors = [np.abs(end(step) - exact)[[0, 2, 3, 4]] for step in (4e-4, 2e-4, 1e-4)]
@@ -270,9 +271,9 @@ def test_generalised_alpha_converges_with_the_square_of_the_step(rolling):
     # the same wheelset at its own height: what moves is slower than the contact springs
     q = np.array([0.46 - KnifeEdge().approach(50e3), 0.0, 3e-3, 5e-3, 2.1e-4, 0.0])
     q_t = np.array([0.0, 30.0, 0.0, 0.0, 0.0, 30.0 / 0.46])
-    exact = integrate(rolling, q, q_t, duration=0.2, step=1e-4, integrator="rk44").q[-1]
+    exact = Integration(rolling, duration=0.2, step=1e-4, integrator="rk44").run(q, q_t).q[-1]
     errors = [
-        np.abs(integrate(rolling, q, q_t, duration=0.2, step=step, weight=1.0).q[-1] - exact)[[2, 3]]
+        np.abs(Integration(rolling, duration=0.2, step=step, weight=1.0).run(q, q_t).q[-1] - exact)[[2, 3]]
         for step in (1e-3, 5e-4, 2.5e-4)
     ]
     ratios = np.array([errors[0] / errors[1], errors[1] / errors[2]])
@@ -286,7 +287,7 @@ def test_a_jump_of_the_force_that_holds_the_balance_does_not_stop_the_run():
         out[2] = -100.0 * np.sign(q_t[2])
 
     q_t = V0 + np.array([0.0, 0.0, 1e-2, 0.0, 0.0, 0.0])
-    motion = integrate(System([BODY], rubs), Q0, q_t, duration=0.3, step=2e-3)
+    motion = Integration(System([BODY], rubs), duration=0.3, step=2e-3).run(Q0, q_t)
     assert motion.status == "completed"
     rest = 1e-2 / (100.0 / 1500.0)  # s
     still = motion.times > rest + 2e-3

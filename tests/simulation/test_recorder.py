@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from wrsim.simulation.recorder import BLOCK, Checkpoint, Ending, FileRecorder
+from wrsim.simulation.recorder import BLOCK, Checkpoint, Ending, Recorder
 
 
 def test_samples_survive_the_deletion_of_their_folder(tmp_path: Path) -> None:
     """The descriptor still has what the folder has lost."""
-    recorder = FileRecorder.create(tmp_path / "out/result.nc.part", {"step_s": 1.0, "start_s": 0.0}, 2)
+    recorder = Recorder.create(tmp_path / "out/result.nc.part", {"step_s": 1.0, "start_s": 0.0}, 2)
     samples = 3 * BLOCK
     for k in range(samples):
         if k == BLOCK + 7:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, bare_wheelset, example_wheelset
 
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.bodies import Solid
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.step import (
     RK44_LIMIT,
     SAFETY,
@@ -14,9 +15,9 @@ from wrsim.simulation.step import (
     stable_step,
     step_for_speed,
 )
-from wrsim.simulation.system import RigidBody, System
+from wrsim.simulation.system import System
 
-BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
+BODY = Solid(1500.0, (900.0, 100.0, 900.0))
 
 
 def rolling_on_edges(speed):
@@ -35,7 +36,7 @@ def test_the_slip_of_the_wheels_decays_within_the_creep_limit_and_stays_wrong_be
     q_t[5] *= 1.0002
 
     def slip(step):
-        motion = integrate(system, q, q_t, duration=1000 * step, step=step, integrator="rk44")
+        motion = Integration(system, duration=1000 * step, step=step, integrator="rk44").run(q, q_t)
         assert motion.status == "completed"
         return np.abs(motion.q_t[-50:, 1] - 0.46 * motion.q_t[-50:, 5]).max() / speed
 

@@ -9,10 +9,11 @@ from scipy.optimize import curve_fit
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 
 from wrsim.core.body.kinematics import kinematics
-from wrsim.simulation.integrate import integrate
-from wrsim.simulation.system import RigidBody, System
+from wrsim.simulation.bodies import Solid
+from wrsim.simulation.integrate import Integration
+from wrsim.simulation.system import System
 
-BODY = RigidBody(mass=1500.0, spin_inertia=100.0, cross_inertia=900.0)
+BODY = Solid(1500.0, (900.0, 100.0, 900.0))
 
 
 def free(t, q, q_t, out):
@@ -27,7 +28,7 @@ def momentum_and_energy(motion, body):
         state = kinematics(q, q_t)
         axle, omega, velocity = np.array(state.left), np.array(state.omega), np.array(state.velocity)
         along = omega @ axle
-        momentum.append(body.cross_inertia * omega + (body.spin_inertia - body.cross_inertia) * along * axle)
+        momentum.append(body.inertia[0] * omega + (body.inertia[1] - body.inertia[0]) * along * axle)
         energy.append(0.5 * body.mass * velocity @ velocity + 0.5 * omega @ momentum[-1])
     return np.array(momentum), np.array(energy)
 
@@ -35,7 +36,9 @@ def momentum_and_energy(motion, body):
 def test_a_free_spinning_wheelset_keeps_energy_and_angular_momentum():
     q = np.array([1.0, 2.0, 3.0, 0.5, 0.1, 0.0])
     q_t = np.array([0.3, 20.0, -1.0, 0.7, -0.4, 100.0])
-    motion = integrate(System([BODY], free), q, q_t, duration=5.0, step=5e-4, integrator="rk44", sample_interval=0.05)
+    motion = Integration(System([BODY], free), duration=5.0, step=5e-4, integrator="rk44", sample_interval=0.05).run(
+        q, q_t
+    )
     momentum, energy = momentum_and_energy(motion, BODY)
     # drift of RK44 at 100 rad/s and h = 5e-4
     assert np.abs(energy / energy[0] - 1.0).max() < 1e-7
@@ -46,13 +49,15 @@ def test_a_free_spinning_wheelset_keeps_energy_and_angular_momentum():
 def test_a_free_axle_precesses_about_its_angular_momentum():
     q = np.array([0.0, 0.0, 0.0, 0.3, 0.0, 0.0])
     q_t = np.array([0.0, 0.0, 0.0, 0.5, 0.2, 60.0])
-    motion = integrate(System([BODY], free), q, q_t, duration=2.0, step=5e-4, integrator="rk44", sample_interval=0.05)
+    motion = Integration(System([BODY], free), duration=2.0, step=5e-4, integrator="rk44", sample_interval=0.05).run(
+        q, q_t
+    )
     momentum, _ = momentum_and_energy(motion, BODY)
     size = np.linalg.norm(momentum[0])
     axis = momentum[0] / size
     axle = np.array([kinematics(a, b).left for a, b in zip(motion.q, motion.q_t, strict=True)])
     # symmetric top: the axle turns about L at |L| / I_cross
-    turn = size / BODY.cross_inertia * motion.times
+    turn = size / BODY.inertia[0] * motion.times
     parallel = (axle[0] @ axis) * axis
     expected = (
         parallel
@@ -72,7 +77,8 @@ def rolling(speed, lateral=0.0):
 
 def swing(speed, duration):
     """Growth rate and angular frequency of a wheelset that was put a micrometre aside."""
-    motion = integrate(*rolling(speed, 1e-6), duration=duration, step=5e-4, integrator="rk44", sample_interval=2e-3)
+    system, q, q_t = rolling(speed, 1e-6)
+    motion = Integration(system, duration=duration, step=5e-4, integrator="rk44", sample_interval=2e-3).run(q, q_t)
     late = motion.times > 1.0  # the other modes have died
     return growth_and_frequency(motion.times[late], motion.q[late, 2])
 
@@ -113,6 +119,6 @@ def test_the_spin_of_a_rolling_wheelset_is_the_way_over_the_radius():
     radius = KnifeEdge().radius
     system, q, q_t = rolling(20.0)
     q_t[5] *= 1.01  # one per cent too fast: friction brings it into step
-    motion = integrate(system, q, q_t, duration=2.0, step=5e-4, integrator="rk44", sample_interval=0.1)
+    motion = Integration(system, duration=2.0, step=5e-4, integrator="rk44", sample_interval=0.1).run(q, q_t)
     assert motion.q_t[-1, 5] == pytest.approx(motion.q_t[-1, 1] / radius, rel=1e-5)
     assert motion.q[-1, 5] - motion.q[1, 5] == pytest.approx((motion.q[-1, 1] - motion.q[1, 1]) / radius, rel=1e-5)

@@ -13,7 +13,7 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario
 from wrsim.simulation.bodies import mass_matrix
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import System
 
@@ -31,10 +31,10 @@ def balance(scenario: Scenario, further: Further | None = None) -> tuple[Array, 
     setup = build(scenario)
     law = force_law(setup)
     q, q_t = start_state(setup, law)
-    system = System(law.bodies, law, law.dampers)
-    motion = integrate(
-        system, q, q_t, duration=setup.plan.duration, step=1.25e-3, weight=law.vehicle.weight, sample_interval=5e-3
-    )
+    system = System(law.bodies, law)
+    motion = Integration(
+        system, duration=setup.plan.duration, step=1.25e-3, weight=law.vehicle.weight, sample_interval=5e-3
+    ).run(q, q_t)
     assert motion.status == "completed"
     n = 6 * len(law.bodies)
     powers, losses, energies = [], [], []

@@ -21,13 +21,14 @@ from wrsim.geometry.track.segments import Arc, Segment
 from wrsim.geometry.track.track import Track
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
+from wrsim.simulation.bodies import Solid
 from wrsim.simulation.design import design_state
-from wrsim.simulation.integrate import Motion, integrate
+from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.placement import TrackPoses, poses_on_track
 from wrsim.simulation.state import Equilibrium
 from wrsim.simulation.step import SAFETY, round_step, stable_step
-from wrsim.simulation.system import RigidBody, System
+from wrsim.simulation.system import System
 from wrsim.vehicle.elements import Triple
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
@@ -151,14 +152,14 @@ class Ride:
         return self.law.track
 
     @property
-    def body(self) -> RigidBody:
+    def body(self) -> Solid:
         """The rigid body of the wheelset."""
-        return RigidBody.of(self.vehicle.wheelsets[0].wheelset)
+        return Solid.of_wheelset(self.vehicle.wheelsets[0].wheelset)
 
     @property
     def system(self) -> System:
         """A new Exudyn system of it."""
-        return System(self.law.bodies, self.law, self.law.dampers)
+        return System(self.law.bodies, self.law)
 
     def steady(self, unknowns: Sequence[str], lateral: float = 0.0, equations: Sequence[str] = ()) -> Equilibrium:
         """The steady motion at the start, found from a pose at a lateral shift [m]."""
@@ -171,7 +172,7 @@ class Ride:
         if step is None:
             step = round_step(SAFETY * stable_step(system, q, q_t))
         self.law.look_near(self.law.start)
-        motion = integrate(system, q, q_t, duration=duration, step=step, integrator="rk44", sample_interval=every)
+        motion = Integration(system, duration=duration, step=step, integrator="rk44", sample_interval=every).run(q, q_t)
         assert motion.status == "completed", motion.reason
         return motion
 

@@ -70,7 +70,7 @@ class Train:
     @property
     def system(self) -> System:
         """A new Exudyn system of it."""
-        return System(self.law.bodies, self.law, self.law.dampers)
+        return System(self.law.bodies, self.law)
 
 
 def on_track(

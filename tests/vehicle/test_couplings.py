@@ -13,7 +13,7 @@ from support.vehicles import coaches, manchester
 from wrsim.analysis.motion.messages import Event, event_words
 from wrsim.simulation.design import design_state
 from wrsim.simulation.force_law import Block, force_derivative
-from wrsim.simulation.integrate import Motion, integrate
+from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.system import System
 from wrsim.vehicle.couplings import Between, CentreCouplerTable, CouplingTable, ScrewCouplingTable
@@ -61,8 +61,8 @@ def motion(law: VehicleOnTrack, speeds: tuple[float, ...], duration: float, step
     q, q_t = design_state(law)
     for k, v in enumerate(speeds):
         q_t[6 * (1 + k) + 1] = v
-    system = System(law.bodies, law, law.dampers)
-    return integrate(system, q, q_t, duration=duration, step=step, integrator="rk44", weight=MASS * 9.81)
+    system = System(law.bodies, law)
+    return Integration(system, duration=duration, step=step, integrator="rk44", weight=MASS * 9.81).run(q, q_t)
 
 
 def speeds_of(found: Motion, wagons: int = 2) -> np.ndarray:

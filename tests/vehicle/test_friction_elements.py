@@ -15,7 +15,7 @@ from wrsim.errors import InputError
 from wrsim.simulation.design import design_state
 from wrsim.simulation.force_law import force_derivative
 from wrsim.simulation.implicit import Integrator
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
@@ -236,10 +236,10 @@ def test_a_run_with_friction_that_is_cut_goes_on_to_the_bit(integrator: Integrat
     q, q_t = design_state(law)
     q[7], q[8] = q[7] + 0.05, q[8] + 0.02
     whole = motion(law, q, q_t, 0.4, 1e-3, integrator)
-    system = System(law.bodies, law, law.dampers)
+    system = System(law.bodies, law)
     half = motion(law, q, q_t, 0.2, 1e-3, integrator)
-    rest = integrate(
-        system, half.q[-1], half.q_t[-1], start=0.2, duration=0.2, step=1e-3, integrator=integrator, weight=MASS * 0.01
+    rest = Integration(system, start=0.2, duration=0.2, step=1e-3, integrator=integrator, weight=MASS * 0.01).run(
+        half.q[-1], half.q_t[-1]
     )
     np.testing.assert_array_equal(rest.q[-1], whole.q[-1])
     np.testing.assert_array_equal(rest.q_t[-1], whole.q_t[-1])

@@ -20,9 +20,9 @@ from support.boxes import (
 )
 from support.vehicles import manchester, shipped
 
-from wrsim.simulation.bodies import SolidBody, mass_matrix, velocity_forces
+from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
 from wrsim.simulation.design import design_state
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
 from wrsim.simulation.system import System
@@ -123,7 +123,7 @@ def test_a_bump_stop_follows_its_table_both_ways_and_goes_on_beyond_it() -> None
 
 
 def test_the_bodies_of_exudyn_accelerate_as_mass_matrix_and_velocity_forces_say() -> None:
-    body = SolidBody(10.0, (2.0, 3.0, 4.0))
+    body = Solid(10.0, (2.0, 3.0, 4.0))
 
     def twist(t: float, q: np.ndarray, q_t: np.ndarray, out: np.ndarray) -> None:
         out[:] = (1.0, 2.0, 3.0, 0.4, 0.5, 0.6)
@@ -132,7 +132,7 @@ def test_the_bodies_of_exudyn_accelerate_as_mass_matrix_and_velocity_forces_say(
     q = np.array([0.1, 0.2, 0.3, 0.4, 0.3, -0.5])
     q_t = np.array([0.0, 0.0, 0.0, 1.1, -0.7, 0.9])
     step = 1e-4
-    motion = integrate(system, q, q_t, duration=2 * step, step=step, integrator="rk44")
+    motion = Integration(system, duration=2 * step, step=step, integrator="rk44").run(q, q_t)
     found = (motion.q_t[2] - motion.q_t[0]) / (2 * step)
     out = np.zeros(6)
     twist(step, motion.q[1], motion.q_t[1], out)

@@ -232,8 +232,7 @@ def run_into(
     SimulationError; KeyboardInterrupt says where an interrupted run is kept.
     """
     from wrsim.analysis import run
-    from wrsim.core.jit.compiling import COUNT
-    from wrsim.simulation.threads import use_threads
+    from wrsim.core.jit.compiling import COUNT, use_threads
 
     use_threads(threads)
     record = directory / PART

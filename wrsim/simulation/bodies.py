@@ -20,47 +20,9 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class RigidBody:
-    """A body of revolution: mass [kg], inertia about its axle and across it, about the centre of mass [kg
-    m2].
-    """
-
-    mass: float
-    spin_inertia: float
-    cross_inertia: float
-
-    def __post_init__(self) -> None:
-        for key in ("mass", "spin_inertia", "cross_inertia"):
-            value = getattr(self, key)
-            if not (np.isfinite(value) and value > 0.0):
-                raise InputError(f"body: {key} must be a positive number, not {value!r}")
-        if self.spin_inertia > 2.0 * self.cross_inertia:
-            raise InputError(
-                f"body: spin inertia {self.spin_inertia:g} kg m2 with a cross inertia of "
-                f"{self.cross_inertia:g} kg m2; no solid has more than twice its cross inertia"
-            )
-
-    @property
-    def inertia(self) -> tuple[float, float, float]:
-        """Principal inertia about x, y (the axle), z [kg m2]."""
-        return self.cross_inertia, self.spin_inertia, self.cross_inertia
-
-    @classmethod
-    def of(cls, wheelset: Wheelset | MountedWheelset) -> RigidBody:
-        """The body of a wheelset. Its roll and yaw inertia must agree, for it spins about its axle."""
-        roll, spin, yaw = wheelset.inertia
-        if abs(roll - yaw) > 1e-6 * abs(yaw):
-            raise InputError(
-                f"wheelset '{wheelset.name}': roll inertia {roll:g} and yaw inertia {yaw:g} kg m2 differ; "
-                "a wheelset spins about its axle, so that the two must be equal (take their mean)"
-            )
-        return cls(mass=wheelset.mass, spin_inertia=spin, cross_inertia=yaw)
-
-
-@dataclass(frozen=True)
-class SolidBody:
-    """A body that does not spin: mass [kg], principal inertia about x, y, z [kg m2]. geared: the part of that about y
-    that gears and rotors in it make up (``core.body.loads``)."""
+class Solid:
+    """A rigid body: mass [kg], principal inertia about x, y (of a wheelset: its axle), z [kg m2]. geared: the part of
+    that about y that gears and rotors in it make up (``core.body.loads``)."""
 
     mass: float
     inertia: tuple[float, float, float]
@@ -76,19 +38,27 @@ class SolidBody:
             raise InputError(f"body: one of the inertias {own} kg m2 is larger than the other two together")
 
     @classmethod
-    def all_of(cls, vehicle: Vehicle) -> tuple[SolidBody, ...]:
-        """The bodies of a vehicle but its wheelsets, with what its geared motors add to their cases."""
-        geared = dict.fromkeys((body.name for body in vehicle.bodies), 0.0)
-        for drive in vehicle.drives:
-            geared[drive.case] += drive.case_inertia
-        found = []
-        for body in vehicle.bodies:
-            (x, y, z), more = body.inertia, geared[body.name]
-            found.append(cls(body.mass, (x, y + more, z), more))
-        return tuple(found)
+    def of_wheelset(cls, wheelset: Wheelset | MountedWheelset) -> Solid:
+        """The body of a wheelset. Its roll and yaw inertia must agree, for it spins about its axle."""
+        roll, spin, yaw = wheelset.inertia
+        if abs(roll - yaw) > 1e-6 * abs(yaw):
+            raise InputError(
+                f"wheelset '{wheelset.name}': roll inertia {roll:g} and yaw inertia {yaw:g} kg m2 differ; "
+                "a wheelset spins about its axle, so that the two must be equal (take their mean)"
+            )
+        return cls(wheelset.mass, (yaw, spin, yaw))
 
 
-Solid = RigidBody | SolidBody
+def bodies_of(vehicle: Vehicle) -> tuple[Solid, ...]:
+    """The bodies of a vehicle, wheelsets first; of others with what its geared motors add to their cases."""
+    geared = dict.fromkeys((body.name for body in vehicle.bodies), 0.0)
+    for drive in vehicle.drives:
+        geared[drive.case] += drive.case_inertia
+    found = [Solid.of_wheelset(mounted) for mounted in vehicle.wheelsets]
+    for body in vehicle.bodies:
+        (x, y, z), more = body.inertia, geared[body.name]
+        found.append(Solid(body.mass, (x, y + more, z), more))
+    return tuple(found)
 
 
 def mass_matrix(bodies: Sequence[Solid], q: Array) -> Array:

@@ -58,7 +58,7 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
 
     def blocks(self) -> list[Block]:
-        """See ``HasBlocks``."""
+        """See ``ForceLaw``."""
         curve, count = self.track.centre.curve, len(self.radii)
 
         def on_cones(t: float, q: Array, q_t: Array, out: Array) -> None:

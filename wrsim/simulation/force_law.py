@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,50 +31,66 @@ Forces = Callable[[float, Array, Array, Array], object]
 """Generalised forces at a time [s], coordinates and rates, filled into the last argument."""
 
 
-class ForceLaw(Protocol):
-    """Generalised forces on all bodies.
+class ForceLaw:
+    """Generalised forces on all bodies, and what is known of them beside; a plain function: ``FunctionLaw``.
 
     Called with the time [s], the coordinates q and rates q_t (6 per body, live: neither keep nor change
     them) and ``out`` of the same length to fill: forces along z, x, y [N], moments about the vertical, the
     forward direction and the axle [N m]. A law that cannot go on raises ``SimulationError``; the run then
     ends in good order.
+
+    units: vehicles in a row, each of which acts on its neighbours alone. dampers: unknowns behind the coordinates of
+    the bodies. The last ``positions`` of them are positions, of axle boxes, twisted axles and rails: they count, unlike
+    those of dampers; the last ``rails`` are displacements of rails. sliders: places of the unknowns of friction.
     """
 
-    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> object: ...
+    units = 1
+    dampers = positions = rails = 0
+    sliders: NDArray[np.intp] = np.zeros(0, dtype=np.intp)
 
-
-@runtime_checkable
-class Follows(Protocol):
-    """A force law that may start from its last answer, which is quicker in a run."""
+    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> object:
+        raise NotImplementedError
 
     def follow(self, on: bool) -> None:
-        """From now on start from the last answer, or afresh."""
+        """From now on start from the last answer, which is quicker in a run, or without it."""
 
-
-@contextmanager
-def following(forces: object) -> Iterator[None]:
-    """While this lasts, a law that can starts from its last answer."""
-    if not isinstance(forces, Follows):
-        yield
-        return
-    forces.follow(True)
-    try:
-        yield
-    finally:
-        forces.follow(False)
-
-
-@runtime_checkable
-class HasSliders(Protocol):
-    """A force law with friction elements."""
+    @contextmanager
+    def following(self) -> Iterator[None]:
+        """While this lasts, the law starts from its last answer."""
+        self.follow(True)
+        try:
+            yield
+        finally:
+            self.follow(False)
 
     def stuck(self) -> AbstractContextManager[None]:
         """While this lasts, no slider slips."""
+        return nullcontext()
+
+    def blocks(self) -> Sequence[Block]:
+        """What the law is the sum of; empty if it is of one piece."""
+        return ()
+
+    def undisturbed(self) -> AbstractContextManager[None]:
+        """Calls while this lasts leave no trace in the law."""
+        return nullcontext()
+
+    def memory(self) -> Array:
+        """A copy of everything on which the next answer depends beside time and state, in one row."""
+        return np.zeros(0)
+
+    def recall(self, memory: Array) -> None:
+        """Put it back."""
 
 
-def stuck(forces: object) -> AbstractContextManager[None]:
-    """While this lasts, no slider of a law slips, if it has any."""
-    return forces.stuck() if isinstance(forces, HasSliders) else nullcontext()
+class FunctionLaw(ForceLaw):
+    """A law that is no more than a function."""
+
+    def __init__(self, function: Forces) -> None:
+        self._function = function
+
+    def __call__(self, t: float, q: Array, q_t: Array, out: Array) -> object:
+        return self._function(t, q, q_t, out)
 
 
 @dataclass(frozen=True)
@@ -122,38 +137,6 @@ def groups_in_a_row(own: Sequence[NDArray[np.intp]]) -> list[tuple[NDArray[np.in
     return [(np.array(columns), np.array(rows)) for columns, rows in groups if columns]
 
 
-@runtime_checkable
-class HasBlocks(Protocol):
-    """A force law that is the sum of blocks."""
-
-    def blocks(self) -> Sequence[Block]:
-        """What the law is the sum of."""
-
-    def undisturbed(self) -> AbstractContextManager[None]:
-        """Calls while this lasts leave no trace in the law."""
-
-
-def units_of(forces: ForceLaw) -> int:
-    """How many vehicles a law has in a row, each of which acts on its neighbours alone."""
-    return int(getattr(forces, "units", 1))
-
-
-def rails_of(forces: ForceLaw) -> int:
-    """How many of a law's last coordinates are displacements of rails."""
-    return int(getattr(forces, "rails", 0))
-
-
-def positions_of(forces: ForceLaw) -> int:
-    """How many of a law's last coordinates are positions, of axle boxes, twisted axles and rails: they count, unlike
-    those of dampers."""
-    return int(getattr(forces, "positions", 0))
-
-
-def sliders_of(forces: ForceLaw) -> NDArray[np.intp]:
-    """Places of a law's coordinates that belong to friction."""
-    return np.asarray(getattr(forces, "sliders", ()), dtype=np.intp)
-
-
 def force_derivative(
     forces: ForceLaw,
     q: Array,
@@ -168,14 +151,14 @@ def force_derivative(
 
     By differences of both at once: central ones, or forward ones, which cost half and do for Newton's method.
     """
-    n, rails, positions = len(q), rails_of(forces), positions_of(forces)
+    n, rails, positions = len(q), forces.rails, forces.positions
     dampers = slice(6 * bodies, n - positions)
     change, change_t = np.full(n, SMALL_EXTENSION), np.full(n, SMALL_RATE)
     change[: 6 * bodies] = np.tile([SMALL[name] for name in COORDINATES], bodies)
     change[n - rails :] = np.tile([SMALL["y"], SMALL["z"]], rails // 2)
     change[dampers] = np.inf  # these coordinates mean nothing, their rates are extensions
     change_t[dampers] = SMALL_EXTENSION
-    change_t[sliders_of(forces)] = SMALL_SLIP
+    change_t[forces.sliders] = SMALL_SLIP
     with np.errstate(divide="ignore"):
         step = np.minimum(change / abs(by_q), change_t / abs(by_q_t))
     step[~np.isfinite(step)] = SMALL_EXTENSION
@@ -183,9 +166,8 @@ def force_derivative(
     here, here_t = np.array(q, dtype=float), np.array(q_t, dtype=float)
     state, rate, up, down = here.copy(), here_t.copy(), np.zeros(n), np.zeros(n)
     forward, forward_t, span = by_q * step, by_q_t * step, (2.0 if central else 1.0) * step
-    law = forces if isinstance(forces, HasBlocks) else None
-    with nullcontext() if law is None else law.undisturbed():
-        for block in (Block.full(forces, n),) if law is None else law.blocks():
+    with forces.undisturbed():
+        for block in forces.blocks() or (Block.full(forces, n),):
             if not central:
                 block.forces(t, state, rate, down)
             for columns, rows in zip(block.columns, block.rows, strict=True):

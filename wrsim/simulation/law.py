@@ -7,25 +7,23 @@ from contextlib import AbstractContextManager, contextmanager
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wrsim.contact.arena import Arena, pack
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.core.body import friction, vehicle_forces
 from wrsim.core.body import wheel_forces as wheel_kernel
+from wrsim.core.jit.compiling import use_threads
 from wrsim.core.jit.stages import make_ready
 from wrsim.errors import SimulationError
-from wrsim.simulation.bodies import RigidBody, Solid, SolidBody
 from wrsim.simulation.force_law import Array, Block
-from wrsim.simulation.threads import use_threads
 from wrsim.simulation.vehicle_arrays import (
     RAIL_COORDINATES,
     Layout,
     arrays_of_wheels,
+    element_arrays,
     only_read,
     pieces_of_motion,
-    suspension_table,
     vehicle_arrays,
 )
 from wrsim.vehicle.loads import Drive
@@ -45,12 +43,9 @@ UNBOUNDED = 1e15
 SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
-class VehicleOnTrack:
-    """Generalised forces on a vehicle at any state; a ``ForceLaw``.
+class VehicleOnTrack(Layout):
+    """Generalised forces on a vehicle at any state.
 
-    ``units``: how many vehicles; ``bodies``: for ``System``, wheelsets first; ``dampers``: how many unknowns stand
-    behind their coordinates; where they stand, and ``size``, ``positions``, ``rails``, ``sliders``, ``gears`` and
-    ``twists``: see ``Layout``.
     After a call ``wheels[i]`` holds the contacts of wheelset i, ``records`` (elements, 6) force on the second body
     and travel of every element in the axes of its first body (of a strut along a line: tension and extension, in the
     places of x), ``axles`` what drive and brakes do to each wheelset (records AXLE of ``core.body.loads``),
@@ -77,26 +72,17 @@ class VehicleOnTrack:
         side by side; they change no bit. Raises InputError for more than there are.
         """
         drive = drive or vehicle.drive
-        self.vehicle, self.track, self.speed, self.start, self.drive = vehicle, track, speed, start, drive
-        self.profile = profile or SpeedProfile.constant(speed)
-        self.bodies: tuple[Solid, ...] = (
-            *(RigidBody.of(mounted) for mounted in vehicle.wheelsets),
-            *SolidBody.all_of(vehicle),
-        )
-        table = suspension_table(vehicle)
-        self.units = len(vehicle.units)
         self.elastic = track.elasticity if contacts else None
-        self.layout = layout = Layout.of(vehicle, len(self.bodies), table, self.elastic is not None)
-        self.size, self.dampers, self.positions, self.rails = (
-            layout.size, layout.dampers, layout.positions, layout.rails,
-        )  # fmt: skip
-        self.sliders, self.gears, self.twists = layout.sliders, layout.gears, layout.twists
+        table = element_arrays(vehicle)
+        super().__init__(vehicle, table, self.elastic is not None)
+        self.track, self.speed, self.start, self.drive = track, speed, start, drive
+        self.profile = profile or SpeedProfile.constant(speed)
         use_threads(threads)
         self._turns = wheel_kernel.IN_TURN if threads == 1 else wheel_kernel.SIDE_BY_SIDE
         make_ready(wheel_kernel.ONE_WHEEL, wheel_kernel.one_wheel)
         make_ready(self._turns, wheel_kernel.STAGES[self._turns])
         arrays = vehicle_arrays(
-            layout, track, self.bodies, table, drive=drive, gravity=vehicle.gravity if gravity is None else gravity,
+            self, track, table, drive=drive, gravity=vehicle.gravity if gravity is None else gravity,
             turns=self._turns, motion=pieces_of_motion(self.profile, start),
         )  # fmt: skip
         for mounted, models in zip(vehicle.wheelsets, contacts, strict=bool(contacts)):
@@ -153,7 +139,7 @@ class VehicleOnTrack:
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")
 
     def blocks(self) -> list[Block]:
-        """See ``HasBlocks``: everything but the contacts, and the contacts, each of them of one wheelset."""
+        """See ``ForceLaw``: everything but the contacts, and the contacts, each of them of one wheelset."""
         buffer, index, on_bodies = self.arena.buffer, self.arena.index, self.on_bodies
 
         def on_wheels(t: float, q: Array, q_t: Array, out: Array) -> None:
@@ -177,13 +163,9 @@ class VehicleOnTrack:
                 found.append(Block.apart(on_wheels, own))
         return found
 
-    def coordinates_of_units(self, alone: bool = False) -> list[NDArray[np.intp]]:
-        """Places in the state of what belongs to every vehicle of a train: see ``Layout.of_units``."""
-        return self.layout.of_units(self.elements, alone)
-
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
-        """See ``HasBlocks``."""
+        """See ``ForceLaw``."""
         before = [view.copy() for view in self._changing]
         asked, at = self._asked.copy(), self._asked_at
         try:
@@ -256,13 +238,13 @@ class VehicleOnTrack:
             load.s = at + vehicle.parts[load.body].centre[0] + load.at.x
 
     def follow(self, on: bool) -> None:
-        """From now on contacts start from those of the last state (in a run), or afresh. See ``Follows``."""
+        """From now on contacts start from those of the last state (in a run), or cold."""
         for wheels in self.wheels:
             for wheel in wheels:
                 wheel.model.arrays.follow(on)
 
     def memory(self) -> Array:
-        """What the next call starts from: it decides the last bits of the answer. See ``recorder.Remembers``."""
+        """What the next call starts from: it decides the last bits of the answer."""
         return np.concatenate(
             [self._units["s"], self._loads["s"]]
             + [[wheel.s for wheel in self._records_of_wheels]]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
-from wrsim.simulation.force_law import Array, ForceLaw, force_derivative, positions_of, sliders_of, stuck
+from wrsim.simulation.force_law import Array, ForceLaw, FunctionLaw, force_derivative
 
 
 @dataclass(frozen=True)
@@ -50,11 +50,11 @@ def linearise(forces: ForceLaw, bodies: Sequence[Solid], q: Array, q_t: Array, t
     def inertia(t: float, q: Array, q_t: Array, out: Array) -> None:
         out[:] = velocity_forces(bodies, q, q_t)
 
-    with stuck(forces):
+    with forces.stuck():
         stiffness, damping = (
-            force_derivative(inertia, q, q_t, len(bodies), t, *by)
+            force_derivative(FunctionLaw(inertia), q, q_t, len(bodies), t, *by)
             - force_derivative(forces, q, q_t, len(bodies), t, *by)
             for by in ((1.0, 0.0), (0.0, 1.0))
         )
-    sliders = tuple(sliders_of(forces).tolist())
-    return Linearised(mass_matrix(bodies, q), damping, stiffness, len(bodies), positions_of(forces), sliders)
+    sliders = tuple(forces.sliders.tolist())
+    return Linearised(mass_matrix(bodies, q), damping, stiffness, len(bodies), forces.positions, sliders)

@@ -1,15 +1,14 @@
 """Where the samples of a run go: into memory, or into a file from which a run that died goes on.
 
-The integrator hands over one row per sample. A ``FileRecorder`` writes them out whenever its block is full or
+The integrator hands over one row per sample. A ``Recorder`` writes them out whenever its block is full or
 ``FLUSH_INTERVAL`` has passed, together with a checkpoint: step number, state, and what the force law and the monitor
-remember. Checkpoints lie between the segments of a run (``integrate``): a process that dies loses that much wall time
+remember. Checkpoints lie between the segments of a run (``Integration``): a process that dies loses that much wall time
 and one segment, and the memory that sampling needs does not grow with the run. What a run remembers when it stops
 within a segment is kept as well, to be read; it goes on from the checkpoint before.
 
 A run that goes on from a checkpoint computes the same numbers, to the bit, as one that was never interrupted: the
 integrator's times are whole multiples of its step, it begins every segment anew (``System.solve``), its state is
-complete, and whatever survives a call of the law or the monitor is kept if they have ``memory()`` and ``recall()``
-(``Remembers``).
+complete, and whatever survives a call of the law or the monitor is kept (``Remembers``).
 """
 
 from __future__ import annotations
@@ -94,7 +93,7 @@ class Ending:
 
 
 class Recorder:
-    """Samples in memory. Rows are (time, q, q_t)."""
+    """Samples, rows (time, q, q_t), in memory; or in a file with checkpoints, see the module."""
 
     checkpoint: Checkpoint | None = None
     """Where to go on; None at the beginning of a run."""
@@ -105,64 +104,23 @@ class Recorder:
     ending: Ending | None = None
     """Of a run that is over already."""
 
-    name = ""
-    """Of the file that holds it, if any."""
-
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int, file: RunFile | None = None) -> None:
         """size: number of coordinates."""
-        self.size = size
+        self.size, self.file = size, file
         self._block = np.zeros((BLOCK, 1 + 2 * size))
         self._used = 0
         self._kept: list[Array] = []
-
-    def sample(self, t: float, q: Array, q_t: Array) -> None:
-        """Keep one row."""
-        if self._used == BLOCK:
-            self.flush(None)
-        row = self._block[self._used]
-        row[0] = t
-        row[1 : 1 + self.size] = q
-        row[1 + self.size :] = q_t
-        self._used += 1
-
-    def due(self) -> bool:
-        """True when the integrator should give a checkpoint to ``flush``."""
-        return False
-
-    def flush(self, checkpoint: Checkpoint | None, goes_on: bool = True) -> None:
-        """Put the waiting rows away; checkpoint: of the last step, if it is known; goes_on: whether a run may go on
-        from it."""
-        if self._used:
-            self._kept.append(self._block[: self._used].copy())
-        self._used = 0
-
-    def end(self, ending: Ending) -> None:
-        """The run is over."""
-        self.flush(None)
-
-    def rows(self) -> Array:
-        """All samples (n, 1 + 2 size)."""
-        self.flush(None)
-        return np.concatenate(self._kept) if self._kept else np.zeros((0, 1 + 2 * self.size))
-
-
-class FileRecorder(Recorder):
-    """Samples and checkpoints in a file; see the module."""
-
-    def __init__(self, file: RunFile, size: int) -> None:
-        super().__init__(size)
-        self._file, self.name = file, str(file.path)
         self._flushed = time.perf_counter()
 
     @classmethod
-    def create(cls, path: str | Path, header: dict[str, Any], size: int) -> FileRecorder:
+    def create(cls, path: str | Path, header: dict[str, Any], size: int) -> Recorder:
         """Start the file of a new run; header: what the reader needs to know of it."""
         file = RunFile(path)
         file.begin(header | {"size": size})
-        return cls(file, size)
+        return cls(size, file)
 
     @classmethod
-    def continued(cls, path: str | Path) -> FileRecorder:
+    def continued(cls, path: str | Path) -> Recorder:
         """Go on with a file: from its last checkpoint, or with nothing but its ``ending`` to tell.
 
         A run that the user has interrupted goes on. Raises ``InputError`` when there is nothing to go on from.
@@ -178,38 +136,62 @@ class FileRecorder(Recorder):
         except BaseException:
             file.close()
             raise
-        recorder = cls(file, recorded.size)
+        recorder = cls(recorded.size, file)
         recorder.checkpoint, recorder.last = recorded.checkpoint, recorded.last
         recorder.ending = recorded.ending if over else None
         return recorder
 
+    @property
+    def name(self) -> str:
+        """Of the file that holds it, if any."""
+        return "" if self.file is None else str(self.file.path)
+
+    def sample(self, t: float, q: Array, q_t: Array) -> None:
+        """Keep one row."""
+        if self._used == BLOCK:
+            self.flush(None)
+        row = self._block[self._used]
+        row[0] = t
+        row[1 : 1 + self.size] = q
+        row[1 + self.size :] = q_t
+        self._used += 1
+
     def due(self) -> bool:
-        """See ``Recorder``."""
-        return self._used == BLOCK or time.perf_counter() - self._flushed >= FLUSH_INTERVAL
+        """True when the integrator should give a checkpoint to ``flush``."""
+        full = self._used == BLOCK or time.perf_counter() - self._flushed >= FLUSH_INTERVAL
+        return self.file is not None and full
 
     def flush(self, checkpoint: Checkpoint | None, goes_on: bool = True) -> None:
-        """Write the waiting rows and the checkpoint as one record."""
+        """Put the waiting rows away, in a file with the checkpoint of the last step, if it is known, as one record.
+
+        goes_on: whether a run may go on from it."""
         rows, self._flushed = self._block[: self._used], time.perf_counter()
-        if checkpoint is not None:
+        if self.file is None:
+            self._kept.append(rows.copy())
+        elif checkpoint is not None:
             about = {"rows": self._used, "step": checkpoint.step, "goes_on": goes_on}
-            self._file.append(about, rows, checkpoint.q, checkpoint.q_t, checkpoint.memory)
+            self.file.append(about, rows, checkpoint.q, checkpoint.q_t, checkpoint.memory)
         elif self._used:
-            self._file.append({"rows": self._used}, rows)
+            self.file.append({"rows": self._used}, rows)
         self._used = 0
 
     def end(self, ending: Ending) -> None:
-        """See ``Recorder``."""
+        """The run is over."""
         self.flush(None)
-        self._file.append(asdict(ending))
+        if self.file is not None:
+            self.file.append(asdict(ending))
 
     def rows(self) -> Array:
-        """See ``Recorder``."""
+        """All samples (n, 1 + 2 size)."""
         self.flush(None)
-        return Recording.of(self._file.path, self._file.records()).rows
+        if self.file is not None:
+            return Recording.of(self.file.path, self.file.records()).rows
+        return np.concatenate(self._kept)
 
     def close(self) -> None:
         """Close the file; it stays."""
-        self._file.close()
+        if self.file is not None:
+            self.file.close()
 
 
 @dataclass(frozen=True)

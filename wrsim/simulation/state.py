@@ -18,7 +18,7 @@ from wrsim.core.linalg import Vec
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import inertia_table
 from wrsim.simulation.design import design_state, turn_gears
-from wrsim.simulation.force_law import ForceLaw, following, groups_in_a_row
+from wrsim.simulation.force_law import Forces, groups_in_a_row
 from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, newton, relax, roots
 from wrsim.simulation.system import COORDINATES, Array
 
@@ -188,7 +188,7 @@ class SteadyMotion:
         """The same but for what contacts do: of bodies, no wheelsets, that is all."""
         return self._left(x, self.law.on_bodies)
 
-    def _left(self, x: Array, forces: ForceLaw) -> Array:
+    def _left(self, x: Array, forces: Forces) -> Array:
         n = len(self.inertia)
         q, q_t, turning = self._state(x)
         forces(0.0, q, q_t, self._out)
@@ -256,7 +256,7 @@ def steady_state(
         first = _place_bodies(steady, x, max_iterations)
         # derivatives from one contact to the next, residuals afresh: the answer does not hang on the way to it
         x, left, iterations = newton(
-            steady.residual, x, steady.small, goal, max_iterations, slope, lambda: following(near or law),
+            steady.residual, x, steady.small, goal, max_iterations, slope, (near or law).following,
             steady.apart, steady.difference,
         )  # fmt: skip
     largest = float(np.max(np.abs(left)))
@@ -277,9 +277,7 @@ def relaxed_state(law: VehicleOnTrack, guess: tuple[Array, Array]) -> Equilibriu
     x = steady.unknowns(q, q_t)
     with law.settled(steady.slips):
         _place_bodies(steady, x, MOST_STEPS)
-        x, largest = relax(
-            steady.residual, x, steady.small, AT_FLANGES, MOST_STEPS, steady.rolled, lambda: following(law)
-        )
+        x, largest = relax(steady.residual, x, steady.small, AT_FLANGES, MOST_STEPS, steady.rolled, law.following)
     q, q_t = steady.state(x)
     return Equilibrium(q, q_t, largest, MOST_STEPS)
 

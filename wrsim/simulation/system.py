@@ -23,8 +23,8 @@ from scipy.sparse import csr_matrix
 
 from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import SimulationError
-from wrsim.simulation.bodies import RigidBody, Solid
-from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, force_derivative, units_of
+from wrsim.simulation.bodies import Solid
+from wrsim.simulation.force_law import COORDINATES, Array, ForceLaw, Forces, FunctionLaw, force_derivative
 from wrsim.simulation.implicit import CONTRACTION, SPECTRAL_RADIUS, ImplicitStep, Integrator, NotSolved
 
 if not hasattr(sys, "exudynFast") and not os.environ.get("EXUDYN_MODULE"):
@@ -33,7 +33,7 @@ with contextlib.redirect_stdout(io.StringIO()):  # it announces which module it 
     import exudyn
     from exudyn import itemInterface as items
 
-__all__ = ["COORDINATES", "Array", "ForceLaw", "NotFinite", "RigidBody", "System", "Work"]
+__all__ = ["COORDINATES", "Array", "ForceLaw", "NotFinite", "System", "Work"]
 
 SPAN = 1 << 20
 """Steps that Exudyn is asked for at once; it is stopped after half of them, or sooner."""
@@ -93,13 +93,13 @@ class System:
     with its square or cube.
     """
 
-    def __init__(self, bodies: Sequence[Solid], forces: ForceLaw, dampers: int = 0) -> None:
-        """dampers: how many in series with a spring, each with an unknown of its own (``core.body.vehicle_forces``)."""
+    def __init__(self, bodies: Sequence[Solid], forces: ForceLaw | Forces) -> None:
         self.bodies = tuple(bodies)
-        self.forces = forces
+        self.forces = forces if isinstance(forces, ForceLaw) else FunctionLaw(forces)
+        dampers = self.forces.dampers
         self.size = 6 * len(self.bodies) + dampers
         self.work = Work()
-        self.sparse = units_of(forces) > 1
+        self.sparse = self.forces.units > 1
         self._error: BaseException | None = None
         self._newton: ImplicitStep | None = None
         self._clock = (0.0, 1.0, 0)

@@ -3,7 +3,6 @@ and where every unknown is in its state."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +16,8 @@ from wrsim.core.body import wheel_forces as wheel_kernel
 from wrsim.core.body.suspension import ELEMENT
 from wrsim.core.contact.arrays import TABLES as TABLES_OF_A_WHEEL
 from wrsim.core.linalg import BODY
+from wrsim.simulation.bodies import bodies_of
+from wrsim.simulation.force_law import Array, ForceLaw
 from wrsim.vehicle.bogies import holders_of
 from wrsim.vehicle.elements import Tables
 from wrsim.vehicle.preload import normal_loads, preloads
@@ -24,7 +25,6 @@ from wrsim.vehicle.preload import normal_loads, preloads
 if TYPE_CHECKING:
     from wrsim.contact.model import ContactModel
     from wrsim.geometry.track.track import Track
-    from wrsim.simulation.bodies import Solid
     from wrsim.vehicle.loads import Drive, LoadAxes, Over
     from wrsim.vehicle.speed import SpeedProfile
     from wrsim.vehicle.vehicle import Vehicle
@@ -34,9 +34,9 @@ RAIL_COORDINATES = vehicle_forces.RAIL_COORDINATES
 """Displacements of the rails under one wheelset."""
 
 
-@dataclass(frozen=True)
-class Layout:
-    """Six coordinates a body, wheelsets first, then ``dampers`` unknowns, ``size`` in all.
+class Layout(ForceLaw):
+    """Where every unknown is in the state of a vehicle: six coordinates a body, wheelsets first, then ``dampers``
+    unknowns, ``size`` in all.
 
     The last ``positions`` of them are positions: the pitch of the axle boxes, then the twist of axles whose wheels turn
     against each other (``twists``, their places by wheelset), then ``rails`` displacements of the rails under the
@@ -44,52 +44,43 @@ class Layout:
     of its geared motor's hollow axle; its rate stands behind it.
     """
 
-    vehicle: Vehicle
-    bodies: int
-    size: int
-    dampers: int
-    positions: int
-    rails: int
-    sliders: NDArray[np.intp]
-    gears: dict[int, int]
-    twists: dict[int, int]
+    elements: NDArray[np.record]
+    """Records ELEMENT."""
 
-    @classmethod
-    def of(cls, vehicle: Vehicle, bodies: int, table: SuspensionTable, elastic: bool) -> Layout:
-        """bodies: how many; elastic: whether the rails under the wheels move."""
-        rails = RAIL_COORDINATES * len(vehicle.wheelsets) if elastic else 0
+    def __init__(self, vehicle: Vehicle, table: ElementArrays, elastic: bool) -> None:
+        """elastic: whether the rails under the wheels move."""
+        self.vehicle, self.bodies, self.units = vehicle, bodies_of(vehicle), len(vehicle.units)
         twisting = [i for i, mounted in enumerate(vehicle.wheelsets) if mounted.wheelset.torsion is not None]
-        positions = len(vehicle.boxes) + len(twisting) + rails
-        dampers = table.states + 2 * len(vehicle.drives) + positions
-        size = 6 * bodies + dampers
-        first = size - positions - 2 * len(vehicle.drives)
-        return cls(
-            vehicle, bodies, size, dampers, positions, rails,
-            sliders=6 * bodies + np.array(table.slips, dtype=np.intp),
-            gears={vehicle.index(d.wheelset): first + 2 * j for j, d in enumerate(vehicle.drives)},
-            twists={wheelset: size - rails - len(twisting) + j for j, wheelset in enumerate(twisting)},
-        )  # fmt: skip
+        self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if elastic else 0
+        self.positions = len(vehicle.boxes) + len(twisting) + self.rails
+        self.dampers = table.states + 2 * len(vehicle.drives) + self.positions
+        self.size = size = 6 * len(self.bodies) + self.dampers
+        first = size - self.positions - 2 * len(vehicle.drives)
+        self.sliders = 6 * len(self.bodies) + np.array(table.slips, dtype=np.intp)
+        self.gears = {vehicle.index(d.wheelset): first + 2 * j for j, d in enumerate(vehicle.drives)}
+        self.twists = {wheelset: size - self.rails - len(twisting) + j for j, wheelset in enumerate(twisting)}
 
-    def of_units(self, elements: NDArray[np.record], alone: bool = False) -> list[NDArray[np.intp]]:
+    def coordinates_of_units(self, alone: bool = False) -> list[NDArray[np.intp]]:
         """Places of what belongs to every vehicle of a train, what lies between two to that ahead, rails under the
         wheels left out; alone: in the order of a law of that vehicle alone, with these rails, without the unknowns of
-        couplings. elements: records ELEMENT.
+        couplings.
         """
+        bodies = len(self.bodies)
         boxes = [wheelset for wheelset, _ in self.vehicle.boxes.values()]
-        unit_of = np.zeros(self.bodies + vehicle_forces.FRAMES + len(boxes), dtype=int)
+        unit_of = np.zeros(bodies + vehicle_forces.FRAMES + len(boxes), dtype=int)
         for k, unit in enumerate(self.vehicle.units):
             unit_of[list(unit.parts)] = k
-        unit_of[self.bodies + vehicle_forces.FRAMES :] = unit_of[boxes]
+        unit_of[bodies + vehicle_forces.FRAMES :] = unit_of[boxes]
         owner = np.full(self.size, -1)
-        owner[: 6 * self.bodies] = np.repeat(unit_of[: self.bodies], 6)
-        for row in elements:
+        owner[: 6 * bodies] = np.repeat(unit_of[:bodies], 6)
+        for row in self.elements:
             if alone and unit_of[row.first] != unit_of[row.second]:
                 continue
             places = [row.state] if row.state >= 0 else []
             if row.slider != friction.NO_SLIDER:
                 count = 3 if row.slider == friction.BERG else 2 if row.kind == suspension.PLANE else 1
                 places += range(row.slip, row.slip + count)
-            owner[6 * self.bodies + np.array(places, dtype=int)] = unit_of[row.first]
+            owner[6 * bodies + np.array(places, dtype=int)] = unit_of[row.first]
         first = self.size - self.positions
         owner[first : first + len(boxes)] = unit_of[boxes]
         for wheelset, place in self.twists.items():
@@ -102,7 +93,7 @@ class Layout:
 
 
 @dataclass(frozen=True)
-class SuspensionTable:
+class ElementArrays:
     """elements, (m,) records ELEMENT, tables (., 2), how many unknowns dampers and sliders have, and the numbers of
     those of sliders."""
 
@@ -112,7 +103,7 @@ class SuspensionTable:
     slips: tuple[int, ...]
 
 
-def suspension_table(vehicle: Vehicle) -> SuspensionTable:
+def element_arrays(vehicle: Vehicle) -> ElementArrays:
     """Tables of all elements, with the preloads that hold the vehicle in its design position."""
     rows = np.zeros(len(vehicle.elements), ELEMENT)
     rows["state"] = rows["normal"] = -1
@@ -127,10 +118,8 @@ def suspension_table(vehicle: Vehicle) -> SuspensionTable:
         element.write(row, preload.force, tables)
         if normal is not None:
             row.normal, row.load = normal
-    return SuspensionTable(rows, np.array(tables.rows or [(0.0, 0.0)]), tables.unknowns, tuple(tables.slips))
+    return ElementArrays(rows, np.array(tables.rows or [(0.0, 0.0)]), tables.unknowns, tuple(tables.slips))
 
-
-Array = NDArray[np.float64]
 
 DRIVES: tuple[Drive, ...] = ("free", "train", "wheels")
 """In the order of their numbers in ``core.body.loads``."""
@@ -143,8 +132,7 @@ OVER: tuple[Over, ...] = ("time", "distance")
 def vehicle_arrays(
     layout: Layout,
     track: Track,
-    bodies: Sequence[Solid],
-    table: SuspensionTable,
+    table: ElementArrays,
     *,
     drive: Drive,
     gravity: float,
@@ -157,7 +145,7 @@ def vehicle_arrays(
     ``pieces_of_motion``.
     """
     vehicle = layout.vehicle
-    frames = len(bodies) + vehicle_forces.FRAMES + len(vehicle.boxes)
+    frames = len(layout.bodies) + vehicle_forces.FRAMES + len(vehicle.boxes)
     first = layout.size - layout.positions
     loads, load_tables = _loads(vehicle)
     efforts, effort_tables = _efforts(vehicle)
@@ -166,7 +154,7 @@ def vehicle_arrays(
     boxes = [(box.inertia[1], box.y, w, first + j) for j, (w, box) in enumerate(vehicle.boxes.values())]
     return [
         _whole(layout, track, drive, gravity, turns),
-        _parts(layout, bodies),
+        _parts(layout),
         np.zeros(frames, BODY),
         np.zeros(frames, suspension.WRENCH),
         table.elements,
@@ -226,11 +214,11 @@ def _whole(layout: Layout, track: Track, drive: Drive, gravity: float, turns: in
     return found
 
 
-def _parts(layout: Layout, bodies: Sequence[Solid]) -> NDArray[np.record]:
+def _parts(layout: Layout) -> NDArray[np.record]:
     """Records of the bodies, wheelsets first."""
-    found = np.zeros(len(bodies), vehicle_forces.PART)
+    found = np.zeros(len(layout.bodies), vehicle_forces.PART)
     wheelsets = layout.vehicle.wheelsets
-    for i, (row, body) in enumerate(zip(found, bodies, strict=True)):
+    for i, (row, body) in enumerate(zip(found, layout.bodies, strict=True)):
         row.mass, row.wheelset, row.twist = body.mass, i if i < len(wheelsets) else -1, layout.twists.get(i, -1)
         if i < len(wheelsets) and (torsion := wheelsets[i].wheelset.torsion) is not None:
             row.twist_inertia, row.twist_stiffness, row.twist_damping = (

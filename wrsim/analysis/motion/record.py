@@ -22,7 +22,7 @@ from wrsim.inputs.toml_files import parse_toml, read_bytes, shown
 from wrsim.results import versions
 from wrsim.results.run_file import run_header
 from wrsim.scenario.loading import load_text
-from wrsim.simulation.recorder import FileRecorder
+from wrsim.simulation.recorder import Recorder
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -59,12 +59,12 @@ class RunRecord:
         """Time step of the run that goes on [s]."""
         return float(run_header(self.path)["step_s"])
 
-    def recorder(self, integrator: str, step: float, size: int) -> FileRecorder:
+    def recorder(self, integrator: str, step: float, size: int) -> Recorder:
         """The file, to be written on: from its last checkpoint, or anew. step [s]; size: number of coordinates."""
         if self.resume:
-            return FileRecorder.continued(self.path)
+            return Recorder.continued(self.path)
         of_run = {"integrator": integrator, "step_s": step, "start_s": 0.0}
-        return FileRecorder.create(self.path, self.header | of_run, size)
+        return Recorder.create(self.path, self.header | of_run, size)
 
 
 def _same_run(path: Path, now: dict[str, Any]) -> None:

@@ -19,7 +19,7 @@ from wrsim.analysis.motion.start import start_state
 from wrsim.analysis.progress import Progress
 from wrsim.errors import InputError, SimulationError
 from wrsim.geometry.track.segments import Straight
-from wrsim.simulation.integrate import SEGMENT, integrate, recorded_motion
+from wrsim.simulation.integrate import SEGMENT, Integration, recorded_motion
 from wrsim.simulation.step import (
     LARGEST_STEP,
     LARGEST_STEP_UNEVEN,
@@ -69,7 +69,7 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
     there is no steady motion to start from.
     """
     law = force_law(setup)
-    system = System(law.bodies, law, law.dampers)
+    system = System(law.bodies, law)
     if record is not None and record.resume:
         step = record.recorded_step()
         q = q_t = np.zeros(system.size)  # the file knows better
@@ -83,12 +83,12 @@ def run_in_time(setup: Setup[RunPlan], progress: Progress | None = None, record:
     with nullcontext() if record is None else closing(record.recorder(plan.integrator, step, system.size)) as recorder:
         # whole steps, so that the run does not pass the end of the track
         duration = step * max(1, int(plan.duration / step + 1e-6))
-        motion = integrate(
-            system, q, q_t, duration=duration, step=step, integrator=plan.integrator, weight=law.vehicle.weight,
+        motion = Integration(
+            system, duration=duration, step=step, integrator=plan.integrator, weight=law.vehicle.weight,
             sample_interval=plan.output_interval, monitor=monitor, monitor_interval=monitor.interval,
             segment=SEGMENT if setup.contact.fast() == setup.contact else SEGMENT_EXACT, progress=progress,
             recorder=recorder,
-        )  # fmt: skip
+        ).run(q, q_t)  # fmt: skip
     return result_of(setup, law, motion, monitor.events(), None if record is None else record.path.parent)
 
 
@@ -138,7 +138,7 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
     near = replace(setup, contact=setup.contact.fast(), vehicle=setup.vehicle.loaded_as_at(plan.start))
     if near.contact != setup.contact:
         law = force_law(near)
-    limit = stable_step(System(law.bodies, law, law.dampers), q, q_t)
+    limit = stable_step(System(law.bodies, law), q, q_t)
     if plan.step is not None:
         if plan.step > limit:
             raise StepTooLong(plan.step, limit, plan.speed)
@@ -148,7 +148,7 @@ def _stable_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Arra
         straight, contact = setup.track.relaid([Straight(100.0)]), contact_at(near, plan.start)
         level = replace(near, track=straight, contact=contact, plan=replace(slowest, start=30.0))
         law = force_law(level)
-        limit = min(limit, stable_step(System(law.bodies, law, law.dampers), *start_state(level, law)))
+        limit = min(limit, stable_step(System(law.bodies, law), *start_state(level, law)))
     largest = LARGEST_STEP_UNEVEN if setup.track.is_uneven else LARGEST_STEP
     step = round_step(min(SAFETY * limit, plan.output_interval), largest)
     usual = min(step_for_speed(slowest.speed), plan.output_interval)

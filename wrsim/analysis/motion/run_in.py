@@ -15,7 +15,7 @@ from wrsim.analysis.contacts import contact_at, force_law, held_by
 from wrsim.analysis.motion.messages import NoSteadyMotion, RunInStopped
 from wrsim.core.track import path as path_kernels
 from wrsim.geometry.track.segments import Arc, Straight, Transition
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.step import implicit_step
 from wrsim.simulation.system import System
 
@@ -113,13 +113,12 @@ def _run(
     """Run as ``there`` says: the law of forces, and the state at the end."""
     law = force_law(there, drive=held_by(there))
     q, q_t = start_of(there, law)
-    system = System(law.bodies, law, law.dampers)
+    system = System(law.bodies, law)
     step, weight = implicit_step(there.plan.speed, SAMPLES), there.vehicle.weight
     way = there.plan.end - there.plan.start
-    motion = integrate(
-        system, q, q_t, duration=there.plan.duration, step=step, weight=weight, sample_interval=SAMPLES,
+    motion = Integration(system, duration=there.plan.duration, step=step, weight=weight, sample_interval=SAMPLES,
         progress=lambda part, _: LOGGER.info("steady motion at the start: runs in, %.0f of %.0f m", part * way, way),
-    )  # fmt: skip
+    ).run(q, q_t)  # fmt: skip
     if motion.status != "completed":
         raise NoSteadyMotion(RunInStopped(motion.reason))
     law.look_near(there.plan.end)

@@ -18,7 +18,7 @@ import numpy as np
 from wrsim.analysis.motion.derailment import contact_words
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.stability.rolling import PLACE, RollingVehicle
-from wrsim.simulation.integrate import integrate
+from wrsim.simulation.integrate import Integration
 from wrsim.simulation.step import implicit_step
 from wrsim.simulation.system import System
 
@@ -79,7 +79,7 @@ class CycleSearch:
         """report: called with the speed [m/s] whenever one has been held."""
         self.rolling, self.plan, self.report = rolling, plan, report
         law = rolling.law
-        self.system = System(law.bodies, law, law.dampers)
+        self.system = System(law.bodies, law)
         self.wheelsets = len(law.vehicle.wheelsets)
         self.radii = np.array([m.wheelset.mean_radius for m in law.vehicle.wheelsets])
         self.found: list[Cycle] = []
@@ -137,10 +137,10 @@ class CycleSearch:
             q = self._moved_back(q)
             law.look_near(PLACE)
             monitor = Monitor(law, speed, self.system.work)
-            motion = integrate(
-                self.system, q, q_t, duration=plan.window, step=implicit_step(speed, SAMPLES), sample_interval=SAMPLES,
+            motion = Integration(
+                self.system, duration=plan.window, step=implicit_step(speed, SAMPLES), sample_interval=SAMPLES,
                 weight=law.vehicle.weight, monitor=monitor, monitor_interval=monitor.interval,
-            )  # fmt: skip
+            ).run(q, q_t)  # fmt: skip
             if motion.cause == "interrupt":
                 raise Interrupted
             held += motion.end

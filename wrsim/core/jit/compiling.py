@@ -32,6 +32,7 @@ from numba.core.environment import lookup_environment
 from numba.core.registry import CPUDispatcher
 
 from wrsim.core.jit.cache import CACHE, CONFIG, KernelCache
+from wrsim.errors import InputError
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -202,11 +203,17 @@ def cores() -> int:
 
 
 def use_threads(count: int) -> None:
-    """From now on parallel kernels of this process run on so many threads. Raises ImportError without OpenMP.
+    """From now on parallel kernels of this process run on so many threads. Raises InputError where they cannot.
 
     OpenMP waits awake: handing work over and back costs 1.4 us, where numba's own queue of work takes some 140.
     """
+    if not 1 <= count <= cores():
+        raise InputError(f"threads: must be a whole number from 1 to {cores()}, the cores of this machine, not {count}")
     if count > 1 and not CONFIG.DISABLE_JIT:
-        importlib.import_module("numba.np.ufunc.omppool")
+        try:
+            importlib.import_module("numba.np.ufunc.omppool")
+        except ImportError:
+            needed = f"threads: {count} need OpenMP (Debian's libgomp1), which is not here; 1 needs none"
+            raise InputError(needed) from None
         CONFIG.THREADING_LAYER = "omp"
         numba.set_num_threads(count)
