@@ -25,7 +25,7 @@ from wrsim.errors import SimulationError
 from wrsim.results import Result
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
-from wrsim.simulation.design import design_state
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import lower_on_rails
 from wrsim.simulation.system import Work
 

@@ -13,7 +13,7 @@ from support.vehicles import COARSE, ROOT, manchester
 from wrsim.analysis import run
 from wrsim.results import Result
 from wrsim.scenario.loading import load
-from wrsim.simulation.design import design_state
+from wrsim.simulation.placement import design_state
 from wrsim.vehicle.elements import TRACK, Element, PlaneFriction, Slider, Strut
 
 SPEEDING = {"time_s_speed_kmh": [[0.1, 54], [0.9, 60], [2.4, 60]]}

@@ -17,8 +17,8 @@ from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
-from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.placement import design_state
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.preload import preloads
 from wrsim.vehicle.vehicle import Vehicle

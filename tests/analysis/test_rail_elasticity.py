@@ -14,7 +14,7 @@ from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import RailElasticity
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load_text
-from wrsim.simulation.design import design_state
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import lower_on_rails, steady_state
 from wrsim.simulation.step import eigenvalues
 

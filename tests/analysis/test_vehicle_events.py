@@ -15,7 +15,7 @@ from wrsim.plots import standard_figures
 from wrsim.plots.style import save
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
-from wrsim.simulation.design import design_state
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import lower_on_rails
 
 CARBODY, FRONT_FRAME = 4, 5

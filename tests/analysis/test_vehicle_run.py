@@ -9,7 +9,7 @@ import pytest
 from support.vehicles import ROOT, SHORT, into_the_curve, manchester
 
 from wrsim.analysis import run
-from wrsim.analysis.motion.run_in import straight_before
+from wrsim.analysis.motion.start import straight_before
 from wrsim.errors import InputError
 from wrsim.results import CHANNELS, Result
 from wrsim.results.tables import tables

@@ -19,7 +19,7 @@ from support.synthetic_result import curve_run, static_poses
 
 from wrsim.analysis import run
 from wrsim.analysis.moments_along import with_moments
-from wrsim.analysis.motion.derailment import Wheel
+from wrsim.analysis.motion.derailment import WatchedWheel
 from wrsim.contact.status import WORDS
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED
 from wrsim.errors import InputError
@@ -96,7 +96,7 @@ def test_what_contacts_solved_again_have_to_say_stands_among_the_notes(
     assert setup is not None
     assert with_moments(coach.dataset, setup, [40]).attrs["contact_remark"] == ""
     monkeypatch.setattr(
-        Wheel, "status", property(lambda wheel: STATUS_NOT_CONVERGED * (wheel.wheelset == "front.outer"))
+        WatchedWheel, "status", property(lambda wheel: STATUS_NOT_CONVERGED * (wheel.wheelset == "front.outer"))
     )
     monkeypatch.setattr("wrsim.report.view_data.SECTIONS", 2)
     (note,) = view_data(coach, setup)["notes"]

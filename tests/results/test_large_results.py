@@ -19,8 +19,8 @@ from wrsim.results import Result, netcdf, write_run
 from wrsim.results.tables import write_table
 from wrsim.scenario.build import Setup
 from wrsim.simulation import recorder
-from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import Integration, Motion, recorded_motion
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.recorder import Recorder
 from wrsim.simulation.system import System
 

@@ -8,9 +8,8 @@ from support.vehicles import shipped
 
 from wrsim.geometry.track.segments import Arc, Straight
 from wrsim.geometry.track.track import Track
-from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.placement import poses_on_track
+from wrsim.simulation.placement import design_state, poses_on_track
 from wrsim.vehicle.bogies import wheelsets_beneath
 
 START = 60.0

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from support.knife_edge import KnifeEdge, KnifeEdgeForces, example_wheelset
 
-from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.newton import newton
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import NotCarried, Unbalanced, lower_on_rails, steady_state
 from wrsim.simulation.system import COORDINATES
 

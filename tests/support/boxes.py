@@ -12,10 +12,10 @@ from support.vehicles import manchester
 from wrsim.core.body import vehicle_forces
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
-from wrsim.simulation.design import design_state
 from wrsim.simulation.implicit import Integrator
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import System
 from wrsim.vehicle.elements import TRACK, Element, PlaneFriction, Slider, Spring, Strut, Triple
 from wrsim.vehicle.vehicle import Body, Vehicle

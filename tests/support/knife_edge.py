@@ -30,9 +30,9 @@ from wrsim.core.track.path import frame_at, locate
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
-from wrsim.simulation.design import design_state
 from wrsim.simulation.force_law import Block
 from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import Equilibrium
 from wrsim.simulation.system import COORDINATES, System
 from wrsim.vehicle.loads import Load

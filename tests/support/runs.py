@@ -22,10 +22,9 @@ from wrsim.geometry.track.track import Track
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.simulation.bodies import Solid
-from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.placement import TrackPoses, poses_on_track
+from wrsim.simulation.placement import TrackPoses, design_state, poses_on_track
 from wrsim.simulation.state import Equilibrium
 from wrsim.simulation.step import SAFETY, round_step, stable_step
 from wrsim.simulation.system import System

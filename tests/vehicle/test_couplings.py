@@ -11,12 +11,12 @@ from support.boxes import displaced, moment_kept, on_springs
 from support.vehicles import coaches, manchester
 
 from wrsim.analysis.motion.messages import Event, event_words
-from wrsim.simulation.design import design_state
 from wrsim.simulation.force_law import Block, force_derivative
 from wrsim.simulation.integrate import Integration, Motion
 from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import System
-from wrsim.vehicle.couplings import Between, CentreCouplerTable, CouplingTable, ScrewCouplingTable
+from wrsim.vehicle.couplings import CentreCouplerTable, CouplingTable, Gap, ScrewCouplingTable
 from wrsim.vehicle.elements import TRACK, Spring
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import Body, Coupling, Member, Vehicle
@@ -48,7 +48,7 @@ def wagons(coupling: CouplingTable, masses: tuple[float, ...] = (MASS, MASS), la
     joints = [
         element
         for k in range(len(masses) - 1)
-        for element in coupling.elements(Between(f"{k}-{k + 1}", f"wagon{k}", f"wagon{k + 1}", -pitch * (k + 0.5)))
+        for element in coupling.elements(Gap(f"{k}-{k + 1}", f"wagon{k}", f"wagon{k + 1}", -pitch * (k + 0.5)))
     ]
     return replace(
         manchester(), wheelsets=manchester().wheelsets[:1], bodies=tuple(bodies), elements=(*rails, *joints), points=(),

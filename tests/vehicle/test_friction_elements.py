@@ -12,13 +12,13 @@ from support.boxes import AT, FIXED, MASS, box, displaced, in_plane, motion, on_
 
 from wrsim.core.body.friction import STUCK
 from wrsim.errors import InputError
-from wrsim.simulation.design import design_state
 from wrsim.simulation.force_law import force_derivative
 from wrsim.simulation.implicit import Integrator
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
 from wrsim.simulation.modes import natural_modes
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import System
 from wrsim.vehicle.elements import TRACK, Element, Normal, Slider, Strut, Triple
 from wrsim.vehicle.loads import Load

@@ -13,9 +13,9 @@ from support.vehicle_texts import GOOD
 from support.vehicles import read_vehicle
 
 from wrsim.errors import InputError
-from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.modes import natural_modes
+from wrsim.simulation.placement import design_state
 from wrsim.vehicle.elements import KINDS, TRACK, BilinearSpring, Slider, Strut
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Joint
 

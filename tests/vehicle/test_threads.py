@@ -14,7 +14,7 @@ from wrsim.analysis.contacts import force_law
 from wrsim.errors import InputError
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import load
-from wrsim.simulation.design import design_state
+from wrsim.simulation.placement import design_state
 
 SCENARIO = ROOT / "scenarios/manchester_r300.toml"
 

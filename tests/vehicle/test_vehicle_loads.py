@@ -13,8 +13,8 @@ from wrsim.analysis.stationary.statics import static_state
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Arc
 from wrsim.geometry.track.track import Track
-from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.placement import design_state
 from wrsim.vehicle.loads import Load, Payload
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY

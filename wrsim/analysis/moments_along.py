@@ -16,13 +16,12 @@ import numpy as np
 
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import contact_words, wheels_of
-from wrsim.analysis.motion.result import stacked
+from wrsim.analysis.motion.result import stack_wheelsets
 from wrsim.contact.channels import StripRecorder
 from wrsim.errors import InputError, SimulationError
 from wrsim.results import CHANNELS
 from wrsim.results.wheelsets import wheelsets
-from wrsim.simulation.design import design_state
-from wrsim.simulation.placement import place_on_track
+from wrsim.simulation.placement import design_state, place_on_track
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,7 +87,7 @@ def with_moments(dataset: xr.Dataset, setup: Setup[RunPlan], samples: Sequence[i
         kept.append(i)
     if not kept:
         raise InputError("no sample of the result has a place on the track of its scenario")
-    found = stacked([recorder.channels() for recorder in recorders])
+    found = stack_wheelsets([recorder.channels() for recorder in recorders])
     coords = {"snapshot_time": time[kept], "snapshot_distance": distance[kept]}
     variables = {
         name: (CHANNELS[name].dims_in("time"), values, {"units": CHANNELS[name].unit})

@@ -25,8 +25,7 @@ from wrsim.geometry.track.segments import Arc
 from wrsim.results import Result, assemble
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.scenario.sections.steady import SteadyPoint
-from wrsim.simulation.design import carried_over
-from wrsim.simulation.placement import TrackPoses, poses_on_track
+from wrsim.simulation.placement import carried_over, poses_on_track
 from wrsim.simulation.state import Equilibrium, SteadyMotion, steady_state
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
@@ -116,7 +115,7 @@ class _Table:
                 self.raw[w].store(i, j, wheel.model)
             own = slice(6 * w, 6 * w + 6)
             pose = poses_on_track(law.track.centre, q[None, own], q_t[None, own], law.start + mounted.x)
-            self.poses[i, w] = [getattr(pose, name)[0] for name in TrackPoses.__dataclass_fields__]
+            self.poses[i, w] = np.ravel(pose)
 
     def channels(self, points: tuple[SteadyPoint, ...]) -> dict[str, Any]:
         """Channels of the first points."""

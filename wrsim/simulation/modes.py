@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
-from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.linear import linearise
+from wrsim.simulation.placement import design_state
 
 if TYPE_CHECKING:
     from wrsim.vehicle.vehicle import Vehicle

@@ -1,19 +1,25 @@
-"""Between states of a wheelset and its pose on a track."""
+"""Between states and poses on a track: of a wheelset, and of a whole vehicle where a search for a steady motion begins,
+in its design position, or in the poses of a motion that is known, in another place."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from cmath import exp, phase
+from math import asin
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from wrsim.core.body import kinematics as kernels
 from wrsim.core.track import path as path_kernels
 from wrsim.errors import SimulationError
-from wrsim.simulation.system import Array
+from wrsim.simulation.force_law import COORDINATES, Array
+from wrsim.vehicle.bogies import wheelsets_beneath
 
 if TYPE_CHECKING:
     from wrsim.geometry.track.path import Path
+    from wrsim.simulation.law import VehicleOnTrack
+
+SPIN = COORDINATES.index("spin")
 
 
 def place_on_track(
@@ -41,8 +47,7 @@ def place_on_track(
     return q, q_t
 
 
-@dataclass(frozen=True)
-class TrackPoses:
+class TrackPoses(NamedTuple):
     """Poses against the track, each (n,): distance, lateral, height above the track plane [m], yaw, roll [rad].
 
     spin_rate: about the axle [rad/s].
@@ -57,7 +62,7 @@ class TrackPoses:
 
     def first(self, n: int) -> TrackPoses:
         """The first n of them."""
-        return TrackPoses(*(getattr(self, name)[:n] for name in self.__dataclass_fields__))
+        return TrackPoses(*(values[:n] for values in self))
 
 
 def poses_as_far(path: Path, q: Array, q_t: Array, start: float = 0.0) -> TrackPoses:
@@ -68,7 +73,7 @@ def poses_as_far(path: Path, q: Array, q_t: Array, start: float = 0.0) -> TrackP
     out = np.zeros(len(q), kernels.PLACED)
     bad = kernels.poses_along(np.ascontiguousarray(q), np.ascontiguousarray(q_t), path.curve, float(start), out)
     placed = out[: bad if bad >= 0 else len(q)]
-    return TrackPoses(**{name: placed[name].copy() for name in kernels.PLACED.names})
+    return TrackPoses(*(placed[name].copy() for name in TrackPoses._fields))
 
 
 def poses_on_track(path: Path, q: Array, q_t: Array, start: float = 0.0) -> TrackPoses:
@@ -77,3 +82,80 @@ def poses_on_track(path: Path, q: Array, q_t: Array, start: float = 0.0) -> Trac
     if len(poses.distance) < len(q):
         raise SimulationError(f"sample {len(poses.distance)} has no place on the track")
     return poses
+
+
+def design_state(law: VehicleOnTrack, *, lateral: float | Array = 0.0) -> tuple[Array, Array]:
+    """State (q, q_t) of a vehicle that follows the track in its design position, its origin at the start of the law.
+
+    Every wheelset lies at its own place along the track, ``lateral`` [m] to the left (each, or all alike), with the yaw
+    at which the guide frame holds it. A body lies as its wheelsets lie beneath it: in a curve along their chord. It is
+    half as much to the left as they are on average. The wheels do not touch the rails yet, or overlap them by nothing.
+    """
+    q, q_t = np.zeros(law.size), np.zeros(law.size)
+    vehicle, track = law.vehicle, law.track
+    wheelsets = len(vehicle.wheelsets)
+    aside = np.broadcast_to(lateral, wheelsets)
+    lower = np.mean([mounted.height - mounted.wheelset.mean_radius for mounted in vehicle.wheelsets])
+    beneath = wheelsets_beneath(vehicle)
+    for i, part in enumerate(vehicle.parts):
+        own = slice(6 * i, 6 * i + 6)
+        place = law.start + part.centre[0]
+        height, across = part.centre[2] - float(lower), part.centre[1]
+        if i < wheelsets:
+            spin, across = law.speed / vehicle.wheelsets[i].wheelset.mean_radius, across + float(aside[i])
+            yaw = -vehicle.guide_ahead * float(track.curvature(place))
+        else:
+            ahead, inside, yaw = _on_chord(law, part.centre[0], beneath[part.name])
+            place, across = place + ahead, across + inside + 0.5 * float(np.mean(aside))
+            spin = 0.0
+        q[own], q_t[own] = place_on_track(
+            track.centre, place, speed=law.speed, height=height, spin_rate=spin, lateral=across, yaw=yaw
+        )
+        if i >= wheelsets:  # on a grade it lies along the track
+            q[6 * i + SPIN] = -asin(path_kernels.frame_at(track.centre.curve, place).t.z)
+    turn_gears(law, q_t)
+    return q, q_t
+
+
+def turn_gears(law: VehicleOnTrack, q_t: Array) -> None:
+    """Let the hollow axles of geared motors turn as their wheelsets do, whose cases do not pitch."""
+    for wheelset, place in law.gears.items():
+        q_t[place + 1] = q_t[6 * wheelset + SPIN]
+
+
+def carried_over(known: VehicleOnTrack, known_q: Array, known_q_t: Array, law: VehicleOnTrack) -> tuple[Array, Array]:
+    """The state (q, q_t) with which a vehicle of the same bodies has the poses against its own track that a known state
+    has against that of its law."""
+    q, q_t = np.zeros(law.size), np.zeros(law.size)
+    wheelsets = len(law.vehicle.wheelsets)
+    for i, (part, before) in enumerate(zip(law.vehicle.parts, known.vehicle.parts, strict=True)):
+        own = slice(6 * i, 6 * i + 6)
+        was = poses_on_track(
+            known.track.centre, known_q[None, own], known_q_t[None, own], known.start + before.centre[0]
+        )
+        spin = was.spin_rate[0] * law.speed / known.speed if i < wheelsets else 0.0
+        q[own], q_t[own] = place_on_track(
+            law.track.centre, law.start + part.centre[0], speed=law.speed, height=was.height[0], spin_rate=spin,
+            lateral=was.lateral[0], yaw=was.yaw[0], roll=was.roll[0],
+        )  # fmt: skip
+        if i >= wheelsets:
+            q[own.stop - 1] = known_q[own.stop - 1]
+    q[6 * len(law.bodies) :] = known_q[6 * len(law.bodies) :]
+    return q, q_t
+
+
+def _on_chord(law: VehicleOnTrack, x: float, wheelsets: tuple[int, ...]) -> tuple[float, float, float]:
+    """How a body that lies x [m] ahead of the vehicle's origin lies on its wheelsets: ahead of and to the left of its
+    own place along the track [m], yaw there [rad]; in plan, as near to where they are as a stiff body can."""
+    curve = law.track.centre.curve
+    here = path_kernels.frame_at(curve, law.start + x)
+    if not wheelsets:
+        return 0.0, 0.0, 0.0
+    own = np.array([law.vehicle.wheelsets[i].x for i in wheelsets])
+    frames = [path_kernels.frame_at(curve, law.start + place).origin for place in own]
+    ways = [(f.x - here.origin.x, f.y - here.origin.y) for f in frames]
+    there = np.array([complex(dx * here.t.x + dy * here.t.y, dx * here.n.x + dy * here.n.y) for dx, dy in ways])
+    middle = own.mean()
+    angle = phase(np.sum((own - middle) * there)) if len(own) > 1 else 0.0
+    at = complex(there.mean() + (x - middle) * exp(1j * angle))
+    return at.real, at.imag, angle

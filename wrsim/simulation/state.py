@@ -1,6 +1,6 @@
 """States of a vehicle on its track: rest, and steady motion at speed.
 
-From a design position (`simulation.design`) ``lower_on_rails`` lets the rails carry the wheelsets, and ``steady_state``
+From a design position (`simulation.placement`) ``lower_on_rails`` lets the rails carry the wheelsets, ``steady_state``
 finds the poses at which nothing accelerates but what the curve asks for; at speed 0 that is the position of rest. All
 of them are meant at the time 0, when the vehicle's origin is at the start of its law.
 """
@@ -17,9 +17,9 @@ from wrsim.core.body import steady as kernels
 from wrsim.core.linalg import Vec
 from wrsim.errors import SimulationError
 from wrsim.simulation.bodies import inertia_table
-from wrsim.simulation.design import design_state, turn_gears
 from wrsim.simulation.force_law import Forces, groups_in_a_row
 from wrsim.simulation.newton import DIFFERENCE, Apart, bracket, newton, relax, roots
+from wrsim.simulation.placement import design_state, turn_gears
 from wrsim.simulation.system import COORDINATES, Array
 
 if TYPE_CHECKING:

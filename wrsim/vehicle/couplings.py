@@ -47,7 +47,7 @@ class Gear(Strut):
         return (-self.held,)  # type: ignore[return-value]
 
 
-class Between(NamedTuple):
+class Gap(NamedTuple):
     """A gap of a train: its name, the bodies ahead and behind, the middle of the gap in the train's axes [m]."""
 
     name: str
@@ -118,7 +118,7 @@ class GearTable(Section, header="[couplings.draw] or [couplings.buff]"):
         return float(np.interp(force, forces, strokes))
 
     def element(
-        self, name: str, kind: str, gap: Between, ends: tuple[Triple, Triple], free: float = 0.0, held: float = 0.0
+        self, name: str, kind: str, gap: Gap, ends: tuple[Triple, Triple], free: float = 0.0, held: float = 0.0
     ) -> Gear:
         """The gear between two hinges, ahead and behind [m]. It pulls, or as a buffer pushes, beyond ``free`` [m] of
         travel; held: its force at rest [N].
@@ -154,7 +154,7 @@ class BuffersTable(GearTable, header="[couplings.buffers]"):
     plate_stick_stiffness_kN_per_m: Annotated[float, positive(1e7, "kN/m")] = 5000.0
     """Stiffness of a pair of buffers across, where their heads stick."""
 
-    def elements(self, gap: Between, free: float, held: float) -> Iterator[Element]:
+    def elements(self, gap: Gap, free: float, held: float) -> Iterator[Element]:
         """Springs and plates of both sides: two spheres push along the line between their centres. free: distance of
         the heads at rest [m]; held: force of each at rest [N].
         """
@@ -191,11 +191,11 @@ class CouplingTable(Choice, header="[[couplings]]"):
         """Distance of the ends of both vehicles at rest [m]."""
         return 0.0
 
-    def elements(self, gap: Between) -> Iterator[Element]:
+    def elements(self, gap: Gap) -> Iterator[Element]:
         """Its elements in a gap."""
         raise NotImplementedError
 
-    def _hinges(self, gap: Between) -> tuple[Triple, Triple]:
+    def _hinges(self, gap: Gap) -> tuple[Triple, Triple]:
         """Hinges of the vehicles ahead and behind [m]."""
         far, z = 0.5 * self.gap + self.hinge_mm / 1e3, self.height_mm / 1e3
         return (gap.x + far, 0.0, z), (gap.x - far, 0.0, z)
@@ -222,7 +222,7 @@ class ScrewCouplingTable(CouplingTable, kind="screw"):
     def gap(self) -> float:
         return self.gap_mm / 1e3
 
-    def elements(self, gap: Between) -> Iterator[Element]:
+    def elements(self, gap: Gap) -> Iterator[Element]:
         held = 1e3 * self.pretension_kN
         hinges = self._hinges(gap)
         yield self.draw.element(f"{gap.name} draw gear", DRAW, gap, hinges, self.slack_mm / 1e3, held)
@@ -235,7 +235,7 @@ class CentreCouplerTable(CouplingTable, kind="centre"):
     buff: GearTable
     """Gear that takes what pushes."""
 
-    def elements(self, gap: Between) -> Iterator[Element]:
+    def elements(self, gap: Gap) -> Iterator[Element]:
         free = 0.5 * self.slack_mm / 1e3
         yield self.draw.element(f"{gap.name} draw gear", DRAW, gap, self._hinges(gap), free)
         yield self.buff.element(f"{gap.name} buff gear", BUFF, gap, self._hinges(gap), free)

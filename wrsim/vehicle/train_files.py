@@ -17,7 +17,7 @@ from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
 from wrsim.inputs.values import Day, List, Source, Switch, number, positive, text
 from wrsim.vehicle.assembly import Place
-from wrsim.vehicle.couplings import Between, Couplings
+from wrsim.vehicle.couplings import Couplings, Gap
 from wrsim.vehicle.elements import GUIDE, TRACK, Element
 from wrsim.vehicle.elements.keys import Axes, Name
 from wrsim.vehicle.vehicle import Coupling, Member, Vehicle
@@ -103,7 +103,7 @@ def train_of(file: TrainFile, finder: Finder, locate: Locate, read: ReadMember) 
     joints: list[Coupling] = []
     elements: list[Element] = []
     for (ahead, behind), table in zip(pairwise(standing), couplings, strict=True):
-        gap = Between(f"{ahead.name}-{behind.name}", ahead.body, behind.body, 0.5 * (ahead.rear + behind.front))
+        gap = Gap(f"{ahead.name}-{behind.name}", ahead.body, behind.body, 0.5 * (ahead.rear + behind.front))
         new = tuple(table.elements(gap))
         elements += new
         at = (gap.x, 0.0, table.height_mm / 1e3)

@@ -35,7 +35,7 @@ DROP = 15e-3
 """Depth of the tape circle below the top of its rail at which a wheel has left the rail's head [m]."""
 
 
-class Wheel:
+class WatchedWheel:
     """One wheel of a vehicle on its rail, looked at in the pose that its model computed last."""
 
     def __init__(self, wheelset: str, wheel: WheelOnRail) -> None:
@@ -77,13 +77,13 @@ class Wheel:
         return pose.item(1) + u * pose.item(4) + (self.model.radius - w) * pose.item(5)
 
 
-def wheels_of(law: VehicleOnTrack) -> list[Wheel]:
+def wheels_of(law: VehicleOnTrack) -> list[WatchedWheel]:
     """All wheels, front ones first, left before right."""
     pairs = zip(law.vehicle.wheelsets, law.wheels, strict=bool(law.wheels))
-    return [Wheel(mounted.name, wheel) for mounted, pair in pairs for wheel in pair]
+    return [WatchedWheel(mounted.name, wheel) for mounted, pair in pairs for wheel in pair]
 
 
-def overlap(wheels: Sequence[Wheel]) -> Overlap:
+def overlap(wheels: Sequence[WatchedWheel]) -> Overlap:
     """The wheel that is deepest in its rail."""
     deepest = max(wheels, key=lambda wheel: wheel.depth)
     return Overlap(deepest.wheelset, deepest.side, deepest.depth)
@@ -103,7 +103,7 @@ def derailed(law: VehicleOnTrack) -> OffRail | Overlap | None:
     return None
 
 
-def contact_words(wheels: Sequence[Wheel], vehicle: Vehicle, statuses: Sequence[int] | None = None) -> str:
+def contact_words(wheels: Sequence[WatchedWheel], vehicle: Vehicle, statuses: Sequence[int] | None = None) -> str:
     """Messages of the contacts of wheels, of their last state unless statuses are given; empty when all is well."""
     statuses = [wheel.status for wheel in wheels] if statuses is None else statuses
     return "; ".join(

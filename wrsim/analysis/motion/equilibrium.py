@@ -16,9 +16,9 @@ from wrsim.analysis.motion.start import EXACT, PLAY, on_the_rails, shifts
 from wrsim.analysis.progress import Progress, Report
 from wrsim.core.body.kinematics import X, Y
 from wrsim.errors import SimulationError
-from wrsim.simulation.design import design_state
 from wrsim.simulation.integrate import Motion
 from wrsim.simulation.newton import bracket, newton
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import GOAL, TOLERANCE, Equilibrium, SteadyMotion, lower_on_rails, steady_state
 from wrsim.vehicle.loads import Load
 from wrsim.vehicle.vehicle import single_wheelset

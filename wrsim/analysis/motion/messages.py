@@ -53,13 +53,6 @@ class Overturned:
     beyond: float
 
 
-@dataclass(frozen=True)
-class RunInStopped:
-    """The run into the curve stopped, and why in words."""
-
-    reason: str
-
-
 EventKind = Literal["lift", "stop", "contact", "steps", "between", "spins", "slides", "loose"]
 
 
@@ -85,7 +78,7 @@ class Event:
 class NoSteadyMotion(SimulationError):
     """No steady motion was found; ``reason`` says what became of the search."""
 
-    def __init__(self, reason: OffRail | Overlap | Overturned | RunInStopped | SimulationError) -> None:
+    def __init__(self, reason: OffRail | Overlap | Overturned | SimulationError) -> None:
         super().__init__(str(reason))
         self.reason = reason
 
@@ -157,8 +150,6 @@ def steady_words(problem: NoSteadyMotion, vehicle: Vehicle) -> str:
         what = "weight, centrifugal force and loads" if vehicle.loads else "weight and centrifugal force"
         beyond = f"{1e3 * reason.beyond:.0f} mm" if np.isfinite(reason.beyond) else "far"
         return f"the vehicle would overturn: its {what} together point {beyond} beyond the {reason.side} rail"
-    if isinstance(reason, RunInStopped):
-        return f"the run into the curve stopped: {reason.reason}"
     return f"no steady motion found; {reason}{_unequal(vehicle)}" if isinstance(reason, Unbalanced) else str(reason)
 
 

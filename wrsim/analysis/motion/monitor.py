@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.analysis.motion.derailment import Wheel, overlap, wheels_of
-from wrsim.analysis.motion.intersample_peaks import Between
+from wrsim.analysis.motion.derailment import WatchedWheel, overlap, wheels_of
 from wrsim.analysis.motion.messages import Event, EventKind, OffRail, Overlap, stop_words
 from wrsim.contact.status import bits_of
 from wrsim.core.contact.records import STATUS_NOT_CONVERGED, STATUS_TOO_DEEP
@@ -22,8 +21,11 @@ from wrsim.simulation.integrate import EXPLICIT_PARTS
 from wrsim.simulation.system import Work
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
+    from wrsim.contact.model import ContactModel
     from wrsim.simulation.law import VehicleOnTrack
     from wrsim.simulation.system import Array
 
@@ -71,6 +73,64 @@ SAME = 1.0
 """Events of one kind and place of the vehicle that follow each other within this distance are one [m]."""
 
 
+MISSED = 0.05
+"""Part of the mean wheel load by which a force between samples goes beyond them where it is reported."""
+
+
+class IntersamplePeaks:
+    """What the samples of a run miss: how far vertical wheel forces go beyond them at the steps that lie between.
+
+    Samples every 10 ms show what rings at 113 Hz as a slow swing of 13 Hz, and miss its peaks. Looks at the forces
+    after every step, as the law has computed them last; costs no evaluation.
+    """
+
+    def __init__(self, wheels: Sequence[ContactModel]) -> None:
+        self.forces = [model.arrays.rows.total["Fb"] for model in wheels]
+        n = len(self.forces)
+        self.sample, self.sampled = np.zeros(n), False
+        self.steps: list[list[float]] = []
+        """Rows (time, distance, forces) of the steps since the last sample."""
+        self.worst = np.zeros((n, 4))
+        """Of every wheel: beyond the samples by, force, time, distance."""
+
+    def step(self, t: float, distance: float, sampled: bool) -> None:
+        """After a step at time t [s]; sampled: whether its state is kept."""
+        row = [force.item() for force in self.forces]
+        if not sampled:
+            self.steps.append([t, distance, *row])
+            return
+        forces = np.array(row)
+        if self.steps and self.sampled:
+            rows = np.array(self.steps)
+            high, low = np.maximum(self.sample, forces), np.minimum(self.sample, forces)
+            beyond = np.maximum(rows[:, 2:] - high, low - rows[:, 2:])
+            at = np.argmax(beyond, axis=0)
+            for i in np.flatnonzero(beyond.max(axis=0) > self.worst[:, 0]):
+                place = rows[at[i]]
+                self.worst[i] = beyond[at[i], i], place[2 + i], place[0], place[1]
+        self.steps.clear()
+        self.sample, self.sampled = forces, True
+
+    def largest(self, least: float) -> tuple[int, list[float]] | None:
+        """The wheel whose force goes farthest beyond its samples, its row of ``worst``; None below ``least`` [N]."""
+        if not self.worst.size:
+            return None
+        i = int(np.argmax(self.worst[:, 0]))
+        return (i, self.worst[i].tolist()) if self.worst[i, 0] > least else None
+
+    def memory(self) -> Array:
+        """What has been seen so far, in one row."""
+        rows = np.ravel(self.steps)
+        return np.concatenate([[float(len(self.steps)), float(self.sampled)], self.sample, self.worst.ravel(), rows])
+
+    def recall(self, memory: Array) -> None:
+        """Put back what ``memory`` gave."""
+        count, n = int(memory[0]), self.sample.size
+        self.sampled, self.sample, rest = bool(memory[1]), memory[2 : 2 + n].copy(), memory[2 + n :]
+        self.worst = rest[: 4 * n].reshape(n, 4).copy()
+        self.steps = rest[4 * n :].reshape(count, 2 + n).tolist()
+
+
 class Monitor:
     """Asked at regular intervals; answers with the reason to stop, or None. ``events`` tells what it has noted."""
 
@@ -88,11 +148,11 @@ class Monitor:
         self.pressed = np.array([i for i, n in enumerate(normals) if n is not None and n.sense is None], dtype=int)
         self.notes = np.zeros((0, 6))
         """Rows (kind, which wheel or element, time, distance, last time, last distance)."""
-        self.between = Between([wheel.model for wheel in self.wheels])
+        self.peaks = IntersamplePeaks([wheel.model for wheel in self.wheels])
 
     def step(self, t: float, sampled: bool) -> None:
         """After every step, with what the law has computed last; sampled: whether its state is kept."""
-        self.between.step(t, self.law.distance, sampled)
+        self.peaks.step(t, self.law.distance, sampled)
 
     def __call__(self, t: float, q: Array, q_t: Array) -> str | None:
         outcome = self.look(t, q, q_t)
@@ -152,7 +212,7 @@ class Monitor:
                 since[2], since[3], SLOWEST,
             )  # fmt: skip
 
-    def _look_at(self, i: int, wheel: Wheel, t: float, distance: float) -> OffRail | None:
+    def _look_at(self, i: int, wheel: WatchedWheel, t: float, distance: float) -> OffRail | None:
         """How the vehicle has derailed at a wheel, if it has. Notes a lifted wheel."""
         off = wheel.off_the_rail()
         if off is not None:
@@ -190,9 +250,11 @@ class Monitor:
                 part, side = self.wheels[int(which)].wheelset, self.wheels[int(which)].side
             bit = int(kind) if name == "contact" else 0
             found.append(Event(name, part, (t, distance), (last_t, last_distance), side, bit))
-        if (missed := self.between.missed(0.5 * self.law.vehicle.weight / len(self.law.vehicle.wheelsets))) is not None:
-            wheel, at = self.wheels[missed.wheel], (missed.time, missed.distance)
-            found.append(Event("between", wheel.wheelset, at, at, wheel.side, 0, (missed.force, missed.beyond)))
+        mean_load = 0.5 * self.law.vehicle.weight / len(self.law.vehicle.wheelsets)
+        if (peak := self.peaks.largest(MISSED * mean_load)) is not None:
+            wheel, (beyond, force, *at) = self.wheels[peak[0]], peak[1]
+            place = at[0], at[1]
+            found.append(Event("between", wheel.wheelset, place, place, wheel.side, 0, (force, beyond)))
         return sorted(found, key=lambda event: (event.start, event.part, event.side))
 
     @property
@@ -205,14 +267,14 @@ class Monitor:
 
     def memory(self) -> Array:
         """What has been seen so far. See ``simulation.recorder.Remembers``."""
-        between = self.between.memory()
+        between = self.peaks.memory()
         own = (self.last_contact.ravel(), self.substitutes, self.notes.ravel())
         return np.concatenate([[self.cut_steps, between.size], between, *own])
 
     def recall(self, memory: Array) -> None:
         """Put back what ``memory`` gave."""
         self.cut_steps, behind = int(memory[0]), 2 + int(memory[1])
-        self.between.recall(memory[2:behind])
+        self.peaks.recall(memory[2:behind])
         memory = memory[behind:]
         size, wheels = self.last_contact.size, len(self.substitutes)
         self.last_contact = memory[:size].reshape(self.last_contact.shape).copy()

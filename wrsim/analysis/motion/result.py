@@ -100,26 +100,21 @@ def result_of(
         "snapshot_time": motion.times[shown],
         "snapshot_distance": reference[shown],
         "snapshot_label": np.array(list(snapshots.values())),
-        **stacked([recorder.channels() for recorder in strips]),
+        **stack_wheelsets([recorder.channels() for recorder in strips]),
     }
     coords: dict[str, Any] = {"time": motion.times, "wheelset": [m.name for m in vehicle.wheelsets]}
     if losses is not None:
         channels |= losses.channels()
         coords |= {"wear_law": losses.settings.laws, "wear_zone": ZONES}
-    if vehicle.bodies:
-        coords["body"] = [body.name for body in vehicle.bodies]
+    named: dict[str, Sequence[Any]] = {"body": vehicle.bodies, "point": vehicle.points, "suspension": vehicle.elements}
+    named |= {"coupling": vehicle.couplings, "external_load": vehicle.loads}
+    coords |= {dimension: [each.name for each in own] for dimension, own in named.items() if own}
     if vehicle.points:
-        coords["point"] = [point.name for point in vehicle.points]
         channels["point_level"] = np.array([level_of(vehicle, point.body) for point in vehicle.points])
         channels["point_bogie_mass"] = [bogie_mass(vehicle, point.body) for point in vehicle.points]
     if vehicle.elements:
-        coords["suspension"] = [element.name for element in vehicle.elements]
         ends = np.array([e.limits or (np.nan, np.nan) for e in vehicle.elements])
         channels |= {"suspension_stop_min": ends[:, 0], "suspension_stop_max": ends[:, 1]}
-    if vehicle.couplings:
-        coords["coupling"] = [coupling.name for coupling in vehicle.couplings]
-    if vehicle.loads:
-        coords["external_load"] = [load.name for load in vehicle.loads]
     if events:
         channels |= {
             "event_time": [event.start[0] for event in events],
@@ -279,7 +274,7 @@ def _together(channels: Mapping[str, Any]) -> dict[str, Array]:
     return {name: np.take_along_axis(v, worst, axis=1)[:, 0] for name, v in (("Y", y), ("Q", q))}
 
 
-def stacked(each: list[dict[str, Array]]) -> dict[str, Array]:
+def stack_wheelsets(each: list[dict[str, Array]]) -> dict[str, Array]:
     """Strip channels of all wheelsets in one, the wheelsets behind the first dimension."""
     found: dict[str, Array] = {}
     for name in each[0]:

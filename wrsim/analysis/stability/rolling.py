@@ -16,9 +16,9 @@ from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
-from wrsim.simulation.design import design_state
 from wrsim.simulation.linear import Linearised, linearise
 from wrsim.simulation.modes import mode_name
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import lower_on_rails, steady_state
 
 if TYPE_CHECKING:

@@ -17,9 +17,9 @@ import numpy as np
 from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
-from wrsim.simulation.design import design_state
 from wrsim.simulation.law import VehicleOnTrack
 from wrsim.simulation.newton import newton
+from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import TOLERANCE, SteadyMotion
 from wrsim.simulation.system import COORDINATES, Array
 from wrsim.vehicle.loads import Load
