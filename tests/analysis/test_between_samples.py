@@ -49,8 +49,8 @@ def test_what_was_seen_between_samples_survives_an_interrupted_run() -> None:
 
     go(whole, range(40))
     go(first, range(17))
-    second.recall(first.memory())
+    second.set_state(first.get_state())
     go(second, range(17, 40))
     assert whole.largest(0.05) == second.largest(0.05)
-    assert np.array_equal(whole.memory(), second.memory())
+    assert np.array_equal(whole.get_state(), second.get_state())
     assert whole.largest(5e4) is None, "a small part of the load is no news"

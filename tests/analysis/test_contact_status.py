@@ -165,5 +165,5 @@ def test_steps_that_are_cut_are_an_event_and_told_at_once_when_there_are_many(ca
     words = event_words(event, monitor.law.vehicle)
     assert words == f"time steps that Newton's method did not solve were cut into parts for 0.21 m, {5 * (MANY + 1)} ms"
     other, *_ = watch()
-    other.recall(monitor.memory())
+    other.set_state(monitor.get_state())
     assert (other.events(), other.cut_steps) == (monitor.events(), MANY + 2)

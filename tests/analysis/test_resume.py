@@ -50,20 +50,20 @@ class Play(ForceLaw):
         out.fill(0.0)
         out[2] = -6e5 * self.place + 1e4 * np.sin(7.3 * t)
 
-    def memory(self) -> Any:
+    def get_state(self) -> Any:
         return np.array([self.place])
 
-    def recall(self, memory: Any) -> None:
+    def set_state(self, memory: Any) -> None:
         self.place = float(memory[0])
 
 
 class Forgetful(Play):
     """The same; it does not tell what it remembers."""
 
-    def memory(self) -> Any:
+    def get_state(self) -> Any:
         return np.zeros(0)
 
-    def recall(self, memory: Any) -> None:
+    def set_state(self, memory: Any) -> None:
         pass
 
 
@@ -168,7 +168,7 @@ def test_a_killed_process_loses_less_than_a_second_and_goes_on_to_the_bit(tmp_pa
     assert same(motion, play(seconds=max(1.0, reached + 0.1)))
 
 
-def test_the_memory_of_sampling_does_not_grow_with_the_run(tmp_path):
+def test_the_states_of_sampling_does_not_grow_with_the_run(tmp_path):
     with closing(Recorder.create(tmp_path / "x.part", {}, 6)) as recorder:
         for i in range(20_000):
             recorder.sample(1e-3 * i, Q0, V0)
@@ -215,10 +215,10 @@ class Crossings:
             self.times.append(t)
         return f"{self.most} crossings" if len(self.times) >= self.most else None
 
-    def memory(self) -> Any:
+    def get_state(self) -> Any:
         return np.array([self.side, *self.times])
 
-    def recall(self, memory: Any) -> None:
+    def set_state(self, memory: Any) -> None:
         self.side, self.times = float(memory[0]), list(memory[1:])
 
 

@@ -85,12 +85,12 @@ def test_a_monitor_that_recalls_its_memory_goes_on_where_it_was() -> None:
     q[6 * CARBODY + 2] += 0.07
     monitor(0.1, q, q_t)
     other, _, _ = monitored()
-    other.recall(monitor.memory())
+    other.set_state(monitor.get_state())
     assert other.events() == monitor.events()
     for each in (monitor, other):
         each(0.105, q, q_t)
     assert other.events() == monitor.events()
-    assert np.array_equal(other.memory(), monitor.memory())
+    assert np.array_equal(other.get_state(), monitor.get_state())
 
 
 def test_a_vehicle_gets_pictures_of_its_own_and_those_of_its_worst_wheelset(tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ class Bouncing:
         b = self.ride.body
         spin = q_t[5] + q_t[3] * np.sin(q[4])
         across = (q_t[3] * np.cos(q[4])) ** 2 + q_t[4] ** 2
-        kinetic = 0.5 * (b.mass * q_t[:3] @ q_t[:3] + b.cross_inertia * across + b.spin_inertia * spin**2)
+        kinetic = 0.5 * (b.mass * q_t[:3] @ q_t[:3] + b.inertia[0] * across + b.inertia[1] * spin**2)
         return kinetic + self.potential(q) - self.potential(self.q)
 
 

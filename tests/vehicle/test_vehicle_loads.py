@@ -247,13 +247,13 @@ def test_a_table_holds_its_ends(x: float, expected: int) -> None:
 
 def test_what_a_law_remembers_of_its_loads_can_be_put_back() -> None:
     law = on_track(replace(manchester(), loads=(Load("push", "carbody", (0.0, 0.0, 2.0), ROWS, "distance"),)), 20.0).law
-    kept = law.memory()
+    kept = law.get_state()
     q, q_t = design_state(law)
     q[1 : 6 * len(law.bodies) : 6] += 7.0
     out, again = np.zeros(law.size), np.zeros(law.size)
     law(0.3, q, q_t, out)
-    assert not np.array_equal(law.memory(), kept)
-    law.recall(kept)
-    assert np.array_equal(law.memory(), kept)
+    assert not np.array_equal(law.get_state(), kept)
+    law.set_state(kept)
+    assert np.array_equal(law.get_state(), kept)
     law(0.3, q, q_t, again)
     assert np.array_equal(out, again)

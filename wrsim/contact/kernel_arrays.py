@@ -74,24 +74,11 @@ class KernelArrays:
         self.settings.start = k.FROM_LAST if on else k.AFRESH
         self.rows.memo["known"] = 0
 
-    def memory(self) -> Array:
-        """What one call leaves for the next, one row: the last contact, if the model follows it."""
-        return np.concatenate([np.zeros(0), *(np.ravel(part) for part in self._kept())])
+    def kept(self) -> tuple[NDArray[Any], ...]:
+        """Views on what one call leaves for the next: the last contact, if the model follows it.
 
-    def recall(self, memory: Array) -> int:
-        """Put back what ``memory`` gave at the front of a longer row; returns how much of it that was.
-
-        What follows a recall is the same to the bit wherever it is done: an inverse that is kept besides is given up.
+        Who puts them back gives up the inverse that is kept besides (``rows.memo``).
         """
-        place = 0
-        for part in self._kept():
-            part[...] = memory[place : place + part.size].reshape(part.shape)
-            place += part.size
-        self.rows.memo["inverted"] = 0
-        return place
-
-    def _kept(self) -> tuple[NDArray[Any], ...]:
-        """Views on the last contact."""
         if not (self._follows and self.settings.start):
             return ()
         grids, places = self.rows.grids, self.rows.places

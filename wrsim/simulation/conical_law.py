@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wrsim.core.body import conical as kernel
 from wrsim.errors import SimulationError
@@ -74,9 +75,5 @@ class ConicalVehicleOnTrack(VehicleOnTrack):
         else:
             self.own_places[:] = np.asarray(origin)[:, 0]
 
-    def memory(self) -> Array:
-        return np.concatenate([self.own_places, super().memory()])
-
-    def recall(self, memory: Array) -> None:
-        self.own_places[:] = memory[: self.own_places.size]
-        super().recall(memory[self.own_places.size :])
+    def kept(self) -> list[NDArray[Any]]:
+        return [self.own_places, *super().kept()]

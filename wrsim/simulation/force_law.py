@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,12 +76,20 @@ class ForceLaw:
         """Calls while this lasts leave no trace in the law."""
         return nullcontext()
 
-    def memory(self) -> Array:
-        """A copy of everything on which the next answer depends beside time and state, in one row."""
-        return np.zeros(0)
+    def kept(self) -> Sequence[NDArray[Any]]:
+        """Views on everything on which the next answer depends, if in its last bits, beside time and coordinates."""
+        return ()
 
-    def recall(self, memory: Array) -> None:
+    def get_state(self) -> Array:
+        """A copy of all that is kept, in one row."""
+        return np.concatenate([np.zeros(0), *(np.ravel(view) for view in self.kept())])
+
+    def set_state(self, state: Array) -> None:
         """Put it back."""
+        place = 0
+        for view in self.kept():
+            view[...] = state[place : place + view.size].reshape(view.shape)
+            place += view.size
 
 
 class FunctionLaw(ForceLaw):

@@ -23,7 +23,7 @@ from wrsim.core.body.kinematics import first_not_finite
 from wrsim.errors import InputError, SimulationError
 from wrsim.results.run_file import is_running
 from wrsim.simulation.implicit import DEFAULT_INTEGRATOR, Integrator
-from wrsim.simulation.recorder import Cause, Checkpoint, Ending, Recorder, Recording, memory_of, recall
+from wrsim.simulation.recorder import Cause, Checkpoint, Ending, Recorder, Recording, set_states, states_of
 from wrsim.simulation.system import COORDINATES, Array, NotFinite, System, Work
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY
 
@@ -134,7 +134,7 @@ def recorded_motion(path: str | Path, monitor: object = None) -> Motion:
         raise InputError(f"{path}: integrator in its header is {integrator!r:.40}; must be {allowed}")
     work = Work()
     if known is not None:
-        recall((work, None, monitor), known.memory, str(path))
+        set_states((work, None, monitor), known.memory, str(path))
     if ending is None:
         if known is not None and (len(rows) == 0 or rows[-1, 0] < start + known.step * step):
             rows = np.vstack([rows, np.concatenate([[start + known.step * step], known.q, known.q_t])])
@@ -204,12 +204,12 @@ class Integration:
         if recorder.ending is not None:
             if recorder.last is not None:
                 with system.forces.following():
-                    recall(self._remembering, recorder.last.memory, recorder.name)
+                    set_states(self._remembering, recorder.last.memory, recorder.name)
             return _motion(recorder.rows(), self.step, recorder.ending, self.integrator, system.work)
         with _interruptible() as self._interrupt, system.forces.following():
             begin = recorder.checkpoint
             if begin is None:
-                begin = Checkpoint(0, q, q_t, memory_of(self._remembering))
+                begin = Checkpoint(0, q, q_t, states_of(self._remembering))
                 recorder.sample(self.start, q, q_t)
                 recorder.flush(begin)
             self._integrate(begin)
@@ -223,13 +223,13 @@ class Integration:
         self._began = self._reported = time.perf_counter()
         whole = True
         try:
-            recall(self._remembering, begin.memory, self._recorder.name)
+            set_states(self._remembering, begin.memory, self._recorder.name)
             while self._last < self._steps:
                 self._run_segment(min(self._steps, (self._last // self.segment + 1) * self.segment))
                 if self._ending.cause:
                     break
                 checkpoint = self._checkpoint()
-                recall(self._remembering, checkpoint.memory)
+                set_states(self._remembering, checkpoint.memory)
                 if self._recorder.due():
                     self._recorder.flush(checkpoint)
         except KeyboardInterrupt:
@@ -254,7 +254,7 @@ class Integration:
 
     def _checkpoint(self) -> Checkpoint:
         """The last good state with what is remembered now."""
-        return Checkpoint(self._last, self._q.copy(), self._q_t.copy(), memory_of(self._remembering))
+        return Checkpoint(self._last, self._q.copy(), self._q_t.copy(), states_of(self._remembering))
 
     def _stop(self, cause: Cause, reason: str) -> bool:
         """Note why the run ends."""
@@ -312,7 +312,7 @@ class Integration:
         Newton's method goes astray where a contact begins or ends within the step and the force jumps; and on its way
         it may try states in which the law has no answer. Explicit steps take any jump.
         """
-        system, memory = self.system, self.system.forces.memory()
+        system, memory = self.system, self.system.forces.get_state()
         for parts in (*PARTS, EXPLICIT_PARTS):
             explicit = parts == EXPLICIT_PARTS
             try:
@@ -323,7 +323,7 @@ class Integration:
             except SimulationError:
                 if explicit:
                     raise
-                system.forces.recall(memory)
+                system.forces.set_state(memory)
             else:
                 system.work.cut_steps += parts > 1
                 system.work.explicit_steps += explicit

@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager, contextmanager
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wrsim.contact.arena import Arena, pack
 from wrsim.contact.channels import ElementField, WheelOnRail
@@ -97,7 +98,9 @@ class VehicleOnTrack(Layout):
         first, count = vehicle_forces.FIRST_WHEEL, wheel_kernel.ARRAYS
         self._changing = self.arena.stretches_but(only_read(len(views)))
         of_wheels = [self.arena.part(place, count) for place in range(first, len(views), count)]
-        self._records_of_wheels = [part.views[wheel_kernel.OWN][0] for part in of_wheels]
+        own = [part.views[wheel_kernel.OWN] for part in of_wheels]
+        self._records_of_wheels = [records[0] for records in own]
+        self._found_at = [records["s"] for records in (self._units, self._loads, *own)]
         self.wheels: tuple[tuple[WheelOnRail, ...], ...] = tuple(
             self._wheels(mounted.wheelset, of_wheels[2 * i : 2 * i + 2], models)
             for i, (mounted, models) in enumerate(zip(vehicle.wheelsets, contacts, strict=bool(contacts)))
@@ -243,26 +246,17 @@ class VehicleOnTrack(Layout):
             for wheel in wheels:
                 wheel.model.arrays.follow(on)
 
-    def memory(self) -> Array:
-        """What the next call starts from: it decides the last bits of the answer."""
-        return np.concatenate(
-            [self._units["s"], self._loads["s"]]
-            + [[wheel.s for wheel in self._records_of_wheels]]
-            + [wheel.model.arrays.memory() for wheels in self.wheels for wheel in wheels]
-        )
+    def kept(self) -> list[NDArray[Any]]:
+        """See ``ForceLaw``: where the vehicle was found last, and its contacts."""
+        return self._found_at + [view for wheels in self.wheels for w in wheels for view in w.model.arrays.kept()]
 
-    def recall(self, memory: Array) -> None:
-        """Put back what ``memory`` gave."""
+    def set_state(self, state: Array) -> None:
+        """See ``ForceLaw``. What follows is the same to the bit wherever it is done: inverses are given up."""
         self._asked_at = np.nan
-        units, loads = len(self._units), len(self._loads)
-        self._units["s"], self._loads["s"] = memory[:units], memory[units : units + loads]
-        place = units + loads
-        for wheel in self._records_of_wheels:
-            wheel.s = memory[place]
-            place += 1
+        super().set_state(state)
         for wheels in self.wheels:
             for wheel in wheels:
-                place += wheel.model.arrays.recall(memory[place:])
+                wheel.model.arrays.rows.memo["inverted"] = 0
 
     @contextmanager
     def settled(self, slips: Array | None = None) -> Iterator[None]:

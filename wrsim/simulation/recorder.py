@@ -44,21 +44,21 @@ BLOCK = 256
 class Remembers(Protocol):
     """A force law or a monitor whose next answer depends on more than time and state."""
 
-    def memory(self) -> Array:
+    def get_state(self) -> Array:
         """A copy of everything that it keeps from one call to the next, in one row."""
 
-    def recall(self, memory: Array) -> None:
+    def set_state(self, memory: Array) -> None:
         """Put it back."""
 
 
-def memory_of(things: Sequence[object]) -> Array:
+def states_of(things: Sequence[object]) -> Array:
     """What those that remember keep, one after the other, each behind its length."""
-    rows = [thing.memory() if isinstance(thing, Remembers) else np.zeros(0) for thing in things]
+    rows = [thing.get_state() if isinstance(thing, Remembers) else np.zeros(0) for thing in things]
     return np.concatenate([part for row in rows for part in ([float(len(row))], row)])
 
 
-def recall(things: Sequence[object], memory: Array, name: str = "") -> None:
-    """The opposite of ``memory_of`` for the same things; name: of the file that it comes from, if any.
+def set_states(things: Sequence[object], memory: Array, name: str = "") -> None:
+    """The opposite of ``states_of`` for the same things; name: of the file that it comes from, if any.
 
     Raises ``InputError`` for what these things cannot have remembered.
     """
@@ -67,7 +67,7 @@ def recall(things: Sequence[object], memory: Array, name: str = "") -> None:
         for thing in things:
             n = int(memory[place])
             if isinstance(thing, Remembers):
-                thing.recall(memory[place + 1 : place + 1 + n])
+                thing.set_state(memory[place + 1 : place + 1 + n])
             place += 1 + n
     except (ValueError, IndexError, OverflowError):  # other lengths, and counts that are none
         why = "what it remembers does not fit its scenario; run the scenario again"
@@ -76,7 +76,7 @@ def recall(things: Sequence[object], memory: Array, name: str = "") -> None:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """All that a run needs to go on behind step ``step``: coordinates, rates, and memory (``memory_of``)."""
+    """All that a run needs to go on behind step ``step``: coordinates, rates, and memory (``states_of``)."""
 
     step: int
     q: Array

@@ -59,14 +59,14 @@ class Work:
 
     def clear(self) -> None:
         """Count anew."""
-        self.recall(np.zeros(len(fields(self))))
+        self.set_state(np.zeros(len(fields(self))))
 
-    def memory(self) -> Array:
+    def get_state(self) -> Array:
         """See ``recorder.Remembers``."""
         return np.array(astuple(self), dtype=float)
 
-    def recall(self, memory: Array) -> None:
-        """Put back what ``memory`` gave."""
+    def set_state(self, memory: Array) -> None:
+        """Put back what ``get_state`` gave."""
         self.evaluations, self.jacobians, self.cut_steps, self.explicit_steps = (int(count) for count in memory)
 
 

@@ -4,7 +4,7 @@ and where every unknown is in its state."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +20,12 @@ from wrsim.simulation.bodies import bodies_of
 from wrsim.simulation.force_law import Array, ForceLaw
 from wrsim.vehicle.bogies import holders_of
 from wrsim.vehicle.elements import Tables
+from wrsim.vehicle.loads import Drive, LoadAxes, Over
 from wrsim.vehicle.preload import normal_loads, preloads
 
 if TYPE_CHECKING:
     from wrsim.contact.model import ContactModel
     from wrsim.geometry.track.track import Track
-    from wrsim.vehicle.loads import Drive, LoadAxes, Over
     from wrsim.vehicle.speed import SpeedProfile
     from wrsim.vehicle.vehicle import Vehicle
     from wrsim.vehicle.wheelset import Wheelset
@@ -121,12 +121,8 @@ def element_arrays(vehicle: Vehicle) -> ElementArrays:
     return ElementArrays(rows, np.array(tables.rows or [(0.0, 0.0)]), tables.unknowns, tuple(tables.slips))
 
 
-DRIVES: tuple[Drive, ...] = ("free", "train", "wheels")
+DRIVES, LOAD_AXES, OVER = map(get_args, (Drive, LoadAxes, Over))
 """In the order of their numbers in ``core.body.loads``."""
-
-LOAD_AXES: tuple[LoadAxes, ...] = ("track", "body")
-OVER: tuple[Over, ...] = ("time", "distance")
-"""In the order of their numbers there, too."""
 
 
 def vehicle_arrays(

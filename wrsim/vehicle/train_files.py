@@ -15,12 +15,13 @@ from wrsim.inputs.checking import Locate, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder
 from wrsim.inputs.section import Section
-from wrsim.inputs.values import Day, List, Source, Switch, number, positive, text
+from wrsim.inputs.values import List, Switch, number, positive, text
 from wrsim.vehicle.assembly import Place
 from wrsim.vehicle.couplings import Couplings, Gap
 from wrsim.vehicle.elements import GUIDE, TRACK, Element
 from wrsim.vehicle.elements.keys import Axes, Name
 from wrsim.vehicle.vehicle import Coupling, Member, Vehicle
+from wrsim.vehicle.vehicle_sections import ModelFile
 
 ReadMember = Callable[[Path, Finder, Place], Vehicle]
 """Reads the vehicle file at a path and puts the vehicle at a place. Raises InputError."""
@@ -49,17 +50,13 @@ class MemberTable(Section, header="[[vehicles]]"):
     """Whether a drive of its own holds its speed; if not, its couplings alone take it along."""
 
 
-class TrainFile(Section, header="a train file"):
+class TrainFile(ModelFile, header="a train file"):
     """The file of a train: vehicles from front to rear, and what couples them."""
 
-    aliases: ClassVar[dict[str, str]] = {"name": "title", "vehicles": "vehicle", "couplings": "coupling"}
+    aliases: ClassVar[dict[str, str]] = {**ModelFile.aliases, "vehicles": "vehicle", "couplings": "coupling"}
 
     name: Annotated[str, text("the train's name")]
     """Name of the train."""
-    source: Source
-    """Where the numbers come from."""
-    date: Day
-    """Day on which the file was written."""
     vehicles: Annotated[List[MemberTable], Field(min_length=1)]
     """Its vehicles, from front to rear."""
     couplings: Annotated[Couplings, Field(min_length=1)]

@@ -19,32 +19,25 @@ from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.checking import Locate, check, fault_line, opened
 from wrsim.inputs.lines import KeyPath
 from wrsim.inputs.lookup import Finder, model_file, usual_finder
-from wrsim.inputs.section import Section
-from wrsim.inputs.values import Day, Source, number, text
+from wrsim.inputs.values import number
 from wrsim.vehicle.assembly import Assembly, Place
 from wrsim.vehicle.elements import GUIDE, TRACK
 from wrsim.vehicle.elements.keys import scaled
 from wrsim.vehicle.preload import Ballast, normal_loads, preloads, with_ballast
 from wrsim.vehicle.train_files import TrainFile, train_of
 from wrsim.vehicle.vehicle import Vehicle, single_wheelset
-from wrsim.vehicle.vehicle_sections import PartTable, SprungTable, SuspensionTable, WheelsetTable
+from wrsim.vehicle.vehicle_sections import ModelFile, PartTable, SprungTable, SuspensionTable, WheelsetTable
 from wrsim.vehicle.wheelset import STANDARD_GRAVITY, Wheel, Wheelset
 
 OF_PARTS = ("bodies", "wheelsets", "elements", "drives", "parts", "places", "wheelset_types")
 """Tables of a file that puts a vehicle together from parts."""
 
 
-class WheelsetFile(Section, header="a vehicle file"):
+class WheelsetFile(ModelFile):
     """The file of a single wheelset."""
 
-    aliases: ClassVar[dict[str, str]] = {"name": "title", "wheelset": "vehicle", "sprung": "sprung_mass"}
+    aliases: ClassVar[dict[str, str]] = {**ModelFile.aliases, "wheelset": "vehicle", "sprung": "sprung_mass"}
 
-    name: Annotated[str, text("the vehicle's name")]
-    """Name of the vehicle."""
-    source: Source
-    """Where the numbers come from."""
-    date: Day
-    """Day on which the file was written."""
     wheelset: WheelsetTable
     """The rigid body and its wheels."""
     suspension: SuspensionTable = SuspensionTable()
@@ -53,17 +46,9 @@ class WheelsetFile(Section, header="a vehicle file"):
     """The share of the vehicle that the wheelset carries."""
 
 
-class VehicleFile(PartTable, header="a vehicle file"):
+class VehicleFile(ModelFile, PartTable):
     """The file of a vehicle of parts: the outermost one, and what the parts share."""
 
-    aliases: ClassVar[dict[str, str]] = {"name": "title"}
-
-    name: Annotated[str, text("the vehicle's name")]
-    """Name of the vehicle."""
-    source: Source
-    """Where the numbers come from."""
-    date: Day
-    """Day on which the file was written."""
     gravity_m_per_s2: Annotated[float, number(9, 10)] = STANDARD_GRAVITY
     """Gravity with which the source has its loads from."""
     wheelset: WheelsetTable | None = None

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from wrsim.inputs.section import Fault, Section, both_or_sides, given
-from wrsim.inputs.values import List, Switch, Three, number, positive, text, words
+from wrsim.inputs.values import Day, List, Source, Switch, Three, number, positive, text, words
 from wrsim.vehicle.elements import AnyElementTable
 from wrsim.vehicle.elements.keys import Metre, Name, Place
 from wrsim.vehicle.load_tables import LoadTable, PayloadTable
@@ -20,6 +20,19 @@ Springs = Annotated[
     Three[Annotated[float, number(0, 1e9)]],
     Field(description="three numbers not below 0: along x (forward), y (lateral), z (vertical)"),
 ]
+
+
+class ModelFile(Section, header="a vehicle file"):
+    """What the files of all vehicles have."""
+
+    aliases: ClassVar[dict[str, str]] = {"name": "title"}
+
+    name: Annotated[str, text("the vehicle's name")]
+    """Name of the vehicle."""
+    source: Source
+    """Where the numbers come from."""
+    date: Day
+    """Day on which the file was written."""
 
 
 class WheelsetTable(Section, header="[wheelset]"):

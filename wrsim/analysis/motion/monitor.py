@@ -118,13 +118,13 @@ class IntersamplePeaks:
         i = int(np.argmax(self.worst[:, 0]))
         return (i, self.worst[i].tolist()) if self.worst[i, 0] > least else None
 
-    def memory(self) -> Array:
+    def get_state(self) -> Array:
         """What has been seen so far, in one row."""
         rows = np.ravel(self.steps)
         return np.concatenate([[float(len(self.steps)), float(self.sampled)], self.sample, self.worst.ravel(), rows])
 
-    def recall(self, memory: Array) -> None:
-        """Put back what ``memory`` gave."""
+    def set_state(self, memory: Array) -> None:
+        """Put back what ``get_state`` gave."""
         count, n = int(memory[0]), self.sample.size
         self.sampled, self.sample, rest = bool(memory[1]), memory[2 : 2 + n].copy(), memory[2 + n :]
         self.worst = rest[: 4 * n].reshape(n, 4).copy()
@@ -265,16 +265,16 @@ class Monitor:
             found[which] |= kind
         return found
 
-    def memory(self) -> Array:
+    def get_state(self) -> Array:
         """What has been seen so far. See ``simulation.recorder.Remembers``."""
-        between = self.peaks.memory()
+        between = self.peaks.get_state()
         own = (self.last_contact.ravel(), self.substitutes, self.notes.ravel())
         return np.concatenate([[self.cut_steps, between.size], between, *own])
 
-    def recall(self, memory: Array) -> None:
-        """Put back what ``memory`` gave."""
+    def set_state(self, memory: Array) -> None:
+        """Put back what ``get_state`` gave."""
         self.cut_steps, behind = int(memory[0]), 2 + int(memory[1])
-        self.peaks.recall(memory[2:behind])
+        self.peaks.set_state(memory[2:behind])
         memory = memory[behind:]
         size, wheels = self.last_contact.size, len(self.substitutes)
         self.last_contact = memory[:size].reshape(self.last_contact.shape).copy()

@@ -68,10 +68,6 @@ class Cycle:
         return self.ending in ("cycle", "not converged")
 
 
-class Interrupted(Exception):
-    """Ctrl-C during an integration."""
-
-
 class CycleSearch:
     """Holds speeds; ``found`` keeps every cycle, in the order of the search. ``report`` is called after each."""
 
@@ -142,7 +138,7 @@ class CycleSearch:
                 weight=law.vehicle.weight, monitor=monitor, monitor_interval=monitor.interval,
             ).run(q, q_t)  # fmt: skip
             if motion.cause == "interrupt":
-                raise Interrupted
+                raise KeyboardInterrupt
             held += motion.end
             said = said | monitor.said
             lateral = motion.q[:, 6 * np.arange(self.wheelsets) + 2]

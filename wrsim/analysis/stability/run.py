@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wrsim.analysis.progress import Progress, Report
-from wrsim.analysis.stability.cycles import Cycle, CycleSearch, Interrupted
+from wrsim.analysis.stability.cycles import Cycle, CycleSearch
 from wrsim.analysis.stability.modes import Modes, critical, follow, modes_of
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.contact.channels import remarks_channel
@@ -58,9 +58,9 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
         report(share)
         if plan.cycles is not None:
             outcome |= _cycles(rolling, plan, plan.cycles, worst, cycles, report)
-    except (KeyboardInterrupt, Interrupted):
+    except KeyboardInterrupt:
         if not found:
-            raise KeyboardInterrupt from None
+            raise
         reason = f"interrupted by the user after modes at {len(found)} speeds and {len(cycles)} held speeds"
     else:
         report(1.0)
