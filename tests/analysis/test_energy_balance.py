@@ -116,7 +116,9 @@ def struts(kind: str) -> tuple[Element, ...]:
         "field": (spring(name="other", damping=(4e3, 0.0, 0.0)),),
         "coulomb": (slides(800.0, 4e6),),
         "coulomb with damping": (slides(800.0, 4e6, damping=300.0),),
-        "in a plane": (PlaneFriction("friction", "friction", TRACK, "box", AT, 2, Slider("coulomb", 4e6, 800.0)),),
+        "in a plane": (
+            PlaneFriction("friction", "friction", TRACK, "box", AT, 2, slider=Slider("coulomb", 4e6, 800.0)),
+        ),
         "fancher": (Strut("f", "leaf", TRACK, "box", (AT, AT), 0, slider=Slider("fancher", 4e5, 800.0)),),
         "berg": (Strut("b", "rubber", TRACK, "box", (AT, AT), 0, slider=Slider("berg", 4e5, 800.0)),),
     }

@@ -116,7 +116,7 @@ def slides(force: float, stiffness: float, axis: int = 0, **more: Any) -> Strut:
 
 def in_plane(force: float, stiffness: float) -> PlaneFriction:
     """The same in the horizontal plane."""
-    return PlaneFriction("friction", "friction", TRACK, "box", AT, 2, Slider("coulomb", stiffness, force))
+    return PlaneFriction("friction", "friction", TRACK, "box", AT, 2, slider=Slider("coulomb", stiffness, force))
 
 
 def motion(law: VehicleOnTrack, q: Any, q_t: Any, duration: float, step: float, integrator: Integrator) -> Any:

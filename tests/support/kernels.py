@@ -216,7 +216,7 @@ def vehicle_cases() -> dict[str, list[float]]:
         for law, bound in sides.items()
     ]
     pressed = Slider("coulomb", 1e7, friction=0.1, damping=1e3, normal=Normal(vehicle.elements[0].name))
-    sliders.append(PlaneFriction("plane", "friction", *ends, 2, pressed))
+    sliders.append(PlaneFriction("plane", "friction", *ends, 2, slider=pressed))
     rubbing = VehicleOnTrack(replace(vehicle, elements=(*vehicle.elements, *sliders)), law.track, (), speed=20.0)
     rubs, rubs_t = design_state(rubbing)
     rubs_t[:] += np.sin(np.arange(rubbing.size)) * 1e-2

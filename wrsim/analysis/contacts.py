@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wrsim.contact.channels import WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.contact.models import contact_model
 from wrsim.contact.settings import Array, ContactSettings, Friction, FrictionAlong
 from wrsim.scenario.sections.static import StaticPlan
-from wrsim.simulation.law import VehicleOnTrack
+from wrsim.simulation.law import SIDES, VehicleOnTrack, placed_on_rails
 
 if TYPE_CHECKING:
+    from wrsim.contact.channels import WheelOnRail
     from wrsim.scenario.build import Setup
     from wrsim.scenario.sections.run import RunPlan
     from wrsim.vehicle.loads import Drive
     from wrsim.vehicle.wheelset import Wheelset
-
-SIDES: tuple[Literal["left", "right"], ...] = ("left", "right")
 
 
 def contact_models(setup: Setup, wheelset: Wheelset | None = None) -> tuple[ContactModel, ContactModel]:
@@ -66,11 +64,7 @@ def friction_channels(setup: Setup, distance: Array) -> dict[str, Array]:
 def wheels_on_rails(setup: Setup, wheelset: Wheelset | None = None) -> tuple[WheelOnRail, WheelOnRail]:
     """The same with their places: on the wheelset and in the track's cross-section at nominal gauge."""
     wheelset = wheelset or setup.wheelset
-    left, right = (
-        WheelOnRail(model, side, 0.5 * wheelset.profile_spacing, origin)
-        for model, side, origin in zip(contact_models(setup, wheelset), (1, -1), setup.track.rail_origins, strict=True)
-    )
-    return left, right
+    return placed_on_rails(wheelset, contact_models(setup, wheelset), setup.track)
 
 
 def force_law(setup: Setup[RunPlan], speed: float | None = None, drive: Drive | None = None) -> VehicleOnTrack:

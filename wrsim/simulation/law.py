@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wrsim.contact.arena import Arena, pack
+from wrsim.contact.arena import pack
 from wrsim.contact.channels import ElementField, WheelOnRail
 from wrsim.contact.model import ContactModel
 from wrsim.core.body import friction, vehicle_forces
@@ -101,9 +101,13 @@ class VehicleOnTrack(Layout):
         own = [part.views[wheel_kernel.OWN] for part in of_wheels]
         self._records_of_wheels = [records[0] for records in own]
         self._found_at = [records["s"] for records in (self._units, self._loads, *own)]
-        self.wheels: tuple[tuple[WheelOnRail, ...], ...] = tuple(
-            self._wheels(mounted.wheelset, of_wheels[2 * i : 2 * i + 2], models)
-            for i, (mounted, models) in enumerate(zip(vehicle.wheelsets, contacts, strict=bool(contacts)))
+        placed = [
+            model.within(part.part(wheel_kernel.IN_CONTACT, wheel_kernel.ARRAYS_OF_A_CONTACT))
+            for model, part in zip((model for pair in contacts for model in pair), of_wheels, strict=True)
+        ]
+        self.wheels = tuple(
+            placed_on_rails(mounted.wheelset, pair, track)
+            for mounted, pair in zip(vehicle.wheelsets, zip(placed[::2], placed[1::2], strict=True), strict=False)
         )
         self._asked, self._asked_at = np.zeros((2, self.size)), np.nan
         self.look_near(start)
@@ -297,10 +301,11 @@ class VehicleOnTrack(Layout):
             self.elements[name] = before
             self._asked_at = np.nan
 
-    def _wheels(self, wheelset: Wheelset, parts: Sequence[Arena], contacts: Contacts) -> tuple[WheelOnRail, ...]:
-        """The two wheels of a wheelset, whose models compute in these parts of the arena."""
-        first, count = wheel_kernel.IN_CONTACT, wheel_kernel.ARRAYS_OF_A_CONTACT
-        return tuple(
-            WheelOnRail(contact.within(part.part(first, count)), side, 0.5 * wheelset.profile_spacing, origin)
-            for contact, part, side, origin in zip(contacts, parts, (1, -1), self.track.rail_origins, strict=True)
-        )
+
+def placed_on_rails(wheelset: Wheelset, models: Contacts, track: Track) -> tuple[WheelOnRail, WheelOnRail]:
+    """Models of both wheels with their places: on the wheelset and in the track's cross-section at nominal gauge."""
+    left, right = (
+        WheelOnRail(model, side, 0.5 * wheelset.profile_spacing, origin)
+        for model, side, origin in zip(models, (1, -1), track.rail_origins, strict=True)
+    )
+    return left, right

@@ -13,7 +13,7 @@ from wrsim.errors import InputError, suggest
 from wrsim.inputs.checking import Locate, fault_line
 from wrsim.inputs.lines import KeyPath
 from wrsim.vehicle import vehicle_sections as sections
-from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, PlaneFriction, Strut, Triple
+from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, Triple
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Axes, Joint
 from wrsim.vehicle.load_tables import NO_BALLAST
 from wrsim.vehicle.loads import GearedMotor, Load, Payload
@@ -237,7 +237,7 @@ class Assembly:
 
     def _pressed(self, element: Element) -> Element:
         """The element with the full name of its normal spring: the one on its side, leading to the same body."""
-        if element.name not in self.pressed or not isinstance(element, (Strut, PlaneFriction)):
+        if element.name not in self.pressed:
             return element
         names, path, said = self.pressed[element.name]
         known = {other.name: other for other in self.elements}

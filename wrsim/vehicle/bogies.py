@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from wrsim.errors import InputError
-from wrsim.vehicle.vehicle import Vehicle
 
 if TYPE_CHECKING:
     from wrsim.vehicle.vehicle import Vehicle
@@ -33,11 +33,9 @@ def holders_of(vehicle: Vehicle) -> list[str | None]:
     bodies = {body.name for body in vehicle.bodies}
     axles = [mounted.name for mounted in vehicle.wheelsets]
     joined: dict[str, set[str]] = {}
-    for e in vehicle.elements:
-        ends = vehicle.carrier(e.first), vehicle.carrier(e.second)
-        for body, axle in (ends, ends[::-1]):
-            if body in bodies and axle in axles:
-                joined.setdefault(body, set()).add(axle)
+    for body, axle in _joints(vehicle):
+        if body in bodies and axle in axles:
+            joined.setdefault(body, set()).add(axle)
     of_axles = ([body for body, held in joined.items() if axle in held] for axle in axles)
     return [max(holders, key=lambda body: len(joined[body]), default=None) for holders in of_axles]
 
@@ -72,11 +70,9 @@ def wheelsets_beneath(vehicle: Vehicle) -> dict[str, tuple[int, ...]]:
     numbers = {mounted.name: i for i, mounted in enumerate(vehicle.wheelsets)}
     own = {i: held for held in found.values() for i in held}
     joined: dict[str, set[str]] = {body.name: set() for body in vehicle.bodies}
-    for e in vehicle.elements:
-        ends = vehicle.carrier(e.first), vehicle.carrier(e.second)
-        for one, other in (ends, ends[::-1]):
-            if one in joined:
-                joined[one].add(other)
+    for one, other in _joints(vehicle):
+        if one in joined:
+            joined[one].add(other)
     while True:
         further = {}
         for body in joined.keys() - found.keys():
@@ -111,9 +107,16 @@ def bogie_mass(vehicle: Vehicle, body: str) -> float:
     return frame + sum(mounted.mass for mounted in vehicle.wheelsets if mounted.name in joined)
 
 
+def _joints(vehicle: Vehicle, without: Container[str] = ()) -> Iterator[tuple[str, str]]:
+    """What suspension elements join, either way round, a wheelset in the place of its axle boxes; without: elements
+    that do not count."""
+    for element in vehicle.elements:
+        if element.name not in without:
+            ends = vehicle.carrier(element.first), vehicle.carrier(element.second)
+            yield from (ends, ends[::-1])
+
+
 def _joined(vehicle: Vehicle, body: str) -> set[str]:
-    """Names of what suspension elements join to a body; a wheelset in the place of its axle boxes."""
-    between = {name for coupling in vehicle.couplings for name in coupling.elements}
-    own = (element for element in vehicle.elements if element.name not in between)
-    pairs = ((vehicle.carrier(element.first), vehicle.carrier(element.second)) for element in own)
-    return {b if a == body else a for a, b in pairs if body in (a, b)} - {body}
+    """Names of what suspension elements join to a body; couplings do not count."""
+    couplings = {name for coupling in vehicle.couplings for name in coupling.elements}
+    return {other for one, other in _joints(vehicle, couplings) if one == body} - {body}

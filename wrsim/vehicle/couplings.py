@@ -7,7 +7,6 @@ only. Both neighbours have the same gear, and these lie in series: a coupling gi
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -33,18 +32,6 @@ GLYPHS: dict[str, Glyph] = {
     PLATES: Glyph("D", "#CC79A7", hollow=True),
 }
 """How they are drawn."""
-
-
-@dataclass(frozen=True)
-class Gear(Strut):
-    """A strut along a line that pulls (sense 1) or pushes (sense -1) only; held: its tension at rest [N]."""
-
-    held: float = 0.0
-
-    @property
-    def preload(self) -> Triple | None:
-        """Known: its force on the second body along its line. The other two numbers mean nothing."""
-        return (-self.held,)  # type: ignore[return-value]
 
 
 class Gap(NamedTuple):
@@ -119,7 +106,7 @@ class GearTable(Section, header="[couplings.draw] or [couplings.buff]"):
 
     def element(
         self, name: str, kind: str, gap: Gap, ends: tuple[Triple, Triple], free: float = 0.0, held: float = 0.0
-    ) -> Gear:
+    ) -> Strut:
         """The gear between two hinges, ahead and behind [m]. It pulls, or as a buffer pushes, beyond ``free`` [m] of
         travel; held: its force at rest [N].
         """
@@ -134,9 +121,9 @@ class GearTable(Section, header="[couplings.draw] or [couplings.buff]"):
             stiffness = self.friction_share * most / (2e-3 * self.friction_travel_mm)
             slider = Slider("coulomb", stiffness, friction=self.friction_share, normal=Normal("", 1.0, 0, sign))
         limits = (begin - FAR, begin + end) if sign > 0.0 else (-begin - end, FAR - begin)
-        return Gear(
+        return Strut(
             name, kind, gap.ahead, gap.behind, ends, None, spring_table=table, limits=limits, slider=slider,
-            held=sign * held,
+            preload=(-sign * held,),
         )  # fmt: skip
 
 
@@ -169,7 +156,7 @@ class BuffersTable(GearTable, header="[couplings.buffers]"):
                     "coulomb", 1e3 * self.plate_stick_stiffness_kN_per_m, friction=self.plate_friction, normal=normal
                 )
                 at = (gap.x, y, z)
-                yield PlaneFriction(f"{gap.name} plates {side}", PLATES, gap.ahead, gap.behind, at, 0, slider)
+                yield PlaneFriction(f"{gap.name} plates {side}", PLATES, gap.ahead, gap.behind, at, 0, slider=slider)
 
 
 class CouplingTable(Choice, header="[[couplings]]"):

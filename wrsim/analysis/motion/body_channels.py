@@ -14,7 +14,6 @@ from wrsim.simulation.bodies import accelerations, inertia_table
 from wrsim.simulation.law import SIDES, VehicleOnTrack
 from wrsim.simulation.placement import poses_on_track
 from wrsim.simulation.system import COORDINATES
-from wrsim.vehicle.couplings import Gear
 from wrsim.vehicle.elements import GUIDE, TRACK
 
 if TYPE_CHECKING:
@@ -202,8 +201,8 @@ def coupling_channels(law: VehicleOnTrack, q: Array, records: Array) -> dict[str
         force = np.zeros((len(q), 3))  # on the vehicle behind
         for i in (numbers[name] for name in coupling.elements):
             element = vehicle.elements[i]
-            if isinstance(element, Gear):
-                line = behind.point(element.ends[1]) - ahead.point(element.ends[0])
+            if not element.turns_with_first:  # along its line
+                line = behind.point(element.points[1]) - ahead.point(element.points[0])
                 force -= records[:, i, :1] * line / np.linalg.norm(line, axis=1, keepdims=True)
             else:
                 force += np.einsum("nk,nkj->nj", records[:, i, :3], ahead.axes)

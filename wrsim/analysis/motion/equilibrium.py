@@ -12,7 +12,7 @@ from wrsim.analysis.motion.derailment import pushed
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
 from wrsim.analysis.motion.monitor import Monitor
 from wrsim.analysis.motion.result import result_of
-from wrsim.analysis.motion.start import EXACT, PLAY, on_the_rails, shifts
+from wrsim.analysis.motion.start import EXACT, PLAY, first_steady, on_the_rails, shifts
 from wrsim.analysis.progress import Progress, Report
 from wrsim.core.body.kinematics import X, Y
 from wrsim.errors import SimulationError
@@ -78,18 +78,15 @@ def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
 
 def _wheelset_at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     """A wheelset looked for further and further to where cant or loads push it and springs or a flange hold it."""
-    problems = []
-    for shift in shifts(setup, pushed(setup, 0.0).left):
+    ways = shifts(setup, pushed(setup, 0.0).left)
+    try:
+        return first_steady(law, ways)
+    except SimulationError as problem:
         try:
             law.look_near(law.start)
-            return steady_state(law, lower_on_rails(law, *design_state(law, lateral=shift)))
-        except SimulationError as fault:
-            problems.append(fault)
-    try:
-        law.look_near(law.start)
-        return steady_state(law, _slid(law, *lower_on_rails(law, *design_state(law))))
-    except SimulationError:
-        raise NoSteadyMotion(problems[0]) from None
+            return steady_state(law, _slid(law, *lower_on_rails(law, *design_state(law))))
+        except SimulationError:
+            raise NoSteadyMotion(problem) from None
 
 
 def _slid(law: VehicleOnTrack, q: Array, q_t: Array) -> tuple[Array, Array]:

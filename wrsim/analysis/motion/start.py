@@ -7,6 +7,7 @@ transition of its own; into a transition, where nothing is steady, along the tra
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -89,6 +90,18 @@ def shifts(setup: Setup[RunPlan], direction: float) -> list[Array]:
     ways = [np.full(len(radii), np.sign(direction)), smaller]
     steps = np.arange(SHIFT, PLAY + 0.5 * max(widening, 0.0), SHIFT)
     return [np.zeros(len(radii)), *(step * way for way in ways if way.any() for step in steps)]
+
+
+def first_steady(law: VehicleOnTrack, shifts: Sequence[Array]) -> Equilibrium:
+    """The steady motion that the first of these shifts leads to. Raises what stopped the search from the first one."""
+    problems = []
+    for shift in shifts:
+        try:
+            law.look_near(law.start)
+            return steady_state(law, lower_on_rails(law, *design_state(law, lateral=shift)))
+        except SimulationError as fault:
+            problems.append(fault)
+    raise problems[0]
 
 
 def enough(setup: Setup[RunPlan]) -> float:

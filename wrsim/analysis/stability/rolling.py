@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from wrsim.analysis.contacts import force_law
 from wrsim.analysis.motion.derailment import contact_words, overlap, pushed, wheels_of
 from wrsim.analysis.motion.messages import NoSteadyMotion, steady_words
-from wrsim.analysis.motion.start import shifts
+from wrsim.analysis.motion.start import first_steady, shifts
 from wrsim.analysis.stability.modes import Modes, modes_of
 from wrsim.core.contact.records import STATUS_TOO_DEEP
 from wrsim.errors import SimulationError
@@ -18,8 +18,7 @@ from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
 from wrsim.simulation.linear import Linearised, linearise
 from wrsim.simulation.modes import mode_name
-from wrsim.simulation.placement import design_state
-from wrsim.simulation.state import lower_on_rails, steady_state
+from wrsim.simulation.state import steady_state
 
 if TYPE_CHECKING:
     from wrsim.scenario.build import Setup
@@ -71,15 +70,7 @@ class RollingVehicle:
 
     def _from_design(self) -> Equilibrium:
         """The steady state from the middle of the track or, where loads push the vehicle aside, from there."""
-        law = self.law
-        problems = []
-        for shift in shifts(self.setup, pushed(self.setup, law.speed).left):
-            try:
-                law.look_near(PLACE)
-                return steady_state(law, lower_on_rails(law, *design_state(law, lateral=shift)))
-            except SimulationError as fault:
-                problems.append(fault)
-        raise problems[0]
+        return first_steady(self.law, shifts(self.setup, pushed(self.setup, self.law.speed).left))
 
     def linearised(self, speed: float) -> Linearised:
         """Matrices of the small motions about the steady state at a speed [m/s]."""

@@ -12,7 +12,17 @@ from pydantic import Field
 
 from wrsim.inputs.section import Fault, kinds_in
 from wrsim.inputs.values import Switch, Three, number, positive, text
-from wrsim.vehicle.elements.element import ZERO, Element, Normal, Slider, Table
+from wrsim.vehicle.elements.element import (
+    ZERO,
+    BilinearSpring,
+    Element,
+    Normal,
+    PlaneFriction,
+    Slider,
+    Spring,
+    Strut,
+    Table,
+)
 from wrsim.vehicle.elements.keys import (
     AXIS,
     Along,
@@ -28,7 +38,6 @@ from wrsim.vehicle.elements.keys import (
     Stiffness,
     scaled,
 )
-from wrsim.vehicle.elements.laws import BilinearSpring, PlaneFriction, Spring, Strut
 
 BLUE = "#0072B2"
 
@@ -273,7 +282,7 @@ class FrictionTable(ElementTable, kind="friction"):
             1e3 * self.stick_damping_kNs_per_m, self.friction, normal,
         )  # fmt: skip
         if self.plane is not None:
-            return PlaneFriction(*joint, at, ACROSS[self.plane], slider)
+            return PlaneFriction(*joint, at, ACROSS[self.plane], slider=slider)
         return Strut(*joint, (at, at), AXIS[self.direction or "x"], slider=slider)
 
 
