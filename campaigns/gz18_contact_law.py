@@ -33,7 +33,7 @@ from wrsim.core.track.path import frame_at
 from wrsim.scenario.build import build
 from wrsim.simulation.force_law import Block
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.linear import linearise
+from wrsim.simulation.modes import linearise
 from wrsim.simulation.placement import TrackPoses, poses_on_track
 from wrsim.simulation.state import Equilibrium
 from wrsim.simulation.system import Array

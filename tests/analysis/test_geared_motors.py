@@ -21,8 +21,7 @@ from wrsim.geometry.track.segments import Straight
 from wrsim.geometry.track.track import Track
 from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.linear import linearise
-from wrsim.simulation.modes import natural_modes
+from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.state import steady_state
 from wrsim.simulation.system import System

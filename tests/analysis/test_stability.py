@@ -20,7 +20,7 @@ from wrsim.results.tables import tables
 from wrsim.scenario.build import build
 from wrsim.scenario.loading import Scenario, load
 from wrsim.simulation.integrate import Integration
-from wrsim.simulation.linear import linearise
+from wrsim.simulation.modes import linearise
 from wrsim.simulation.step import SAFETY, stable_step
 from wrsim.simulation.system import System
 

@@ -12,8 +12,7 @@ from support.vehicles import manchester, shipped
 
 from wrsim.analysis.stationary.statics import static_state
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.linear import linearise
-from wrsim.simulation.modes import natural_modes
+from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
 from wrsim.vehicle.bogies import level_of
 from wrsim.vehicle.elements import Element, Spring

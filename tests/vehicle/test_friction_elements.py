@@ -16,8 +16,7 @@ from wrsim.simulation.force_law import force_derivative
 from wrsim.simulation.implicit import Integrator
 from wrsim.simulation.integrate import Integration
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.linear import linearise
-from wrsim.simulation.modes import natural_modes
+from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import System
 from wrsim.vehicle.elements import TRACK, Element, Normal, Slider, Strut, Triple

@@ -23,8 +23,7 @@ from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.scenario.build import Setup, build
 from wrsim.scenario.loading import load
 from wrsim.simulation.law import VehicleOnTrack
-from wrsim.simulation.linear import linearise
-from wrsim.simulation.modes import natural_modes
+from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
 from wrsim.vehicle.loads import Effort, Load
 from wrsim.vehicle.vehicle import Vehicle

@@ -22,8 +22,7 @@ from support.vehicles import manchester, shipped
 
 from wrsim.simulation.bodies import Solid, mass_matrix, velocity_forces
 from wrsim.simulation.integrate import Integration
-from wrsim.simulation.linear import linearise
-from wrsim.simulation.modes import natural_modes
+from wrsim.simulation.modes import linearise, natural_modes
 from wrsim.simulation.placement import design_state
 from wrsim.simulation.system import System
 from wrsim.vehicle.elements import TRACK, Strut

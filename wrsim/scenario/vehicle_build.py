@@ -13,11 +13,11 @@ from wrsim.geometry.profile.models import load_profile
 from wrsim.inputs.lookup import model_file, usual_finder
 from wrsim.scenario.loading import Scenario
 from wrsim.vehicle.elements.keys import VEHICLE_AXES
-from wrsim.vehicle.load_tables import NO_BALLAST
 from wrsim.vehicle.loads import CarriedMass, Effort, Payload
 from wrsim.vehicle.preload import preloads, with_ballast
 from wrsim.vehicle.vehicle import Vehicle
 from wrsim.vehicle.vehicle_files import load_vehicle
+from wrsim.vehicle.vehicle_sections import NO_BALLAST
 
 SIDES = ("left", "right")
 

@@ -22,7 +22,6 @@ from wrsim.simulation.vehicle_arrays import (
     RAIL_COORDINATES,
     Layout,
     arrays_of_wheels,
-    element_arrays,
     only_read,
     pieces_of_motion,
     vehicle_arrays,
@@ -74,17 +73,16 @@ class VehicleOnTrack(Layout):
         """
         drive = drive or vehicle.drive
         self.elastic = track.elasticity if contacts else None
-        table = element_arrays(vehicle)
-        super().__init__(vehicle, table, self.elastic is not None)
-        self.track, self.speed, self.start, self.drive = track, speed, start, drive
+        super().__init__(vehicle, track, self.elastic is not None)
+        self.speed, self.start, self.drive = speed, start, drive
         self.profile = profile or SpeedProfile.constant(speed)
         use_threads(threads)
         self._turns = wheel_kernel.IN_TURN if threads == 1 else wheel_kernel.SIDE_BY_SIDE
         make_ready(wheel_kernel.ONE_WHEEL, wheel_kernel.one_wheel)
         make_ready(self._turns, wheel_kernel.STAGES[self._turns])
         arrays = vehicle_arrays(
-            self, track, table, drive=drive, gravity=vehicle.gravity if gravity is None else gravity,
-            turns=self._turns, motion=pieces_of_motion(self.profile, start),
+            self, drive=drive, gravity=vehicle.gravity if gravity is None else gravity, turns=self._turns,
+            motion=pieces_of_motion(self.profile, start),
         )  # fmt: skip
         for mounted, models in zip(vehicle.wheelsets, contacts, strict=bool(contacts)):
             arrays += arrays_of_wheels(mounted.wheelset, track, models)

@@ -3,7 +3,6 @@ and where every unknown is in its state."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
@@ -44,19 +43,18 @@ class Layout(ForceLaw):
     of its geared motor's hollow axle; its rate stands behind it.
     """
 
-    elements: NDArray[np.record]
-    """Records ELEMENT."""
-
-    def __init__(self, vehicle: Vehicle, table: ElementArrays, elastic: bool) -> None:
+    def __init__(self, vehicle: Vehicle, track: Track, elastic: bool) -> None:
         """elastic: whether the rails under the wheels move."""
+        self.track, self.tables = track, Tables()
+        self.elements = element_records(vehicle, self.tables)
         self.vehicle, self.bodies, self.units = vehicle, bodies_of(vehicle), len(vehicle.units)
         twisting = [i for i, mounted in enumerate(vehicle.wheelsets) if mounted.wheelset.torsion is not None]
         self.rails = RAIL_COORDINATES * len(vehicle.wheelsets) if elastic else 0
         self.positions = len(vehicle.boxes) + len(twisting) + self.rails
-        self.dampers = table.states + 2 * len(vehicle.drives) + self.positions
+        self.dampers = self.tables.unknowns + 2 * len(vehicle.drives) + self.positions
         self.size = size = 6 * len(self.bodies) + self.dampers
         first = size - self.positions - 2 * len(vehicle.drives)
-        self.sliders = 6 * len(self.bodies) + np.array(table.slips, dtype=np.intp)
+        self.sliders = 6 * len(self.bodies) + np.array(self.tables.slips, dtype=np.intp)
         self.gears = {vehicle.index(d.wheelset): first + 2 * j for j, d in enumerate(vehicle.drives)}
         self.twists = {wheelset: size - self.rails - len(twisting) + j for j, wheelset in enumerate(twisting)}
 
@@ -92,22 +90,11 @@ class Layout(ForceLaw):
         return [np.flatnonzero(owner == k) for k in range(len(self.vehicle.units))]
 
 
-@dataclass(frozen=True)
-class ElementArrays:
-    """elements, (m,) records ELEMENT, tables (., 2), how many unknowns dampers and sliders have, and the numbers of
-    those of sliders."""
-
-    elements: NDArray[np.record]
-    tables: NDArray[np.float64]
-    states: int
-    slips: tuple[int, ...]
-
-
-def element_arrays(vehicle: Vehicle) -> ElementArrays:
-    """Tables of all elements, with the preloads that hold the vehicle in its design position."""
+def element_records(vehicle: Vehicle, tables: Tables) -> NDArray[np.record]:
+    """Records of all elements, with the preloads that hold the vehicle in its design position; fills the tables."""
     rows = np.zeros(len(vehicle.elements), ELEMENT)
     rows["state"] = rows["normal"] = -1
-    tables, held = Tables(), preloads(vehicle)
+    held = preloads(vehicle)
     normals = normal_loads(vehicle, held)
     for row, element, preload, normal in zip(rows, vehicle.elements, held, normals, strict=True):
         row.first, row.second = vehicle.index(element.first), vehicle.index(element.second)
@@ -118,7 +105,7 @@ def element_arrays(vehicle: Vehicle) -> ElementArrays:
         element.write(row, preload.force, tables)
         if normal is not None:
             row.normal, row.load = normal
-    return ElementArrays(rows, np.array(tables.rows or [(0.0, 0.0)]), tables.unknowns, tuple(tables.slips))
+    return rows
 
 
 DRIVES, LOAD_AXES, OVER = map(get_args, (Drive, LoadAxes, Over))
@@ -126,14 +113,7 @@ DRIVES, LOAD_AXES, OVER = map(get_args, (Drive, LoadAxes, Over))
 
 
 def vehicle_arrays(
-    layout: Layout,
-    track: Track,
-    table: ElementArrays,
-    *,
-    drive: Drive,
-    gravity: float,
-    turns: int,
-    motion: NDArray[np.record],
+    layout: Layout, *, drive: Drive, gravity: float, turns: int, motion: NDArray[np.record]
 ) -> list[Any]:
     """All arrays but those of the wheels, which follow them.
 
@@ -149,18 +129,18 @@ def vehicle_arrays(
     carried = [(c.mass, c.height, vehicle.index(c.body)) for c in vehicle.carried]
     boxes = [(box.inertia[1], box.y, w, first + j) for j, (w, box) in enumerate(vehicle.boxes.values())]
     return [
-        _whole(layout, track, drive, gravity, turns),
+        _whole(layout, drive, gravity, turns),
         _parts(layout),
         np.zeros(frames, BODY),
         np.zeros(frames, suspension.WRENCH),
-        table.elements,
-        table.tables,
-        np.zeros(len(table.elements), suspension.READING),
+        layout.elements,
+        np.array(layout.tables.rows or [(0.0, 0.0)]),
+        np.zeros(len(layout.elements), suspension.READING),
         loads,
         load_tables,
         np.array(carried, load_kernel.CARRIED),
         axles,
-        track.centre.curve.nodes,
+        layout.track.centre.curve.nodes,
         np.array(boxes, box_kernel.AXLE_BOX),
         motion,
         efforts,
@@ -193,10 +173,10 @@ def pieces_of_motion(profile: SpeedProfile, start: float) -> NDArray[np.record]:
     return np.array(pieces, vehicle_forces.PIECE)
 
 
-def _whole(layout: Layout, track: Track, drive: Drive, gravity: float, turns: int) -> NDArray[np.record]:
+def _whole(layout: Layout, drive: Drive, gravity: float, turns: int) -> NDArray[np.record]:
     """The record of the whole vehicle."""
     found = np.zeros(1, vehicle_forces.VEHICLE)
-    own, vehicle = found[0], layout.vehicle
+    own, vehicle, track = found[0], layout.vehicle, layout.track
     own.gravity, own.drive = gravity, DRIVES.index(drive)
     own.step = track.centre.step
     own.guide_ahead = vehicle.guide_ahead

@@ -15,7 +15,6 @@ from wrsim.inputs.lines import KeyPath
 from wrsim.vehicle import vehicle_sections as sections
 from wrsim.vehicle.elements import TRACK, ZERO, Element, ElementTable, Triple
 from wrsim.vehicle.elements.keys import VEHICLE_AXES, Axes, Joint
-from wrsim.vehicle.load_tables import NO_BALLAST
 from wrsim.vehicle.loads import GearedMotor, Load, Payload
 from wrsim.vehicle.preload import Ballast
 from wrsim.vehicle.vehicle import AxleBox, Body, MountedWheelset, Point
@@ -104,7 +103,7 @@ class Assembly:
             if isinstance(found, Payload):
                 self.payloads.append(found)
             elif body in self.wheelsets:
-                raise self._fault(key, NO_BALLAST, payload.on)
+                raise self._fault(key, sections.NO_BALLAST, payload.on)
             else:
                 self.ballast.append(found)
         for i, point in enumerate(part.points):

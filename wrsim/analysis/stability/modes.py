@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 if TYPE_CHECKING:
-    from wrsim.simulation.linear import Linearised
+    from wrsim.simulation.modes import Linearised
 
 Array = NDArray[np.float64]
 

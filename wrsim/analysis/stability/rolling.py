@@ -16,8 +16,7 @@ from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
-from wrsim.simulation.linear import Linearised, linearise
-from wrsim.simulation.modes import mode_name
+from wrsim.simulation.modes import Linearised, linearise, mode_name
 from wrsim.simulation.state import steady_state
 
 if TYPE_CHECKING:

@@ -10,10 +10,9 @@ from pydantic import AfterValidator, Field
 
 from wrsim.inputs.section import Fault, Section, both_or_sides
 from wrsim.inputs.values import List, OrTable, RisingRows, Row, Two, number, refuse, text
-from wrsim.vehicle.load_tables import LoadTable, PayloadTable
 from wrsim.vehicle.loads import Effort, Over, SlipControl
 from wrsim.vehicle.speed import SpeedProfile
-from wrsim.vehicle.vehicle_sections import Radius, WheelName
+from wrsim.vehicle.vehicle_sections import LoadTable, PayloadTable, Radius, WheelName
 
 LOWEST, HIGHEST = 1.0, 500.0  # [km/h]
 Speed = Annotated[float, number(LOWEST, HIGHEST, "km/h")]
