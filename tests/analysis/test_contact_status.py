@@ -148,7 +148,7 @@ def test_a_contact_s_event_says_where_and_how_long(monkeypatch: pytest.MonkeyPat
     words = [event_words(event, monitor.law.vehicle) for event in monitor.events()]
     assert f"the left wheel: {WORDS[STATUS_PROFILE_END]}, for 0.10 m, 5 ms" in words
     assert f"the right wheel: {WORDS[STATUS_NOT_CONVERGED]}, for 0.10 m, 5 ms" in words
-    assert list(monitor.said) == [STATUS_PROFILE_END | STATUS_NOT_CONVERGED] * 2
+    assert list(monitor.statuses) == [STATUS_PROFILE_END | STATUS_NOT_CONVERGED] * 2
 
 
 def test_steps_that_are_cut_are_an_event_and_told_at_once_when_there_are_many(caplog: pytest.LogCaptureFixture) -> None:

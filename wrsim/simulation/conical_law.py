@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from wrsim.vehicle.vehicle import Vehicle
 
 SUPPORT = 1e9
-"""Stiffness that stands for rigid rails under each wheel [N/m]."""
+"""Stiffness in the place of rigid rails under each wheel [N/m]."""
 SUPPORT_DAMPING = 1e5
 """Damping of the same [N s/m]."""
 

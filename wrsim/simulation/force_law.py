@@ -104,8 +104,8 @@ class FunctionLaw(ForceLaw):
 
 @dataclass(frozen=True)
 class Block:
-    """One of the forces that a law is the sum of, and which coordinates may be changed at once to tell their effects
-    apart: in group g the j-th coordinate ``columns[g][j]`` acts on ``rows[g][j]`` alone.
+    """One of the forces that a law is the sum of, and which coordinates may be changed at once, their effects
+    being separate: in group g the j-th coordinate ``columns[g][j]`` acts on ``rows[g][j]`` alone.
     """
 
     forces: Forces
@@ -137,7 +137,7 @@ def groups_in_a_row(own: Sequence[NDArray[np.intp]]) -> list[tuple[NDArray[np.in
     groups: list[tuple[list[int], list[NDArray[np.intp]]]] = [([], []) for _ in range(min(3, len(own)) * longest)]
     near = [np.concatenate(own[max(k - 1, 0) : k + 2]) for k in range(len(own))]
     widest = max(map(len, near))
-    for k, coordinates in enumerate(own):  # a row that stands twice is written twice alike
+    for k, coordinates in enumerate(own):  # a duplicate row is written twice alike
         rows = np.concatenate([near[k], np.full(widest - len(near[k]), near[k][0])])
         for j, place in enumerate(coordinates):
             columns, of_columns = groups[k % 3 * longest + j]

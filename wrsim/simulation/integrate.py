@@ -53,7 +53,7 @@ class Motion:
     """What an integration computed.
 
     times (n,) [s]; q, q_t (n, 6 per body): sampled coordinates and rates, ``COORDINATES`` of each body; step [s].
-    status: ``"completed"`` or ``"stopped"``; a stopped run says what stopped it (``cause``) and why in words
+    status: ``"completed"`` or ``"stopped"``; of a stopped run ``cause`` is what stopped it, and in words
     (``reason``). All samples are finite. The last one is the state at the end or at the stop. work: what it took.
     """
 
@@ -157,7 +157,7 @@ class Integration:
     memory; one that holds a checkpoint makes the run go on from there, whatever its start, and one that holds the whole
     run only plays it back.
 
-    The run ends early, with the samples so far, when a number is not finite, when the monitor says so, when
+    The run ends early, with the samples so far, when a number is not finite, when the monitor asks for it, when
     the force law raises ``SimulationError``, and at Ctrl-C (the first ends the step, the second ends at once). Any
     other exception of the force law, the monitor or the progress function comes through.
     """

@@ -131,7 +131,7 @@ class VehicleOnTrack(Layout):
         self(t, q, q_t, np.zeros(self.size))
 
     def forces(self, t: float, q: Array, q_t: Array, out: Array) -> None:
-        """What a call computes. What the contacts have to say stands in their models (`wrsim.contact.status`)."""
+        """What a call computes. Messages of the contacts are in their models (`wrsim.contact.status`)."""
         status = int(vehicle_forces.vehicle_forces(t, q, q_t, out, self.arena.buffer, self.arena.index))
         if status & wheel_kernel.OFF_TRACK:
             raise SimulationError(f"the vehicle has left the track's neighbourhood at t = {t:.6g} s")

@@ -34,7 +34,7 @@ SLOWEST = 1e-3
 class Linearised:
     """mass q_tt + damping q_t + stiffness q = 0 for small motions about a state, all (n, n); bodies: how many.
 
-    Behind the coordinates of the bodies stand those of the dampers in series with springs, whose rates are the
+    Behind the coordinates of the bodies come those of the dampers in series with springs, whose rates are the
     extensions of the damping parts, and of sliders (their places: ``sliders``), which stick; behind them ``positions``
     more: the pitch of axle boxes, the twist of axles and the displacements of the rails under the wheels.
     """

@@ -121,7 +121,7 @@ class Recorder:
 
     @classmethod
     def continued(cls, path: str | Path) -> Recorder:
-        """Go on with a file: from its last checkpoint, or with nothing but its ``ending`` to tell.
+        """Go on with a file: from its last checkpoint, or with nothing but its ``ending``.
 
         A run that the user has interrupted goes on. Raises ``InputError`` when there is nothing to go on from.
         """
@@ -196,7 +196,7 @@ class Recorder:
 
 @dataclass(frozen=True)
 class _Flush:
-    """What a record of samples says: how many rows it begins with, the step of the checkpoint behind them if there is
+    """Head of a record of samples: how many rows it begins with, the step of the checkpoint behind them if there is
     one, and whether a run may go on from that."""
 
     rows: Annotated[int, Field(ge=0)]
@@ -266,7 +266,7 @@ class Recording:
 
 
 def _about(path: Path, record: Record, width: int) -> _Flush | Ending:
-    """What a record says, which goes with the numbers that it holds."""
+    """The head of a record, which fits the numbers that it holds."""
     count = record.numbers.size
     try:
         about = _ABOUT.validate_json(record.about, strict=True)

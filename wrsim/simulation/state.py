@@ -202,7 +202,7 @@ class SteadyMotion:
 
     def rolled(self, x: Array) -> Array:
         """The same with independent wheels turning so that the moment about the axle of each vanishes: creep forces
-        saturate, and far from free rolling their derivatives say little."""
+        saturate, and far from free rolling their derivatives are of little use."""
         x = x.copy()
         spins, turning = self.spins[self.alone], self.turning
 
@@ -254,7 +254,7 @@ def steady_state(
         if not np.all(np.isfinite(steady.residual(x))):
             raise SimulationError("steady motion: the forces at its start are not finite")
         first = _place_bodies(steady, x, max_iterations)
-        # derivatives from one contact to the next, residuals afresh: the answer does not hang on the way to it
+        # derivatives from one contact to the next, residuals from a cold start: the answer does not depend on the way
         x, left, iterations = newton(
             steady.residual, x, steady.small, goal, max_iterations, slope, (near or law).following,
             steady.apart, steady.difference,

@@ -125,7 +125,7 @@ def stable_step(system: System, q: Array, q_t: Array, t: float = 0.0) -> float:
     """Largest step [s] at which RK44 is stable on the motion about a state; no margin, at most ``LONGEST``.
 
     Take ``round_step(SAFETY * stable_step(...))``. Modes that grow by themselves, and those slower than 10
-    rad/s, say nothing about the step and are passed over.
+    rad/s, do not limit the step and are passed over.
     """
     values = eigenvalues(system, q, q_t, t)
     values = values[np.abs(values) > 10.0]

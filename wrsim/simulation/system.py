@@ -182,7 +182,7 @@ class System:
         return force
 
     def _jacobian_function(self) -> Callable[..., Any]:
-        """The same for the derivatives of what stands on the left-hand side; see ``_force_function``."""
+        """The same for the derivatives of the left-hand side; see ``_force_function``."""
         reference = weakref.ref(self)
 
         def jacobian(mbs: object, t: float, item: int, q: object, q_t: object, by_q: float, by_q_t: float) -> Any:

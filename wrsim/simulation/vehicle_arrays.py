@@ -40,7 +40,7 @@ class Layout(ForceLaw):
     The last ``positions`` of them are positions: the pitch of the axle boxes, then the twist of axles whose wheels turn
     against each other (``twists``, their places by wheelset), then ``rails`` displacements of the rails under the
     wheels. ``sliders``: places of the unknowns that belong to friction. ``gears``: by wheelset the place of the twist
-    of its geared motor's hollow axle; its rate stands behind it.
+    of its geared motor's hollow axle; its rate comes behind it.
     """
 
     def __init__(self, vehicle: Vehicle, track: Track, elastic: bool) -> None:

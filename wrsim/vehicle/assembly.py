@@ -60,7 +60,7 @@ class Assembly:
     """Parts that were put in their places, for bodies and once more for elements."""
 
     def add(self, part: sections.PartTable, path: KeyPath, place: Place) -> None:
-        """Put the vehicle together from its outermost part, which stands at ``path`` of the file; place: of it."""
+        """Put the vehicle together from its outermost part, at ``path`` of the file; place: of it."""
         self._bodies(part, path, place)
         self._elements(part, path, place)
         self.elements = [self._pressed(element) for element in self.elements]
@@ -238,16 +238,16 @@ class Assembly:
         """The element with the full name of its normal spring: the one on its side, leading to the same body."""
         if element.name not in self.pressed:
             return element
-        names, path, said = self.pressed[element.name]
+        names, path, spring = self.pressed[element.name]
         known = {other.name: other for other in self.elements}
         found = next((name for name in names if name in known), None)
         if found is None:
             prefix, _ = self.written[element.name]
             own = list(dict.fromkeys(name for at, name in self.written.values() if at == prefix))
-            raise self._unknown(path, "is no element", said, own)
+            raise self._unknown(path, "is no element", spring, own)
         slider = known[found].slider
         if slider is not None and slider.normal is not None and slider.normal.of:
-            raise self._fault(path, "depends on the load of a spring itself: must be that spring", said)
+            raise self._fault(path, "depends on the load of a spring itself: must be that spring", spring)
         return element if element.slider is None else replace(element, slider=element.slider.pressed_by(found))
 
     def _fits(self, element: Element, path: KeyPath) -> None:

@@ -1,4 +1,4 @@
-"""Which body holds which wheelsets: the bogies of a vehicle; on which level of suspension a body stands."""
+"""Which body holds which wheelsets: the bogies of a vehicle; the level of suspension of a body."""
 
 from __future__ import annotations
 

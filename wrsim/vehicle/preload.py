@@ -123,7 +123,7 @@ LEAST = 1e-6
 def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[int, Triple] | None]:
     """Of every element whose friction depends on a load: the number of the element that gives the load, and what its
     reading is multiplied with, component by component. A load counts as positive that acts as it does at rest, or as
-    the slider says.
+    the slider requires.
 
     Raises InputError for an element that does not exist, whose own friction depends on a load, or that carries nothing
     at rest; and for a bilinear spring that does not.

@@ -64,7 +64,7 @@ class TrainFile(ModelFile, header="a train file"):
 
 
 @dataclass(frozen=True)
-class _Standing:
+class _Placed:
     """A vehicle in its place: the number of its table, its name, itself, the ends of its length [m]."""
 
     table: int
@@ -96,10 +96,10 @@ def train_of(file: TrainFile, finder: Finder, locate: Locate, read: ReadMember) 
         words = f"there are {len(file.couplings)} for {gaps} gaps between vehicles: give one for all, or one for each"
         raise fault(("couplings",), words)
     couplings = file.couplings if len(file.couplings) == gaps else file.couplings * gaps
-    standing = list(_standing(file, names, [coupling.gap for coupling in couplings], finder, read, fault))
+    placed = list(_placed(file, names, [coupling.gap for coupling in couplings], finder, read, fault))
     joints: list[Coupling] = []
     elements: list[Element] = []
-    for (ahead, behind), table in zip(pairwise(standing), couplings, strict=True):
+    for (ahead, behind), table in zip(pairwise(placed), couplings, strict=True):
         gap = Gap(f"{ahead.name}-{behind.name}", ahead.body, behind.body, 0.5 * (ahead.rear + behind.front))
         new = tuple(table.elements(gap))
         elements += new
@@ -107,13 +107,13 @@ def train_of(file: TrainFile, finder: Finder, locate: Locate, read: ReadMember) 
         joints.append(Coupling(gap.name, gap.ahead, gap.behind, at, tuple(element.name for element in new)))
     members = (
         Member(s.name, len(s.vehicle.wheelsets), len(s.vehicle.bodies), s.x, file.vehicles[s.table].driven)
-        for s in standing
+        for s in placed
     )
     own = ("wheelsets", "bodies", "elements", "loads", "payloads", "points", "drives")
-    parts: dict[str, Any] = {key: tuple(part for s in standing for part in getattr(s.vehicle, key)) for key in own}
+    parts: dict[str, Any] = {key: tuple(part for s in placed for part in getattr(s.vehicle, key)) for key in own}
     parts["elements"] += tuple(elements)
     return Vehicle(
-        file.name, source=file.source, gravity=standing[0].vehicle.gravity, members=tuple(members),
+        file.name, source=file.source, gravity=placed[0].vehicle.gravity, members=tuple(members),
         couplings=tuple(joints), **parts,
     )  # fmt: skip
 
@@ -122,10 +122,10 @@ def _names(table: MemberTable) -> list[str]:
     return [table.name] if table.count == 1 else [f"{table.name}{k + 1}" for k in range(table.count)]
 
 
-def _standing(
+def _placed(
     file: TrainFile, names: list[tuple[int, str]], gaps: list[float], finder: Finder, read: ReadMember,
     fault: Callable[..., InputError],
-) -> Iterator[_Standing]:  # fmt: skip
+) -> Iterator[_Placed]:  # fmt: skip
     """The vehicles one behind the other. Raises InputError."""
     end, gravity = 0.0, 0.0
     for k, (i, name) in enumerate(names):
@@ -152,7 +152,7 @@ def _standing(
                 far = abs(mounted.x - 0.5 * (front + end))
                 words = f"is too short: '{mounted.name}' lies {far:.4g} m from the middle"
                 raise fault(("vehicles", i, "length_mm"), words, table.length_mm)
-        yield _Standing(i, name, vehicle, x, front, end, _coupled(vehicle, name, table, i, fault))
+        yield _Placed(i, name, vehicle, x, front, end, _coupled(vehicle, name, table, i, fault))
 
 
 def _coupled(vehicle: Vehicle, name: str, table: MemberTable, i: int, fault: Callable[..., InputError]) -> str:

@@ -51,7 +51,8 @@ class Coupling:
 @dataclass(frozen=True)
 class Unit:
     """A vehicle among the parts of a train, or on its own: numbers of its wheelsets and bodies in the order of the
-    state, the part whose place stands for it, and what its drive moves: mass, with the inertia of what turns [kg].
+    state, the part whose place is taken for its own, and what its drive moves: mass, with the inertia of what
+    turns [kg].
     """
 
     wheelsets: range
@@ -125,7 +126,7 @@ class AxleBox:
 class MountedWheelset:
     """A wheelset at its place x [m] along the vehicle, its axle ``height`` [m] above the rails, and its axle boxes.
 
-    With smaller wheels than those of the file the whole vehicle stands lower; the design position stays.
+    With smaller wheels than those of the file the whole vehicle is lower; the design position stays.
     """
 
     name: str
@@ -167,7 +168,7 @@ class Vehicle:
 
     carried: masses that press on bodies without moving by themselves. guide_ahead: where the wheelset that the guide
     frame holds sits in its bogie, ahead of the centre [m]: in a curve of curvature kappa the frame is turned by
-    -guide_ahead kappa. drive: what holds the speed unless a scenario says otherwise. gravity: acceleration [m/s2].
+    -guide_ahead kappa. drive: what holds the speed unless a scenario gives another. gravity: acceleration [m/s2].
     efforts, slip_control: of motors and brakes, in runs; drives: motors with gears, which these go through.
     members, couplings: of a train, from front to rear; its bodies and elements are those of all of its vehicles.
     """
@@ -247,7 +248,7 @@ class Vehicle:
 
     @property
     def reference(self) -> int:
-        """The part whose place on the track stands for the vehicle's: the heaviest body, or the first wheelset; of a
+        """The part whose place on the track is taken for the vehicle's: the heaviest body, or the first wheelset; of a
         train that of its first vehicle."""
         return self.units[0].reference
 
@@ -304,7 +305,7 @@ class Vehicle:
         return self.loaded_as(lambda load: load.force(0.0, distance + load.at[0]))
 
     def alone(self, k: int) -> Vehicle:
-        """The k-th vehicle of a train without its couplings, where it stands in the train; without efforts."""
+        """The k-th vehicle of a train without its couplings, in its place in the train; without efforts."""
         unit = self.units[k]
         own = {self.names[i] for i in unit.parts}
         on_bodies = ("loads", "payloads", "points")

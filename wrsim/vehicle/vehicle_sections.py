@@ -280,12 +280,12 @@ class LoadTable(Section, header="[[loads]]"):
 
     @classmethod
     def rules(cls, raw: dict[str, Any]) -> Iterator[Fault]:
-        """The axes have to be said."""
+        """The axes are needed."""
         if "axes" not in raw:
             yield Fault("axes", NEEDS_AXES, missing=True)
 
     def load(self, name: str, body: str, axes: Axes) -> Load:
-        """The load in SI units, of this name on this body; axes: of the part that it stands in."""
+        """The load in SI units, of this name on this body; axes: of the part that it belongs to."""
         over: Over = "time" if self.distance_m_force_kN is None else "distance"
         rows = self.time_s_force_kN or self.distance_m_force_kN or ((0.0, *(self.force_kN or ZERO)),)
         table = tuple((x, *axes.vector((fx, fy, fz))) for x, fx, fy, fz in rows)
@@ -313,7 +313,7 @@ class PayloadTable(Section, header="[[payloads]]"):
     """A force in place of a mass, along the axes of the track at rest."""
 
     def payload(self, name: str, body: str, axes: Axes) -> Payload | Ballast:
-        """The payload in SI units, of this name on this body; axes: of the part that it stands in."""
+        """The payload in SI units, of this name on this body; axes: of the part that it belongs to."""
         at = axes.point(self.at_mm)
         if self.mass_kg is None:
             return Payload(name, body, axes.vector(self.force_kN or ZERO), at)

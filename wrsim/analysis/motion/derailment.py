@@ -58,7 +58,7 @@ class WatchedWheel:
 
     @property
     def status(self) -> int:
-        """What its contact has to say, see `wrsim.contact.status`."""
+        """Messages of its contact, see `wrsim.contact.status`."""
         return self.model.arrays.status
 
     @property

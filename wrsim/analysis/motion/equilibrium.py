@@ -60,7 +60,7 @@ def run_equilibrium(setup: Setup[RunPlan], progress: Progress | None = None) -> 
 def at_rest(setup: Setup[RunPlan], law: VehicleOnTrack) -> Equilibrium:
     """The vehicle at rest at the start of the run: on canted track it has slid down to its flanges.
 
-    At rest there is no rolling, so the creep forces say nothing and friction holds wheels wherever they are put; the
+    At rest there is no rolling, so the creep forces are undefined and friction holds wheels wherever they are put; the
     state asked for is the one that needs no friction. Raises NoSteadyMotion when there is none.
     """
     if not law.vehicle.bodies and len(law.vehicle.wheelsets) == 1:

@@ -58,7 +58,7 @@ EventKind = Literal["lift", "stop", "contact", "steps", "between", "spins", "sli
 
 @dataclass(frozen=True)
 class Event:
-    """A wheel without contact, a bump stop beyond the end of its table, a contact with something to say (bit of
+    """A wheel without contact, a bump stop beyond the end of its table, a message of a contact (bit of
     `wrsim.contact.status`), steps of the integration that had to be cut, a vertical force that the samples miss, an
     axle that is driven or braked beyond adhesion, or a friction element without a normal force.
 
@@ -76,7 +76,7 @@ class Event:
 
 
 class NoSteadyMotion(SimulationError):
-    """No steady motion was found; ``reason`` says what became of the search."""
+    """No steady motion was found; ``reason``: what became of the search."""
 
     def __init__(self, reason: OffRail | Overlap | Overturned | SimulationError) -> None:
         super().__init__(str(reason))

@@ -57,7 +57,7 @@ KINDS: dict[float, EventKind] = {
 }  # fmt: skip
 
 MANY = 20
-"""Looks in a row with steps cut, after which the run says so while it lasts: it takes many times as long."""
+"""Looks in a row with steps cut, after which the run warns while it lasts: it takes many times as long."""
 
 SLOWEST = 4 * EXPLICIT_PARTS // 2
 """Evaluations of the forces in a step taken by RK44 over those of a usual one."""
@@ -67,7 +67,7 @@ SLIP, GIVEN = 0.02, 0.99
 their limit long before, or where slip control gives less than this part of the moment that is asked for; ..."""
 
 SLIP_DISTANCE = 1.0
-"""... it is told where it lasts for longer than this [m]."""
+"""... and reported where that lasts for longer than this [m]."""
 
 SAME = 1.0
 """Events of one kind and place of the vehicle that follow each other within this distance are one [m]."""
@@ -132,7 +132,7 @@ class IntersamplePeaks:
 
 
 class Monitor:
-    """Asked at regular intervals; answers with the reason to stop, or None. ``events`` tells what it has noted."""
+    """Asked at regular intervals; answers with the reason to stop, or None. ``events`` gives what it has noted."""
 
     def __init__(self, law: VehicleOnTrack, speed: float, work: Work | None = None) -> None:
         """speed [m/s]: how far the vehicle goes between two looks; work: what the integration takes."""
@@ -168,11 +168,11 @@ class Monitor:
             ending = ending or self._look_at(i, wheel, t, distance)
             status, substitutes = wheel.status, wheel.model.arrays.substitutes
             too_deep |= status & STATUS_TOO_DEEP
-            said = status & ~STATUS_TOO_DEEP
+            flags = status & ~STATUS_TOO_DEEP
             if substitutes > self.substitutes.item(i):  # also between two looks
                 self.substitutes[i] = substitutes
-                said |= STATUS_NOT_CONVERGED
-            for bit in bits_of(said):
+                flags |= STATUS_NOT_CONVERGED
+            for bit in bits_of(flags):
                 self._note(bit, i, t, distance)
         for i, limits, place in self.stops:
             if not limits[0] <= self.law.records[i, place] <= limits[1]:
@@ -185,7 +185,7 @@ class Monitor:
             self._look_at_axles(t, distance)
         if self.work.cut_steps > self.cut_steps:
             self._note(STEPS, 0, t, distance)
-            self._tell_cuts(t, distance)
+            self._warn_of_cuts(t, distance)
         else:
             self.cut_looks = 0
         self.cut_steps = self.work.cut_steps
@@ -200,8 +200,8 @@ class Monitor:
             if less or (axle.asked != 0.0 and abs(axle.slip) > SLIP * abs(axle.speed)):
                 self._note(SPINS if axle.asked > 0.0 else SLIDES, i, t, distance)
 
-    def _tell_cuts(self, t: float, distance: float) -> None:
-        """Say once, while the run lasts, that its steps are cut again and again."""
+    def _warn_of_cuts(self, t: float, distance: float) -> None:
+        """Warn once, while the run lasts, that its steps are cut again and again."""
         self.cut_looks += 1
         if self.cut_looks == MANY:
             since = self.notes[self.notes[:, 0] == STEPS][-1]
@@ -258,8 +258,8 @@ class Monitor:
         return sorted(found, key=lambda event: (event.start, event.part, event.side))
 
     @property
-    def said(self) -> NDArray[np.int_]:
-        """What the contact of every wheel had to say since the beginning, as one status each."""
+    def statuses(self) -> NDArray[np.int_]:
+        """Messages of the contact of every wheel since the beginning, as one status each."""
         found = np.zeros(len(self.wheels), dtype=int)
         for kind, which in self.notes[self.notes[:, 0] > LIFT, :2].astype(int):
             found[which] |= kind

@@ -1,6 +1,6 @@
 """Record a run in a file while it lasts, and going on with one that was cut off.
 
-The file stands beside the result that it becomes (``result.nc.part``) and holds, next to samples and checkpoints
+The file lies beside the result that it becomes (``result.nc.part``) and holds, next to samples and checkpoints
 (``wrsim.simulation.recorder``), what the run was: the scenario as text, a digest of every number that the scenario's
 files came to, and the versions that shape the numbers. A run goes on only where all of that is the same.
 """
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RunRecord:
-    """Where a run is kept while it lasts, whether it goes on with what is there, and what the file says of it."""
+    """Where a run is kept while it lasts, whether it goes on with what is there, and the header of the file."""
 
     path: Path
     resume: bool

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 RAIL_CHANNELS = ("rail_displacement_y", "rail_displacement_z")
 
 BLOCK = 500
-"""Samples whose contacts stand in memory at once beside the channels."""
+"""Samples whose contacts are in memory at once beside the channels."""
 
 NEAR = 1.0
 """Distance within which the largest Y/Q of both wheels are one moment [m]."""
@@ -61,7 +61,7 @@ NEAR = 1.0
 def result_of(
     setup: Setup[RunPlan], law: VehicleOnTrack, motion: Motion, events: Sequence[Event], folder: Path | None = None
 ) -> Result:
-    """All channels of a motion, from its sampled states; those of a long one stand on disk in ``folder``, if any.
+    """All channels of a motion, from its sampled states; those of a long one are kept on disk in ``folder``, if any.
 
     At the end of a stopped run the last states may have no place on the track any more; they are left out then.
     Raises SimulationError when not even the first one has.

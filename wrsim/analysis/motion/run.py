@@ -45,14 +45,14 @@ log = logging.getLogger(__name__)
 STEPS_OF_A_SECTION = 3
 """Least number of implicit steps between two neighbouring sections of a rail that changes along the track."""
 SHRUNK = 10.0
-"""By how much shorter than usual a chosen step of RK44 is said."""
+"""By how much shorter than usual a chosen step of RK44 is reported."""
 
 SEGMENT_EXACT = 5
 """Steps between two checkpoints with the exact contact solver; each takes a second or more."""
 
 
 class StepTooLong(InputError):
-    """The step asked for is not stable. ``rule`` says what is allowed, without file and key."""
+    """The step asked for is not stable. ``rule``: what is allowed, without file and key."""
 
     def __init__(self, step: float, limit: float, speed: float) -> None:
         self.rule = (
@@ -106,7 +106,7 @@ def recorded_run(setup: Setup[RunPlan], path: Path) -> Result:
 
 
 def refuse_step(setup: Setup[RunPlan]) -> None:
-    """Raise StepTooLong where a run would. That there is no steady motion to start from is for the run to say."""
+    """Raise StepTooLong where a run would. That there is no steady motion to start from is for the run to report."""
     law = force_law(setup)
     with suppress(SimulationError):
         chosen_step(setup, law, *start_state(setup, law))
@@ -122,7 +122,7 @@ def chosen_step(setup: Setup[RunPlan], law: VehicleOnTrack, q: Array, q_t: Array
     fastest = plan.speeds[1]
     step = implicit_step(fastest, plan.output_interval)
     gaps = [gap for surface in setup.surfaces if surface is not None for gap in surface.gaps]
-    # sections that follow each other closely say how fast the rail changes
+    # sections that follow each other closely show how fast the rail changes
     return step / max(1, ceil(step * fastest * STEPS_OF_A_SECTION / min(gaps))) if gaps else step
 
 

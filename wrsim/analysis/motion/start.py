@@ -276,7 +276,7 @@ def _run_up(setup: Setup[RunPlan], straight: float) -> State:
 
 
 def _run(there: Setup[RunPlan]) -> tuple[VehicleOnTrack, Array, Array]:
-    """From steady motion run as ``there`` says: the law of forces, and the state at the end."""
+    """From steady motion run by the plan of ``there``: the law of forces, and the state at the end."""
     law = force_law(there, drive=held_by(there))
     q, q_t = start_state(there, law)
     system = System(law.bodies, law)

@@ -49,8 +49,8 @@ class Cycle:
 
     amplitudes: of the wheelsets' lateral motion, half of peak to peak in the last window [m]; frequency of the
     wheelset that moves most [Hz], not-a-number at rest; time: how long it was held [s]. ending: a cycle that has
-    settled; rest, or well on the way there; neither within the longest time; derailed. remark: what the contacts had
-    to say on the way.
+    settled; rest, or well on the way there; neither within the longest time; derailed. remark: messages of the
+    contacts on the way.
     """
 
     speed: float
@@ -126,7 +126,7 @@ class CycleSearch:
         last = np.zeros(self.wheelsets)
         first, calm = 0.0, 0
         held = 0.0
-        said = np.zeros(2 * self.wheelsets if law.wheels else 0, dtype=int)
+        statuses = np.zeros(2 * self.wheelsets if law.wheels else 0, dtype=int)
         ending: Ending = "not converged"
         message = ""
         while held < plan.longest - 1e-9:
@@ -140,7 +140,7 @@ class CycleSearch:
             if motion.cause == "interrupt":
                 raise KeyboardInterrupt
             held += motion.end
-            said = said | monitor.said
+            statuses = statuses | monitor.statuses
             lateral = motion.q[:, 6 * np.arange(self.wheelsets) + 2]
             amplitudes = 0.5 * np.ptp(lateral, axis=0)
             q, q_t = motion.q[-1].copy(), motion.q_t[-1].copy()
@@ -164,7 +164,7 @@ class CycleSearch:
                 ending = "rest"
         most = int(np.argmax(amplitudes))
         frequency = _frequency(motion.times, lateral[:, most]) if ending in ("cycle", "not converged") else float("nan")
-        remark = contact_words(monitor.wheels, law.vehicle, said.tolist())
+        remark = contact_words(monitor.wheels, law.vehicle, statuses.tolist())
         cycle = Cycle(speed, branch, amplitudes, frequency, held, ending, message, remark)
         self.found.append(cycle)
         self.report(speed)

@@ -46,7 +46,7 @@ class RollingVehicle:
             self.law = force_law(self.setup)
         self._last: tuple[Array, Array] | None = None
         self.remark = ""
-        """What the contacts of the state found last have to say."""
+        """Messages of the contacts of the state found last."""
 
     def state(self, speed: float) -> tuple[Array, Array]:
         """The steady state (q, q_t) at a speed [m/s]. Raises SimulationError when there is none."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from wrsim.vehicle.vehicle import Vehicle
 
 ABOVE = 1.1
-"""The first limit cycle is looked for at so many times the linear critical speed, unless the plan says where."""
+"""The first limit cycle is looked for at so many times the linear critical speed, unless the plan gives it."""
 
 SHARE_OF_MODES = 0.3
 """What the modes count for in the progress when limit cycles follow."""

@@ -106,8 +106,8 @@ class Slider:
 class Element(ABC):
     """A suspension element; kind: as the file names it.
 
-    preload [N]: along its directions, if it is not to be solved for. limits: travel between which its table says
-    something [m]; None without such limits. slider: its friction.
+    preload [N]: along its directions, if it is not to be solved for. limits: travel that its table
+    covers [m]; None without such limits. slider: its friction.
     """
 
     name: str
@@ -216,8 +216,8 @@ class Strut(Element):
     ends: on the first and on the second body, one point where ``axis`` is given; axis: 0, 1, 2 or None for the line.
     stiffness [N/m] or spring_table: rows (travel [m], force [N]) that pushes back; damping [N s/m] or damper_table:
     rows (velocity [m/s], force [N]). series: stiffness behind the damper [N/m], None for a stiff one; with it the
-    extension of the damping part is an unknown of its own. limits: travel between which the spring's table says
-    something [m]. slider: friction beside them. Travel counts from the design position, positive when the second body
+    extension of the damping part is an unknown of its own. limits: travel that the spring's table
+    covers [m]. slider: friction beside them. Travel counts from the design position, positive when the second body
     moves along the axis, or when the line grows.
     """
 
@@ -289,7 +289,7 @@ class Strut(Element):
 @dataclass(frozen=True)
 class BilinearSpring(Strut):
     """A strut along an axis that pushes with ``stiffness`` up to the force ``inner_from`` [N], and with ``inner``
-    [N/m] more beyond it. It never pulls. Where it stands on this line at rest, the load says that it carries there.
+    [N/m] more beyond it. It never pulls. Where it is on this line at rest follows from the load that it carries there.
     """
 
     inner: float = 0.0
