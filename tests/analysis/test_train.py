@@ -15,7 +15,6 @@ from support.runs import FAST, SCENARIOS, arc, straight, transition
 from support.vehicles import coaches, manchester, on_track
 
 from wrsim.analysis import run
-from wrsim.analysis.stability.modes import modes_of
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.analysis.steady import run_steady
 from wrsim.geometry.track.segments import Arc, Straight
@@ -172,7 +171,7 @@ def test_modes_of_a_train_that_hardly_anything_couples_are_those_of_each_vehicle
         own = [element for element in setup.vehicle.elements if "-coach" not in element.name]
         loose = replace(setup, vehicle=replace(setup.vehicle, elements=tuple(own), couplings=()))
         rolling = RollingVehicle(loose, 27.8)
-        found.append(modes_of(rolling.linearised(27.8), 27.8, len(rolling.law.vehicle.wheelsets), 30.0).values)
+        found.append(rolling.modes(27.8, 30.0).values)
     one, both = found
     assert len(both) == 2 * len(one) > 20
     apart = np.abs(np.repeat(one, 2)[:, None] - both[None, :]) / np.abs(both)

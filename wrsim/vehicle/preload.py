@@ -145,17 +145,16 @@ def normal_loads(vehicle: Vehicle, preloads: Sequence[Preload]) -> list[tuple[in
         other = vehicle.elements[i]
         if normal.of and other.slider is not None and other.slider.normal is not None and other.slider.normal.of:
             raise InputError(f"friction '{element.name}': the friction of '{name}' depends on a load itself")
-        if normal.sense is not None:
-            x, y, z = element.slider.friction * normal.factor * normal.sense * np.eye(3)[normal.axis]
-            found.append((i, (float(x), float(y), float(z))))
-            continue
-        at_rest = other.reading_at_rest(preloads[i].force)
-        axis = normal.axis if len(other.directions) > 1 else int(np.argmax(np.abs(at_rest)))
-        if abs(at_rest[axis]) < LEAST * vehicle.mass * vehicle.gravity:
-            along = "xyz"[axis] if len(other.directions) > 1 else "its direction"
-            words = f"'{name}' carries nothing along {along} at rest"
-            raise InputError(f"friction '{element.name}' has no normal force: {words}")
-        x, y, z = element.slider.friction * normal.factor * np.sign(at_rest[axis]) * np.eye(3)[axis]
+        axis, sense = int(normal.axis), normal.sense
+        if sense is None:
+            at_rest = other.reading_at_rest(preloads[i].force)
+            axis = axis if len(other.directions) > 1 else int(np.argmax(np.abs(at_rest)))
+            sense = float(np.sign(at_rest[axis]))
+            if abs(at_rest[axis]) < LEAST * vehicle.mass * vehicle.gravity:
+                along = "xyz"[axis] if len(other.directions) > 1 else "its direction"
+                words = f"'{name}' carries nothing along {along} at rest"
+                raise InputError(f"friction '{element.name}' has no normal force: {words}")
+        x, y, z = element.slider.friction * normal.factor * sense * np.eye(3)[axis]
         found.append((i, (float(x), float(y), float(z))))
     return found
 

@@ -35,6 +35,18 @@ class OffRail:
     how: Literal["climbed", "dropped", "sunk", "no contact"]
     amount: float = 0.0
 
+    def words(self, vehicle: Vehicle) -> str:
+        """How the wheel has left its rail."""
+        wheel = wheel_words(self.side, self.wheelset, vehicle)
+        if self.how == "no contact" and self.amount > 0.0:
+            return f"{wheel} has had no contact with its rail for {self.amount:.2f} m"
+        return {
+            "climbed": f"the flange of {wheel} has climbed over its rail (lifted by {1e3 * self.amount:.0f} mm)",
+            "dropped": f"{wheel} has dropped beside its rail",
+            "sunk": f"{wheel} has dropped into a gap of its rail, or beside it",
+            "no contact": f"{wheel} has no contact with its rail",
+        }[self.how]
+
 
 @dataclass(frozen=True)
 class Overlap:
@@ -43,6 +55,11 @@ class Overlap:
     wheelset: str
     side: str
     depth: float
+
+    def words(self, vehicle: Vehicle) -> str:
+        """How deep the wheel is in its rail."""
+        wheel = wheel_words(self.side, self.wheelset, vehicle)
+        return f"{wheel} and its rail overlap by {1e3 * self.depth:.2g} mm (more than {1e3 * DEEPEST:g} mm)"
 
 
 @dataclass(frozen=True)
@@ -91,24 +108,10 @@ class NoSteadyMotion(SimulationError):
 def stop_words(outcome: OffRail | Overlap, vehicle: Vehicle, time: float, distance: float) -> str:
     """Why a run has to stop, when [s] and where [m]."""
     if isinstance(outcome, OffRail):
-        reason = f"derailed: {off_rail_words(outcome, vehicle)}"
+        reason = f"derailed: {outcome.words(vehicle)}"
     else:
-        reason = f"the contact solution is lost: {_overlap_words(outcome, vehicle)}; a shorter step may help"
+        reason = f"the contact solution is lost: {outcome.words(vehicle)}; a shorter step may help"
     return f"{reason}, at t = {time:.4g} s, {distance:.2f} m along the track"
-
-
-def off_rail_words(outcome: OffRail, vehicle: Vehicle) -> str:
-    """How a wheel has left its rail."""
-    wheel = wheel_words(outcome.side, outcome.wheelset, vehicle)
-    if outcome.how == "climbed":
-        return f"the flange of {wheel} has climbed over its rail (lifted by {1e3 * outcome.amount:.0f} mm)"
-    if outcome.how == "dropped":
-        return f"{wheel} has dropped beside its rail"
-    if outcome.how == "sunk":
-        return f"{wheel} has dropped into a gap of its rail, or beside it"
-    if outcome.amount > 0.0:
-        return f"{wheel} has had no contact with its rail for {outcome.amount:.2f} m"
-    return f"{wheel} has no contact with its rail"
 
 
 def event_words(event: Event, vehicle: Vehicle) -> str:
@@ -116,36 +119,33 @@ def event_words(event: Event, vehicle: Vehicle) -> str:
     way, time = event.end[1] - event.start[1], event.end[0] - event.start[0]
     lasted = f"for {way:.2f} m, {1e3 * time:.0f} ms"
     wheel = wheel_words(event.side, event.part, vehicle)
-    if event.kind == "lift":
-        return f"{wheel} is lifted {lasted}"
     if event.kind == "contact":
-        at_once = event.end == event.start
-        return f"{wheel}: {WORDS[event.bit]}" + ("" if at_once else f", {lasted}")
+        return f"{wheel}: {WORDS[event.bit]}" + ("" if event.end == event.start else f", {lasted}")
     if event.kind == "between":
         force, beyond = (1e-3 * value for value in event.missed)
         return (
             f"between two samples Q of {wheel} is {force:.4g} kN, {beyond:.3g} kN "
             "beyond both: a smaller run.output_interval_ms shows what happens there"
         )
-    if event.kind in ("spins", "slides"):
-        what = "driven" if event.kind == "spins" else "braked"
-        return f"wheelset {event.part} is {what} beyond adhesion and {event.kind} {lasted}"
-    if event.kind == "loose":
-        return f"nothing presses friction {event.part} together {lasted}: it has no normal force"
-    if event.kind == "steps":
-        return f"time steps that Newton's method did not solve were cut into parts {lasted}"
-    if any(event.part in coupling.elements for coupling in vehicle.couplings):
+    if event.kind == "stop" and any(event.part in coupling.elements for coupling in vehicle.couplings):
         return f"the stroke of {event.part} is used up {lasted}"
-    return f"bump stop {event.part} is beyond the end of its table {lasted}"
+    return {
+        "lift": f"{wheel} is lifted {lasted}",
+        "stop": f"bump stop {event.part} is beyond the end of its table {lasted}",
+        "steps": f"time steps that Newton's method did not solve were cut into parts {lasted}",
+        "spins": f"wheelset {event.part} is driven beyond adhesion and spins {lasted}",
+        "slides": f"wheelset {event.part} is braked beyond adhesion and slides {lasted}",
+        "loose": f"nothing presses friction {event.part} together {lasted}: it has no normal force",
+    }[event.kind]
 
 
 def steady_words(problem: NoSteadyMotion, vehicle: Vehicle) -> str:
     """Why there is no steady motion."""
     reason = problem.reason
     if isinstance(reason, OffRail):
-        return f"the steady motion found is a derailed one: {off_rail_words(reason, vehicle)}{_unequal(vehicle)}"
+        return f"the steady motion found is a derailed one: {reason.words(vehicle)}{_unequal(vehicle)}"
     if isinstance(reason, Overlap):
-        return f"the state found is no contact: {_overlap_words(reason, vehicle)}"
+        return f"the state found is no contact: {reason.words(vehicle)}"
     if isinstance(reason, Overturned):
         what = "weight, centrifugal force and loads" if vehicle.loads else "weight and centrifugal force"
         beyond = f"{1e3 * reason.beyond:.0f} mm" if np.isfinite(reason.beyond) else "far"
@@ -177,12 +177,6 @@ def _unequal(vehicle: Vehicle) -> str:
         "wheelset has to shift to that side until its profile there rolls on as large a radius, or springs have to "
         "hold it against the creep forces; neither was found"
     )
-
-
-def _overlap_words(outcome: Overlap, vehicle: Vehicle) -> str:
-    """A wheel too deep in its rail."""
-    wheel = wheel_words(outcome.side, outcome.wheelset, vehicle)
-    return f"{wheel} and its rail overlap by {1e3 * outcome.depth:.2g} mm (more than {1e3 * DEEPEST:g} mm)"
 
 
 def wheel_words(side: str, wheelset: str, vehicle: Vehicle) -> str:

@@ -16,7 +16,7 @@ from wrsim.errors import SimulationError
 from wrsim.geometry.track.segments import Straight
 from wrsim.scenario.sections.run import RunPlan
 from wrsim.simulation.conical_law import ConicalVehicleOnTrack
-from wrsim.simulation.modes import Linearised, linearise, mode_name
+from wrsim.simulation.modes import linearise, mode_name
 from wrsim.simulation.state import steady_state
 
 if TYPE_CHECKING:
@@ -71,14 +71,15 @@ class RollingVehicle:
         """The steady state from the middle of the track or, where loads push the vehicle aside, from there."""
         return first_steady(self.law, shifts(self.setup, pushed(self.setup, self.law.speed).left))
 
-    def linearised(self, speed: float) -> Linearised:
-        """Matrices of the small motions about the steady state at a speed [m/s]."""
-        return linearise(self.law, self.law.bodies, *self.state(speed))
+    def modes(self, speed: float, highest: float) -> Modes:
+        """Modes of the small motions about the steady state at a speed [m/s], up to a frequency [Hz]."""
+        linear = linearise(self.law, self.law.bodies, *self.state(speed))
+        return modes_of(linear, speed, len(self.law.vehicle.wheelsets), highest)
 
 
 def mode_shapes(setup: Setup[StabilityPlan], speeds: Sequence[float]) -> Iterator[tuple[Modes, list[str]]]:
     """Modes of the set-up's vehicle at speeds [m/s], each with the names of its modes."""
     rolling = RollingVehicle(setup, speeds[0])
     for speed in speeds:
-        found = modes_of(rolling.linearised(speed), speed, len(setup.vehicle.wheelsets), setup.plan.highest)
+        found = rolling.modes(speed, setup.plan.highest)
         yield found, [mode_name(setup.vehicle, shape) for shape in found.shapes]

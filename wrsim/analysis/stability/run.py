@@ -9,7 +9,7 @@ import numpy as np
 
 from wrsim.analysis.progress import Progress, Report
 from wrsim.analysis.stability.cycles import Cycle, CycleSearch
-from wrsim.analysis.stability.modes import Modes, critical, follow, modes_of
+from wrsim.analysis.stability.modes import Modes, critical, follow
 from wrsim.analysis.stability.rolling import RollingVehicle
 from wrsim.contact.channels import remarks_channel
 from wrsim.results import Result, assemble
@@ -44,16 +44,12 @@ def run_stability(setup: Setup[StabilityPlan], progress: Progress | None = None)
     reason = ""
     try:
         rolling = RollingVehicle(setup, plan.speeds[0])
-
-        def at(speed: float) -> Modes:
-            return modes_of(rolling.linearised(speed), speed, len(rolling.law.vehicle.wheelsets), plan.highest)
-
         share = SHARE_OF_MODES if plan.cycles else 1.0
         for i, speed in enumerate(plan.speeds):
-            found.append(at(speed))
+            found.append(rolling.modes(speed, plan.highest))
             remarks.append(rolling.remark)
             report(share * 0.8 * (i + 1) / len(plan.speeds))
-        worst = critical(at, found)
+        worst = critical(lambda speed: rolling.modes(speed, plan.highest), found)
         outcome |= _critical_words(worst, found, vehicle)
         report(share)
         if plan.cycles is not None:
